@@ -1,0 +1,1 @@
+//! Drive waveforms for an identification campaign.

@@ -1,0 +1,1 @@
+//! Fractional calculus of sampled data.

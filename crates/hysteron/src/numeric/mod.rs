@@ -1,0 +1,1 @@
+//! FFT plans and array kernels.
