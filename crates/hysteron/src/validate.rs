@@ -1,1 +1,0 @@
-//! Metrics and residual tests, defined once.
