@@ -1,0 +1,229 @@
+//! What the types alone do not say about a model file.
+
+use super::{
+    DynamicsKind, FORMAT, HysteresisKind, Interval, ModelFile, ModelFileError, Parameters, Quantity,
+    ScoreEntry, TermEntry, VERSION, convert::Units, polynomial_name,
+};
+
+const BOUC_WEN_NAMES: &str =
+    "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and alpha, beta, gamma, n";
+
+impl ModelFile {
+    /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter names,
+    /// terms that suit the kind of dynamics.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] naming the first offending place.
+    pub fn check(&self) -> Result<(), ModelFileError> {
+        if self.format != FORMAT {
+            return Err(ModelFileError::NotAModel { found: Some(format!("{:?}", self.format)) });
+        }
+        if self.version != VERSION {
+            return Err(ModelFileError::UnknownVersion { found: Some(self.version.to_string()) });
+        }
+        let units = Units::new(&self.units);
+        match self.hysteresis.kind {
+            HysteresisKind::BoucWen => bouc_wen(&self.hysteresis.parameters, &units)?,
+        }
+        self.dynamics()?;
+        quantity("delay", &self.delay, "s", Some(0.0))?;
+        quantity("offset", &self.offset, &units.output, None)?;
+        if let Some(rate) = self.sample_rate_hz {
+            allowed(
+                "sample_rate_hz",
+                rate,
+                rate.is_finite() && rate > 0.0,
+                "a finite number above 0, or null",
+            )?;
+        }
+        if let Some(range) = &self.valid_range {
+            interval("valid_range.input", &range.input, &units.input)?;
+            if let Some(frequency) = &range.frequency {
+                interval("valid_range.frequency", frequency, "Hz")?;
+            }
+            if let Some(rate) = &range.rate {
+                interval("valid_range.rate", rate, &units.rate())?;
+            }
+        }
+        self.scores.iter().enumerate().try_for_each(|(i, s)| score(i, s))
+    }
+
+    fn dynamics(&self) -> Result<(), ModelFileError> {
+        let kind = self.dynamics.kind;
+        let lists = [
+            ("dynamics.numerator", &self.dynamics.numerator),
+            ("dynamics.denominator", &self.dynamics.denominator),
+        ];
+        for (path, list) in lists {
+            let complain = |expected| Err(ModelFileError::Terms { path, terms: list.len(), expected });
+            match (kind, list.is_empty()) {
+                (DynamicsKind::None, true) => continue,
+                (DynamicsKind::None, false) => return complain("no terms for the kind \"none\""),
+                (_, true) => return complain("at least one term"),
+                (_, false) => terms(path, list, kind)?,
+            }
+        }
+        match (kind, self.dynamics.denominator.first(), self.dynamics.denominator.last()) {
+            (DynamicsKind::Arx, Some(leading), _) => {
+                let expected = "1, the coefficient of the output itself";
+                let value = leading.coefficient.value;
+                allowed("dynamics.denominator[0].coefficient.value", value, value == 1.0, expected)?;
+                if self.sample_rate_hz.is_none() {
+                    return Err(ModelFileError::ArxWithoutSampleRate);
+                }
+            }
+            (DynamicsKind::Integer | DynamicsKind::Fractional, _, Some(highest)) => {
+                let path = format!(
+                    "dynamics.denominator[{}].coefficient.value",
+                    self.dynamics.denominator.len() - 1
+                );
+                let value = highest.coefficient.value;
+                allowed(&path, value, value != 0.0, "a coefficient of the highest order that is not 0")?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
+fn bouc_wen(parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
+    let need = |name: &str| {
+        parameters.get(name).ok_or_else(|| ModelFileError::MissingParameter { name: name.to_owned() })
+    };
+    let path = |name: &str| format!("hysteresis.parameters.{name}");
+    let mut degree = 0;
+    while let Some(coefficient) = parameters.get(&polynomial_name(degree + 1)) {
+        degree += 1;
+        quantity(&path(&polynomial_name(degree)), coefficient, &units.polynomial(degree), None)?;
+    }
+    if degree == 0 {
+        need("linear")?;
+    }
+    let n = need("n")?;
+    quantity(&path("n"), n, "1", Some(1.0))?;
+    quantity(&path("alpha"), need("alpha")?, &units.polynomial(1), None)?;
+    for name in ["beta", "gamma"] {
+        let parameter = need(name)?;
+        // The general form is right for n = 1 as well.
+        if parameter.unit != units.shape_of_any_n() {
+            quantity(&path(name), parameter, &units.shape(n.value), None)?;
+        } else {
+            quantity(&path(name), parameter, &units.shape_of_any_n(), None)?;
+        }
+    }
+    let known = |name: &str| {
+        ["alpha", "beta", "gamma", "n"].contains(&name) || (1..=degree).any(|i| polynomial_name(i) == name)
+    };
+    match parameters.iter().find(|(name, _)| !known(name)) {
+        None => Ok(()),
+        Some((name, _)) => {
+            Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: BOUC_WEN_NAMES })
+        }
+    }
+}
+
+fn terms(path: &str, list: &[TermEntry], kind: DynamicsKind) -> Result<(), ModelFileError> {
+    let mut previous = None;
+    for (i, term) in list.iter().enumerate() {
+        let order_path = format!("{path}[{i}].order");
+        let coefficient_path = format!("{path}[{i}].coefficient");
+        quantity(&order_path, &term.order, "1", Some(0.0))?;
+        let order = term.order.value;
+        let order_path = order_path + ".value";
+        match kind {
+            DynamicsKind::Arx => {
+                allowed(&order_path, order, order == i as f64, "the powers 0, 1, 2, … of 1/z without gaps")?;
+                quantity(&coefficient_path, &term.coefficient, "1", None)?;
+            }
+            _ => {
+                let whole = kind != DynamicsKind::Integer || order.fract() == 0.0;
+                allowed(&order_path, order, whole, "a whole number for the kind \"integer\"")?;
+                let ascending = previous.is_none_or(|p| order > p);
+                allowed(&order_path, order, ascending, "orders in ascending order, each once")?;
+                power_of_seconds(&coefficient_path, &term.coefficient, order)?;
+            }
+        }
+        previous = Some(order);
+    }
+    Ok(())
+}
+
+/// A coefficient of s^order: its unit is s^order, whichever way the exponent is written.
+fn power_of_seconds(path: &str, coefficient: &Quantity, order: f64) -> Result<(), ModelFileError> {
+    let exponent = match coefficient.unit.as_str() {
+        "1" => Some(0.0),
+        "s" => Some(1.0),
+        unit => unit.strip_prefix("s^").and_then(|e| e.parse::<f64>().ok()),
+    };
+    if exponent == Some(order) {
+        quantity(path, coefficient, &coefficient.unit, None)
+    } else {
+        quantity(path, coefficient, &Units::coefficient(order), None)
+    }
+}
+
+fn quantity(path: &str, quantity: &Quantity, unit: &str, least: Option<f64>) -> Result<(), ModelFileError> {
+    let value = quantity.value;
+    let value_path = format!("{path}.value");
+    allowed(&value_path, value, value.is_finite(), "a finite number")?;
+    match least {
+        Some(1.0) => allowed(&value_path, value, value >= 1.0, "a number of at least 1")?,
+        Some(least) => allowed(&value_path, value, value >= least, "a number that is not negative")?,
+        None => {}
+    }
+    if let Some(e) = quantity.std_error {
+        allowed(
+            &format!("{path}.std_error"),
+            e,
+            e.is_finite() && e >= 0.0,
+            "a number that is not negative, or null",
+        )?;
+    }
+    same_unit(path, &quantity.unit, unit)
+}
+
+fn interval(path: &str, interval: &Interval, unit: &str) -> Result<(), ModelFileError> {
+    allowed(&format!("{path}.low"), interval.low, interval.low.is_finite(), "a finite number")?;
+    let high = interval.high;
+    allowed(
+        &format!("{path}.high"),
+        high,
+        high.is_finite() && high >= interval.low,
+        "a finite number, at least `low`",
+    )?;
+    same_unit(path, &interval.unit, unit)
+}
+
+fn same_unit(path: &str, found: &str, expected: &str) -> Result<(), ModelFileError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(ModelFileError::WrongUnit {
+        path: format!("{path}.unit"),
+        found: found.to_owned(),
+        expected: expected.to_owned(),
+    })
+}
+
+fn score(index: usize, score: &ScoreEntry) -> Result<(), ModelFileError> {
+    let values = [
+        ("offset", Some(score.offset)),
+        ("rmse", Some(score.rmse)),
+        ("max_abs_error", Some(score.max_abs_error)),
+        ("rmse_percent_of_stroke", score.rmse_percent_of_stroke),
+        ("max_percent_of_stroke", score.max_percent_of_stroke),
+        ("fit_percent", score.fit_percent),
+        ("relative_error", score.relative_error),
+        ("loop_width_error_percent", score.loop_width_error_percent),
+    ];
+    for (key, value) in values {
+        if let Some(value) = value {
+            allowed(&format!("scores[{index}].{key}"), value, value.is_finite(), "a finite number")?;
+        }
+    }
+    Ok(())
+}
+
+fn allowed(path: &str, value: f64, holds: bool, expected: &'static str) -> Result<(), ModelFileError> {
+    if holds { Ok(()) } else { Err(ModelFileError::NotAllowed { path: path.to_owned(), value, expected }) }
+}

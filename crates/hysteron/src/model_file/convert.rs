@@ -1,0 +1,181 @@
+//! Between the model and its file.
+
+use super::{
+    DynamicsBlock, DynamicsKind, FORMAT, HysteresisBlock, HysteresisKind, ModelFile, ModelFileError,
+    Normalisation, Parameters, Quantity, SignalUnits, StartName, TermEntry, VERSION, polynomial_name,
+};
+use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
+use crate::hammerstein::Model;
+use crate::hysteresis::{BoucWen, Hysteresis};
+
+/// Units of a model's numbers, from the units of its signals.
+pub(super) struct Units {
+    pub input: String,
+    pub output: String,
+}
+
+impl Units {
+    pub fn new(signals: &SignalUnits) -> Self {
+        let or_one = |unit: &str| if unit.is_empty() { "1".to_owned() } else { unit.to_owned() };
+        Units { input: or_one(&signals.input), output: or_one(&signals.output) }
+    }
+
+    /// Of the coefficient of uⁱ.
+    pub fn polynomial(&self, degree: usize) -> String {
+        match degree {
+            1 => format!("{}/{}", self.output, self.input),
+            _ => format!("{}/{}^{degree}", self.output, self.input),
+        }
+    }
+
+    /// Of β and γ.
+    pub fn shape(&self, n: f64) -> String {
+        if n == 1.0 { format!("1/{}", self.input) } else { self.shape_of_any_n() }
+    }
+
+    pub fn shape_of_any_n(&self) -> String {
+        format!("{}^(1-n)/{}", self.output, self.input)
+    }
+
+    /// Of |du/dt|.
+    pub fn rate(&self) -> String {
+        format!("{}/s", self.input)
+    }
+
+    /// Of the coefficient of s^order.
+    pub fn coefficient(order: f64) -> String {
+        if order == 0.0 {
+            "1".into()
+        } else if order == 1.0 {
+            "s".into()
+        } else {
+            format!("s^{order}")
+        }
+    }
+}
+
+impl ModelFile {
+    /// File of a model whose signals have the given units; without standard errors, range, provenance or scores.
+    pub fn from_model(model: &Model, signals: SignalUnits) -> Self {
+        let units = Units::new(&signals);
+        let hysteresis = match &model.hysteresis {
+            Hysteresis::BoucWen(block) => HysteresisBlock {
+                kind: HysteresisKind::BoucWen,
+                parameters: bouc_wen_parameters(block, &units),
+            },
+        };
+        let dynamics = match &model.dynamics {
+            Dynamics::None => {
+                DynamicsBlock { kind: DynamicsKind::None, numerator: Vec::new(), denominator: Vec::new() }
+            }
+            Dynamics::Integer(g) => transfer_function(DynamicsKind::Integer, g),
+            Dynamics::Fractional(g) => transfer_function(DynamicsKind::Fractional, g),
+            Dynamics::Arx(arx) => DynamicsBlock {
+                kind: DynamicsKind::Arx,
+                numerator: powers_of_z(&arx.b),
+                denominator: powers_of_z(&[&[1.0], arx.a.as_slice()].concat()),
+            },
+        };
+        ModelFile {
+            format: FORMAT.into(),
+            version: VERSION,
+            name: None,
+            hysteresis,
+            dynamics,
+            delay: Quantity::new(model.delay_s, "s"),
+            offset: Quantity::new(model.offset, units.output),
+            units: signals,
+            scheme: model.scheme.into(),
+            sample_rate_hz: model.sample_rate_hz,
+            normalisation: Normalisation::default(),
+            start: StartName::default(),
+            valid_range: None,
+            provenance: None,
+            scores: Vec::new(),
+        }
+    }
+
+    /// The model in the file.
+    ///
+    /// # Errors
+    /// As [`ModelFile::check`].
+    pub fn to_model(&self) -> Result<Model, ModelFileError> {
+        self.check()?;
+        let values = |list: &[TermEntry]| list.iter().map(|t| t.coefficient.value).collect::<Vec<f64>>();
+        let terms = |list: &[TermEntry]| {
+            list.iter().map(|t| Term { coefficient: t.coefficient.value, order: t.order.value }).collect()
+        };
+        let block = &self.dynamics;
+        let in_s = || TransferFunction {
+            numerator: terms(&block.numerator),
+            denominator: terms(&block.denominator),
+        };
+        let dynamics = match block.kind {
+            DynamicsKind::None => Dynamics::None,
+            DynamicsKind::Integer => Dynamics::Integer(in_s()),
+            DynamicsKind::Fractional => Dynamics::Fractional(in_s()),
+            DynamicsKind::Arx => Dynamics::Arx(Arx {
+                a: values(block.denominator.get(1..).unwrap_or_default()),
+                b: values(&block.numerator),
+            }),
+        };
+        let hysteresis = match self.hysteresis.kind {
+            HysteresisKind::BoucWen => Hysteresis::BoucWen(bouc_wen(&self.hysteresis.parameters)?),
+        };
+        Ok(Model {
+            hysteresis,
+            dynamics,
+            offset: self.offset.value,
+            delay_s: self.delay.value,
+            scheme: self.scheme.into(),
+            sample_rate_hz: self.sample_rate_hz,
+        })
+    }
+}
+
+fn bouc_wen_parameters(block: &BoucWen, units: &Units) -> Parameters {
+    let mut parameters = Parameters::default();
+    for (i, &coefficient) in block.polynomial.iter().enumerate() {
+        parameters.set(&polynomial_name(i + 1), Quantity::new(coefficient, units.polynomial(i + 1)));
+    }
+    parameters.set("alpha", Quantity::new(block.alpha, units.polynomial(1)));
+    parameters.set("beta", Quantity::new(block.beta, units.shape(block.n)));
+    parameters.set("gamma", Quantity::new(block.gamma, units.shape(block.n)));
+    parameters.set("n", Quantity::new(block.n, "1"));
+    parameters
+}
+
+fn bouc_wen(parameters: &Parameters) -> Result<BoucWen, ModelFileError> {
+    let value = |name: &str| {
+        let missing = || ModelFileError::MissingParameter { name: name.to_owned() };
+        parameters.get(name).map(|q| q.value).ok_or_else(missing)
+    };
+    Ok(BoucWen {
+        polynomial: (1..).map_while(|i| parameters.get(&polynomial_name(i))).map(|q| q.value).collect(),
+        alpha: value("alpha")?,
+        beta: value("beta")?,
+        gamma: value("gamma")?,
+        n: value("n")?,
+    })
+}
+
+fn transfer_function(kind: DynamicsKind, g: &TransferFunction) -> DynamicsBlock {
+    let entries = |terms: &[Term]| {
+        terms
+            .iter()
+            .map(|t| TermEntry {
+                coefficient: Quantity::new(t.coefficient, Units::coefficient(t.order)),
+                order: Quantity::new(t.order, "1"),
+            })
+            .collect()
+    };
+    DynamicsBlock { kind, numerator: entries(&g.numerator), denominator: entries(&g.denominator) }
+}
+
+fn powers_of_z(coefficients: &[f64]) -> Vec<TermEntry> {
+    let entry = |(i, &c): (usize, &f64)| TermEntry {
+        coefficient: Quantity::new(c, "1"),
+        order: Quantity::new(i as f64, "1"),
+    };
+    coefficients.iter().enumerate().map(entry).collect()
+}

@@ -1,0 +1,340 @@
+//! The versioned model file: a model is data.
+//!
+//! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 1`, the two blocks, and how they were made. Every
+//! number of the model is a [`Quantity`] `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of
+//! column headers (`um`, `V`, `A_per_m`):
+//!
+//! | number | unit |
+//! | --- | --- |
+//! | `hysteresis.parameters.linear`, `quadratic`, `cubic`, `quartic`, `quintic`, `degree_6` … | `um/V`, `um/V^2`, … |
+//! | `alpha` | `um/V` |
+//! | `beta`, `gamma` | `1/V` for n = 1, else `um^(1-n)/V` |
+//! | `n`, every `order` | `1` |
+//! | `coefficient` of sᵅ (`integer`, `fractional`) | `s^α` with the order as a number (`1`, `s`, `s^2.0384`): a factor common to all of them drops out of G |
+//! | `coefficient` of z⁻ⁱ (`arx`) | `1` |
+//! | `delay` | `s` |
+//! | `offset` | `um` |
+//!
+//! There is no constant term among the parameters: the one output offset is `offset`. For `"kind": "arx"` the order
+//! is the power of z⁻¹: the numerator holds b₀, b₁, …, the denominator 1, a₁, a₂, …. For `"kind": "none"` both lists
+//! are empty (or absent). Terms are in ascending order.
+//!
+//! Reading is strict: an unknown version, key, kind or parameter, a missing key, a wrong unit, a number that is not
+//! finite or not allowed is a [`ModelFileError`] that names the place. Keys that are not part of the mathematics
+//! (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`, and `std_error`) may be
+//! absent. Writing is atomic, and a file that could not be read back is never written. Numbers survive
+//! writing and reading bit for bit. [`json_schema`] is the same in JSON Schema.
+
+mod check;
+mod convert;
+mod error;
+mod parameters;
+mod provenance;
+mod quantity;
+mod schema;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use error::ModelFileError;
+pub use parameters::{Parameters, polynomial_name};
+pub use provenance::{Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
+pub use quantity::{Interval, Quantity};
+pub use schema::json_schema;
+
+use crate::dynamics::{InitialCondition, Scheme};
+
+/// Value of the key `format`.
+pub const FORMAT: &str = "hysteron-model";
+/// The one version this program writes and reads.
+pub const VERSION: u64 = 1;
+/// Largest file read \[bytes\]; a model takes a few kilobytes.
+pub const MAX_BYTES: u64 = 16 << 20;
+
+/// A model file of version 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a model file (a JSON object)")]
+pub struct ModelFile {
+    /// Always `hysteron-model`.
+    #[schemars(extend("const" = "hysteron-model"))]
+    pub format: String,
+    /// Always 1.
+    #[schemars(extend("const" = 1))]
+    pub version: u64,
+    /// A name for people, of the device or the experiment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Units of the model's input and output.
+    #[serde(default)]
+    pub units: SignalUnits,
+    /// Static block.
+    pub hysteresis: HysteresisBlock,
+    /// Dynamic block.
+    pub dynamics: DynamicsBlock,
+    /// Pure delay \[s\].
+    pub delay: Quantity,
+    /// Output offset, the model's only constant term; in the output unit.
+    pub offset: Quantity,
+    /// How the dynamic block is simulated on sampled data.
+    pub scheme: SchemeName,
+    /// Sample rate the model was identified at \[Hz\]; null for a static model of records without one.
+    #[serde(deserialize_with = "Option::deserialize")]
+    pub sample_rate_hz: Option<f64>,
+    /// How the redundant gain between the blocks was fixed.
+    #[serde(default)]
+    pub normalisation: Normalisation,
+    /// What the dynamic block is assumed to have done before a record's first sample.
+    #[serde(default)]
+    pub start: StartName,
+    /// What the records covered; outside of it the model extrapolates.
+    #[serde(default)]
+    pub valid_range: Option<ValidRange>,
+    /// How the model was made.
+    #[serde(default)]
+    pub provenance: Option<Provenance>,
+    /// How well the model describes its records.
+    #[serde(default)]
+    pub scores: Vec<ScoreEntry>,
+}
+
+/// Units of the model's signals, as the suffixes of column headers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `input` and `output`")]
+pub struct SignalUnits {
+    /// Unit of the input, `V` for a drive voltage.
+    pub input: String,
+    /// Unit of the output, `um` for a displacement.
+    pub output: String,
+}
+
+impl Default for SignalUnits {
+    /// V and µm.
+    fn default() -> Self {
+        SignalUnits { input: "V".into(), output: "um".into() }
+    }
+}
+
+/// Static block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `kind` and `parameters`")]
+pub struct HysteresisBlock {
+    /// Which model.
+    pub kind: HysteresisKind,
+    /// Its parameters by name; for `bouc-wen`: `linear`, `quadratic`, …, `alpha`, `beta`, `gamma`, `n`.
+    pub parameters: Parameters,
+}
+
+/// Models of the static block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum HysteresisKind {
+    /// v = linear·u + quadratic·u² + … − z, ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ.
+    BoucWen,
+}
+
+/// Dynamic block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `kind`, `numerator` and `denominator`")]
+pub struct DynamicsBlock {
+    /// Which model.
+    pub kind: DynamicsKind,
+    /// Numerator terms, orders ascending; empty for `none`.
+    #[serde(default)]
+    pub numerator: Vec<TermEntry>,
+    /// Denominator terms, orders ascending; empty for `none`.
+    #[serde(default)]
+    pub denominator: Vec<TermEntry>,
+}
+
+/// Models of the dynamic block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DynamicsKind {
+    /// The output is the hysteresis block's.
+    None,
+    /// Transfer function in s with whole orders.
+    Integer,
+    /// Difference equation: orders are powers of z⁻¹, the denominator begins with 1.
+    Arx,
+    /// Transfer function in s with real orders.
+    Fractional,
+}
+
+/// One term of the transfer function.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `coefficient` and `order`")]
+pub struct TermEntry {
+    /// Factor of the power.
+    pub coefficient: Quantity,
+    /// Power of s, or of z⁻¹ for `arx`.
+    pub order: Quantity,
+}
+
+/// Names of the simulation schemes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SchemeName {
+    /// δ = 2(1 − z)/(1 + z).
+    Tustin,
+    /// δ = 1 − z; the parameters belong to `sample_rate_hz`.
+    GrunwaldLetnikov,
+    /// δ = (1 − z) + (1 − z)²/2.
+    Bdf2,
+    /// No substitution.
+    BandLimited,
+}
+
+impl From<Scheme> for SchemeName {
+    fn from(scheme: Scheme) -> Self {
+        match scheme {
+            Scheme::Tustin => SchemeName::Tustin,
+            Scheme::GrunwaldLetnikov => SchemeName::GrunwaldLetnikov,
+            Scheme::Bdf2 => SchemeName::Bdf2,
+            Scheme::BandLimited => SchemeName::BandLimited,
+        }
+    }
+}
+
+impl From<SchemeName> for Scheme {
+    fn from(name: SchemeName) -> Self {
+        match name {
+            SchemeName::Tustin => Scheme::Tustin,
+            SchemeName::GrunwaldLetnikov => Scheme::GrunwaldLetnikov,
+            SchemeName::Bdf2 => Scheme::Bdf2,
+            SchemeName::BandLimited => Scheme::BandLimited,
+        }
+    }
+}
+
+/// How the redundant gain between the two blocks was fixed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Normalisation {
+    /// Each block was identified on its own data, as in the two-step procedure: G(0) is whatever came out.
+    #[default]
+    Free,
+    /// G(0) = 1: the hysteresis block's output reads as the quasi-static displacement.
+    UnitDcGain,
+    /// |G(2πi · 1 Hz)| = 1, where the lowest order of the denominator is free.
+    #[serde(rename = "unit-gain-at-1-hz")]
+    UnitGainAt1Hz,
+}
+
+/// Names of the initial conditions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StartName {
+    /// At rest at the first sample's input.
+    #[default]
+    Rest,
+    /// Steady state of the record repeated for ever.
+    Periodic,
+    /// All signals zero before the first sample.
+    Zero,
+}
+
+impl From<InitialCondition> for StartName {
+    fn from(start: InitialCondition) -> Self {
+        match start {
+            InitialCondition::Rest => StartName::Rest,
+            InitialCondition::Periodic => StartName::Periodic,
+            InitialCondition::Zero => StartName::Zero,
+        }
+    }
+}
+
+impl From<StartName> for InitialCondition {
+    fn from(name: StartName) -> Self {
+        match name {
+            StartName::Rest => InitialCondition::Rest,
+            StartName::Periodic => InitialCondition::Periodic,
+            StartName::Zero => InitialCondition::Zero,
+        }
+    }
+}
+
+/// What the records of the identification covered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `input`, `frequency` and `rate`")]
+pub struct ValidRange {
+    /// Range of the input, in the input's unit.
+    pub input: Interval,
+    /// Range of frequencies excited \[Hz\]; null where the records have no time.
+    #[serde(default)]
+    pub frequency: Option<Interval>,
+    /// Range of |du/dt|, in the input's unit per second; null where the records have no time.
+    #[serde(default)]
+    pub rate: Option<Interval>,
+}
+
+/// Format and version alone, so that a file of another version is told apart from a broken one.
+#[derive(Deserialize)]
+#[serde(expecting = "a model file (a JSON object)")]
+struct Header {
+    format: Option<serde_json::Value>,
+    version: Option<serde_json::Value>,
+}
+
+impl ModelFile {
+    /// Reads and checks a model file.
+    ///
+    /// # Errors
+    /// [`ModelFileError`]: unreadable, too large, not JSON, not a model file, another version, or a value that is
+    /// missing, unknown or not allowed.
+    pub fn read(path: &Path) -> Result<Self, ModelFileError> {
+        let unreadable = |problem| ModelFileError::Unreadable { path: path.to_owned(), problem };
+        let mut bytes = Vec::new();
+        let file = File::open(path).map_err(unreadable)?;
+        file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        Self::from_slice(&bytes)
+    }
+
+    /// Reads and checks a model file's bytes.
+    ///
+    /// # Errors
+    /// As [`ModelFile::read`].
+    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(ModelFileError::TooLarge { limit_bytes: MAX_BYTES });
+        }
+        let header: Header = parse(bytes)?;
+        match header.format {
+            Some(serde_json::Value::String(format)) if format == FORMAT => {}
+            found => return Err(ModelFileError::NotAModel { found: found.map(|f| f.to_string()) }),
+        }
+        match header.version {
+            Some(version) if version.as_u64() == Some(VERSION) => {}
+            found => return Err(ModelFileError::UnknownVersion { found: found.map(|v| v.to_string()) }),
+        }
+        let file: ModelFile = parse(bytes)?;
+        file.check()?;
+        Ok(file)
+    }
+
+    /// The file's text: indented JSON with a final newline.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] if the content would not be accepted by [`ModelFile::from_slice`].
+    pub fn to_json(&self) -> Result<String, ModelFileError> {
+        self.check()?;
+        let text =
+            serde_json::to_string_pretty(self).map_err(|problem| ModelFileError::syntax(".", problem))?;
+        Ok(text + "\n")
+    }
+}
+
+/// Parses JSON; errors name the place by its path as well as by line and column.
+fn parse<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, ModelFileError> {
+    let mut json = serde_json::Deserializer::from_slice(bytes);
+    let value = serde_path_to_error::deserialize(&mut json)
+        .map_err(|e| ModelFileError::syntax(&e.path().to_string(), e.into_inner()))?;
+    json.end().map_err(|problem| ModelFileError::syntax(".", problem))?;
+    Ok(value)
+}
+
+#[cfg(test)]
+mod tests;
