@@ -1,2 +1,33 @@
-//! File formats of measured records: file to `Record` and back.
+//! File formats of measured records: file to [`Record`](hysteron::record::Record) and back.
+//!
+//! [`read_csv`] takes what loggers, spreadsheets and numerical tools write and either returns a checked record or an [`IoError`]
+//! that names file, line and column, what was found, what was expected and what to do. [`read_input_output`] also decides
+//! which column drives and which responds. [`write_csv`] writes a record so that it reads back to the same numbers.
+//!
+//! # The format read
+//! * One header line, one line a sample. Delimiter comma, semicolon or tab, detected; decimal comma where the delimiter
+//!   is not a comma. UTF-8, with or without byte order mark; LF or CRLF. Quoted fields within a line.
+//! * A header is a name with its unit behind the last underscore (`u_V`, `u_cmd_V`, `H_A_per_m`) or in brackets (`u [V]`); see
+//!   [`split_header`](hysteron::record::split_header).
+//! * Lines that begin with `#` or `%` are comments, anywhere; blank lines are skipped. Where the first line is all numbers
+//!   and the comment line above it has as many fields, that comment is the header (as numpy's `savetxt` writes it).
+//!   A file without any header is refused, with the line to add.
+//! * Time: the column `t`, `time` or `timestamp`, or else the only one with a unit of time; in s where it has no unit.
+//!   Stamps must not decrease; equal ones are accepted and make the time base non-uniform.
+//! * A column `valid` of 0 and 1 is the sample mask. All other columns are channels and must be numbers; where both input and output are
+//!   chosen, only these are read.
 #![forbid(unsafe_code)]
+
+mod csv_read;
+mod csv_write;
+mod dialect;
+mod error;
+mod header;
+mod lines;
+mod options;
+mod table;
+
+pub use csv_read::{ReadOutcome, read_csv, read_csv_bytes, read_input_output, read_input_output_bytes};
+pub use csv_write::{write_csv, write_csv_to};
+pub use error::IoError;
+pub use options::ReadOptions;

@@ -4,6 +4,7 @@
 //! [`dynamics`] (on [`fractional`] calculus and [`numeric`] kernels) joined by [`hammerstein`], then
 //! [`optimize`], [`identify`], [`validate`], [`model_file`]; [`bench_rig`] is a simulated test bench.
 
+pub mod atomic_file;
 pub mod bench_rig;
 pub mod dynamics;
 pub mod excitation;

@@ -1,7 +1,16 @@
 //! Measured records: named channels with units on one time base.
 
+mod channel;
+mod crop;
+mod error;
+mod selection;
+mod time_base;
 mod unit;
 
+pub use channel::{header_of, split_header};
+pub use error::RecordError;
+pub use selection::{ChannelChoice, Drive, Selection};
+pub use time_base::{GIVEN_RATE_TOLERANCE, UNIFORM_TOLERANCE_SAMPLES};
 pub use unit::{Quantity, Unit};
 
 /// One measured (or simulated) run: named channels with units on one time base. Never changed in place:
@@ -86,12 +95,179 @@ pub struct InputOutput {
     pub source: Option<Source>,
 }
 
+impl Record {
+    /// A record without mask or source, checked.
+    ///
+    /// # Errors
+    /// As [`Record::check`].
+    pub fn new(name: &str, time: TimeBase, channels: Vec<Channel>) -> Result<Self, RecordError> {
+        let record = Record { name: name.to_string(), time, channels, valid: None, source: None };
+        record.check()?;
+        Ok(record)
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.channels.first().map_or(0, |c| c.samples.len())
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The channel of this bare name or header, if there is exactly one.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        let mut found = self.channels.iter().filter(|c| c.is_called(name));
+        match (found.next(), found.next()) {
+            (Some(one), None) => Some(one),
+            _ => None,
+        }
+    }
+
+    /// Checks what every step relies on: at least one channel and two samples, all channels, stamps and mask of one length,
+    /// finite samples, distinct printable names, a usable time base.
+    ///
+    /// # Errors
+    /// The first of these that does not hold.
+    pub fn check(&self) -> Result<(), RecordError> {
+        let record = || self.name.clone();
+        if self.channels.is_empty() {
+            return Err(RecordError::NoChannels { record: record() });
+        }
+        let expected = self.len();
+        if expected < 2 {
+            return Err(RecordError::TooShort {
+                record: record(),
+                got: expected,
+                need: 2,
+                purpose: "a record",
+            });
+        }
+        let mismatch = |what: String, got: usize| RecordError::LengthMismatch {
+            record: self.name.clone(),
+            what,
+            got,
+            expected,
+        };
+        for (i, channel) in self.channels.iter().enumerate() {
+            let name = &channel.name;
+            if name.is_empty() || name.trim() != name || name.chars().any(char::is_control) {
+                return Err(RecordError::BadChannelName { record: record(), name: name.clone() });
+            }
+            if self.channels[..i].iter().any(|c| c.name == *name && c.unit == channel.unit) {
+                return Err(RecordError::DuplicateChannel { record: record(), channel: channel.header() });
+            }
+            if channel.samples.len() != expected {
+                return Err(mismatch(format!("channel `{name}`"), channel.samples.len()));
+            }
+            if let Some(index) = channel.samples.iter().position(|x| !x.is_finite()) {
+                return Err(RecordError::NotFinite {
+                    record: record(),
+                    channel: name.clone(),
+                    index,
+                    value: channel.samples[index],
+                });
+            }
+        }
+        if let Some(valid) = &self.valid
+            && valid.len() != expected
+        {
+            return Err(mismatch("the `valid` mask".to_string(), valid.len()));
+        }
+        match &self.time {
+            TimeBase::Uniform { sample_rate_hz, .. } => time_base::check_rate(&self.name, *sample_rate_hz),
+            TimeBase::NonUniform { times_s } if times_s.len() != expected => {
+                Err(mismatch("the time column".to_string(), times_s.len()))
+            }
+            TimeBase::NonUniform { times_s } => time_base::check_times(&self.name, times_s),
+            TimeBase::Unknown => Ok(()),
+        }
+    }
+}
+
 impl InputOutput {
+    /// Input and output made in memory: `u` \[V\], `y` \[µm\], all samples valid, checked.
+    ///
+    /// # Errors
+    /// As [`Record::check`].
+    pub fn new(name: &str, time: TimeBase, u: Vec<f64>, y: Vec<f64>) -> Result<Self, RecordError> {
+        Record::new(name, time, vec![Channel::new("u", "V", u), Channel::new("y", "um", y)])?
+            .input_output(&ChannelChoice::default())
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.u.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.u.is_empty()
+    }
+
     /// Sample rate \[Hz\], if the time base is uniform.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         match self.time {
             TimeBase::Uniform { sample_rate_hz, .. } => Some(sample_rate_hz),
             _ => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn base() -> TimeBase {
+        TimeBase::uniform(100.0)
+    }
+
+    #[test]
+    fn a_record_is_checked_when_made() {
+        let two = |n| vec![0.5; n];
+        let made = |channels| Record::new("r", base(), channels);
+        assert!(made(vec![Channel::new("u", "V", two(2))]).is_ok());
+        assert!(matches!(made(vec![]), Err(RecordError::NoChannels { .. })));
+        assert!(matches!(
+            made(vec![Channel::new("u", "V", two(1))]),
+            Err(RecordError::TooShort { got: 1, need: 2, .. })
+        ));
+        let err = made(vec![Channel::new("u", "V", two(5)), Channel::new("y", "um", two(4))]).unwrap_err();
+        assert_eq!(
+            err.to_string(),
+            "record `r`: channel `y` has 4 entries where the first channel has 5 samples; all must be of one length"
+        );
+        let err = made(vec![Channel::new("u", "V", vec![0.0, f64::INFINITY])]).unwrap_err();
+        assert!(err.to_string().contains("sample 1: inf"), "{err}");
+        assert!(matches!(
+            made(vec![Channel::new("u", "V", two(2)), Channel::new("u", "V", two(2))]),
+            Err(RecordError::DuplicateChannel { .. })
+        ));
+        assert!(matches!(
+            made(vec![Channel::new(" u", "V", two(2))]),
+            Err(RecordError::BadChannelName { .. })
+        ));
+        assert!(matches!(
+            Record::new("r", TimeBase::uniform(f64::NAN), vec![Channel::new("u", "V", two(2))]),
+            Err(RecordError::BadSampleRate { .. })
+        ));
+    }
+
+    #[test]
+    fn a_channel_is_found_by_name_or_header_unless_two_share_the_name() {
+        let record = Record::new(
+            "r",
+            base(),
+            vec![
+                Channel::new("u", "V", vec![0.0; 2]),
+                Channel::new("u", "mV", vec![1.0; 2]),
+                Channel::new("y", "um", vec![2.0; 2]),
+            ],
+        )
+        .unwrap();
+        assert_eq!(record.channel("y").unwrap().samples[0], 2.0);
+        assert_eq!(record.channel("u_mV").unwrap().samples[0], 1.0);
+        assert!(record.channel("u").is_none());
     }
 }

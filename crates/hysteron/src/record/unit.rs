@@ -32,12 +32,35 @@ impl Unit {
         &self.0
     }
 
+    /// Whether a header's suffix may be read as this unit: one that [`Unit::base`] converts, another usual one (`A`, `mA`, `T`, `N`,
+    /// `Hz`, …), or a quotient of two (`A_per_m`).
+    pub fn is_known(&self) -> bool {
+        match self.0.split_once("_per_") {
+            Some((over, under)) => is_simple(over) && is_simple(under),
+            None => is_simple(&self.0),
+        }
+    }
+
+    /// Base unit of the quantity (`s`, `V`, `um`, `urad`); the unit itself where it is not converted.
+    pub fn base_unit(&self) -> Unit {
+        match self.base().0 {
+            Quantity::Time => Unit::new("s"),
+            Quantity::Voltage => Unit::new("V"),
+            Quantity::Length => Unit::new("um"),
+            Quantity::Angle => Unit::new("urad"),
+            Quantity::Other => self.clone(),
+        }
+    }
+
     /// Quantity and the factor to its base unit (s, V, µm, µrad); `(Other, 1.0)` for an unknown unit.
     pub fn base(&self) -> (Quantity, f64) {
         match self.0.as_str() {
             "s" => (Quantity::Time, 1.0),
             "ms" => (Quantity::Time, 1e-3),
             "us" => (Quantity::Time, 1e-6),
+            "ns" => (Quantity::Time, 1e-9),
+            "min" => (Quantity::Time, 60.0),
+            "uV" => (Quantity::Voltage, 1e-6),
             "V" => (Quantity::Voltage, 1.0),
             "mV" => (Quantity::Voltage, 1e-3),
             "kV" => (Quantity::Voltage, 1e3),
@@ -51,18 +74,66 @@ impl Unit {
             "urad" => (Quantity::Angle, 1.0),
             "mrad" => (Quantity::Angle, 1e3),
             "rad" => (Quantity::Angle, 1e6),
+            "arcsec" => (Quantity::Angle, std::f64::consts::PI / 0.648),
+            "deg" => (Quantity::Angle, std::f64::consts::PI / 180.0 * 1e6),
             _ => (Quantity::Other, 1.0),
         }
     }
+}
+
+fn is_simple(symbol: &str) -> bool {
+    const OTHERS: [&str; 27] = [
+        "A", "mA", "uA", "nA", "T", "mT", "uT", "N", "mN", "uN", "kN", "Hz", "kHz", "MHz", "W", "mW", "J",
+        "C", "nC", "uC", "Pa", "kPa", "MPa", "bar", "K", "degC", "g",
+    ];
+    Unit(symbol.to_string()).base().0 != Quantity::Other || OTHERS.contains(&symbol)
 }
 
 /// Displays the typographic form (`µm`, `A/m`), for labels.
 impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let s = match self.0.as_str() {
-            "us" | "um" | "uV" | "urad" => self.0.replacen('u', "µ", 1),
-            other => other.replace("_per_", "/"),
+            "deg" => "°".to_string(),
+            "degC" => "°C".to_string(),
+            other => other
+                .split("_per_")
+                .map(|part| match part.strip_prefix('u') {
+                    Some(rest) if !rest.is_empty() && is_simple(part) => format!("µ{rest}"),
+                    _ => part.to_string(),
+                })
+                .collect::<Vec<_>>()
+                .join("/"),
         };
         f.write_str(&s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_display_as_printed() {
+        for (symbol, shown) in [
+            ("um", "µm"),
+            ("V", "V"),
+            ("A_per_m", "A/m"),
+            ("um_per_V", "µm/V"),
+            ("urad", "µrad"),
+            ("", ""),
+            ("u", "u"),
+            ("counts", "counts"),
+        ] {
+            assert_eq!(Unit::new(symbol).to_string(), shown);
+        }
+    }
+
+    #[test]
+    fn an_arc_second_is_4_848_microradians() {
+        let (quantity, factor) = Unit::new("arcsec").base();
+        assert_eq!(quantity, Quantity::Angle);
+        assert!((factor - 4.848_136_811_095_36).abs() < 1e-12, "{factor}");
+        let (_, degree) = Unit::new("deg").base();
+        assert!((degree - 3600.0 * factor).abs() < 1e-8);
     }
 }

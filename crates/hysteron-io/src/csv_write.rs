@@ -1,0 +1,77 @@
+//! Record to CSV file.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use hysteron::atomic_file::write_atomically_with;
+use hysteron::record::{Record, RecordError, TimeBase};
+
+use crate::IoError;
+
+/// Writes a record as comma-separated text that [`read_csv`](crate::read_csv) reads back to the same numbers: column `t_s`
+/// where there is a time base, one column a channel (`u_V`), `valid` where there is a mask. The file is complete or not there.
+///
+/// # Errors
+/// [`IoError::Record`] where the record is not sound ([`Record::check`]), [`IoError::Write`].
+pub fn write_csv(path: &Path, record: &Record) -> Result<(), IoError> {
+    record.check().map_err(|source: RecordError| IoError::Record {
+        file: path.display().to_string(),
+        source: Box::new(source),
+    })?;
+    Ok(write_atomically_with(path, |out| write_csv_to(out, record))?)
+}
+
+/// Writes the text of [`write_csv`] to any sink. The record must be sound ([`Record::check`]): rows end with its shortest channel.
+///
+/// # Errors
+/// Whatever the sink returns.
+pub fn write_csv_to(out: &mut dyn Write, record: &Record) -> io::Result<()> {
+    let mut headers: Vec<String> = Vec::new();
+    let timed = !matches!(record.time, TimeBase::Unknown);
+    if timed {
+        headers.push("t_s".to_string());
+    }
+    headers.extend(record.channels.iter().map(|c| quoted(&c.header())));
+    if record.valid.is_some() {
+        headers.push("valid".to_string());
+    }
+    writeln!(out, "{}", headers.join(","))?;
+    let mut line = String::new();
+    let rows = record.channels.iter().map(|c| c.samples.len()).min().unwrap_or(0);
+    for k in 0..rows {
+        line.clear();
+        if let Some(t) = record.time.time_s(k) {
+            push_number(&mut line, t);
+        }
+        for channel in &record.channels {
+            push_number(&mut line, channel.samples[k]);
+        }
+        if let Some(valid) = &record.valid {
+            line.push_str(if valid.get(k).copied().unwrap_or(true) { "1," } else { "0," });
+        }
+        line.pop();
+        line.push('\n');
+        out.write_all(line.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Shortest text that parses back to the same number, and a comma.
+fn push_number(line: &mut String, value: f64) {
+    use std::fmt::Write;
+    let magnitude = value.abs();
+    // Writing to a String cannot fail.
+    let _ = if value == 0.0 || (1e-5..1e15).contains(&magnitude) {
+        write!(line, "{value},")
+    } else {
+        write!(line, "{value:e},")
+    };
+}
+
+fn quoted(header: &str) -> String {
+    if header.contains([',', '"', ';', '\t']) || header.starts_with(['#', '%']) {
+        format!("\"{}\"", header.replace('"', "\"\""))
+    } else {
+        header.to_string()
+    }
+}

@@ -1,0 +1,133 @@
+//! Lines of a file with their numbers, hashed and counted on the way, in bounded memory.
+
+use std::io::{BufRead, BufReader, Read};
+
+use sha2::{Digest, Sha256};
+
+use crate::IoError;
+use crate::options::MAX_LINE_BYTES;
+
+/// Reader that hashes what passes and stops one byte after a limit.
+struct Hashed<R> {
+    inner: R,
+    hash: Sha256,
+    bytes: u64,
+    limit: u64,
+}
+
+impl<R: Read> Read for Hashed<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let allowed = (self.limit + 1).saturating_sub(self.bytes);
+        let want = buffer.len().min(usize::try_from(allowed).unwrap_or(usize::MAX));
+        let got = self.inner.read(&mut buffer[..want])?;
+        self.hash.update(&buffer[..got]);
+        self.bytes += got as u64;
+        Ok(got)
+    }
+}
+
+/// The lines of a file, one at a time.
+pub(crate) struct Lines<R> {
+    reader: BufReader<Hashed<R>>,
+    buffer: Vec<u8>,
+    file: String,
+    /// Number of the line last read, from 1.
+    line: u64,
+}
+
+/// One line, without its line end.
+#[derive(Clone, Copy)]
+pub(crate) struct Line<'a> {
+    /// Counted from 1.
+    pub number: u64,
+    pub bytes: &'a [u8],
+    /// Whether it ended with a line feed; only a file's last line may not.
+    pub ended: bool,
+}
+
+impl<R: Read> Lines<R> {
+    pub fn new(file: &str, inner: R, limit: u64) -> Self {
+        let limit = limit.min(u64::MAX - 1);
+        let hashed = Hashed { inner, hash: Sha256::new(), bytes: 0, limit };
+        Lines {
+            reader: BufReader::with_capacity(1 << 18, hashed),
+            buffer: Vec::new(),
+            file: file.to_string(),
+            line: 0,
+        }
+    }
+
+    /// Next line without its line end (and without the byte order mark); `None` at the end of the file.
+    pub fn next_line(&mut self) -> Result<Option<Line<'_>>, IoError> {
+        self.buffer.clear();
+        let read = (&mut self.reader).take(MAX_LINE_BYTES as u64 + 1).read_until(b'\n', &mut self.buffer);
+        if let Err(source) = read {
+            return Err(IoError::Read { file: self.file.clone(), line: self.line, source });
+        }
+        let hashed = self.reader.get_ref();
+        if hashed.bytes > hashed.limit {
+            return Err(IoError::TooLarge {
+                file: self.file.clone(),
+                line: self.line + 1,
+                limit_bytes: hashed.limit,
+            });
+        }
+        if self.buffer.is_empty() {
+            return Ok(None);
+        }
+        self.line += 1;
+        let ended = self.buffer.last() == Some(&b'\n');
+        if self.buffer.len() > MAX_LINE_BYTES {
+            return Err(IoError::LineTooLong {
+                file: self.file.clone(),
+                line: self.line,
+                limit: MAX_LINE_BYTES,
+            });
+        }
+        let mut line = self.buffer.as_slice();
+        if self.line == 1 {
+            if let Some(rest) = line.strip_prefix(b"\xEF\xBB\xBF") {
+                line = rest;
+            } else if line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF") {
+                return Err(IoError::NotUtf8 {
+                    file: self.file.clone(),
+                    line: 1,
+                    column: 1,
+                    byte: line[0],
+                    hint: "it begins like UTF-16",
+                });
+            }
+        }
+        if let Some(rest) = line.strip_suffix(b"\n") {
+            line = rest;
+        }
+        if let Some(rest) = line.strip_suffix(b"\r") {
+            line = rest;
+        }
+        Ok(Some(Line { number: self.line, bytes: line, ended }))
+    }
+
+    /// SHA-256 of all bytes read so far, lower-case hexadecimal: of the whole file after its last line.
+    pub fn sha256(self) -> String {
+        let digest = self.reader.into_inner().hash.finalize();
+        digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+/// Whether a line carries no fields: blank, or a comment.
+pub(crate) fn is_skipped(line: &[u8]) -> bool {
+    let start = line.trim_ascii_start();
+    match start.first() {
+        None => true,
+        Some(b'%') => true,
+        Some(b'#') => !is_spreadsheet_error(start),
+        Some(_) => false,
+    }
+}
+
+/// `#DIV/0!` and its like: a spreadsheet's failed cell, never a comment.
+pub(crate) fn is_spreadsheet_error(text: &[u8]) -> bool {
+    [&b"#DIV/0!"[..], b"#N/A", b"#NAME?", b"#NULL!", b"#NUM!", b"#REF!", b"#VALUE!"]
+        .iter()
+        .any(|error| text.starts_with(error))
+}

@@ -1,0 +1,43 @@
+//! What the user may say about a file.
+
+/// How to read a file; the default detects everything.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOptions {
+    /// Time column: its name, with or without unit, or its number counted from 1 (`--time`).
+    pub time: Option<String>,
+    /// Input column, likewise (`--input`). With `output` also given, all other channels are left unread.
+    pub input: Option<String>,
+    /// Output column, likewise (`--output`).
+    pub output: Option<String>,
+    /// Sample rate \[Hz\] (`--sample-rate`): needed where there is no time column; where there is one, it must agree with it and
+    /// replaces its stamps.
+    pub sample_rate_hz: Option<f64>,
+    /// Delimiter; `None`: detected.
+    pub delimiter: Option<u8>,
+    /// Largest file read \[bytes\].
+    pub max_bytes: u64,
+    /// Most numbers kept (8 bytes of memory each).
+    pub max_values: usize,
+}
+
+impl Default for ReadOptions {
+    /// Detect everything; at most 4 GiB of file and 2²⁹ numbers (4 GiB of memory).
+    fn default() -> Self {
+        ReadOptions {
+            time: None,
+            input: None,
+            output: None,
+            sample_rate_hz: None,
+            delimiter: None,
+            max_bytes: 4 << 30,
+            max_values: 1 << 29,
+        }
+    }
+}
+
+/// Most columns of a file.
+pub(crate) const MAX_COLUMNS: usize = 1024;
+/// Longest line \[bytes\].
+pub(crate) const MAX_LINE_BYTES: usize = 1 << 18;
+/// Longest number \[bytes\]; no decimal text that means anything is longer.
+pub(crate) const MAX_NUMBER_BYTES: usize = 400;

@@ -1,0 +1,105 @@
+//! Channels and the column headers that carry their names and units.
+
+use super::{Channel, Unit};
+
+impl Channel {
+    /// Channel from its parts.
+    pub fn new(name: &str, unit: &str, samples: Vec<f64>) -> Self {
+        Channel { name: name.to_string(), unit: Unit::new(unit), samples }
+    }
+
+    /// Column header that [`split_header`] takes apart again: `u_V`; `x [counts]` where the unit is not a known one; `y` or
+    /// `x_s []` where there is none.
+    pub fn header(&self) -> String {
+        header_of(&self.name, &self.unit)
+    }
+
+    /// Name and unit for messages: `` `u` (V) ``.
+    pub(crate) fn label(&self) -> String {
+        if self.unit.symbol().is_empty() {
+            format!("`{}`", self.name)
+        } else {
+            format!("`{}` ({})", self.name, self.unit)
+        }
+    }
+
+    /// Whether `asked` means this channel: its header or its bare name, exactly.
+    pub(crate) fn is_called(&self, asked: &str) -> bool {
+        self.name == asked || self.header() == asked
+    }
+}
+
+/// Column header of a name and a unit; the inverse of [`split_header`].
+pub fn header_of(name: &str, unit: &Unit) -> String {
+    let symbol = unit.symbol();
+    let suffixed = if symbol.is_empty() { name.to_string() } else { format!("{name}_{symbol}") };
+    let back = split_header(&suffixed);
+    if back.0 == name && back.1 == *unit { suffixed } else { format!("{name} [{symbol}]") }
+}
+
+/// Takes a column header apart into name and unit.
+///
+/// The unit is the longest suffix behind an underscore that is a known unit (`u_V`, `u_cmd_V`, `H_A_per_m`, `y1_nm`), or stands
+/// in brackets, known or not (`Voltage (V)`, `y [µm]`). A header without one has the empty unit.
+pub fn split_header(header: &str) -> (String, Unit) {
+    let header = header.trim();
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some(inner) = header.strip_suffix(close)
+            && let Some((name, symbol)) = inner.rsplit_once(open)
+            && !name.trim().is_empty()
+        {
+            return (name.trim().to_string(), Unit::new(symbol.trim()));
+        }
+    }
+    for (at, _) in header.match_indices('_') {
+        let (name, symbol) = (&header[..at], Unit::new(&header[at + 1..]));
+        if !name.is_empty() && symbol.is_known() {
+            return (name.to_string(), symbol);
+        }
+    }
+    (header.to_string(), Unit::new(""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn headers_split_into_name_and_unit() {
+        for (header, name, unit) in [
+            ("t_s", "t", "s"),
+            ("u_V", "u", "V"),
+            ("y_um", "y", "um"),
+            ("y_µm", "y", "um"),
+            ("H_A_per_m", "H", "A_per_m"),
+            ("B_T", "B", "T"),
+            ("u_cmd_V", "u_cmd", "V"),
+            ("i_meas_mA", "i_meas", "mA"),
+            ("y1_nm", "y1", "nm"),
+            ("half_fringe_count", "half_fringe_count", ""),
+            ("u", "u", ""),
+            ("valid", "valid", ""),
+            ("Voltage (V)", "Voltage", "V"),
+            ("y [µm]", "y", "um"),
+            ("x [counts]", "x", "counts"),
+            ("_V", "_V", ""),
+            ("gain_um_per_V", "gain", "um_per_V"),
+        ] {
+            assert_eq!(split_header(header), (name.to_string(), Unit::new(unit)), "{header}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_header_written_is_read_back(
+            name in "[a-zA-Z][a-zA-Z0-9_]{0,12}",
+            unit in prop_oneof![
+                Just(""), Just("V"), Just("um"), Just("A_per_m"), Just("counts"), Just("s"), Just("m")
+            ],
+        ) {
+            let unit = Unit::new(unit);
+            prop_assert_eq!(split_header(&header_of(&name, &unit)), (name, unit));
+        }
+    }
+}

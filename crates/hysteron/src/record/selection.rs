@@ -1,0 +1,470 @@
+//! Which channel is the input, which the output.
+
+use super::{Channel, InputOutput, Quantity, Record, RecordError, TimeBase, Unit};
+
+/// Which channels to take, by bare name (`u`) or header (`u_V`); `None`: by the rules of [`Record::select`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ChannelChoice {
+    /// Input channel (`--input`).
+    pub input: Option<String>,
+    /// Output channel (`--output`).
+    pub output: Option<String>,
+}
+
+/// The channels a [`ChannelChoice`] means in one record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Selection {
+    /// Index of the input channel.
+    pub input: usize,
+    /// Index of the output channel.
+    pub output: usize,
+    /// What was decided without being told, and what looks odd about the choice: plain sentences for the user.
+    pub notes: Vec<String>,
+}
+
+/// An input channel alone, for simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// Samples, voltages in V, lengths in µm.
+    pub u: Vec<f64>,
+    /// Unit of `u`.
+    pub unit: Unit,
+    /// Name of the channel.
+    pub input: String,
+    /// When the samples were taken.
+    pub time: TimeBase,
+    /// What was decided without being told.
+    pub notes: Vec<String>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    Input,
+    Output,
+}
+
+impl Role {
+    fn name(self) -> &'static str {
+        match self {
+            Role::Input => "input",
+            Role::Output => "output",
+        }
+    }
+
+    fn flag(self) -> &'static str {
+        match self {
+            Role::Input => "--input",
+            Role::Output => "--output",
+        }
+    }
+
+    fn letter(self) -> char {
+        match self {
+            Role::Input => 'u',
+            Role::Output => 'y',
+        }
+    }
+
+    fn words(self) -> &'static [&'static str] {
+        match self {
+            Role::Input => &["input", "voltage", "drive", "command"],
+            Role::Output => &["output", "displacement", "position", "stroke"],
+        }
+    }
+
+    fn has_unit(self, unit: &Unit) -> bool {
+        match self {
+            Role::Input => unit.base().0 == Quantity::Voltage,
+            Role::Output => matches!(unit.base().0, Quantity::Length | Quantity::Angle),
+        }
+    }
+
+    fn expected(self) -> &'static str {
+        match self {
+            Role::Input => "a channel named `u…` or one in volts",
+            Role::Output => "a channel named `y…` or one in a unit of length or angle",
+        }
+    }
+}
+
+impl Record {
+    /// Decides which channel is the input and which the output.
+    ///
+    /// A named channel is taken (exactly as written; else ignoring case). Otherwise, for the input, the first rule that names
+    /// somebody decides: (1) the channel `u`; (2) channels `u…` (`u1`, `u_cmd`); (3) `input`, `voltage`, `drive`, `command`;
+    /// (4) channels in a unit of voltage. For the output likewise: `y`; `y…`; `output`, `displacement`, `position`, `stroke`;
+    /// channels in a unit of length or angle. Where a rule names several, a command is preferred to its measurement for
+    /// the input (`u_cmd` to `u_meas`, said in the notes; the measured one may be chosen), a measurement for the output; else it is an
+    /// error. Where no rule names anybody and there are exactly two channels, the first is the input and the second
+    /// the output (noted).
+    ///
+    /// # Errors
+    /// [`RecordError::NoSuchChannel`], [`RecordError::AmbiguousChannel`], [`RecordError::NoCandidate`],
+    /// [`RecordError::OnlyOneChannel`], [`RecordError::SameChannel`], [`RecordError::WrongUnit`] (time as input or output).
+    pub fn select(&self, choice: &ChannelChoice) -> Result<Selection, RecordError> {
+        let mut notes = Vec::new();
+        let named_input = self.named(choice.input.as_deref(), Role::Input)?;
+        let named_output = self.named(choice.output.as_deref(), Role::Output)?;
+        if let [only] = self.channels.as_slice() {
+            return Err(RecordError::OnlyOneChannel { record: self.name.clone(), channel: only.label() });
+        }
+        let two = self.channels.len() == 2;
+        let (input, output) = match (named_input, named_output) {
+            (Some(input), Some(output)) => (input, output),
+            (Some(input), None) if two => (input, 1 - input),
+            (None, Some(output)) if two => (1 - output, output),
+            (Some(input), None) => (input, self.guess(Role::Output, Some(input), &mut notes)?),
+            (None, Some(output)) => (self.guess(Role::Input, Some(output), &mut notes)?, output),
+            (None, None) if two => self.guess_of_two(&mut notes)?,
+            (None, None) => {
+                let input = self.guess(Role::Input, None, &mut notes)?;
+                (input, self.guess(Role::Output, Some(input), &mut notes)?)
+            }
+        };
+        if input == output {
+            return Err(RecordError::SameChannel {
+                record: self.name.clone(),
+                channel: self.channels[input].name.clone(),
+            });
+        }
+        self.check_units(input, output, &mut notes)?;
+        Ok(Selection { input, output, notes })
+    }
+
+    /// Input and output by [`Record::select`], voltages in V, lengths in µm, angles in µrad; other units as they are.
+    ///
+    /// # Errors
+    /// As [`Record::select`] and [`Record::check`].
+    pub fn input_output(&self, choice: &ChannelChoice) -> Result<InputOutput, RecordError> {
+        self.check()?;
+        let selection = self.select(choice)?;
+        Ok(self.selected(&selection))
+    }
+
+    /// The channels of a [`Selection`] made on this record.
+    fn selected(&self, selection: &Selection) -> InputOutput {
+        let (input, output) = (&self.channels[selection.input], &self.channels[selection.output]);
+        let (u, u_unit) = in_base_unit(input);
+        let (y, y_unit) = in_base_unit(output);
+        InputOutput {
+            name: self.name.clone(),
+            time: self.time.clone(),
+            u,
+            y,
+            valid: self.valid.clone(),
+            input: input.name.clone(),
+            output: output.name.clone(),
+            u_unit,
+            y_unit,
+            source: self.source.clone(),
+        }
+    }
+
+    /// The input channel alone, by the same rules; a record with one channel has it as its input whatever its name.
+    ///
+    /// # Errors
+    /// As [`Record::select`] for the input, and [`Record::check`].
+    pub fn drive(&self, input: Option<&str>) -> Result<Drive, RecordError> {
+        self.check()?;
+        let mut notes = Vec::new();
+        let index = match self.named(input, Role::Input)? {
+            Some(index) => index,
+            None if self.channels.len() == 1 => 0,
+            None => self.guess(Role::Input, None, &mut notes)?,
+        };
+        let channel = &self.channels[index];
+        self.check_not_time(channel, Role::Input)?;
+        let (u, unit) = in_base_unit(channel);
+        Ok(Drive { u, unit, input: channel.name.clone(), time: self.time.clone(), notes })
+    }
+
+    fn named(&self, asked: Option<&str>, role: Role) -> Result<Option<usize>, RecordError> {
+        let Some(asked) = asked else { return Ok(None) };
+        let asked = asked.trim();
+        let exact = self.positions(|c| c.is_called(asked));
+        let found = if exact.is_empty() {
+            let lower = asked.to_lowercase();
+            self.positions(|c| c.name.to_lowercase() == lower || c.header().to_lowercase() == lower)
+        } else {
+            exact
+        };
+        match found.as_slice() {
+            [one] => Ok(Some(*one)),
+            [] => Err(RecordError::NoSuchChannel {
+                record: self.name.clone(),
+                asked: asked.to_string(),
+                role: role.name(),
+                flag: role.flag(),
+                available: self.list(&(0..self.channels.len()).collect::<Vec<_>>()),
+            }),
+            several => Err(self.ambiguous(several, role)),
+        }
+    }
+
+    fn guess_of_two(&self, notes: &mut Vec<String>) -> Result<(usize, usize), RecordError> {
+        let mut quiet = Vec::new();
+        let input = self.guess(Role::Input, None, &mut quiet).ok();
+        let output = self.guess(Role::Output, None, &mut quiet).ok();
+        match (input, output) {
+            (Some(input), Some(output)) if input != output => Ok((input, output)),
+            (Some(input), None) => Ok((input, 1 - input)),
+            (None, Some(output)) => Ok((1 - output, output)),
+            _ => {
+                notes.push(format!(
+                    "neither name nor unit says which channel drives and which responds: the first, {}, is taken as the input and the second, {}, as the output; change it with --input and --output",
+                    self.channels[0].label(),
+                    self.channels[1].label()
+                ));
+                Ok((0, 1))
+            }
+        }
+    }
+
+    fn guess(&self, role: Role, taken: Option<usize>, notes: &mut Vec<String>) -> Result<usize, RecordError> {
+        let letter = role.letter();
+        let lower: Vec<String> = self.channels.iter().map(|c| c.name.to_lowercase()).collect();
+        let is_time = |i: usize| self.channels[i].unit.base().0 == Quantity::Time;
+        let rules: [&dyn Fn(usize) -> bool; 4] = [
+            &|i| lower[i].len() == 1 && lower[i].starts_with(letter),
+            &|i| {
+                lower[i]
+                    .strip_prefix(letter)
+                    .is_some_and(|rest| rest.starts_with(|c: char| !c.is_alphabetic()))
+            },
+            &|i| role.words().contains(&lower[i].as_str()),
+            &|i| role.has_unit(&self.channels[i].unit),
+        ];
+        for rule in rules {
+            let found: Vec<usize> =
+                (0..self.channels.len()).filter(|&i| Some(i) != taken && !is_time(i) && rule(i)).collect();
+            match found.as_slice() {
+                [] => continue,
+                [one] => return Ok(*one),
+                several => {
+                    let preferred: Vec<usize> =
+                        several.iter().copied().filter(|&i| is_preferred(&lower[i], role)).collect();
+                    return match preferred.as_slice() {
+                        [one] => {
+                            let others: Vec<usize> = several.iter().copied().filter(|i| i != one).collect();
+                            notes.push(format!(
+                                "{} is taken as the {}, not {}; choose another with {}",
+                                self.channels[*one].label(),
+                                role.name(),
+                                self.list(&others),
+                                role.flag()
+                            ));
+                            Ok(*one)
+                        }
+                        _ => Err(self.ambiguous(several, role)),
+                    };
+                }
+            }
+        }
+        Err(RecordError::NoCandidate {
+            record: self.name.clone(),
+            role: role.name(),
+            expected: role.expected(),
+            flag: role.flag(),
+            available: self.list(&(0..self.channels.len()).collect::<Vec<_>>()),
+        })
+    }
+
+    fn check_units(&self, input: usize, output: usize, notes: &mut Vec<String>) -> Result<(), RecordError> {
+        let (u, y) = (&self.channels[input], &self.channels[output]);
+        self.check_not_time(u, Role::Input)?;
+        self.check_not_time(y, Role::Output)?;
+        let is_position = |c: &Channel| Role::Output.has_unit(&c.unit);
+        let is_voltage = |c: &Channel| Role::Input.has_unit(&c.unit);
+        if is_position(u) && is_voltage(y) {
+            notes.push(format!(
+                "the input {} is a position and the output {} a voltage: are the two swapped?",
+                u.label(),
+                y.label()
+            ));
+        } else if is_voltage(y) {
+            notes.push(format!(
+                "the output {} is in volts: if that is a sensor signal, scale it to µm or µrad, e.g. --scale {}=2.5um/V",
+                y.label(),
+                y.name
+            ));
+        } else if is_position(u) {
+            notes.push(format!("the input {} is a position, not a drive voltage", u.label()));
+        }
+        Ok(())
+    }
+
+    fn check_not_time(&self, channel: &Channel, role: Role) -> Result<(), RecordError> {
+        if channel.unit.base().0 != Quantity::Time {
+            return Ok(());
+        }
+        Err(RecordError::WrongUnit {
+            record: self.name.clone(),
+            role: role.name(),
+            channel: channel.header(),
+            unit: channel.unit.to_string(),
+            expected: match role {
+                Role::Input => "a voltage (V, mV, kV)",
+                Role::Output => "a length (nm, µm, mm, m) or an angle (µrad, mrad)",
+            },
+            flag: role.flag(),
+        })
+    }
+
+    fn positions(&self, accept: impl Fn(&Channel) -> bool) -> Vec<usize> {
+        (0..self.channels.len()).filter(|&i| accept(&self.channels[i])).collect()
+    }
+
+    fn ambiguous(&self, several: &[usize], role: Role) -> RecordError {
+        RecordError::AmbiguousChannel {
+            record: self.name.clone(),
+            role: role.name(),
+            flag: role.flag(),
+            candidates: self.list(several),
+            first: several.first().map(|&i| self.channels[i].header()).unwrap_or_default(),
+        }
+    }
+
+    fn list(&self, indices: &[usize]) -> String {
+        indices.iter().map(|&i| self.channels[i].label()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Of several inputs the command, of several outputs the measurement.
+fn is_preferred(lower_name: &str, role: Role) -> bool {
+    let marks: &[&str] = match role {
+        Role::Input => &["_cmd", "_command"],
+        Role::Output => &["_meas", "_measured"],
+    };
+    marks.iter().any(|m| lower_name.ends_with(m))
+}
+
+fn in_base_unit(channel: &Channel) -> (Vec<f64>, Unit) {
+    let (quantity, factor) = channel.unit.base();
+    let samples = if quantity == Quantity::Other || factor == 1.0 {
+        channel.samples.clone()
+    } else {
+        channel.samples.iter().map(|x| x * factor).collect()
+    };
+    (samples, channel.unit.base_unit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(headers: &[&str]) -> Record {
+        let channels = headers
+            .iter()
+            .enumerate()
+            .map(|(i, h)| {
+                let (name, unit) = super::super::split_header(h);
+                Channel { name, unit, samples: vec![i as f64, i as f64 + 1.0, i as f64 + 2.0] }
+            })
+            .collect();
+        Record::new("bench.csv", TimeBase::uniform(100.0), channels).unwrap()
+    }
+
+    fn chosen(headers: &[&str], input: Option<&str>, output: Option<&str>) -> (String, String, usize) {
+        let choice = ChannelChoice { input: input.map(str::to_string), output: output.map(str::to_string) };
+        let r = record(headers);
+        let s = r.select(&choice).unwrap();
+        (r.channels[s.input].header(), r.channels[s.output].header(), s.notes.len())
+    }
+
+    fn refused(headers: &[&str], input: Option<&str>, output: Option<&str>) -> RecordError {
+        let choice = ChannelChoice { input: input.map(str::to_string), output: output.map(str::to_string) };
+        record(headers).select(&choice).unwrap_err()
+    }
+
+    #[test]
+    fn default_rules_pick_the_channels_a_reader_would() {
+        for (headers, input, output, notes) in [
+            (&["u_V", "y_um"][..], "u_V", "y_um", 0),
+            (&["y_um", "u_V"], "u_V", "y_um", 0),
+            (&["u", "y"], "u", "y", 0),
+            (&["u_N", "y_m"], "u_N", "y_m", 0),
+            (&["u_V", "y_um", "segment"], "u_V", "y_um", 0),
+            (&["u_V", "half_fringe_count", "dy_um"], "u_V", "dy_um", 0),
+            (&["u_cmd_V", "u_meas_V", "y_mm", "i_meas_mA"], "u_cmd_V", "y_mm", 1),
+            (&["H_A_per_m", "B_T"], "H_A_per_m", "B_T", 1),
+            (&["Voltage [V]", "Displacement [um]", "T_degC"], "Voltage_V", "Displacement_um", 0),
+            (&["amp_mV", "stage_urad", "B_T"], "amp_mV", "stage_urad", 0),
+        ] {
+            assert_eq!(
+                chosen(headers, None, None),
+                (input.to_string(), output.to_string(), notes),
+                "{headers:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_choice_overrules_by_bare_name_by_header_and_ignoring_case() {
+        let headers = ["u_cmd_V", "u_meas_V", "y_mm"];
+        assert_eq!(chosen(&headers, Some("u_meas"), None).0, "u_meas_V");
+        assert_eq!(chosen(&headers, Some("u_meas_V"), Some("Y_MM")).0, "u_meas_V");
+        assert_eq!(chosen(&["H_A_per_m", "B_T"], Some("B"), None).1, "H_A_per_m");
+        assert_eq!(chosen(&["H_A_per_m", "B_T"], None, Some("H")).0, "B_T");
+    }
+
+    #[test]
+    fn several_axes_are_an_error_that_lists_them_and_the_flag() {
+        let headers = ["u1_V", "u2_V", "u3_V", "y1_nm", "y2_nm", "y3_nm"];
+        let text = refused(&headers, None, None).to_string();
+        for part in ["bench.csv", "`u1` (V), `u2` (V), `u3` (V)", "input", "--input u1_V"] {
+            assert!(text.contains(part), "{text}");
+        }
+        let text = refused(&headers, Some("u2"), None).to_string();
+        assert!(text.contains("`y1` (nm), `y2` (nm), `y3` (nm)"), "{text}");
+        assert!(text.contains("--output y1_nm"), "{text}");
+        assert_eq!(chosen(&headers, Some("u2"), Some("y3_nm")), ("u2_V".to_string(), "y3_nm".to_string(), 0));
+    }
+
+    #[test]
+    fn missing_and_equal_channels_are_named() {
+        let text = refused(&["u_V", "y_um"], Some("x"), None).to_string();
+        assert!(text.contains("no channel `x`") && text.contains("`u` (V), `y` (µm)"), "{text}");
+        assert!(matches!(refused(&["u_V", "y_um"], Some("u"), Some("u")), RecordError::SameChannel { .. }));
+        let text = refused(&["photodiode_V"], None, None).to_string();
+        assert!(text.contains("only one channel") && text.contains("`photodiode` (V)"), "{text}");
+        assert!(matches!(
+            refused(&["a", "b", "c"], None, None),
+            RecordError::NoCandidate { role: "input", .. }
+        ));
+    }
+
+    #[test]
+    fn wrong_units_are_refused_or_noted() {
+        let text = refused(&["u_V", "y_ms"], None, None).to_string();
+        for part in ["`y_ms`", "in ms", "output", "length"] {
+            assert!(text.contains(part), "{text}");
+        }
+        let r = record(&["u_V", "y_V"]);
+        let notes = r.select(&ChannelChoice::default()).unwrap().notes;
+        assert!(notes[0].contains("--scale y="), "{notes:?}");
+        let r = record(&["u_um", "y_V"]);
+        let notes = r.select(&ChannelChoice::default()).unwrap().notes;
+        assert!(notes[0].contains("swapped"), "{notes:?}");
+    }
+
+    #[test]
+    fn units_are_converted_on_the_way_into_a_fit() {
+        let io = record(&["u_mV", "y_nm"]).input_output(&ChannelChoice::default()).unwrap();
+        assert_eq!(io.u, [0.0, 1e-3, 2e-3]);
+        assert_eq!(io.y, [1e-3, 2e-3, 3e-3]);
+        assert_eq!((io.u_unit.symbol(), io.y_unit.symbol()), ("V", "um"));
+        let io = record(&["u_N", "y_mrad"]).input_output(&ChannelChoice::default()).unwrap();
+        assert_eq!(io.y, [1e3, 2e3, 3e3]);
+        assert_eq!((io.u_unit.symbol(), io.y_unit.symbol()), ("N", "urad"));
+    }
+
+    #[test]
+    fn a_drive_alone_is_enough_for_a_simulation() {
+        let drive = record(&["photodiode_mV"]).drive(None).unwrap();
+        assert_eq!((drive.u[1], drive.unit.symbol()), (1e-3, "V"));
+        assert!(matches!(
+            record(&["u1_V", "u2_V"]).drive(None).unwrap_err(),
+            RecordError::AmbiguousChannel { .. }
+        ));
+    }
+}
