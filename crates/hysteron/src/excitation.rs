@@ -1,1 +1,0 @@
-//! Drive waveforms for an identification campaign.
