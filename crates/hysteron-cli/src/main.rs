@@ -1,2 +1,45 @@
-//! The `hysteron` command.
-fn main() {}
+//! The `hysteron` command: from measured records to an identified, validated, reported model.
+//!
+//! One file a subcommand; the numbers are the library's. Results go to standard output, messages and progress to
+//! standard error. Exit code 0: done; 1: could not (bad data, no fit); 2: wrong usage.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+mod completions;
+mod console;
+mod failure;
+mod schema;
+
+use failure::Failure;
+
+/// Models of piezo actuators from measured records: Bouc–Wen hysteresis followed by fractional-order dynamics.
+#[derive(Parser)]
+#[command(name = "hysteron", version, propagate_version = true, arg_required_else_help = true)]
+#[command(after_help = "Exit codes: 0 done, 1 could not (bad data, no fit), 2 wrong usage.\n\
+    Results go to standard output, messages and progress to standard error.")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Completions(completions::Completions),
+    Schema(schema::Schema),
+}
+
+fn run(command: &Command) -> Result<(), Failure> {
+    match command {
+        Command::Completions(c) => c.run(),
+        Command::Schema(c) => c.run(),
+    }
+}
+
+fn main() -> ExitCode {
+    match run(&Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -75,14 +75,15 @@ pub struct ModelFile {
     pub hysteresis: HysteresisBlock,
     /// Dynamic block.
     pub dynamics: DynamicsBlock,
-    /// Pure delay \[s\].
+    /// Pure delay, in s.
     pub delay: Quantity,
     /// Output offset, the model's only constant term; in the output unit.
     pub offset: Quantity,
     /// How the dynamic block is simulated on sampled data.
     pub scheme: SchemeName,
-    /// Sample rate the model was identified at \[Hz\]; null for a static model of records without one.
+    /// Sample rate the model was identified at, in Hz; null for a static model of records without one.
     #[serde(deserialize_with = "Option::deserialize")]
+    #[schemars(required)]
     pub sample_rate_hz: Option<f64>,
     /// How the redundant gain between the blocks was fixed.
     #[serde(default)]
@@ -263,7 +264,7 @@ impl From<StartName> for InitialCondition {
 pub struct ValidRange {
     /// Range of the input, in the input's unit.
     pub input: Interval,
-    /// Range of frequencies excited \[Hz\]; null where the records have no time.
+    /// Range of frequencies excited, in Hz; null where the records have no time.
     #[serde(default)]
     pub frequency: Option<Interval>,
     /// Range of |du/dt|, in the input's unit per second; null where the records have no time.

@@ -1,0 +1,53 @@
+//! Results to standard output, everything else to standard error.
+
+use std::io::{self, ErrorKind, IsTerminal, Write};
+
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+/// Prints a result to standard output. A reader that has gone away (`| head`) is no failure.
+///
+/// # Errors
+/// If standard output cannot be written for another reason, e.g. a full disk.
+pub fn result(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::new("cannot write to standard output").because(e))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints one JSON object to standard output.
+///
+/// # Errors
+/// As [`result`].
+pub fn json(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string(value)
+        .map_err(|e| Failure::new("cannot write the result as JSON").because(e))?;
+    result(&(text + "\n"))
+}
+
+/// Prints a line to standard error; nobody there to read it is no reason to stop.
+pub fn message(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Prints a remark that the user should read, but that stops nothing.
+pub fn note(text: &str) {
+    message(&format!("note: {text}"));
+}
+
+/// A table for people: borders of ASCII where standard output is not a terminal that would show others.
+pub fn table(header: &[&str]) -> comfy_table::Table {
+    let mut table = comfy_table::Table::new();
+    let style = if io::stdout().is_terminal() {
+        comfy_table::presets::UTF8_FULL_CONDENSED
+    } else {
+        comfy_table::presets::ASCII_MARKDOWN
+    };
+    table.load_style(style).set_header(header.to_vec());
+    table
+}

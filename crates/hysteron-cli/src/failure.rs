@@ -1,0 +1,50 @@
+//! How the command fails: `error:` what could not be done, `because:` why, `try:` what to do about it.
+
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use crate::console;
+
+/// A failure as the user reads it.
+#[derive(Debug)]
+pub struct Failure {
+    error: String,
+    because: Option<String>,
+    hint: Option<String>,
+    exit_code: u8,
+}
+
+impl Failure {
+    /// Something could not be done with the data (exit code 1).
+    pub fn new(error: impl Into<String>) -> Self {
+        Failure { error: error.into(), because: None, hint: None, exit_code: 1 }
+    }
+
+    /// Flags that contradict each other in a way the parser of the command line cannot see (exit code 2).
+    pub fn usage(error: impl Into<String>) -> Self {
+        Failure { exit_code: 2, ..Failure::new(error) }
+    }
+
+    /// The reason, usually the library's error.
+    pub fn because(mut self, reason: impl Display) -> Self {
+        self.because = Some(reason.to_string());
+        self
+    }
+
+    /// What to do about it.
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// Prints the failure to standard error and gives the exit code.
+    pub fn report(&self) -> ExitCode {
+        console::message(&format!("error: {}", self.error));
+        for (label, text) in [("because", &self.because), ("try", &self.hint)] {
+            if let Some(text) = text {
+                console::message(&format!("{label}: {text}"));
+            }
+        }
+        ExitCode::from(self.exit_code)
+    }
+}
