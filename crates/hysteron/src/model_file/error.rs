@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::atomic_file::AtomicWriteError;
+
 use super::{FORMAT, VERSION};
 
 /// What is wrong with a model file, where, and what was expected.
@@ -16,6 +18,9 @@ pub enum ModelFileError {
         /// What the operating system said.
         problem: std::io::Error,
     },
+    /// The file cannot be written.
+    #[error(transparent)]
+    Write(#[from] AtomicWriteError),
     /// The file is far larger than any model.
     #[error("more than {limit_bytes} bytes: this is not a model file")]
     TooLarge {

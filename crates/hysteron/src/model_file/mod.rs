@@ -46,6 +46,7 @@ pub use provenance::{Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole,
 pub use quantity::{Interval, Quantity};
 pub use schema::json_schema;
 
+use crate::atomic_file::write_atomically;
 use crate::dynamics::{InitialCondition, Scheme};
 
 /// Value of the key `format`.
@@ -325,6 +326,14 @@ impl ModelFile {
         let text =
             serde_json::to_string_pretty(self).map_err(|problem| ModelFileError::syntax(".", problem))?;
         Ok(text + "\n")
+    }
+
+    /// Writes the file atomically: `path` holds its old content or all of the new.
+    ///
+    /// # Errors
+    /// As [`ModelFile::to_json`]; [`ModelFileError::Write`] if the operating system refuses.
+    pub fn write(&self, path: &Path) -> Result<(), ModelFileError> {
+        Ok(write_atomically(path, self.to_json()?.as_bytes())?)
     }
 }
 

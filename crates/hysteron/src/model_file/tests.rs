@@ -358,6 +358,18 @@ fn a_file_that_could_not_be_read_back_is_not_written() {
 }
 
 #[test]
+fn a_file_written_is_the_file_read_and_a_refused_one_leaves_the_old() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.json");
+    complete().write(&path).unwrap();
+    assert_eq!(ModelFile::read(&path).unwrap(), complete());
+    let mut broken = complete();
+    broken.delay.value = -1.0;
+    assert!(broken.write(&path).is_err());
+    assert_eq!(ModelFile::read(&path).unwrap(), complete());
+}
+
+#[test]
 fn timestamps_agree_with_known_dates() {
     // Seconds since 1970 of known instants, leap days and the ends of centuries among them.
     for (seconds, text) in [
