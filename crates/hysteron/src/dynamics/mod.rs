@@ -1,10 +1,37 @@
 //! Dynamic block: linear time-invariant dynamics behind the hysteresis block.
+//!
+//! A [`TransferFunction`] with real orders (article Eqs. 2–6; whole orders make it the integer one) is
+//! simulated over a record through a [`SimulationPlan`], made once per record: a candidate then costs one
+//! complex exponential per term and frequency and one inverse FFT, and allocates nothing. [`stability`] is
+//! exact. [`Arx`] is the sampled-data alternative.
+//!
+//! ```
+//! use hysteron::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction};
+//!
+//! let stage = TransferFunction::article_eq13();
+//! assert_eq!(stage.to_string(), "5.2589e6 / (s^2.0384 + 3081 s^1.0523 + 5.4955e6)");
+//! let drive: Vec<f64> = (0..1000).map(|k| (k as f64 * 0.01).sin()).collect();
+//! let plan = SimulationPlan::new(drive.len(), 10_000.0, Scheme::Tustin, InitialCondition::Rest)?;
+//! let mut workspace = plan.workspace();
+//! let mut displacement = vec![0.0; drive.len()];
+//! plan.simulate(&stage, &drive, &mut workspace, &mut displacement)?;
+//! # Ok::<(), hysteron::dynamics::DynamicsError>(())
+//! ```
 
 pub mod arx;
+mod error;
+mod plan;
+mod second_order;
+mod stability;
 mod transfer_function;
 
+pub use crate::fractional::{Scheme, Term};
 pub use arx::Arx;
-pub use transfer_function::{Term, TransferFunction};
+pub use error::DynamicsError;
+pub use plan::{InputSpectrum, SimulationPlan, Workspace};
+pub use second_order::SecondOrder;
+pub use stability::{Stability, stability};
+pub use transfer_function::TransferFunction;
 
 /// The dynamic block of a Hammerstein model. The pure delay is not here: it belongs to the model.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,20 +44,6 @@ pub enum Dynamics {
     Arx(Arx),
     /// Fractional-order transfer function (article Eq. 6), in s.
     Fractional(TransferFunction),
-}
-
-/// How a transfer function in s is simulated on sampled data (convolution quadrature: s → δ(z)/h).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Scheme {
-    /// δ = 2(1 − z)/(1 + z).
-    #[default]
-    Tustin,
-    /// δ = 1 − z: the article's (Eq. 3). Parameters belong to the sample rate they were identified at.
-    GrunwaldLetnikov,
-    /// δ = (1 − z) + (1 − z)²/2.
-    Bdf2,
-    /// No substitution: G at s = σ + iω by damped Fourier inversion.
-    BandLimited,
 }
 
 /// Assumption about the dynamic block before a record's first sample (SPEC §3).

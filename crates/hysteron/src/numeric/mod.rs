@@ -1,1 +1,15 @@
-//! FFT plans and array kernels.
+//! Array kernels under the dynamics: exp(α(a + iθ)), FFT plans, convolution.
+//!
+//! Everything here is arithmetic without physics. The kernels give the same bits whichever instruction
+//! set runs them (no fused multiply-add); the FFTs do not promise that across processors.
+
+pub mod convolution;
+mod dispatch;
+mod elementary;
+pub mod fft;
+
+pub use dispatch::{InstructionSet, accumulate_power, half_turns, multiply_quotient};
+pub use rustfft::num_complex::Complex;
+
+/// Complex number in double precision.
+pub type Complex64 = Complex<f64>;

@@ -1,0 +1,166 @@
+//! Run-time choice of the instruction set; the only file of the library with `unsafe`.
+//!
+//! Each kernel is written once as an `#[inline(always)]` function and compiled for the baseline, AVX2 and
+//! AVX-512. The wrappers are `unsafe` to call only because the processor must have the feature, which
+//! [`InstructionSet::detected`] has checked.
+#![allow(unsafe_code)]
+
+use super::Complex64;
+use super::elementary::{exp, sin_cos};
+
+/// Instruction set a kernel runs with. Results do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstructionSet(Level);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Level {
+    Baseline,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl InstructionSet {
+    /// What every processor of the target has.
+    pub fn baseline() -> Self {
+        Self(Level::Baseline)
+    }
+
+    /// The best this processor has.
+    pub fn detected() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512dq")
+            {
+                return Self(Level::Avx512);
+            }
+            if is_x86_feature_detected!("avx2") {
+                return Self(Level::Avx2);
+            }
+        }
+        Self(Level::Baseline)
+    }
+
+    /// Every instruction set this processor can run, the baseline first.
+    pub fn available() -> Vec<Self> {
+        #[cfg_attr(not(target_arch = "x86_64"), allow(unused_mut))]
+        let mut all = vec![Self::baseline()];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if is_x86_feature_detected!("avx2") {
+                all.push(Self(Level::Avx2));
+            }
+            if Self::detected() != Self(Level::Avx2) && Self::detected() != Self::baseline() {
+                all.push(Self::detected());
+            }
+        }
+        all
+    }
+}
+
+macro_rules! dispatched {
+    ($(#[$doc:meta])* $name:ident => $kernel:ident($($arg:ident: $ty:ty),*) $(-> $ret:ty)?) => {
+        $(#[$doc])*
+        pub fn $name(set: InstructionSet, $($arg: $ty),*) $(-> $ret)? {
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx2")]
+            fn avx2($($arg: $ty),*) $(-> $ret)? {
+                $kernel($($arg),*)
+            }
+            #[cfg(target_arch = "x86_64")]
+            #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+            fn avx512($($arg: $ty),*) $(-> $ret)? {
+                $kernel($($arg),*)
+            }
+            match set.0 {
+                Level::Baseline => $kernel($($arg),*),
+                // SAFETY: this level is only ever made after the processor was seen to have the feature.
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx2 => unsafe { avx2($($arg),*) },
+                // SAFETY: as above.
+                #[cfg(target_arch = "x86_64")]
+                Level::Avx512 => unsafe { avx512($($arg),*) },
+            }
+        }
+    };
+}
+
+dispatched! {
+    /// Adds coefficient · exp(order · (log_abs + i·angle)) to `re + i·im`, element by element: the term
+    /// coefficient · s^order of a transfer function at s = exp(log_abs + i·angle).
+    ///
+    /// Works on the shortest of the four slices. |order · angle| must be ≤ 1e5 (it is ≤ π·order here);
+    /// order · log_abs is limited to \[−708, 709\].
+    accumulate_power => accumulate_power_kernel(
+        coefficient: f64, order: f64, log_abs: &[f64], angle: &[f64], re: &mut [f64], im: &mut [f64])
+}
+
+dispatched! {
+    /// out = numerator / denominator · factor, element by element, all as (re, im) pairs of slices but
+    /// `out`. A zero denominator gives a value that is not finite.
+    multiply_quotient => multiply_quotient_kernel(
+        numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), factor: (&[f64], &[f64]),
+        out: &mut [Complex64])
+}
+
+dispatched! {
+    /// Signed half turns about the origin of a polygon of points re + i·im: +1 for each crossing of the
+    /// real axis counter-clockwise, −1 clockwise. Points on the real axis count as above it.
+    half_turns => half_turns_kernel(re: &[f64], im: &[f64]) -> f64
+}
+
+#[inline(always)]
+fn accumulate_power_kernel(
+    coefficient: f64,
+    order: f64,
+    log_abs: &[f64],
+    angle: &[f64],
+    re: &mut [f64],
+    im: &mut [f64],
+) {
+    for (((&a, &t), re), im) in log_abs.iter().zip(angle).zip(re).zip(im) {
+        let magnitude = coefficient * exp(order * a);
+        let (s, c) = sin_cos(order * t);
+        *re += magnitude * c;
+        *im += magnitude * s;
+    }
+}
+
+#[inline(always)]
+fn multiply_quotient_kernel(
+    numerator: (&[f64], &[f64]),
+    denominator: (&[f64], &[f64]),
+    factor: (&[f64], &[f64]),
+    out: &mut [Complex64],
+) {
+    let numerator = numerator.0.iter().zip(numerator.1);
+    let denominator = denominator.0.iter().zip(denominator.1);
+    let factor = factor.0.iter().zip(factor.1);
+    for (((out, (&nr, &ni)), (&dr, &di)), (&fr, &fi)) in
+        out.iter_mut().zip(numerator).zip(denominator).zip(factor)
+    {
+        let scale = 1.0 / (dr * dr + di * di);
+        let gr = (nr * dr + ni * di) * scale;
+        let gi = (ni * dr - nr * di) * scale;
+        out.re = gr * fr - gi * fi;
+        out.im = gr * fi + gi * fr;
+    }
+}
+
+#[inline(always)]
+fn half_turns_kernel(re: &[f64], im: &[f64]) -> f64 {
+    let n = re.len().min(im.len());
+    let (re, im) = (&re[..n], &im[..n]);
+    let mut turns = 0.0;
+    for ((x0, y0), (x1, y1)) in
+        re.iter().zip(im).zip(re.get(1..).unwrap_or(&[]).iter().zip(im.get(1..).unwrap_or(&[])))
+    {
+        let cross = x0 * y1 - x1 * y0;
+        let direction = if cross > 0.0 { 1.0 } else { -1.0 };
+        turns += if (*y0 < 0.0) != (*y1 < 0.0) { direction } else { 0.0 };
+    }
+    turns
+}

@@ -1,0 +1,63 @@
+//! Real FFT plans of good lengths, shared by the whole process.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+/// A forward and an inverse real FFT of one length (unnormalised: inverse after forward multiplies by
+/// the length).
+#[derive(Clone)]
+pub struct RealFft {
+    /// Real to half-spectrum.
+    pub forward: Arc<dyn RealToComplex<f64>>,
+    /// Half-spectrum to real.
+    pub inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+impl std::fmt::Debug for RealFft {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "RealFft({})", self.forward.len())
+    }
+}
+
+impl RealFft {
+    /// Plans of length `length`, taken from the process-wide cache. A length of 0 is planned as 1.
+    pub fn new(length: usize) -> Self {
+        static PLANNER: OnceLock<Mutex<RealFftPlanner<f64>>> = OnceLock::new();
+        let planner = PLANNER.get_or_init(|| Mutex::new(RealFftPlanner::new()));
+        // A panic while planning leaves the cache usable: it only ever gains finished plans.
+        let mut planner = planner.lock().unwrap_or_else(PoisonError::into_inner);
+        let length = length.max(1);
+        Self { forward: planner.plan_fft_forward(length), inverse: planner.plan_fft_inverse(length) }
+    }
+
+    /// Length of the real side.
+    pub fn len(&self) -> usize {
+        self.forward.len()
+    }
+
+    /// Never: plans have at least length 1.
+    pub fn is_empty(&self) -> bool {
+        false
+    }
+}
+
+/// The smallest even 2ᵃ3ᵇ5ᶜ ≥ `at_least` (at least 2); saturates at the largest such number.
+pub fn fast_length(at_least: usize) -> usize {
+    let at_least = at_least.max(2);
+    let mut best = at_least.checked_next_power_of_two().unwrap_or(1 << (usize::BITS - 1));
+    let mut fives = 1usize;
+    while fives < best {
+        let mut threes = fives;
+        while threes < best {
+            let mut candidate = threes.saturating_mul(2);
+            while candidate < at_least {
+                candidate = candidate.saturating_mul(2);
+            }
+            best = best.min(candidate);
+            threes = threes.saturating_mul(3);
+        }
+        fives = fives.saturating_mul(5);
+    }
+    best
+}
