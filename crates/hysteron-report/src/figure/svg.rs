@@ -1,0 +1,236 @@
+//! Writes a laid-out figure as SVG.
+//!
+//! Colours stand as presentation attributes (so that any converter draws them) and as classes (so that a page
+//! can replace them on a dark background). A drawing for a page also carries its data in `data-` attributes;
+//! `assets/zoom.js` reads them and redraws axes and curves.
+
+use super::curves::{self, Swatch};
+use super::layout::{
+    Layout, LegendEntry, PANEL_TITLE, PlacedAxis, PlacedPanel, SMALL, SWATCH, TITLE, layout,
+};
+use super::text::{FONT_FAMILY, fit, number, width};
+use super::{Figure, Panel, Scale};
+use crate::escape::escape;
+
+/// What the drawing is for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Use<'a> {
+    /// A file of its own.
+    StandAlone,
+    /// An element of a page; `id` makes its references unique there.
+    Inline { id: &'a str },
+}
+
+impl Use<'_> {
+    fn id(&self) -> &str {
+        match self {
+            Self::StandAlone => "figure",
+            Self::Inline { id } => id,
+        }
+    }
+
+    fn interactive(&self) -> bool {
+        matches!(self, Self::Inline { .. })
+    }
+}
+
+/// The SVG of a figure.
+pub(crate) fn draw(figure: &Figure, purpose: Use<'_>) -> String {
+    let plan = layout(figure);
+    let mut out = String::new();
+    let (w, h) = (number(plan.width), number(plan.height));
+    put!(out, "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\"");
+    match purpose {
+        Use::StandAlone => {
+            put!(out, " width=\"{w}\" height=\"{h}\"");
+        }
+        Use::Inline { .. } => {
+            put!(
+                out,
+                " class=\"figure\" role=\"img\"{}",
+                if figure.linked_x { " data-link=\"x\"" } else { "" }
+            );
+        }
+    }
+    put!(out, " font-family=\"{FONT_FAMILY}\" font-size=\"{SMALL}\" fill=\"#1b1f23\">");
+    put!(out, "<title>{}</title>", escape(&figure.title));
+    if !figure.caption.is_empty() && !purpose.interactive() {
+        put!(out, "<desc>{}</desc>", escape(&figure.caption));
+    }
+    if !purpose.interactive() {
+        out.push_str("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>");
+    }
+    heading(&mut out, &plan);
+    for entry in &plan.legend {
+        legend_entry(&mut out, entry);
+    }
+    for (index, (panel, placed)) in figure.panels.iter().zip(&plan.panels).enumerate() {
+        draw_panel(&mut out, panel, placed, &format!("{}-{index}", purpose.id()), purpose.interactive());
+    }
+    out.push_str("</svg>");
+    out
+}
+
+fn heading(out: &mut String, plan: &Layout) {
+    if !plan.title.is_empty() {
+        let (y, title) = (number(plan.title_y), escape(&plan.title));
+        put!(
+            out,
+            "<text class=\"t\" x=\"12\" y=\"{y}\" font-size=\"{TITLE}\" font-weight=\"600\">{title}</text>"
+        );
+    }
+    if !plan.subtitle.is_empty() {
+        let (y, text) = (number(plan.subtitle_y), escape(&plan.subtitle));
+        put!(out, "<text class=\"t2\" x=\"12\" y=\"{y}\" fill=\"#5b646c\">{text}</text>");
+    }
+}
+
+fn legend_entry(out: &mut String, entry: &LegendEntry) {
+    let y = entry.y - 4.0;
+    curves::swatch(out, &Swatch { sample: entry.sample, x: entry.x, y, length: SWATCH });
+    let (x, y, label) = (number(entry.x + SWATCH + 6.0), number(entry.y), escape(&entry.label));
+    put!(out, "<text class=\"t\" x=\"{x}\" y=\"{y}\">{label}</text>");
+}
+
+/// The attribute by which the script knows an axis: scale, limits, label exponent, tick limit, labels shown.
+fn axis_data(axis: &PlacedAxis, labels: bool) -> String {
+    let scale = if axis.scale == Scale::Log { "log" } else { "lin" };
+    let (low, high, e, limit) = (axis.low, axis.high, axis.ticks.exponent, axis.limit);
+    format!("{scale} {low:e} {high:e} {e} {limit} {}", u8::from(labels))
+}
+
+fn draw_panel(out: &mut String, panel: &Panel, placed: &PlacedPanel, id: &str, interactive: bool) {
+    let f = placed.frame;
+    let zoomable = interactive && placed.has_data && !placed.x.categorical && !curves::has_bars(panel);
+    let [x, y, w, h] = [f.x, f.y, f.w, f.h].map(number);
+    out.push_str("<g class=\"panel\"");
+    if zoomable {
+        let (ax, ay) = (axis_data(&placed.x, placed.show_x_labels), axis_data(&placed.y, true));
+        put!(out, " data-frame=\"{x} {y} {w} {h}\" data-x=\"{ax}\" data-y=\"{ay}\"");
+    }
+    out.push('>');
+    put!(out, "<clipPath id=\"{id}c\"><rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/></clipPath>");
+    spans(out, panel, placed);
+    if placed.has_data {
+        axes(out, placed);
+        put!(out, "<g clip-path=\"url(#{id}c)\">");
+        curves::draw(out, panel, placed, zoomable);
+        out.push_str("</g>");
+    } else {
+        let (cx, cy) = (number(f.x + f.w / 2.0), number(f.y + f.h / 2.0 + 4.0));
+        put!(
+            out,
+            "<text class=\"t2\" x=\"{cx}\" y=\"{cy}\" fill=\"#5b646c\" text-anchor=\"middle\">no data</text>"
+        );
+    }
+    put!(
+        out,
+        "<rect class=\"frame\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"none\" stroke=\"#5b646c\"/>"
+    );
+    panel_texts(out, placed);
+    out.push_str("</g>");
+}
+
+/// Title, axis titles and legend of a panel.
+fn panel_texts(out: &mut String, placed: &PlacedPanel) {
+    let f = placed.frame;
+    if !placed.title.is_empty() {
+        let (x, y, title) = (number(f.x), number(placed.title_y), escape(&placed.title));
+        put!(
+            out,
+            "<text class=\"t\" x=\"{x}\" y=\"{y}\" font-size=\"{PANEL_TITLE}\" font-weight=\"600\">{title}</text>"
+        );
+    }
+    if placed.show_x_labels && !placed.x.title.is_empty() {
+        let (x, y) = (number(f.x + f.w / 2.0), number(f.y + f.h + 36.0));
+        let title = escape(&fit(&placed.x.title, SMALL, f.w + 40.0));
+        put!(out, "<text class=\"t\" x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{title}</text>");
+    }
+    if !placed.y.title.is_empty() {
+        let (x, y) = (number(placed.y_title_x), number(f.y + f.h / 2.0));
+        let title = escape(&fit(&placed.y.title, SMALL, f.h + 30.0));
+        put!(
+            out,
+            "<text class=\"t\" transform=\"translate({x} {y}) rotate(-90)\" text-anchor=\"middle\">{title}</text>"
+        );
+    }
+    for entry in &placed.legend {
+        legend_entry(out, entry);
+    }
+}
+
+/// Grid, tick marks and tick labels. The script replaces the content of the groups `grid`, `tx` and `ty`.
+fn axes(out: &mut String, placed: &PlacedPanel) {
+    let f = placed.frame;
+    let at_x = |value: f64| f.x + placed.x.fraction(value) * f.w;
+    let at_y = |value: f64| f.y + f.h - placed.y.fraction(value) * f.h;
+    let (mut grid, mut faint, mut marks) = (String::new(), String::new(), String::new());
+    let vertical = |path: &mut String, value: f64, from: f64, to: f64| {
+        put!(path, "M{} {}V{}", number(at_x(value)), number(from), number(to));
+    };
+    let horizontal = |path: &mut String, value: f64, from: f64, to: f64| {
+        put!(path, "M{} {}H{}", number(from), number(at_y(value)), number(to));
+    };
+    let bottom = f.y + f.h;
+    for value in &placed.x.ticks.major {
+        if !placed.x.categorical {
+            vertical(&mut grid, *value, f.y, bottom);
+            vertical(&mut marks, *value, bottom, bottom + 5.0);
+        }
+    }
+    for value in &placed.x.ticks.minor {
+        vertical(&mut faint, *value, f.y, bottom);
+        vertical(&mut marks, *value, bottom, bottom + 3.0);
+    }
+    for value in &placed.y.ticks.major {
+        horizontal(&mut grid, *value, f.x, f.x + f.w);
+        horizontal(&mut marks, *value, f.x - 5.0, f.x);
+    }
+    for value in &placed.y.ticks.minor {
+        horizontal(&mut faint, *value, f.x, f.x + f.w);
+        horizontal(&mut marks, *value, f.x - 3.0, f.x);
+    }
+    put!(
+        out,
+        "<path class=\"minor\" d=\"{faint}\" stroke=\"#eff1f3\" fill=\"none\"/>\
+         <path class=\"grid\" d=\"{grid}\" stroke=\"#dde1e5\" fill=\"none\"/>\
+         <path class=\"marks\" d=\"{marks}\" stroke=\"#5b646c\" fill=\"none\"/>"
+    );
+    out.push_str("<g class=\"t tx\" text-anchor=\"middle\">");
+    if placed.show_x_labels {
+        let y = number(bottom + 18.0);
+        let mut free_from = f64::NEG_INFINITY;
+        for (value, label) in placed.x.ticks.major.iter().zip(&placed.x.ticks.labels) {
+            let (x, half) = (at_x(*value), width(label, SMALL) / 2.0);
+            if x - half >= free_from {
+                put!(out, "<text x=\"{}\" y=\"{y}\">{}</text>", number(x), escape(label));
+                free_from = x + half + 4.0;
+            }
+        }
+    }
+    out.push_str("</g><g class=\"t ty\" text-anchor=\"end\">");
+    for (value, label) in placed.y.ticks.major.iter().zip(&placed.y.ticks.labels) {
+        let (x, y) = (number(f.x - 8.0), number(at_y(*value) + 4.2));
+        put!(out, "<text x=\"{x}\" y=\"{y}\">{}</text>", escape(label));
+    }
+    out.push_str("</g>");
+}
+
+/// Shaded stretches of the x axis, behind everything.
+fn spans(out: &mut String, panel: &Panel, placed: &PlacedPanel) {
+    let f = placed.frame;
+    for span in &panel.spans {
+        let (a, b) = (placed.x.fraction(span.from), placed.x.fraction(span.to));
+        let (a, b) = (a.clamp(0.0, 1.0), b.clamp(0.0, 1.0));
+        if a.is_nan() || b.is_nan() || b <= a {
+            continue;
+        }
+        let (ta, tb) = (placed.x.transform(span.from), placed.x.transform(span.to));
+        let [x, y, w, h] = [f.x + a * f.w, f.y, (b - a) * f.w, f.h].map(number);
+        put!(
+            out,
+            "<g class=\"span\" data-span=\"{ta:e} {tb:e}\">\
+             <rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"#eceff2\"/></g>"
+        );
+    }
+}

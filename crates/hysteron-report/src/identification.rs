@@ -1,0 +1,372 @@
+//! The report of an identification: what was measured, what was found, how good it is, how to repeat it.
+//!
+//! [`IdentificationReportData`] is plain data that the command line fills; [`identification_report`] lays it out.
+
+use crate::figure::{
+    Axis, Colour, ConvergenceCurve, Figure, FrequencyResponseCurve, Style, convergence, frequency_response,
+    measured_and_model, residual,
+};
+use crate::number::{significant, with_std_error};
+use crate::page::{Block, Column, Highlight, Page, Row, Section, Table};
+
+/// Everything the report of an identification shows. Empty parts are left out of the page.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct IdentificationReportData {
+    /// Name of the model, e.g. the stem of its file.
+    pub model_name: String,
+    /// One line under the title: model family, how identified.
+    pub summary: String,
+    /// Whether the records come from a simulated bench; said in every figure.
+    pub simulated: bool,
+    /// The few numbers that sum the result up (RMSE, % of stroke, loop opening …).
+    pub highlights: Vec<Highlight>,
+    /// Warnings in plain words, shown first.
+    pub warnings: Vec<String>,
+    /// What the records can not determine, in plain words.
+    pub limits: Vec<String>,
+    /// Model equations, one line each, in plain text.
+    pub equations: Vec<String>,
+    /// Parameters in the order of the model.
+    pub parameters: Vec<ParameterRow>,
+    /// Verdicts about the model: loop sense, admissibility, stability; name and statement.
+    pub verdicts: Vec<(String, String)>,
+    /// Scores, one row a record.
+    pub scores: Vec<ScoreRow>,
+    /// Definition of every score, one sentence each.
+    pub score_definitions: Vec<String>,
+    /// What was done to the data, in order.
+    pub preparation: Vec<String>,
+    /// Records with their simulation.
+    pub records: Vec<RecordCurves>,
+    /// Convergence of the search, a curve for each step or optimiser; one run each is usual here.
+    pub convergence: Vec<ConvergenceCurve>,
+    /// Unit of the objective, for the convergence plot.
+    pub objective_unit: String,
+    /// Name and unit of the convergence abscissa, e.g. `generation`.
+    pub convergence_x_label: String,
+    /// Frequency response of the dynamic block, if it has one.
+    pub frequency_response: Vec<FrequencyResponseCurve>,
+    /// Unit of the magnitude of the response.
+    pub magnitude_unit: String,
+    /// Correlation of the estimated parameters: names and the square matrix, row by row.
+    pub correlation: Option<(Vec<String>, Vec<Vec<f64>>)>,
+    /// Where the model comes from: records with hash, options, seed, program version; name and value.
+    pub provenance: Vec<(String, String)>,
+    /// Command lines that give the same result again.
+    pub commands: Vec<String>,
+    /// Small print at the end of the page.
+    pub footer: Vec<String>,
+}
+
+/// One parameter of the model.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ParameterRow {
+    /// Block it belongs to, e.g. `hysteresis`.
+    pub block: String,
+    /// Symbol, e.g. `β`.
+    pub symbol: String,
+    /// What it is, in words.
+    pub meaning: String,
+    /// Value.
+    pub value: f64,
+    /// Unit; empty for a pure number.
+    pub unit: String,
+    /// Standard error in the same unit, where it was estimated.
+    pub std_error: Option<f64>,
+    /// How it came about when it was not estimated (`fixed`, `at its bound` …); may be empty.
+    pub note: String,
+}
+
+/// Scores of one record.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ScoreRow {
+    /// Record.
+    pub record: String,
+    /// `fitted` or `held out`.
+    pub role: String,
+    /// Samples scored.
+    pub samples: usize,
+    /// Samples skipped at the start.
+    pub skipped: usize,
+    /// Unit of the output.
+    pub unit: String,
+    /// Root mean square error \[unit\].
+    pub rmse: f64,
+    /// Largest absolute error \[unit\].
+    pub max_abs_error: f64,
+    /// RMSE over stroke \[%\].
+    pub rmse_percent_of_stroke: f64,
+    /// Largest error over stroke \[%\].
+    pub max_percent_of_stroke: f64,
+    /// 100 (1 − ‖y−ŷ‖/‖y−ȳ‖) \[%\].
+    pub fit_percent: f64,
+}
+
+/// One record with the model's simulation, all of the same length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RecordCurves {
+    /// Name, e.g. the file.
+    pub name: String,
+    /// `fitted` or `held out`.
+    pub role: String,
+    /// Time \[s\].
+    pub time_s: Vec<f64>,
+    /// Name and unit of the input, e.g. `("voltage", "V")`.
+    pub input: (String, String),
+    /// Input values.
+    pub u: Vec<f64>,
+    /// Name and unit of the output, e.g. `("displacement", "µm")`.
+    pub output: (String, String),
+    /// Measured output.
+    pub measured: Vec<f64>,
+    /// Simulated output.
+    pub model: Vec<f64>,
+    /// Whether a sample was used; empty means all. Unused samples are not drawn.
+    pub valid: Vec<bool>,
+    /// Time up to which samples were skipped in the scores \[s\]; 0 for none.
+    pub skipped_until_s: f64,
+}
+
+impl RecordCurves {
+    /// The values of valid samples, NaN elsewhere.
+    fn masked(&self, values: &[f64]) -> Vec<f64> {
+        let used = |k: usize| self.valid.is_empty() || self.valid.get(k).copied().unwrap_or(false);
+        values.iter().enumerate().map(|(k, v)| if used(k) { *v } else { f64::NAN }).collect()
+    }
+
+    fn x_axis(&self) -> Axis {
+        Axis::linear(&self.input.0, &self.input.1)
+    }
+
+    fn y_axis(&self) -> Axis {
+        Axis::linear(&self.output.0, &self.output.1)
+    }
+
+    /// The loop, measured and model.
+    pub fn loop_figure(&self) -> Figure {
+        let (measured, model) = (self.masked(&self.measured), self.masked(&self.model));
+        Figure::new(format!("Hysteresis loop: {}", self.name))
+            .panel(measured_and_model(self.x_axis(), self.y_axis(), &self.u, &measured, &model))
+            .panel_height(380.0)
+            .captioned(format!(
+                "Measured and simulated {} over {} of record {}. Drag to zoom, double-click to reset.",
+                self.output.0, self.input.0, self.name
+            ))
+    }
+
+    /// Input, output and residual over time, on one time axis.
+    pub fn time_figure(&self) -> Figure {
+        use crate::figure::{Panel, Series};
+        let (measured, model) = (self.masked(&self.measured), self.masked(&self.model));
+        let time = || Axis::linear("time", "s");
+        let input = Panel::new(time(), self.x_axis()).series(Series::line(
+            "",
+            self.time_s.clone(),
+            self.u.clone(),
+            Style::line(Colour::Grey).with_width(1.2),
+        ));
+        let mut output = measured_and_model(time(), self.y_axis(), &self.time_s, &measured, &model);
+        let mut error = residual(time(), &self.output.1, &self.time_s, &measured, &model);
+        if let (Some(first), true) = (self.time_s.first(), self.skipped_until_s > 0.0) {
+            output = output.span(*first, self.skipped_until_s, "not scored");
+            error = error.span(*first, self.skipped_until_s, "");
+        }
+        Figure::new(format!("Time curves: {}", self.name))
+            .panel(input)
+            .panel(output)
+            .panel(error)
+            .panel_height(150.0)
+            .link_x()
+            .captioned(format!(
+                "Input, measured and simulated output, and residual (measured − model) of record {}.",
+                self.name
+            ))
+    }
+}
+
+/// Lays out the report of an identification.
+pub fn identification_report(data: &IdentificationReportData) -> Page {
+    let mut overview = Section::new("");
+    if !data.highlights.is_empty() {
+        overview = overview.block(Block::Highlights(data.highlights.clone()));
+    }
+    if data.simulated {
+        overview = overview.block(Block::info("The records of this report come from a simulated bench."));
+    }
+    overview = overview.blocks(data.warnings.iter().map(Block::warning));
+
+    let mut page = Page::new(&data.model_name).subtitled(&data.summary).section(overview);
+    page = page.section(scores(data)).section(loops(data)).section(model(data)).section(dynamics(data));
+    page = page.section(search(data)).section(data_section(data)).section(repeat(data));
+    page.footer = data.footer.clone();
+    page
+}
+
+fn scores(data: &IdentificationReportData) -> Section {
+    let mut section = Section::new("How good it is");
+    if !data.scores.is_empty() {
+        let unit = data.scores.first().map(|s| s.unit.clone()).unwrap_or_default();
+        let one_unit = data.scores.iter().all(|s| s.unit == unit);
+        let header_unit = if one_unit { unit } else { String::new() };
+        let mut columns = vec![
+            Column::text("record"),
+            Column::text("used as"),
+            Column::number("samples", ""),
+            Column::number("skipped", ""),
+            Column::number("RMSE", &header_unit),
+            Column::number("max |error|", &header_unit),
+            Column::number("RMSE", "% of stroke"),
+            Column::number("max", "% of stroke"),
+            Column::number("fit", "%"),
+        ];
+        if !one_unit {
+            columns.push(Column::text("unit"));
+        }
+        let mut table = Table::new(columns);
+        for s in &data.scores {
+            let mut cells = vec![
+                s.record.clone(),
+                s.role.clone(),
+                s.samples.to_string(),
+                s.skipped.to_string(),
+                significant(s.rmse, 3),
+                significant(s.max_abs_error, 3),
+                significant(s.rmse_percent_of_stroke, 3),
+                significant(s.max_percent_of_stroke, 3),
+                significant(s.fit_percent, 4),
+            ];
+            if !one_unit {
+                cells.push(s.unit.clone());
+            }
+            table = table.row(cells);
+        }
+        table.notes = data.score_definitions.clone();
+        section = section.block(table);
+    }
+    if !data.limits.is_empty() {
+        section = section.block(Block::Heading("What these records cannot tell".into()));
+        section = section.block(Block::List(data.limits.clone()));
+    }
+    section
+}
+
+fn loops(data: &IdentificationReportData) -> Section {
+    let mut section = Section::new("Measured and model");
+    let mark = |figure: Figure| if data.simulated { figure.subtitled("simulated bench") } else { figure };
+    for record in &data.records {
+        section = section.block(mark(record.loop_figure())).block(mark(record.time_figure()));
+    }
+    section
+}
+
+fn model(data: &IdentificationReportData) -> Section {
+    let mut section = Section::new("The model");
+    section = section.blocks(data.equations.iter().cloned().map(Block::Formula));
+    if !data.parameters.is_empty() {
+        let mut table = Table::new([
+            Column::text("block"),
+            Column::text("symbol"),
+            Column::text("meaning"),
+            Column::number("value", ""),
+            Column::number("std. error", ""),
+            Column::text("unit"),
+            Column::text("remark"),
+        ]);
+        let mut block = "";
+        for p in &data.parameters {
+            let (value, error) = with_std_error(p.value, p.std_error);
+            let shown = if p.block == block { String::new() } else { p.block.clone() };
+            block = &p.block;
+            table = table.row([
+                shown,
+                p.symbol.clone(),
+                p.meaning.clone(),
+                value,
+                error,
+                p.unit.clone(),
+                p.note.clone(),
+            ]);
+        }
+        section = section.block(table);
+    }
+    if !data.verdicts.is_empty() {
+        section = section.block(Block::KeyValues(data.verdicts.clone()));
+    }
+    if let Some((names, matrix)) = &data.correlation {
+        section = section
+            .block(Block::details("Correlation of the parameters", vec![correlation(names, matrix).into()]));
+    }
+    section
+}
+
+/// Lower triangle of a correlation matrix; entries of at least 0.95 stand out.
+fn correlation(names: &[String], matrix: &[Vec<f64>]) -> Table {
+    use crate::page::Cell;
+    let mut columns = vec![Column::text("")];
+    columns.extend(names.iter().map(|name| Column::number(name, "")));
+    let mut table = Table::new(columns)
+        .note("Entries of magnitude 0.95 and more are bold: those parameters can hardly be told apart by these records.");
+    for (i, (name, row)) in names.iter().zip(matrix).enumerate() {
+        let mut cells = vec![Cell::new(name)];
+        cells.extend(row.iter().take(i + 1).map(|r| {
+            let text = crate::figure::ticks::fixed(*r, 2);
+            if r.abs() >= 0.95 { Cell::strong(text) } else { Cell::new(text) }
+        }));
+        table.rows.push(Row { cells, highlight: false });
+    }
+    table
+}
+
+fn dynamics(data: &IdentificationReportData) -> Section {
+    let mut section = Section::new("Frequency response of the dynamics");
+    if !data.frequency_response.is_empty() {
+        let figure = frequency_response("Frequency response", &data.magnitude_unit, &data.frequency_response);
+        section = section.block(figure.captioned(
+            "Response of the linear block behind the hysteresis, delay included. It is not that of the whole actuator.",
+        ));
+    }
+    section
+}
+
+fn search(data: &IdentificationReportData) -> Section {
+    let mut section = Section::new("How the search went");
+    if !data.convergence.is_empty() {
+        let x_label = if data.convergence_x_label.is_empty() {
+            "generation"
+        } else {
+            data.convergence_x_label.as_str()
+        };
+        let figure = convergence(
+            "Convergence",
+            x_label,
+            Axis::log("best objective so far", &data.objective_unit),
+            &data.convergence,
+        );
+        let spread = data.convergence.iter().any(|c| c.runs.len() > 1);
+        section = section.block(figure.captioned(if spread {
+            "Best objective so far: median over the runs, quartiles shaded."
+        } else {
+            "Best objective so far."
+        }));
+    }
+    section
+}
+
+fn data_section(data: &IdentificationReportData) -> Section {
+    let mut section = Section::new("What was done to the data");
+    if !data.preparation.is_empty() {
+        section = section.block(Block::List(data.preparation.clone()));
+    }
+    section
+}
+
+fn repeat(data: &IdentificationReportData) -> Section {
+    let mut section = Section::new("How to repeat it");
+    if !data.commands.is_empty() {
+        section = section.block(Block::Code(data.commands.join("\n")));
+    }
+    if !data.provenance.is_empty() {
+        section = section.block(Block::KeyValues(data.provenance.clone()));
+    }
+    section
+}

@@ -1,0 +1,105 @@
+//! Numbers for tables: significant digits, standard errors, powers of ten.
+
+use crate::figure::ticks::{fixed, superscript};
+
+/// Exponents of ten outside of which a number is written as m × 10ⁿ.
+const PLAIN: std::ops::RangeInclusive<i32> = -4..=6;
+
+/// `value` with `digits` significant digits: `0.0123`, `12.3`, `5.26 × 10⁷`; `—` when it is not finite.
+///
+/// Digits before the decimal point are never rounded away below 10⁷: 12 345 with three digits is `12 345`.
+///
+/// ```
+/// use hysteron_report::number::significant;
+/// assert_eq!(significant(0.0123456, 3), "0.0123");
+/// assert_eq!(significant(-1.5e-9, 2), "−1.5 × 10⁻⁹");
+/// ```
+pub fn significant(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "—".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = digits.clamp(1, 17);
+    // Rounded first, so that 9.996 with three digits counts as 10.0.
+    let exponent = rounded_exponent(value, digits);
+    if PLAIN.contains(&exponent) {
+        fixed(value, (digits as i32 - 1 - exponent).max(0) as usize)
+    } else {
+        power(value, exponent, digits - 1)
+    }
+}
+
+/// `value` and its standard error, both to the digit that the error's two leading digits reach.
+///
+/// Without an error (or with one that is not positive and finite) the value has five significant digits and
+/// the error is an empty text.
+///
+/// ```
+/// use hysteron_report::number::with_std_error;
+/// assert_eq!(with_std_error(12.34567, Some(0.0234)), ("12.346".into(), "0.023".into()));
+/// assert_eq!(with_std_error(2.0, None), ("2.0000".into(), String::new()));
+/// ```
+pub fn with_std_error(value: f64, std_error: Option<f64>) -> (String, String) {
+    let error = match std_error {
+        Some(error) if error.is_finite() && error > 0.0 && value.is_finite() => error,
+        _ => return (significant(value, 5), String::new()),
+    };
+    let last = rounded_exponent(error, 2) - 1;
+    let top = if value == 0.0 { last } else { rounded_exponent(value, 17).max(last) };
+    if PLAIN.contains(&top) && last >= -12 {
+        let decimals = (-last).max(0) as usize;
+        return (fixed(value, decimals), significant(error, 2));
+    }
+    let digits = (top - last).clamp(0, 15) as usize;
+    (power(value, top, digits), significant(error, 2))
+}
+
+/// Decimal exponent of `value` after rounding to `digits` significant digits.
+fn rounded_exponent(value: f64, digits: usize) -> i32 {
+    let text = format!("{:.*e}", digits.saturating_sub(1), value);
+    text.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)
+}
+
+/// m × 10ⁿ with `decimals` digits after the point of m.
+fn power(value: f64, exponent: i32, decimals: usize) -> String {
+    let text = format!("{value:.17e}");
+    let shift = text.split_once('e').and_then(|(_, e)| e.parse::<i32>().ok()).unwrap_or(0) - exponent;
+    let mantissa = text.split_once('e').and_then(|(m, _)| m.parse::<f64>().ok()).unwrap_or(0.0);
+    format!("{} × 10{}", fixed(mantissa * 10f64.powi(shift), decimals), superscript(exponent))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_the_digits_that_matter() {
+        for (value, digits, expected) in [
+            (0.0, 3, "0"),
+            (9.996, 3, "10.0"),
+            (12345.0, 3, "12\u{2009}345"),
+            (5.2589e6, 5, "5\u{2009}258\u{2009}900"),
+            (5.2589e8, 5, "5.2589 × 10⁸"),
+            (-0.00012, 2, "−0.00012"),
+            (1e-300, 2, "1.0 × 10⁻³⁰⁰"),
+            (f64::MAX, 2, "1.8 × 10³⁰⁸"),
+            (f64::NAN, 2, "—"),
+            (f64::INFINITY, 2, "—"),
+        ] {
+            assert_eq!(significant(value, digits), expected);
+        }
+    }
+
+    #[test]
+    fn a_value_ends_where_its_error_ends() {
+        assert_eq!(with_std_error(-1.2039, Some(0.00096)), ("−1.20390".into(), "0.00096".into()));
+        assert_eq!(
+            with_std_error(5.4955e9, Some(1.2e6)),
+            ("5.4955 × 10⁹".into(), "1\u{2009}200\u{2009}000".into())
+        );
+        assert_eq!(with_std_error(0.0, Some(0.1)), ("0.00".into(), "0.10".into()));
+        assert_eq!(with_std_error(1.5, Some(f64::NAN)), ("1.5000".into(), String::new()));
+    }
+}
