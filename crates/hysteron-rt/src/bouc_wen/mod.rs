@@ -1,0 +1,296 @@
+//! Bouc–Wen operator, one monotone move at a time.
+
+mod error;
+mod linear;
+mod power;
+mod quadratic;
+
+pub use error::{ParameterError, SimulateError, StepError};
+
+use crate::dual::Dual;
+use crate::real::{Real, Scalar};
+
+/// Parameters of the Bouc–Wen operator ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ, n ≥ 1 (article Eq. 1).
+///
+/// Between two samples u moves monotonically, so z obeys dz/du = α − β s z|z|ⁿ⁻¹ − γ |z|ⁿ with s = sign Δu and depends
+/// on the two voltages alone. n = 1 is solved by exponentials, n = 2 by tanh or tan, any other n by Taylor series to
+/// the last place; each is split where z passes 0.
+///
+/// Units: u in V, z in µm; α µm/V, β and γ µm^(1−n)/V. Any other consistent set will do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoucWen<T> {
+    alpha: T,
+    beta: T,
+    gamma: T,
+    n: T,
+    law: Law,
+}
+
+/// Which closed form applies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Law {
+    Linear,
+    Quadratic,
+    Power,
+}
+
+/// Where the operator stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoucWenState<T> {
+    /// Present voltage \[V\].
+    pub u: T,
+    /// Present hysteretic displacement \[µm\].
+    pub z: T,
+}
+
+/// End of a leg on which z keeps its sign.
+enum Leg<S> {
+    /// |z| at the end of the distance.
+    End(S),
+    /// z reached 0 with this much of the distance left.
+    Zero { rest: S },
+}
+
+impl<T: Real> BoucWen<T> {
+    /// The operator with these parameters; no restriction but finite and n ≥ 1 (an inadmissible set may make
+    /// [`Self::step`] fail later).
+    ///
+    /// # Errors
+    /// [`ParameterError`] where a parameter is not finite or n < 1.
+    pub fn new(alpha: T, beta: T, gamma: T, n: T) -> Result<Self, ParameterError<T>> {
+        for (name, value) in [("alpha", alpha), ("beta", beta), ("gamma", gamma), ("n", n)] {
+            if !value.is_finite() {
+                return Err(ParameterError::NotFinite { name, value });
+            }
+        }
+        if n < T::of(1.0) {
+            return Err(ParameterError::Exponent { n });
+        }
+        let law = if n == T::of(1.0) {
+            Law::Linear
+        } else if n == T::of(2.0) {
+            Law::Quadratic
+        } else {
+            Law::Power
+        };
+        Ok(Self { alpha, beta, gamma, n, law })
+    }
+
+    /// The unit-α form ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ, with β' = β|α|ⁿ⁻¹, γ' = sign(α) γ |α|ⁿ⁻¹.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn unit(beta: T, gamma: T, n: T) -> Result<Self, ParameterError<T>> {
+        Self::new(T::of(1.0), beta, gamma, n)
+    }
+
+    /// α.
+    pub fn alpha(&self) -> T {
+        self.alpha
+    }
+
+    /// β.
+    pub fn beta(&self) -> T {
+        self.beta
+    }
+
+    /// γ.
+    pub fn gamma(&self) -> T {
+        self.gamma
+    }
+
+    /// n.
+    pub fn n(&self) -> T {
+        self.n
+    }
+
+    /// Moves `state` monotonically to `u_next` and returns the new z. On an error the state is left as it was.
+    ///
+    /// # Errors
+    /// [`StepError`]: a number that is not finite, or z unbounded within the move (inadmissible parameters only).
+    #[inline]
+    pub fn step(&self, state: &mut BoucWenState<T>, u_next: T) -> Result<T, StepError<T>> {
+        if !u_next.is_finite() || !state.u.is_finite() {
+            return Err(StepError::NotFinite);
+        }
+        let z = self.advance(state.z, u_next - state.u)?;
+        *state = BoucWenState { u: u_next, z };
+        Ok(z)
+    }
+
+    /// z after a monotone move by `du` from `z`.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    #[inline]
+    pub fn advance(&self, z: T, du: T) -> Result<T, StepError<T>> {
+        self.finite(advance(self.law, (self.alpha, self.beta, self.gamma, self.n), z, du)?, z)
+    }
+
+    /// As [`Self::advance`], with the derivatives of z with respect to β and γ carried along (`z.partials`): exact
+    /// closed forms for n = 1 and 2. In the unit-α form these are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn advance_with_shape(&self, z: Dual<T, 2>, du: T) -> Result<Dual<T, 2>, StepError<T>> {
+        let [zero, one] = [T::of(0.0), T::of(1.0)];
+        let parameters = (
+            Dual::constant(self.alpha),
+            Dual { value: self.beta, partials: [one, zero] },
+            Dual { value: self.gamma, partials: [zero, one] },
+            Dual::constant(self.n),
+        );
+        self.finite(advance(self.law, parameters, z, du)?, z)
+    }
+
+    /// As [`Self::advance`], with the derivatives of z with respect to β, γ and n carried along (`z.partials`). The
+    /// derivative with respect to n has no closed form, so that every n goes through the series.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn advance_with_sensitivities(&self, z: Dual<T, 3>, du: T) -> Result<Dual<T, 3>, StepError<T>> {
+        let [zero, one] = [T::of(0.0), T::of(1.0)];
+        let parameters = (
+            Dual::constant(self.alpha),
+            Dual { value: self.beta, partials: [one, zero, zero] },
+            Dual { value: self.gamma, partials: [zero, one, zero] },
+            Dual { value: self.n, partials: [zero, zero, one] },
+        );
+        self.finite(advance(Law::Power, parameters, z, du)?, z)
+    }
+
+    /// z along the voltages `u` into `out` (same length), from `state`, which ends at the last sample: what
+    /// [`Self::step`] gives sample by sample, faster for n = 1.
+    ///
+    /// # Errors
+    /// [`SimulateError`]: lengths that differ, or the sample and the [`StepError`] it failed with; `out` is then
+    /// filled up to that sample and `state` left as it was.
+    pub fn simulate(
+        &self,
+        state: &mut BoucWenState<T>,
+        u: &[T],
+        out: &mut [T],
+    ) -> Result<(), SimulateError<T>> {
+        self.simulate_every(1, state, u, out)
+    }
+
+    /// As [`Self::simulate`] on a finer time base: `out[k]` is z at `u[k * factor]`; u is followed to its end.
+    /// `out` has ⌈len u / factor⌉ samples.
+    ///
+    /// # Errors
+    /// As [`Self::simulate`]; the sample named is the one of `u`. A factor of 0 is one of the lengths that differ.
+    pub fn simulate_every(
+        &self,
+        factor: usize,
+        state: &mut BoucWenState<T>,
+        u: &[T],
+        out: &mut [T],
+    ) -> Result<(), SimulateError<T>> {
+        let expected = if factor == 0 { 0 } else { u.len().div_ceil(factor) };
+        if out.len() != expected || (factor == 0 && !u.is_empty()) {
+            return Err(SimulateError::Lengths { expected, found: out.len() });
+        }
+        let Some(&u_end) = u.last() else { return Ok(()) };
+        let start = *state;
+        if self.law == Law::Linear && start.u.is_finite() && u.iter().all(|u| u.is_finite()) {
+            let parameters = (self.alpha, self.beta, self.gamma);
+            let z_end = if factor == 1 {
+                let mut slots = out.iter_mut();
+                linear::run(parameters, (start.u, start.z), u, |z| {
+                    if let Some(slot) = slots.next() {
+                        *slot = z;
+                    }
+                })
+            } else {
+                let mut slots = out.iter_mut();
+                let mut until = 0;
+                linear::run(parameters, (start.u, start.z), u, |z| {
+                    if until == 0 {
+                        until = factor;
+                        if let Some(slot) = slots.next() {
+                            *slot = z;
+                        }
+                    }
+                    until -= 1;
+                })
+            };
+            // Once z is not finite it stays so; the loop below then finds where.
+            if z_end.is_finite() {
+                *state = BoucWenState { u: u_end, z: z_end };
+                return Ok(());
+            }
+        }
+        let mut slots = out.iter_mut();
+        let mut now = start;
+        let mut until = 0;
+        for (index, &u_next) in u.iter().enumerate() {
+            let z = self.step(&mut now, u_next).map_err(|cause| SimulateError::Step { index, cause })?;
+            if until == 0 {
+                until = factor;
+                if let Some(slot) = slots.next() {
+                    *slot = z;
+                }
+            }
+            until -= 1;
+        }
+        *state = now;
+        Ok(())
+    }
+
+    /// `end` where every number in it is finite.
+    #[inline(always)]
+    fn finite<S: Scalar<Real = T>>(&self, end: S, start: S) -> Result<S, StepError<T>> {
+        if end.magnitude().is_finite() {
+            Ok(end)
+        } else if start.magnitude().is_finite() {
+            Err(StepError::Overflow)
+        } else {
+            Err(StepError::NotFinite)
+        }
+    }
+}
+
+/// z after a monotone move by `du`; parameters are (α, β, γ, n).
+#[inline]
+fn advance<S: Scalar>(
+    law: Law,
+    (alpha, beta, gamma, n): (S, S, S, S),
+    z: S,
+    du: S::Real,
+) -> Result<S, StepError<S::Real>> {
+    if law == Law::Linear {
+        return Ok(linear::advance(alpha, beta, gamma, z, du));
+    }
+    let zero = S::Real::of(0.0);
+    if du == zero {
+        return Ok(z);
+    }
+    let leg = |a: S, kappa: S, w: S, h: S| match law {
+        Law::Quadratic => quadratic::leg(a, kappa, w, h),
+        _ => power::leg(a, kappa, n, w, h),
+    };
+    // dz/d|u| = sα − (sign z) κ |z|ⁿ with κ = β + (s sign z) γ.
+    let down = du < zero;
+    let rise = if down { -alpha } else { alpha };
+    let lead = if z.value() == zero { rise.value() } else { z.value() };
+    let negative = lead < zero;
+    let mirror = |x: S| if negative { -x } else { x };
+    let kappa = if down == negative { beta + gamma } else { beta - gamma };
+    let distance = du.abs();
+    let signed = |after: S::Real| if down { -after } else { after };
+    let rest = match leg(mirror(rise), kappa, mirror(z), S::constant(distance)) {
+        Ok(Leg::End(w)) => return Ok(mirror(w)),
+        Ok(Leg::Zero { rest }) => rest,
+        Err(StepError::BlowUp { after }) => return Err(StepError::BlowUp { after: signed(after) }),
+        Err(error) => return Err(error),
+    };
+    // From 0 on, z has the sign of the rise.
+    let (size, kappa) = if alpha.value() < zero { (-alpha, beta - gamma) } else { (alpha, beta + gamma) };
+    match leg(size, kappa, S::constant(zero), rest) {
+        Ok(Leg::End(w) | Leg::Zero { rest: w }) => Ok(if rise.value() < zero { -w } else { w }),
+        Err(StepError::BlowUp { after }) => {
+            Err(StepError::BlowUp { after: signed(distance - rest.value() + after) })
+        }
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,135 @@
+//! Forward-mode derivatives: a value with its P first derivatives.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::real::{Real, Scalar, sealed};
+
+/// A value and its derivatives with respect to P parameters (dual number of P infinitesimals).
+///
+/// Arithmetic follows the chain rule exactly, so a step computed in duals returns the derivatives of the numbers it
+/// returns, across zero crossings of z included. Source: A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM
+/// 2008, ch. 3, doi:10.1137/1.9780898717761.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual<T, const P: usize> {
+    /// The value.
+    pub value: T,
+    /// ∂value/∂θ₁ … ∂value/∂θ_P.
+    pub partials: [T; P],
+}
+
+impl<T: Real, const P: usize> Dual<T, P> {
+    /// f(self) for a function with value `f` and derivative `slope` at `self.value`.
+    #[inline(always)]
+    fn chain(self, f: T, slope: T) -> Self {
+        Dual { value: f, partials: self.partials.map(|p| slope * p) }
+    }
+
+    /// `value` with derivatives `x` · `self.partials` + `y` · `other.partials`.
+    #[inline(always)]
+    fn join(self, other: Self, value: T, x: T, y: T) -> Self {
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = x * *p + y * q;
+        }
+        Dual { value, partials }
+    }
+}
+
+impl<T: Real, const P: usize> Add for Dual<T, P> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let mut partials = self.partials;
+        for (p, q) in partials.iter_mut().zip(other.partials) {
+            *p = *p + q;
+        }
+        Dual { value: self.value + other.value, partials }
+    }
+}
+
+impl<T: Real, const P: usize> Neg for Dual<T, P> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Dual { value: -self.value, partials: self.partials.map(|p| -p) }
+    }
+}
+
+impl<T: Real, const P: usize> Sub for Dual<T, P> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl<T: Real, const P: usize> Mul for Dual<T, P> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.join(other, self.value * other.value, other.value, self.value)
+    }
+}
+
+impl<T: Real, const P: usize> Div for Dual<T, P> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let quotient = self.value / other.value;
+        let inverse = T::of(1.0) / other.value;
+        self.join(other, quotient, inverse, -(quotient * inverse))
+    }
+}
+
+impl<T: Real, const P: usize> sealed::Sealed for Dual<T, P> {}
+
+impl<T: Real, const P: usize> Scalar for Dual<T, P> {
+    type Real = T;
+    #[inline(always)]
+    fn constant(value: T) -> Self {
+        Dual { value, partials: [T::of(0.0); P] }
+    }
+    #[inline(always)]
+    fn value(self) -> T {
+        self.value
+    }
+    #[inline]
+    fn magnitude(self) -> T {
+        self.partials.iter().fold(self.value.abs(), |sum, p| sum + p.abs())
+    }
+    #[inline(always)]
+    fn scale(self, factor: T) -> Self {
+        self.chain(self.value * factor, factor)
+    }
+    #[inline(always)]
+    fn shift(self, term: T) -> Self {
+        Dual { value: self.value + term, partials: self.partials }
+    }
+    fn exp(self) -> Self {
+        let e = self.value.exp();
+        self.chain(e, e)
+    }
+    fn ln_1p(self) -> Self {
+        self.chain(self.value.ln_1p(), T::of(1.0) / (T::of(1.0) + self.value))
+    }
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        self.chain(root, T::of(0.5) / root)
+    }
+    fn tan(self) -> Self {
+        let t = self.value.tan();
+        self.chain(t, T::of(1.0) + t * t)
+    }
+    fn tanh(self) -> Self {
+        let t = self.value.tanh();
+        self.chain(t, (T::of(1.0) - t) * (T::of(1.0) + t))
+    }
+    fn atan(self) -> Self {
+        self.chain(self.value.atan(), T::of(1.0) / (T::of(1.0) + self.value * self.value))
+    }
+    fn powf(self, exponent: Self) -> Self {
+        let power = self.value.powf(exponent.value);
+        let base_slope = exponent.value * (power / self.value);
+        self.join(exponent, power, base_slope, power * self.value.ln())
+    }
+}
