@@ -1,18 +1,246 @@
 //! The (improved) Bouc–Wen model, article Eq. 1.
+//!
+//! Sources: article Eq. 1; Y.-K. Wen, *J. Eng. Mech. Div. ASCE* 102 (1976) 249–263; the unit-α form and the bounded
+//! class after F. Ikhouane, J. Rodellar, *Systems with Hysteresis*, Wiley 2007, doi:10.1002/9780470513200.
+
+use super::{Admissibility, HysteresisError, Start};
+
+/// Where a Bouc–Wen operator stands: present voltage u \[V\] and hysteretic displacement z \[µm\].
+pub type BoucWenState = hysteron_rt::BoucWenState<f64>;
 
 /// Improved Bouc–Wen operator, article Eq. 1 with a polynomial of any degree:
 ///
 /// v = Σ_{i≥1} polynomial\[i−1\] uⁱ − z,  ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ,  n ≥ 1.
+///
+/// z is stepped exactly from sample to sample ([`hysteron_rt::BoucWen`]): the result does not depend on the sample
+/// rate as long as every turning point of u is a sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoucWen {
     /// Coefficients of u, u², … \[µm/V, µm/V², …\]; no constant term (the model's one offset is elsewhere).
     pub polynomial: Vec<f64>,
     /// Size of the loop \[µm/V\].
     pub alpha: f64,
-    /// Shape of the loop \[µm^(1−n)/V\].. of |u̇| z |z|ⁿ⁻¹.
+    /// Shape of the loop \[µm^(1−n)/V\], factor of |u̇| z |z|ⁿ⁻¹.
     pub beta: f64,
-    /// Shape of the loop, of u̇ |z|ⁿ; same unit as `beta`.
+    /// Shape of the loop, factor of u̇ |z|ⁿ; same unit as `beta`.
     pub gamma: f64,
     /// Smoothness of the transition, ≥ 1.
     pub n: f64,
+}
+
+/// The numbers that enter a Bouc–Wen model nonlinearly: ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ (SPEC §2).
+///
+/// ζ is in V; β' and γ' in V⁻ⁿ. The output v = Σ polynomial\[i−1\] uⁱ − α ζ is linear in everything else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnitShape {
+    /// β' = β|α|ⁿ⁻¹ \[V⁻ⁿ\].
+    pub beta: f64,
+    /// γ' = sign(α) γ |α|ⁿ⁻¹ \[V⁻ⁿ\].
+    pub gamma: f64,
+    /// n ≥ 1.
+    pub n: f64,
+}
+
+impl BoucWen {
+    /// A checked operator.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn new(
+        polynomial: Vec<f64>,
+        alpha: f64,
+        beta: f64,
+        gamma: f64,
+        n: f64,
+    ) -> Result<Self, HysteresisError> {
+        let model = Self { polynomial, alpha, beta, gamma, n };
+        model.validate()?;
+        Ok(model)
+    }
+
+    /// The operator with loop size `alpha` and the shape of a unit-α form: β = β'|α|¹⁻ⁿ, γ = sign(α) γ'|α|¹⁻ⁿ.
+    ///
+    /// # Errors
+    /// As [`Self::validate`]; with α = 0 the article's β and γ exist for n = 1 only.
+    pub fn from_unit(polynomial: Vec<f64>, alpha: f64, shape: UnitShape) -> Result<Self, HysteresisError> {
+        let size = alpha.abs().powf(1.0 - shape.n);
+        Self::new(polynomial, alpha, shape.beta * size, sign(alpha) * shape.gamma * size, shape.n)
+    }
+
+    /// The shape of the unit-α form: β' = β|α|ⁿ⁻¹, γ' = sign(α) γ |α|ⁿ⁻¹.
+    pub fn unit_shape(&self) -> UnitShape {
+        let size = self.alpha.abs().powf(self.n - 1.0);
+        UnitShape { beta: self.beta * size, gamma: sign(self.alpha) * self.gamma * size, n: self.n }
+    }
+
+    /// Checks that every parameter is finite, n ≥ 1 and the polynomial not empty.
+    ///
+    /// # Errors
+    /// The first [`HysteresisError`] found.
+    pub fn validate(&self) -> Result<(), HysteresisError> {
+        if self.polynomial.is_empty() {
+            return Err(HysteresisError::EmptyPolynomial);
+        }
+        for (index, &value) in self.polynomial.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(HysteresisError::Coefficient { power: index + 1, value });
+            }
+        }
+        self.operator().map(|_| ())
+    }
+
+    /// The streaming operator for z.
+    ///
+    /// # Errors
+    /// [`HysteresisError::Parameter`] or [`HysteresisError::Exponent`].
+    pub fn operator(&self) -> Result<hysteron_rt::BoucWen<f64>, HysteresisError> {
+        Ok(hysteron_rt::BoucWen::new(self.alpha, self.beta, self.gamma, self.n)?)
+    }
+
+    /// Whether z can run away.
+    pub fn admissibility(&self) -> Admissibility {
+        self.unit_shape().admissibility()
+    }
+
+    /// The anhysteretic polynomial l\[u\] = Σ polynomial\[i−1\] uⁱ \[µm\] at `u` \[V\].
+    pub fn polynomial_at(&self, u: f64) -> f64 {
+        self.polynomial.iter().rev().fold(0.0, |sum, c| (sum + c) * u)
+    }
+
+    /// v = l\[u\] − z \[µm\] for the voltages `u` \[V\] into `out` (same length); returns the state at the last sample.
+    /// Allocates nothing.
+    ///
+    /// # Errors
+    /// Parameters as in [`Self::validate`]; [`HysteresisError::Lengths`]; [`HysteresisError::Drive`] where u is not
+    /// finite; [`HysteresisError::RunsAway`] for inadmissible parameters; [`HysteresisError::NotSettled`] for
+    /// [`Start::Periodic`].
+    pub fn simulate(
+        &self,
+        u: &[f64],
+        start: Start,
+        out: &mut [f64],
+    ) -> Result<BoucWenState, HysteresisError> {
+        self.simulate_every(1, u, start, out)
+    }
+
+    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k * factor]`.
+    ///
+    /// # Errors
+    /// As [`Self::simulate`].
+    pub fn simulate_every(
+        &self,
+        factor: usize,
+        u: &[f64],
+        start: Start,
+        out: &mut [f64],
+    ) -> Result<BoucWenState, HysteresisError> {
+        self.validate()?;
+        let end = run(&self.operator()?, factor, u, start, out)?;
+        for (v, &u) in out.iter_mut().zip(u.iter().step_by(factor.max(1))) {
+            *v = self.polynomial_at(u) - *v;
+        }
+        Ok(end)
+    }
+}
+
+impl UnitShape {
+    /// The streaming operator for ζ.
+    ///
+    /// # Errors
+    /// [`HysteresisError::Parameter`] or [`HysteresisError::Exponent`].
+    pub fn operator(&self) -> Result<hysteron_rt::BoucWen<f64>, HysteresisError> {
+        Ok(hysteron_rt::BoucWen::unit(self.beta, self.gamma, self.n)?)
+    }
+
+    /// ζ \[V\] for the voltages `u` \[V\] into `out` (same length); returns the state (u, ζ) at the last sample.
+    /// Allocates nothing.
+    ///
+    /// # Errors
+    /// As [`BoucWen::simulate`].
+    pub fn simulate(
+        &self,
+        u: &[f64],
+        start: Start,
+        out: &mut [f64],
+    ) -> Result<BoucWenState, HysteresisError> {
+        run(&self.operator()?, 1, u, start, out)
+    }
+
+    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k * factor]`.
+    ///
+    /// # Errors
+    /// As [`BoucWen::simulate`].
+    pub fn simulate_every(
+        &self,
+        factor: usize,
+        u: &[f64],
+        start: Start,
+        out: &mut [f64],
+    ) -> Result<BoucWenState, HysteresisError> {
+        run(&self.operator()?, factor, u, start, out)
+    }
+
+    /// Whether ζ can run away.
+    pub fn admissibility(&self) -> Admissibility {
+        Admissibility::of(*self)
+    }
+}
+
+/// +1 for α ≥ 0, −1 for α < 0.
+fn sign(alpha: f64) -> f64 {
+    if alpha < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// z along `u` into `out` from any start.
+fn run(
+    operator: &hysteron_rt::BoucWen<f64>,
+    factor: usize,
+    u: &[f64],
+    start: Start,
+    out: &mut [f64],
+) -> Result<BoucWenState, HysteresisError> {
+    let mut state = match start {
+        Start::Rest { u } => BoucWenState { u, z: 0.0 },
+        Start::State(state) => state,
+        Start::Periodic => return run_periodic(operator, factor, u, out),
+    };
+    operator.simulate_every(factor, &mut state, u, out)?;
+    Ok(state)
+}
+
+/// Periods simulated at most to find a steady state.
+const PERIODS: usize = 200;
+
+/// Steady state by the secant method on z(end of period) − z(start): the return map is increasing and, in the bounded
+/// class, a contraction, often so weak (small loops) that mere repetition would take thousands of periods.
+fn run_periodic(
+    operator: &hysteron_rt::BoucWen<f64>,
+    factor: usize,
+    u: &[f64],
+    out: &mut [f64],
+) -> Result<BoucWenState, HysteresisError> {
+    let Some(&u_last) = u.last() else {
+        return run(operator, factor, u, Start::Rest { u: 0.0 }, out);
+    };
+    let mut before: Option<(f64, f64)> = None;
+    let mut z = 0.0;
+    let mut change = f64::INFINITY;
+    for _ in 0..PERIODS {
+        let mut state = BoucWenState { u: u_last, z };
+        operator.simulate_every(factor, &mut state, u, out)?;
+        change = state.z - z;
+        let size = out.iter().fold(z.abs(), |m: f64, z| m.max(z.abs()));
+        if change.abs() <= 1e-13 * size {
+            return Ok(state);
+        }
+        let secant = match before {
+            Some((z_before, change_before)) if change.abs() < change_before.abs() => {
+                z - change * (z - z_before) / (change - change_before)
+            }
+            _ => state.z,
+        };
+        before = Some((z, change));
+        z = if secant.is_finite() { secant } else { state.z };
+    }
+    Err(HysteresisError::NotSettled { periods: PERIODS, change })
 }
