@@ -1,67 +1,91 @@
 //! Bounded global and local optimisation: seeded, identical for any number of threads, observable, resumable.
+//!
+//! A problem is a [`Problem`] (a cost over a box) or a [`LeastSquaresProblem`] (a residual vector whose root mean
+//! square is the cost). An [`Algorithm`] is chosen with its options, [`Settings`] say how long it may run, and one
+//! call does the rest: [`minimize`] for a least-squares problem with any algorithm, [`minimize_cost`] for a plain
+//! cost with the population methods.
+//!
+//! | [`Algorithm`] | what it is | source |
+//! | --- | --- | --- |
+//! | [`DeAbc`](Algorithm::DeAbc) | bee colony with the mutation of differential evolution and a chaotic scout | article Eqs. 8–12 |
+//! | [`Abc`](Algorithm::Abc) | artificial bee colony | Karaboga and Basturk 2007, doi:10.1007/s10898-007-9149-x |
+//! | [`De`](Algorithm::De) | differential evolution rand/1/bin | Storn and Price 1997, doi:10.1023/A:1008202821328 |
+//! | [`Pso`](Algorithm::Pso) | particle swarm with constriction coefficients | Clerc and Kennedy 2002, doi:10.1109/4235.985692 |
+//! | [`LeastSquares`](Algorithm::LeastSquares) | bounded Levenberg–Marquardt from many starts | Kanzow, Yamashita and Fukushima 2004, doi:10.1016/j.cam.2004.02.013 |
+//!
+//! What holds for every one of them:
+//! - The search runs on the unit box: each parameter is scaled to [0, 1], logarithmically where its [`Range`] says so.
+//! - **Bit-identical for a seed whatever the number of threads**: a generation is proposed as a whole, evaluated in
+//!   parallel, accepted in index order; every candidate has a random stream of its own, numbered by the candidate.
+//! - A run ends on its generations, its budget of evaluations, a target cost, stagnation, or the [`Observer`]'s word;
+//!   the best so far is kept, [`Outcome::stopped`] says which it was.
+//! - Every evaluation is counted, those of finite differences and of the scout too.
+//! - A candidate whose cost is not finite has cost +∞ and never wins.
+//! - A [`Checkpoint`] is the whole state of a run, serialisable; resumed, the run ends with the same bits as one that
+//!   was never interrupted. A checkpoint of another problem or other options is refused ([`ResumeError`]).
+//!
+//! ```
+//! use hysteron::optimize::{Algorithm, Bounds, DeAbcOptions, Problem, Range, Settings, Unobserved, minimize_cost};
+//!
+//! struct Bowl(Bounds);
+//! impl Problem for Bowl {
+//!     type Workspace = ();
+//!     fn bounds(&self) -> &Bounds {
+//!         &self.0
+//!     }
+//!     fn workspace(&self) {}
+//!     fn cost(&self, x: &[f64], _: &mut ()) -> f64 {
+//!         (x[0] - 1.0).powi(2) + (x[1] + 2.0).powi(2)
+//!     }
+//! }
+//! let bowl = Bowl(Bounds { ranges: vec![Range::linear("a", -5.0, 5.0), Range::linear("b", -5.0, 5.0)] });
+//! let outcome =
+//!     minimize_cost(&bowl, &Algorithm::DeAbc(DeAbcOptions::default()), &Settings::default(), &mut Unobserved, None)?;
+//! assert!(outcome.cost < 1e-12);
+//! # Ok::<(), hysteron::optimize::OptimizeError>(())
+//! ```
 
-use std::ops::ControlFlow;
+mod abc;
+mod algorithm;
+mod bounded_linear;
+mod bounds;
+mod checkpoint;
+mod colony;
+mod de;
+mod de_abc;
+mod error;
+mod evaluate;
+mod jacobian;
+mod least_squares;
+mod ledger;
+mod levenberg_marquardt;
+mod minimize;
+mod observer;
+mod outcome;
+mod points;
+mod problem;
+mod pso;
+mod settings;
+mod starts;
+mod stream;
 
-/// A function to be minimised over a box.
-///
-/// `x` is in the problem's own units; scaling to the unit box is the optimiser's business ([`Bounds`]).
-pub trait Problem: Sync {
-    /// Scratch buffers of one evaluating thread: an evaluation allocates nothing.
-    type Workspace: Send;
+pub use abc::AbcOptions;
+pub use algorithm::Algorithm;
+pub use bounds::{Bounds, Range};
+pub use checkpoint::Checkpoint;
+pub use de::DeOptions;
+pub use de_abc::{Chaos, DeAbcOptions, Moved, Scout, ScoutKeeps};
+pub use error::{OptimizeError, ResumeError};
+pub use jacobian::{Differences, residual_jacobian};
+pub use least_squares::{LeastSquaresOptions, LocalStatus, StartResult};
+pub use ledger::{GenerationRecord, Improvement};
+pub use minimize::{minimize, minimize_cost};
+pub use observer::{Observer, Progress, Unobserved};
+pub use outcome::{Outcome, StopReason};
+pub use problem::{Derivative, LeastSquaresProblem, Problem, root_mean_square};
+pub use pso::PsoOptions;
+pub use settings::{Settings, Stagnation};
+pub use starts::Starts;
 
-    /// The search box.
-    fn bounds(&self) -> &Bounds;
-    /// Fresh scratch buffers.
-    fn workspace(&self) -> Self::Workspace;
-    /// Cost at `x`; anything not finite counts as +∞ and never wins.
-    fn cost(&self, x: &[f64], workspace: &mut Self::Workspace) -> f64;
-}
-
-/// A [`Problem`] whose cost is the root mean square of a residual vector.
-pub trait LeastSquaresProblem: Problem {
-    /// Number of residuals.
-    fn residual_count(&self) -> usize;
-    /// Residuals at `x` into `out` (length [`Self::residual_count`]); `false` where the model cannot be simulated.
-    fn residuals(&self, x: &[f64], workspace: &mut Self::Workspace, out: &mut [f64]) -> bool;
-}
-
-/// Search box, one entry a parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bounds {
-    /// The parameters' ranges.
-    pub ranges: Vec<Range>,
-}
-
-/// Range of one parameter; `low < high`, both finite.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Range {
-    /// Name, for messages and checkpoints.
-    pub name: String,
-    /// Lower bound.
-    pub low: f64,
-    /// Upper bound.
-    pub high: f64,
-    /// Scaled logarithmically onto [0, 1] (needs `low > 0`).
-    pub logarithmic: bool,
-}
-
-/// Told about progress once a generation (or iteration); may stop the run, whose best so far is kept.
-pub trait Observer {
-    /// One generation is done.
-    fn generation(&mut self, progress: &Progress<'_>) -> ControlFlow<()>;
-}
-
-/// State of a run after a generation.
-#[derive(Clone, Debug)]
-pub struct Progress<'a> {
-    /// Generations done, from 1 (0: initial population).
-    pub generation: usize,
-    /// Generations planned.
-    pub generations: usize,
-    /// Cost evaluations so far.
-    pub evaluations: usize,
-    /// Best cost so far.
-    pub best_cost: f64,
-    /// Best parameters so far.
-    pub best: &'a [f64],
-}
+#[cfg(test)]
+mod test_problems;

@@ -1,0 +1,149 @@
+//! Evaluation of many candidates at once.
+
+use super::points::Points;
+use super::{Derivative, LeastSquaresProblem, OptimizeError, Problem};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Costs of points of the unit box.
+pub(super) trait Evaluate {
+    /// Costs of `points` in their order; whatever is not finite is +∞.
+    fn costs(&mut self, points: &Points, costs: &mut Vec<f64>);
+}
+
+/// Residuals of points of the unit box, and their analytic derivatives.
+pub(super) trait EvaluateResiduals {
+    fn residual_count(&self) -> usize;
+    /// Residuals of all `points`, one column after the other, and whether each could be simulated.
+    fn residuals(&mut self, points: &Points, columns: &mut [f64], feasible: &mut Vec<bool>);
+    /// The problem's own derivatives with respect to its parameters.
+    fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative;
+}
+
+/// Evaluates over threads; each thread keeps its workspace for the whole run, and an evaluation allocates nothing.
+pub(super) struct Evaluator<'p, P: Problem> {
+    problem: &'p P,
+    pool: Option<rayon::ThreadPool>,
+    slots: Vec<Slot<P::Workspace>>,
+}
+
+/// What one evaluating thread owns.
+struct Slot<W> {
+    workspace: W,
+    x: Vec<f64>,
+    done: Vec<(usize, f64)>,
+}
+
+impl<'p, P: Problem> Evaluator<'p, P> {
+    /// `threads`: a pool of its own, or `None` for the current one.
+    pub(super) fn new(problem: &'p P, threads: Option<usize>) -> Result<Self, OptimizeError> {
+        let pool = match threads {
+            Some(threads) if threads > 1 => Some(
+                rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .map_err(|e| OptimizeError::Threads { threads, reason: e.to_string() })?,
+            ),
+            _ => None,
+        };
+        let slots = (0..threads.unwrap_or_else(rayon::current_num_threads))
+            .map(|_| Slot {
+                workspace: problem.workspace(),
+                x: vec![0.0; problem.bounds().dimension()],
+                done: Vec::new(),
+            })
+            .collect();
+        Ok(Self { problem, pool, slots })
+    }
+
+    /// Cost at one point, outside every count.
+    pub(super) fn cost(&mut self, point: &[f64]) -> f64 {
+        self.slots.first_mut().map_or(f64::INFINITY, |slot| slot.cost(self.problem, point))
+    }
+}
+
+/// One thread's share of residual columns and of their verdicts.
+type Columns<'a> = (&'a mut [f64], &'a mut [bool]);
+
+impl<W> Slot<W> {
+    fn cost<P: Problem<Workspace = W>>(&mut self, problem: &P, point: &[f64]) -> f64 {
+        problem.bounds().from_unit(point, &mut self.x);
+        let cost = problem.cost(&self.x, &mut self.workspace);
+        if cost.is_finite() { cost } else { f64::INFINITY }
+    }
+
+    fn residuals<P>(&mut self, problem: &P, point: &[f64], out: &mut [f64]) -> bool
+    where
+        P: LeastSquaresProblem<Workspace = W>,
+    {
+        problem.bounds().from_unit(point, &mut self.x);
+        problem.residuals(&self.x, &mut self.workspace, out) && out.iter().all(|r| r.is_finite())
+    }
+}
+
+impl<P: Problem> Evaluate for Evaluator<'_, P> {
+    fn costs(&mut self, points: &Points, costs: &mut Vec<f64>) {
+        let (problem, count) = (self.problem, points.len());
+        costs.clear();
+        costs.resize(count, f64::INFINITY);
+        let next = AtomicUsize::new(0);
+        let work = |slot: &mut Slot<P::Workspace>| {
+            loop {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                if i >= count {
+                    break;
+                }
+                let cost = slot.cost(problem, points.get(i));
+                slot.done.push((i, cost));
+            }
+        };
+        match &self.pool {
+            _ if self.slots.len() <= 1 || count <= 1 => self.slots.iter_mut().take(1).for_each(work),
+            Some(pool) => pool.install(|| self.slots.par_iter_mut().for_each(work)),
+            None => self.slots.par_iter_mut().for_each(work),
+        }
+        for (i, cost) in self.slots.iter_mut().flat_map(|slot| slot.done.drain(..)) {
+            costs[i] = cost;
+        }
+    }
+}
+
+impl<P: LeastSquaresProblem> EvaluateResiduals for Evaluator<'_, P> {
+    fn residual_count(&self) -> usize {
+        self.problem.residual_count()
+    }
+
+    fn residuals(&mut self, points: &Points, columns: &mut [f64], feasible: &mut Vec<bool>) {
+        let (problem, count) = (self.problem, points.len());
+        feasible.clear();
+        feasible.resize(count, false);
+        let length = problem.residual_count();
+        let share = count.div_ceil(self.slots.len().max(1)).max(1);
+        let work = |((first, slot), (columns, feasible)): ((usize, &mut Slot<_>), Columns<'_>)| {
+            for ((i, column), feasible) in (first * share..).zip(columns.chunks_mut(length)).zip(feasible) {
+                *feasible = slot.residuals(problem, points.get(i), column);
+            }
+        };
+        let (slots, block) = (&mut self.slots, share * length);
+        if slots.len() <= 1 || count <= 1 {
+            let slots = slots.iter_mut().enumerate();
+            slots.zip(columns.chunks_mut(block).zip(feasible.chunks_mut(share))).for_each(work);
+            return;
+        }
+        let slots = slots.par_iter_mut().enumerate();
+        let jobs = slots.zip(columns.par_chunks_mut(block).zip(feasible.par_chunks_mut(share)));
+        match &self.pool {
+            Some(pool) => pool.install(|| jobs.for_each(work)),
+            None => jobs.for_each(work),
+        }
+    }
+
+    fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative {
+        let Some(slot) = self.slots.first_mut() else { return Derivative::Infeasible };
+        self.problem.bounds().from_unit(point, &mut slot.x);
+        match self.problem.jacobian(&slot.x, &mut slot.workspace, columns) {
+            Derivative::Written if columns.iter().any(|d| !d.is_finite()) => Derivative::Infeasible,
+            derivative => derivative,
+        }
+    }
+}

@@ -1,0 +1,151 @@
+use super::super::test_problems::{Residuals, bard, cube, kowalik_osborne, powell_singular, rosenbrock};
+use super::super::{
+    Algorithm, Bounds, Differences, LeastSquaresProblem, Outcome, Range, Unobserved, minimize,
+};
+use super::*;
+
+/// One fit from `start`.
+fn fit(problem: &impl LeastSquaresProblem, start: &[f64]) -> Outcome {
+    fit_with(LeastSquaresOptions { iterations: 300, ..LeastSquaresOptions::default() }, problem, start)
+}
+
+fn fit_with(options: LeastSquaresOptions, problem: &impl LeastSquaresProblem, start: &[f64]) -> Outcome {
+    let options = LeastSquaresOptions { starts: 1, ..options };
+    let settings = Settings { starts: vec![start.to_vec()], ..Settings::default() };
+    minimize(problem, &Algorithm::LeastSquares(options), &settings, &mut Unobserved, None).unwrap()
+}
+
+fn sum_of_squares(outcome: &Outcome, residuals: usize) -> f64 {
+    outcome.cost * outcome.cost * residuals as f64
+}
+
+#[test]
+fn rosenbrock_ends_at_its_minimum() {
+    let outcome = fit(&rosenbrock(cube(2, -5.0, 5.0)), &[-1.2, 1.0]);
+    assert!(outcome.best.iter().all(|x| (x - 1.0).abs() < 1e-9), "{:?}", outcome.best);
+    assert!(outcome.starts[0].status.converged(), "{:?}", outcome.starts);
+    assert!(outcome.evaluations < 120, "{}", outcome.evaluations);
+}
+
+#[test]
+fn powell_singular_ends_at_its_minimum_though_the_jacobian_is_singular_there() {
+    let outcome = fit(&powell_singular(), &[3.0, -1.0, 0.0, 1.0]);
+    assert!(sum_of_squares(&outcome, 4) < 1e-13, "{}", outcome.cost);
+    assert!(outcome.best.iter().all(|x| x.abs() < 2e-3), "{:?}", outcome.best);
+    assert!(outcome.starts[0].status.converged(), "{:?}", outcome.starts);
+}
+
+#[test]
+fn bard_ends_at_the_published_minimum() {
+    let outcome = fit(&bard(), &[1.0, 1.0, 1.0]);
+    // Printed truncated.
+    assert!((8.21487e-3..8.21488e-3).contains(&sum_of_squares(&outcome, 15)));
+    for (x, published) in outcome.best.iter().zip([0.0824, 1.133, 2.344]) {
+        assert!((x - published).abs() < 5e-4, "{:?}", outcome.best);
+    }
+}
+
+#[test]
+fn kowalik_osborne_ends_at_the_published_minimum() {
+    let outcome = fit(&kowalik_osborne(), &[0.25, 0.39, 0.415, 0.39]);
+    // Printed truncated.
+    assert!((3.07505e-4..3.07506e-4).contains(&sum_of_squares(&outcome, 11)));
+    for (x, published) in outcome.best.iter().zip([0.1928, 0.1913, 0.1231, 0.1361]) {
+        assert!((x - published).abs() < 1e-4, "{:?}", outcome.best);
+    }
+}
+
+#[test]
+fn active_bound_of_rosenbrock_is_met_exactly() {
+    // On x₁ = ½ the minimum is x₂ = ¼, cost ½² = ¼; the multiplier of x₁ ≤ ½ is 2(1 − ½) = 1 > 0: a KKT point.
+    let mut bounds = cube(2, -5.0, 5.0);
+    bounds.ranges[0].high = 0.5;
+    let outcome = fit(&rosenbrock(bounds), &[-1.2, 1.0]);
+    assert_eq!(outcome.best[0], 0.5);
+    assert!((outcome.best[1] - 0.25).abs() < 1e-12, "{:?}", outcome.best);
+    assert!((sum_of_squares(&outcome, 2) - 0.25).abs() < 1e-14);
+    assert!(outcome.starts[0].status.converged());
+}
+
+#[test]
+fn several_active_bounds_of_a_linear_fit_are_those_of_the_kkt_conditions() {
+    // Residuals x − c with c outside the box in two components: the projection of c onto the box.
+    let centre = [2.0, 0.25, -3.0, 0.5];
+    let residuals = move |x: &[f64], out: &mut [f64]| {
+        (0..4).for_each(|j| out[j] = x[j] - centre[j]);
+        true
+    };
+    let problem = Residuals { bounds: cube(4, 0.0, 1.0), count: 4, residuals };
+    // The cost, 10, says little about the free components: go on until they no longer move.
+    let options = LeastSquaresOptions { cost_tolerance: 0.0, ..LeastSquaresOptions::default() };
+    let outcome = fit_with(options, &problem, &[0.5; 4]);
+    assert_eq!((outcome.best[0], outcome.best[2]), (1.0, 0.0));
+    assert!((outcome.best[1] - 0.25).abs() < 1e-12, "{:?}", outcome.best);
+    assert!((outcome.best[3] - 0.5).abs() < 1e-12);
+    assert!((sum_of_squares(&outcome, 4) - 10.0).abs() < 1e-12);
+}
+
+#[test]
+fn parameter_without_effect_does_no_harm() {
+    let residuals = |x: &[f64], out: &mut [f64]| {
+        out.copy_from_slice(&[x[0] - 0.3, 2.0 * x[0] - 0.6]);
+        true
+    };
+    let outcome = fit(&Residuals { bounds: cube(2, 0.0, 1.0), count: 2, residuals }, &[0.9, 0.6]);
+    assert!((outcome.best[0] - 0.3).abs() < 1e-12, "{:?}", outcome.best);
+    assert!((outcome.best[1] - 0.6).abs() < 1e-12);
+}
+
+#[test]
+fn fewer_residuals_than_parameters_are_fitted() {
+    let residuals = |x: &[f64], out: &mut [f64]| {
+        out[0] = x[0] * x[1] - 0.25;
+        true
+    };
+    let outcome = fit(&Residuals { bounds: cube(2, 0.0, 1.0), count: 1, residuals }, &[0.9, 0.9]);
+    assert!((outcome.best[0] * outcome.best[1] - 0.25).abs() < 1e-12, "{:?}", outcome.best);
+}
+
+#[test]
+fn fit_walks_along_the_edge_of_an_infeasible_region() {
+    // The way straight to (0.8, 0.8) leads through a disc that cannot be simulated.
+    let residuals = |x: &[f64], out: &mut [f64]| {
+        out.copy_from_slice(&[x[0] - 0.8, x[1] - 0.8]);
+        (x[0] - 0.5).hypot(x[1] - 0.45) > 0.05
+    };
+    let outcome = fit(&Residuals { bounds: cube(2, 0.0, 1.0), count: 2, residuals }, &[0.1, 0.1]);
+    assert!(outcome.best.iter().all(|x| (x - 0.8).abs() < 1e-9), "{:?} {:?}", outcome.best, outcome.starts);
+}
+
+#[test]
+fn decaying_exponential_over_decades_is_fitted_on_a_logarithmic_scale() {
+    // y = 3e4 exp(−70 t), amplitude in 1…1e7, rate in 1…1e4; the start is decades away.
+    let residuals = |x: &[f64], out: &mut [f64]| {
+        for (i, r) in out.iter_mut().enumerate() {
+            let t = i as f64 * 1e-3;
+            *r = x[0] * (-x[1] * t).exp() - 3e4 * (-70.0 * t).exp();
+        }
+        true
+    };
+    let ranges = vec![Range::logarithmic("amplitude", 1.0, 1e7), Range::logarithmic("rate", 1.0, 1e4)];
+    let problem = Residuals { bounds: Bounds { ranges }, count: 60, residuals };
+    let outcome = fit(&problem, &[10.0, 1000.0]);
+    assert!((outcome.best[0] / 3e4 - 1.0).abs() < 1e-9, "{:?}", outcome.best);
+    assert!((outcome.best[1] / 70.0 - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn central_differences_come_closer_to_the_minimum_than_tolerances_ask() {
+    let options = LeastSquaresOptions {
+        differences: Differences::central(),
+        cost_tolerance: 1e-16,
+        ..LeastSquaresOptions::default()
+    };
+    let outcome = fit_with(options, &bard(), &[1.0, 1.0, 1.0]);
+    // Minimum to more digits: the root of the exact gradient, in 40 digits.
+    for (x, exact) in
+        outcome.best.iter().zip([0.082_410_559_749_788_93, 1.133_036_092_029_721_6, 2.343_695_178_642_537])
+    {
+        assert!((x - exact).abs() < 1e-8, "{x} {exact}");
+    }
+}
