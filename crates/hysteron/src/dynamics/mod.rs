@@ -3,7 +3,7 @@
 //! A [`TransferFunction`] with real orders (article Eqs. 2–6; whole orders make it the integer one) is
 //! simulated over a record through a [`SimulationPlan`], made once per record: a candidate then costs one
 //! complex exponential per term and frequency and one inverse FFT, and allocates nothing. [`stability`] is
-//! exact. [`Arx`] is the sampled-data alternative.
+//! exact; [`delay`] shifts signals by fractions of a sample; [`Arx`] is the sampled-data alternative.
 //!
 //! ```
 //! use hysteron::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction};
@@ -19,11 +19,14 @@
 //! ```
 
 pub mod arx;
+pub mod delay;
 mod error;
 mod plan;
+mod poles;
 mod second_order;
 mod stability;
 mod transfer_function;
+mod transient;
 
 pub use crate::fractional::{Scheme, Term};
 pub use arx::Arx;

@@ -91,10 +91,10 @@ pub(super) fn zeros_within(terms: &[Term], half_angle: f64) -> Result<usize, f64
 }
 
 /// A denominator without its lowest power, along one ray from the origin.
-struct Ray<'a> {
-    terms: &'a [Term],
-    first: Term,
-    half_angle: f64,
+pub(super) struct Ray<'a> {
+    pub(super) terms: &'a [Term],
+    pub(super) first: Term,
+    pub(super) half_angle: f64,
 }
 
 /// All three scaled by the same positive number.
@@ -114,7 +114,7 @@ impl Ray<'_> {
     }
 
     /// ln |s| from where the lowest term is ten times all others together to where the highest is.
-    fn interesting(&self, last: Term) -> (f64, f64) {
+    pub(super) fn interesting(&self, last: Term) -> (f64, f64) {
         let others = self.terms.len() as f64;
         let top = last.order - self.first.order;
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
