@@ -1,0 +1,107 @@
+//! Every entry to `hysteron-rt`'s arithmetic, with a panic handler that cannot be linked.
+//!
+//! Building shows that nothing needs `std` (a second panic handler would be error E0152); linking an entry shows that
+//! the optimiser found no way from it to a panic. Run by `run.sh`.
+#![no_std]
+
+use core::panic::PanicInfo;
+
+use hysteron_rt::{BoucWen, BoucWenState, Dual, Real};
+
+unsafe extern "C" {
+    /// Defined nowhere.
+    fn hysteron_rt_can_panic() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    // SAFETY: never reached; the program does not link where it could be.
+    unsafe { hysteron_rt_can_panic() }
+}
+
+/// α, β, γ, n.
+type Parameters<T> = [T; 4];
+
+#[inline(always)]
+fn step<T: Real>([alpha, beta, gamma, n]: Parameters<T>, state: &mut BoucWenState<T>, u: T) -> bool {
+    match BoucWen::new(alpha, beta, gamma, n) {
+        Ok(operator) => operator.step(state, u).is_ok(),
+        Err(_) => false,
+    }
+}
+
+#[inline(always)]
+fn simulate<T: Real, const N: usize>(
+    [alpha, beta, gamma, n]: Parameters<T>,
+    state: &mut BoucWenState<T>,
+    u: &[T; N],
+    out: &mut [T; N],
+    every: usize,
+) -> bool {
+    match BoucWen::new(alpha, beta, gamma, n) {
+        Ok(operator) => {
+            operator.simulate(state, u, out).is_ok() && operator.simulate_every(every, state, u, out).is_ok()
+        }
+        Err(_) => false,
+    }
+}
+
+#[inline(always)]
+fn sensitivities<T: Real>(
+    [alpha, beta, gamma, n]: Parameters<T>,
+    shape: &mut Dual<T, 2>,
+    all: &mut Dual<T, 3>,
+    du: T,
+) -> bool {
+    let Ok(operator) = BoucWen::new(alpha, beta, gamma, n) else { return false };
+    match (operator.advance_with_shape(*shape, du), operator.advance_with_sensitivities(*all, du)) {
+        (Ok(next_shape), Ok(next_all)) => {
+            (*shape, *all) = (next_shape, next_all);
+            true
+        }
+        _ => false,
+    }
+}
+
+macro_rules! entries {
+    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident) => {
+        #[unsafe(no_mangle)]
+        #[allow(improper_ctypes_definitions)]
+        pub extern "C" fn $step(parameters: &Parameters<$t>, state: &mut BoucWenState<$t>, u: $t) -> bool {
+            step(*parameters, state, u)
+        }
+
+        #[unsafe(no_mangle)]
+        #[allow(improper_ctypes_definitions)]
+        pub extern "C" fn $simulate(
+            parameters: &Parameters<$t>,
+            state: &mut BoucWenState<$t>,
+            u: &[$t; 64],
+            out: &mut [$t; 64],
+            every: usize,
+        ) -> bool {
+            simulate(*parameters, state, u, out, every)
+        }
+
+        #[unsafe(no_mangle)]
+        #[allow(improper_ctypes_definitions)]
+        pub extern "C" fn $sensitivities(
+            parameters: &Parameters<$t>,
+            shape: &mut Dual<$t, 2>,
+            all: &mut Dual<$t, 3>,
+            du: $t,
+        ) -> bool {
+            sensitivities(*parameters, shape, all, du)
+        }
+    };
+}
+
+entries!(f32, proof_step_f32, proof_simulate_f32, proof_sensitivities_f32);
+entries!(f64, proof_step_f64, proof_simulate_f64, proof_sensitivities_f64);
+
+/// Negative control: an index that may be out of range.
+#[cfg(feature = "panicking")]
+#[unsafe(no_mangle)]
+pub extern "C" fn proof_panicking(parameters: &Parameters<f64>, index: usize) -> f64 {
+    parameters[index]
+}
