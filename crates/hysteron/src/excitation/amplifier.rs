@@ -110,9 +110,11 @@ mod tests {
             samples_v,
             sample_rate_hz: 1000.0,
             lead_in_samples: 0,
+            lead_out_samples: 0,
             period_samples: None,
             excited_hz: vec![],
-            detection_hz: vec![],
+            odd_detection_hz: vec![],
+            even_detection_hz: vec![],
         }
     }
 

@@ -18,17 +18,25 @@
 //! ```
 
 mod amplifier;
+mod check;
 mod error;
+mod multisine;
+mod paths;
 mod random;
 mod signal;
 mod slow;
 mod specification;
 mod sweep;
+mod waveform;
+
+#[cfg(test)]
+mod facts;
 
 pub use amplifier::AmplifierLimits;
 pub use error::ExcitationError;
 pub use signal::Excitation;
-pub use specification::{ExcitationSpec, SweepLaw, Waveform};
+pub use specification::ExcitationSpec;
+pub use waveform::{Lines, Phases, SweepLaw, Tone, Waveform};
 
 /// Two rates or times are the same sample count if they differ by less than this part of a sample.
 const SAMPLE_ROUNDING: f64 = 1e-6;
@@ -39,12 +47,19 @@ struct Shape {
     values: Vec<f64>,
     period_samples: Option<usize>,
     excited_hz: Vec<f64>,
-    detection_hz: Vec<f64>,
+    odd_detection_hz: Vec<f64>,
+    even_detection_hz: Vec<f64>,
 }
 
 impl Shape {
     fn plain(values: Vec<f64>) -> Self {
-        Shape { values, period_samples: None, excited_hz: Vec::new(), detection_hz: Vec::new() }
+        Shape {
+            values,
+            period_samples: None,
+            excited_hz: Vec::new(),
+            odd_detection_hz: Vec::new(),
+            even_detection_hz: Vec::new(),
+        }
     }
 }
 

@@ -15,12 +15,16 @@ pub struct Excitation {
     pub sample_rate_hz: f64,
     /// Samples of soft start before the waveform proper begins.
     pub lead_in_samples: usize,
+    /// Samples of soft end after the waveform proper.
+    pub lead_out_samples: usize,
     /// Length of one period of the waveform proper, where it repeats a whole number of samples.
     pub period_samples: Option<usize>,
-    /// Frequencies \[Hz\] of a multisine's excited lines; empty for other waveforms.
+    /// Frequencies \[Hz\] of the lines of a multisine or a sum of sines; empty for other waveforms.
     pub excited_hz: Vec<f64>,
-    /// Frequencies \[Hz\] of lines left out on purpose: what comes back there is noise or nonlinear distortion.
-    pub detection_hz: Vec<f64>,
+    /// Odd multiples of 1/period \[Hz\] in a multisine's band that are not excited: odd-order distortion and noise show there.
+    pub odd_detection_hz: Vec<f64>,
+    /// Even multiples of 1/period \[Hz\] in the band that are not excited: even-order distortion and noise show there.
+    pub even_detection_hz: Vec<f64>,
 }
 
 impl Excitation {
@@ -35,6 +39,19 @@ impl Excitation {
             return (0.0, 0.0);
         }
         self.samples_v.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)))
+    }
+
+    /// Crest factor of the waveform proper about its mid-range: half the peak-to-peak value over the standard deviation (√2
+    /// for a sine); 0 where nothing moves.
+    pub fn crest_factor(&self) -> f64 {
+        let end = self.samples_v.len().saturating_sub(self.lead_out_samples);
+        let proper = self.samples_v.get(self.lead_in_samples..end).unwrap_or_default();
+        let n = proper.len() as f64;
+        let mean = proper.iter().sum::<f64>() / n;
+        let deviation = (proper.iter().map(|u| (u - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let (low, high) =
+            proper.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+        if deviation > 0.0 { 0.5 * (high - low) / deviation } else { 0.0 }
     }
 
     /// Largest |u_{k+1} − u_k| · sample rate \[V/s\].

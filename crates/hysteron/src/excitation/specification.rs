@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Excitation, ExcitationError, Shape, random, slow, sweep};
+use super::check::Check;
+use super::{Excitation, ExcitationError, Waveform};
 
 /// A drive waveform as asked for; see [`ExcitationSpec::generate`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,60 +29,6 @@ pub struct ExcitationSpec {
     pub seed: u64,
     /// The waveform proper.
     pub waveform: Waveform,
-}
-
-/// The waveform between lead-in and lead-out. Amplitudes are parts of the range `high_v − low_v`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-#[non_exhaustive]
-pub enum Waveform {
-    /// u = low + range·(1 − cos 2πft)/2: starts at `low_v` with zero slope.
-    Sine {
-        /// Frequency \[Hz\].
-        frequency_hz: f64,
-        /// Number of periods, not necessarily whole.
-        periods: f64,
-    },
-    /// Slow loops of different amplitude, each starting and ending at `low_v`: u = low + a·range·(1 − cos 2πft)/2.
-    NestedLoops {
-        /// Frequency of every loop \[Hz\].
-        frequency_hz: f64,
-        /// Amplitudes in the order played, each above 0 and at most 1.
-        amplitudes: Vec<f64>,
-        /// Periods of each amplitude.
-        periods_each: u32,
-    },
-    /// u = low + range·(1 − cos φ(t))/2 with instantaneous frequency φ'/2π going from `start_hz` to `end_hz`.
-    Sweep {
-        /// How the frequency goes.
-        law: SweepLaw,
-        /// Frequency at the start \[Hz\].
-        start_hz: f64,
-        /// Frequency at the end \[Hz\].
-        end_hz: f64,
-        /// Duration \[s\].
-        duration_s: f64,
-    },
-    /// Gaussian noise with a flat spectrum between two frequencies and none outside, scaled to fill the range.
-    Random {
-        /// Lowest frequency \[Hz\].
-        low_hz: f64,
-        /// Highest frequency \[Hz\].
-        high_hz: f64,
-        /// Duration \[s\].
-        duration_s: f64,
-    },
-}
-
-/// How a sweep's frequency goes from f₀ to f₁ over T.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SweepLaw {
-    /// f = f₀ + (f₁ − f₀) t/T.
-    Linear,
-    /// f = f₀ (f₁/f₀)^(t/T): equal time for every octave.
-    #[default]
-    Logarithmic,
 }
 
 /// Most samples of one waveform (800 MB).
@@ -130,11 +77,7 @@ impl ExcitationSpec {
             });
         }
         if samples < 1.0 {
-            return Err(check.wrong(
-                "sample_rate_hz",
-                self.sample_rate_hz,
-                "at least one sample in the duration".into(),
-            ));
+            return Err(check.wrong("sample_rate_hz", self.sample_rate_hz, "high enough for one sample"));
         }
         Ok(())
     }
@@ -163,9 +106,11 @@ impl ExcitationSpec {
             samples_v,
             sample_rate_hz: self.sample_rate_hz,
             lead_in_samples,
+            lead_out_samples,
             period_samples: shape.period_samples,
             excited_hz: shape.excited_hz,
-            detection_hz: shape.detection_hz,
+            odd_detection_hz: shape.odd_detection_hz,
+            even_detection_hz: shape.even_detection_hz,
         })
     }
 
@@ -184,162 +129,5 @@ impl ExcitationSpec {
             text += &format!(", soft end {} s", self.soft_end_s);
         }
         text
-    }
-}
-
-impl Waveform {
-    /// Kind as written in a specification.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Waveform::Sine { .. } => "sine",
-            Waveform::NestedLoops { .. } => "nested_loops",
-            Waveform::Sweep { .. } => "sweep",
-            Waveform::Random { .. } => "random",
-        }
-    }
-
-    /// Duration of the waveform proper \[s\].
-    pub fn duration_s(&self) -> f64 {
-        match self {
-            Waveform::Sine { frequency_hz, periods } => periods / frequency_hz,
-            Waveform::NestedLoops { frequency_hz, amplitudes, periods_each } => {
-                amplitudes.len() as f64 * f64::from(*periods_each) / frequency_hz
-            }
-            Waveform::Sweep { duration_s, .. } | Waveform::Random { duration_s, .. } => *duration_s,
-        }
-    }
-
-    fn describe(&self) -> String {
-        match self {
-            Waveform::Sine { frequency_hz, periods } => format!("sine {frequency_hz} Hz, {periods} periods"),
-            Waveform::NestedLoops { frequency_hz, amplitudes, periods_each } => {
-                format!(
-                    "loops at {frequency_hz} Hz, {periods_each} periods each of amplitudes {amplitudes:?}"
-                )
-            }
-            Waveform::Sweep { law, start_hz, end_hz, duration_s } => {
-                let law = match law {
-                    SweepLaw::Linear => "linear",
-                    SweepLaw::Logarithmic => "logarithmic",
-                };
-                format!("{law} sweep {start_hz} Hz to {end_hz} Hz in {duration_s} s")
-            }
-            Waveform::Random { low_hz, high_hz, duration_s } => {
-                format!("Gaussian noise {low_hz} Hz to {high_hz} Hz, {duration_s} s")
-            }
-        }
-    }
-
-    fn validate(&self, check: &Check, fs: f64) -> Result<(), ExcitationError> {
-        match self {
-            Waveform::Sine { frequency_hz, periods } => {
-                check.below_nyquist("frequency_hz", *frequency_hz, fs)?;
-                check.positive("periods", *periods)
-            }
-            Waveform::NestedLoops { frequency_hz, amplitudes, periods_each } => {
-                check.below_nyquist("frequency_hz", *frequency_hz, fs)?;
-                check.parts("amplitudes", amplitudes)?;
-                check.at_least("periods_each", f64::from(*periods_each), 1.0)
-            }
-            Waveform::Sweep { start_hz, end_hz, duration_s, .. } => {
-                check.below_nyquist("start_hz", *start_hz, fs)?;
-                check.below_nyquist("end_hz", *end_hz, fs)?;
-                check.positive("duration_s", *duration_s)
-            }
-            Waveform::Random { low_hz, high_hz, duration_s } => {
-                check.positive("duration_s", *duration_s)?;
-                check.not_negative("low_hz", *low_hz)?;
-                check.below_nyquist("high_hz", *high_hz, fs)?;
-                if high_hz <= low_hz {
-                    return Err(check.wrong("high_hz", *high_hz, format!("above low_hz = {low_hz}")));
-                }
-                // The band must hold at least one line of the record's spectrum.
-                check.lines_in_band(*low_hz, *high_hz, *duration_s)
-            }
-        }
-    }
-
-    fn shape(&self, fs: f64, seed: u64) -> Shape {
-        match self {
-            Waveform::Sine { frequency_hz, periods } => slow::sine(*frequency_hz, *periods, fs),
-            Waveform::NestedLoops { frequency_hz, amplitudes, periods_each } => {
-                slow::nested_loops(*frequency_hz, amplitudes, *periods_each, fs)
-            }
-            Waveform::Sweep { law, start_hz, end_hz, duration_s } => {
-                sweep::sweep(*law, *start_hz, *end_hz, *duration_s, fs)
-            }
-            Waveform::Random { low_hz, high_hz, duration_s } => {
-                random::band_limited(*low_hz, *high_hz, *duration_s, fs, seed)
-            }
-        }
-    }
-}
-
-/// Checks of numbers, for one kind of waveform.
-struct Check(&'static str);
-
-impl Check {
-    fn wrong(&self, parameter: &'static str, value: f64, expected: String) -> ExcitationError {
-        ExcitationError::Parameter { waveform: self.0, parameter, value, expected }
-    }
-
-    fn finite(&self, parameter: &'static str, value: f64) -> Result<(), ExcitationError> {
-        if value.is_finite() { Ok(()) } else { Err(self.wrong(parameter, value, "a finite number".into())) }
-    }
-
-    fn positive(&self, parameter: &'static str, value: f64) -> Result<(), ExcitationError> {
-        if value.is_finite() && value > 0.0 {
-            Ok(())
-        } else {
-            Err(self.wrong(parameter, value, "a finite number above 0".into()))
-        }
-    }
-
-    fn not_negative(&self, parameter: &'static str, value: f64) -> Result<(), ExcitationError> {
-        self.at_least(parameter, value, 0.0)
-    }
-
-    fn at_least(&self, parameter: &'static str, value: f64, least: f64) -> Result<(), ExcitationError> {
-        if value.is_finite() && value >= least {
-            Ok(())
-        } else {
-            Err(self.wrong(parameter, value, format!("a finite number, at least {least}")))
-        }
-    }
-
-    fn below_nyquist(&self, parameter: &'static str, value: f64, fs: f64) -> Result<(), ExcitationError> {
-        if value > 0.0 && value < 0.5 * fs {
-            Ok(())
-        } else {
-            Err(self.wrong(
-                parameter,
-                value,
-                format!("above 0 and below half the sample rate, {} Hz", 0.5 * fs),
-            ))
-        }
-    }
-
-    fn parts(&self, parameter: &'static str, values: &[f64]) -> Result<(), ExcitationError> {
-        if values.is_empty() {
-            return Err(ExcitationError::EmptyList { waveform: self.0, parameter });
-        }
-        match values.iter().find(|a| !(**a > 0.0 && **a <= 1.0)) {
-            Some(&bad) => {
-                Err(self.wrong(parameter, bad, "parts of the range, each above 0 and at most 1".into()))
-            }
-            None => Ok(()),
-        }
-    }
-
-    fn lines_in_band(&self, low_hz: f64, high_hz: f64, duration_s: f64) -> Result<(), ExcitationError> {
-        let first = (low_hz * duration_s).ceil().max(1.0);
-        if (high_hz * duration_s).floor() < first {
-            return Err(self.wrong(
-                "duration_s",
-                duration_s,
-                format!("long enough for a spectral line between {low_hz} Hz and {high_hz} Hz"),
-            ));
-        }
-        Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::specification::SweepLaw;
+use super::waveform::SweepLaw;
 use super::{SAMPLE_ROUNDING, Shape};
 
 /// (1 − cos φ)/2 with φ' = 2πf(t).
