@@ -138,6 +138,23 @@ pub enum DynamicsError {
     /// A periodic steady state was asked of the causal recursion.
     #[error("the causal recursion starts from rest or from zero; it has no periodic steady state")]
     PeriodicRecursion,
+    /// An ARX model has a pole on or outside the unit circle where a steady state is needed.
+    #[error("the ARX model has a pole on or outside the unit circle, so a steady state does not exist")]
+    UnstableArx,
+    /// An ARX model without input coefficients was asked for.
+    #[error("an ARX model needs at least one input coefficient (nb ≥ 1)")]
+    NoInputCoefficients,
+    /// The data do not determine a coefficient of a linear fit.
+    #[error(
+        "the data do not determine unknown {column} of {columns} (outputs first, then inputs, then offsets): lower the \
+         orders, or use a record with more excitation"
+    )]
+    Dependent {
+        /// Position of the unknown, from 0.
+        column: usize,
+        /// Number of unknowns.
+        columns: usize,
+    },
     /// An order is not a whole number where an integer-order transfer function is asked for.
     #[error("an integer-order transfer function has whole orders, but the {part} has order {order}")]
     NotInteger {

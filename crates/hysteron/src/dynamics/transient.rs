@@ -20,7 +20,7 @@ impl TransferFunction {
         if let Some(first) = step.first_mut() {
             *first = 0.5;
         }
-        self.from_zero(&step, sample_rate_hz, scheme)
+        self.simulate_from_zero(&step, sample_rate_hz, scheme)
     }
 
     /// Response to a unit impulse at t = 0 (unit of G times 1/s), sampled as [`TransferFunction::step_response`]:
@@ -41,10 +41,10 @@ impl TransferFunction {
         if let Some(first) = impulse.first_mut() {
             *first = sample_rate_hz;
         }
-        self.from_zero(&impulse, sample_rate_hz, scheme)
+        self.simulate_from_zero(&impulse, sample_rate_hz, scheme)
     }
 
-    fn from_zero(
+    fn simulate_from_zero(
         &self,
         input: &[f64],
         sample_rate_hz: f64,
