@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_rt::{BoucWen, Dual, StepError};
+use hysteron_rt::{BoucWen, BoucWenState, Dual, StepError};
 use proptest::prelude::*;
 
 /// dz/du of article Eq. 1 for s = sign Δu.
@@ -187,6 +187,27 @@ proptest! {
         let zeta = unit.advance(z / alpha, du).unwrap();
         let want = exact(p, z, du).unwrap();
         prop_assert!((alpha * zeta - want).abs() <= 1e-13 * (1.0 + z.abs() + du.abs()), "{} {}", alpha * zeta, want);
+    }
+
+    #[test]
+    fn simulation_is_the_step_repeated_bit_for_bit(
+        p in parameters(), z in -2.0..2.0_f64, u in prop::collection::vec(-5.0..5.0_f64, 0..60), factor in 1..5_usize,
+    ) {
+        let [alpha, beta, gamma, n] = p;
+        let b = BoucWen::new(alpha, beta, gamma, n).unwrap();
+        let start = BoucWenState { u: 0.5, z };
+        let mut state = start;
+        let stepped: Vec<f64> = u.iter().map(|&u| b.step(&mut state, u).unwrap()).collect();
+        let mut end = start;
+        let mut out = vec![0.0; u.len()];
+        b.simulate(&mut end, &u, &mut out).unwrap();
+        prop_assert_eq!(&out, &stepped);
+        prop_assert_eq!(end, state);
+        let mut end = start;
+        let mut out = vec![0.0; u.len().div_ceil(factor)];
+        b.simulate_every(factor, &mut end, &u, &mut out).unwrap();
+        prop_assert_eq!(out, stepped.into_iter().step_by(factor).collect::<Vec<_>>());
+        prop_assert_eq!(end, state);
     }
 
     #[test]
