@@ -2,7 +2,7 @@
 
 use super::{
     DynamicsKind, FORMAT, HysteresisKind, Interval, ModelFile, ModelFileError, Parameters, Quantity,
-    ScoreEntry, TermEntry, VERSION, convert::Units, polynomial_name,
+    ScoreEntry, StartKind, TermEntry, VERSION, convert::Units, polynomial_name,
 };
 
 const BOUC_WEN_NAMES: &str =
@@ -35,6 +35,12 @@ impl ModelFile {
                 rate.is_finite() && rate > 0.0,
                 "a finite number above 0, or null",
             )?;
+        }
+        if let Some(voltage) = &self.start.voltage {
+            if self.start.kind != StartKind::Rest {
+                return Err(ModelFileError::VoltageOfSettledStart);
+            }
+            quantity("start.voltage", voltage, &units.input, None)?;
         }
         if let Some(range) = &self.valid_range {
             interval("valid_range.input", &range.input, &units.input)?;

@@ -2,7 +2,7 @@
 
 use super::{
     DynamicsBlock, DynamicsKind, FORMAT, HysteresisBlock, HysteresisKind, ModelFile, ModelFileError,
-    Normalisation, Parameters, Quantity, SignalUnits, StartName, TermEntry, VERSION, polynomial_name,
+    Normalisation, Parameters, Quantity, SignalUnits, StartEntry, TermEntry, VERSION, polynomial_name,
 };
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
@@ -88,7 +88,7 @@ impl ModelFile {
             scheme: model.scheme.into(),
             sample_rate_hz: model.sample_rate_hz,
             normalisation: Normalisation::default(),
-            start: StartName::default(),
+            start: StartEntry::default(),
             valid_range: None,
             provenance: None,
             scores: Vec::new(),

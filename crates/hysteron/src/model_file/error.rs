@@ -91,6 +91,9 @@ pub enum ModelFileError {
         /// What is expected.
         expected: &'static str,
     },
+    /// A settled start has no rest voltage.
+    #[error("start.voltage: expected null for a start of the kind \"settled\"")]
+    VoltageOfSettledStart,
     /// An ARX model lives in z at one sample rate, and the file names none.
     #[error("sample_rate_hz: an arx model needs its sample rate, found null")]
     ArxWithoutSampleRate,

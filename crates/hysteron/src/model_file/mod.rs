@@ -47,7 +47,7 @@ pub use quantity::{Interval, Quantity};
 pub use schema::json_schema;
 
 use crate::atomic_file::write_atomically;
-use crate::dynamics::{InitialCondition, Scheme};
+use crate::dynamics::Scheme;
 
 /// Value of the key `format`.
 pub const FORMAT: &str = "hysteron-model";
@@ -89,9 +89,9 @@ pub struct ModelFile {
     /// How the redundant gain between the blocks was fixed.
     #[serde(default)]
     pub normalisation: Normalisation,
-    /// What the dynamic block is assumed to have done before a record's first sample.
+    /// What the device is assumed to have done before a record's first sample, where nobody says otherwise.
     #[serde(default)]
-    pub start: StartName,
+    pub start: StartEntry,
     /// What the records covered; outside of it the model extrapolates.
     #[serde(default)]
     pub valid_range: Option<ValidRange>,
@@ -226,37 +226,26 @@ pub enum Normalisation {
     UnitGainAt1Hz,
 }
 
-/// Names of the initial conditions.
+/// What the device is assumed to have done before a record's first sample.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `kind` and `voltage`")]
+pub struct StartEntry {
+    /// At rest, or in a settled periodic motion.
+    pub kind: StartKind,
+    /// For `rest`: the input at which the device rested, in the input's unit; null for each record's first sample.
+    #[serde(default)]
+    pub voltage: Option<Quantity>,
+}
+
+/// Kinds of start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub enum StartName {
-    /// At rest at the first sample's input.
+pub enum StartKind {
+    /// At rest at one voltage, without hysteresis memory.
     #[default]
     Rest,
-    /// Steady state of the record repeated for ever.
-    Periodic,
-    /// All signals zero before the first sample.
-    Zero,
-}
-
-impl From<InitialCondition> for StartName {
-    fn from(start: InitialCondition) -> Self {
-        match start {
-            InitialCondition::Rest => StartName::Rest,
-            InitialCondition::Periodic => StartName::Periodic,
-            InitialCondition::Zero => StartName::Zero,
-        }
-    }
-}
-
-impl From<StartName> for InitialCondition {
-    fn from(name: StartName) -> Self {
-        match name {
-            StartName::Rest => InitialCondition::Rest,
-            StartName::Periodic => InitialCondition::Periodic,
-            StartName::Zero => InitialCondition::Zero,
-        }
-    }
+    /// The record's first period has been running for some time.
+    Settled,
 }
 
 /// What the records of the identification covered.

@@ -42,6 +42,7 @@ fn complete() -> ModelFile {
         frequency: Some(Interval { low: 1.0, high: 100.0, unit: "Hz".into() }),
         rate: Some(Interval { low: 0.0, high: 6e4, unit: "V/s".into() }),
     });
+    file.start.voltage = Some(Quantity::new(0.0, "V"));
     file.provenance = Some(Provenance {
         program: "hysteron 0.1.0".into(),
         created: Some(timestamp(UNIX_EPOCH)),
@@ -270,6 +271,12 @@ fn every_refusal_names_the_place_and_what_is_expected() {
             Some(json!(-1)),
             "valid_range.input.high: expected a finite number, at least `low`",
         ),
+        ("/start/voltage/unit", Some(json!("mV")), "start.voltage.unit: expected the unit \"V\""),
+        (
+            "/start/kind",
+            Some(json!("settled")),
+            "start.voltage: expected null for a start of the kind \"settled\"",
+        ),
         ("/valid_range/rate/unit", Some(json!("V")), "valid_range.rate.unit: expected the unit \"V/s\""),
         ("/provenance/records/0/role", Some(json!("x")), "provenance.records[0].role: unknown variant `x`"),
         ("/provenance/seed", Some(json!(-1)), "provenance.seed: invalid value"),
@@ -291,6 +298,7 @@ fn unknown_and_duplicate_keys_are_refused_at_every_level() {
         "/dynamics/numerator/0",
         "/delay",
         "/valid_range",
+        "/start",
         "/valid_range/input",
         "/provenance",
         "/provenance/records/0",
