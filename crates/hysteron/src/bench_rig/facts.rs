@@ -1,5 +1,9 @@
 //! What the bench as a whole promises: accuracy of the computation, and that the default stage looks like a real one.
 
+use std::f64::consts::TAU;
+
+use rustfft::num_complex::Complex64;
+
 use super::*;
 use crate::excitation::{Excitation, ExcitationSpec, SweepLaw, Waveform};
 
@@ -46,6 +50,22 @@ fn loops_hardly_change_below_5_hz_and_clearly_by_100_hz() {
         at(20.0),
         at(50.0)
     );
+    // The whole loops, not their opening alone: same phases of the period, each about its own mean.
+    let last_period = |f: f64| {
+        let y = measure(&Truth::default(), &sine(2000.0 * f, f, 4.0), 1, 0).unwrap().y_true_um;
+        let last = y[y.len() - 2000..].to_vec();
+        let mean = last.iter().sum::<f64>() / 2000.0;
+        last.into_iter().map(|v| v - mean).collect::<Vec<f64>>()
+    };
+    let slow = last_period(1.0);
+    let apart = |f: f64| 100.0 * relative_difference(&last_period(f), &slow);
+    let (five_apart, hundred_apart) = (apart(5.0), apart(100.0));
+    println!(
+        "largest distance from the 1 Hz loop, % of stroke: 2 Hz {:.2}, 5 Hz {five_apart:.2}, 10 Hz {:.2}, 100 Hz {hundred_apart:.2}",
+        apart(2.0),
+        apart(10.0)
+    );
+    assert!(five_apart < 1.5 && hundred_apart > 5.0);
     assert!((five - one).abs() < 1.0, "1 Hz {one}, 5 Hz {five}");
     assert!(hundred - one > 8.0, "1 Hz {one}, 100 Hz {hundred}");
 }
@@ -95,6 +115,51 @@ fn article_plant_stepped_on_the_grid_gives_the_reference_step_response() {
     for k in [5, 13, 200, 1001] {
         let expected = g.step_response((k as f64 - 1.0 - 3.7) * 1e-4);
         assert!((delayed[k] - expected).abs() < 1e-10, "sample {k}");
+    }
+}
+
+/// Without hysteresis the bench is linear: its steady sine is amplifier × creep × modes × delay, times sinc² of the
+/// straight lines between the samples of the command.
+#[test]
+fn a_linear_bench_has_the_frequency_response_of_its_parts() {
+    let Plant::PlayStack(stack) = Truth::default().plant else { panic!("default truth") };
+    let (fs, f) = (10_000.0, 100.0);
+    for creep in [None, stack.creep] {
+        let linear = PlayStack {
+            plays: Vec::new(),
+            linear_um_per_v: 3.0,
+            quadratic_per_um: 0.0,
+            cubic_per_um2: 0.0,
+            creep,
+            ..stack.clone()
+        };
+        let truth = Truth { plant: Plant::PlayStack(linear), ..Truth::default() };
+        let y = measure(&truth, &sine(fs, f, 80.0), 1, 0).unwrap().y_true_um;
+        // Fundamental of the last period (the mode's transient has decayed by e^−71), with creep's drift over it removed.
+        let (before, last) = (&y[y.len() - 200..y.len() - 100], &y[y.len() - 100..]);
+        let drift = last.iter().zip(before).map(|(a, b)| a - b).sum::<f64>() / 100.0;
+        let mut fundamental = Complex64::ZERO;
+        for (k, value) in last.iter().enumerate() {
+            let level = value - drift * k as f64 / 100.0;
+            fundamental += Complex64::from_polar(level / 50.0, -TAU * k as f64 / 100.0);
+        }
+        let s = Complex64::new(0.0, TAU * f);
+        let modes: Complex64 = [(475.0, 0.03, 0.93), (1100.0, 0.02, 0.07)]
+            .iter()
+            .map(|&(hz, damping, share)| {
+                let w = TAU * hz;
+                (s * s + s * (2.0 * damping * w) + w * w).inv() * (w * w * share)
+            })
+            .sum();
+        let slow =
+            creep.map_or(Complex64::ONE, |c| (s + TAU * c.corner_hz).powf(-c.order) * c.strength + 1.0);
+        let amplifier = (s / (TAU * 2000.0) + 1.0).inv();
+        let x = std::f64::consts::PI * f / fs;
+        let straight = (x.sin() / x).powi(2);
+        // The drive is 5 V − 5 V cos.
+        let expected = modes * slow * amplifier * (-s * 1.23e-4).exp() * (-15.0 * straight);
+        let error = (fundamental / expected - 1.0).norm();
+        assert!(error < 3e-6, "creep {creep:?}: {error:e}");
     }
 }
 

@@ -19,6 +19,7 @@ mod roots;
 mod run;
 mod sensor;
 mod truth;
+mod validation;
 
 #[cfg(test)]
 mod facts;
