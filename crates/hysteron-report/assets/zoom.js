@@ -26,10 +26,13 @@
     return [2, d + 1];
   };
   const linearTicks = (low, high, limit, exponent) => {
-    let [m, e] = stepAtLeast((high - low) / limit);
-    const bounds = () => [Math.ceil(low / power(m, e) - 1e-9), Math.floor(high / power(m, e) + 1e-9)];
-    let [first, last] = bounds();
-    if (last - first + 1 > limit) { [m, e] = stepAtLeast(power(m, e) * 1.01); [first, last] = bounds(); }
+    let [m, e] = stepAtLeast((0.4 * (high - low)) / limit), first, last;
+    for (;;) {
+      const size = power(m, e);
+      [first, last] = [Math.ceil(low / size - 1e-9), Math.floor(high / size + 1e-9)];
+      if (!(last - first + 1 > limit)) break;
+      [m, e] = stepAtLeast(1.01 * size);
+    }
     const decimals = Math.min(12, Math.max(0, exponent - e)), major = [];
     for (let i = first; i <= last; i++) {
       const v = power(i * m, e);
@@ -116,11 +119,24 @@
         const rect = node.querySelector("rect");
         return { rect, range: node.dataset.span.split(" ").map(Number), first: [rect.getAttribute("x"), rect.getAttribute("width")] };
       });
-      this.readout = make("text", { class: "readout", x: x + w, y: y - 5, "text-anchor": "end" }, group);
-      this.reset = make("text", { class: "reset", x: x + w, y: y - 5, "text-anchor": "end", visibility: "hidden" }, group);
-      this.reset.textContent = "reset zoom";
       this.catch = make("rect", { class: "catch", x, y, width: w, height: h, tabindex: "0" }, group);
       this.pick = make("rect", { class: "pick", visibility: "hidden" }, group);
+    }
+    get zoomed() { return this.ax.zoomed || this.ay.zoomed; }
+    // Fits the y axis to what the x axis shows.
+    fitY() {
+      let low = Infinity, high = -Infinity;
+      for (const [node] of this.parts) {
+        if (!node.dataset.points) continue;
+        for (const p of this.points(node)) {
+          if (!p) continue;
+          const f = this.ax.fromHome(p[0]);
+          if (f >= 0 && f <= 1) { low = Math.min(low, p[1]); high = Math.max(high, p[1]); }
+        }
+      }
+      if (!(high >= low)) return;
+      const margin = Math.max(0.06 * (high - low), 1e-4), home = this.ay.home, span = home[1] - home[0];
+      this.ay.now = this.ax.zoomed ? [home[0] + (low - margin) * span, home[0] + (high + margin) * span] : home.slice();
     }
     px(f) { return this.x + f * this.w; }
     py(f) { return this.y + this.h - f * this.h; }
@@ -129,9 +145,7 @@
       return node.points;
     }
     draw() {
-      const zoomed = this.ax.zoomed || this.ay.zoomed;
-      this.reset.setAttribute("visibility", zoomed ? "visible" : "hidden");
-      if (!zoomed) return this.restore();
+      if (!this.zoomed) return this.restore();
       this.drawAxes();
       for (const [node] of this.parts) {
         if (!node.dataset.points) continue;
@@ -198,11 +212,23 @@
   for (const svg of document.querySelectorAll("svg.figure")) {
     const panels = [...svg.querySelectorAll(".panel[data-frame]")].map((group) => new Panel(group));
     const linked = svg.dataset.link === "x";
-    const share = (panel) => {
+    const width = svg.viewBox.baseVal.width;
+    const readout = make("text", { class: "readout", x: width - 20, y: 16, "text-anchor": "end" }, svg);
+    const reset = make("text", { class: "reset", x: width - 20, y: 16, "text-anchor": "end", visibility: "hidden" }, svg);
+    reset.textContent = "reset zoom";
+    const place = () => {
+      const taken = readout.textContent ? readout.getComputedTextLength() + 14 : 0;
+      reset.setAttribute("x", width - 20 - taken);
+      reset.setAttribute("visibility", panels.some((panel) => panel.zoomed) ? "visible" : "hidden");
+    };
+    // Brings a new range of one panel to those that share its x axis; y axes that were not chosen are fitted.
+    const share = (panel, chosen) => {
       for (const other of linked ? panels : [panel]) {
         other.ax.now = panel.ax.now.slice();
+        if (other !== panel || !chosen) other.fitY();
         other.draw();
       }
+      place();
     };
     const home = (panel) => {
       for (const other of linked ? panels : [panel]) {
@@ -210,6 +236,7 @@
         other.ay.now = other.ay.home.slice();
         other.draw();
       }
+      place();
     };
     for (const panel of panels) {
       const where = (event) => {
@@ -231,8 +258,8 @@
       });
       panel.catch.addEventListener("pointermove", (event) => {
         const at = where(event);
-        panel.readout.textContent = panel.ax.read(at[0]) + ",  " + panel.ay.read(at[1]);
-        panel.reset.setAttribute("x", panel.x + panel.w - panel.readout.getComputedTextLength() - 14);
+        readout.textContent = panel.ax.read(at[0]) + ",  " + panel.ay.read(at[1]);
+        place();
         const s = start && selection(start, at);
         panel.pick.setAttribute("visibility", s ? "visible" : "hidden");
         if (s) {
@@ -245,15 +272,15 @@
         start = null;
         panel.pick.setAttribute("visibility", "hidden");
         if (!s) return;
+        const chosen = s.y[0] > 0 || s.y[1] < 1;
         panel.ax.zoom(...s.x);
-        panel.ay.zoom(...s.y);
-        share(panel);
+        if (chosen) panel.ay.zoom(...s.y);
+        share(panel, chosen);
       });
       panel.catch.addEventListener("pointercancel", () => { start = null; panel.pick.setAttribute("visibility", "hidden"); });
-      panel.catch.addEventListener("pointerleave", () => { if (!start) { panel.readout.textContent = ""; panel.reset.setAttribute("x", panel.x + panel.w); } });
+      panel.catch.addEventListener("pointerleave", () => { if (!start) { readout.textContent = ""; place(); } });
       panel.catch.addEventListener("dblclick", () => home(panel));
       panel.catch.addEventListener("keydown", (event) => { if (event.key === "Escape") home(panel); });
-      panel.reset.addEventListener("click", () => home(panel));
       // Keyboard: + and - about the middle, arrows to move.
       panel.catch.addEventListener("keydown", (event) => {
         const moves = { "+": [0.15, 0.85, 0.15, 0.85], "-": [-0.2, 1.2, -0.2, 1.2], ArrowLeft: [-0.2, 0.8, 0, 1], ArrowRight: [0.2, 1.2, 0, 1], ArrowUp: [0, 1, 0.2, 1.2], ArrowDown: [0, 1, -0.2, 0.8] };
@@ -262,9 +289,17 @@
         event.preventDefault();
         panel.ax.zoom(m[0], m[1]);
         panel.ay.zoom(m[2], m[3]);
-        share(panel);
+        share(panel, true);
       });
     }
+    reset.addEventListener("click", () => panels.forEach(home));
+  }
+  const first = document.querySelector("svg.figure .catch");
+  if (first) {
+    const hint = document.createElement("p");
+    hint.className = "tablenote hint";
+    hint.textContent = "Drag in a figure to zoom, double-click to reset.";
+    first.closest("figure").appendChild(hint);
   }
   addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((d) => { d.dataset.was = d.open; d.open = true; }));
   addEventListener("afterprint", () => document.querySelectorAll("details").forEach((d) => { d.open = d.dataset.was === "true"; }));

@@ -174,6 +174,7 @@ fn identification(record: RecordCurves) -> Page {
         convergence: vec![single],
         objective_unit: "µm".into(),
         frequency_response: vec![response("", 12.0, 1.0)],
+        excited_hz: Some((0.9, 5.0)),
         magnitude_unit: String::new(),
         correlation: Some((
             vec!["α".into(), "β".into(), "γ".into()],

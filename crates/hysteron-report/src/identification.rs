@@ -2,12 +2,13 @@
 //!
 //! [`IdentificationReportData`] is plain data that the command line fills; [`identification_report`] lays it out.
 
+use crate::figure::ticks::fixed;
 use crate::figure::{
-    Axis, Colour, ConvergenceCurve, Figure, FrequencyResponseCurve, Style, convergence, frequency_response,
-    measured_and_model, residual,
+    Axis, Colour, ConvergenceCurve, Figure, FrequencyResponseCurve, Panel, Series, Style, convergence,
+    frequency_response, measured_and_model, residual,
 };
 use crate::number::{significant, with_std_error};
-use crate::page::{Block, Column, Highlight, Page, Row, Section, Table};
+use crate::page::{Block, Cell, Column, Highlight, Page, Row, Section, Table};
 
 /// Everything the report of an identification shows. Empty parts are left out of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -46,6 +47,8 @@ pub struct IdentificationReportData {
     pub convergence_x_label: String,
     /// Frequency response of the dynamic block, if it has one.
     pub frequency_response: Vec<FrequencyResponseCurve>,
+    /// Frequencies that the records excite, lowest and highest \[Hz\]; shaded in the response.
+    pub excited_hz: Option<(f64, f64)>,
     /// Unit of the magnitude of the response.
     pub magnitude_unit: String,
     /// Correlation of the estimated parameters: names and the square matrix, row by row.
@@ -147,42 +150,79 @@ impl RecordCurves {
         let (measured, model) = (self.masked(&self.measured), self.masked(&self.model));
         Figure::new(format!("Hysteresis loop: {}", self.name))
             .panel(measured_and_model(self.x_axis(), self.y_axis(), &self.u, &measured, &model))
-            .panel_height(380.0)
+            .panel_height(310.0)
             .captioned(format!(
-                "Measured and simulated {} over {} of record {}. Drag to zoom, double-click to reset.",
+                "Measured and simulated {} over {} of record {}.",
                 self.output.0, self.input.0, self.name
             ))
     }
 
     /// Input, output and residual over time, on one time axis.
     pub fn time_figure(&self) -> Figure {
-        use crate::figure::{Panel, Series};
-        let (measured, model) = (self.masked(&self.measured), self.masked(&self.model));
-        let time = || Axis::linear("time", "s");
-        let input = Panel::new(time(), self.x_axis()).series(Series::line(
-            "",
-            self.time_s.clone(),
-            self.u.clone(),
-            Style::line(Colour::Grey).with_width(1.2),
-        ));
-        let mut output = measured_and_model(time(), self.y_axis(), &self.time_s, &measured, &model);
-        let mut error = residual(time(), &self.output.1, &self.time_s, &measured, &model);
-        if let (Some(first), true) = (self.time_s.first(), self.skipped_until_s > 0.0) {
-            output = output.span(*first, self.skipped_until_s, "not scored");
-            error = error.span(*first, self.skipped_until_s, "");
-        }
-        Figure::new(format!("Time curves: {}", self.name))
-            .panel(input)
-            .panel(output)
-            .panel(error)
-            .panel_height(150.0)
-            .link_x()
-            .captioned(format!(
+        self.curves_over_time(self.time_s.len()).titled(format!("Time curves: {}", self.name)).captioned(
+            format!(
                 "Input, measured and simulated output, and residual (measured − model) of record {}.",
                 self.name
-            ))
+            ),
+        )
+    }
+
+    /// The first periods of a record that has more than [`CROWDED`], over time; `None` for other records.
+    pub fn start_figure(&self) -> Option<Figure> {
+        let starts = self.period_starts();
+        if starts.len() <= CROWDED {
+            return None;
+        }
+        let end = *starts.get(PERIODS_SHOWN)?;
+        let figure = self.curves_over_time(end.min(self.time_s.len()));
+        Some(figure.titled(format!("Start of the record: {}", self.name)).captioned(format!(
+            "The first {PERIODS_SHOWN} of {} periods of record {}.",
+            starts.len(),
+            self.name
+        )))
+    }
+
+    /// Samples at which the input rises through the middle of its range, after having been below a tenth
+    /// of the range under it.
+    fn period_starts(&self) -> Vec<usize> {
+        let values = || self.u.iter().copied().filter(|u| u.is_finite());
+        let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
+        let (middle, armed_below) = (0.5 * (low + high), 0.4 * high + 0.6 * low);
+        let (mut armed, mut starts) = (false, Vec::new());
+        for (k, u) in self.u.iter().enumerate() {
+            armed |= *u < armed_below;
+            if armed && *u >= middle {
+                armed = false;
+                starts.push(k);
+            }
+        }
+        starts
+    }
+
+    /// Input, output and residual of the first `samples` samples.
+    fn curves_over_time(&self, samples: usize) -> Figure {
+        let first = |values: &[f64]| values.iter().take(samples).copied().collect::<Vec<f64>>();
+        let time_s = first(&self.time_s);
+        let (measured, model) = (first(&self.masked(&self.measured)), first(&self.masked(&self.model)));
+        let time = || Axis::linear("time", "s");
+        let grey = Style::line(Colour::Grey).with_width(1.2);
+        let input =
+            Panel::new(time(), self.x_axis()).series(Series::line("", time_s.clone(), first(&self.u), grey));
+        let mut output = measured_and_model(time(), self.y_axis(), &time_s, &measured, &model);
+        let mut error = residual(time(), &self.output.1, &time_s, &measured, &model);
+        if let (Some(start), true) = (time_s.first(), self.skipped_until_s > 0.0) {
+            output = output.span(*start, self.skipped_until_s, "not scored");
+            error = error.span(*start, self.skipped_until_s, "");
+        }
+        Figure::new("").panel(input).panel(output).panel(error).panel_height(112.0).link_x()
     }
 }
+
+/// A time curve with more periods than this shows little: its start is drawn as well.
+pub const CROWDED: usize = 12;
+
+/// Periods in the figure of the start of a record.
+const PERIODS_SHOWN: usize = 4;
 
 /// Lays out the report of an identification.
 pub fn identification_report(data: &IdentificationReportData) -> Page {
@@ -227,8 +267,8 @@ fn scores(data: &IdentificationReportData) -> Section {
             let mut cells = vec![
                 s.record.clone(),
                 s.role.clone(),
-                s.samples.to_string(),
-                s.skipped.to_string(),
+                fixed(s.samples as f64, 0),
+                fixed(s.skipped as f64, 0),
                 significant(s.rmse, 3),
                 significant(s.max_abs_error, 3),
                 significant(s.rmse_percent_of_stroke, 3),
@@ -255,6 +295,7 @@ fn loops(data: &IdentificationReportData) -> Section {
     let mark = |figure: Figure| if data.simulated { figure.subtitled("simulated bench") } else { figure };
     for record in &data.records {
         section = section.block(mark(record.loop_figure())).block(mark(record.time_figure()));
+        section = section.blocks(record.start_figure().map(mark));
     }
     section
 }
@@ -301,7 +342,6 @@ fn model(data: &IdentificationReportData) -> Section {
 
 /// Lower triangle of a correlation matrix; entries of at least 0.95 stand out.
 fn correlation(names: &[String], matrix: &[Vec<f64>]) -> Table {
-    use crate::page::Cell;
     let mut columns = vec![Column::text("")];
     columns.extend(names.iter().map(|name| Column::number(name, "")));
     let mut table = Table::new(columns)
@@ -309,7 +349,7 @@ fn correlation(names: &[String], matrix: &[Vec<f64>]) -> Table {
     for (i, (name, row)) in names.iter().zip(matrix).enumerate() {
         let mut cells = vec![Cell::new(name)];
         cells.extend(row.iter().take(i + 1).map(|r| {
-            let text = crate::figure::ticks::fixed(*r, 2);
+            let text = fixed(*r, 2);
             if r.abs() >= 0.95 { Cell::strong(text) } else { Cell::new(text) }
         }));
         table.rows.push(Row { cells, highlight: false });
@@ -320,7 +360,13 @@ fn correlation(names: &[String], matrix: &[Vec<f64>]) -> Table {
 fn dynamics(data: &IdentificationReportData) -> Section {
     let mut section = Section::new("Frequency response of the dynamics");
     if !data.frequency_response.is_empty() {
-        let figure = frequency_response("Frequency response", &data.magnitude_unit, &data.frequency_response);
+        let mut figure =
+            frequency_response("Frequency response", &data.magnitude_unit, &data.frequency_response);
+        if let Some((from, to)) = data.excited_hz {
+            for (panel, label) in figure.panels.iter_mut().zip(["excited by the records", ""]) {
+                *panel = std::mem::take(panel).span(from, to, label);
+            }
+        }
         section = section.block(figure.captioned(
             "Response of the linear block behind the hysteresis, delay included. It is not that of the whole actuator.",
         ));

@@ -16,3 +16,6 @@ pub mod figure;
 pub mod identification;
 pub mod number;
 pub mod page;
+mod write;
+
+pub use write::{write_figures, write_page};

@@ -9,6 +9,8 @@ use crate::base64;
 
 /// Points at most in a drawn curve, and in the data behind it on a page.
 const DRAWN_POINTS: usize = 4000;
+/// Raster of a drawn curve \[px\].
+const DRAWN_CELL: f64 = 0.6;
 const STORED_POINTS: usize = 8000;
 /// Raster of the stored data: columns over the whole axis.
 const STORED_RASTER: f64 = 2400.0;
@@ -56,7 +58,7 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, stored
         }
         if style.dash != Dash::None {
             out.push_str("<path class=\"line\" d=\"");
-            push_path(out, &decimate(&in_frame(&points), 0.8, DRAWN_POINTS), false);
+            push_path(out, &decimate(&in_frame(&points), DRAWN_CELL, DRAWN_POINTS), false);
             out.push('"');
             if stored {
                 push_stored(out, &points, false);
@@ -66,7 +68,7 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel, stored
         }
         if let Some(shape) = style.marker.path() {
             put!(out, "<path class=\"mark\" data-mark=\"{shape}\" d=\"");
-            for p in decimate(&in_frame(&points), 0.8, DRAWN_POINTS)
+            for p in decimate(&in_frame(&points), DRAWN_CELL, DRAWN_POINTS)
                 .iter()
                 .filter(|p| p.0.is_finite() && p.1.is_finite())
             {

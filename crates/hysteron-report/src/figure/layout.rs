@@ -1,7 +1,7 @@
 //! Where everything stands: ranges of the axes, frames, legends. Nothing may overlap the data.
 
 use super::text::{fit, width};
-use super::ticks::{Ticks, superscript, ticks};
+use super::ticks::{SMALLEST_SPAN, Ticks, superscript, ticks};
 use super::{Axis, Figure, Marker, Panel, Scale, Series, Style};
 
 /// Sizes of text \[px\]; 12 px is 9 pt, the smallest that journals accept.
@@ -160,7 +160,7 @@ fn range(panel: &Panel, axis: &Axis, horizontal: bool) -> (f64, f64, bool) {
     let any = low <= high;
     if let Some((a, b)) = axis.range {
         let (a, b) = (transform(axis.scale, a), transform(axis.scale, b));
-        if a < b {
+        if b - a >= SMALLEST_SPAN {
             return (a, b, any);
         }
     }
@@ -168,9 +168,12 @@ fn range(panel: &Panel, axis: &Axis, horizontal: bool) -> (f64, f64, bool) {
         return (0.0, 1.0, false);
     }
     let size = low.abs().max(high.abs());
-    if high - low <= 1e-9 * size || high == low {
-        let half = if axis.scale == Scale::Log { 0.5 } else { (0.1 * size).max(f64::MIN_POSITIVE) };
-        let half = if size == 0.0 { 1.0 } else { half };
+    if high - low <= (1e-9 * size).max(SMALLEST_SPAN) {
+        let half = match axis.scale {
+            Scale::Log => 0.5,
+            Scale::Linear if size < 1e9 * SMALLEST_SPAN => 1.0,
+            Scale::Linear => 0.1 * size,
+        };
         return (low - half, high + half, true);
     }
     let time_like = panel.series.iter().all(|s| s.style.marker.path().is_none() && s.x.is_sorted());
@@ -192,7 +195,7 @@ fn range(panel: &Panel, axis: &Axis, horizontal: bool) -> (f64, f64, bool) {
 /// The axis over `length` px.
 fn place_axis(panel: &Panel, axis: &Axis, horizontal: bool, length: f64) -> (PlacedAxis, bool) {
     let (low, high, any) = range(panel, axis, horizontal);
-    let limit = (length / if horizontal { 74.0 } else { 34.0 }).floor().clamp(3.0, 10.0) as usize;
+    let limit = (length / if horizontal { 64.0 } else { 28.0 }).floor().clamp(3.0, 10.0) as usize;
     let marks = if !axis.categories.is_empty() {
         let slot = length / axis.categories.len() as f64;
         Ticks {

@@ -218,6 +218,13 @@ impl Figure {
         }
     }
 
+    /// The same figure with another title.
+    #[must_use]
+    pub fn titled(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
     /// The same figure with a second title line.
     #[must_use]
     pub fn subtitled(mut self, subtitle: impl Into<String>) -> Self {

@@ -149,7 +149,7 @@ impl Style {
 
     /// What was measured: a wide pale line that a model drawn over it leaves visible.
     pub fn measured() -> Self {
-        Self { width_px: 3.2, ..Self::line(Colour::Sky) }
+        Self { width_px: 2.8, ..Self::line(Colour::Sky) }
     }
 
     /// What a model says: a thin dark line on top.

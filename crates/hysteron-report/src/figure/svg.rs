@@ -76,12 +76,12 @@ fn heading(out: &mut String, plan: &Layout) {
         let (y, title) = (number(plan.title_y), escape(&plan.title));
         put!(
             out,
-            "<text class=\"t\" x=\"12\" y=\"{y}\" font-size=\"{TITLE}\" font-weight=\"600\">{title}</text>"
+            "<text class=\"t\" x=\"2\" y=\"{y}\" font-size=\"{TITLE}\" font-weight=\"600\">{title}</text>"
         );
     }
     if !plan.subtitle.is_empty() {
         let (y, text) = (number(plan.subtitle_y), escape(&plan.subtitle));
-        put!(out, "<text class=\"t2\" x=\"12\" y=\"{y}\" fill=\"#5b646c\">{text}</text>");
+        put!(out, "<text class=\"t2\" x=\"2\" y=\"{y}\" fill=\"#5b646c\">{text}</text>");
     }
 }
 

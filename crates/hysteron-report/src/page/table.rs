@@ -187,7 +187,14 @@ pub(super) fn render(out: &mut String, table: &Table) {
                 (_, true) => ("<span class=\"quiet\">", "</span>"),
                 _ => ("", ""),
             };
-            put!(out, "<td{}>{}{}{}", class(column.align), emphasis.0, escape(&cell.text), emphasis.1);
+            put!(
+                out,
+                "<td{}>{}{}{}",
+                cell_class(column.align, &cell.text),
+                emphasis.0,
+                escape(&cell.text),
+                emphasis.1
+            );
             if column.align == Align::Decimal && is_number(&cell.text) {
                 pad(out, decimals[c] - fraction(&cell.text), fraction(&cell.text) == 0);
             }
@@ -207,6 +214,16 @@ fn class(align: Align) -> &'static str {
         Align::Left => "",
         Align::Decimal => " class=\"n\"",
         Align::Centre => " class=\"c\"",
+    }
+}
+
+/// Cells up to this many characters are kept on one line.
+const SHORT: usize = 16;
+
+fn cell_class(align: Align, text: &str) -> &'static str {
+    match align {
+        Align::Left if text.contains(' ') && text.chars().count() <= SHORT => " class=\"w\"",
+        other => class(other),
     }
 }
 
