@@ -1,4 +1,5 @@
 //! Every file that is no record is refused with a message that says where, what was found and what to do.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
 use hysteron_io::{IoError, ReadOptions, read_csv_bytes, read_input_output_bytes};
 

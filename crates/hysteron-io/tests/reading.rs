@@ -1,4 +1,5 @@
 //! What is accepted, and what it becomes.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use hysteron::record::{Record, TimeBase};
 use hysteron_io::{ReadOptions, read_csv_bytes, read_input_output_bytes};
