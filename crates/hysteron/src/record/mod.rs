@@ -2,15 +2,36 @@
 
 mod channel;
 mod crop;
+mod delay;
 mod error;
+mod excitation_kind;
+mod inspect;
+mod loop_shape;
+mod noise_floor;
+mod periods;
+mod resample;
 mod selection;
+mod sensor;
+mod start_up;
 mod time_base;
+mod trend;
+mod turning_points;
 mod unit;
 
 pub use channel::{header_of, split_header};
+pub use delay::{DelayFinding, find_delay};
 pub use error::RecordError;
+pub use excitation_kind::{ExcitationKind, WaveShape, excitation_kind};
+pub use inspect::{Finding, Inspection, inspect};
+pub use loop_shape::{LoopSense, LoopShape, loop_shape};
+pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};
+pub use periods::{Periods, find_periods};
 pub use selection::{ChannelChoice, Drive, Selection};
+pub use sensor::{Clipping, clipping, quantisation_step};
+pub use start_up::{StartUp, fit_start_up};
 pub use time_base::{GIVEN_RATE_TOLERANCE, UNIFORM_TOLERANCE_SAMPLES};
+pub use trend::{LinearDrift, linear_drift};
+pub use turning_points::{TurningPoint, turning_points};
 pub use unit::{Quantity, Unit};
 
 /// One measured (or simulated) run: named channels with units on one time base. Never changed in place:
