@@ -125,6 +125,8 @@ fn bad_data_are_typed_errors() {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     /// Built from its poles, a denominator is stable exactly if all of them are inside.
     #[test]
     fn the_stability_verdict_is_that_of_the_poles(

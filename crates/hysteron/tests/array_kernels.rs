@@ -1,0 +1,138 @@
+//! Promise: the array kernels are as accurate as the standard library's functions to a rounding or two, and give
+//! the same bits whichever instruction set runs them.
+
+#![allow(clippy::unwrap_used)]
+
+use hysteron::numeric::fft::{RealFft, fast_length};
+use hysteron::numeric::{Complex64, InstructionSet, accumulate_power, half_turns, multiply_quotient};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+fn uniform(count: usize, low: f64, high: f64, seed: u64) -> Vec<f64> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    (0..count).map(|_| random.random_range(low..high)).collect()
+}
+
+fn power(set: InstructionSet, order: f64, log_abs: &[f64], angle: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (mut re, mut im) = (vec![0.0; log_abs.len()], vec![0.0; log_abs.len()]);
+    accumulate_power(set, 1.0, order, log_abs, angle, &mut re, &mut im);
+    (re, im)
+}
+
+#[test]
+fn exp_is_within_one_unit_in_the_last_place() {
+    let x = uniform(200_000, -708.0, 709.0, 1);
+    let (found, _) = power(InstructionSet::detected(), 1.0, &x, &vec![0.0; x.len()]);
+    for (x, found) in x.iter().zip(found) {
+        let expected = x.exp();
+        let units = (found.to_bits() as i64 - expected.to_bits() as i64).abs();
+        assert!(units <= 1, "exp({x}): {units} units");
+    }
+}
+
+#[test]
+fn sine_and_cosine_are_within_half_a_unit_of_one() {
+    for range in [4.0, 20.0, 1e5] {
+        let x = uniform(200_000, -range, range, 2);
+        let (cos, sin) = power(InstructionSet::detected(), 1.0, &vec![0.0; x.len()], &x);
+        for ((x, cos), sin) in x.iter().zip(cos).zip(sin) {
+            assert!((cos - x.cos()).abs() <= 1.2e-16, "cos {x}");
+            assert!((sin - x.sin()).abs() <= 1.2e-16, "sin {x}");
+        }
+    }
+    // Near the zeros the error is relative.
+    for k in 1..1000 {
+        let x = std::f64::consts::PI * f64::from(k);
+        let (_, sin) = power(InstructionSet::baseline(), 1.0, &[0.0], &[x]);
+        assert!((sin[0] / x.sin() - 1.0).abs() < 1e-4, "sin {x}: {} {}", sin[0], x.sin());
+    }
+}
+
+#[test]
+fn powers_match_the_standard_complex_power() {
+    let (log_abs, angle) = (uniform(50_000, -12.0, 12.0, 3), uniform(50_000, -3.2, 3.2, 4));
+    for order in [0.0, 0.5, 1.0523, 2.0384, 7.3] {
+        let (re, im) = power(InstructionSet::detected(), order, &log_abs, &angle);
+        for k in 0..re.len() {
+            let expected = Complex64::from_polar((order * log_abs[k]).exp(), order * angle[k]);
+            let error = (Complex64::new(re[k], im[k]) - expected).norm() / expected.norm();
+            // Exponential, sine and product: a few halves of 2.2e-16.
+            assert!(error < 5e-16, "order {order} at {k}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn arguments_out_of_range_are_limited_and_nan_stays() {
+    let (re, _) = power(InstructionSet::detected(), 1.0, &[-1e4, 1e4, f64::NAN], &[0.0; 3]);
+    assert!(re[0] > 0.0 && re[0] < 1e-300 && re[1].is_finite() && re[1] > 1e300 && re[2].is_nan());
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    // An odd length leaves a remainder after the widest vectors.
+    let n = 1013;
+    let (log_abs, angle) = (uniform(n, -30.0, 30.0, 5), uniform(n, -3.2, 3.2, 6));
+    let factor = (uniform(n, -1.0, 1.0, 7), uniform(n, -1.0, 1.0, 8));
+    let run = |set| {
+        let (re, im) = power(set, 1.37, &log_abs, &angle);
+        let numerator = power(set, 0.2, &log_abs, &angle);
+        let mut quotient = vec![Complex64::ZERO; n];
+        multiply_quotient(
+            set,
+            (&numerator.0, &numerator.1),
+            (&re, &im),
+            (&factor.0, &factor.1),
+            &mut quotient,
+        );
+        let turns = half_turns(set, &re, &im);
+        let bits: Vec<u64> = quotient.iter().flat_map(|q| [q.re.to_bits(), q.im.to_bits()]).collect();
+        (bits, re, im, turns)
+    };
+    let baseline = run(InstructionSet::baseline());
+    for set in InstructionSet::available() {
+        assert_eq!(run(set), baseline, "{set:?}");
+    }
+}
+
+#[test]
+fn the_quotient_is_the_complex_quotient() {
+    let x = |seed| uniform(100, -2.0, 2.0, seed);
+    let (nr, ni, dr, di, fr, fi) = (x(1), x(2), x(3), x(4), x(5), x(6));
+    let mut out = vec![Complex64::ZERO; 100];
+    multiply_quotient(InstructionSet::detected(), (&nr, &ni), (&dr, &di), (&fr, &fi), &mut out);
+    for k in 0..100 {
+        let expected =
+            Complex64::new(nr[k], ni[k]) / Complex64::new(dr[k], di[k]) * Complex64::new(fr[k], fi[k]);
+        assert!((out[k] - expected).norm() < 1e-14 * expected.norm());
+    }
+}
+
+#[test]
+fn half_turns_count_the_winding() {
+    for turns in [-3i32, -1, 0, 1, 2] {
+        let n = 100;
+        let angle = |k: usize| 0.1 + f64::from(turns) * std::f64::consts::TAU * k as f64 / n as f64;
+        let re: Vec<f64> = (0..=n).map(|k| angle(k).cos()).collect();
+        let im: Vec<f64> = (0..=n).map(|k| angle(k).sin()).collect();
+        assert_eq!(half_turns(InstructionSet::detected(), &re, &im), 2.0 * f64::from(turns));
+    }
+    assert_eq!(half_turns(InstructionSet::baseline(), &[], &[]), 0.0);
+}
+
+#[test]
+fn fast_lengths_are_the_next_products_of_two_three_and_five() {
+    let smooth = |mut n: usize| {
+        for p in [2, 3, 5] {
+            while n.is_multiple_of(p) {
+                n /= p;
+            }
+        }
+        n == 1
+    };
+    for at_least in (0..3000).chain([99_999, 200_001, 1_234_567]) {
+        let expected = (at_least.max(2)..).find(|n| n.is_multiple_of(2) && smooth(*n)).unwrap();
+        assert_eq!(fast_length(at_least), expected, "{at_least}");
+    }
+    assert_eq!(RealFft::new(0).len(), 1);
+}

@@ -1,0 +1,81 @@
+//! Promise: one evaluation of a candidate allocates nothing.
+
+// A counting allocator is the only way to see it, and implementing one is unsafe.
+#![allow(unsafe_code)]
+#![allow(clippy::unwrap_used)]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use hysteron::dynamics::delay::delay_linear;
+use hysteron::dynamics::{
+    Arx, DynamicsError, InitialCondition, Scheme, SecondOrder, SimulationPlan, TransferFunction, stability,
+};
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on unchanged to the system allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is the one `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations(work: impl FnOnce()) -> usize {
+    let before = COUNT.with(Cell::get);
+    work();
+    COUNT.with(Cell::get) - before
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| drop(std::hint::black_box(vec![1u8; 100]))), 1);
+}
+
+#[test]
+fn a_candidate_allocates_nothing() {
+    let mut tf = TransferFunction::article_eq13();
+    let unstable =
+        SecondOrder { damping: -0.5, ..tf.second_order().unwrap() }.to_transfer_function().unwrap();
+    for samples in [1_000, 1_009] {
+        let input: Vec<f64> = (0..samples).map(|k| (f64::from(k) * 0.01).sin()).collect();
+        let mut output = vec![0.0; input.len()];
+        for scheme in Scheme::ALL {
+            for initial in [InitialCondition::Rest, InitialCondition::Zero, InitialCondition::Periodic] {
+                let plan = SimulationPlan::new(input.len(), 1e4, scheme, initial).unwrap();
+                let mut workspace = plan.workspace();
+                let spectrum = plan.transform(&input).unwrap();
+                let words = tf.second_order().unwrap();
+                let count = allocations(|| {
+                    words.write_to(&mut tf).unwrap();
+                    plan.simulate_spectrum(&tf, &spectrum, &mut workspace, &mut output).unwrap();
+                    plan.simulate(&tf, &input, &mut workspace, &mut output).unwrap();
+                    let refused = plan.simulate(&unstable, &input, &mut workspace, &mut output);
+                    assert!(matches!(refused, Err(DynamicsError::Unstable { .. })));
+                });
+                assert_eq!(count, 0, "{scheme} {initial:?}");
+            }
+        }
+        let arx = Arx { a: vec![-0.9], b: vec![0.05, 0.05] };
+        let count = allocations(|| {
+            assert!(stability(&tf).is_stable());
+            delay_linear(&input, 1.3e-4, 1e4, 0.0, &mut output).unwrap();
+            arx.simulate(&input, InitialCondition::Rest, &mut output).unwrap();
+        });
+        assert_eq!(count, 0);
+    }
+}
