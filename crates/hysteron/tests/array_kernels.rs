@@ -13,6 +13,11 @@ fn uniform(count: usize, low: f64, high: f64, seed: u64) -> Vec<f64> {
     (0..count).map(|_| random.random_range(low..high)).collect()
 }
 
+fn complex(count: usize, seed: u64) -> Vec<Complex64> {
+    let (re, im) = (uniform(count, -1.0, 1.0, seed), uniform(count, -1.0, 1.0, seed + 100));
+    re.into_iter().zip(im).map(|(re, im)| Complex64::new(re, im)).collect()
+}
+
 fn power(set: InstructionSet, order: f64, log_abs: &[f64], angle: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut re, mut im) = (vec![0.0; log_abs.len()], vec![0.0; log_abs.len()]);
     accumulate_power(set, 1.0, order, log_abs, angle, &mut re, &mut im);
@@ -73,18 +78,12 @@ fn every_instruction_set_gives_the_same_bits() {
     // An odd length leaves a remainder after the widest vectors.
     let n = 1013;
     let (log_abs, angle) = (uniform(n, -30.0, 30.0, 5), uniform(n, -3.2, 3.2, 6));
-    let factor = (uniform(n, -1.0, 1.0, 7), uniform(n, -1.0, 1.0, 8));
+    let factor = complex(n, 7);
     let run = |set| {
         let (re, im) = power(set, 1.37, &log_abs, &angle);
         let numerator = power(set, 0.2, &log_abs, &angle);
         let mut quotient = vec![Complex64::ZERO; n];
-        multiply_quotient(
-            set,
-            (&numerator.0, &numerator.1),
-            (&re, &im),
-            (&factor.0, &factor.1),
-            &mut quotient,
-        );
+        multiply_quotient(set, (&numerator.0, &numerator.1), (&re, &im), &factor, &mut quotient);
         let turns = half_turns(set, &re, &im);
         let bits: Vec<u64> = quotient.iter().flat_map(|q| [q.re.to_bits(), q.im.to_bits()]).collect();
         (bits, re, im, turns)
@@ -98,12 +97,11 @@ fn every_instruction_set_gives_the_same_bits() {
 #[test]
 fn the_quotient_is_the_complex_quotient() {
     let x = |seed| uniform(100, -2.0, 2.0, seed);
-    let (nr, ni, dr, di, fr, fi) = (x(1), x(2), x(3), x(4), x(5), x(6));
+    let (nr, ni, dr, di, factor) = (x(1), x(2), x(3), x(4), complex(100, 5));
     let mut out = vec![Complex64::ZERO; 100];
-    multiply_quotient(InstructionSet::detected(), (&nr, &ni), (&dr, &di), (&fr, &fi), &mut out);
+    multiply_quotient(InstructionSet::detected(), (&nr, &ni), (&dr, &di), &factor, &mut out);
     for k in 0..100 {
-        let expected =
-            Complex64::new(nr[k], ni[k]) / Complex64::new(dr[k], di[k]) * Complex64::new(fr[k], fi[k]);
+        let expected = Complex64::new(nr[k], ni[k]) / Complex64::new(dr[k], di[k]) * factor[k];
         assert!((out[k] - expected).norm() < 1e-14 * expected.norm());
     }
 }
@@ -131,7 +129,7 @@ fn fast_lengths_are_the_next_products_of_two_three_and_five() {
         n == 1
     };
     for at_least in (0..3000).chain([99_999, 200_001, 1_234_567]) {
-        let expected = (at_least.max(2)..).find(|n| n.is_multiple_of(2) && smooth(*n)).unwrap();
+        let expected = (at_least.max(2)..).find(|n: &usize| n.is_multiple_of(2) && smooth(*n)).unwrap();
         assert_eq!(fast_length(at_least), expected, "{at_least}");
     }
     assert_eq!(RealFft::new(0).len(), 1);

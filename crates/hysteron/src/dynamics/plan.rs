@@ -37,6 +37,8 @@ pub struct SimulationPlan {
     /// ln |s| and arg s of each frequency.
     log_abs: Vec<f64>,
     angle: Vec<f64>,
+    /// Largest ln |s|.
+    top: f64,
     /// r^k for the samples of the input, with its extension.
     decay: Vec<f64>,
     /// r^−k / L for the samples of the output.
@@ -47,8 +49,7 @@ pub struct SimulationPlan {
 /// Transform of an input, made by [`SimulationPlan::transform`] and valid for that plan (or one made alike).
 #[derive(Clone, Debug)]
 pub struct InputSpectrum {
-    re: Vec<f64>,
-    im: Vec<f64>,
+    bins: Vec<Complex64>,
     /// Level subtracted before the transform.
     level: f64,
 }
@@ -90,12 +91,13 @@ impl SimulationPlan {
             log_abs.push(if a.is_finite() { a + sample_rate_hz.ln() } else { 0.0 });
             angle.push(if a.is_finite() { t } else { 0.0 });
         }
+        let top = log_abs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let extended = if scheme == Scheme::BandLimited { length } else { samples };
         let decay = (0..extended).map(|k| (-damping * k as f64).exp()).collect();
         let growth = (0..samples).map(|k| (damping * k as f64).exp() / length as f64).collect();
         let fft = RealFft::new(length);
         let set = InstructionSet::detected();
-        Ok(Self { samples, sample_rate_hz, scheme, initial, fft, log_abs, angle, decay, growth, set })
+        Ok(Self { samples, sample_rate_hz, scheme, initial, fft, log_abs, angle, top, decay, growth, set })
     }
 
     /// Samples of a record.
@@ -177,7 +179,7 @@ impl SimulationPlan {
         check_length("input", input.len(), self.samples)?;
         check_finite("input", input)?;
         self.check_workspace(workspace)?;
-        check_length("input spectrum", spectrum.re.len(), self.log_abs.len())?;
+        check_length("input spectrum", spectrum.bins.len(), self.log_abs.len())?;
         spectrum.level = match self.initial {
             InitialCondition::Rest => input[0],
             InitialCondition::Periodic | InitialCondition::Zero => 0.0,
@@ -190,10 +192,7 @@ impl SimulationPlan {
         if self.scheme == Scheme::BandLimited {
             self.extend(input, spectrum.level, time);
         }
-        let _ = self.fft.forward.process_with_scratch(time, &mut workspace.spectrum, &mut workspace.scratch);
-        for ((re, im), x) in spectrum.re.iter_mut().zip(&mut spectrum.im).zip(&workspace.spectrum) {
-            (*re, *im) = (x.re, x.im);
-        }
+        let _ = self.fft.forward.process_with_scratch(time, &mut spectrum.bins, &mut workspace.scratch);
         Ok(())
     }
 
@@ -215,7 +214,7 @@ impl SimulationPlan {
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
         check_length("output", output.len(), self.samples)?;
-        check_length("input spectrum", input.re.len(), self.log_abs.len())?;
+        check_length("input spectrum", input.bins.len(), self.log_abs.len())?;
         self.check_workspace(workspace)?;
         self.check_candidate(tf)?;
         let offset = match self.initial {
@@ -234,8 +233,7 @@ impl SimulationPlan {
     }
 
     fn empty_spectrum(&self) -> InputSpectrum {
-        let bins = self.log_abs.len();
-        InputSpectrum { re: vec![0.0; bins], im: vec![0.0; bins], level: 0.0 }
+        InputSpectrum { bins: vec![Complex64::ZERO; self.log_abs.len()], level: 0.0 }
     }
 
     fn check_workspace(&self, workspace: &Workspace) -> Result<(), DynamicsError> {
@@ -245,6 +243,11 @@ impl SimulationPlan {
     /// What can be refused before any frequency is computed.
     fn check_candidate(&self, tf: &TransferFunction) -> Result<(), DynamicsError> {
         tf.validate()?;
+        // Squares of the polynomials must stay in range, or a quotient would quietly become zero.
+        let size = |term: &Term| term.coefficient.abs().ln() + term.order * self.top;
+        if tf.numerator.iter().chain(&tf.denominator).any(|term| size(term) > 345.0) {
+            return Err(DynamicsError::OutputNotFinite);
+        }
         if self.scheme == Scheme::Tustin {
             tf.require_proper()?;
         }
@@ -276,7 +279,7 @@ impl SimulationPlan {
         let mut turns = 0.0;
         let mut start = None;
         let blocks = self.log_abs.chunks(BLOCK).zip(self.angle.chunks(BLOCK));
-        let inputs = input.re.chunks(BLOCK).zip(input.im.chunks(BLOCK));
+        let inputs = input.bins.chunks(BLOCK);
         for (((log_abs, angle), factor), out) in blocks.zip(inputs).zip(spectrum.chunks_mut(BLOCK)) {
             denominator.evaluate(self.set, &tf.denominator, log_abs, angle);
             numerator.evaluate(self.set, &tf.numerator, log_abs, angle);
@@ -306,9 +309,9 @@ impl SimulationPlan {
     fn edges(&self, tf: &TransferFunction, input: &InputSpectrum, spectrum: &mut [Complex64]) {
         let last = spectrum.len() - 1;
         if self.initial == InitialCondition::Periodic {
-            spectrum[0].re = tf.dc_gain() * input.re[0];
+            spectrum[0].re = tf.dc_gain() * input.bins[0].re;
             if self.scheme == Scheme::Tustin && self.fft.len() == 2 * last && last > 0 {
-                spectrum[last].re = tf.high_frequency_gain() * input.re[last];
+                spectrum[last].re = tf.high_frequency_gain() * input.bins[last].re;
             }
         }
         spectrum[0].im = 0.0;
@@ -333,7 +336,7 @@ impl SimulationPlan {
 
 impl InputSpectrum {
     const fn none() -> Self {
-        Self { re: Vec::new(), im: Vec::new(), level: 0.0 }
+        Self { bins: Vec::new(), level: 0.0 }
     }
 }
 

@@ -99,10 +99,10 @@ dispatched! {
 }
 
 dispatched! {
-    /// out = numerator / denominator · factor, element by element, all as (re, im) pairs of slices but
-    /// `out`. A zero denominator gives a value that is not finite.
+    /// out = numerator / denominator · factor, element by element, the first two as (re, im) pairs of slices. A
+    /// zero denominator gives a value that is not finite.
     multiply_quotient => multiply_quotient_kernel(
-        numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), factor: (&[f64], &[f64]),
+        numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), factor: &[Complex64],
         out: &mut [Complex64])
 }
 
@@ -133,20 +133,17 @@ fn accumulate_power_kernel(
 fn multiply_quotient_kernel(
     numerator: (&[f64], &[f64]),
     denominator: (&[f64], &[f64]),
-    factor: (&[f64], &[f64]),
+    factor: &[Complex64],
     out: &mut [Complex64],
 ) {
     let numerator = numerator.0.iter().zip(numerator.1);
     let denominator = denominator.0.iter().zip(denominator.1);
-    let factor = factor.0.iter().zip(factor.1);
-    for (((out, (&nr, &ni)), (&dr, &di)), (&fr, &fi)) in
-        out.iter_mut().zip(numerator).zip(denominator).zip(factor)
-    {
+    for (((out, (&nr, &ni)), (&dr, &di)), f) in out.iter_mut().zip(numerator).zip(denominator).zip(factor) {
         let scale = 1.0 / (dr * dr + di * di);
         let gr = (nr * dr + ni * di) * scale;
         let gi = (ni * dr - nr * di) * scale;
-        out.re = gr * fr - gi * fi;
-        out.im = gr * fi + gi * fr;
+        out.re = gr * f.re - gi * f.im;
+        out.im = gr * f.im + gi * f.re;
     }
 }
 
