@@ -1,4 +1,12 @@
-//! Figures (SVG) and the self-contained HTML report.
+//! Figures (SVG) and self-contained HTML pages.
+//!
+//! In the order of use: a [`figure::Figure`] is panels of series with units; a [`page::Page`] is sections of
+//! text, tables and figures; [`identification::identification_report`] and [`article::ComparisonTable`] compose
+//! what the `hysteron` command shows; [`write_page`] and [`write_figures`] put it on the disk.
+//! [`number`] formats values for tables.
+//!
+//! Pages load nothing, work offline and without script, and print on A4. They hold curves reduced to what a
+//! screen can show ([`figure::decimate`]), so that a record of any length gives a file of bounded size.
 #![forbid(unsafe_code)]
 
 /// Appends formatted text to a string, which cannot fail.

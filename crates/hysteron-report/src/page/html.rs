@@ -119,7 +119,10 @@ fn render_block(out: &mut String, block: &Block, figures: &mut usize) {
             *figures += 1;
             put!(out, "<figure id=\"f{figures}\">{}", figure.to_inline_svg(&format!("f{figures}")));
             if !figure.caption.is_empty() {
-                put!(out, "<figcaption><b>Figure {figures}.</b> {}</figcaption>", escape(&figure.caption));
+                // A title that brings its own number, as those of a reproduced article do, keeps it.
+                let own_number = figure.title.starts_with("Figure ");
+                let number = if own_number { String::new() } else { format!("<b>Figure {figures}.</b> ") };
+                put!(out, "<figcaption>{number}{}</figcaption>", escape(&figure.caption));
             }
             out.push_str("</figure>");
         }

@@ -137,9 +137,13 @@ impl Table {
     }
 }
 
+/// Tables of up to this many rows are not broken over printed pages.
+const UNBROKEN_ROWS: usize = 14;
+
 /// Appends the HTML of a table.
 pub(super) fn render(out: &mut String, table: &Table) {
-    out.push_str("<div class=\"table\"><table>");
+    let short = if table.rows.len() <= UNBROKEN_ROWS { " short" } else { "" };
+    put!(out, "<div class=\"table{short}\"><table>");
     if !table.caption.is_empty() {
         put!(out, "<caption>{}</caption>", escape(&table.caption));
     }
