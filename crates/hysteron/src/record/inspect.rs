@@ -311,7 +311,7 @@ impl Inspection {
                 ))
             }
             Some(DelayFinding::Inseparable { frequency_hz, at_most_s }) => note(format!(
-                "On one steady frequency ({}) delay and loop width look alike: together they make a lag of {:.3} ms, so the delay is at most that. A sweep or a start from rest would tell them apart.",
+                "On one steady frequency ({}) delay and loop width look alike: together they make a lag of {:.3} ms, so the delay is at most that. A sweep, or a start from rest that a first-order lag describes, would tell them apart.",
                 hz(*frequency_hz),
                 1e3 * at_most_s
             )),

@@ -1,4 +1,10 @@
 //! Measured records: named channels with units on one time base.
+//!
+//! A [`Record`] holds the channels of a file; [`Record::input_output`] takes the two that a fit works with, in its units, as
+//! [`InputOutput`]. Preparation returns new records: [`InputOutput::cropped`], [`InputOutput::resampled`],
+//! [`InputOutput::decimated`], [`InputOutput::with_offset_removed`], [`InputOutput::with_drift_removed`],
+//! [`Record::with_channel_scaled`]. What a record holds is found by [`find_periods`], [`noise_floor`], [`linear_drift`],
+//! [`find_delay`], [`loop_shape`], [`excitation_kind`], and all at once, with the reasons in plain words, by [`inspect`].
 
 mod channel;
 mod crop;
