@@ -7,9 +7,12 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+mod columns;
 mod completions;
 mod console;
+mod excite;
 mod failure;
+mod rig;
 mod schema;
 
 use failure::Failure;
@@ -26,12 +29,16 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Excite(excite::Excite),
+    Rig(rig::Rig),
     Completions(completions::Completions),
     Schema(schema::Schema),
 }
 
 fn run(command: &Command) -> Result<(), Failure> {
     match command {
+        Command::Excite(c) => c.run(),
+        Command::Rig(c) => c.run(),
         Command::Completions(c) => c.run(),
         Command::Schema(c) => c.run(),
     }

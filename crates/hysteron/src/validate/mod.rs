@@ -266,9 +266,9 @@ pub fn definitions() -> &'static [Definition] {
             "output",
             "root mean square of e = y − simulation − offset; simulation from the start, not one-step prediction",
         ),
-        row("max_abs_error", "max |error|", "output", "largest |e|"),
+        row("max_abs_error", "max error", "output", "largest |e|"),
         row("rmse_percent_of_stroke", "RMSE / stroke", "%", "100 · RMSE / stroke"),
-        row("max_percent_of_stroke", "max |error| / stroke", "%", "100 · max |e| / stroke"),
+        row("max_percent_of_stroke", "max error / stroke", "%", "100 · max |e| / stroke"),
         row(
             "fit_percent",
             "fit",

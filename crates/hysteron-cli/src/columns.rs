@@ -1,0 +1,122 @@
+//! Flags that say what the columns of a record are, the same for every command that reads records.
+
+use std::path::Path;
+
+use clap::Args;
+use hysteron::record::{Drive, InputOutput, Record};
+use hysteron_io::{ReadOptions, read_csv, read_input_output};
+
+use crate::console;
+use crate::failure::Failure;
+
+/// Time and size of a file.
+#[derive(Args, Clone, Debug)]
+pub struct TimeFlags {
+    /// Time column: its name, with or without unit, or its number from 1
+    #[arg(long, value_name = "COL", help_heading = "Columns")]
+    time: Option<String>,
+
+    /// Sample rate in Hz, where there is no time column; where there is one, it must agree and replaces the stamps
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true, help_heading = "Columns")]
+    sample_rate: Option<f64>,
+
+    /// Largest file read, in bytes
+    #[arg(long, value_name = "BYTES", help_heading = "Columns")]
+    max_bytes: Option<u64>,
+}
+
+/// Which column drives.
+#[derive(Args, Clone, Debug)]
+pub struct InputFlags {
+    /// Input (drive) column: its name, with or without unit, or its number from 1
+    #[arg(long, value_name = "COL", help_heading = "Columns")]
+    input: Option<String>,
+
+    #[command(flatten)]
+    time: TimeFlags,
+}
+
+/// Which column drives and which responds.
+#[derive(Args, Clone, Debug)]
+pub struct ColumnFlags {
+    #[command(flatten)]
+    drive: InputFlags,
+
+    /// Output (response) column: its name, with or without unit, or its number from 1
+    #[arg(long, value_name = "COL", help_heading = "Columns")]
+    output: Option<String>,
+}
+
+impl TimeFlags {
+    fn options(&self) -> ReadOptions {
+        let defaults = ReadOptions::default();
+        ReadOptions {
+            time: self.time.clone(),
+            sample_rate_hz: self.sample_rate,
+            max_bytes: self.max_bytes.unwrap_or(defaults.max_bytes),
+            ..defaults
+        }
+    }
+}
+
+impl InputFlags {
+    /// Reads the input channel alone. Prints what was decided without being told.
+    ///
+    /// # Errors
+    /// If the file is not a readable record or the input cannot be decided.
+    pub fn read_drive(&self, path: &Path) -> Result<Drive, Failure> {
+        let options = ReadOptions { input: self.input.clone(), ..self.time.options() };
+        let unreadable = |e: &dyn std::fmt::Display| cannot_read(path, e);
+        let record: Record = read_csv(path, &options).map_err(|e| unreadable(&e))?;
+        let drive = record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?;
+        notes(path, &drive.notes);
+        Ok(drive)
+    }
+}
+
+impl ColumnFlags {
+    /// What the flags mean to the reader.
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions {
+            input: self.drive.input.clone(),
+            output: self.output.clone(),
+            ..self.drive.time.options()
+        }
+    }
+
+    /// Reads input and output of a record. Prints what was decided without being told.
+    ///
+    /// # Errors
+    /// If the file is not a readable record or its columns cannot be decided.
+    pub fn read(&self, path: &Path) -> Result<InputOutput, Failure> {
+        let outcome = read_input_output(path, &self.options()).map_err(|e| cannot_read(path, &e))?;
+        notes(path, &outcome.notes);
+        Ok(outcome.data)
+    }
+}
+
+fn cannot_read(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
+    Failure::new(format!("cannot read the record {}", path.display())).because(reason)
+}
+
+fn notes(path: &Path, notes: &[String]) {
+    for note in notes {
+        console::note(&format!("{}: {note}", path.display()));
+    }
+}
+
+/// Parses a number above 0.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
+        _ => Err("expected a number above 0".into()),
+    }
+}
+
+/// Parses a number that is not negative.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x >= 0.0 => Ok(x),
+        _ => Err("expected a number of at least 0".into()),
+    }
+}

@@ -1,0 +1,189 @@
+//! `hysteron excite`: drive waveforms for an identification campaign.
+
+mod waves;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use hysteron::excitation::{AmplifierLimits, Excitation, ExcitationSpec};
+use hysteron_io::write_csv;
+use serde::Serialize;
+
+use crate::columns::{not_negative, positive};
+use crate::console;
+use crate::failure::Failure;
+use waves::Wave;
+
+/// A voltage beyond every amplifier: the limit where none is given.
+const NO_AMPLIFIER_V: f64 = 1e12;
+
+/// Write a drive waveform as a record t_s,u_V ready for a DAQ.
+#[derive(Args)]
+#[command(
+    after_help = "Example: hysteron excite sweep --from 1 --to 100 --duration 10 --sample-rate 10000 --high 10 -o sweep.csv\n\n\
+    A campaign needs at least a slow loop (nested-loops) and something fast (sweep or multisine). \
+    hysteron excite WAVEFORM --help explains each waveform."
+)]
+pub struct Excite {
+    #[command(subcommand)]
+    wave: Wave,
+}
+
+/// What every waveform needs.
+#[derive(Args, Clone, Debug)]
+pub struct Drive {
+    /// Sample rate in Hz
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
+    sample_rate: f64,
+
+    /// Lowest voltage
+    #[arg(long, value_name = "VOLTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    low: f64,
+
+    /// Highest voltage
+    #[arg(long, value_name = "VOLTS", allow_negative_numbers = true)]
+    high: f64,
+
+    /// Seconds of smooth lead-in from 0 V to the first sample
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    soft_start: f64,
+
+    /// Seconds of smooth lead-out from the last sample to 0 V
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    soft_end: f64,
+
+    /// Seed of whatever is random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+
+    /// File to write
+    #[arg(short, long = "out", value_name = "OUT.csv")]
+    out: PathBuf,
+
+    /// Print what was written as one JSON object: length, range, slew, excited and detection lines
+    #[arg(long)]
+    json: bool,
+
+    /// Lowest voltage of the amplifier
+    #[arg(
+        long,
+        value_name = "VOLTS",
+        allow_negative_numbers = true,
+        help_heading = "Limits of the amplifier"
+    )]
+    amplifier_low: Option<f64>,
+
+    /// Highest voltage of the amplifier
+    #[arg(
+        long,
+        value_name = "VOLTS",
+        allow_negative_numbers = true,
+        help_heading = "Limits of the amplifier"
+    )]
+    amplifier_high: Option<f64>,
+
+    /// Largest slew rate of the amplifier in V/s
+    #[arg(long, value_name = "V/S", value_parser = positive, allow_negative_numbers = true, help_heading = "Limits of the amplifier")]
+    max_slew: Option<f64>,
+
+    /// Largest current of the amplifier in A; needs --capacitance
+    #[arg(long, value_name = "AMPERES", value_parser = positive, allow_negative_numbers = true, requires = "capacitance", help_heading = "Limits of the amplifier")]
+    max_current: Option<f64>,
+
+    /// Capacitance of the actuator in F
+    #[arg(long, value_name = "FARADS", value_parser = positive, allow_negative_numbers = true, help_heading = "Limits of the amplifier")]
+    capacitance: Option<f64>,
+}
+
+/// What was written, as JSON.
+#[derive(Serialize)]
+struct Written<'a> {
+    file: String,
+    description: &'a str,
+    samples: usize,
+    sample_rate_hz: f64,
+    duration_s: f64,
+    low_v: f64,
+    high_v: f64,
+    max_slew_v_per_s: f64,
+    crest_factor: f64,
+    lead_in_samples: usize,
+    lead_out_samples: usize,
+    period_samples: Option<usize>,
+    excited_hz: &'a [f64],
+    odd_detection_hz: &'a [f64],
+    even_detection_hz: &'a [f64],
+}
+
+impl Excite {
+    pub fn run(&self) -> Result<(), Failure> {
+        let (waveform, drive) = self.wave.waveform();
+        let spec = ExcitationSpec {
+            soft_start_s: drive.soft_start,
+            soft_end_s: drive.soft_end,
+            seed: drive.seed,
+            ..ExcitationSpec::new(drive.sample_rate, drive.low, drive.high, waveform)
+        };
+        let excitation = spec.generate().map_err(|e| {
+            Failure::new("cannot make the waveform")
+                .because(e)
+                .hint("hysteron excite WAVEFORM --help explains what each number means")
+        })?;
+        drive.limits().check(&excitation).map_err(|e| {
+            Failure::new("the amplifier cannot play the waveform")
+                .because(e)
+                .hint("slow it down, or make the range smaller")
+        })?;
+        write_csv(&drive.out, &excitation.to_record()).map_err(|e| {
+            Failure::new(format!("cannot write the waveform to {}", drive.out.display())).because(e)
+        })?;
+        let written = Written::new(drive, &excitation);
+        console::message(&format!(
+            "wrote {}: {}; {} samples, {} s, {} V to {} V, at most {:.4} V/s, crest factor {:.3}",
+            written.file,
+            written.description,
+            written.samples,
+            written.duration_s,
+            written.low_v,
+            written.high_v,
+            written.max_slew_v_per_s,
+            written.crest_factor,
+        ));
+        if drive.json { console::json(&written) } else { Ok(()) }
+    }
+}
+
+impl Drive {
+    fn limits(&self) -> AmplifierLimits {
+        AmplifierLimits {
+            low_v: self.amplifier_low.unwrap_or(-NO_AMPLIFIER_V),
+            high_v: self.amplifier_high.unwrap_or(NO_AMPLIFIER_V),
+            slew_v_per_s: self.max_slew,
+            current_a: self.max_current,
+            capacitance_f: self.capacitance,
+        }
+    }
+}
+
+impl<'a> Written<'a> {
+    fn new(drive: &Drive, excitation: &'a Excitation) -> Self {
+        let (low_v, high_v) = excitation.range_v();
+        Written {
+            file: drive.out.display().to_string(),
+            description: &excitation.description,
+            samples: excitation.samples_v.len(),
+            sample_rate_hz: excitation.sample_rate_hz,
+            duration_s: excitation.duration_s(),
+            low_v,
+            high_v,
+            max_slew_v_per_s: excitation.max_slew_v_per_s(),
+            crest_factor: excitation.crest_factor(),
+            lead_in_samples: excitation.lead_in_samples,
+            lead_out_samples: excitation.lead_out_samples,
+            period_samples: excitation.period_samples,
+            excited_hz: &excitation.excited_hz,
+            odd_detection_hz: &excitation.odd_detection_hz,
+            even_detection_hz: &excitation.even_detection_hz,
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! The waveforms as the command line names them.
+
+use clap::{Args, Subcommand, ValueEnum};
+use hysteron::excitation::{Lines, Phases, SweepLaw, Tone, Waveform};
+
+use super::Drive;
+
+/// The waveforms.
+#[derive(Subcommand)]
+pub enum Wave {
+    /// Sine from the lowest voltage, with zero slope at the start
+    Sine(Periodic),
+    /// Triangle from the lowest voltage
+    Triangle(Periodic),
+    /// Sum of sines that fills the range
+    Sines(Sines),
+    /// Slow loops of different amplitude: the quasi-static record of a campaign
+    NestedLoops(NestedLoops),
+    /// First-order reversal curves
+    ReversalCurves(ReversalCurves),
+    /// Steps up and down, each held: shows creep
+    Staircase(Staircase),
+    /// Fast axis of a raster scan with smooth turnarounds
+    Raster(Raster),
+    /// Sine of decaying amplitude that wipes out the actuator's past
+    Decaying(Decaying),
+    /// Sine whose frequency runs from one to another
+    Sweep(Sweep),
+    /// Many sines at multiples of 1/period, of low crest factor: a sharp frequency response and its distortions
+    Multisine(Multisine),
+    /// Noise between two frequencies
+    Random(Random),
+}
+
+/// A wave that repeats.
+#[derive(Args)]
+pub struct Periodic {
+    /// Frequency in Hz
+    #[arg(long, value_name = "HZ")]
+    frequency: f64,
+    /// Number of periods
+    #[arg(long, value_name = "N", default_value_t = 3.0)]
+    periods: f64,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+#[derive(Args)]
+pub struct Sines {
+    /// One sine as HZ:AMPLITUDE or HZ:AMPLITUDE:DEGREES, amplitudes relative to each other; may be repeated
+    #[arg(long = "tone", value_name = "TONE", required = true, value_parser = tone)]
+    tones: Vec<Tone>,
+    /// Duration in s
+    #[arg(long, value_name = "SECONDS")]
+    duration: f64,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+#[derive(Args)]
+pub struct NestedLoops {
+    /// Frequency of every loop in Hz
+    #[arg(long, value_name = "HZ", default_value_t = 1.0)]
+    frequency: f64,
+    /// Amplitudes in the order played, parts of the range
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1,0.8,0.6,0.4,0.2")]
+    amplitudes: Vec<f64>,
+    /// Periods of each amplitude
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    periods_each: u32,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+#[derive(Args)]
+pub struct ReversalCurves {
+    /// Number of curves
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    curves: u32,
+    /// Seconds a ramp over the whole range takes
+    #[arg(long, value_name = "SECONDS")]
+    ramp: f64,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+#[derive(Args)]
+pub struct Staircase {
+    /// Steps from the lowest to the highest voltage
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    steps: u32,
+    /// Seconds each level is held
+    #[arg(long, value_name = "SECONDS")]
+    hold: f64,
+    /// Seconds of smooth transition between levels; 0 jumps
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    transition: f64,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+#[derive(Args)]
+pub struct Raster {
+    /// Lines a second
+    #[arg(long, value_name = "HZ")]
+    line_rate: f64,
+    /// Number of lines
+    #[arg(long, value_name = "N")]
+    lines: u32,
+    /// Part of a line spent on the way back; 0.5 is a triangle
+    #[arg(long, value_name = "PART", default_value_t = 0.2)]
+    return_fraction: f64,
+    /// Part of a line spent in each turnaround
+    #[arg(long, value_name = "PART", default_value_t = 0.05)]
+    turnaround_fraction: f64,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+#[derive(Args)]
+pub struct Decaying {
+    /// Frequency in Hz
+    #[arg(long, value_name = "HZ", default_value_t = 1.0)]
+    frequency: f64,
+    /// Number of cycles
+    #[arg(long, value_name = "N", default_value_t = 30.0)]
+    cycles: f64,
+    /// Amplitude of each cycle over that of the one before
+    #[arg(long, value_name = "RATIO", default_value_t = 0.85)]
+    ratio: f64,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+#[derive(Args)]
+pub struct Sweep {
+    /// Frequency at the start in Hz
+    #[arg(long, value_name = "HZ")]
+    from: f64,
+    /// Frequency at the end in Hz
+    #[arg(long, value_name = "HZ")]
+    to: f64,
+    /// Duration in s
+    #[arg(long, value_name = "SECONDS")]
+    duration: f64,
+    /// How the frequency runs
+    #[arg(long, value_enum, default_value_t = Law::Logarithmic)]
+    law: Law,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+/// How a sweep's frequency runs.
+#[derive(Clone, Copy, ValueEnum)]
+enum Law {
+    /// Equal time for equal differences
+    Linear,
+    /// Equal time for every octave
+    Logarithmic,
+}
+
+#[derive(Args)]
+pub struct Multisine {
+    /// Lowest frequency in Hz
+    #[arg(long, value_name = "HZ")]
+    from: f64,
+    /// Highest frequency in Hz
+    #[arg(long, value_name = "HZ")]
+    to: f64,
+    /// Length of a period in s; its inverse is the frequency resolution
+    #[arg(long, value_name = "SECONDS")]
+    period: f64,
+    /// Number of periods
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    periods: u32,
+    /// Which multiples of 1/period are excited
+    #[arg(long, value_enum, default_value_t = LineChoice::Full)]
+    lines: LineChoice,
+    /// Of how many consecutive odd lines one is left out, with --lines odd-with-detection
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    detection_group: u32,
+    /// How the phases are chosen
+    #[arg(long, value_enum, default_value_t = PhaseChoice::Optimised)]
+    phases: PhaseChoice,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+/// Which lines of a multisine are excited.
+#[derive(Clone, Copy, ValueEnum)]
+enum LineChoice {
+    /// All
+    Full,
+    /// Odd ones: even-order distortion shows at the even ones
+    Odd,
+    /// Odd ones but one of every group: odd-order distortion shows at those left out
+    OddWithDetection,
+}
+
+/// How the phases of a multisine are chosen.
+#[derive(Clone, Copy, ValueEnum)]
+enum PhaseChoice {
+    /// Independent, uniform
+    Random,
+    /// Schroeder's formula
+    Schroeder,
+    /// The lowest crest factor that repeated clipping finds
+    Optimised,
+}
+
+#[derive(Args)]
+pub struct Random {
+    /// Lowest frequency in Hz
+    #[arg(long, value_name = "HZ", default_value_t = 0.0)]
+    from: f64,
+    /// Highest frequency in Hz
+    #[arg(long, value_name = "HZ")]
+    to: f64,
+    /// Duration in s
+    #[arg(long, value_name = "SECONDS")]
+    duration: f64,
+    #[command(flatten)]
+    drive: Drive,
+}
+
+impl Wave {
+    /// The library's waveform, and the drive it fills.
+    pub fn waveform(&self) -> (Waveform, &Drive) {
+        match self {
+            Wave::Sine(w) => (Waveform::Sine { frequency_hz: w.frequency, periods: w.periods }, &w.drive),
+            Wave::Triangle(w) => {
+                (Waveform::Triangle { frequency_hz: w.frequency, periods: w.periods }, &w.drive)
+            }
+            Wave::Sines(w) => (Waveform::Sines { tones: w.tones.clone(), duration_s: w.duration }, &w.drive),
+            Wave::NestedLoops(w) => {
+                let amplitudes = w.amplitudes.clone();
+                let periods_each = w.periods_each;
+                (Waveform::NestedLoops { frequency_hz: w.frequency, amplitudes, periods_each }, &w.drive)
+            }
+            Wave::ReversalCurves(w) => {
+                (Waveform::ReversalCurves { curves: w.curves, ramp_s: w.ramp }, &w.drive)
+            }
+            Wave::Staircase(w) => {
+                (Waveform::Staircase { steps: w.steps, hold_s: w.hold, transition_s: w.transition }, &w.drive)
+            }
+            Wave::Raster(w) => {
+                let raster = Waveform::Raster {
+                    line_hz: w.line_rate,
+                    lines: w.lines,
+                    return_fraction: w.return_fraction,
+                    turnaround_fraction: w.turnaround_fraction,
+                };
+                (raster, &w.drive)
+            }
+            Wave::Decaying(w) => {
+                (Waveform::Decaying { frequency_hz: w.frequency, cycles: w.cycles, ratio: w.ratio }, &w.drive)
+            }
+            Wave::Sweep(w) => {
+                let law = match w.law {
+                    Law::Linear => SweepLaw::Linear,
+                    Law::Logarithmic => SweepLaw::Logarithmic,
+                };
+                (Waveform::Sweep { law, start_hz: w.from, end_hz: w.to, duration_s: w.duration }, &w.drive)
+            }
+            Wave::Multisine(w) => (w.waveform(), &w.drive),
+            Wave::Random(w) => {
+                (Waveform::Random { low_hz: w.from, high_hz: w.to, duration_s: w.duration }, &w.drive)
+            }
+        }
+    }
+}
+
+impl Multisine {
+    fn waveform(&self) -> Waveform {
+        Waveform::Multisine {
+            low_hz: self.from,
+            high_hz: self.to,
+            period_s: self.period,
+            periods: self.periods,
+            lines: match self.lines {
+                LineChoice::Full => Lines::Full,
+                LineChoice::Odd => Lines::Odd,
+                LineChoice::OddWithDetection => Lines::OddWithDetection { group: self.detection_group },
+            },
+            phases: match self.phases {
+                PhaseChoice::Random => Phases::Random,
+                PhaseChoice::Schroeder => Phases::Schroeder,
+                PhaseChoice::Optimised => Phases::Optimised,
+            },
+        }
+    }
+}
+
+/// Parses `HZ:AMPLITUDE` or `HZ:AMPLITUDE:DEGREES`.
+fn tone(text: &str) -> Result<Tone, String> {
+    let numbers = text.split(':').map(str::parse::<f64>).collect::<Result<Vec<_>, _>>().ok();
+    match numbers.as_deref() {
+        Some(&[frequency_hz, amplitude]) => Ok(Tone { frequency_hz, amplitude, phase_deg: 0.0 }),
+        Some(&[frequency_hz, amplitude, phase_deg]) => Ok(Tone { frequency_hz, amplitude, phase_deg }),
+        _ => Err("expected HZ:AMPLITUDE or HZ:AMPLITUDE:DEGREES".into()),
+    }
+}

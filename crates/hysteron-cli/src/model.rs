@@ -1,0 +1,113 @@
+//! A model file read for use with records.
+
+use std::path::{Path, PathBuf};
+
+use hysteron::hammerstein::{Model, SimulationError};
+use hysteron::model_file::ModelFile;
+use hysteron::record::Unit;
+
+use crate::console;
+use crate::failure::Failure;
+use crate::start::{Drive, StartFlags};
+
+/// Excess over the valid range, as a fraction of it, that is not worth a remark.
+const RANGE_SLACK: f64 = 0.01;
+
+/// A model file and the model in it.
+pub struct LoadedModel {
+    path: PathBuf,
+    pub file: ModelFile,
+    model: Model,
+}
+
+impl LoadedModel {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// If it cannot be read or is not sound.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let failure = || Failure::new(format!("cannot read the model {}", path.display()));
+        let hint = "hysteron identify writes model files; hysteron schema prints their format";
+        let file = ModelFile::read(path).map_err(|e| failure().because(e).hint(hint))?;
+        let model = file.to_model().map_err(|e| failure().because(e).hint(hint))?;
+        Ok(LoadedModel { path: path.to_owned(), file, model })
+    }
+
+    /// Simulates the output for the drive of the record at `path`.
+    ///
+    /// # Errors
+    /// If the model cannot be run on this drive, e.g. dynamics without a sample rate.
+    pub fn simulate(&self, path: &Path, drive: &Drive, start: &StartFlags) -> Result<Vec<f64>, Failure> {
+        self.remark_extrapolation(path, drive.u);
+        let start = start.choose(&self.file, path, drive)?;
+        self.model.simulate(drive.u, drive.sample_rate_hz(), &start).map_err(|e| {
+            let hint = match &e {
+                SimulationError::NoSampleRate => {
+                    Some("give the sample rate with --sample-rate HZ, or resample the record to a uniform time".into())
+                }
+                SimulationError::SampleRate { model_hz, .. } => Some(format!(
+                    "resample the record to {model_hz} Hz, or identify the model again with --scheme tustin, which holds at \
+                     other rates"
+                )),
+                _ => None,
+            };
+            let failure = Failure::new(format!("cannot simulate {} on {}", self.path.display(), path.display()));
+            let failure = failure.because(e);
+            match hint {
+                Some(hint) => failure.hint(hint),
+                None => failure,
+            }
+        })
+    }
+
+    /// The unit that model and record agree on, for one of the signals: the record's, or the model's where the record
+    /// gives none.
+    ///
+    /// # Errors
+    /// If they disagree.
+    pub fn agreed_unit(&self, record: &Path, signal: Signal, found: &Unit) -> Result<Unit, Failure> {
+        let (name, flag, own) = match signal {
+            Signal::Input => ("input", "--input", &self.file.units.input),
+            Signal::Output => ("output", "--output", &self.file.units.output),
+        };
+        let own = Unit::new(own);
+        if found.symbol().is_empty() {
+            if !own.symbol().is_empty() {
+                let record = record.display();
+                console::note(&format!(
+                    "{record}: the {name} has no unit; taken to be in {own}, the model's"
+                ));
+            }
+            return Ok(own);
+        }
+        if own.symbol().is_empty() || own == *found {
+            return Ok(found.clone());
+        }
+        Err(Failure::new(format!("cannot run {} on {}", self.path.display(), record.display()))
+            .because(format!("the model's {name} is in {own}, the record's in {found}"))
+            .hint(format!("choose the column with {flag}, or correct the unit in its header")))
+    }
+
+    fn remark_extrapolation(&self, record: &Path, u: &[f64]) {
+        let Some(range) = &self.file.valid_range else { return };
+        let (low, high) =
+            u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+        let slack = RANGE_SLACK * (range.input.high - range.input.low);
+        if low < range.input.low - slack || high > range.input.high + slack {
+            console::note(&format!(
+                "{}: the input runs from {low} to {high} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
+                record.display(),
+                range.input.low,
+                range.input.high,
+                unit = Unit::new(&range.input.unit),
+            ));
+        }
+    }
+}
+
+/// One of the model's signals.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Signal {
+    Input,
+    Output,
+}

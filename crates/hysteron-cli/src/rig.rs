@@ -1,0 +1,164 @@
+//! `hysteron rig`: the simulated test bench.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use hysteron::atomic_file::{write_atomically, write_atomically_with};
+use hysteron::bench_rig::{CampaignPlan, RigRun, Truth, measure, run_campaign};
+use hysteron::excitation::Excitation;
+use hysteron::record::{Quantity, TimeBase};
+use hysteron_io::write_csv_to;
+use serde::de::DeserializeOwned;
+
+use crate::columns::InputFlags;
+use crate::console;
+use crate::failure::Failure;
+
+/// Largest truth or plan file read, in bytes.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Measure on a simulated test bench whose truth is known: records to try the other commands on.
+#[derive(Args)]
+#[command(
+    after_help = "Plays the article's campaign (1 Hz loop, 1-100 Hz sweep, sines of 10, 20, 50 and 100 Hz), or the drives given \
+    with --drive, and writes one record each, with the truth and the plan in force, into the folder. \
+    The default truth lies outside every model class that hysteron identifies.\n\n\
+    Example: hysteron rig --out-dir bench --seed 1"
+)]
+pub struct Rig {
+    /// What the bench really is: JSON, all keys optional (truth.json of an earlier run, edited)
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+
+    /// Folder the records are written into; made if it does not exist
+    #[arg(long, value_name = "DIR")]
+    out_dir: PathBuf,
+
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+
+    /// Which records are made: JSON, all keys optional (plan.json of an earlier run, edited)
+    #[arg(long, value_name = "FILE", conflicts_with = "drives")]
+    plan: Option<PathBuf>,
+
+    /// Play the drive in this file, e.g. one written by hysteron excite, instead of the campaign; may be repeated
+    #[arg(long = "drive", value_name = "FILE")]
+    drives: Vec<PathBuf>,
+
+    /// Write the true displacement and the hysteresis block's output beside what the sensor reads
+    #[arg(long)]
+    with_truth: bool,
+
+    #[command(flatten)]
+    columns: InputFlags,
+}
+
+impl Rig {
+    pub fn run(&self) -> Result<(), Failure> {
+        let truth: Truth = read_or_default(self.truth.as_deref(), "truth")?;
+        let plan: CampaignPlan = read_or_default(self.plan.as_deref(), "plan")?;
+        let runs = self.measure(&truth, &plan)?;
+        fs::create_dir_all(&self.out_dir).map_err(|e| {
+            Failure::new(format!("cannot make the folder {}", self.out_dir.display())).because(e)
+        })?;
+        self.write_json("truth.json", &truth)?;
+        if self.drives.is_empty() {
+            self.write_json("plan.json", &plan)?;
+        }
+        runs.iter().try_for_each(|run| self.write(run))
+    }
+
+    fn measure(&self, truth: &Truth, plan: &CampaignPlan) -> Result<Vec<RigRun>, Failure> {
+        let failure = || Failure::new("cannot simulate the bench");
+        if self.drives.is_empty() {
+            let runs = run_campaign(truth, plan, self.seed).map_err(|e| failure().because(e))?;
+            return Ok(runs.into_iter().map(|r| r.run).collect());
+        }
+        let drives = self.drives.iter().map(|path| self.drive(path)).collect::<Result<Vec<_>, _>>()?;
+        for (i, drive) in drives.iter().enumerate() {
+            if drives[..i].iter().any(|d| d.name == drive.name) {
+                return Err(Failure::usage(format!("two drives are called {}", drive.name))
+                    .because("each record is named after its drive, and one would overwrite the other"));
+            }
+        }
+        let measured =
+            |(stream, drive)| measure(truth, drive, self.seed, stream).map_err(|e| failure().because(e));
+        drives.iter().enumerate().map(measured).collect()
+    }
+
+    /// The drive in a file, as something to be played.
+    fn drive(&self, path: &Path) -> Result<Excitation, Failure> {
+        let failure = || Failure::new(format!("cannot play the drive {}", path.display()));
+        let drive = self.columns.read_drive(path)?;
+        let TimeBase::Uniform { sample_rate_hz, .. } = drive.time else {
+            return Err(failure()
+                .because("it has no uniform sample rate")
+                .hint("give the sample rate with --sample-rate HZ"));
+        };
+        if !matches!(drive.unit.base().0, Quantity::Voltage) && !drive.unit.symbol().is_empty() {
+            return Err(failure().because(format!("its unit is {}, the bench is driven in V", drive.unit)));
+        }
+        let name = path.file_stem().map_or("drive".into(), |s| s.to_string_lossy().into_owned());
+        Ok(Excitation {
+            name,
+            description: format!("drive of {}", path.display()),
+            samples_v: drive.u,
+            sample_rate_hz,
+            lead_in_samples: 0,
+            lead_out_samples: 0,
+            period_samples: None,
+            excited_hz: Vec::new(),
+            odd_detection_hz: Vec::new(),
+            even_detection_hz: Vec::new(),
+        })
+    }
+
+    fn write(&self, run: &RigRun) -> Result<(), Failure> {
+        let path = self.out_dir.join(format!("{}.csv", run.record.name));
+        let with_truth = self.with_truth.then(|| run.record_with_truth());
+        let record = with_truth.as_ref().unwrap_or(&run.record);
+        write_atomically_with(&path, |out| {
+            for comment in &run.comments {
+                writeln!(out, "# {comment}")?;
+            }
+            write_csv_to(out, record)
+        })
+        .map_err(|e| Failure::new(format!("cannot write the record {}", path.display())).because(e))?;
+        console::message(&format!("wrote {} ({} samples)", path.display(), record.len()));
+        if run.clipped_samples > 0 {
+            console::note(&format!(
+                "{}: {} samples lie at the end of the converter's range",
+                path.display(),
+                run.clipped_samples
+            ));
+        }
+        Ok(())
+    }
+
+    fn write_json(&self, name: &str, value: &impl serde::Serialize) -> Result<(), Failure> {
+        let path = self.out_dir.join(name);
+        let failure = || Failure::new(format!("cannot write {}", path.display()));
+        let text = serde_json::to_string_pretty(value).map_err(|e| failure().because(e))?;
+        write_atomically(&path, (text + "\n").as_bytes()).map_err(|e| failure().because(e))
+    }
+}
+
+/// Reads a JSON file of settings; without a file, the defaults.
+fn read_or_default<T: DeserializeOwned + Default>(path: Option<&Path>, what: &str) -> Result<T, Failure> {
+    use std::io::Read;
+    let Some(path) = path else { return Ok(T::default()) };
+    let failure = || Failure::new(format!("cannot read the {what} {}", path.display()));
+    let mut text = String::new();
+    let file = fs::File::open(path).map_err(|e| failure().because(e))?;
+    file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(|e| failure().because(e))?;
+    if text.len() as u64 > MAX_BYTES {
+        return Err(failure().because(format!("it has more than {MAX_BYTES} bytes")));
+    }
+    serde_json::from_str(&text).map_err(|e| {
+        failure()
+            .because(e)
+            .hint(format!("hysteron rig --out-dir DIR writes the {what} in force to DIR/{what}.json"))
+    })
+}

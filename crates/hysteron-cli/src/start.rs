@@ -1,0 +1,71 @@
+//! What the device did before a record's first sample.
+
+use std::path::Path;
+
+use clap::Args;
+use hysteron::hammerstein::Start;
+use hysteron::model_file::{ModelFile, StartKind};
+use hysteron::record::TimeBase;
+
+use crate::columns::positive;
+use crate::console;
+use crate::failure::Failure;
+
+/// How a simulation starts, where the model file's own assumption does not hold.
+#[derive(Args, Clone, Debug)]
+pub struct StartFlags {
+    /// The device rested at this voltage before the record (the model file's assumption if not given)
+    #[arg(long, value_name = "VOLTS", allow_negative_numbers = true, conflicts_with = "settled")]
+    rest_voltage: Option<f64>,
+
+    /// The record repeats with this period and had been running for some periods before it begins
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
+    settled: Option<f64>,
+}
+
+/// A drive and its time.
+pub struct Drive<'a> {
+    pub u: &'a [f64],
+    pub time: &'a TimeBase,
+}
+
+impl Drive<'_> {
+    /// Sample rate, if the time base is uniform.
+    pub fn sample_rate_hz(&self) -> Option<f64> {
+        match self.time {
+            TimeBase::Uniform { sample_rate_hz, .. } => Some(*sample_rate_hz),
+            _ => None,
+        }
+    }
+}
+
+impl StartFlags {
+    /// The start of this record: the flags', else the model file's, else at rest at the first sample.
+    ///
+    /// # Errors
+    /// If a period is given and the record has no sample rate.
+    pub fn choose(&self, file: &ModelFile, path: &Path, drive: &Drive) -> Result<Start, Failure> {
+        if let Some(period_s) = self.settled {
+            let Some(rate) = drive.sample_rate_hz() else {
+                return Err(Failure::new(format!("cannot start {} settled", path.display()))
+                    .because("the record has no uniform sample rate, so its period has no number of samples")
+                    .hint("give the sample rate with --sample-rate HZ"));
+            };
+            return Ok(Start::Settled { period_samples: (period_s * rate).round() as usize });
+        }
+        let first = drive.u.first().copied().unwrap_or(0.0);
+        let voltage = self.rest_voltage.or(file.start.voltage.as_ref().map(|v| v.value));
+        match (voltage, file.start.kind) {
+            (Some(voltage_v), _) => Ok(Start::Rest { voltage_v }),
+            (None, StartKind::Rest) => Ok(Start::Rest { voltage_v: first }),
+            (None, StartKind::Settled) => {
+                console::note(&format!(
+                    "{}: the model was identified on settled periodic records; this one is taken to start at rest at its first \
+                     sample (if it repeats, give its period with --settled SECONDS)",
+                    path.display()
+                ));
+                Ok(Start::Rest { voltage_v: first })
+            }
+        }
+    }
+}

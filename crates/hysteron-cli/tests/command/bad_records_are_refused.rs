@@ -1,0 +1,140 @@
+//! A record that cannot be used is refused with exit code 1, the file, the place and what to do; nothing is printed on
+//! standard output and no file is written.
+
+use crate::bench::{Bench, good_record};
+
+/// Content of `run.csv`, flags, and what the message must contain.
+const CASES: &[(&str, &str, &[&str])] = &[
+    ("", "", &["`run.csv` is empty", "expected a header line such as `t_s,u_V,y_um`"]),
+    ("# nothing but a comment\n\n", "", &["`run.csv` is empty"]),
+    ("t_s,u_V,y_um\n", "", &["has a header (line 1) but no samples"]),
+    ("t_s,u_V,y_um\n0,1,2\n", "", &["one sample only (line 2)"]),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3", "", &["line 4", "cut off after 2 of 3 fields"]),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,2\n0.2,3,4\n", "", &["line 3", "2 fields where the header (line 1) has 3"]),
+    (
+        "t_s,u_V,y_um\n0,1,2\n0.1,NaN,3\n0.2,3,4\n",
+        "",
+        &["line 3, column 2 (`u_V`)", "`NaN` is not a finite number"],
+    ),
+    (
+        "t_s,u_V,y_um\n0,1,2\n0.1,2,-inf\n0.2,3,4\n",
+        "",
+        &["line 3, column 3 (`y_um`)", "`-inf` is not a finite number"],
+    ),
+    (
+        "t_s,u_V,y_um\n0,1,2\n0.1,2,1e999\n0.2,3,4\n",
+        "",
+        &["line 3, column 3 (`y_um`)", "not a finite number"],
+    ),
+    (
+        "t_s,u_V,y_um\n0,1,2\n0.1,high,3\n0.2,3,4\n",
+        "",
+        &["line 3, column 2 (`u_V`)", "found `high`, expected a number"],
+    ),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,,3\n0.2,3,4\n", "", &["line 3, column 2 (`u_V`)", "empty, expected a number"]),
+    ("t_s,u_V,y_um\n0,0,1,0,2,0\n0,1,2,0,3,0\n", "", &["decimal commas", "semicolons or tabs"]),
+    ("t_s;u_V;y_um\n0;1,5;2\n0,1;2.5;3\n", "", &["line 3", "`2.5` mixes with the decimal comma"]),
+    (
+        "0,1,2\n0.1,2,3\n0.2,3,4\n",
+        "",
+        &["found 3 number(s) where the column names should be", "add a header line"],
+    ),
+    ("t_s,u_V,y_ms\n0,1,2\n0.1,2,3\n0.2,3,4\n", "", &["is in ms, which cannot be the unit of the output"]),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.05,3,4\n", "", &["line 4", "time runs backwards"]),
+    ("t_s,u_V,y_um\n0,1,2\n0,2,3\n0,3,4\n", "", &["all 3 time stamps are 0 s"]),
+    ("t_s,u_V\n0,1\n0.1,2\n0.2,3\n", "", &["only one channel besides time", "`u` (V)"]),
+    ("t_s,u1_V,u2_V,y_um\n0,1,2,3\n0.1,2,3,4\n", "", &["`u1` (V), `u2` (V)", "--input u1_V"]),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n", "--output z", &["no column `z` (--output)", "y_um"]),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3,4\n", "--sample-rate 50", &["50 Hz", "10 Hz"]),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3,4\n", "--max-bytes 20", &["larger than 20 bytes", "line"]),
+    (
+        "t_s,u_V,y_um,valid\n0,1,2,1\n0.1,2,3,2\n",
+        "",
+        &["column 4 (`valid`)", "found `2`, expected 0 (do not score) or 1"],
+    ),
+    ("f_Hz,magnitude,phase_deg\n1,2,3\n2,3,4\n", "", &["frequency response"]),
+];
+
+#[test]
+fn every_command_refuses_unusable_records_with_the_place_and_the_remedy() {
+    for (content, flags, parts) in CASES {
+        let bench = Bench::new();
+        bench.write("run.csv", content);
+        for command in ["validate model.json run.csv --json"] {
+            let run = bench.run(&format!("{command} {flags}"));
+            assert_eq!(run.exit_code, 1, "{command} {content:?}: {run:?}");
+            assert_eq!(run.stdout, "", "{command} {content:?}");
+            assert!(
+                run.stderr.starts_with("error: cannot read the record run.csv\nbecause: "),
+                "{}",
+                run.stderr
+            );
+            for part in *parts {
+                assert!(
+                    run.stderr.contains(part),
+                    "{command} {content:?}: {part:?} is not in {}",
+                    run.stderr
+                );
+            }
+        }
+        assert_eq!(bench.files(), ["model.json", "run.csv"]);
+    }
+}
+
+#[test]
+fn a_failed_simulation_writes_nothing_and_keeps_what_was_there() {
+    let bench = Bench::new();
+    bench.write("drive.csv", "t_s,u_V\n0,1\n0.1,abc\n");
+    bench.write("out.csv", "precious");
+    let run = bench.run("simulate model.json drive.csv -o out.csv");
+    assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""));
+    assert!(run.stderr.contains("line 3, column 2 (`u_V`): found `abc`"), "{}", run.stderr);
+    assert_eq!(std::fs::read_to_string(bench.path("out.csv")).unwrap(), "precious");
+    assert_eq!(bench.files(), ["drive.csv", "model.json", "out.csv"]);
+
+    bench.write("drive.csv", good_record());
+    let run = bench.run("simulate model.json drive.csv -o no/such/folder/out.csv");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.contains("cannot write the simulation to no/such/folder/out.csv"), "{}", run.stderr);
+    assert_eq!(bench.files(), ["drive.csv", "model.json", "out.csv"]);
+}
+
+#[test]
+fn missing_files_folders_and_binary_files_are_named() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("folder")).unwrap();
+    bench.write(
+        "noise.csv",
+        (0..4000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect::<Vec<u8>>(),
+    );
+    for (file, part) in
+        [("gone.csv", "cannot open `gone.csv`"), ("folder", "directory"), ("noise.csv", "noise.csv")]
+    {
+        let run = bench.run(&format!("validate model.json {file}"));
+        assert_eq!(run.exit_code, 1, "{file}: {run:?}");
+        assert!(run.stderr.contains(part), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn one_bad_record_among_good_ones_fails_the_whole_report() {
+    let bench = Bench::new();
+    bench.write("good.csv", good_record());
+    bench.write("bad.csv", "");
+    let run = bench.run("validate model.json good.csv bad.csv --json");
+    assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""));
+    assert!(run.stderr.contains("bad.csv"));
+}
+
+#[test]
+fn seconds_cannot_be_skipped_beyond_the_record_or_without_time() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    let run = bench.run("validate model.json run.csv --skip 10");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.contains("only 0 of 200 samples are left to score"), "{}", run.stderr);
+    bench.write("run.csv", "u_V,y_um\n0,1\n1,2\n2,3\n");
+    let run = bench.run("validate model.json run.csv --skip 0.1");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.contains("neither a time column nor a sample rate"), "{}", run.stderr);
+}

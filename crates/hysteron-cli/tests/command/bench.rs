@@ -1,0 +1,97 @@
+//! Runs the command in a folder of its own and looks at what it did.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use hysteron::dynamics::{Dynamics, Scheme};
+use hysteron::hammerstein::Model;
+use hysteron::hysteresis::{BoucWen, Hysteresis};
+use hysteron::model_file::{ModelFile, SignalUnits};
+use tempfile::TempDir;
+
+/// A folder with a model, in which commands run.
+pub struct Bench(TempDir);
+
+/// What a command did.
+#[derive(Debug)]
+pub struct Run {
+    pub exit_code: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+impl Bench {
+    /// A folder with `model.json`, a static Bouc–Wen model.
+    pub fn new() -> Self {
+        let bench = Bench(tempfile::tempdir().unwrap());
+        bench.write_model("model.json", &static_model(), SignalUnits::default());
+        bench
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        std::fs::write(self.path(name), content).unwrap();
+    }
+
+    pub fn write_model(&self, name: &str, model: &Model, units: SignalUnits) {
+        self.write(name, ModelFile::from_model(model, units).to_json().unwrap());
+    }
+
+    /// Names of the files in the folder, sorted.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs `hysteron` with these arguments, separated by blanks.
+    pub fn run(&self, arguments: &str) -> Run {
+        let output = Command::new(Path::new(env!("CARGO_BIN_EXE_hysteron")))
+            .args(arguments.split_whitespace())
+            .current_dir(self.0.path())
+            .output()
+            .unwrap();
+        Run {
+            exit_code: output.status.code().unwrap(),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+}
+
+/// A Bouc–Wen model with a counter-clockwise loop and no dynamics.
+pub fn static_model() -> Model {
+    Model {
+        hysteresis: Hysteresis::BoucWen(BoucWen {
+            polynomial: vec![0.3, 1e-4],
+            alpha: 0.08,
+            beta: 0.05,
+            gamma: 0.01,
+            n: 1.0,
+        }),
+        dynamics: Dynamics::None,
+        offset: 0.0,
+        delay_s: 0.0,
+        scheme: Scheme::Tustin,
+        sample_rate_hz: None,
+    }
+}
+
+/// A drive of two periods of a 1 Hz triangle, 0 to 100 V, at 100 Hz: its samples.
+pub fn triangle() -> Vec<f64> {
+    (0..200)
+        .map(|k| k % 100)
+        .map(|k| if k < 50 { 2.0 * f64::from(k) } else { 200.0 - 2.0 * f64::from(k) })
+        .collect()
+}
+
+/// A record `t_s,u_V,y_um` of the triangle and a straight line of 0.3 µm/V.
+pub fn good_record() -> String {
+    let rows =
+        triangle().into_iter().enumerate().map(|(k, u)| format!("{},{u},{}\n", k as f64 / 100.0, 0.3 * u));
+    format!("t_s,u_V,y_um\n{}", rows.collect::<String>())
+}

@@ -1,0 +1,175 @@
+//! `validate --json` prints one object of exactly the promised shape; lengths are in µm, other outputs in their unit.
+
+use crate::bench::{Bench, good_record, static_model, triangle};
+use hysteron::hysteresis::Hysteresis;
+use hysteron::model_file::SignalUnits;
+use serde_json::Value;
+
+/// The one object on standard output.
+fn report(run: &crate::bench::Run) -> Value {
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    assert_eq!(run.stdout.trim_end().lines().count(), 1, "one line: {}", run.stdout);
+    serde_json::from_str(&run.stdout).unwrap()
+}
+
+/// `model.json` becomes a straight line of 0.3 µm/V with offset 0.
+fn straight_line(bench: &Bench) {
+    let mut model = static_model();
+    let Hysteresis::BoucWen(block) = &mut model.hysteresis;
+    (block.polynomial, block.alpha) = (vec![0.3], 0.0);
+    bench.write_model("model.json", &model, SignalUnits::default());
+}
+
+/// A record of the triangle whose output is `f(k, u)`.
+fn record(header: &str, f: impl Fn(usize, f64) -> f64) -> String {
+    let rows =
+        triangle().into_iter().enumerate().map(|(k, u)| format!("{},{u},{}\n", k as f64 / 100.0, f(k, u)));
+    format!("{header}\n{}", rows.collect::<String>())
+}
+
+#[test]
+fn the_object_has_exactly_the_promised_keys() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    let json = report(&bench.run("validate model.json run.csv run.csv --json"));
+    let records = json["records"].as_array().unwrap();
+    assert_eq!((json.as_object().unwrap().len(), records.len()), (1, 2));
+    let keys: Vec<&str> = records[0].as_object().unwrap().keys().map(String::as_str).collect();
+    let mut promised = vec![
+        "record",
+        "samples",
+        "skipped_samples",
+        "offset_um",
+        "rmse_um",
+        "max_abs_error_um",
+        "rmse_percent_of_stroke",
+        "max_percent_of_stroke",
+        "fit_percent",
+    ];
+    promised.sort_unstable();
+    let mut sorted = keys.clone();
+    sorted.sort_unstable();
+    assert_eq!(sorted, promised);
+    assert_eq!(records[0]["record"], "run.csv");
+}
+
+#[test]
+fn a_known_error_gives_the_scores_computed_by_hand() {
+    let bench = Bench::new();
+    straight_line(&bench);
+    // ±0.3 µm by turns about a sensor zero of 7 µm: RMSE 0.3, stroke 30 µm + what the ends add.
+    let alternating = |k: usize| if k % 2 == 0 { 0.3 } else { -0.3 };
+    bench.write("run.csv", record("t_s,u_V,y_um", |k, u| 0.3 * u + 7.0 + alternating(k)));
+    let json = report(&bench.run("validate model.json run.csv --json"));
+    let r = &json["records"][0];
+    let near = |key: &str, expected: f64| {
+        let found = r[key].as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-9, "{key}: {found} instead of {expected}");
+    };
+    assert_eq!((r["samples"].as_u64(), r["skipped_samples"].as_u64()), (Some(200), Some(0)));
+    near("offset_um", 7.0);
+    near("rmse_um", 0.3);
+    near("max_abs_error_um", 0.3);
+    // Lowest 0 + 0.3 (k = 0, even) against 0.6 − 0.3 (k = 1); highest 30 + 0.3 (k = 50).
+    near("rmse_percent_of_stroke", 1.0);
+    near("max_percent_of_stroke", 1.0);
+
+    let json = report(&bench.run("validate model.json run.csv --json --fixed-offset"));
+    let r = &json["records"][0];
+    assert_eq!(r["offset_um"], 0.0);
+    assert!((r["rmse_um"].as_f64().unwrap() - (0.09_f64 + 49.0).sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn lengths_are_converted_to_um_whatever_the_header_says() {
+    let bench = Bench::new();
+    straight_line(&bench);
+    for (unit, per_um) in [("um", 1.0), ("nm", 1e3), ("mm", 1e-3), ("m", 1e-6)] {
+        let error = |k: usize| if k % 2 == 0 { 0.3 } else { -0.3 };
+        bench.write("run.csv", record(&format!("t_s,u_V,y_{unit}"), |k, u| (0.3 * u + error(k)) * per_um));
+        let json = report(&bench.run("validate model.json run.csv --json"));
+        let rmse = json["records"][0]["rmse_um"].as_f64().unwrap();
+        assert!((rmse - 0.3).abs() < 1e-9, "{unit}: {rmse}");
+        assert_eq!(json["records"][0].get("unit"), None);
+    }
+}
+
+#[test]
+fn another_unit_is_scored_in_itself_and_named() {
+    let bench = Bench::new();
+    let units = SignalUnits { input: "A_per_m".into(), output: "T".into() };
+    bench.write_model("model.json", &static_model(), units);
+    bench.write("run.csv", record("t_s,H_A_per_m,B_T", |_, u| 0.3 * u));
+    let json = report(&bench.run("validate model.json run.csv --json --input H --output B"));
+    let r = &json["records"][0];
+    assert_eq!(r["unit"], "T");
+    assert!(r["rmse_T"].is_f64() && r["offset_T"].is_f64() && r["max_abs_error_T"].is_f64());
+    assert_eq!(r.get("rmse_um"), None);
+
+    bench.write("run.csv", good_record());
+    let run = bench.run("validate model.json run.csv --json");
+    assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""));
+    assert!(run.stderr.contains("the model's input is in A/m, the record's in V"), "{}", run.stderr);
+}
+
+#[test]
+fn skipped_seconds_and_masked_samples_are_counted_and_not_scored() {
+    let bench = Bench::new();
+    straight_line(&bench);
+    let rows = triangle().into_iter().enumerate().map(|(k, u)| {
+        let (spike, valid) = if k == 150 {
+            (1e3, 0)
+        } else if k < 25 {
+            (50.0, 1)
+        } else {
+            (0.0, 1)
+        };
+        format!("{},{u},{},{valid}\n", k as f64 / 100.0, 0.3 * u + spike)
+    });
+    bench.write("run.csv", format!("t_s,u_V,y_um,valid\n{}", rows.collect::<String>()));
+    let json = report(&bench.run("validate model.json run.csv --skip 0.25 --json"));
+    let r = &json["records"][0];
+    assert_eq!((r["samples"].as_u64(), r["skipped_samples"].as_u64()), (Some(174), Some(26)));
+    assert!(r["max_abs_error_um"].as_f64().unwrap() < 1e-9);
+}
+
+#[test]
+fn a_constant_output_has_null_ratios() {
+    let bench = Bench::new();
+    bench.write("run.csv", record("t_s,u_V,y_um", |_, _| 5.0));
+    let json = report(&bench.run("validate model.json run.csv --json"));
+    let r = &json["records"][0];
+    assert!(r["rmse_um"].as_f64().unwrap() > 1.0);
+    for key in ["rmse_percent_of_stroke", "max_percent_of_stroke", "fit_percent"] {
+        assert!(r[key].is_null(), "{key}: {}", r[key]);
+    }
+}
+
+#[test]
+fn the_table_says_that_the_offset_was_estimated_or_not() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    let run = bench.run("validate model.json run.csv");
+    assert_eq!(run.exit_code, 0);
+    assert!(
+        run.stdout.contains("sensor was estimated") && run.stdout.contains("RMSE [unit]: root mean square")
+    );
+    let run = bench.run("validate model.json run.csv --fixed-offset");
+    assert!(run.stdout.contains("the model's own (--fixed-offset)"), "{}", run.stdout);
+}
+
+#[test]
+fn an_input_beyond_the_identified_range_is_remarked_on_standard_error() {
+    let bench = Bench::new();
+    let text = std::fs::read_to_string(bench.path("model.json")).unwrap();
+    let range = r#""valid_range": {"input": {"low": 0, "high": 50, "unit": "V"}}"#;
+    bench.write("model.json", text.replace("\"valid_range\": null", range));
+    bench.write("run.csv", good_record());
+    let run = bench.run("validate model.json run.csv --json");
+    assert!(
+        run.stderr.contains("from 0 to 100 V, the model was identified from 0 to 50 V"),
+        "{}",
+        run.stderr
+    );
+    report(&run);
+}
