@@ -1,0 +1,57 @@
+# Everything a newcomer types is here: `make demo` and `make test`. `make help` lists the rest.
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+.PHONY: FORCE help demo test bench article figures clean check-toolchain check-components
+
+RECORD := examples/piezo-p885-200hz/identification_1hz.csv
+OUT := out
+HYSTERON := target/release/hysteron
+
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1|\2/' | column -t -s '|'
+
+check-toolchain:
+	@command -v cargo >/dev/null || { echo "error: cargo is not installed"; \
+	  echo "  try: install a Rust toolchain (1.90 or newer), see https://rustup.rs"; exit 1; }
+	@command -v cc >/dev/null || { echo "error: no C linker (cc) is installed"; \
+	  echo "  try: your system's compiler package, e.g. 'apt-get install gcc libc6-dev'"; exit 1; }
+
+check-components: check-toolchain
+	@cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt || { \
+	  echo "error: rustfmt is missing; try: rustup component add rustfmt"; exit 1; }
+	@cargo clippy --version >/dev/null 2>&1 || rustup component add clippy || { \
+	  echo "error: clippy is missing; try: rustup component add clippy"; exit 1; }
+
+$(HYSTERON): check-toolchain FORCE
+	cargo build --release --locked -p hysteron-cli
+
+demo: $(HYSTERON) ## build, identify the measured example record, print the scores, write model and report
+	@mkdir -p $(OUT)
+	$(HYSTERON) identify $(RECORD) -o $(OUT)/model.json --report $(OUT)/report.html
+	@echo
+	@echo "model   $(abspath $(OUT)/model.json)"
+	@echo "report  $(abspath $(OUT)/report.html)   (open it in a browser; it needs no network)"
+
+test: check-components ## format, lints, all tests, doc tests, documentation, no_std proof
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+	crates/hysteron-rt/proof/run.sh
+	cargo test --workspace --locked
+
+article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, figures, page
+	$(HYSTERON) article --out-dir $(OUT)/article
+	@echo "page  $(abspath $(OUT)/article)/index.html"
+
+bench: check-toolchain ## speed, side by side with the peers, which this installs into bench/.venv
+	bench/run.sh
+
+figures: check-toolchain ## the pictures of the README, made by the program
+	cargo run --release --locked -p hysteron-cli -- identify $(RECORD) -o $(OUT)/model.json --report $(OUT)/report.html --figures docs/figures
+
+FORCE:
+
+clean: ## remove build products and out/
+	cargo clean
+	rm -rf $(OUT) bench/.venv
