@@ -1,9 +1,13 @@
-//! The Hammerstein model: hysteresis block followed by the dynamic block.
+//! The Hammerstein model: hysteresis block followed by the dynamic block (article Fig. 3).
+//!
+//! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (SPEC §4). A delay commutes with rate-independent
+//! hysteresis, so it is applied to v, linearly between samples.
 
-use crate::dynamics::{Dynamics, Scheme};
-use crate::hysteresis::Hysteresis;
+use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Scheme, SimulationPlan};
+use crate::hysteresis::{self, Hysteresis, HysteresisError};
+use std::borrow::Cow;
 
-/// y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (SPEC §4).
+/// A Hammerstein model: all that is needed to predict a displacement from a drive voltage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// Static block.
@@ -18,4 +22,235 @@ pub struct Model {
     pub scheme: Scheme,
     /// Sample rate the model was identified at \[Hz\]; `None` for a static model of a record without one.
     pub sample_rate_hz: Option<f64>,
+}
+
+/// What happened before a record's first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// The device rested at this voltage, free of hysteresis memory (z = 0), and moves to u(0) in one sample period.
+    /// With `voltage_v` = u(0) this is SPEC §3 `rest`, with 0 V (drive off) it is `zero`.
+    Rest {
+        /// Voltage before the first sample \[V\].
+        voltage_v: f64,
+    },
+    /// The record repeats: its first period has been run [`SETTLING_PERIODS`] times before.
+    Settled {
+        /// Samples of a period.
+        period_samples: usize,
+    },
+}
+
+/// Periods run before a record that starts [`Start::Settled`]: Bouc–Wen memory fades as e^(−β · path length).
+pub const SETTLING_PERIODS: usize = 4;
+
+/// Why a model could not be simulated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// Dynamics or a delay need to know the time between samples.
+    #[error("the model has dynamics or a delay, but the record has no uniform sample rate")]
+    NoSampleRate,
+    /// The model's parameters belong to one sample rate.
+    #[error(
+        "the model ({scheme}) belongs to the sample rate it was identified at, {model_hz} Hz, and the record has \
+         {record_hz} Hz"
+    )]
+    SampleRate {
+        /// What ties the model to its rate: a scheme, or `ARX`.
+        scheme: &'static str,
+        /// Rate of the model \[Hz\].
+        model_hz: f64,
+        /// Rate of the record \[Hz\].
+        record_hz: f64,
+    },
+    /// The record is too short to have started settled.
+    #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
+    Period {
+        /// Samples of the record.
+        samples: usize,
+        /// Samples of the period asked for.
+        period_samples: usize,
+    },
+    /// A dynamic block without a gain at zero frequency cannot have rested anywhere but at zero.
+    #[error(
+        "the dynamic block has an infinite gain at zero frequency, so it cannot have rested at {rest} before the record; \
+         start from 0 V, or give the model a low-frequency corner"
+    )]
+    InfiniteDcGain {
+        /// Hysteresis output at rest.
+        rest: f64,
+    },
+    /// The hysteresis block failed.
+    #[error(transparent)]
+    Hysteresis(#[from] HysteresisError),
+    /// The dynamic block failed.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+}
+
+impl Start {
+    /// Drive with what ran before it, the number of samples put in front, and the voltage before all that.
+    pub fn extend<'a>(&self, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize, f64), SimulationError> {
+        match *self {
+            Start::Rest { voltage_v } => Ok((Cow::Borrowed(u), 0, voltage_v)),
+            Start::Settled { period_samples } => {
+                let period = u.get(..period_samples).filter(|_| period_samples >= 2);
+                let Some(period) = period else {
+                    return Err(SimulationError::Period { samples: u.len(), period_samples });
+                };
+                let mut extended = period.repeat(SETTLING_PERIODS);
+                let prologue = extended.len();
+                extended.extend_from_slice(u);
+                Ok((Cow::Owned(extended), prologue, period[0]))
+            }
+        }
+    }
+}
+
+impl Model {
+    /// Simulates the model (infinite horizon: no measured output is used) over the drive `u` \[V\].
+    ///
+    /// # Errors
+    /// [`SimulationError`]: no or another sample rate where one is needed, an operator that blows up, a dynamic block
+    /// that cannot be simulated by the model's scheme.
+    pub fn simulate(
+        &self,
+        u: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, start)?;
+        self.check_sample_rate(sample_rate_hz)?;
+        if let Some(rate) = sample_rate_hz {
+            shift(&mut v, rest, self.delay_s * rate);
+        }
+        let mut y = self.simulate_dynamics(v, rest, sample_rate_hz)?;
+        y.drain(..prologue);
+        y.iter_mut().for_each(|y| *y += self.offset);
+        Ok(y)
+    }
+
+    /// As [`Self::simulate`] for a model that belongs to one sample rate (an ARX block, the `grunwald-letnikov` scheme) over
+    /// a drive of another rate: the drive is read at the model's rate and the output at the record's, both linearly
+    /// between samples. Right for a drive that is slow against both rates. Other models are simulated as they are.
+    ///
+    /// # Errors
+    /// As [`Self::simulate`], but for [`SimulationError::SampleRate`].
+    pub fn simulate_at_own_rate(
+        &self,
+        u: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let (model_hz, record_hz) = match self.check_sample_rate(sample_rate_hz) {
+            Err(SimulationError::SampleRate { model_hz, record_hz, .. }) => (model_hz, record_hz),
+            _ => return self.simulate(u, sample_rate_hz, start),
+        };
+        let ratio = record_hz / model_hz;
+        let samples = ((u.len().max(1) - 1) as f64 / ratio).ceil() as usize + 1;
+        let drive: Vec<f64> = (0..samples).map(|k| between(u, k as f64 * ratio)).collect();
+        let start = match *start {
+            Start::Settled { period_samples } => {
+                Start::Settled { period_samples: (period_samples as f64 / ratio).round() as usize }
+            }
+            rest => rest,
+        };
+        let y = self.simulate(&drive, Some(model_hz), &start)?;
+        Ok((0..u.len()).map(|k| between(&y, k as f64 / ratio)).collect())
+    }
+
+    /// Output v of the static block \[µm\], before delay and dynamics.
+    ///
+    /// # Errors
+    /// [`SimulationError::Hysteresis`], [`SimulationError::Period`].
+    pub fn simulate_hysteresis(&self, u: &[f64], start: &Start) -> Result<Vec<f64>, SimulationError> {
+        let (mut v, prologue, _) = self.simulate_hysteresis_extended(u, start)?;
+        v.drain(..prologue);
+        Ok(v)
+    }
+
+    fn simulate_hysteresis_extended(
+        &self,
+        u: &[f64],
+        start: &Start,
+    ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
+        let (extended, prologue, rest_voltage_v) = start.extend(u)?;
+        let mut v = vec![0.0; extended.len()];
+        let Hysteresis::BoucWen(operator) = &self.hysteresis;
+        operator.simulate(&extended, hysteresis::Start::Rest { u: rest_voltage_v }, &mut v)?;
+        Ok((v, prologue, operator.polynomial_at(rest_voltage_v)))
+    }
+
+    fn check_sample_rate(&self, record: Option<f64>) -> Result<(), SimulationError> {
+        if self.dynamics == Dynamics::None && self.delay_s == 0.0 {
+            return Ok(());
+        }
+        let Some(record_hz) = record else { return Err(SimulationError::NoSampleRate) };
+        let tied = match &self.dynamics {
+            Dynamics::None => None,
+            Dynamics::Arx(_) => Some("ARX"),
+            Dynamics::Integer(_) | Dynamics::Fractional(_) => {
+                self.scheme.parameters_belong_to_sample_rate().then_some(self.scheme.name())
+            }
+        };
+        match (tied, self.sample_rate_hz) {
+            (Some(scheme), Some(model_hz)) if (model_hz - record_hz).abs() > 1e-6 * model_hz => {
+                Err(SimulationError::SampleRate { scheme, model_hz, record_hz })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// G ∗ v, the block having rested at `rest` before the first sample.
+    fn simulate_dynamics(
+        &self,
+        v: Vec<f64>,
+        rest: f64,
+        sample_rate_hz: Option<f64>,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
+        let mut y = v;
+        let gain = match &self.dynamics {
+            Dynamics::None => return Ok(y),
+            Dynamics::Arx(arx) => {
+                arx.simulate(&moved, InitialCondition::Zero, &mut y)?;
+                arx.dc_gain()
+            }
+            Dynamics::Integer(g) | Dynamics::Fractional(g) => {
+                let rate = sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
+                let plan = SimulationPlan::new(y.len(), rate, self.scheme, InitialCondition::Zero)?;
+                plan.simulate(g, &moved, &mut plan.workspace(), &mut y)?;
+                g.dc_gain()
+            }
+        };
+        if rest != 0.0 {
+            if !gain.is_finite() {
+                return Err(SimulationError::InfiniteDcGain { rest });
+            }
+            y.iter_mut().for_each(|y| *y += gain * rest);
+        }
+        Ok(y)
+    }
+}
+
+/// `x` at the sample position `at`, linear between samples, constant beyond the ends.
+fn between(x: &[f64], at: f64) -> f64 {
+    let k = (at.floor() as usize).min(x.len().saturating_sub(1));
+    let next = (k + 1).min(x.len().saturating_sub(1));
+    let fraction = (at - k as f64).clamp(0.0, 1.0);
+    (1.0 - fraction) * x.get(k).copied().unwrap_or(0.0) + fraction * x.get(next).copied().unwrap_or(0.0)
+}
+
+/// Delays `x` in place by `samples` ≥ 0, linear between samples, `before` ahead of the first.
+pub(crate) fn shift(x: &mut [f64], before: f64, samples: f64) {
+    if samples <= 0.0 {
+        return;
+    }
+    let whole = samples.floor();
+    let fraction = samples - whole;
+    let whole = whole as usize;
+    for k in (0..x.len()).rev() {
+        let at = |back: usize| if k >= back { x[k - back] } else { before };
+        x[k] = (1.0 - fraction) * at(whole) + fraction * at(whole.saturating_add(1));
+    }
 }

@@ -1,1 +1,35 @@
-//! From records to a model.
+//! From records to a model: the article's two-step identification (§4.3) with any of the optimisers.
+//!
+//! [`identify_two_step`] recognises which records are quasi-static and which carry dynamics, chooses what the user left
+//! open (start, polynomial degree, delay and lag) from the data, runs the searches and hands out an
+//! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain words what
+//! the records do not determine.
+
+mod dynamic_problem;
+mod dynamic_step;
+mod engine;
+mod error;
+mod facts;
+mod findings;
+mod layout;
+mod options;
+mod projection;
+mod result;
+mod static_problem;
+mod static_step;
+mod two_step;
+mod uncertainty;
+
+pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
+pub use error::IdentifyError;
+pub use layout::Demands;
+pub use options::{CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Options, RecordRole};
+pub use result::{Finding, FindingKind, Identification, Parameter, RecordFit, StructureChoice};
+pub use two_step::identify_two_step;
+
+use facts::RecordFacts;
+
+/// FNV-1a over 64-bit words: tells the checkpoint of another problem.
+fn fingerprint(values: impl Iterator<Item = u64>) -> u64 {
+    values.fold(0xcbf2_9ce4_8422_2325, |hash, value| (hash ^ value).wrapping_mul(0x0100_0000_01b3))
+}

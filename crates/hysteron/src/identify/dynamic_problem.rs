@@ -1,0 +1,250 @@
+//! Step 2, the dynamic block: transfer function from the hysteresis output to the measured displacement (article §4.3,
+//! step 2), orders and coefficients at once, as a least-squares problem.
+//!
+//! y = offset + K · (G₁ ∗ v)(t − τ),  G₁(s) = c₀ / (s^α₂ + c₁ s^α₁ + c₀): the structure of Eq. 13 with b = K c₀, searched
+//! as gain K, natural frequency, damping and orders ([`SecondOrder`]).
+//! The integer-order model is the same with α₂ = 2, α₁ = 1.
+
+use super::layout::Role;
+use super::projection::Projection;
+use crate::dynamics::{
+    DynamicsError, InitialCondition, InputSpectrum, Scheme, SecondOrder, SimulationPlan, Term, TransferFunction,
+    Workspace as PlanWorkspace,
+};
+use crate::hammerstein::shift;
+use crate::optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
+
+/// Orders closer than this are one term, and their coefficients cannot be told apart.
+const SMALLEST_ORDER_GAP: f64 = 0.02;
+
+/// One record prepared for the dynamic step.
+#[derive(Debug)]
+pub(super) struct DynamicRecord {
+    /// Hysteresis output minus its value at rest \[µm\].
+    moved: Vec<f64>,
+    rest: f64,
+    prologue: usize,
+    output: Vec<f64>,
+    scored: Vec<usize>,
+    sample_rate_hz: f64,
+    plan: SimulationPlan,
+    spectrum: InputSpectrum,
+}
+
+impl DynamicRecord {
+    /// `v`: hysteresis output over prologue and record, having rested at `rest`.
+    pub(super) fn new(
+        v: &[f64],
+        rest: f64,
+        prologue: usize,
+        output: Vec<f64>,
+        scored: Vec<usize>,
+        sample_rate_hz: f64,
+        scheme: Scheme,
+    ) -> Result<Self, DynamicsError> {
+        let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
+        let plan = SimulationPlan::new(moved.len(), sample_rate_hz, scheme, InitialCondition::Zero)?;
+        let spectrum = plan.transform(&moved)?;
+        Ok(Self { moved, rest, prologue, output, scored, sample_rate_hz, plan, spectrum })
+    }
+}
+
+/// Roles of the parameters of the dynamic step.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DynamicLayout {
+    pub(super) gain: Role,
+    pub(super) natural_frequency_hz: Role,
+    pub(super) damping: Role,
+    /// α₂.
+    pub(super) high_order: Role,
+    /// α₁.
+    pub(super) low_order: Role,
+    pub(super) delay: Role,
+}
+
+/// Values of all parameters of the dynamic step.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DynamicSolution {
+    /// Gain, natural frequency, damping, orders.
+    pub(super) form: SecondOrder,
+    pub(super) delay_s: f64,
+}
+
+impl DynamicSolution {
+    /// The transfer function in the article's form (Eq. 13).
+    pub(super) fn transfer_function(&self) -> TransferFunction {
+        let mut g = blank();
+        // A solution of the search has been simulated, so its form is valid.
+        let valid = self.form.write_to(&mut g);
+        debug_assert!(valid.is_ok());
+        g
+    }
+}
+
+/// The dynamic step as a problem for [`crate::optimize`].
+#[derive(Debug)]
+pub(super) struct DynamicProblem {
+    records: Vec<DynamicRecord>,
+    layout: DynamicLayout,
+    bounds: Bounds,
+    identity: String,
+    offsets: Vec<Projection>,
+    residuals: usize,
+}
+
+/// Scratch of one evaluation.
+#[derive(Debug)]
+pub(super) struct DynamicWorkspace {
+    plans: Vec<PlanWorkspace>,
+    delayed: Vec<f64>,
+    simulated: Vec<f64>,
+    column: Vec<f64>,
+    target: Vec<f64>,
+    projection: Projection,
+    unit_gain: TransferFunction,
+}
+
+fn blank() -> TransferFunction {
+    let term = |order| Term { coefficient: 1.0, order };
+    TransferFunction { numerator: vec![term(0.0)], denominator: vec![term(0.0), term(1.0), term(2.0)] }
+}
+
+impl DynamicProblem {
+    pub(super) fn new(
+        records: Vec<DynamicRecord>,
+        layout: DynamicLayout,
+        bounds: Bounds,
+        identity: String,
+    ) -> Self {
+        let offsets = records
+            .iter()
+            .map(|record| {
+                let mut projection = Projection::new(record.scored.len(), 1);
+                projection.push(|column| column.fill(1.0));
+                projection
+            })
+            .collect();
+        let residuals = records.iter().map(|r| r.scored.len()).sum();
+        Self { records, layout, bounds, identity, offsets, residuals }
+    }
+
+    /// The candidate, with gain 1 where the gain is projected out.
+    pub(super) fn candidate(&self, x: &[f64]) -> Option<DynamicSolution> {
+        let l = &self.layout;
+        let form = SecondOrder {
+            gain: l.gain.value(x).unwrap_or(1.0),
+            natural_frequency_hz: l.natural_frequency_hz.value(x)?,
+            damping: l.damping.value(x)?,
+            alpha2: l.high_order.value(x)?,
+            alpha1: l.low_order.value(x)?,
+            alpha0: 0.0,
+        };
+        let delay_s = l.delay.value(x)?;
+        (form.alpha2 - form.alpha1 >= SMALLEST_ORDER_GAP).then_some(DynamicSolution { form, delay_s })
+    }
+
+    /// Unit-gain response into `ws.column`, target without offsets into `ws.target`, neither yet combined.
+    fn respond(&self, candidate: &DynamicSolution, ws: &mut DynamicWorkspace) -> bool {
+        let unit = SecondOrder { gain: 1.0, ..candidate.form };
+        if unit.write_to(&mut ws.unit_gain).is_err() {
+            return false;
+        }
+        let mut at = 0;
+        for ((record, offset), plan_ws) in self.records.iter().zip(&self.offsets).zip(&mut ws.plans) {
+            let simulated = &mut ws.simulated[..record.moved.len()];
+            let done = if candidate.delay_s > 0.0 {
+                let delayed = &mut ws.delayed[..record.moved.len()];
+                delayed.copy_from_slice(&record.moved);
+                shift(delayed, 0.0, candidate.delay_s * record.sample_rate_hz);
+                record.plan.simulate(&ws.unit_gain, delayed, plan_ws, simulated)
+            } else {
+                record.plan.simulate_spectrum(&ws.unit_gain, &record.spectrum, plan_ws, simulated)
+            };
+            if done.is_err() {
+                return false;
+            }
+            let span = at..at + record.scored.len();
+            let (column, target) = (&mut ws.column[span.clone()], &mut ws.target[span]);
+            for ((c, t), &k) in column.iter_mut().zip(target.iter_mut()).zip(&record.scored) {
+                *c = record.rest + simulated[record.prologue + k];
+                *t = record.output[k];
+            }
+            offset.project(column);
+            offset.project(target);
+            at += record.scored.len();
+        }
+        true
+    }
+
+    fn eliminate(&self, x: &[f64], ws: &mut DynamicWorkspace) -> bool {
+        let Some(candidate) = self.candidate(x) else { return false };
+        if !self.respond(&candidate, ws) {
+            return false;
+        }
+        let DynamicWorkspace { column, target, projection, .. } = ws;
+        match self.layout.gain.value(x) {
+            Some(gain) => target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= gain * c),
+            None => {
+                projection.clear();
+                projection.push(|q| q.copy_from_slice(column));
+                projection.project(target);
+            }
+        }
+        true
+    }
+
+    /// All parameter values at the candidate `x`, a projected gain by linear least squares.
+    pub(super) fn solve(&self, x: &[f64]) -> Option<DynamicSolution> {
+        let mut ws = self.workspace();
+        let mut candidate = self.candidate(x)?;
+        if self.layout.gain == Role::Projected {
+            if !self.respond(&candidate, &mut ws) {
+                return None;
+            }
+            ws.projection.push(|q| q.copy_from_slice(&ws.column));
+            candidate.form.gain = *ws.projection.coefficients(&ws.target).first()?;
+        }
+        Some(candidate)
+    }
+}
+
+impl Problem for DynamicProblem {
+    type Workspace = DynamicWorkspace;
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    fn workspace(&self) -> DynamicWorkspace {
+        let longest = self.records.iter().map(|r| r.moved.len()).max().unwrap_or(0);
+        DynamicWorkspace {
+            plans: self.records.iter().map(|r| r.plan.workspace()).collect(),
+            delayed: vec![0.0; longest],
+            simulated: vec![0.0; longest],
+            column: vec![0.0; self.residuals],
+            target: vec![0.0; self.residuals],
+            projection: Projection::new(self.residuals, 1),
+            unit_gain: blank(),
+        }
+    }
+
+    fn cost(&self, x: &[f64], ws: &mut DynamicWorkspace) -> f64 {
+        if self.eliminate(x, ws) { root_mean_square(&ws.target) } else { f64::INFINITY }
+    }
+
+    fn identity(&self) -> String {
+        self.identity.clone()
+    }
+}
+
+impl LeastSquaresProblem for DynamicProblem {
+    fn residual_count(&self) -> usize {
+        self.residuals
+    }
+
+    fn residuals(&self, x: &[f64], ws: &mut DynamicWorkspace, out: &mut [f64]) -> bool {
+        let done = self.eliminate(x, ws);
+        out.copy_from_slice(&ws.target);
+        done
+    }
+}

@@ -1,0 +1,127 @@
+//! What can go wrong between records and a model.
+
+use crate::dynamics::DynamicsError;
+use crate::hammerstein::SimulationError;
+use crate::optimize::OptimizeError;
+use crate::record::RecordError;
+use crate::validate::ScoreError;
+
+/// Why no model was identified.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IdentifyError {
+    /// No record was given.
+    #[error("no record was given")]
+    NoRecords,
+    /// A demand names a parameter that this fit does not have.
+    #[error("there is no parameter '{name}' in this fit; its parameters are {known}")]
+    UnknownParameter {
+        /// As demanded.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A demand that cannot be met.
+    #[error("parameter '{name}': needs {wanted}")]
+    Demand {
+        /// Parameter.
+        name: String,
+        /// What would be accepted.
+        wanted: &'static str,
+    },
+    /// An option out of range.
+    #[error("option {option} = {value}: needs {wanted}")]
+    Option {
+        /// Option.
+        option: &'static str,
+        /// As given.
+        value: f64,
+        /// What would be accepted.
+        wanted: &'static str,
+    },
+    /// A record whose input or output never moves.
+    #[error("record '{record}': the {signal} is constant ({value}), so nothing can be identified from it")]
+    Constant {
+        /// Record.
+        record: String,
+        /// `input` or `output`.
+        signal: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Too few usable samples.
+    #[error("record '{record}': need at least {need} valid samples but found {found}")]
+    TooFewSamples {
+        /// Record.
+        record: String,
+        /// Needed.
+        need: usize,
+        /// Found.
+        found: usize,
+    },
+    /// The units of two records differ.
+    #[error("record '{record}' is in {found}, the other records are in {expected}")]
+    Units {
+        /// Record.
+        record: String,
+        /// Its units, input and output.
+        found: String,
+        /// Those of the first record.
+        expected: String,
+    },
+    /// Dynamics need a uniform time base.
+    #[error(
+        "record '{record}' has {found}: dynamics and a delay need uniformly sampled records (a static fit, \
+         --dynamics none, does not)"
+    )]
+    NotUniform {
+        /// Record.
+        record: String,
+        /// What it has instead.
+        found: &'static str,
+    },
+    /// Dynamics were asked for but no record carries them.
+    #[error("no record determines {wanted} dynamics: {because}")]
+    NoDynamicInformation {
+        /// What was asked for.
+        wanted: &'static str,
+        /// Why not.
+        because: String,
+    },
+    /// The model class does not describe the record.
+    #[error(
+        "the model class (Bouc–Wen hysteresis and linear dynamics) does not describe record '{record}': the best fit \
+         explains {fit_percent:.1} % of it, {need} % are needed. {because}"
+    )]
+    ModelClass {
+        /// Record.
+        record: String,
+        /// Fit [%], see [`crate::validate::Scores`].
+        fit_percent: f64,
+        /// Least fit accepted [%].
+        need: f64,
+        /// What the record looks like instead.
+        because: String,
+    },
+    /// A model to start from that does not suit.
+    #[error("the model to start from: {wanted}")]
+    StartModel {
+        /// What is needed.
+        wanted: &'static str,
+    },
+    /// A record is not usable.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The search failed.
+    #[error(transparent)]
+    Optimize(#[from] OptimizeError),
+    /// The identified model could not be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The dynamic block could not be set up.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    /// The fit could not be scored.
+    #[error(transparent)]
+    Score(#[from] ScoreError),
+}

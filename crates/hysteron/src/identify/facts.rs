@@ -1,0 +1,91 @@
+//! What an identification needs to know of a record before any fit.
+
+use super::IdentifyError;
+use crate::record::{InputOutput, Periods, TimeBase, find_periods, turning_points};
+
+/// Moves of less than this share of the drive's range are no swings.
+const SWING: f64 = 0.1;
+/// A record is dynamic beside one whose fastest swing is this much slower.
+const FASTER: f64 = 3.0;
+
+/// A record and what was read off it.
+#[derive(Clone, Debug)]
+pub(super) struct RecordFacts {
+    pub(super) data: InputOutput,
+    pub(super) periods: Option<Periods>,
+    /// Shortest time between two reversals of the drive, in samples.
+    shortest_swing: usize,
+}
+
+impl RecordFacts {
+    pub(super) fn new(data: InputOutput) -> Self {
+        let periods = find_periods(&data).ok();
+        let range = span(&data.u);
+        let turns = turning_points(&data.u, SWING * range);
+        let shortest_swing = turns.windows(2).map(|w| w[1].index - w[0].index).min().unwrap_or(data.u.len());
+        Self { data, periods, shortest_swing: shortest_swing.max(1) }
+    }
+
+    pub(super) fn range_v(&self) -> f64 {
+        span(&self.data.u)
+    }
+
+    /// max y − min y over the valid samples.
+    pub(super) fn stroke(&self) -> f64 {
+        let valid: Vec<f64> = self.scored(0).iter().map(|&k| self.data.y[k]).collect();
+        span(&valid)
+    }
+
+    /// Samples of a period, where the drive repeats from the first sample on.
+    pub(super) fn period_samples(&self) -> Option<usize> {
+        let periods = self.periods.filter(|p| p.start == 0 && p.count >= 2)?;
+        Some(periods.period_samples.round() as usize)
+    }
+
+    pub(super) fn whole_periods(&self) -> usize {
+        self.periods.map_or(0, |p| p.count)
+    }
+
+    /// Longest time scale of one cycle \[s\]: the period, or twice the shortest swing.
+    pub(super) fn period_s(&self) -> f64 {
+        let samples = self.periods.map_or(2.0 * self.shortest_swing as f64, |p| p.period_samples);
+        samples / self.data.sample_rate_hz().unwrap_or(1.0)
+    }
+
+    /// Frequency of the fastest swing \[Hz\]; 0 without a sample rate.
+    pub(super) fn highest_frequency_hz(&self) -> f64 {
+        self.data.sample_rate_hz().map_or(0.0, |rate| rate / (2.0 * self.shortest_swing as f64))
+    }
+
+    /// Whether the record carries dynamics beside one whose fastest swing has the frequency `slowest_hz`.
+    pub(super) fn is_dynamic(&self, slowest_hz: f64) -> bool {
+        self.highest_frequency_hz() > FASTER * slowest_hz
+    }
+
+    /// Indices of the samples that are valid and not among the first `left_out`.
+    pub(super) fn scored(&self, left_out: usize) -> Vec<usize> {
+        let valid = |k: usize| self.data.valid.as_ref().is_none_or(|mask| mask[k]);
+        (left_out..self.data.y.len()).filter(|&k| valid(k)).collect()
+    }
+
+    /// Samples after which a model without dynamics may be compared with a record that starts with a jump: a quarter of a
+    /// period.
+    pub(super) fn settling_samples(&self) -> usize {
+        (self.shortest_swing / 2).min(self.data.u.len() / 4)
+    }
+
+    pub(super) fn require_sample_rate(&self) -> Result<f64, IdentifyError> {
+        self.data.sample_rate_hz().ok_or_else(|| IdentifyError::NotUniform {
+            record: self.data.name.clone(),
+            found: match self.data.time {
+                TimeBase::NonUniform { .. } => "non-uniform time stamps",
+                _ => "no time column and no sample rate",
+            },
+        })
+    }
+}
+
+fn span(x: &[f64]) -> f64 {
+    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+    high - low
+}

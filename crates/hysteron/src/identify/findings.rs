@@ -1,0 +1,201 @@
+//! What the fit says about the device and what the records leave open, in plain words.
+
+use super::RecordFacts;
+use super::options::{Choice, Options, RecordRole};
+use super::result::{Finding, FindingKind, Identification};
+use crate::dynamics::{Dynamics, Stability, stability};
+use crate::hammerstein::Start;
+use crate::hysteresis::{Hysteresis, LoopSense, loop_sense};
+use crate::record::turning_points;
+
+/// A parameter whose standard error exceeds this share of its value is called undetermined.
+const UNDETERMINED: f64 = 0.5;
+/// Swings whose size differs by less than this share of the range count as one amplitude.
+const ONE_AMPLITUDE: f64 = 0.05;
+
+/// Why a record that the model class cannot describe may be what it is.
+pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
+    let (u, y) = (&facts.data.u, &facts.data.y);
+    let threshold = 0.1;
+    let reversals = |x: &[f64]| turning_points(x, threshold * (max(x) - min(x))).len();
+    let (of_u, of_y) = (reversals(u), reversals(y));
+    let unit = |u: &crate::record::Unit| if u.symbol().is_empty() { "no unit".to_owned() } else { u.to_string() };
+    if of_y >= 2 * of_u.max(1) {
+        format!(
+            "The output reverses {of_y} times while the input reverses {of_u} times: a butterfly loop, as of a \
+             ferroelectric driven through its polarisation reversal, or a response that something else drives too"
+        )
+    } else {
+        format!(
+            "The output ({}) is not a loop over the input ({}) that follows its last turning points: the record may be \
+             driven by further inputs, saturate, or have its dynamics inside the hysteresis",
+            unit(&facts.data.y_unit),
+            unit(&facts.data.u_unit)
+        )
+    }
+}
+
+pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Identification) {
+    let mut findings = Vec::new();
+    let mut say = |kind, text: String| findings.push(Finding { kind, text });
+    let Hysteresis::BoucWen(operator) = &result.model.hysteresis;
+    let fitted_statically: Vec<(&RecordFacts, &super::RecordFit)> =
+        facts.iter().zip(&result.records).filter(|(_, r)| r.role == RecordRole::QuasiStatic).collect();
+
+    if let Some((_, fit)) = fitted_statically.first() {
+        let sense = match loop_sense(&fit.data.u, &fit.data.y) {
+            LoopSense::CounterClockwise => "counter-clockwise: the output lags the input, as real actuators do",
+            LoopSense::Clockwise => "clockwise: the output leads the input. Check the sign and the order of the channels",
+            _ => "too narrow to have a sense",
+        };
+        say(FindingKind::Verdict, format!("The measured loop runs {sense}."));
+    }
+    say(FindingKind::Verdict, format!("Hysteresis block: {}.", operator.admissibility()));
+    if let Dynamics::Fractional(g) | Dynamics::Integer(g) = &result.model.dynamics {
+        let text = match stability(g) {
+            Stability::Stable => "Dynamic block: stable.".to_owned(),
+            other => format!("Dynamic block: {other:?}."),
+        };
+        say(FindingKind::Verdict, text);
+    }
+
+    let amplitudes: usize = fitted_statically.iter().map(|(f, _)| amplitudes(f)).sum();
+    if amplitudes <= 1 && !fitted_statically.is_empty() {
+        say(
+            FindingKind::Advice,
+            "All loops have the same amplitude: β and γ are told apart only by the way from rest into the first loop, \
+             polynomial degree and exponent n only by the shape of one loop, and models cannot be ranked. Minor loops \
+             are extrapolated. Add a record with loops of half and a quarter of the amplitude."
+                .into(),
+        );
+    }
+    let dynamic = result.records.iter().any(|r| r.role == RecordRole::Dynamic);
+    if !dynamic {
+        let frequency = facts.iter().map(RecordFacts::highest_frequency_hz).fold(0.0, f64::max);
+        let at = if frequency > 0.0 { format!(" at about {frequency:.3} Hz") } else { String::new() };
+        let shift = match (&result.model.dynamics, result.structure.delay_and_lag_from_start) {
+            (Dynamics::Integer(_), true) => {
+                "Delay and lag come from its start from rest alone (in steady state they cannot be told from loop width); \
+                 resonances, creep and everything faster are not determined."
+            }
+            (_, true) => "The delay comes from its start from rest alone.",
+            _ if matches!(options.delay_s, Choice::Given(d) if d > 0.0) => {
+                "The given delay stands for the whole time shift; loop width is what remains."
+            }
+            _ => "Delay, resonances and creep are not determined: a delay would be taken for loop width.",
+        };
+        say(
+            FindingKind::Advice,
+            format!(
+                "The records hold slow drive only{at}: they do not say how the loop changes with frequency. {shift} Add \
+                 a sweep up to the highest frequency of use."
+            ),
+        );
+    }
+    for parameter in &result.parameters {
+        if let Some(error) = parameter.std_error.filter(|e| *e > UNDETERMINED * parameter.value.abs()) {
+            say(
+                FindingKind::Advice,
+                format!(
+                    "{} = {:.3e} ± {error:.1e} (standard error) is poorly determined by these records.",
+                    parameter.name, parameter.value
+                ),
+            );
+        }
+    }
+    for (search, bounds) in result.searches.iter().zip(&result.bounds) {
+        for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
+            let at = range.to_unit(*x);
+            if !(1e-4..=1.0 - 1e-4).contains(&at) && range.name != "delay" {
+                say(
+                    FindingKind::Warning,
+                    format!(
+                        "{} = {x:.4e} ended on the edge of its search range {:.4e} … {:.4e}; widen it with --bound \
+                         {}=LOW:HIGH if the device may lie outside.",
+                        range.name, range.low, range.high, range.name
+                    ),
+                );
+            }
+        }
+    }
+    for fit in &result.records {
+        if fit.scores.fit_percent.is_some_and(|fit| fit < 90.0) {
+            say(
+                FindingKind::Warning,
+                format!(
+                    "Record '{}' is described poorly (fit {:.1} %): the model class misses something in it.",
+                    fit.data.name,
+                    fit.scores.fit_percent.unwrap_or(0.0)
+                ),
+            );
+        }
+    }
+    if result.cancelled {
+        say(FindingKind::Warning, "The search was interrupted: this is the best model so far.".into());
+    }
+    result.findings = findings;
+    result.treatment = treatment(facts, result);
+}
+
+fn treatment(facts: &[RecordFacts], result: &Identification) -> Vec<String> {
+    let mut list = Vec::new();
+    let mut quasi_static = 0;
+    for (facts, fit) in facts.iter().zip(&result.records) {
+        let name = &fit.data.name;
+        let unit = &fit.data.y_unit;
+        let start = match fit.start {
+            Start::Rest { voltage_v } => format!("simulated from rest at {voltage_v} {}", fit.data.u_unit),
+            Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
+        };
+        let role = match fit.role {
+            RecordRole::QuasiStatic => "quasi-static",
+            RecordRole::Dynamic => "dynamic",
+        };
+        let masked = facts.data.y.len() - facts.scored(0).len();
+        let masked = if masked > 0 { format!(", {masked} samples masked as not valid") } else { String::new() };
+        list.push(format!("{name}: {role}, {} samples{masked}, {start}; its offset was estimated.", facts.data.y.len()));
+        if fit.role == RecordRole::QuasiStatic {
+            let creep = result.structure.creeps.get(quasi_static).copied().unwrap_or(0.0);
+            let left_out = result.structure.left_out.get(quasi_static).copied().unwrap_or(0);
+            if creep != 0.0 {
+                list.push(format!(
+                    "{name}: a slow creep of {creep:.3} {unit} per e-fold of time was allowed for in the fit; it is not \
+                     part of the model and counts in the scores."
+                ));
+            }
+            if left_out > 0 {
+                list.push(format!(
+                    "{name}: its first {left_out} samples were left out of the fit, because a model without lag cannot \
+                     follow its start."
+                ));
+            }
+            quasi_static += 1;
+        }
+    }
+    list
+}
+
+/// Number of clearly different loop amplitudes.
+fn amplitudes(facts: &RecordFacts) -> usize {
+    let range = facts.range_v();
+    let turns = turning_points(&facts.data.u, 0.02 * range);
+    let mut sizes: Vec<f64> = turns.windows(2).map(|w| (w[1].value - w[0].value).abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let mut count = usize::from(!sizes.is_empty());
+    let mut last = sizes.first().copied().unwrap_or(0.0);
+    for size in sizes {
+        if size - last > ONE_AMPLITUDE * range {
+            count += 1;
+            last = size;
+        }
+    }
+    count
+}
+
+fn min(x: &[f64]) -> f64 {
+    x.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn max(x: &[f64]) -> f64 {
+    x.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}

@@ -1,0 +1,141 @@
+//! Linear least squares by orthonormal columns: the elimination step of variable projection.
+//!
+//! Golub, Pereyra, "The differentiation of pseudo-inverses and nonlinear least squares problems whose variables
+//! separate", SIAM J. Numer. Anal. 10 (1973), doi:10.1137/0710036.
+
+/// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt done twice, which is orthogonal to working
+/// accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is allocated once.
+#[derive(Clone, Debug)]
+pub(super) struct Projection {
+    rows: usize,
+    columns: usize,
+    q: Vec<f64>,
+    /// Upper triangle, column by column, `capacity` rows each.
+    r: Vec<f64>,
+    capacity: usize,
+}
+
+/// A column whose part outside the span of the earlier ones is smaller than this share of its norm adds nothing.
+const DEPENDENT: f64 = 1e-11;
+
+impl Projection {
+    pub(super) fn new(rows: usize, capacity: usize) -> Self {
+        Self { rows, columns: 0, q: vec![0.0; rows * capacity], r: vec![0.0; capacity * capacity], capacity }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.columns = 0;
+    }
+
+    /// Adds the column that `fill` writes. A column that depends on the earlier ones gets a zero basis vector, hence
+    /// coefficient zero.
+    pub(super) fn push(&mut self, fill: impl FnOnce(&mut [f64])) {
+        let c = self.columns;
+        let (done, rest) = self.q.split_at_mut(c * self.rows);
+        let new = &mut rest[..self.rows];
+        fill(new);
+        let r = &mut self.r[c * self.capacity..(c + 1) * self.capacity];
+        r.fill(0.0);
+        let norm_before = dot(new, new).sqrt();
+        for _ in 0..2 {
+            for (q, r) in done.chunks_exact(self.rows.max(1)).zip(r.iter_mut()) {
+                let share = dot(q, new);
+                *r += share;
+                subtract(new, share, q);
+            }
+        }
+        let norm = dot(new, new).sqrt();
+        if norm > DEPENDENT * norm_before {
+            new.iter_mut().for_each(|x| *x /= norm);
+            r[c] = norm;
+        } else {
+            new.fill(0.0);
+        }
+        self.columns += 1;
+    }
+
+    /// Takes off `x` its part in the span of the columns.
+    pub(super) fn project(&self, x: &mut [f64]) {
+        for q in self.basis() {
+            let share = dot(q, x);
+            subtract(x, share, q);
+        }
+    }
+
+    /// Coefficients c of the columns A that minimise ‖x − A c‖; 0 for a dependent column.
+    pub(super) fn coefficients(&self, x: &[f64]) -> Vec<f64> {
+        let mut c: Vec<f64> = self.basis().map(|q| dot(q, x)).collect();
+        for i in (0..self.columns).rev() {
+            let pivot = self.r[i * self.capacity + i];
+            c[i] = if pivot > 0.0 { c[i] / pivot } else { 0.0 };
+            for j in 0..i {
+                c[j] -= self.r[i * self.capacity + j] * c[i];
+            }
+        }
+        c
+    }
+
+    fn basis(&self) -> impl Iterator<Item = &[f64]> {
+        self.q.chunks_exact(self.rows.max(1)).take(self.columns)
+    }
+}
+
+/// Inner product in four interleaved sums, which the compiler vectorises; the order of summation is fixed.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in a4.zip(b4) {
+        for i in 0..4 {
+            sums[i] += x[i] * y[i];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+fn subtract(x: &mut [f64], share: f64, q: &[f64]) {
+    for (x, q) in x.iter_mut().zip(q) {
+        *x -= share * q;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_the_coefficients_of_an_exact_combination() {
+        let t: Vec<f64> = (0..50).map(|k| k as f64 / 50.0).collect();
+        let mut projection = Projection::new(50, 3);
+        for power in 0..3 {
+            projection.push(|c| c.iter_mut().zip(&t).for_each(|(c, t)| *c = t.powi(power)));
+        }
+        let mut y: Vec<f64> = t.iter().map(|t| 2.0 - 3.0 * t + 0.5 * t * t).collect();
+        let c = projection.coefficients(&y);
+        for (found, truth) in c.iter().zip([2.0, -3.0, 0.5]) {
+            assert!((found - truth).abs() < 1e-12, "{c:?}");
+        }
+        projection.project(&mut y);
+        assert!(y.iter().all(|r| r.abs() < 1e-13));
+    }
+
+    #[test]
+    fn a_dependent_column_gets_no_share() {
+        let mut projection = Projection::new(4, 2);
+        projection.push(|c| c.copy_from_slice(&[1.0, 2.0, 3.0, 4.0]));
+        projection.push(|c| c.copy_from_slice(&[2.0, 4.0, 6.0, 8.0]));
+        assert_eq!(projection.coefficients(&[1.0, 2.0, 3.0, 4.0])[1], 0.0);
+    }
+
+    #[test]
+    fn residual_is_orthogonal_to_the_columns() {
+        let a = [1.0, -0.5, 2.0, 0.25, 3.0];
+        let b = [0.1, 1.0, 0.3, -1.0, 0.2];
+        let mut projection = Projection::new(5, 2);
+        projection.push(|c| c.copy_from_slice(&a));
+        projection.push(|c| c.copy_from_slice(&b));
+        let mut y = [1.0, 2.0, -1.0, 0.5, 0.7];
+        projection.project(&mut y);
+        assert!(dot(&y, &a).abs() < 1e-14 && dot(&y, &b).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,104 @@
+//! What an identification hands out.
+
+use super::engine::{Search, Searches};
+use super::options::RecordRole;
+use crate::hammerstein::{Model, Start};
+use crate::optimize::Bounds;
+use crate::record::InputOutput;
+use crate::validate::Scores;
+
+/// An identified model and everything a report needs about it.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// The model.
+    pub model: Model,
+    /// Its parameters by name, with standard errors.
+    pub parameters: Vec<Parameter>,
+    /// The main searches, in order (the small fits that choose start and degree are not among them).
+    pub searches: Vec<Search>,
+    /// Search box of each of them.
+    pub bounds: Vec<Bounds>,
+    /// Fit of every record.
+    pub records: Vec<RecordFit>,
+    /// How the structure was chosen.
+    pub structure: StructureChoice,
+    /// Verdicts, warnings and advice in plain words.
+    pub findings: Vec<Finding>,
+    /// What was done to the data, in plain words.
+    pub treatment: Vec<String>,
+    /// Lowest and highest frequency of the drives \[Hz\]; `None` where no record has a sample rate.
+    pub excited_hz: Option<(f64, f64)>,
+    /// The search was stopped early; the model is the best so far.
+    pub cancelled: bool,
+    /// State to go on from.
+    pub resume: Searches,
+}
+
+/// One parameter of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// `hysteresis` or `dynamics`.
+    pub block: &'static str,
+    /// Name as on the command line.
+    pub name: String,
+    /// Value in V, µm, s, Hz.
+    pub value: f64,
+    /// Standard error; `None` where the parameter was held or the data do not determine it.
+    pub std_error: Option<f64>,
+}
+
+impl Parameter {
+    pub(super) fn new(block: &'static str, name: &str, value: f64, std_error: Option<f64>) -> Self {
+        Self { block, name: name.to_owned(), value, std_error }
+    }
+}
+
+/// One record and the model's simulation of it.
+#[derive(Clone, Debug)]
+pub struct RecordFit {
+    /// The record.
+    pub data: InputOutput,
+    /// What it was used for.
+    pub role: RecordRole,
+    /// Start assumed.
+    pub start: Start,
+    /// Scores (simulation, offset estimated).
+    pub scores: Scores,
+    /// Simulated output, with the model's own offset \[output unit\].
+    pub simulated: Vec<f64>,
+}
+
+/// How the structure was chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StructureChoice {
+    /// Polynomial degrees tried: degree, RMSE, BIC; empty where the degree was given.
+    pub degrees: Vec<(usize, f64, f64)>,
+    /// Degree used.
+    pub degree: usize,
+    /// Delay or lag were searched together with the hysteresis, from a start from rest.
+    pub delay_and_lag_from_start: bool,
+    /// Slow creep allowed for in each quasi-static record \[output unit per e-fold of 1 s + t\].
+    pub creeps: Vec<f64>,
+    /// Samples left out at the start of each quasi-static record.
+    pub left_out: Vec<usize>,
+}
+
+/// A statement in plain words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// How much it matters.
+    pub kind: FindingKind,
+    /// The statement.
+    pub text: String,
+}
+
+/// How much a [`Finding`] matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FindingKind {
+    /// Good to know.
+    Verdict,
+    /// The records leave something undetermined; what to measure.
+    Advice,
+    /// Do not use the model without having read this.
+    Warning,
+}

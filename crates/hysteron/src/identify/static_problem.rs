@@ -1,0 +1,307 @@
+//! Step 1, the static block: Bouc–Wen from quasi-static records (article §4.3, step 1) as a least-squares problem.
+//!
+//! Output of one record at a candidate (SPEC §2, unit-α form z = α ζ):
+//!
+//! y = offset + F\[ Σ cᵢ uⁱ − α ζ(β', γ', n) \],  F = delay ► first-order lag 1/(T s + 1) (Tustin),
+//!
+//! with the offset of every record, and by default all cᵢ and α, eliminated by linear least squares. Delay and lag are
+//! searched only where a record carries dynamic information (a start from rest).
+
+use super::layout::Role;
+use super::projection::Projection;
+use crate::hammerstein::shift;
+use crate::hysteresis::{BoucWen, Start, UnitShape};
+use crate::optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
+
+/// One record prepared for the static step.
+#[derive(Clone, Debug)]
+pub(super) struct StaticRecord {
+    /// Drive \[V\]: a prologue that settles the hysteresis (possibly empty), then the record.
+    pub(super) input: Vec<f64>,
+    /// Samples of the prologue.
+    pub(super) prologue: usize,
+    /// Voltage at which the device rested before `input` \[V\].
+    pub(super) rest_voltage_v: f64,
+    /// Measured output \[µm\].
+    pub(super) output: Vec<f64>,
+    /// Samples of the record that are scored, ascending.
+    pub(super) scored: Vec<usize>,
+    /// Sample rate \[Hz\]; needed for delay and lag only.
+    pub(super) sample_rate_hz: Option<f64>,
+    /// Allows for a slow creep ln(1 + t/1 s) beside the offset.
+    pub(super) creep: bool,
+}
+
+/// Roles of the parameters of the static step.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct StaticLayout {
+    /// Coefficients of u, u², …
+    pub(super) polynomial: Vec<Role>,
+    pub(super) alpha: Role,
+    pub(super) beta: Role,
+    pub(super) gamma: Role,
+    pub(super) n: Role,
+    pub(super) delay: Role,
+    pub(super) lag: Role,
+}
+
+/// Values of all parameters of the static step.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct StaticSolution {
+    pub(super) hysteresis: BoucWen,
+    pub(super) delay_s: f64,
+    pub(super) lag_s: f64,
+    /// Offset of each record \[µm\].
+    pub(super) offsets: Vec<f64>,
+    /// Creep of each record \[µm per e-fold of 1 s + t\], 0 where not allowed for.
+    pub(super) creeps: Vec<f64>,
+}
+
+/// The static step as a problem for [`crate::optimize`].
+#[derive(Debug)]
+pub(super) struct StaticProblem {
+    records: Vec<StaticRecord>,
+    layout: StaticLayout,
+    bounds: Bounds,
+    identity: String,
+    /// Orthonormal nuisance columns (offset, creep) of each record over its scored samples.
+    nuisance: Vec<Projection>,
+    residuals: usize,
+}
+
+/// Scratch of one evaluation.
+#[derive(Debug)]
+pub(super) struct StaticWorkspace {
+    zeta: Vec<f64>,
+    column: Vec<f64>,
+    target: Vec<f64>,
+    projection: Projection,
+}
+
+/// The nonlinear part of a candidate.
+struct Shape {
+    unit: UnitShape,
+    delay_s: f64,
+    lag_s: f64,
+}
+
+impl StaticProblem {
+    pub(super) fn new(records: Vec<StaticRecord>, layout: StaticLayout, bounds: Bounds, identity: String) -> Self {
+        let nuisance = records
+            .iter()
+            .map(|record| {
+                let mut projection = Projection::new(record.scored.len(), 2);
+                projection.push(|column| column.fill(1.0));
+                if record.creep {
+                    projection.push(|column| {
+                        for (c, &k) in column.iter_mut().zip(&record.scored) {
+                            *c = creep_at(record, k);
+                        }
+                    });
+                }
+                projection
+            })
+            .collect();
+        let residuals = records.iter().map(|r| r.scored.len()).sum();
+        Self { records, layout, bounds, identity, nuisance, residuals }
+    }
+
+    /// β', γ' in the unit-α form. With α eliminated the search is in β', γ' themselves.
+    fn shape(&self, x: &[f64]) -> Option<Shape> {
+        let StaticLayout { alpha, beta, gamma, n, delay, lag, .. } = &self.layout;
+        let (mut b, mut g, n) = (beta.value(x)?, gamma.value(x)?, n.value(x)?);
+        if let Some(alpha) = alpha.value(x) {
+            let scale = alpha.abs().powf(n - 1.0);
+            b *= scale;
+            g *= alpha.signum() * scale;
+        }
+        let unit = UnitShape { beta: b, gamma: g, n };
+        Some(Shape { unit, delay_s: delay.value(x)?, lag_s: lag.value(x)? })
+    }
+
+    /// Calls `write` with every column of the linear part, in the order u, u², …, −ζ; `write` gets the column's role,
+    /// index and its values on the scored samples of all records.
+    fn columns(
+        &self,
+        shape: &Shape,
+        ws: &mut StaticWorkspace,
+        mut write: impl FnMut(Role, &mut Vec<f64>, &mut Projection, &mut [f64]),
+    ) -> bool {
+        let StaticWorkspace { zeta, column, target, projection } = ws;
+        let degree = self.layout.polynomial.len();
+        for index in 0..=degree {
+            let role = self.layout.polynomial.get(index).copied().unwrap_or(self.layout.alpha);
+            let mut at = 0;
+            for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
+                let signal = &mut zeta[..record.input.len()];
+                let rest = if index < degree {
+                    let power = index as i32 + 1;
+                    for (s, &u) in signal.iter_mut().zip(&record.input) {
+                        *s = u.powi(power);
+                    }
+                    record.rest_voltage_v.powi(power)
+                } else {
+                    let start = Start::Rest { u: record.rest_voltage_v };
+                    if shape.unit.simulate(&record.input, start, signal).is_err() {
+                        return false;
+                    }
+                    signal.iter_mut().for_each(|s| *s = -*s);
+                    0.0
+                };
+                if let Some(rate) = record.sample_rate_hz {
+                    shift(signal, rest, shape.delay_s * rate);
+                    lag(signal, rest, shape.lag_s * rate);
+                }
+                let here = &mut column[at..at + record.scored.len()];
+                for (c, &k) in here.iter_mut().zip(&record.scored) {
+                    *c = signal[record.prologue + k];
+                }
+                nuisance.project(here);
+                at += record.scored.len();
+            }
+            write(role, column, projection, target);
+        }
+        true
+    }
+
+    /// Residual after elimination of everything linear, in `ws.target`; the columns stay in `ws.projection`.
+    fn eliminate(&self, x: &[f64], ws: &mut StaticWorkspace) -> bool {
+        let Some(shape) = self.shape(x) else { return false };
+        let mut at = 0;
+        for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
+            let here = &mut ws.target[at..at + record.scored.len()];
+            for (t, &k) in here.iter_mut().zip(&record.scored) {
+                *t = record.output[k];
+            }
+            nuisance.project(here);
+            at += record.scored.len();
+        }
+        ws.projection.clear();
+        let done = self.columns(&shape, ws, |role, column, projection, target| match role.value(x) {
+            Some(value) => target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c),
+            None => projection.push(|q| q.copy_from_slice(column)),
+        });
+        if done {
+            ws.projection.project(&mut ws.target);
+        }
+        done
+    }
+
+    /// All parameter values at the candidate `x`, the eliminated ones by linear least squares.
+    pub(super) fn solve(&self, x: &[f64]) -> Option<StaticSolution> {
+        let mut ws = self.workspace();
+        let shape = self.shape(x)?;
+        if !self.eliminate(x, &mut ws) {
+            return None;
+        }
+        // Coefficients of the projected columns, against the target with the known columns taken off.
+        let mut known = self.workspace();
+        let mut measured = Vec::with_capacity(self.residuals);
+        for record in &self.records {
+            measured.extend(record.scored.iter().map(|&k| record.output[k]));
+        }
+        let mut at = 0;
+        for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
+            nuisance.project(&mut measured[at..at + record.scored.len()]);
+            at += record.scored.len();
+        }
+        let mut roles = Vec::new();
+        self.columns(&shape, &mut known, |role, column, _, _| {
+            roles.push(role);
+            if let Some(value) = role.value(x) {
+                measured.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+            }
+        });
+        let mut eliminated = ws.projection.coefficients(&measured).into_iter();
+        let values: Vec<f64> =
+            roles.iter().map(|role| role.value(x).or_else(|| eliminated.next())).collect::<Option<_>>()?;
+        let (alpha, polynomial) = values.split_last()?;
+        let hysteresis = BoucWen::from_unit(polynomial.to_vec(), *alpha, shape.unit).ok()?;
+        let mut solution = StaticSolution {
+            hysteresis,
+            delay_s: shape.delay_s,
+            lag_s: shape.lag_s,
+            offsets: Vec::new(),
+            creeps: Vec::new(),
+        };
+        for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
+            let simulated = simulate(record, &solution)?;
+            let rest: Vec<f64> = record.scored.iter().map(|&k| record.output[k] - simulated[k]).collect();
+            let found = nuisance.coefficients(&rest);
+            solution.offsets.push(found.first().copied()?);
+            solution.creeps.push(found.get(1).copied().unwrap_or(0.0));
+        }
+        Some(solution)
+    }
+}
+
+/// Output of `record` by the solution, without offset and creep.
+pub(super) fn simulate(record: &StaticRecord, solution: &StaticSolution) -> Option<Vec<f64>> {
+    let mut v = vec![0.0; record.input.len()];
+    solution.hysteresis.simulate(&record.input, Start::Rest { u: record.rest_voltage_v }, &mut v).ok()?;
+    let rest = solution.hysteresis.polynomial_at(record.rest_voltage_v);
+    if let Some(rate) = record.sample_rate_hz {
+        shift(&mut v, rest, solution.delay_s * rate);
+        lag(&mut v, rest, solution.lag_s * rate);
+    }
+    Some(v.split_off(record.prologue))
+}
+
+/// ln(1 + t / 1 s) of sample `k`; without a sample rate, over the record's length.
+fn creep_at(record: &StaticRecord, k: usize) -> f64 {
+    match record.sample_rate_hz {
+        Some(rate) => (k as f64 / rate).ln_1p(),
+        None => k as f64 / record.output.len() as f64,
+    }
+}
+
+/// First-order lag 1/(T s + 1) by Tustin, in place, at rest at `before`; `samples` = T in sample periods.
+pub(super) fn lag(x: &mut [f64], before: f64, samples: f64) {
+    if samples <= 0.0 {
+        return;
+    }
+    let (mut previous, mut state) = (before, before);
+    for x in x.iter_mut() {
+        state = ((2.0 * samples - 1.0) * state + *x + previous) / (2.0 * samples + 1.0);
+        previous = *x;
+        *x = state;
+    }
+}
+
+impl Problem for StaticProblem {
+    type Workspace = StaticWorkspace;
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    fn workspace(&self) -> StaticWorkspace {
+        let longest = self.records.iter().map(|r| r.input.len()).max().unwrap_or(0);
+        StaticWorkspace {
+            zeta: vec![0.0; longest],
+            column: vec![0.0; self.residuals],
+            target: vec![0.0; self.residuals],
+            projection: Projection::new(self.residuals, self.layout.polynomial.len() + 1),
+        }
+    }
+
+    fn cost(&self, x: &[f64], ws: &mut StaticWorkspace) -> f64 {
+        if self.eliminate(x, ws) { root_mean_square(&ws.target) } else { f64::INFINITY }
+    }
+
+    fn identity(&self) -> String {
+        self.identity.clone()
+    }
+}
+
+impl LeastSquaresProblem for StaticProblem {
+    fn residual_count(&self) -> usize {
+        self.residuals
+    }
+
+    fn residuals(&self, x: &[f64], ws: &mut StaticWorkspace, out: &mut [f64]) -> bool {
+        let done = self.eliminate(x, ws);
+        out.copy_from_slice(&ws.target);
+        done
+    }
+}

@@ -1,0 +1,363 @@
+//! The article's two-step identification (§4.3): (1) hysteresis block from the quasi-static records, (2) its output
+//! drives the dynamic block, identified on the dynamic records, orders and coefficients at once.
+
+use super::dynamic_step::{self, DynamicStep, HysteresisOutput};
+use super::engine::{Engine, Search, Searches, Watcher};
+use super::findings;
+use super::options::{CampaignRecord, Choice, DynamicsChoice, Options, RecordRole};
+use super::result::{Identification, Parameter, RecordFit, StructureChoice};
+use super::static_step::{self, StaticStep};
+use super::uncertainty::{covariance, standard_error};
+use super::{IdentifyError, RecordFacts};
+use crate::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
+use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
+use crate::hammerstein::{Model, Start};
+use crate::hysteresis::Hysteresis;
+use crate::model_file::polynomial_name;
+use crate::optimize::{Bounds, Problem, Settings};
+use crate::validate::{Scoring, score};
+
+/// Fewest valid samples of a usable record.
+const FEWEST_SAMPLES: usize = 20;
+
+/// Identifies a Hammerstein model from a campaign by the article's two-step procedure.
+///
+/// # Errors
+/// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not describe the
+/// records.
+pub fn identify_two_step(
+    campaign: &[CampaignRecord],
+    options: &Options,
+    watcher: &mut dyn Watcher,
+    resume: Option<Searches>,
+) -> Result<Identification, IdentifyError> {
+    options.validate()?;
+    let facts = usable(campaign)?;
+    let roles = roles(campaign, &facts);
+    let by_role = |role| -> Vec<&RecordFacts> {
+        facts.iter().zip(&roles).filter(|(_, r)| **r == role).map(|(f, _)| f).collect()
+    };
+    let (quasi_static, dynamic) = (by_role(RecordRole::QuasiStatic), by_role(RecordRole::Dynamic));
+    let static_records = if quasi_static.is_empty() { dynamic.clone() } else { quasi_static };
+    let follow = !dynamic.is_empty() && options.dynamics != DynamicsChoice::None;
+    check_demands(options, follow)?;
+
+    let settings =
+        Settings { seed: options.seed, generations: options.generations, threads: options.threads, ..Settings::default() };
+    let mut engine = Engine::new(options.algorithm.as_ref(), settings, watcher, resume);
+    let step1 = static_step::identify_static(&static_records, options, follow, &mut engine)?;
+    let mut dynamic_starts = Vec::new();
+    for facts in &dynamic {
+        dynamic_starts.push(static_step::choose_start(facts, options, &mut engine)?);
+    }
+    let outputs = dynamic_step::hysteresis_outputs(&step1.solution.hysteresis, &dynamic, &dynamic_starts)?;
+    let step2 = match (follow, options.dynamics) {
+        (false, DynamicsChoice::None | DynamicsChoice::Auto) => Step2::None,
+        (false, wanted) if step1.solution.lag_s > 0.0 && wanted == DynamicsChoice::Integer => Step2::None,
+        (false, wanted) => {
+            return Err(IdentifyError::NoDynamicInformation {
+                wanted: match wanted {
+                    DynamicsChoice::Arx => "ARX",
+                    DynamicsChoice::Fractional => "fractional",
+                    _ => "integer-order",
+                },
+                because: "the campaign holds quasi-static records only; add a sweep or sines well above their \
+                          frequency, or say with --dynamic FILE which record is one"
+                    .into(),
+            });
+        }
+        (true, DynamicsChoice::Arx) => Step2::Arx(fit_arx(&outputs)?),
+        (true, DynamicsChoice::Integer) => Step2::integer_order(&outputs, options, true, &mut engine)?,
+        (true, _) => Step2::integer_order(&outputs, options, false, &mut engine)?,
+    };
+
+    let model = assemble(&step1, &step2, &static_records, &dynamic, options);
+    let parameters = parameters(&step1, &step2, &static_records, &outputs, options)?;
+    let mut fits = Vec::new();
+    for (facts, role) in facts.iter().zip(&roles) {
+        let start = start_of(facts, &static_records, &step1, &dynamic, &dynamic_starts);
+        let simulated = model.simulate_at_own_rate(&facts.data.u, facts.data.sample_rate_hz(), &start)?;
+        let left_out = static_records.iter().position(|s| std::ptr::eq(*s, facts)).map_or(0, |i| step1.left_out[i]);
+        let skip_s = facts.data.sample_rate_hz().map_or(0.0, |rate| left_out as f64 / rate);
+        let scores = score(&facts.data, &simulated, &Scoring { skip_s, ..Scoring::default() })?;
+        fits.push(RecordFit {
+            data: facts.data.clone(),
+            role: if follow || *role == RecordRole::QuasiStatic { *role } else { RecordRole::QuasiStatic },
+            start,
+            scores,
+            simulated,
+        });
+    }
+    let worst = fits.iter().min_by(|a, b| fit_percent(a).total_cmp(&fit_percent(b)));
+    if let Some(worst) = worst.filter(|w| fit_percent(w) < options.least_fit_percent) {
+        let because = facts.iter().find(|f| f.data.name == worst.data.name).map(findings::why_no_fit);
+        return Err(IdentifyError::ModelClass {
+            record: worst.data.name.clone(),
+            fit_percent: fit_percent(worst),
+            need: options.least_fit_percent,
+            because: because.unwrap_or_default(),
+        });
+    }
+    let structure = StructureChoice {
+        degrees: step1.degrees.clone(),
+        degree: step1.solution.hysteresis.polynomial.len(),
+        delay_and_lag_from_start: step1.shift_searched,
+        creeps: step1.solution.creeps.clone(),
+        left_out: step1.left_out.clone(),
+    };
+    let cancelled = engine.cancelled;
+    let resume = engine.searches();
+    let bounds: Vec<Bounds> =
+        std::iter::once(step1.problem.bounds().clone()).chain(step2.bounds().cloned()).collect();
+    let mut searches = vec![step1.search];
+    searches.extend(step2.into_search());
+    let mut identification = Identification {
+        model,
+        parameters,
+        searches,
+        bounds,
+        records: fits,
+        structure,
+        findings: Vec::new(),
+        treatment: Vec::new(),
+        excited_hz: excited(&facts),
+        cancelled,
+        resume,
+    };
+    findings::write(&facts, options, &mut identification);
+    Ok(identification)
+}
+
+enum Step2 {
+    None,
+    Order(Box<DynamicStep>),
+    Arx(Arx),
+}
+
+impl Step2 {
+    fn integer_order(
+        outputs: &[HysteresisOutput<'_>],
+        options: &Options,
+        integer: bool,
+        engine: &mut Engine<'_>,
+    ) -> Result<Self, IdentifyError> {
+        Ok(Self::Order(Box::new(dynamic_step::identify_dynamic(outputs, options, integer, engine)?)))
+    }
+
+    fn bounds(&self) -> Option<&Bounds> {
+        match self {
+            Self::Order(step) => Some(step.bounds()),
+            _ => None,
+        }
+    }
+
+    fn into_search(self) -> Option<Search> {
+        match self {
+            Self::Order(step) => Some(step.search),
+            _ => None,
+        }
+    }
+}
+
+/// Lowest and highest frequency of the drives \[Hz\].
+fn excited(facts: &[RecordFacts]) -> Option<(f64, f64)> {
+    let timed = facts.iter().filter(|f| f.data.sample_rate_hz().is_some());
+    let low = timed.clone().map(|f| f.period_s().recip()).fold(f64::INFINITY, f64::min);
+    let high = timed.map(RecordFacts::highest_frequency_hz).fold(0.0, f64::max);
+    (low <= high).then_some((low, high))
+}
+
+fn fit_percent(fit: &RecordFit) -> f64 {
+    fit.scores.fit_percent.unwrap_or(0.0)
+}
+
+fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
+    let first = campaign.first().ok_or(IdentifyError::NoRecords)?;
+    let units = |r: &CampaignRecord| format!("{} → {}", r.data.u_unit, r.data.y_unit);
+    campaign
+        .iter()
+        .map(|record| {
+            if units(record) != units(first) {
+                return Err(IdentifyError::Units {
+                    record: record.data.name.clone(),
+                    found: units(record),
+                    expected: units(first),
+                });
+            }
+            let facts = RecordFacts::new(record.data.clone());
+            let valid = facts.scored(0).len();
+            if valid < FEWEST_SAMPLES {
+                let record = record.data.name.clone();
+                return Err(IdentifyError::TooFewSamples { record, need: FEWEST_SAMPLES, found: valid });
+            }
+            for (signal, samples) in [("input", &record.data.u), ("output", &record.data.y)] {
+                if samples.iter().all(|&x| x == samples[0]) {
+                    let record = record.data.name.clone();
+                    return Err(IdentifyError::Constant { record, signal, value: samples[0] });
+                }
+            }
+            Ok(facts)
+        })
+        .collect()
+}
+
+/// Roles as given, else recognised: the slowest kind of excitation is quasi-static, the rest is dynamic.
+fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> {
+    let slowest = facts.iter().map(RecordFacts::highest_frequency_hz).fold(f64::INFINITY, f64::min);
+    campaign
+        .iter()
+        .zip(facts)
+        .map(|(record, facts)| {
+            record.role.unwrap_or(if facts.is_dynamic(slowest) { RecordRole::Dynamic } else { RecordRole::QuasiStatic })
+        })
+        .collect()
+}
+
+fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError> {
+    let polynomial: Vec<_> = (1..=super::HIGHEST_DEGREE).map(polynomial_name).collect();
+    let mut known: Vec<&str> = polynomial.iter().map(AsRef::as_ref).collect();
+    known.extend(["alpha", "beta", "gamma", "n", "delay", "lag"]);
+    if dynamics {
+        known.extend(["gain", "natural_frequency", "damping", "order2", "order1"]);
+    }
+    options.demands.check(&known)?;
+    if options.demands.fixed("n").is_some_and(|n| !(1.0..=10.0).contains(&n)) {
+        return Err(IdentifyError::Demand { name: "n".into(), wanted: "1 ≤ n ≤ 10" });
+    }
+    Ok(())
+}
+
+fn start_of(
+    facts: &RecordFacts,
+    static_records: &[&RecordFacts],
+    step1: &StaticStep,
+    dynamic: &[&RecordFacts],
+    dynamic_starts: &[Start],
+) -> Start {
+    let same = |other: &&RecordFacts| std::ptr::eq(*other, facts);
+    let in_dynamic = dynamic.iter().position(same).and_then(|i| dynamic_starts.get(i));
+    let in_static = static_records.iter().position(same).and_then(|i| step1.starts.get(i));
+    *in_dynamic.or(in_static).unwrap_or(&Start::Rest { voltage_v: facts.data.u[0] })
+}
+
+fn assemble(
+    step1: &StaticStep,
+    step2: &Step2,
+    static_records: &[&RecordFacts],
+    dynamic: &[&RecordFacts],
+    options: &Options,
+) -> Model {
+    let solution = &step1.solution;
+    let lag = |lag_s: f64| TransferFunction {
+        numerator: vec![Term { coefficient: 1.0, order: 0.0 }],
+        denominator: vec![Term { coefficient: 1.0, order: 0.0 }, Term { coefficient: lag_s, order: 1.0 }],
+    };
+    let (dynamics, delay_s) = match step2 {
+        Step2::None if solution.lag_s > 0.0 => (Dynamics::Integer(lag(solution.lag_s)), solution.delay_s),
+        Step2::None => (Dynamics::None, solution.delay_s),
+        Step2::Arx(arx) => (Dynamics::Arx(arx.clone()), 0.0),
+        Step2::Order(step) => {
+            let g = step.solution.transfer_function();
+            let dynamics =
+                if options.dynamics == DynamicsChoice::Integer { Dynamics::Integer(g) } else { Dynamics::Fractional(g) };
+            (dynamics, step.solution.delay_s)
+        }
+    };
+    let rate = |records: &[&RecordFacts]| records.first().and_then(|f| f.data.sample_rate_hz());
+    Model {
+        hysteresis: Hysteresis::BoucWen(solution.hysteresis.clone()),
+        dynamics,
+        offset: solution.offsets.first().copied().unwrap_or(0.0),
+        delay_s,
+        scheme: options.scheme,
+        sample_rate_hz: if matches!(step2, Step2::None) { rate(static_records) } else { rate(dynamic) },
+    }
+}
+
+/// ARX from hysteresis output to displacement, on all dynamic records, orders by simulated error.
+fn fit_arx(outputs: &[HysteresisOutput<'_>]) -> Result<Arx, IdentifyError> {
+    let signals: Vec<_> = outputs.iter().map(HysteresisOutput::from_rest).collect();
+    let records: Vec<ArxRecord<'_>> =
+        signals.iter().map(|(input, output, valid)| ArxRecord { input, output, valid: valid.as_deref() }).collect();
+    let search = ArxSearch { max_na: 3, max_nb: 3, max_nk: 5, criterion: OrderCriterion::SimulatedError };
+    let candidates = select_orders(&records, &search)?;
+    let best = candidates.into_iter().find(|c| c.stable).ok_or_else(|| IdentifyError::NoDynamicInformation {
+        wanted: "ARX",
+        because: "every ARX model that fits the records is unstable".into(),
+    })?;
+    Ok(best.fit.model)
+}
+
+/// Every free parameter with its unit, standard error and what it was searched in.
+fn parameters(
+    step1: &StaticStep,
+    step2: &Step2,
+    static_records: &[&RecordFacts],
+    outputs: &[HysteresisOutput<'_>],
+    options: &Options,
+) -> Result<Vec<Parameter>, IdentifyError> {
+    let (problem, x) = static_step::in_article_symbols(step1, static_records, &options.demands)?;
+    let covariance1 = covariance(&problem, &x);
+    let names: Vec<&str> = problem.bounds().ranges.iter().map(|r| r.name.as_str()).collect();
+    let error1 = |name: &str| {
+        let index = names.iter().position(|n| *n == name)?;
+        covariance1.as_ref().map(|c| c[(index, index)].sqrt())
+    };
+    let b = &step1.solution.hysteresis;
+    let mut list: Vec<Parameter> = b
+        .polynomial
+        .iter()
+        .enumerate()
+        .map(|(i, &c)| {
+            let name = polynomial_name(i + 1);
+            Parameter::new("hysteresis", &name, c, error1(&name))
+        })
+        .collect();
+    for (name, value) in [("alpha", b.alpha), ("beta", b.beta), ("gamma", b.gamma), ("n", b.n)] {
+        list.push(Parameter::new("hysteresis", name, value, error1(name)));
+    }
+    match step2 {
+        Step2::Order(step) => {
+            let (problem, x) = dynamic_step::all_searched(step, outputs, options)?;
+            let covariance2 = covariance(&problem, &x);
+            let error2 = |f: &dyn Fn(&[f64]) -> f64| covariance2.as_ref().and_then(|c| standard_error(c, &x, f));
+            let form = step.solution.form;
+            let names: Vec<String> = problem.bounds().ranges.iter().map(|r| r.name.clone()).collect();
+            for (name, value) in [
+                ("gain", form.gain),
+                ("natural_frequency", form.natural_frequency_hz),
+                ("damping", form.damping),
+                ("order2", form.alpha2),
+                ("order1", form.alpha1),
+                ("delay", step.solution.delay_s),
+            ] {
+                let index = names.iter().position(|n| n == name);
+                let error = index.and_then(|i| covariance2.as_ref().map(|c| c[(i, i)].sqrt()));
+                list.push(Parameter::new("dynamics", name, value, error));
+            }
+            let g = step.solution.transfer_function();
+            let at = |x: &[f64], pick: &dyn Fn(&TransferFunction) -> f64| {
+                dynamic_step::transfer_function_at(&problem, x).map_or(f64::NAN, |g| pick(&g))
+            };
+            let coefficients: [(&str, f64, fn(&TransferFunction) -> f64); 3] = [
+                ("b", g.numerator[0].coefficient, |g| g.numerator[0].coefficient),
+                ("c0", g.denominator[0].coefficient, |g| g.denominator[0].coefficient),
+                ("c1", g.denominator[1].coefficient, |g| g.denominator[1].coefficient),
+            ];
+            for (name, value, pick) in coefficients {
+                list.push(Parameter::new("dynamics", name, value, error2(&|x| at(x, &pick))));
+            }
+        }
+        Step2::None if step1.solution.lag_s > 0.0 => {
+            list.push(Parameter::new("dynamics", "lag", step1.solution.lag_s, error1("lag")));
+            list.push(Parameter::new("dynamics", "delay", step1.solution.delay_s, error1("delay")));
+        }
+        Step2::None => {
+            let given = matches!(options.delay_s, Choice::Given(_));
+            let error = if given { None } else { error1("delay") };
+            list.push(Parameter::new("dynamics", "delay", step1.solution.delay_s, error));
+        }
+        Step2::Arx(_) => {}
+    }
+    Ok(list)
+}

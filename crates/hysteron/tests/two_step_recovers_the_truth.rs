@@ -1,0 +1,238 @@
+//! Promise: on data of its own class, two-step identification returns the truth; it can be interrupted and resumed to
+//! the same bits, and threads change nothing.
+
+use hysteron::dynamics::{Dynamics, Scheme, SecondOrder, Term, TransferFunction};
+use hysteron::hammerstein::{Model, Start};
+use hysteron::hysteresis::{BoucWen, Hysteresis};
+use hysteron::identify::{
+    CampaignRecord, Choice, DynamicsChoice, IdentifyError, Options, RecordRole, Searches, Unwatched, Watcher,
+    identify_two_step,
+};
+use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions, Progress};
+use hysteron::record::{InputOutput, TimeBase};
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+fn record(name: &str, rate: f64, u: Vec<f64>, y: Vec<f64>) -> CampaignRecord {
+    CampaignRecord { data: InputOutput::new(name, TimeBase::uniform(rate), u, y).unwrap(), role: None }
+}
+
+fn truth(dynamics: Dynamics, delay_s: f64) -> Model {
+    Model {
+        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0).unwrap()),
+        dynamics,
+        offset: -7.5,
+        delay_s,
+        scheme: Scheme::Tustin,
+        sample_rate_hz: None,
+    }
+}
+
+/// 0 … 10 V at 1 Hz, growing amplitude, 200 Hz.
+fn slow_drive() -> Vec<f64> {
+    (0..600).map(|k| (1.0 + k as f64 / 300.0) / 3.0 * 5.0 * (1.0 - (TAU * k as f64 / 200.0).cos())).collect()
+}
+
+fn sweep(rate: f64, seconds: f64) -> Vec<f64> {
+    (0..(rate * seconds) as usize)
+        .map(|k| {
+            let t = k as f64 / rate;
+            5.0 - 5.0 * (TAU * (t + 0.5 * 99.0 / seconds * t * t)).cos()
+        })
+        .collect()
+}
+
+fn static_campaign() -> Vec<CampaignRecord> {
+    let u = slow_drive();
+    let y = truth(Dynamics::None, 0.0).simulate(&u, Some(200.0), &Start::Rest { voltage_v: 0.0 }).unwrap();
+    vec![record("loop", 200.0, u, y)]
+}
+
+fn block(model: &Model) -> &BoucWen {
+    let Hysteresis::BoucWen(b) = &model.hysteresis;
+    b
+}
+
+fn assert_close(found: f64, truth: f64, relative: f64, name: &str) {
+    assert!((found - truth).abs() <= relative * truth.abs(), "{name}: {found} instead of {truth}");
+}
+
+#[test]
+fn static_parameters_come_back_from_noise_free_loops() {
+    let found = identify_two_step(&static_campaign(), &Options::default(), &mut Unwatched, None).unwrap();
+    let b = block(&found.model);
+    assert_eq!(b.polynomial.len(), 2, "degree chosen");
+    for (name, x, t) in [
+        ("linear", b.polynomial[0], 3.2),
+        ("quadratic", b.polynomial[1], -0.02),
+        ("alpha", b.alpha, 1.1),
+        ("beta", b.beta, 0.35),
+        ("gamma", b.gamma, 0.08),
+        ("offset", found.model.offset, -7.5),
+    ] {
+        assert_close(x, t, 1e-6, name);
+    }
+}
+
+#[test]
+fn population_methods_search_all_parameters_as_the_article_does() {
+    let options = Options {
+        algorithm: Some(Algorithm::De(DeOptions::default())),
+        generations: 60,
+        degree: Choice::Given(2),
+        ..Options::default()
+    };
+    let found = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap();
+    let search = &found.searches[0];
+    assert_eq!(search.outcome.best.len(), 5, "quadratic, linear, α, β, γ");
+    assert_eq!(search.outcome.evaluations, 61 * 50);
+    assert!(found.records[0].scores.fit_percent.unwrap() > 95.0);
+}
+
+#[test]
+fn delay_and_lag_come_back_from_a_start_from_rest() {
+    let lag = TransferFunction::new(
+        vec![Term { coefficient: 1.0, order: 0.0 }],
+        vec![Term { coefficient: 1.0, order: 0.0 }, Term { coefficient: 0.02, order: 1.0 }],
+    )
+    .unwrap();
+    let model = truth(Dynamics::Integer(lag), 0.011);
+    let u: Vec<f64> = (0..800).map(|k| 5.0 + 5.0 * (TAU * k as f64 / 200.0).sin()).collect();
+    let y = model.simulate(&u, Some(200.0), &Start::Rest { voltage_v: 0.0 }).unwrap();
+    let campaign = [record("started", 200.0, u, y)];
+    let found = identify_two_step(&campaign, &Options::default(), &mut Unwatched, None).unwrap();
+    assert_eq!(found.records[0].start, Start::Rest { voltage_v: 0.0 });
+    assert_close(found.model.delay_s, 0.011, 1e-4, "delay");
+    let Dynamics::Integer(g) = &found.model.dynamics else { panic!("{:?}", found.model.dynamics) };
+    assert_close(g.denominator[1].coefficient, 0.02, 1e-4, "lag");
+    assert_close(block(&found.model).beta, 0.35, 1e-3, "beta");
+    assert!(found.records[0].scores.rmse < 1e-4, "the fit and the model's own simulation agree");
+}
+
+fn dynamic_campaign(form: SecondOrder, delay_s: f64, scheme: Scheme) -> Vec<CampaignRecord> {
+    let mut model = truth(Dynamics::Fractional(form.to_transfer_function().unwrap()), delay_s);
+    model.scheme = scheme;
+    let start = Start::Rest { voltage_v: 0.0 };
+    let slow = slow_drive();
+    let fast = sweep(5000.0, 1.5);
+    let y_slow = truth(Dynamics::None, 0.0).simulate(&slow, Some(200.0), &start).unwrap();
+    let y_fast = model.simulate(&fast, Some(5000.0), &start).unwrap();
+    vec![record("sweep", 5000.0, fast, y_fast), record("loop", 200.0, slow, y_slow)]
+}
+
+const FORM: SecondOrder = SecondOrder {
+    gain: 0.96,
+    natural_frequency_hz: 330.0,
+    damping: 0.4,
+    alpha2: 2.04,
+    alpha1: 1.05,
+    alpha0: 0.0,
+};
+
+#[test]
+fn fractional_orders_and_coefficients_come_back_at_once() {
+    for scheme in [Scheme::Tustin, Scheme::GrunwaldLetnikov, Scheme::Bdf2] {
+        let campaign = dynamic_campaign(FORM, 0.00013, scheme);
+        let options = Options { scheme, ..Options::default() };
+        let found = identify_two_step(&campaign, &options, &mut Unwatched, None).unwrap();
+        assert_eq!(found.records[0].role, RecordRole::Dynamic, "the sweep is recognised");
+        assert_eq!(found.records[1].role, RecordRole::QuasiStatic);
+        let Dynamics::Fractional(g) = &found.model.dynamics else { panic!("not fractional") };
+        let form = g.second_order().unwrap();
+        assert_close(form.gain, FORM.gain, 1e-4, "gain");
+        assert_close(form.natural_frequency_hz, FORM.natural_frequency_hz, 1e-2, "natural frequency");
+        assert_close(form.alpha2, FORM.alpha2, 1e-2, "α₂");
+        assert_close(form.alpha1, FORM.alpha1, 2e-2, "α₁");
+        assert_close(found.model.delay_s, 0.00013, 2e-2, "delay");
+        assert!(found.records[0].scores.rmse < 1e-4, "{scheme:?}: {}", found.records[0].scores.rmse);
+    }
+}
+
+#[test]
+fn integer_and_arx_blocks_fit_an_integer_plant() {
+    let form = SecondOrder { alpha2: 2.0, alpha1: 1.0, ..FORM };
+    let campaign = dynamic_campaign(form, 0.0, Scheme::Tustin);
+    for dynamics in [DynamicsChoice::Integer, DynamicsChoice::Arx] {
+        let options = Options { dynamics, ..Options::default() };
+        let found = identify_two_step(&campaign, &options, &mut Unwatched, None).unwrap();
+        assert!(found.records[0].scores.fit_percent.unwrap() > 99.9, "{dynamics:?}");
+    }
+}
+
+#[test]
+fn quasi_static_records_alone_give_no_fractional_model() {
+    let options = Options { dynamics: DynamicsChoice::Fractional, ..Options::default() };
+    let error = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    assert!(matches!(error, IdentifyError::NoDynamicInformation { .. }), "{error}");
+}
+
+/// Stops a search after some generations and keeps what is needed to go on.
+struct Interrupt {
+    after: usize,
+    kept: Option<Searches>,
+}
+
+impl Watcher for Interrupt {
+    fn progress(&mut self, step: &str, progress: &Progress<'_>, searches: &dyn Fn() -> Searches) -> ControlFlow<()> {
+        if step.starts_with("static block") && progress.generation == self.after {
+            self.kept = Some(searches());
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+fn colony(threads: usize) -> Options {
+    Options {
+        algorithm: Some(Algorithm::DeAbc(DeAbcOptions::default())),
+        generations: 25,
+        threads: Some(threads),
+        degree: Choice::Given(2),
+        ..Options::default()
+    }
+}
+
+#[test]
+fn an_interrupted_identification_goes_on_to_the_same_bits() {
+    let campaign = static_campaign();
+    let straight = identify_two_step(&campaign, &colony(1), &mut Unwatched, None).unwrap();
+    let mut interrupt = Interrupt { after: 9, kept: None };
+    let stopped = identify_two_step(&campaign, &colony(1), &mut interrupt, None).unwrap();
+    assert!(stopped.cancelled);
+    assert_ne!(stopped.model, straight.model);
+    let json = serde_json::to_string(&stopped.resume).unwrap();
+    assert_eq!(stopped.resume, interrupt.kept.unwrap());
+    let resume: Searches = serde_json::from_str(&json).unwrap();
+    let resumed = identify_two_step(&campaign, &colony(1), &mut Unwatched, Some(resume)).unwrap();
+    assert!(!resumed.cancelled);
+    assert_eq!(resumed.model, straight.model);
+}
+
+#[test]
+fn threads_do_not_change_the_result() {
+    let campaign = static_campaign();
+    let one = identify_two_step(&campaign, &colony(1), &mut Unwatched, None).unwrap();
+    let three = identify_two_step(&campaign, &colony(3), &mut Unwatched, None).unwrap();
+    assert_eq!(one.model, three.model);
+}
+
+#[test]
+fn demands_are_honoured() {
+    let mut options = Options { degree: Choice::Given(2), ..Options::default() };
+    options.demands.fixed = vec![("gamma".into(), 0.1)];
+    options.demands.bounded = vec![("linear".into(), 3.0, 3.1)];
+    let found = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap();
+    let b = block(&found.model);
+    assert_eq!(b.gamma, 0.1);
+    assert!((3.0..=3.1).contains(&b.polynomial[0]));
+    options.demands.fixed = vec![("gama".into(), 0.1)];
+    let error = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    assert!(error.to_string().contains("no parameter 'gama'"), "{error}");
+}
+
+#[test]
+fn a_constant_input_is_refused_by_name() {
+    let campaign = [record("flat", 100.0, vec![1.0; 50], (0..50).map(f64::from).collect())];
+    let error = identify_two_step(&campaign, &Options::default(), &mut Unwatched, None).unwrap_err();
+    assert!(error.to_string().contains("record 'flat': the input is constant"), "{error}");
+}
