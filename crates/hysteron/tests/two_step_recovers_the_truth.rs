@@ -173,7 +173,12 @@ struct Interrupt {
 }
 
 impl Watcher for Interrupt {
-    fn progress(&mut self, step: &str, progress: &Progress<'_>, searches: &dyn Fn() -> Searches) -> ControlFlow<()> {
+    fn progress(
+        &mut self,
+        step: &str,
+        progress: &Progress<'_>,
+        searches: &dyn Fn() -> Searches,
+    ) -> ControlFlow<()> {
         if step.starts_with("static block") && progress.generation == self.after {
             self.kept = Some(searches());
             return ControlFlow::Break(());

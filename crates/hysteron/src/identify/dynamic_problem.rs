@@ -8,8 +8,8 @@
 use super::layout::Role;
 use super::projection::Projection;
 use crate::dynamics::{
-    DynamicsError, InitialCondition, InputSpectrum, Scheme, SecondOrder, SimulationPlan, Term, TransferFunction,
-    Workspace as PlanWorkspace,
+    DynamicsError, InitialCondition, InputSpectrum, Scheme, SecondOrder, SimulationPlan, Term,
+    TransferFunction, Workspace as PlanWorkspace,
 };
 use crate::hammerstein::shift;
 use crate::optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};

@@ -85,15 +85,26 @@ pub(super) fn identify_dynamic(
     let eliminate = options.algorithm.as_ref().is_none_or(|a| a.name() == "least-squares");
     let mut space = BoxBuilder::new(&options.demands);
     // A resonance shows in its flank, up to a decade above the fastest drive.
-    let frequency =
-        Range::logarithmic("natural_frequency", (0.5 * fastest_hz).min(0.05 * rate_hz), (20.0 * fastest_hz).min(0.45 * rate_hz));
+    let frequency = Range::logarithmic(
+        "natural_frequency",
+        (0.5 * fastest_hz).min(0.05 * rate_hz),
+        (20.0 * fastest_hz).min(0.45 * rate_hz),
+    );
     let gain = Range::linear("gain", 0.5, 1.5);
     let layout = DynamicLayout {
         gain: if eliminate { space.projected(gain) } else { space.searched(gain) },
         natural_frequency_hz: space.searched(frequency),
         damping: space.searched(Range::logarithmic("damping", 0.005, 20.0)),
-        high_order: if integer { Role::Fixed(2.0) } else { space.searched(Range::linear("order2", 1.2, 2.6)) },
-        low_order: if integer { Role::Fixed(1.0) } else { space.searched(Range::linear("order1", 0.02, 1.6)) },
+        high_order: if integer {
+            Role::Fixed(2.0)
+        } else {
+            space.searched(Range::linear("order2", 1.2, 2.6))
+        },
+        low_order: if integer {
+            Role::Fixed(1.0)
+        } else {
+            space.searched(Range::linear("order1", 0.02, 1.6))
+        },
         delay: match options.delay_s {
             Choice::Given(delay) => Role::Fixed(delay),
             Choice::Auto => {
@@ -150,7 +161,11 @@ fn guesses(bounds: &Bounds, options: &Options) -> Vec<Vec<f64>> {
 }
 
 fn pick(bounds: &Bounds, value: impl Fn(&str) -> Option<f64>) -> Vec<f64> {
-    bounds.ranges.iter().map(|r| value(&r.name).unwrap_or_else(|| r.from_unit(0.5)).clamp(r.low, r.high)).collect()
+    bounds
+        .ranges
+        .iter()
+        .map(|r| value(&r.name).unwrap_or_else(|| r.from_unit(0.5)).clamp(r.low, r.high))
+        .collect()
 }
 
 /// The same problem with every free parameter searched, at the solution: for standard errors.

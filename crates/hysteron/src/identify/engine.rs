@@ -2,7 +2,8 @@
 
 use super::IdentifyError;
 use crate::optimize::{
-    Algorithm, Checkpoint, LeastSquaresOptions, LeastSquaresProblem, Outcome, Progress, Settings, StopReason, minimize,
+    Algorithm, Checkpoint, LeastSquaresOptions, LeastSquaresProblem, Outcome, Progress, Settings, StopReason,
+    minimize,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -12,7 +13,12 @@ use std::ops::ControlFlow;
 pub trait Watcher {
     /// A generation of the search `step` is done. `searches` holds everything needed to go on from here, and is worth
     /// saving now and then (it is built only when asked for).
-    fn progress(&mut self, step: &str, progress: &Progress<'_>, searches: &dyn Fn() -> Searches) -> ControlFlow<()>;
+    fn progress(
+        &mut self,
+        step: &str,
+        progress: &Progress<'_>,
+        searches: &dyn Fn() -> Searches,
+    ) -> ControlFlow<()>;
 }
 
 /// The watcher that looks away.

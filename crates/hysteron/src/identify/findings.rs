@@ -19,7 +19,8 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     let threshold = 0.1;
     let reversals = |x: &[f64]| turning_points(x, threshold * (max(x) - min(x))).len();
     let (of_u, of_y) = (reversals(u), reversals(y));
-    let unit = |u: &crate::record::Unit| if u.symbol().is_empty() { "no unit".to_owned() } else { u.to_string() };
+    let unit =
+        |u: &crate::record::Unit| if u.symbol().is_empty() { "no unit".to_owned() } else { u.to_string() };
     if of_y >= 2 * of_u.max(1) {
         format!(
             "The output reverses {of_y} times while the input reverses {of_u} times: a butterfly loop, as of a \
@@ -44,8 +45,12 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
 
     if let Some((_, fit)) = fitted_statically.first() {
         let sense = match loop_sense(&fit.data.u, &fit.data.y) {
-            LoopSense::CounterClockwise => "counter-clockwise: the output lags the input, as real actuators do",
-            LoopSense::Clockwise => "clockwise: the output leads the input. Check the sign and the order of the channels",
+            LoopSense::CounterClockwise => {
+                "counter-clockwise: the output lags the input, as real actuators do"
+            }
+            LoopSense::Clockwise => {
+                "clockwise: the output leads the input. Check the sign and the order of the channels"
+            }
             _ => "too narrow to have a sense",
         };
         say(FindingKind::Verdict, format!("The measured loop runs {sense}."));
@@ -152,8 +157,12 @@ fn treatment(facts: &[RecordFacts], result: &Identification) -> Vec<String> {
             RecordRole::Dynamic => "dynamic",
         };
         let masked = facts.data.y.len() - facts.scored(0).len();
-        let masked = if masked > 0 { format!(", {masked} samples masked as not valid") } else { String::new() };
-        list.push(format!("{name}: {role}, {} samples{masked}, {start}; its offset was estimated.", facts.data.y.len()));
+        let masked =
+            if masked > 0 { format!(", {masked} samples masked as not valid") } else { String::new() };
+        list.push(format!(
+            "{name}: {role}, {} samples{masked}, {start}; its offset was estimated.",
+            facts.data.y.len()
+        ));
         if fit.role == RecordRole::QuasiStatic {
             let creep = result.structure.creeps.get(quasi_static).copied().unwrap_or(0.0);
             let left_out = result.structure.left_out.get(quasi_static).copied().unwrap_or(0);

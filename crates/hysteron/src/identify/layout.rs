@@ -51,7 +51,10 @@ impl Demands {
     pub(super) fn check(&self, known: &[&str]) -> Result<(), IdentifyError> {
         for name in self.names() {
             if !known.contains(&name) {
-                return Err(IdentifyError::UnknownParameter { name: name.to_owned(), known: known.join(", ") });
+                return Err(IdentifyError::UnknownParameter {
+                    name: name.to_owned(),
+                    known: known.join(", "),
+                });
             }
         }
         for (name, value) in &self.fixed {
@@ -59,12 +62,18 @@ impl Demands {
                 return Err(IdentifyError::Demand { name: name.clone(), wanted: "a finite value" });
             }
             if self.bounded(name).is_some() {
-                return Err(IdentifyError::Demand { name: name.clone(), wanted: "either fixed or bounded, not both" });
+                return Err(IdentifyError::Demand {
+                    name: name.clone(),
+                    wanted: "either fixed or bounded, not both",
+                });
             }
         }
         for (name, low, high) in &self.bounded {
             if !(low.is_finite() && high.is_finite() && low < high) {
-                return Err(IdentifyError::Demand { name: name.clone(), wanted: "LOW:HIGH with LOW < HIGH, both finite" });
+                return Err(IdentifyError::Demand {
+                    name: name.clone(),
+                    wanted: "LOW:HIGH with LOW < HIGH, both finite",
+                });
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! What a user can ask of an identification.
 
-use super::layout::Demands;
 use super::IdentifyError;
+use super::layout::Demands;
 use crate::dynamics::Scheme;
 use crate::hammerstein::Model;
 use crate::optimize::Algorithm;

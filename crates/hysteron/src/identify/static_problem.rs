@@ -86,7 +86,12 @@ struct Shape {
 }
 
 impl StaticProblem {
-    pub(super) fn new(records: Vec<StaticRecord>, layout: StaticLayout, bounds: Bounds, identity: String) -> Self {
+    pub(super) fn new(
+        records: Vec<StaticRecord>,
+        layout: StaticLayout,
+        bounds: Bounds,
+        identity: String,
+    ) -> Self {
         let nuisance = records
             .iter()
             .map(|record| {

@@ -69,7 +69,11 @@ pub(super) fn identify_static(
     let left_out: Vec<usize> = records
         .iter()
         .zip(&starts)
-        .map(|(facts, start)| if !shift.lag && jump_share(facts, start) > JUMP { facts.settling_samples() } else { 0 })
+        .map(
+            |(facts, start)| {
+                if !shift.lag && jump_share(facts, start) > JUMP { facts.settling_samples() } else { 0 }
+            },
+        )
         .collect();
     let prepared: Vec<StaticRecord> = records
         .iter()
@@ -88,9 +92,9 @@ pub(super) fn identify_static(
     let (problem, layout) = setup.problem(degree, elimination)?;
     let guesses = setup.guesses(&problem, &layout);
     let search = engine.search(&format!("static block, degree {degree}"), &problem, guesses)?;
-    let solution = problem.solve(&search.outcome.best).ok_or(crate::optimize::OptimizeError::NoFeasiblePoint {
-        evaluations: search.outcome.evaluations,
-    })?;
+    let solution = problem
+        .solve(&search.outcome.best)
+        .ok_or(crate::optimize::OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
     let shift_searched = shift.delay || shift.lag;
     Ok(StaticStep { problem, layout, search, solution, starts, shift_searched, degrees, left_out })
 }
@@ -114,10 +118,8 @@ impl Scales {
         let fold = |f: fn(f64, f64) -> f64, start: f64, pick: fn(&RecordFacts) -> &[f64]| {
             records.iter().flat_map(|r| pick(r).iter().copied()).fold(start, f)
         };
-        let (low, high) = (
-            fold(f64::min, f64::INFINITY, |r| &r.data.u),
-            fold(f64::max, f64::NEG_INFINITY, |r| &r.data.u),
-        );
+        let (low, high) =
+            (fold(f64::min, f64::INFINITY, |r| &r.data.u), fold(f64::max, f64::NEG_INFINITY, |r| &r.data.u));
         let stroke = records.iter().map(|r| r.stroke()).fold(0.0, f64::max);
         let range_v = high - low;
         Self {
@@ -125,7 +127,11 @@ impl Scales {
             largest_v: high.abs().max(low.abs()),
             slope: stroke / range_v,
             shortest_period_s: records.iter().map(|r| r.period_s()).fold(f64::INFINITY, f64::min),
-            sample_period_s: records.iter().filter_map(|r| r.data.sample_rate_hz()).map(f64::recip).reduce(f64::max),
+            sample_period_s: records
+                .iter()
+                .filter_map(|r| r.data.sample_rate_hz())
+                .map(f64::recip)
+                .reduce(f64::max),
         }
     }
 }
@@ -161,7 +167,14 @@ pub(super) fn choose_start(
         let sampled = facts.data.sample_rate_hz().is_some();
         let shift = Shift { delay: sampled, lag: sampled };
         let records = [prepare(facts, &start, 0)?];
-        let free = Options { degree: Choice::Auto, n: Choice::Given(1.0), demands: Demands::default(), delay_s: Choice::Auto, start: None, ..options.clone() };
+        let free = Options {
+            degree: Choice::Auto,
+            n: Choice::Given(1.0),
+            demands: Demands::default(),
+            delay_s: Choice::Auto,
+            start: None,
+            ..options.clone()
+        };
         let setup = Setup { records: &records, scales, options: &free, shift };
         let (problem, layout) = setup.problem(3, true)?;
         let guesses = setup.guesses(&problem, &layout);
@@ -191,7 +204,11 @@ fn prepare(facts: &RecordFacts, start: &Start, left_out: usize) -> Result<Static
 
 impl Setup<'_> {
     /// The problem of this polynomial degree; `eliminate`: linear parameters are projected out.
-    fn problem(&self, degree: usize, eliminate: bool) -> Result<(StaticProblem, StaticLayout), IdentifyError> {
+    fn problem(
+        &self,
+        degree: usize,
+        eliminate: bool,
+    ) -> Result<(StaticProblem, StaticLayout), IdentifyError> {
         let Scales { range_v, largest_v, slope, .. } = *self.scales;
         let demands = &self.options.demands;
         let mut space = BoxBuilder::new(demands);
@@ -203,7 +220,11 @@ impl Setup<'_> {
         let mut polynomial = Vec::with_capacity(degree);
         for power in 1..=degree {
             let unit = slope.abs() / largest_v.powi(power as i32 - 1);
-            let (low, high) = if power == 1 { (slope.min(0.0) * 3.0 - slope.abs(), slope.max(0.0) * 3.0 + slope.abs()) } else { (-2.0 * unit, 2.0 * unit) };
+            let (low, high) = if power == 1 {
+                (slope.min(0.0) * 3.0 - slope.abs(), slope.max(0.0) * 3.0 + slope.abs())
+            } else {
+                (-2.0 * unit, 2.0 * unit)
+            };
             let range = linear(&polynomial_name(power), low, high);
             polynomial.push(if eliminate { space.projected(range) } else { space.searched(range) });
         }
@@ -218,7 +239,8 @@ impl Setup<'_> {
         };
         // In the unit-α form β' has the dimension 1/V^n; in the article's symbols β = β' |α|^(1−n).
         let exponent = n.value(&[]).unwrap_or(1.0);
-        let scale = if alpha == Role::Projected { steepest } else { steepest * slope.abs().powf(1.0 - exponent) };
+        let scale =
+            if alpha == Role::Projected { steepest } else { steepest * slope.abs().powf(1.0 - exponent) };
         let beta = space.searched(linear("beta", 0.0, scale));
         let gamma = space.searched(linear("gamma", -scale, scale));
         let longest = LONGEST_SHIFT * self.scales.shortest_period_s;
@@ -306,9 +328,8 @@ fn choose_degree(
         let mut residual = vec![0.0; problem.residual_count()];
         problem.residuals(&search.outcome.best, &mut problem.workspace(), &mut residual);
         time = correlation_time(&residual);
-        let admissible = problem
-            .solve(&search.outcome.best)
-            .is_some_and(|s| s.hysteresis.admissibility().is_bounded());
+        let admissible =
+            problem.solve(&search.outcome.best).is_some_and(|s| s.hysteresis.admissibility().is_bounded());
         fits.push((degree, search.outcome.cost, problem.bounds().dimension() + degree + 1, admissible));
     }
     let samples: usize = setup.records.iter().map(|r| r.scored.len()).sum();

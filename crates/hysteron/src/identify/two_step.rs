@@ -42,8 +42,12 @@ pub fn identify_two_step(
     let follow = !dynamic.is_empty() && options.dynamics != DynamicsChoice::None;
     check_demands(options, follow)?;
 
-    let settings =
-        Settings { seed: options.seed, generations: options.generations, threads: options.threads, ..Settings::default() };
+    let settings = Settings {
+        seed: options.seed,
+        generations: options.generations,
+        threads: options.threads,
+        ..Settings::default()
+    };
     let mut engine = Engine::new(options.algorithm.as_ref(), settings, watcher, resume);
     let step1 = static_step::identify_static(&static_records, options, follow, &mut engine)?;
     let mut dynamic_starts = Vec::new();
@@ -61,9 +65,10 @@ pub fn identify_two_step(
                     DynamicsChoice::Fractional => "fractional",
                     _ => "integer-order",
                 },
-                because: "the campaign holds quasi-static records only; add a sweep or sines well above their \
+                because:
+                    "the campaign holds quasi-static records only; add a sweep or sines well above their \
                           frequency, or say with --dynamic FILE which record is one"
-                    .into(),
+                        .into(),
             });
         }
         (true, DynamicsChoice::Arx) => Step2::Arx(fit_arx(&outputs)?),
@@ -77,7 +82,8 @@ pub fn identify_two_step(
     for (facts, role) in facts.iter().zip(&roles) {
         let start = start_of(facts, &static_records, &step1, &dynamic, &dynamic_starts);
         let simulated = model.simulate_at_own_rate(&facts.data.u, facts.data.sample_rate_hz(), &start)?;
-        let left_out = static_records.iter().position(|s| std::ptr::eq(*s, facts)).map_or(0, |i| step1.left_out[i]);
+        let left_out =
+            static_records.iter().position(|s| std::ptr::eq(*s, facts)).map_or(0, |i| step1.left_out[i]);
         let skip_s = facts.data.sample_rate_hz().map_or(0.0, |rate| left_out as f64 / rate);
         let scores = score(&facts.data, &simulated, &Scoring { skip_s, ..Scoring::default() })?;
         fits.push(RecordFit {
@@ -208,7 +214,11 @@ fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> 
         .iter()
         .zip(facts)
         .map(|(record, facts)| {
-            record.role.unwrap_or(if facts.is_dynamic(slowest) { RecordRole::Dynamic } else { RecordRole::QuasiStatic })
+            record.role.unwrap_or(if facts.is_dynamic(slowest) {
+                RecordRole::Dynamic
+            } else {
+                RecordRole::QuasiStatic
+            })
         })
         .collect()
 }
@@ -258,8 +268,11 @@ fn assemble(
         Step2::Arx(arx) => (Dynamics::Arx(arx.clone()), 0.0),
         Step2::Order(step) => {
             let g = step.solution.transfer_function();
-            let dynamics =
-                if options.dynamics == DynamicsChoice::Integer { Dynamics::Integer(g) } else { Dynamics::Fractional(g) };
+            let dynamics = if options.dynamics == DynamicsChoice::Integer {
+                Dynamics::Integer(g)
+            } else {
+                Dynamics::Fractional(g)
+            };
             (dynamics, step.solution.delay_s)
         }
     };
@@ -277,14 +290,17 @@ fn assemble(
 /// ARX from hysteresis output to displacement, on all dynamic records, orders by simulated error.
 fn fit_arx(outputs: &[HysteresisOutput<'_>]) -> Result<Arx, IdentifyError> {
     let signals: Vec<_> = outputs.iter().map(HysteresisOutput::from_rest).collect();
-    let records: Vec<ArxRecord<'_>> =
-        signals.iter().map(|(input, output, valid)| ArxRecord { input, output, valid: valid.as_deref() }).collect();
+    let records: Vec<ArxRecord<'_>> = signals
+        .iter()
+        .map(|(input, output, valid)| ArxRecord { input, output, valid: valid.as_deref() })
+        .collect();
     let search = ArxSearch { max_na: 3, max_nb: 3, max_nk: 5, criterion: OrderCriterion::SimulatedError };
     let candidates = select_orders(&records, &search)?;
-    let best = candidates.into_iter().find(|c| c.stable).ok_or_else(|| IdentifyError::NoDynamicInformation {
-        wanted: "ARX",
-        because: "every ARX model that fits the records is unstable".into(),
-    })?;
+    let best =
+        candidates.into_iter().find(|c| c.stable).ok_or_else(|| IdentifyError::NoDynamicInformation {
+            wanted: "ARX",
+            because: "every ARX model that fits the records is unstable".into(),
+        })?;
     Ok(best.fit.model)
 }
 
@@ -320,7 +336,8 @@ fn parameters(
         Step2::Order(step) => {
             let (problem, x) = dynamic_step::all_searched(step, outputs, options)?;
             let covariance2 = covariance(&problem, &x);
-            let error2 = |f: &dyn Fn(&[f64]) -> f64| covariance2.as_ref().and_then(|c| standard_error(c, &x, f));
+            let error2 =
+                |f: &dyn Fn(&[f64]) -> f64| covariance2.as_ref().and_then(|c| standard_error(c, &x, f));
             let form = step.solution.form;
             let names: Vec<String> = problem.bounds().ranges.iter().map(|r| r.name.clone()).collect();
             for (name, value) in [

@@ -25,7 +25,8 @@ pub(super) fn covariance<P: LeastSquaresProblem>(problem: &P, x: &[f64]) -> Opti
     let mut jacobian = DMatrix::zeros(rows, parameters);
     let (mut up, mut down) = (vec![0.0; rows], vec![0.0; rows]);
     for (j, range) in problem.bounds().ranges.iter().enumerate() {
-        let step = STEP * (range.high - range.low).min(10.0 * x[j].abs().max(1e-3 * (range.high - range.low)));
+        let step =
+            STEP * (range.high - range.low).min(10.0 * x[j].abs().max(1e-3 * (range.high - range.low)));
         at[j] = x[j] + step;
         let above = problem.residuals(&at, &mut ws, &mut up);
         at[j] = x[j] - step;
@@ -142,7 +143,8 @@ mod tests {
         let t: Vec<f64> = (0..100).map(|k| k as f64).collect();
         let e: Vec<f64> = (0..100).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
         let y = t.iter().zip(&e).map(|(t, e)| 2.0 + 3.0 * t + e).collect();
-        let bounds = Bounds { ranges: vec![Range::linear("a", -10.0, 10.0), Range::linear("b", -10.0, 10.0)] };
+        let bounds =
+            Bounds { ranges: vec![Range::linear("a", -10.0, 10.0), Range::linear("b", -10.0, 10.0)] };
         let line = Line { t: t.clone(), y, bounds };
         let c = covariance(&line, &[2.0, 3.0]).unwrap();
         let s2 = 100.0 / 98.0;
@@ -164,7 +166,8 @@ mod tests {
 
     #[test]
     fn says_so_when_a_parameter_is_not_determined() {
-        let bounds = Bounds { ranges: vec![Range::linear("a", -10.0, 10.0), Range::linear("b", -10.0, 10.0)] };
+        let bounds =
+            Bounds { ranges: vec![Range::linear("a", -10.0, 10.0), Range::linear("b", -10.0, 10.0)] };
         let line = Line { t: vec![0.0; 10], y: vec![1.0; 10], bounds };
         assert!(covariance(&line, &[1.0, 0.0]).is_none());
     }
