@@ -53,7 +53,7 @@ pub(super) fn hysteresis_outputs<'a>(
 
 impl HysteresisOutput<'_> {
     /// v counted from rest, y, and the mask of the record.
-    pub(super) fn from_rest(&self) -> (Vec<f64>, Vec<f64>, Option<Vec<bool>>) {
+    pub(super) fn counted_from_rest(&self) -> (Vec<f64>, Vec<f64>, Option<Vec<bool>>) {
         let v = self.v[self.prologue..].iter().map(|v| v - self.rest).collect();
         (v, self.facts.data.y.clone(), self.facts.data.valid.clone())
     }
@@ -129,20 +129,19 @@ pub(super) fn identify_dynamic(
 /// Starts: a well and a heavily damped resonance well above and near the drive, and the model to start from.
 fn guesses(bounds: &Bounds, options: &Options) -> Vec<Vec<f64>> {
     let mut guesses = Vec::new();
-    if let Some(model) = &options.start {
-        if let Dynamics::Fractional(g) | Dynamics::Integer(g) = &model.dynamics {
-            if let Ok(form) = g.second_order() {
-                guesses.push(pick(bounds, |name| match name {
-                    "gain" => Some(form.gain),
-                    "natural_frequency" => Some(form.natural_frequency_hz),
-                    "damping" => Some(form.damping),
-                    "order2" => Some(form.alpha2),
-                    "order1" => Some(form.alpha1),
-                    "delay" => Some(model.delay_s),
-                    _ => None,
-                }));
-            }
-        }
+    if let Some(model) = &options.start
+        && let Dynamics::Fractional(g) | Dynamics::Integer(g) = &model.dynamics
+        && let Ok(form) = g.second_order()
+    {
+        guesses.push(pick(bounds, |name| match name {
+            "gain" => Some(form.gain),
+            "natural_frequency" => Some(form.natural_frequency_hz),
+            "damping" => Some(form.damping),
+            "order2" => Some(form.alpha2),
+            "order1" => Some(form.alpha1),
+            "delay" => Some(model.delay_s),
+            _ => None,
+        }));
     }
     for (place, damping, order1) in [(0.7, 0.3, 1.0), (0.7, 0.1, 0.3), (0.4, 0.7, 1.0)] {
         guesses.push(pick(bounds, |name| match name {

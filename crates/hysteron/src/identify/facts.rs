@@ -8,6 +8,9 @@ const SWING: f64 = 0.1;
 /// A record is dynamic beside one whose fastest swing is this much slower.
 const FASTER: f64 = 3.0;
 
+/// Ends that differ by less than this share of the range close a loop.
+const CLOSED: f64 = 0.03;
+
 /// A record and what was read off it.
 #[derive(Clone, Debug)]
 pub(super) struct RecordFacts {
@@ -36,10 +39,21 @@ impl RecordFacts {
         span(&valid)
     }
 
-    /// Samples of a period, where the drive repeats from the first sample on.
+    /// Samples of a period: where the drive repeats from the first sample on, or where the record is one closed loop.
     pub(super) fn period_samples(&self) -> Option<usize> {
-        let periods = self.periods.filter(|p| p.start == 0 && p.count >= 2)?;
-        Some(periods.period_samples.round() as usize)
+        match self.periods {
+            Some(p) => (p.start == 0 && p.count >= 2).then(|| p.period_samples.round() as usize),
+            None => self.is_one_closed_loop().then_some(self.data.u.len()),
+        }
+    }
+
+    /// Ends where it began, in input and output, to the step of a sample or so.
+    fn is_one_closed_loop(&self) -> bool {
+        let closes = |x: &[f64]| {
+            let gap = (x[x.len() - 1] - x[0]).abs();
+            gap <= CLOSED * span(x)
+        };
+        closes(&self.data.u) && closes(&self.data.y)
     }
 
     pub(super) fn whole_periods(&self) -> usize {

@@ -106,20 +106,20 @@ pub const HIGHEST_DEGREE: usize = 9;
 impl Options {
     pub(super) fn validate(&self) -> Result<(), IdentifyError> {
         let refuse = |option, value, wanted| Err(IdentifyError::Option { option, value, wanted });
-        if let Choice::Given(degree) = self.degree {
-            if !(1..=HIGHEST_DEGREE).contains(&degree) {
-                return refuse("degree", degree as f64, "a whole number from 1 to 9");
-            }
+        if let Choice::Given(degree) = self.degree
+            && !(1..=HIGHEST_DEGREE).contains(&degree)
+        {
+            return refuse("degree", degree as f64, "a whole number from 1 to 9");
         }
-        if let Choice::Given(n) = self.n {
-            if !(1.0..=10.0).contains(&n) {
-                return refuse("n", n, "1 ≤ n ≤ 10");
-            }
+        if let Choice::Given(n) = self.n
+            && !(1.0..=10.0).contains(&n)
+        {
+            return refuse("n", n, "1 ≤ n ≤ 10");
         }
-        if let Choice::Given(delay) = self.delay_s {
-            if !(0.0..=10.0).contains(&delay) {
-                return refuse("delay", delay, "0 to 10 seconds");
-            }
+        if let Choice::Given(delay) = self.delay_s
+            && !(0.0..=10.0).contains(&delay)
+        {
+            return refuse("delay", delay, "0 to 10 seconds");
         }
         Ok(())
     }

@@ -180,10 +180,10 @@ pub(super) fn choose_start(
         let guesses = setup.guesses(&problem, &layout);
         let name = format!("start of {}, {index}", facts.data.name);
         // A start that cannot be simulated is simply not the one.
-        if let Ok(search) = engine.quick_fit(&name, &problem, guesses) {
-            if search.outcome.cost < best.0 {
-                best = (search.outcome.cost, start);
-            }
+        if let Ok(search) = engine.quick_fit(&name, &problem, guesses)
+            && search.outcome.cost < best.0
+        {
+            best = (search.outcome.cost, start);
         }
     }
     Ok(best.1)

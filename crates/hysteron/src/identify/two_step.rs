@@ -289,7 +289,7 @@ fn assemble(
 
 /// ARX from hysteresis output to displacement, on all dynamic records, orders by simulated error.
 fn fit_arx(outputs: &[HysteresisOutput<'_>]) -> Result<Arx, IdentifyError> {
-    let signals: Vec<_> = outputs.iter().map(HysteresisOutput::from_rest).collect();
+    let signals: Vec<_> = outputs.iter().map(HysteresisOutput::counted_from_rest).collect();
     let records: Vec<ArxRecord<'_>> = signals
         .iter()
         .map(|(input, output, valid)| ArxRecord { input, output, valid: valid.as_deref() })
