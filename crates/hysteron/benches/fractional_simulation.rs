@@ -13,7 +13,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use hysteron::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction};
+use hysteron::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction, stability};
 use hysteron::fractional::{simulate_causal, simulate_recursion};
 use hysteron::numeric::fft::RealFft;
 use hysteron::numeric::{InstructionSet, accumulate_power};
@@ -104,6 +104,15 @@ fn main() {
     {
         simulation(samples, repetitions);
     }
+    let tf = TransferFunction::article_eq13();
+    report(
+        "stability verdict",
+        1,
+        1,
+        shortest_ms(1000, || {
+            black_box(stability(black_box(&tf)));
+        }),
+    );
     oracles(10_000, true);
     oracles(100_000, true);
     kernels(131_072);

@@ -59,6 +59,8 @@ fn a_candidate_allocates_nothing() {
                 let plan = SimulationPlan::new(input.len(), 1e4, scheme, initial).unwrap();
                 let mut workspace = plan.workspace();
                 let spectrum = plan.transform(&input).unwrap();
+                // The first unstable candidate makes the plan's table for the verdict of the damping schemes.
+                assert!(plan.simulate(&unstable, &input, &mut workspace, &mut output).is_err());
                 let words = tf.second_order().unwrap();
                 let count = allocations(|| {
                     words.write_to(&mut tf).unwrap();

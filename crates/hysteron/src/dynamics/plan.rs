@@ -1,6 +1,7 @@
 //! Simulation of a transfer function over a record in one pair of FFTs.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::OnceLock;
 
 use super::error::{check_finite, check_length, check_sample_rate};
 use super::{DynamicsError, InitialCondition, Scheme, Stability, Term, TransferFunction, stability};
@@ -43,6 +44,8 @@ pub struct SimulationPlan {
     decay: Vec<f64>,
     /// r^−k / L for the samples of the output.
     growth: Vec<f64>,
+    /// ln |s| and arg s along |z| = 1, made when a stability verdict first needs them.
+    unit_circle: OnceLock<(Vec<f64>, Vec<f64>)>,
     set: InstructionSet,
 }
 
@@ -81,23 +84,27 @@ impl SimulationPlan {
         let periodic = initial == InitialCondition::Periodic;
         let length = if periodic { samples } else { fast_length((2 * samples).max(SHORTEST)) };
         let damping = if periodic { 0.0 } else { -ALIASING.ln() / length as f64 };
-        let bins = length / 2 + 1;
-        let (mut log_abs, mut angle) = (Vec::with_capacity(bins), Vec::with_capacity(bins));
-        for bin in 0..bins {
-            // Exactly π at the Nyquist frequency, so that δ is exactly real there.
-            let theta = if 2 * bin == length { PI } else { TAU * bin as f64 / length as f64 };
-            let (a, t) = scheme.log_delta(damping, theta);
-            // Where s is 0 or ∞ on the unit circle the response is taken as a limit, see `edges`.
-            log_abs.push(if a.is_finite() { a + sample_rate_hz.ln() } else { 0.0 });
-            angle.push(if a.is_finite() { t } else { 0.0 });
-        }
+        let (log_abs, angle) = frequencies(scheme, length, damping, sample_rate_hz);
         let top = log_abs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let extended = if scheme == Scheme::BandLimited { length } else { samples };
         let decay = (0..extended).map(|k| (-damping * k as f64).exp()).collect();
         let growth = (0..samples).map(|k| (damping * k as f64).exp() / length as f64).collect();
         let fft = RealFft::new(length);
         let set = InstructionSet::detected();
-        Ok(Self { samples, sample_rate_hz, scheme, initial, fft, log_abs, angle, top, decay, growth, set })
+        Ok(Self {
+            samples,
+            sample_rate_hz,
+            scheme,
+            initial,
+            fft,
+            log_abs,
+            angle,
+            top,
+            decay,
+            growth,
+            unit_circle: OnceLock::new(),
+            set,
+        })
     }
 
     /// Samples of a record.
@@ -200,8 +207,9 @@ impl SimulationPlan {
     /// nothing.
     ///
     /// # Errors
-    /// [`DynamicsError::Unstable`], by the winding of the denominator over the very frequencies used (with
-    /// `BandLimited` or `Periodic` by [`stability`]): this simulation would be silently wrong; see
+    /// [`DynamicsError::Unstable`], for which this simulation would be silently wrong: by [`stability`], and under
+    /// `GrunwaldLetnikov` and `Bdf2`, which may damp a growing plant, by the winding of the denominator along
+    /// |z| = 1, only computed for a plant that is unstable in continuous time. Such a plant can be simulated by
     /// [`TransferFunction::simulate_causal`]. [`DynamicsError::InfiniteDcGain`] under `Rest` and `Periodic`,
     /// [`DynamicsError::Improper`] under `Tustin`, [`DynamicsError::Undamped`] under `Periodic`,
     /// [`DynamicsError::Length`], [`DynamicsError::OutputNotFinite`], and what
@@ -221,7 +229,7 @@ impl SimulationPlan {
             InitialCondition::Rest => tf.dc_gain() * input.level,
             InitialCondition::Periodic | InitialCondition::Zero => 0.0,
         };
-        self.multiply(tf, input, &mut workspace.spectrum)?;
+        self.multiply(tf, input, &mut workspace.spectrum);
         let (time, scratch) = (&mut workspace.time, &mut workspace.scratch);
         let _ = self.fft.inverse.process_with_scratch(&mut workspace.spectrum, time, scratch);
         let mut finite = 0.0;
@@ -255,34 +263,31 @@ impl SimulationPlan {
         if (periodic || self.initial == InitialCondition::Rest) && tf.dc_gain().is_infinite() {
             return Err(tf.infinite_dc_gain());
         }
-        if periodic || self.scheme == Scheme::BandLimited {
-            match stability(tf) {
-                Stability::Unstable { poles } => return Err(DynamicsError::Unstable { poles }),
-                Stability::Marginal { frequency_hz } if periodic => {
-                    return Err(DynamicsError::Undamped { frequency_hz });
-                }
-                _ => {}
+        match stability(tf) {
+            Stability::Marginal { frequency_hz } if periodic => Err(DynamicsError::Undamped { frequency_hz }),
+            Stability::Stable | Stability::Integrating { .. } | Stability::Marginal { .. } => Ok(()),
+            Stability::Unstable { poles } if periodic || !self.scheme.may_damp() => {
+                Err(DynamicsError::Unstable { poles })
             }
+            Stability::Unstable { .. } => match self.sampled_poles(tf) {
+                0 => Ok(()),
+                poles => Err(DynamicsError::Unstable { poles }),
+            },
         }
-        Ok(())
     }
 
-    /// spectrum = G · input at every frequency, counting on the way how often the denominator winds about zero.
-    fn multiply(
-        &self,
-        tf: &TransferFunction,
-        input: &InputSpectrum,
-        spectrum: &mut [Complex64],
-    ) -> Result<(), DynamicsError> {
+    /// Poles z of the sampled system with |z| < 1, by the winding of the denominator along |z| = 1. (Along the
+    /// circle |z| = r of the simulation a growth of up to r^−N = 1e5 within the record would pass, and at that the
+    /// aliased part is as large as the response.)
+    fn sampled_poles(&self, tf: &TransferFunction) -> usize {
+        let (log_abs, angle) = self.unit_circle.get_or_init(|| {
+            // Just inside, where z = 1 and s = 0 is left out: growth by e^0.01 is what is tolerated.
+            frequencies(self.scheme, self.fft.len(), 0.01 / self.fft.len() as f64, self.sample_rate_hz)
+        });
         let mut denominator = Polynomial::new();
-        let mut numerator = Polynomial::new();
-        let mut turns = 0.0;
-        let mut start = None;
-        let blocks = self.log_abs.chunks(BLOCK).zip(self.angle.chunks(BLOCK));
-        let inputs = input.bins.chunks(BLOCK);
-        for (((log_abs, angle), factor), out) in blocks.zip(inputs).zip(spectrum.chunks_mut(BLOCK)) {
+        let (mut turns, mut start) = (0.0, None);
+        for (log_abs, angle) in log_abs.chunks(BLOCK).zip(angle.chunks(BLOCK)) {
             denominator.evaluate(self.set, &tf.denominator, log_abs, angle);
-            numerator.evaluate(self.set, &tf.numerator, log_abs, angle);
             if start.is_none() {
                 start = Some(denominator.re[1]);
                 denominator.re[0] = denominator.re[1];
@@ -290,19 +295,25 @@ impl SimulationPlan {
             }
             let points = log_abs.len() + 1;
             turns += half_turns(self.set, &denominator.re[..points], &denominator.im[..points]);
-            multiply_quotient(self.set, numerator.values(), denominator.values(), factor, out);
             denominator.carry(log_abs.len());
         }
-        if self.initial != InitialCondition::Periodic && self.scheme != Scheme::BandLimited {
-            // z runs clockwise along half of |z| = r, from a real value of the denominator to a real one.
-            let negative = |x: f64| if x < 0.0 { 1.0 } else { 0.0 };
-            let zeros = negative(start.unwrap_or(0.0)) - turns - negative(denominator.re[0]);
-            if zeros > 0.0 {
-                return Err(DynamicsError::Unstable { poles: zeros as usize });
-            }
+        // z runs clockwise along half of the circle, from a real value of the denominator to a real one.
+        let negative = |x: f64| if x < 0.0 { 1.0 } else { 0.0 };
+        (negative(start.unwrap_or(0.0)) - turns - negative(denominator.re[0])).max(0.0) as usize
+    }
+
+    /// spectrum = G · input at every frequency.
+    fn multiply(&self, tf: &TransferFunction, input: &InputSpectrum, spectrum: &mut [Complex64]) {
+        let mut denominator = Polynomial::new();
+        let mut numerator = Polynomial::new();
+        let frequencies = self.log_abs.chunks(BLOCK).zip(self.angle.chunks(BLOCK));
+        let inputs = input.bins.chunks(BLOCK);
+        for (((log_abs, angle), factor), out) in frequencies.zip(inputs).zip(spectrum.chunks_mut(BLOCK)) {
+            denominator.evaluate(self.set, &tf.denominator, log_abs, angle);
+            numerator.evaluate(self.set, &tf.numerator, log_abs, angle);
+            multiply_quotient(self.set, numerator.values(), denominator.values(), factor, out);
         }
         self.edges(tf, input, spectrum);
-        Ok(())
     }
 
     /// The first and, at even length, the last frequency: real, and limits where s is 0 or ∞.
@@ -332,6 +343,18 @@ impl SimulationPlan {
             time[k] = mirrored * fade * self.decay[k];
         }
     }
+}
+
+/// (ln |s|, arg s), s = δ(z) · `sample_rate_hz` at z = exp(−`damping` − 2πi·bin/`length`).
+fn frequencies(scheme: Scheme, length: usize, damping: f64, sample_rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
+    let at = |bin: usize| {
+        // Exactly π at the Nyquist frequency, so that δ is exactly real there.
+        let theta = if 2 * bin == length { PI } else { TAU * bin as f64 / length as f64 };
+        let (log_abs, angle) = scheme.log_delta(damping, theta);
+        // Where s is 0 or ∞ on the unit circle the response is taken as a limit, see `edges`.
+        if log_abs.is_finite() { (log_abs + sample_rate_hz.ln(), angle) } else { (0.0, 0.0) }
+    };
+    (0..=length / 2).map(at).unzip()
 }
 
 impl InputSpectrum {

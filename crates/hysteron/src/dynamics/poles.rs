@@ -34,13 +34,13 @@ impl TransferFunction {
             // A zero on the cut itself is nongeneric; a hair inside it the count is that of the open sheet.
             zeros_within(terms, PI).or_else(|_| zeros_within(terms, PI * (1.0 - 1e-9))).unwrap_or(0)
         };
-        Ok(search(terms, first, last, count, whole))
+        Ok(search(terms, count, whole))
     }
 }
 
 /// Newton's method from a grid in ln s until `count` zeros are known.
-fn search(terms: &[Term], first: Term, last: Term, count: usize, whole: bool) -> Vec<Complex64> {
-    let (from, to) = Ray { terms, first, half_angle: PI }.interesting(last);
+fn search(terms: &[Term], count: usize, whole: bool) -> Vec<Complex64> {
+    let (from, to) = Ray::with(terms, PI, |ray| ray.interesting());
     let mut found: Vec<Complex64> = Vec::new();
     // Finer and finer grids; the coarsest nearly always suffices.
     for density in [6, 16, 40] {

@@ -45,7 +45,7 @@ impl Stability {
 /// Nothing is rounded to a common order, and the steps cannot skip a turn: each is so short that the change of
 /// the denominator is bounded by less than its magnitude. A pole closer to the imaginary axis than about 1e-11
 /// of its frequency counts as on it. Poles are taken to be those of the denominator (no cancellation with the
-/// numerator but common powers of s). Allocates nothing; some 10 µs for article Eq. 13.
+/// numerator but common powers of s). Allocates nothing up to sixteen terms; a few µs for article Eq. 13.
 pub fn stability(tf: &TransferFunction) -> Stability {
     match zeros_within(&tf.denominator, FRAC_PI_2) {
         Err(omega) => Stability::Marginal { frequency_hz: omega / TAU },
@@ -63,38 +63,33 @@ pub fn stability(tf: &TransferFunction) -> Stability {
 /// With the lowest order divided out, D(0) ≠ 0 and the sector's boundary gives
 /// zeros = (α_n · half_angle − change of arg D along the upper ray) / π.
 pub(super) fn zeros_within(terms: &[Term], half_angle: f64) -> Result<usize, f64> {
-    let (first, last) = (lowest(terms), highest(terms));
-    if first.order == last.order {
+    let span = highest(terms).order - lowest(terms).order;
+    let negative = lowest(terms).coefficient < 0.0;
+    let used = terms.iter().filter(|term| term.coefficient != 0.0);
+    if span * half_angle < PI * (1.0 - 1e-9)
+        && used.into_iter().all(|term| (term.coefficient < 0.0) == negative)
+    {
+        // All directions lie within less than a half turn: the sum cannot vanish anywhere in the sector.
         return Ok(0);
     }
-    let ray = Ray { terms, first, half_angle };
-    let (from, to) = ray.interesting(last);
-    let mut log_s = from;
-    let mut here = ray.at(log_s);
-    let mut turned = (here.value / first.coefficient).arg();
-    while log_s < to {
-        if here.value.norm() <= ZERO * here.magnitude {
-            return Err(log_s.exp());
-        }
-        // |D(log_s + step) − D(log_s)| ≤ slope·step·exp(highest·step) ≤ 0.5·1.65·|D|: zero is out of reach.
-        let step = (0.5 * here.value.norm() / here.slope).min(0.5 / (last.order - first.order));
-        log_s = (log_s + step).min(to);
-        let next = ray.at(log_s);
-        turned += (next.value * here.value.conj()).arg();
-        here = next;
-    }
-    let order = last.order - first.order;
-    // Beyond `to` the last term rules; what is left to turn is the difference from its direction.
-    let leading = Complex64::from_polar(1.0, order * half_angle) * last.coefficient;
-    turned -= (here.value * leading.conj()).arg();
-    Ok(((order * half_angle - turned) / PI).round().max(0.0) as usize)
+    let turned = Ray::with(terms, half_angle, |ray| ray.turned())?;
+    Ok(((span * half_angle - turned) / PI).round().max(0.0) as usize)
 }
+
+/// Terms kept on the stack.
+const FEW: usize = 16;
 
 /// A denominator without its lowest power, along one ray from the origin.
 pub(super) struct Ray<'a> {
-    pub(super) terms: &'a [Term],
-    pub(super) first: Term,
-    pub(super) half_angle: f64,
+    terms: &'a [Direction],
+}
+
+/// One term on the ray: its direction there does not depend on |s|.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Direction {
+    log_coefficient: f64,
+    order: f64,
+    unit: Complex64,
 }
 
 /// All three scaled by the same positive number.
@@ -107,39 +102,76 @@ struct Point {
 }
 
 impl Ray<'_> {
-    fn terms(&self) -> impl Iterator<Item = (f64, f64)> {
-        let shift = self.first.order;
-        let terms = self.terms.iter().filter(|term| term.coefficient != 0.0);
-        terms.map(move |term| (term.coefficient, term.order - shift))
+    /// Runs `work` with the ray of a polynomial.
+    pub(super) fn with<T>(terms: &[Term], half_angle: f64, work: impl FnOnce(&Ray<'_>) -> T) -> T {
+        let shift = lowest(terms).order;
+        let directions = terms.iter().filter(|term| term.coefficient != 0.0).map(|term| Direction {
+            log_coefficient: term.coefficient.abs().ln(),
+            order: term.order - shift,
+            unit: Complex64::from_polar(1.0, (term.order - shift) * half_angle) * term.coefficient.signum(),
+        });
+        if terms.len() > FEW {
+            return work(&Ray { terms: &directions.collect::<Vec<_>>() });
+        }
+        let mut few = [Direction::default(); FEW];
+        let mut count = 0;
+        for (slot, direction) in few.iter_mut().zip(directions) {
+            *slot = direction;
+            count += 1;
+        }
+        work(&Ray { terms: &few[..count] })
     }
 
     /// ln |s| from where the lowest term is ten times all others together to where the highest is.
-    pub(super) fn interesting(&self, last: Term) -> (f64, f64) {
-        let others = self.terms.len() as f64;
-        let top = last.order - self.first.order;
+    pub(super) fn interesting(&self) -> (f64, f64) {
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (a, order) in self.terms() {
-            let size = (10.0 * others * a.abs()).ln();
-            if order > 0.0 {
-                from = from.min((self.first.coefficient.abs().ln() - size) / order);
-            }
-            if order < top {
-                to = to.max((size - last.coefficient.abs().ln()) / (top - order));
+        if let [first, .., last] = self.terms {
+            let margin = (10.0 * self.terms.len() as f64).ln();
+            for term in self.terms {
+                if term.order > 0.0 {
+                    from = from.min((first.log_coefficient - term.log_coefficient - margin) / term.order);
+                }
+                if term.order < last.order {
+                    let gap = margin + term.log_coefficient - last.log_coefficient;
+                    to = to.max(gap / (last.order - term.order));
+                }
             }
         }
         (from, to.max(from))
     }
 
     fn at(&self, log_s: f64) -> Point {
-        let scale =
-            self.terms().map(|(a, order)| a.abs().ln() + order * log_s).fold(f64::NEG_INFINITY, f64::max);
+        let size = |term: &Direction| term.log_coefficient + term.order * log_s;
+        let scale = self.terms.iter().map(size).fold(f64::NEG_INFINITY, f64::max);
         let mut point = Point { value: Complex64::ZERO, magnitude: 0.0, slope: 0.0 };
-        for (a, order) in self.terms() {
-            let size = (a.abs().ln() + order * log_s - scale).exp();
-            point.value += Complex64::from_polar(size, order * self.half_angle) * a.signum();
+        for term in self.terms {
+            let size = (size(term) - scale).exp();
+            point.value += term.unit * size;
             point.magnitude += size;
-            point.slope += size * order;
+            point.slope += size * term.order;
         }
         point
+    }
+
+    /// Change of arg D from s = 0 to infinity, or |s| of a zero on the ray.
+    fn turned(&self) -> Result<f64, f64> {
+        let [first, .., last] = self.terms else { return Ok(0.0) };
+        let (from, to) = self.interesting();
+        let mut log_s = from;
+        let mut here = self.at(log_s);
+        let mut turned = (here.value * first.unit.conj()).arg();
+        while log_s < to {
+            if here.value.norm() <= ZERO * here.magnitude {
+                return Err(log_s.exp());
+            }
+            // |D(log_s + step) − D(log_s)| ≤ slope·step·exp(highest·step) ≤ 0.5·1.65·|D|: zero is out of reach.
+            let step = (0.5 * here.value.norm() / here.slope).min(0.5 / last.order);
+            log_s = (log_s + step).min(to);
+            let next = self.at(log_s);
+            turned += (next.value * here.value.conj()).arg();
+            here = next;
+        }
+        // Beyond `to` the last term rules; what is left to turn is the difference from its direction.
+        Ok(turned - (here.value * last.unit.conj()).arg())
     }
 }

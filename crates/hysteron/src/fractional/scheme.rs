@@ -45,6 +45,12 @@ impl Scheme {
         matches!(self, Self::GrunwaldLetnikov)
     }
 
+    /// Whether a plant that is unstable in continuous time may be stable under this scheme: δ maps the unit disc
+    /// into a part of the right half-plane (`Tustin`: onto all of it).
+    pub const fn may_damp(self) -> bool {
+        matches!(self, Self::GrunwaldLetnikov | Self::Bdf2)
+    }
+
     /// δ(z); for `BandLimited` −ln z, what the other three approximate.
     pub fn delta(self, z: Complex64) -> Complex64 {
         let one_minus = 1.0 - z;
