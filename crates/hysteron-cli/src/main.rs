@@ -12,8 +12,14 @@ mod completions;
 mod console;
 mod excite;
 mod failure;
+mod inspect;
+mod model;
 mod rig;
 mod schema;
+mod scores;
+mod simulate;
+mod start;
+mod validate;
 
 use failure::Failure;
 
@@ -29,6 +35,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Inspect(inspect::Inspect),
+    Validate(validate::Validate),
+    Simulate(simulate::Simulate),
     Excite(excite::Excite),
     Rig(rig::Rig),
     Completions(completions::Completions),
@@ -37,6 +46,9 @@ enum Command {
 
 fn run(command: &Command) -> Result<(), Failure> {
     match command {
+        Command::Inspect(c) => c.run(),
+        Command::Validate(c) => c.run(),
+        Command::Simulate(c) => c.run(),
         Command::Excite(c) => c.run(),
         Command::Rig(c) => c.run(),
         Command::Completions(c) => c.run(),

@@ -60,7 +60,7 @@ fn every_command_refuses_unusable_records_with_the_place_and_the_remedy() {
     for (content, flags, parts) in CASES {
         let bench = Bench::new();
         bench.write("run.csv", content);
-        for command in ["validate model.json run.csv --json"] {
+        for command in ["validate model.json run.csv --json", "inspect run.csv --json"] {
             let run = bench.run(&format!("{command} {flags}"));
             assert_eq!(run.exit_code, 1, "{command} {content:?}: {run:?}");
             assert_eq!(run.stdout, "", "{command} {content:?}");

@@ -1,1 +1,12 @@
 //! The command line's promises, one file each, tested by running the command.
+
+mod bad_models_are_refused;
+mod bad_records_are_refused;
+mod bench;
+mod excite_writes_drives;
+mod inspect_tells_what_is_in_a_record;
+mod rig_makes_records;
+mod schema_and_completions_are_printed;
+mod simulate_writes_a_record;
+mod usage_errors_exit_2;
+mod validate_scores_as_promised;

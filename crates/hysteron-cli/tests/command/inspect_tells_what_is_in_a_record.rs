@@ -1,0 +1,114 @@
+//! `inspect` tells what is in a record; what stands in the way of a good model is a warning in plain words, there and in
+//! `validate`, not a failure.
+
+use serde_json::Value;
+
+use crate::bench::Bench;
+
+/// Ten periods of a 2 Hz sine of 0 to 100 V at 200 Hz and an output that lags, opening the loop. `f` makes of sample k, u and y
+/// the delay of its time stamp, u and y.
+fn record(header: &str, f: impl Fn(usize, f64, f64) -> (f64, f64, f64)) -> String {
+    let rows = (0..1000).map(|k| {
+        let t = k as f64 / 200.0;
+        let angle = 2.0 * std::f64::consts::TAU * t;
+        let (late, u, y) = f(k, 50.0 - 50.0 * angle.cos(), 10.0 - 10.0 * (angle - 0.1).cos());
+        format!("{},{u},{y}\n", t + late)
+    });
+    format!("{header}\n{}", rows.collect::<String>())
+}
+
+fn inspected(bench: &Bench, flags: &str) -> Value {
+    let run = bench.run(&format!("inspect run.csv --json {flags}"));
+    assert_eq!((run.exit_code, run.stdout.trim_end().lines().count()), (0, 1), "{run:?}");
+    serde_json::from_str::<Value>(&run.stdout).unwrap()["records"][0].clone()
+}
+
+fn warnings(found: &Value) -> String {
+    let findings = found["findings"].as_array().unwrap().iter();
+    findings.filter(|f| f["warning"] == true).map(|f| f["text"].as_str().unwrap().to_owned() + "\n").collect()
+}
+
+#[test]
+fn rate_range_periods_and_loop_of_a_sine_are_found() {
+    let bench = Bench::new();
+    bench.write("run.csv", record("t_s,u_V,y_um", |_, u, y| (0.0, u, y)));
+    let found = inspected(&bench, "");
+    let near = |pointer: &str, expected: f64, tolerance: f64| {
+        let value =
+            found.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}: {found}"));
+        assert!((value - expected).abs() <= tolerance, "{pointer}: {value} instead of {expected}");
+    };
+    assert_eq!((&found["samples"], &found["drive"]["kind"]), (&Value::from(1000), &Value::from("sine")));
+    near("/sample_rate_hz", 200.0, 1e-9);
+    near("/input/low", 0.0, 1e-9);
+    near("/input/high", 100.0, 1e-9);
+    near("/drive/low_hz", 2.0, 0.01);
+    near("/periods/count", 10.0, 0.0);
+    near("/periods/period_s", 0.5, 1e-3);
+    // At mid-range the two branches lie 2 · 10 µm · sin 0.1 apart, of 20 µm stroke.
+    near("/loop/opening", 20.0 * 0.1_f64.sin(), 0.02);
+    near("/loop/opening_percent_of_stroke", 100.0 * 0.1_f64.sin(), 0.1);
+    assert_eq!(found["loop"]["sense"], "counter-clockwise");
+    assert_eq!(warnings(&found), "");
+}
+
+#[test]
+fn spoiled_records_are_warned_about_by_inspect_and_validate_alike() {
+    let constant = record("t_s,u_V,y_um", |_, _, y| (0.0, 5.0, y));
+    let saturated = record("t_s,u_V,y_um", |_, u, y| (0.0, u, y.min(17.0)));
+    let uneven = record("t_s,u_V,y_um", |k, u, y| (if k % 3 == 1 { 1e-3 } else { 0.0 }, u, y));
+    let timed = record("t_s,u_V,y_um", |_, u, y| (0.0, u, y));
+    let timeless = timed.lines().map(|line| line.split_once(',').unwrap().1.to_owned() + "\n").collect();
+    let swapped = record("t_s,u_V,y_um", |_, u, y| (0.0, y, u));
+    for (content, part) in [
+        (constant, "input `u` is constant (5 V)"),
+        (saturated, "output `y` looks saturated"),
+        (uneven, "time stamps are not uniform"),
+        (timeless, "no time column and no sample rate"),
+        (swapped, "clockwise"),
+    ] {
+        let bench = Bench::new();
+        bench.write("run.csv", content);
+        let said = warnings(&inspected(&bench, ""));
+        assert!(said.contains(part), "{part}: {said}");
+        let run = bench.run("validate model.json run.csv --json");
+        assert_eq!(run.exit_code, 0, "{part}: {run:?}");
+        assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
+        serde_json::from_str::<Value>(&run.stdout).unwrap();
+        let run = bench.run("inspect run.csv");
+        assert!(run.stdout.contains("WARNING: ") && run.stdout.contains(part), "{part}: {}", run.stdout);
+    }
+}
+
+#[test]
+fn plots_are_drawn_by_the_ending_of_their_name() {
+    let bench = Bench::new();
+    bench.write("run.csv", record("t_s,u_V,y_um", |_, u, y| (0.0, u, y)));
+    assert_eq!(bench.run("inspect run.csv --plot run.svg").exit_code, 0);
+    assert!(std::fs::read_to_string(bench.path("run.svg")).unwrap().starts_with("<svg"));
+    assert_eq!(bench.run("inspect run.csv run.csv --plot run.html").exit_code, 0);
+    let page = std::fs::read_to_string(bench.path("run.html")).unwrap();
+    assert!(page.starts_with("<!doctype html>") && page.contains("<svg"));
+    for (arguments, code) in [
+        ("inspect run.csv --plot run.pdf", 2),
+        ("inspect run.csv run.csv --plot two.svg", 2),
+        ("inspect run.csv --plot no/run.svg", 1),
+    ] {
+        let run = bench.run(arguments);
+        assert_eq!(run.exit_code, code, "{arguments}: {run:?}");
+    }
+    assert!(!bench.path("two.svg").exists());
+}
+
+#[test]
+fn columns_are_chosen_by_flags() {
+    let bench = Bench::new();
+    bench.write("run.csv", "time;drive;other;sensor_nm\n0;1;5;100\n0,5;2;6;200\n1;3;7;300\n1,5;2;6;200\n");
+    let found = inspected(&bench, "--input other --output 4");
+    assert_eq!(
+        (&found["input"]["name"], &found["output"]["name"]),
+        (&Value::from("other"), &Value::from("sensor"))
+    );
+    assert_eq!(found["output"]["high"].as_f64(), Some(0.3));
+    assert_eq!(found["sample_rate_hz"].as_f64(), Some(2.0));
+}
