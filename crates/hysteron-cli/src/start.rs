@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use hysteron::hammerstein::Start;
 use hysteron::model_file::{ModelFile, StartKind};
-use hysteron::record::TimeBase;
+use hysteron::record::{InputOutput, TimeBase, find_periods};
 
 use crate::columns::positive;
 use crate::console;
@@ -59,13 +59,25 @@ impl StartFlags {
             (Some(voltage_v), _) => Ok(Start::Rest { voltage_v }),
             (None, StartKind::Rest) => Ok(Start::Rest { voltage_v: first }),
             (None, StartKind::Settled) => {
-                console::note(&format!(
-                    "{}: the model was identified on settled periodic records; this one is taken to start at rest at its first \
-                     sample (if it repeats, give its period with --settled SECONDS)",
-                    path.display()
-                ));
-                Ok(Start::Rest { voltage_v: first })
+                Ok(settled(path, drive).unwrap_or(Start::Rest { voltage_v: first }))
             }
+        }
+    }
+}
+
+/// A start settled on the drive's own period, as the model file assumes; `None`, and a remark, where it has none.
+fn settled(path: &Path, drive: &Drive) -> Option<Start> {
+    // Only the drive counts for its period: it stands in for the output.
+    let data = InputOutput::new("drive", drive.time.clone(), drive.u.to_vec(), drive.u.to_vec()).ok()?;
+    match find_periods(&data) {
+        Ok(periods) => Some(Start::Settled { period_samples: periods.period_samples.round() as usize }),
+        Err(_) => {
+            console::note(&format!(
+                "{}: the model was identified on settled periodic records; this drive does not repeat and is taken to start at \
+                 rest at its first sample (--rest-voltage says otherwise)",
+                path.display()
+            ));
+            None
         }
     }
 }

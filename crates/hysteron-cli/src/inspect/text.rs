@@ -20,11 +20,11 @@ pub fn describe(inspected: &Inspected) -> String {
     let time = match (&data.time, found.sample_rate_hz) {
         (TimeBase::Uniform { jitter_samples, .. }, Some(rate)) => {
             let duration = found.duration_s.map_or(String::new(), |d| format!(" for {} s", rounded(d)));
-            format!(
-                "{} Hz{duration}, jitter {} of a sample",
-                significant(rate, 8),
-                significant(*jitter_samples, 2)
-            )
+            let jitter = match *jitter_samples {
+                j if j < NO_JITTER => "no jitter".to_owned(),
+                j => format!("jitter {} of a sample", significant(j, 2)),
+            };
+            format!("{} Hz{duration}, {jitter}", rounded(rate))
         }
         (TimeBase::NonUniform { .. }, _) => "not uniform".into(),
         _ => "no time".into(),

@@ -72,3 +72,29 @@ fn dynamics_without_a_sample_rate_are_refused_with_the_flag_that_helps() {
     assert!(run.stderr.contains("--sample-rate"), "{}", run.stderr);
     assert_eq!(bench.run("simulate model.json run.csv -o out.csv --sample-rate 200").exit_code, 0);
 }
+
+#[test]
+fn a_start_is_taken_from_the_model_file_and_from_flags() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    let y = |flags: &str| -> Vec<f64> {
+        let run = bench.run(&format!("simulate model.json run.csv -o out.csv {flags}"));
+        assert_eq!(run.exit_code, 0, "{flags}: {run:?}");
+        let out = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+        out.lines().skip(1).map(|l| l.rsplit(',').next().unwrap().parse().unwrap()).collect()
+    };
+    let rest = y("");
+    assert_eq!(rest, y("--rest-voltage 0"), "the record begins at 0 V");
+    assert_ne!(rest, y("--rest-voltage -50"));
+    // Settled on its period, the second period of the triangle repeats the first; from rest it does not.
+    let change = |y: &[f64]| (0..100).map(|k| (y[k] - y[k + 100]).abs()).fold(0.0, f64::max);
+    let settled = y("--settled 1");
+    assert!(change(&settled) < 1e-9 && change(&rest) > 1e-3, "{} {}", change(&settled), change(&rest));
+
+    let text = std::fs::read_to_string(bench.path("model.json")).unwrap();
+    let kind = text.replacen("\"kind\": \"rest\"", "\"kind\": \"settled\"", 1);
+    assert_ne!(kind, text);
+    bench.write("model.json", kind);
+    assert_eq!(y(""), settled, "the period is found in the drive");
+    assert_eq!(bench.run("simulate model.json run.csv -o out.csv --settled 1 --rest-voltage 0").exit_code, 2);
+}
