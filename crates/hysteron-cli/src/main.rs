@@ -12,8 +12,11 @@ mod completions;
 mod console;
 mod excite;
 mod failure;
+mod identify;
 mod inspect;
+mod interrupt;
 mod model;
+mod progress;
 mod rig;
 mod schema;
 mod scores;
@@ -35,6 +38,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Identify(Box<identify::Identify>),
     Inspect(inspect::Inspect),
     Validate(validate::Validate),
     Simulate(simulate::Simulate),
@@ -46,6 +50,7 @@ enum Command {
 
 fn run(command: &Command) -> Result<(), Failure> {
     match command {
+        Command::Identify(c) => c.run(),
         Command::Inspect(c) => c.run(),
         Command::Validate(c) => c.run(),
         Command::Simulate(c) => c.run(),

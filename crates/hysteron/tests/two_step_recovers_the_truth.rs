@@ -1,6 +1,7 @@
 //! Promise: on data of its own class, two-step identification returns the truth; it can be interrupted and resumed to
 //! the same bits, and threads change nothing.
 
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 use hysteron::dynamics::{Dynamics, Scheme, SecondOrder, Term, TransferFunction};
 use hysteron::hammerstein::{Model, Start};
 use hysteron::hysteresis::{BoucWen, Hysteresis};

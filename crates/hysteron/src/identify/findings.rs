@@ -38,7 +38,7 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
 
 pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Identification) {
     let mut findings = Vec::new();
-    let mut say = |kind, text: String| findings.push(Finding { kind, text });
+    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
     let Hysteresis::BoucWen(operator) = &result.model.hysteresis;
     let fitted_statically: Vec<(&RecordFacts, &super::RecordFit)> =
         facts.iter().zip(&result.records).filter(|(_, r)| r.role == RecordRole::QuasiStatic).collect();
@@ -53,21 +53,22 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             }
             _ => "too narrow to have a sense",
         };
-        say(FindingKind::Verdict, format!("The measured loop runs {sense}."));
+        say(FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
     }
-    say(FindingKind::Verdict, format!("Hysteresis block: {}.", operator.admissibility()));
+    say(FindingKind::Verdict, "admissibility", format!("Hysteresis block: {}.", operator.admissibility()));
     if let Dynamics::Fractional(g) | Dynamics::Integer(g) = &result.model.dynamics {
         let text = match stability(g) {
             Stability::Stable => "Dynamic block: stable.".to_owned(),
             other => format!("Dynamic block: {other:?}."),
         };
-        say(FindingKind::Verdict, text);
+        say(FindingKind::Verdict, "stability", text);
     }
 
     let amplitudes: usize = fitted_statically.iter().map(|(f, _)| amplitudes(f)).sum();
     if amplitudes <= 1 && !fitted_statically.is_empty() {
         say(
             FindingKind::Advice,
+            "amplitudes",
             "All loops have the same amplitude: β and γ are told apart only by the way from rest into the first loop, \
              polynomial degree and exponent n only by the shape of one loop, and models cannot be ranked. Minor loops \
              are extrapolated. Add a record with loops of half and a quarter of the amplitude."
@@ -91,6 +92,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         };
         say(
             FindingKind::Advice,
+            "frequencies",
             format!(
                 "The records hold slow drive only{at}: they do not say how the loop changes with frequency. {shift} Add \
                  a sweep up to the highest frequency of use."
@@ -101,6 +103,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         if let Some(error) = parameter.std_error.filter(|e| *e > UNDETERMINED * parameter.value.abs()) {
             say(
                 FindingKind::Advice,
+                "precision",
                 format!(
                     "{} = {:.3e} ± {error:.1e} (standard error) is poorly determined by these records.",
                     parameter.name, parameter.value
@@ -114,6 +117,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             if !(1e-4..=1.0 - 1e-4).contains(&at) && range.name != "delay" {
                 say(
                     FindingKind::Warning,
+                    "search range",
                     format!(
                         "{} = {x:.4e} ended on the edge of its search range {:.4e} … {:.4e}; widen it with --bound \
                          {}=LOW:HIGH if the device may lie outside.",
@@ -127,6 +131,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         if fit.scores.fit_percent.is_some_and(|fit| fit < 90.0) {
             say(
                 FindingKind::Warning,
+                "fit",
                 format!(
                     "Record '{}' is described poorly (fit {:.1} %): the model class misses something in it.",
                     fit.data.name,
@@ -136,7 +141,11 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         }
     }
     if result.cancelled {
-        say(FindingKind::Warning, "The search was interrupted: this is the best model so far.".into());
+        say(
+            FindingKind::Warning,
+            "search",
+            "The search was interrupted: this is the best model so far.".into(),
+        );
     }
     result.findings = findings;
     result.treatment = treatment(facts, result);

@@ -88,6 +88,8 @@ pub struct StructureChoice {
 pub struct Finding {
     /// How much it matters.
     pub kind: FindingKind,
+    /// What it is about, in a word or two.
+    pub topic: &'static str,
     /// The statement.
     pub text: String,
 }

@@ -76,7 +76,8 @@ pub fn identify_two_step(
         (true, _) => Step2::integer_order(&outputs, options, false, &mut engine)?,
     };
 
-    let model = assemble(&step1, &step2, &static_records, &dynamic, options);
+    let mut model = assemble(&step1, &step2, &static_records, &dynamic, options);
+    settle_offset(&mut model, &step1, static_records[0])?;
     let parameters = parameters(&step1, &step2, &static_records, &outputs, options)?;
     let mut fits = Vec::new();
     for (facts, role) in facts.iter().zip(&roles) {
@@ -84,8 +85,7 @@ pub fn identify_two_step(
         let simulated = model.simulate_at_own_rate(&facts.data.u, facts.data.sample_rate_hz(), &start)?;
         let left_out =
             static_records.iter().position(|s| std::ptr::eq(*s, facts)).map_or(0, |i| step1.left_out[i]);
-        let skip_s = facts.data.sample_rate_hz().map_or(0.0, |rate| left_out as f64 / rate);
-        let scores = score(&facts.data, &simulated, &Scoring { skip_s, ..Scoring::default() })?;
+        let scores = score(&facts.data, &simulated, &scoring(facts, left_out))?;
         fits.push(RecordFit {
             data: facts.data.clone(),
             role: if follow || *role == RecordRole::QuasiStatic { *role } else { RecordRole::QuasiStatic },
@@ -287,6 +287,20 @@ fn assemble(
     }
 }
 
+/// The offset that suits the whole first record: the fit's own is that of its start where it allowed for creep.
+fn settle_offset(model: &mut Model, step1: &StaticStep, first: &RecordFacts) -> Result<(), IdentifyError> {
+    let simulated =
+        model.simulate_at_own_rate(&first.data.u, first.data.sample_rate_hz(), &step1.starts[0])?;
+    model.offset += score(&first.data, &simulated, &scoring(first, step1.left_out[0]))?.offset;
+    Ok(())
+}
+
+/// Scores as [`crate::validate`] does, without the samples that were left out of the fit.
+fn scoring(facts: &RecordFacts, left_out: usize) -> Scoring {
+    let skip_s = facts.data.sample_rate_hz().map_or(0.0, |rate| left_out as f64 / rate);
+    Scoring { skip_s, ..Scoring::default() }
+}
+
 /// ARX from hysteresis output to displacement, on all dynamic records, orders by simulated error.
 fn fit_arx(outputs: &[HysteresisOutput<'_>]) -> Result<Arx, IdentifyError> {
     let signals: Vec<_> = outputs.iter().map(HysteresisOutput::counted_from_rest).collect();
@@ -352,17 +366,15 @@ fn parameters(
                 let error = index.and_then(|i| covariance2.as_ref().map(|c| c[(i, i)].sqrt()));
                 list.push(Parameter::new("dynamics", name, value, error));
             }
-            let g = step.solution.transfer_function();
-            let at = |x: &[f64], pick: &dyn Fn(&TransferFunction) -> f64| {
-                dynamic_step::transfer_function_at(&problem, x).map_or(f64::NAN, |g| pick(&g))
+            let coefficients = |g: &TransferFunction| {
+                [g.numerator[0].coefficient, g.denominator[0].coefficient, g.denominator[1].coefficient]
             };
-            let coefficients: [(&str, f64, fn(&TransferFunction) -> f64); 3] = [
-                ("b", g.numerator[0].coefficient, |g| g.numerator[0].coefficient),
-                ("c0", g.denominator[0].coefficient, |g| g.denominator[0].coefficient),
-                ("c1", g.denominator[1].coefficient, |g| g.denominator[1].coefficient),
-            ];
-            for (name, value, pick) in coefficients {
-                list.push(Parameter::new("dynamics", name, value, error2(&|x| at(x, &pick))));
+            let values = coefficients(&step.solution.transfer_function());
+            for (i, name) in ["b", "c0", "c1"].into_iter().enumerate() {
+                let at = |x: &[f64]| {
+                    dynamic_step::transfer_function_at(&problem, x).map_or(f64::NAN, |g| coefficients(&g)[i])
+                };
+                list.push(Parameter::new("dynamics", name, values[i], error2(&at)));
             }
         }
         Step2::None if step1.solution.lag_s > 0.0 => {

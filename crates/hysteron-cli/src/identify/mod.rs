@@ -1,0 +1,424 @@
+//! `hysteron identify`: records in, model file and report out.
+
+mod outcome;
+mod report;
+mod written;
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::{Args, ValueEnum};
+use hysteron::dynamics::Scheme;
+use hysteron::identify::{
+    CampaignRecord, Choice, Demands, DynamicsChoice, IdentifyError, Options, RecordRole, Searches, Watcher,
+    identify_two_step,
+};
+use hysteron::model_file::ModelFile;
+use hysteron::optimize::{
+    AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, Progress as SearchProgress,
+    PsoOptions,
+};
+use hysteron_report::identification::identification_report;
+use hysteron_report::{write_figures, write_page};
+
+use crate::columns::ColumnFlags;
+use crate::console;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::progress::Progress;
+
+/// Largest file of interrupted searches read \[bytes\].
+const MAX_RESUME_BYTES: u64 = 256 << 20;
+
+/// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
+#[derive(Args)]
+#[command(
+    after_help = "With no flag the structure is what the records support: polynomial degree by evidence, delay and \
+    lag from a start from rest, fractional dynamics where a record is much faster than the slowest one. Which record is \
+    quasi-static is recognised; --static and --dynamic say it.\n\n\
+    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n, delay [s], lag [s], and with a \
+    dynamic record gain, natural_frequency [Hz], damping, order2, order1.\n\n\
+    Ctrl-C keeps the best so far and writes MODEL.searches.json; go on from there with --resume.\n\n\
+    Examples:\n  hysteron identify loop_1hz.csv -o model.json --report report.html\n  \
+    hysteron identify loop_1hz.csv sweep.csv -o model.json --dynamics fractional --optimizer de-abc --seed 7"
+)]
+pub struct Identify {
+    /// The records
+    #[arg(value_name = "RECORD", required_unless_present_any = ["static_records", "dynamic_records"])]
+    records: Vec<PathBuf>,
+
+    /// A quasi-static record, for the hysteresis block (repeatable)
+    #[arg(long = "static", value_name = "FILE")]
+    static_records: Vec<PathBuf>,
+
+    /// A record that carries dynamics, for the dynamic block (repeatable)
+    #[arg(long = "dynamic", value_name = "FILE")]
+    dynamic_records: Vec<PathBuf>,
+
+    /// Model file to write
+    #[arg(short, long = "output-model", value_name = "MODEL.json")]
+    out: PathBuf,
+
+    /// Hysteresis block
+    #[arg(long, value_enum, default_value_t = HysteresisArg::BoucWen)]
+    hysteresis: HysteresisArg,
+
+    /// Dynamic block; if not given, what the records support
+    #[arg(long, value_enum)]
+    dynamics: Option<DynamicsArg>,
+
+    /// Identification method
+    #[arg(long, value_enum, default_value_t = MethodArg::TwoStep)]
+    method: MethodArg,
+
+    /// Optimiser; auto: least squares from data-driven starts with the linear parameters eliminated
+    #[arg(long, value_enum, default_value_t = OptimizerArg::Auto)]
+    optimizer: OptimizerArg,
+
+    /// Generations of a population method [default: 150]
+    #[arg(long, value_name = "N")]
+    generations: Option<usize>,
+
+    /// Population: food sources of de-abc and abc [default: 25], members of de and particles of pso [default: 50],
+    /// starts of least-squares [default: 20]
+    #[arg(long, value_name = "N")]
+    population: Option<usize>,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Threads; the result does not depend on it [default: all cores]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+
+    /// Go on from the searches of an interrupted identification
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+
+    /// Degree of the polynomial l[u]
+    #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = degree)]
+    degree: ChoiceArg<usize>,
+
+    /// Exponent n of the Bouc–Wen model
+    #[arg(long, value_name = "VALUE|free", default_value = "1", value_parser = exponent)]
+    n: ChoiceArg<f64>,
+
+    /// Delay between input and output in seconds; a given delay stands for the whole time shift of a quasi-static record
+    #[arg(long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay)]
+    delay: ChoiceArg<f64>,
+
+    /// Hold a parameter at a value (repeatable)
+    #[arg(long, value_name = "NAME=VALUE", value_parser = name_value)]
+    fix: Vec<(String, f64)>,
+
+    /// Keep a parameter within a range (repeatable)
+    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = name_range)]
+    bound: Vec<(String, f64, f64)>,
+
+    /// Model whose parameters every search tries first
+    #[arg(long, value_name = "MODEL.json")]
+    start: Option<PathBuf>,
+
+    /// Simulation scheme of the dynamic block
+    #[arg(long, value_enum, default_value_t = SchemeArg::Tustin)]
+    scheme: SchemeArg,
+
+    /// Hand out the model even if it explains less than this share of a record's variation, in %
+    #[arg(long, value_name = "PERCENT", default_value_t = 75.0)]
+    least_fit: f64,
+
+    /// Report to write, one HTML file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+
+    /// Folder to write every figure of the report to, as SVG
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    columns: ColumnFlags,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum HysteresisArg {
+    BoucWen,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MethodArg {
+    TwoStep,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DynamicsArg {
+    None,
+    Integer,
+    Arx,
+    Fractional,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OptimizerArg {
+    Auto,
+    DeAbc,
+    Abc,
+    De,
+    Pso,
+    LeastSquares,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SchemeArg {
+    Tustin,
+    GrunwaldLetnikov,
+    Bdf2,
+    BandLimited,
+}
+
+impl From<SchemeArg> for Scheme {
+    fn from(arg: SchemeArg) -> Self {
+        match arg {
+            SchemeArg::Tustin => Scheme::Tustin,
+            SchemeArg::GrunwaldLetnikov => Scheme::GrunwaldLetnikov,
+            SchemeArg::Bdf2 => Scheme::Bdf2,
+            SchemeArg::BandLimited => Scheme::BandLimited,
+        }
+    }
+}
+
+/// [`Choice`] as clap wants it.
+#[derive(Clone, Copy)]
+struct ChoiceArg<T>(Choice<T>);
+
+fn degree(text: &str) -> Result<ChoiceArg<usize>, String> {
+    if text == "auto" {
+        return Ok(ChoiceArg(Choice::Auto));
+    }
+    let degree = text.parse().map_err(|_| "expected a whole number or auto".to_owned())?;
+    Ok(ChoiceArg(Choice::Given(degree)))
+}
+
+fn exponent(text: &str) -> Result<ChoiceArg<f64>, String> {
+    number_or(text, "free")
+}
+
+fn delay(text: &str) -> Result<ChoiceArg<f64>, String> {
+    number_or(text, "auto")
+}
+
+fn number_or(text: &str, word: &str) -> Result<ChoiceArg<f64>, String> {
+    if text == word {
+        return Ok(ChoiceArg(Choice::Auto));
+    }
+    number(text).map(|x| ChoiceArg(Choice::Given(x))).map_err(|e| format!("{e} or {word}"))
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err("expected a number".into()),
+    }
+}
+
+fn name_value(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, e.g. gamma=0")?;
+    Ok((name.trim().to_owned(), number(value.trim())?))
+}
+
+fn name_range(text: &str) -> Result<(String, f64, f64), String> {
+    const WANTED: &str = "expected NAME=LOW:HIGH, e.g. beta=0:2";
+    let (name, range) = text.split_once('=').ok_or(WANTED)?;
+    let (low, high) = range.split_once(':').ok_or(WANTED)?;
+    Ok((name.trim().to_owned(), number(low.trim())?, number(high.trim())?))
+}
+
+impl Identify {
+    pub fn run(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        let campaign = self.campaign()?;
+        let resume = self.resume.as_deref().map(read_searches).transpose()?;
+        let stop = interrupt::stop_flag()?;
+        let mut watcher = Console { stop: &stop, shown: None };
+        let found = identify_two_step(&campaign, &options, &mut watcher, resume);
+        drop(watcher);
+        let found = found.map_err(|e| explain(&e))?;
+        let file = written::model_file(&found, &campaign, &options);
+        file.write(&self.out)
+            .map_err(|e| Failure::new(format!("cannot write the model {}", self.out.display())).because(e))?;
+        if found.cancelled {
+            self.write_searches(&found.resume)?;
+        }
+        if self.report.is_some() || self.figures.is_some() {
+            self.write_report(&found, &file)?;
+        }
+        if self.json {
+            return console::json(&outcome::Outcome::new(&self.out, &found, &file));
+        }
+        console::result(&outcome::text(&found, &file))?;
+        console::message(&format!("model written to {}", self.out.display()));
+        if let Some(report) = &self.report {
+            console::message(&format!("report written to {}", report.display()));
+        }
+        Ok(())
+    }
+
+    fn options(&self) -> Result<Options, Failure> {
+        let HysteresisArg::BoucWen = self.hysteresis;
+        let MethodArg::TwoStep = self.method;
+        let start = match &self.start {
+            Some(path) => {
+                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
+                let file = ModelFile::read(path).map_err(|e| failure().because(e))?;
+                Some(file.to_model().map_err(|e| failure().because(e))?)
+            }
+            None => None,
+        };
+        Ok(Options {
+            dynamics: match self.dynamics {
+                None => DynamicsChoice::Auto,
+                Some(DynamicsArg::None) => DynamicsChoice::None,
+                Some(DynamicsArg::Integer) => DynamicsChoice::Integer,
+                Some(DynamicsArg::Arx) => DynamicsChoice::Arx,
+                Some(DynamicsArg::Fractional) => DynamicsChoice::Fractional,
+            },
+            algorithm: self.algorithm(),
+            generations: self.generations.unwrap_or(Options::default().generations),
+            seed: self.seed,
+            threads: self.threads,
+            degree: self.degree.0,
+            n: self.n.0,
+            delay_s: self.delay.0,
+            demands: Demands { fixed: self.fix.clone(), bounded: self.bound.clone() },
+            start,
+            scheme: self.scheme.into(),
+            least_fit_percent: self.least_fit,
+        })
+    }
+
+    fn algorithm(&self) -> Option<Algorithm> {
+        let population = |default: usize| self.population.unwrap_or(default);
+        match self.optimizer {
+            OptimizerArg::Auto => None,
+            OptimizerArg::DeAbc => {
+                let options = DeAbcOptions::default();
+                Some(Algorithm::DeAbc(DeAbcOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::Abc => {
+                let options = AbcOptions::default();
+                Some(Algorithm::Abc(AbcOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::De => {
+                let options = DeOptions::default();
+                Some(Algorithm::De(DeOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::Pso => {
+                let options = PsoOptions::default();
+                Some(Algorithm::Pso(PsoOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::LeastSquares => {
+                let options = LeastSquaresOptions::default();
+                Some(Algorithm::LeastSquares(LeastSquaresOptions {
+                    starts: population(options.starts),
+                    ..options
+                }))
+            }
+        }
+    }
+
+    fn campaign(&self) -> Result<Vec<CampaignRecord>, Failure> {
+        let given =
+            |paths: &'_ [PathBuf], role: Option<RecordRole>| -> Result<Vec<CampaignRecord>, Failure> {
+                paths.iter().map(|path| Ok(CampaignRecord { data: self.columns.read(path)?, role })).collect()
+            };
+        let mut campaign = given(&self.records, None)?;
+        campaign.extend(given(&self.static_records, Some(RecordRole::QuasiStatic))?);
+        campaign.extend(given(&self.dynamic_records, Some(RecordRole::Dynamic))?);
+        Ok(campaign)
+    }
+
+    fn write_searches(&self, searches: &Searches) -> Result<(), Failure> {
+        let path = self.out.with_extension("searches.json");
+        let failure = || Failure::new(format!("cannot write the interrupted searches to {}", path.display()));
+        let text = serde_json::to_string(searches).map_err(|e| failure().because(e))?;
+        hysteron::atomic_file::write_atomically(&path, text.as_bytes()).map_err(|e| failure().because(e))?;
+        console::note(&format!("interrupted; go on with the same command and --resume {}", path.display()));
+        Ok(())
+    }
+
+    fn write_report(
+        &self,
+        found: &hysteron::identify::Identification,
+        file: &ModelFile,
+    ) -> Result<(), Failure> {
+        let page = identification_report(&report::data(&self.out, found, file));
+        if let Some(path) = &self.report {
+            write_page(path, &page).map_err(|e| {
+                Failure::new(format!("cannot write the report {}", path.display())).because(e)
+            })?;
+        }
+        if let Some(folder) = &self.figures {
+            let failure = || Failure::new(format!("cannot write the figures to {}", folder.display()));
+            std::fs::create_dir_all(folder).map_err(|e| failure().because(e))?;
+            let written = write_figures(folder, "figure", &page).map_err(|e| failure().because(e))?;
+            console::message(&format!("{} figures written to {}", written.len(), folder.display()));
+        }
+        Ok(())
+    }
+}
+
+fn read_searches(path: &Path) -> Result<Searches, Failure> {
+    let failure = || {
+        Failure::new(format!("cannot resume from {}", path.display()))
+            .hint("it must be the MODEL.searches.json that an interrupted identification wrote")
+    };
+    let size = std::fs::metadata(path).map_err(|e| failure().because(e))?.len();
+    if size > MAX_RESUME_BYTES {
+        return Err(failure().because(format!("it has {size} bytes; at most {MAX_RESUME_BYTES} are read")));
+    }
+    let bytes = std::fs::read(path).map_err(|e| failure().because(e))?;
+    serde_json::from_slice(&bytes).map_err(|e| failure().because(e))
+}
+
+/// The library's error with what to do about it.
+fn explain(error: &IdentifyError) -> Failure {
+    let failure = Failure::new("no model was identified").because(error);
+    match error {
+        IdentifyError::ModelClass { .. } => failure.hint(
+            "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 hands the model \
+             out all the same",
+        ),
+        IdentifyError::NotUniform { .. } => failure.hint("give --sample-rate HZ, or --dynamics none"),
+        IdentifyError::Constant { .. } => failure.hint("choose other columns with --input and --output"),
+        IdentifyError::Units { .. } => failure.hint("correct the headers, or choose columns with --input and --output"),
+        _ => failure,
+    }
+}
+
+/// Progress bar and Ctrl-C.
+struct Console<'a> {
+    stop: &'a AtomicBool,
+    shown: Option<(String, Progress)>,
+}
+
+impl Watcher for Console<'_> {
+    fn progress(
+        &mut self,
+        step: &str,
+        progress: &SearchProgress<'_>,
+        _: &dyn Fn() -> Searches,
+    ) -> ControlFlow<()> {
+        if self.shown.as_ref().is_none_or(|(name, _)| name != step) {
+            self.shown = Some((step.to_owned(), Progress::new(step, progress.generations as u64)));
+        }
+        if let Some((_, bar)) = &self.shown {
+            bar.set(progress.generation as u64, format!("best RMSE {:.5}", progress.best_cost));
+        }
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}

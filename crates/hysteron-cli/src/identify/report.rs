@@ -1,0 +1,279 @@
+//! The report of an identification, filled for `hysteron-report`.
+
+use std::path::Path;
+
+use hysteron::dynamics::Dynamics;
+use hysteron::identify::{FindingKind, Identification, Parameter, RecordRole};
+use hysteron::model_file::ModelFile;
+use hysteron::record::{InputOutput, TimeBase};
+use hysteron::validate::definitions;
+use hysteron_report::figure::{ConvergenceCurve, FrequencyResponseCurve};
+use hysteron_report::identification::{IdentificationReportData, ParameterRow, RecordCurves, ScoreRow};
+use hysteron_report::page::Highlight;
+
+use super::written::command_line;
+
+/// Frequencies at which the response is drawn.
+const RESPONSE_POINTS: usize = 400;
+
+/// Everything the report shows.
+pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> IdentificationReportData {
+    let of_kind = |kind| found.findings.iter().filter(move |f| f.kind == kind).map(|f| f.text.clone());
+    let unit = found.records.first().map(|r| r.data.y_unit.to_string()).unwrap_or_default();
+    IdentificationReportData {
+        model_name: path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default(),
+        summary: summary(found),
+        simulated: found.records.iter().any(|r| r.data.name.to_lowercase().contains("simulated")),
+        highlights: highlights(found),
+        warnings: of_kind(FindingKind::Warning).collect(),
+        limits: of_kind(FindingKind::Advice).collect(),
+        equations: equations(found),
+        parameters: found.parameters.iter().map(|p| parameter_row(p, file)).collect(),
+        verdicts: found
+            .findings
+            .iter()
+            .filter(|f| f.kind == FindingKind::Verdict)
+            .map(|f| (f.topic.to_owned(), f.text.clone()))
+            .collect(),
+        scores: found
+            .records
+            .iter()
+            .map(|r| ScoreRow {
+                record: r.data.name.clone(),
+                role: format!("fitted ({})", role_name(r.role)),
+                samples: r.scores.samples,
+                skipped: r.scores.skipped_samples,
+                unit: r.data.y_unit.to_string(),
+                rmse: r.scores.rmse,
+                max_abs_error: r.scores.max_abs_error,
+                rmse_percent_of_stroke: r.scores.rmse_percent_of_stroke.unwrap_or(f64::NAN),
+                max_percent_of_stroke: r.scores.max_percent_of_stroke.unwrap_or(f64::NAN),
+                fit_percent: r.scores.fit_percent.unwrap_or(f64::NAN),
+            })
+            .collect(),
+        score_definitions: definitions().iter().map(|d| format!("{}: {}", d.name, d.meaning)).collect(),
+        preparation: found.treatment.clone(),
+        records: found.records.iter().map(curves).collect(),
+        convergence: found
+            .searches
+            .iter()
+            .map(|s| ConvergenceCurve {
+                label: format!("{} ({})", s.step, s.algorithm),
+                x: s.outcome.history.iter().map(|h| h.evaluations as f64).collect(),
+                runs: vec![s.outcome.history.iter().map(|h| h.best_cost).collect()],
+            })
+            .collect(),
+        objective_unit: unit,
+        convergence_x_label: "cost evaluations".into(),
+        frequency_response: response(found).into_iter().collect(),
+        excited_hz: found.excited_hz,
+        magnitude_unit: String::new(),
+        correlation: None,
+        provenance: provenance(file),
+        commands: vec![command_line()],
+        footer: vec![file.provenance.as_ref().map(|p| p.program.clone()).unwrap_or_default()],
+    }
+}
+
+/// Unit of a parameter: as in the model file, else by its name.
+pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
+    if let Some(quantity) = file.hysteresis.parameters.get(&parameter.name) {
+        return if quantity.unit == "1" { String::new() } else { typographic(&quantity.unit) };
+    }
+    match parameter.name.as_str() {
+        "natural_frequency" => "Hz".into(),
+        "delay" | "lag" => "s".into(),
+        _ => String::new(),
+    }
+}
+
+/// `um/V^2` as µm/V².
+fn typographic(unit: &str) -> String {
+    const RAISED: [&str; 10] = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+    let mut text = unit.replace("um", "µm");
+    for (digit, raised) in RAISED.iter().enumerate() {
+        text = text.replace(&format!("^{digit}"), raised);
+    }
+    text
+}
+
+fn role_name(role: RecordRole) -> &'static str {
+    match role {
+        RecordRole::QuasiStatic => "quasi-static",
+        RecordRole::Dynamic => "dynamic",
+    }
+}
+
+fn summary(found: &Identification) -> String {
+    let degree = found.structure.degree;
+    let dynamics = match &found.model.dynamics {
+        Dynamics::None if found.model.delay_s > 0.0 => "behind a delay, without dynamics".to_owned(),
+        Dynamics::None => "without dynamics".to_owned(),
+        Dynamics::Integer(g) if g.denominator.len() == 2 => {
+            "followed by a first-order lag with delay".to_owned()
+        }
+        Dynamics::Integer(_) => "followed by integer-order dynamics with delay".to_owned(),
+        Dynamics::Arx(_) => "followed by an ARX model".to_owned(),
+        Dynamics::Fractional(_) => "followed by fractional-order dynamics with delay".to_owned(),
+    };
+    format!("Improved Bouc–Wen hysteresis with a polynomial of degree {degree}, {dynamics}")
+}
+
+fn highlights(found: &Identification) -> Vec<Highlight> {
+    let Some(worst) = found.records.iter().max_by(|a, b| a.scores.rmse.total_cmp(&b.scores.rmse)) else {
+        return Vec::new();
+    };
+    let unit = worst.data.y_unit.to_string();
+    let scores = &worst.scores;
+    let mut list = vec![
+        Highlight::new("RMSE (training)", format!("{:.3}", scores.rmse), unit.clone()),
+        Highlight::new("largest error", format!("{:.3}", scores.max_abs_error), unit),
+    ];
+    if let Some(percent) = scores.rmse_percent_of_stroke {
+        list.push(Highlight::new("RMSE over stroke", format!("{percent:.2}"), "%"));
+    }
+    if found.model.delay_s > 0.0 {
+        list.push(Highlight::new("delay", format!("{:.2}", 1e3 * found.model.delay_s), "ms"));
+    }
+    list
+}
+
+fn equations(found: &Identification) -> Vec<String> {
+    let powers = ["u", "u²", "u³", "u⁴", "u⁵", "u⁶", "u⁷", "u⁸", "u⁹"];
+    let polynomial: Vec<String> = powers
+        .iter()
+        .take(found.structure.degree)
+        .enumerate()
+        .map(|(i, u)| format!("l{}·{u}", subscript(i + 1)))
+        .collect();
+    let mut list = vec![
+        format!("v = {} − z", polynomial.join(" + ")),
+        "ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ   (Eq. 1)".to_owned(),
+    ];
+    match &found.model.dynamics {
+        Dynamics::None => list.push("y(t) = offset + v(t − τ)".into()),
+        Dynamics::Integer(g) | Dynamics::Fractional(g) => {
+            list.push("y(t) = offset + (G ∗ v)(t − τ)".into());
+            list.push(format!("G(s) = {g}   (form of Eq. 13)"));
+        }
+        Dynamics::Arx(_) => list.push("y = offset + B(z)/A(z) v   (sampled)".into()),
+    }
+    list
+}
+
+fn subscript(i: usize) -> String {
+    i.to_string().chars().map(|c| char::from_u32(0x2080 + c.to_digit(10).unwrap_or(0)).unwrap_or(c)).collect()
+}
+
+fn parameter_row(p: &Parameter, file: &ModelFile) -> ParameterRow {
+    let (symbol, meaning) = match p.name.as_str() {
+        "linear" => ("l₁", "coefficient of u"),
+        "quadratic" => ("l₂", "coefficient of u²"),
+        "cubic" => ("l₃", "coefficient of u³"),
+        "alpha" => ("α", "size of the loop"),
+        "beta" => ("β", "shape of the loop"),
+        "gamma" => ("γ", "shape of the loop, going out against coming back"),
+        "n" => ("n", "smoothness of the transition"),
+        "gain" => ("K", "gain at zero frequency"),
+        "natural_frequency" => ("ω_n/2π", "natural frequency"),
+        "damping" => ("ζ", "damping"),
+        "order2" => ("α₂", "highest order"),
+        "order1" => ("α₁", "middle order"),
+        "delay" => ("τ", "delay"),
+        "lag" => ("T", "time constant of the lag"),
+        "b" => ("b", "numerator, K·c₀"),
+        "c0" => ("c₀", "coefficient of s⁰"),
+        "c1" => ("c₁", "coefficient of s^α₁"),
+        other => (other, "polynomial coefficient"),
+    };
+    ParameterRow {
+        block: p.block.to_owned(),
+        symbol: symbol.to_owned(),
+        meaning: meaning.to_owned(),
+        value: p.value,
+        unit: unit_of(p, file),
+        std_error: p.std_error,
+        note: if p.std_error.is_some() {
+            String::new()
+        } else {
+            "held, or not determined by the records".into()
+        },
+    }
+}
+
+fn curves(fit: &hysteron::identify::RecordFit) -> RecordCurves {
+    let InputOutput { name, time, u, y, valid, .. } = &fit.data;
+    let samples = u.len();
+    let time_s: Vec<f64> = match time {
+        TimeBase::Uniform { start_s, sample_rate_hz, .. } => {
+            (0..samples).map(|k| start_s + k as f64 / sample_rate_hz).collect()
+        }
+        TimeBase::NonUniform { times_s } => times_s.clone(),
+        TimeBase::Unknown => (0..samples).map(|k| k as f64).collect(),
+    };
+    let offset = fit.scores.offset;
+    let labelled = |channel: &str, unit: &hysteron::record::Unit, is_input: bool| {
+        let word = match unit.base().0 {
+            hysteron::record::Quantity::Voltage => "voltage",
+            hysteron::record::Quantity::Length => "displacement",
+            hysteron::record::Quantity::Angle => "angle",
+            _ if is_input => "input",
+            _ => "output",
+        };
+        (format!("{word} {channel}"), unit.to_string())
+    };
+    RecordCurves {
+        name: name.clone(),
+        role: role_name(fit.role).to_owned(),
+        skipped_until_s: 0.0,
+        time_s,
+        input: labelled(&fit.data.input, &fit.data.u_unit, true),
+        u: u.clone(),
+        output: labelled(&fit.data.output, &fit.data.y_unit, false),
+        measured: y.clone(),
+        model: fit.simulated.iter().map(|x| x + offset).collect(),
+        valid: valid.clone().unwrap_or_default(),
+    }
+}
+
+fn response(found: &Identification) -> Option<FrequencyResponseCurve> {
+    let rate = found.model.sample_rate_hz?;
+    let (low, high) = found.excited_hz?;
+    let (low, high) = ((0.1 * low).max(1e-3), (20.0 * high).min(0.5 * rate));
+    let frequency_hz: Vec<f64> = (0..RESPONSE_POINTS)
+        .map(|k| low * (high / low).powf(k as f64 / (RESPONSE_POINTS - 1) as f64))
+        .collect();
+    let values = match &found.model.dynamics {
+        Dynamics::None => return None,
+        Dynamics::Integer(g) | Dynamics::Fractional(g) => {
+            g.frequency_response(&frequency_hz, found.model.delay_s)
+        }
+        Dynamics::Arx(arx) => arx.frequency_response(&frequency_hz, rate).ok()?,
+    };
+    let mut phase_deg: Vec<f64> = Vec::with_capacity(values.len());
+    for value in &values {
+        let phase = value.arg().to_degrees();
+        let turns = phase_deg.last().map_or(0.0, |last| ((last - phase) / 360.0).round());
+        phase_deg.push(phase + 360.0 * turns);
+    }
+    Some(FrequencyResponseCurve {
+        label: "dynamic block with delay".into(),
+        magnitude: values.iter().map(|v| v.norm()).collect(),
+        phase_deg,
+        frequency_hz,
+        as_points: false,
+    })
+}
+
+fn provenance(file: &ModelFile) -> Vec<(String, String)> {
+    let Some(p) = &file.provenance else { return Vec::new() };
+    let mut list = vec![("program".to_owned(), p.program.clone())];
+    list.extend(p.created.clone().map(|c| ("created".to_owned(), c)));
+    for record in &p.records {
+        list.push(("record".to_owned(), format!("{} ({} samples)", record.path, record.samples)));
+        list.extend(record.sha256.clone().map(|s| ("SHA-256".to_owned(), s)));
+    }
+    list.extend(p.options.iter().map(|(name, value)| (name.clone(), value.clone())));
+    list.extend(p.seed.map(|s| ("seed".to_owned(), s.to_string())));
+    list
+}
