@@ -58,7 +58,7 @@ fn a_known_error_gives_the_scores_computed_by_hand() {
     let bench = Bench::new();
     straight_line(&bench);
     // ±0.3 µm by turns about a sensor zero of 7 µm: RMSE 0.3, stroke 30 µm + what the ends add.
-    let alternating = |k: usize| if k % 2 == 0 { 0.3 } else { -0.3 };
+    let alternating = |k: usize| if k.is_multiple_of(2) { 0.3 } else { -0.3 };
     bench.write("run.csv", record("t_s,u_V,y_um", |k, u| 0.3 * u + 7.0 + alternating(k)));
     let json = report(&bench.run("validate model.json run.csv --json"));
     let r = &json["records"][0];
@@ -85,7 +85,7 @@ fn lengths_are_converted_to_um_whatever_the_header_says() {
     let bench = Bench::new();
     straight_line(&bench);
     for (unit, per_um) in [("um", 1.0), ("nm", 1e3), ("mm", 1e-3), ("m", 1e-6)] {
-        let error = |k: usize| if k % 2 == 0 { 0.3 } else { -0.3 };
+        let error = |k: usize| if k.is_multiple_of(2) { 0.3 } else { -0.3 };
         bench.write("run.csv", record(&format!("t_s,u_V,y_{unit}"), |k, u| (0.3 * u + error(k)) * per_um));
         let json = report(&bench.run("validate model.json run.csv --json"));
         let rmse = json["records"][0]["rmse_um"].as_f64().unwrap();
