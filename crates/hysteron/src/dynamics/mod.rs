@@ -19,6 +19,8 @@
 //! ```
 
 pub mod arx;
+mod blocks;
+mod causal;
 pub mod delay;
 mod error;
 mod plan;

@@ -1,12 +1,13 @@
 //! Simulation of a transfer function over a record in one pair of FFTs.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::sync::OnceLock;
 
+use super::blocks::{BLOCK, Exponential, Polynomial, frequencies};
 use super::error::{check_finite, check_length, check_sample_rate};
 use super::{DynamicsError, InitialCondition, Scheme, Stability, Term, TransferFunction, stability};
 use crate::numeric::fft::{RealFft, fast_length};
-use crate::numeric::{Complex64, InstructionSet, accumulate_power, half_turns, multiply_quotient};
+use crate::numeric::{Complex64, InstructionSet, half_turns, multiply_quotient};
 
 /// r^L. Aliasing contributes r^L, rounding ε·r^−N; at L = 2N both stay below 1e-10 of the response.
 const ALIASING: f64 = 1e-10;
@@ -14,9 +15,6 @@ const ALIASING: f64 = 1e-10;
 /// Shortest transform: in a record of a few samples the response may still grow past them, and what is aliased
 /// would be large against what is seen.
 const SHORTEST: usize = 256;
-
-/// Frequencies worked on at a time: the buffers stay in the first-level cache.
-const BLOCK: usize = 256;
 
 /// Everything about a simulation that depends on the record but not on the candidate: made once, shared by all
 /// threads, used for any number of transfer functions.
@@ -41,9 +39,9 @@ pub struct SimulationPlan {
     /// Largest ln |s|.
     top: f64,
     /// r^k for the samples of the input, with its extension.
-    decay: Vec<f64>,
+    decay: Exponential,
     /// r^−k / L for the samples of the output.
-    growth: Vec<f64>,
+    growth: Exponential,
     /// ln |s| and arg s along |z| = 1, made when a stability verdict first needs them.
     unit_circle: OnceLock<(Vec<f64>, Vec<f64>)>,
     set: InstructionSet,
@@ -87,8 +85,8 @@ impl SimulationPlan {
         let (log_abs, angle) = frequencies(scheme, length, damping, sample_rate_hz);
         let top = log_abs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let extended = if scheme == Scheme::BandLimited { length } else { samples };
-        let decay = (0..extended).map(|k| (-damping * k as f64).exp()).collect();
-        let growth = (0..samples).map(|k| (damping * k as f64).exp() / length as f64).collect();
+        let decay = Exponential::new(-damping, 1.0, extended);
+        let growth = Exponential::new(damping, 1.0 / length as f64, samples);
         let fft = RealFft::new(length);
         let set = InstructionSet::detected();
         Ok(Self {
@@ -184,7 +182,6 @@ impl SimulationPlan {
         spectrum: &mut InputSpectrum,
     ) -> Result<(), DynamicsError> {
         check_length("input", input.len(), self.samples)?;
-        check_finite("input", input)?;
         self.check_workspace(workspace)?;
         check_length("input spectrum", spectrum.bins.len(), self.log_abs.len())?;
         spectrum.level = match self.initial {
@@ -192,8 +189,9 @@ impl SimulationPlan {
             InitialCondition::Periodic | InitialCondition::Zero => 0.0,
         };
         let time = &mut workspace.time;
-        for ((x, u), decay) in time.iter_mut().zip(input).zip(&self.decay) {
-            *x = (u - spectrum.level) * decay;
+        if !self.decay.multiply(input, -spectrum.level, 0.0, &mut time[..self.samples]) {
+            check_finite("input", input)?;
+            return Err(DynamicsError::OutputNotFinite);
         }
         time[self.samples..].fill(0.0);
         if self.scheme == Scheme::BandLimited {
@@ -232,12 +230,11 @@ impl SimulationPlan {
         self.multiply(tf, input, &mut workspace.spectrum);
         let (time, scratch) = (&mut workspace.time, &mut workspace.scratch);
         let _ = self.fft.inverse.process_with_scratch(&mut workspace.spectrum, time, scratch);
-        let mut finite = 0.0;
-        for ((y, x), growth) in output.iter_mut().zip(time.iter()).zip(&self.growth) {
-            *y = x * growth + offset;
-            finite += *y * 0.0;
+        if self.growth.multiply(time, 0.0, offset, output) {
+            Ok(())
+        } else {
+            Err(DynamicsError::OutputNotFinite)
         }
-        if finite == 0.0 { Ok(()) } else { Err(DynamicsError::OutputNotFinite) }
     }
 
     fn empty_spectrum(&self) -> InputSpectrum {
@@ -340,93 +337,13 @@ impl SimulationPlan {
             let mirrored = 2.0 * end - (input[self.samples - 1 - j] - level);
             let fade = 0.5 + 0.5 * (PI * j as f64 / count as f64).cos();
             let k = self.samples - 1 + j;
-            time[k] = mirrored * fade * self.decay[k];
+            time[k] = mirrored * fade * self.decay.at(k);
         }
     }
-}
-
-/// (ln |s|, arg s), s = δ(z) · `sample_rate_hz` at z = exp(−`damping` − 2πi·bin/`length`).
-fn frequencies(scheme: Scheme, length: usize, damping: f64, sample_rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
-    let at = |bin: usize| {
-        // Exactly π at the Nyquist frequency, so that δ is exactly real there.
-        let theta = if 2 * bin == length { PI } else { TAU * bin as f64 / length as f64 };
-        let (log_abs, angle) = scheme.log_delta(damping, theta);
-        // Where s is 0 or ∞ on the unit circle the response is taken as a limit, see `edges`.
-        if log_abs.is_finite() { (log_abs + sample_rate_hz.ln(), angle) } else { (0.0, 0.0) }
-    };
-    (0..=length / 2).map(at).unzip()
 }
 
 impl InputSpectrum {
     const fn none() -> Self {
         Self { bins: Vec::new(), level: 0.0 }
-    }
-}
-
-/// Values of a polynomial over one block of frequencies; slot 0 is the last value of the block before.
-struct Polynomial {
-    re: [f64; BLOCK + 1],
-    im: [f64; BLOCK + 1],
-    filled: usize,
-}
-
-impl Polynomial {
-    fn new() -> Self {
-        Self { re: [0.0; BLOCK + 1], im: [0.0; BLOCK + 1], filled: 0 }
-    }
-
-    fn evaluate(&mut self, set: InstructionSet, terms: &[Term], log_abs: &[f64], angle: &[f64]) {
-        let constant = terms.iter().filter(|term| term.order == 0.0).map(|term| term.coefficient).sum();
-        self.filled = log_abs.len();
-        let (re, im) = (&mut self.re[1..=self.filled], &mut self.im[1..=self.filled]);
-        re.fill(constant);
-        im.fill(0.0);
-        for term in terms.iter().filter(|term| term.order != 0.0 && term.coefficient != 0.0) {
-            accumulate_power(set, term.coefficient, term.order, log_abs, angle, re, im);
-        }
-    }
-
-    fn values(&self) -> (&[f64], &[f64]) {
-        (&self.re[1..=self.filled], &self.im[1..=self.filled])
-    }
-
-    fn carry(&mut self, last: usize) {
-        self.re[0] = self.re[last];
-        self.im[0] = self.im[last];
-    }
-}
-
-impl TransferFunction {
-    /// The response to `input` at `sample_rate_hz` by the causal recursion, O(N log² N), stable or not: for
-    /// simulating on purpose what [`SimulationPlan`] refuses as unstable.
-    ///
-    /// # Errors
-    /// [`DynamicsError::InfiniteDcGain`] under `Rest`; [`DynamicsError::PeriodicRecursion`]; [`DynamicsError::InputNotFinite`]; [`DynamicsError::Fractional`] for `BandLimited`, an
-    /// improper G under `Tustin`, or a response that overflows.
-    pub fn simulate_causal(
-        &self,
-        input: &[f64],
-        sample_rate_hz: f64,
-        scheme: Scheme,
-        initial: InitialCondition,
-    ) -> Result<Vec<f64>, DynamicsError> {
-        self.validate()?;
-        check_finite("input", input)?;
-        let level = match initial {
-            InitialCondition::Zero => 0.0,
-            InitialCondition::Rest => input.first().copied().unwrap_or(0.0),
-            InitialCondition::Periodic => {
-                return Err(DynamicsError::PeriodicRecursion);
-            }
-        };
-        let offset = if initial == InitialCondition::Rest { self.dc_gain() * level } else { 0.0 };
-        if initial == InitialCondition::Rest && self.dc_gain().is_infinite() {
-            return Err(self.infinite_dc_gain());
-        }
-        let relative: Vec<f64> = input.iter().map(|u| u - level).collect();
-        let (b, a) = (&self.numerator, &self.denominator);
-        let mut output = crate::fractional::simulate_causal(b, a, &relative, sample_rate_hz, scheme)?;
-        output.iter_mut().for_each(|y| *y += offset);
-        Ok(output)
     }
 }

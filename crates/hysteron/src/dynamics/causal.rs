@@ -1,0 +1,39 @@
+//! Simulation that assumes no stability.
+
+use super::error::check_finite;
+use super::{DynamicsError, InitialCondition, Scheme, TransferFunction};
+
+impl TransferFunction {
+    /// The response to `input` at `sample_rate_hz` by the causal recursion, O(N log² N), stable or not: for
+    /// simulating on purpose what [`SimulationPlan`] refuses as unstable.
+    ///
+    /// # Errors
+    /// [`DynamicsError::InfiniteDcGain`] under `Rest`; [`DynamicsError::PeriodicRecursion`]; [`DynamicsError::InputNotFinite`]; [`DynamicsError::Fractional`] for `BandLimited`, an
+    /// improper G under `Tustin`, or a response that overflows.
+    pub fn simulate_causal(
+        &self,
+        input: &[f64],
+        sample_rate_hz: f64,
+        scheme: Scheme,
+        initial: InitialCondition,
+    ) -> Result<Vec<f64>, DynamicsError> {
+        self.validate()?;
+        check_finite("input", input)?;
+        let level = match initial {
+            InitialCondition::Zero => 0.0,
+            InitialCondition::Rest => input.first().copied().unwrap_or(0.0),
+            InitialCondition::Periodic => {
+                return Err(DynamicsError::PeriodicRecursion);
+            }
+        };
+        let offset = if initial == InitialCondition::Rest { self.dc_gain() * level } else { 0.0 };
+        if initial == InitialCondition::Rest && self.dc_gain().is_infinite() {
+            return Err(self.infinite_dc_gain());
+        }
+        let relative: Vec<f64> = input.iter().map(|u| u - level).collect();
+        let (b, a) = (&self.numerator, &self.denominator);
+        let mut output = crate::fractional::simulate_causal(b, a, &relative, sample_rate_hz, scheme)?;
+        output.iter_mut().for_each(|y| *y += offset);
+        Ok(output)
+    }
+}
