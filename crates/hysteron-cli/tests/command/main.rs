@@ -1,5 +1,10 @@
 //! The command line's promises, one file each, tested by running the command.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test stops at the first surprise")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test stops at the first surprise"
+)]
 
 mod bad_models_are_refused;
 mod bad_records_are_refused;

@@ -5,7 +5,7 @@ use super::{DynamicsError, InitialCondition, Scheme, TransferFunction};
 
 impl TransferFunction {
     /// The response to `input` at `sample_rate_hz` by the causal recursion, O(N log² N), stable or not: for
-    /// simulating on purpose what [`SimulationPlan`] refuses as unstable.
+    /// simulating on purpose what [`super::SimulationPlan`] refuses as unstable.
     ///
     /// # Errors
     /// [`DynamicsError::InfiniteDcGain`] under `Rest`; [`DynamicsError::PeriodicRecursion`]; [`DynamicsError::InputNotFinite`]; [`DynamicsError::Fractional`] for `BandLimited`, an
