@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
-use hysteron::record::{Drive, InputOutput, Record};
+use hysteron::record::{Drive, InputOutput, Record, inspect};
 use hysteron_io::{ReadOptions, read_csv, read_input_output};
 
 use crate::console;
@@ -84,11 +84,23 @@ impl ColumnFlags {
         }
     }
 
-    /// Reads input and output of a record. Prints what was decided without being told.
+    /// Reads input and output of a record. Prints what was decided without being told, and what stands in the way of a good
+    /// model: a saturated sensor, a constant drive, uneven time stamps.
+    ///
+    /// # Errors
+    /// As [`ColumnFlags::read_silently`].
+    pub fn read(&self, path: &Path) -> Result<InputOutput, Failure> {
+        let data = self.read_silently(path)?;
+        let warnings = inspect(&data).findings.into_iter().filter(|f| f.is_warning).map(|f| f.text);
+        notes(path, &warnings.collect::<Vec<_>>());
+        Ok(data)
+    }
+
+    /// Reads input and output of a record. Prints what was decided without being told, and nothing about the data.
     ///
     /// # Errors
     /// If the file is not a readable record or its columns cannot be decided.
-    pub fn read(&self, path: &Path) -> Result<InputOutput, Failure> {
+    pub fn read_silently(&self, path: &Path) -> Result<InputOutput, Failure> {
         let outcome = read_input_output(path, &self.options()).map_err(|e| cannot_read(path, &e))?;
         notes(path, &outcome.notes);
         Ok(outcome.data)

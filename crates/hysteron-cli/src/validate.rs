@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron::record::inspect;
 use hysteron::validate::{OffsetTreatment, Scoring, score};
 use serde::Serialize;
 
@@ -65,9 +64,6 @@ impl Validate {
     fn score(&self, model: &LoadedModel, path: &Path) -> Result<Scored, Failure> {
         let record = self.columns.read(path)?;
         model.agreed_unit(path, Signal::Input, &record.u_unit)?;
-        for finding in inspect(&record).findings.iter().filter(|f| f.is_warning) {
-            console::note(&format!("{}: {}", path.display(), finding.text));
-        }
         let unit = model.agreed_unit(path, Signal::Output, &record.y_unit)?;
         let simulated = model.simulate(path, &Drive { u: &record.u, time: &record.time }, &self.start)?;
         let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };

@@ -53,7 +53,7 @@ impl Inspect {
         }
         let mut inspected = Vec::with_capacity(self.records.len());
         for path in &self.records {
-            let data = self.columns.read(path)?;
+            let data = self.columns.read_silently(path)?;
             inspected.push(Inspected { found: inspect(&data), data });
         }
         if let Some(target) = &self.plot {

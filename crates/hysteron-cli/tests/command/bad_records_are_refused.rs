@@ -60,7 +60,11 @@ fn every_command_refuses_unusable_records_with_the_place_and_the_remedy() {
     for (content, flags, parts) in CASES {
         let bench = Bench::new();
         bench.write("run.csv", content);
-        for command in ["validate model.json run.csv --json", "inspect run.csv --json"] {
+        for command in [
+            "validate model.json run.csv --json",
+            "inspect run.csv --json",
+            "identify run.csv -o new.json --json",
+        ] {
             let run = bench.run(&format!("{command} {flags}"));
             assert_eq!(run.exit_code, 1, "{command} {content:?}: {run:?}");
             assert_eq!(run.stdout, "", "{command} {content:?}");
@@ -137,4 +141,26 @@ fn seconds_cannot_be_skipped_beyond_the_record_or_without_time() {
     let run = bench.run("validate model.json run.csv --skip 0.1");
     assert_eq!(run.exit_code, 1);
     assert!(run.stderr.contains("neither a time column nor a sample rate"), "{}", run.stderr);
+}
+
+#[test]
+fn records_that_hold_nothing_to_identify_are_refused_and_leave_no_model() {
+    let constant_input: String = (0..200).map(|k| format!("{},5,{}\n", k as f64 / 100.0, k % 7)).collect();
+    let constant_output: String = (0..200).map(|k| format!("{},{},5\n", k as f64 / 100.0, k % 7)).collect();
+    for (rows, part) in [
+        (constant_input.as_str(), "the input is constant (5)"),
+        (constant_output.as_str(), "the output is constant (5)"),
+        ("0,1,2\n0.1,2,3\n0.2,3,4\n", "need at least 20 valid samples but found 3"),
+    ] {
+        let bench = Bench::new();
+        bench.write("run.csv", format!("t_s,u_V,y_um\n{rows}"));
+        let run = bench.run("identify run.csv -o new.json --report new.html --json");
+        assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""), "{part}: {run:?}");
+        assert!(
+            run.stderr.contains("error: no model was identified") && run.stderr.contains(part),
+            "{}",
+            run.stderr
+        );
+        assert_eq!(bench.files(), ["model.json", "run.csv"]);
+    }
 }

@@ -81,6 +81,16 @@ fn spoiled_records_are_warned_about_by_inspect_and_validate_alike() {
 }
 
 #[test]
+fn identify_warns_of_a_saturated_sensor() {
+    let bench = Bench::new();
+    bench.write("run.csv", record("t_s,u_V,y_um", |_, u, y| (0.0, u, y.min(17.0))));
+    let run =
+        bench.run("identify run.csv -o new.json --dynamics none --degree 1 --n 1 --generations 3 --json");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    assert!(run.stderr.contains("output `y` looks saturated"), "{}", run.stderr);
+}
+
+#[test]
 fn plots_are_drawn_by_the_ending_of_their_name() {
     let bench = Bench::new();
     bench.write("run.csv", record("t_s,u_V,y_um", |_, u, y| (0.0, u, y)));
