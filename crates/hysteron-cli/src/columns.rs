@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use clap::Args;
-use hysteron::record::{Drive, InputOutput, Record, inspect};
+use hysteron::record::{ChannelChoice, Drive, InputOutput, Record, inspect};
 use hysteron_io::{ReadOptions, read_csv, read_input_output};
 
 use crate::console;
 use crate::failure::Failure;
+use crate::scale::{self, Scale};
 
 /// Time and size of a file.
 #[derive(Args, Clone, Debug)]
@@ -31,6 +32,11 @@ pub struct InputFlags {
     /// Input (drive) column: its name, with or without unit, or its number from 1
     #[arg(long, value_name = "COL", help_heading = "Columns")]
     input: Option<String>,
+
+    /// What a column's numbers mean, e.g. y=2.5um/V for a sensor in volts or u=15V/V for a command before an amplifier; may
+    /// be repeated (--input and --output then take names, not numbers)
+    #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = scale::parse, help_heading = "Columns")]
+    scales: Vec<Scale>,
 
     #[command(flatten)]
     time: TimeFlags,
@@ -67,10 +73,15 @@ impl InputFlags {
     pub fn read_drive(&self, path: &Path) -> Result<Drive, Failure> {
         let options = ReadOptions { input: self.input.clone(), ..self.time.options() };
         let unreadable = |e: &dyn std::fmt::Display| cannot_read(path, e);
-        let record: Record = read_csv(path, &options).map_err(|e| unreadable(&e))?;
+        let record =
+            self.scaled(read_csv(path, &options).map_err(|e| unreadable(&e))?).map_err(|e| unreadable(&e))?;
         let drive = record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?;
         notes(path, &drive.notes);
         Ok(drive)
+    }
+
+    fn scaled(&self, record: Record) -> Result<Record, String> {
+        self.scales.iter().try_fold(record, |record, scale| scale.apply(&record))
     }
 }
 
@@ -101,9 +112,20 @@ impl ColumnFlags {
     /// # Errors
     /// If the file is not a readable record or its columns cannot be decided.
     pub fn read_silently(&self, path: &Path) -> Result<InputOutput, Failure> {
+        if !self.drive.scales.is_empty() {
+            return self.read_scaled(path).map_err(|e| cannot_read(path, &e));
+        }
         let outcome = read_input_output(path, &self.options()).map_err(|e| cannot_read(path, &e))?;
         notes(path, &outcome.notes);
         Ok(outcome.data)
+    }
+
+    fn read_scaled(&self, path: &Path) -> Result<InputOutput, String> {
+        let record = read_csv(path, &self.options()).map_err(|e| e.to_string())?;
+        let record = self.drive.scaled(record)?;
+        let choice = ChannelChoice { input: self.drive.input.clone(), output: self.output.clone() };
+        notes(path, &record.select(&choice).map_err(|e| e.to_string())?.notes);
+        record.input_output(&choice).map_err(|e| e.to_string())
     }
 }
 

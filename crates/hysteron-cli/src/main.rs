@@ -18,6 +18,7 @@ mod interrupt;
 mod model;
 mod progress;
 mod rig;
+mod scale;
 mod schema;
 mod scores;
 mod simulate;

@@ -122,3 +122,18 @@ fn columns_are_chosen_by_flags() {
     assert_eq!(found["output"]["high"].as_f64(), Some(0.3));
     assert_eq!(found["sample_rate_hz"].as_f64(), Some(2.0));
 }
+
+#[test]
+fn a_sensor_in_volts_is_scaled_to_a_length_and_a_command_to_the_actuators_voltage() {
+    let bench = Bench::new();
+    bench.write("run.csv", "t_s,u_V,y_mV\n0,1,100\n0.1,2,200\n0.2,3,300\n0.3,2,200\n");
+    assert!(bench.run("inspect run.csv").stderr.contains("--scale y=2.5um/V"));
+    let found = inspected(&bench, "--scale y=2.5um/V --scale u=15V/V");
+    assert_eq!(found["output"]["unit"], "um");
+    assert!((found["output"]["high"].as_f64().unwrap() - 0.75).abs() < 1e-12);
+    assert_eq!(found["input"]["high"].as_f64(), Some(45.0));
+    assert_eq!(bench.run("inspect run.csv --scale y=fast").exit_code, 2);
+    let run = bench.run("inspect run.csv --scale z=2um");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.contains("no channel `z`"), "{}", run.stderr);
+}
