@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use hysteron::hammerstein::{Model, SimulationError};
 use hysteron::model_file::ModelFile;
-use hysteron::record::Unit;
+use hysteron::record::{InputOutput, Unit};
+use hysteron::validate::{Scoring, StartError, choose_start};
 
 use crate::console;
 use crate::failure::Failure;
-use crate::start::{Drive, StartFlags};
+use crate::start::{Drive, StartFlags, in_words};
 
 /// Excess over the valid range, as a fraction of it, that is not worth a remark.
 const RANGE_SLACK: f64 = 0.01;
@@ -40,24 +41,57 @@ impl LoadedModel {
     pub fn simulate(&self, path: &Path, drive: &Drive, start: &StartFlags) -> Result<Vec<f64>, Failure> {
         self.remark_extrapolation(path, drive.u);
         let start = start.choose(&self.file, path, drive)?;
-        self.model.simulate(drive.u, drive.sample_rate_hz(), &start).map_err(|e| {
-            let hint = match &e {
-                SimulationError::NoSampleRate => {
-                    Some("give the sample rate with --sample-rate HZ, or resample the record to a uniform time".into())
-                }
-                SimulationError::SampleRate { model_hz, .. } => Some(format!(
-                    "resample the record to {model_hz} Hz, or identify the model again with --scheme tustin, which holds at \
-                     other rates"
-                )),
-                _ => None,
-            };
-            let failure = Failure::new(format!("cannot simulate {} on {}", self.path.display(), path.display()));
-            let failure = failure.because(e);
-            match hint {
-                Some(hint) => failure.hint(hint),
-                None => failure,
-            }
-        })
+        self.model
+            .simulate(drive.u, drive.sample_rate_hz(), &start)
+            .map_err(|e| self.cannot_simulate(path, &e))
+    }
+
+    /// Simulates the record from the start the flags give, else from the one that explains it best (said in a note where
+    /// it is not the model file's).
+    ///
+    /// # Errors
+    /// As [`Self::simulate`], and if the record cannot be scored.
+    pub fn simulate_record(
+        &self,
+        path: &Path,
+        record: &InputOutput,
+        start: &StartFlags,
+        scoring: &Scoring,
+    ) -> Result<Vec<f64>, Failure> {
+        let drive = Drive { u: &record.u, time: &record.time };
+        if start.are_given() {
+            return self.simulate(path, &drive, start);
+        }
+        self.remark_extrapolation(path, drive.u);
+        let preferred = start.choose(&self.file, path, &drive)?;
+        let (chosen, simulated) =
+            choose_start(&self.model, record, preferred, scoring).map_err(|e| match e {
+                StartError::Simulation(e) => self.cannot_simulate(path, &e),
+                e => Failure::new(format!("cannot score {}", path.display())).because(e),
+            })?;
+        if chosen != preferred {
+            console::note(&format!(
+                "{}: simulated {}, which explains it better than {} (--rest-voltage or --settled say it)",
+                path.display(),
+                in_words(&chosen, &self.file.units.input),
+                in_words(&preferred, &self.file.units.input)
+            ));
+        }
+        Ok(simulated)
+    }
+
+    fn cannot_simulate(&self, path: &Path, error: &SimulationError) -> Failure {
+        let failure = Failure::new(format!("cannot simulate {} on {}", self.path.display(), path.display()));
+        let failure = failure.because(error);
+        match error {
+            SimulationError::NoSampleRate => failure
+                .hint("give the sample rate with --sample-rate HZ, or resample the record to a uniform time"),
+            SimulationError::SampleRate { model_hz, .. } => failure.hint(format!(
+                "resample the record to {model_hz} Hz, or identify the model again with --scheme tustin, which holds at \
+                 other rates"
+            )),
+            _ => failure,
+        }
     }
 
     /// The unit that model and record agree on, for one of the signals: the record's, or the model's where the record

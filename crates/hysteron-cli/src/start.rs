@@ -40,6 +40,11 @@ impl Drive<'_> {
 }
 
 impl StartFlags {
+    /// Whether the flags say what the start was.
+    pub fn are_given(&self) -> bool {
+        self.rest_voltage.is_some() || self.settled.is_some()
+    }
+
     /// The start of this record: the flags', else the model file's, else at rest at the first sample.
     ///
     /// # Errors
@@ -79,5 +84,13 @@ fn settled(path: &Path, drive: &Drive) -> Option<Start> {
             ));
             None
         }
+    }
+}
+
+/// A start in words.
+pub fn in_words(start: &Start, unit: &str) -> String {
+    match start {
+        Start::Rest { voltage_v } => format!("from rest at {voltage_v} {unit}"),
+        Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
     }
 }

@@ -11,7 +11,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
 use crate::scores::{self, Scored};
-use crate::start::{Drive, StartFlags};
+use crate::start::StartFlags;
 
 /// Score a model on records it may not have seen: simulation from the start of each record, not prediction.
 #[derive(Args)]
@@ -65,9 +65,10 @@ impl Validate {
         let record = self.columns.read(path)?;
         model.agreed_unit(path, Signal::Input, &record.u_unit)?;
         let unit = model.agreed_unit(path, Signal::Output, &record.y_unit)?;
-        let simulated = model.simulate(path, &Drive { u: &record.u, time: &record.time }, &self.start)?;
         let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
-        let scores = score(&record, &simulated, &Scoring { skip_s: self.skip, offset })
+        let scoring = Scoring { skip_s: self.skip, offset };
+        let simulated = model.simulate_record(path, &record, &self.start, &scoring)?;
+        let scores = score(&record, &simulated, &scoring)
             .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
         Ok(Scored::new(&record, scores).in_unit(unit))
     }

@@ -6,9 +6,11 @@
 
 mod loop_width;
 mod residual_tests;
+mod start;
 
 pub use loop_width::loop_opening;
 pub use residual_tests::{CorrelationTest, residual_input_correlation, residual_whiteness};
+pub use start::{StartError, choose_start, possible_starts};
 
 use crate::record::{InputOutput, TimeBase};
 

@@ -1,0 +1,107 @@
+//! What happened before a record, judged by the record itself.
+
+use super::{ScoreError, Scoring, score};
+use crate::hammerstein::{Model, SimulationError, Start};
+use crate::record::{InputOutput, find_periods};
+
+/// Why no start could be chosen.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StartError {
+    /// The model cannot be simulated on the record from any start.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The record cannot be scored.
+    #[error(transparent)]
+    Score(#[from] ScoreError),
+}
+
+/// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off), settled on
+/// its own period where it repeats from the beginning.
+pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
+    let mut starts = Vec::new();
+    if let Some(&first) = record.u.first() {
+        starts.push(Start::Rest { voltage_v: first });
+        if first != 0.0 {
+            starts.push(Start::Rest { voltage_v: 0.0 });
+        }
+    }
+    if let Some(periods) = find_periods(record).ok().filter(|p| p.start == 0 && p.count >= 2) {
+        starts.push(Start::Settled { period_samples: periods.period_samples.round() as usize });
+    }
+    starts
+}
+
+/// The start among `preferred` and [`possible_starts`] from which `model` explains the record best (smallest RMSE), and
+/// the simulation from it. A record's initial state is unknown like its sensor's zero: this is its estimate, one choice
+/// of at most four, and the preferred one unless another is better by more than 1 %.
+///
+/// # Errors
+/// [`StartError`] where the model cannot be simulated from the preferred start, or the record cannot be scored.
+pub fn choose_start(
+    model: &Model,
+    record: &InputOutput,
+    preferred: Start,
+    scoring: &Scoring,
+) -> Result<(Start, Vec<f64>), StartError> {
+    const BETTER: f64 = 0.99;
+    let rate = record.sample_rate_hz();
+    let simulated = model.simulate(&record.u, rate, &preferred)?;
+    let mut best = (score(record, &simulated, scoring)?.rmse, preferred, simulated);
+    let given = best.0;
+    for start in possible_starts(record).into_iter().filter(|s| *s != preferred) {
+        // A start that cannot be simulated is not the one.
+        let Ok(simulated) = model.simulate(&record.u, rate, &start) else { continue };
+        let rmse = score(record, &simulated, scoring)?.rmse;
+        if rmse < best.0.min(BETTER * given) {
+            best = (rmse, start, simulated);
+        }
+    }
+    Ok((best.1, best.2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::{Dynamics, Scheme};
+    use crate::hysteresis::{BoucWen, Hysteresis};
+    use crate::record::TimeBase;
+    use std::f64::consts::TAU;
+
+    fn model() -> Model {
+        Model {
+            hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.0], 1.0, 0.4, 0.1, 1.0).unwrap()),
+            dynamics: Dynamics::None,
+            offset: 0.0,
+            delay_s: 0.0,
+            scheme: Scheme::Tustin,
+            sample_rate_hz: None,
+        }
+    }
+
+    #[test]
+    fn finds_the_start_that_made_the_record() {
+        let u: Vec<f64> = (0..500).map(|k| 3.0 + 2.0 * (TAU * f64::from(k) / 100.0).sin()).collect();
+        for truth in [
+            Start::Rest { voltage_v: 0.0 },
+            Start::Rest { voltage_v: 3.0 },
+            Start::Settled { period_samples: 100 },
+        ] {
+            let y = model().simulate(&u, None, &truth).unwrap();
+            let record = InputOutput::new("run", TimeBase::uniform(100.0), u.clone(), y.clone()).unwrap();
+            let preferred = Start::Rest { voltage_v: 3.0 };
+            let (start, simulated) = choose_start(&model(), &record, preferred, &Scoring::default()).unwrap();
+            assert_eq!(start, truth);
+            assert_eq!(simulated, y);
+        }
+    }
+
+    #[test]
+    fn the_preferred_start_stands_where_no_other_is_better() {
+        let u: Vec<f64> = (0..300).map(|k| 1.0 + 0.05 * f64::from(k)).collect();
+        let preferred = Start::Rest { voltage_v: -0.5 };
+        let y = model().simulate(&u, None, &preferred).unwrap();
+        let record = InputOutput::new("run", TimeBase::uniform(100.0), u, y).unwrap();
+        assert_eq!(choose_start(&model(), &record, preferred, &Scoring::default()).unwrap().0, preferred);
+    }
+}
