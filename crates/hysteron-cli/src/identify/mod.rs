@@ -40,8 +40,8 @@ const MAX_RESUME_BYTES: u64 = 256 << 20;
     Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n, delay [s], lag [s], and with a \
     dynamic record gain, natural_frequency [Hz], damping, order2, order1.\n\n\
     Ctrl-C keeps the best so far and writes MODEL.searches.json; go on from there with --resume.\n\n\
-    Examples:\n  hysteron identify loop_1hz.csv -o model.json --report report.html\n  \
-    hysteron identify loop_1hz.csv sweep.csv -o model.json --dynamics fractional --optimizer de-abc --seed 7"
+    Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
+    Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7"
 )]
 pub struct Identify {
     /// The records

@@ -10,6 +10,8 @@ mod bad_models_are_refused;
 mod bad_records_are_refused;
 mod bench;
 mod excite_writes_drives;
+mod identify_can_be_interrupted;
+mod identify_makes_a_model;
 mod inspect_tells_what_is_in_a_record;
 mod rig_makes_records;
 mod schema_and_completions_are_printed;

@@ -1,0 +1,185 @@
+//! One command turns a measured record into a model file and a report; what cannot be identified is refused with a
+//! reason, and nothing half-written stays behind.
+
+use crate::bench::{Bench, Run};
+use hysteron::hammerstein::Start;
+use hysteron::model_file::ModelFile;
+use serde_json::Value;
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+/// The measured example record (PI P-885.91, MIT), its first `rows` samples.
+fn measured(rows: usize) -> String {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/piezo-p885-200hz/identification_1hz.csv");
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().take(rows + 1).map(|line| line.to_owned() + "\n").collect()
+}
+
+/// Loops of growing amplitude of a Bouc–Wen device, simulated.
+fn simulated() -> String {
+    let u: Vec<f64> =
+        (0..400).map(|k| (1.0 + k as f64 / 200.0) * (1.0 - (TAU * k as f64 / 100.0).cos())).collect();
+    let y = crate::bench::static_model().simulate(&u, None, &Start::Rest { voltage_v: 0.0 }).unwrap();
+    let mut text = "t_s,u_V,y_um\n".to_owned();
+    for (k, (u, y)) in u.iter().zip(&y).enumerate() {
+        writeln!(text, "{},{u},{}", k as f64 / 100.0, y + 2.0).unwrap();
+    }
+    text
+}
+
+fn json(run: &Run) -> Value {
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    serde_json::from_str(&run.stdout).unwrap()
+}
+
+fn value(quantity: &Value) -> f64 {
+    quantity["value"].as_f64().unwrap()
+}
+
+#[test]
+fn the_measured_stack_gives_loop_delay_and_lag_with_no_flag() {
+    let bench = Bench::new();
+    bench.write("stack.csv", measured(2000));
+    let run = bench.run("identify stack.csv -o stack.json --report stack.html --figures figures --json");
+    let told = json(&run);
+    assert_eq!(told["records"][0]["record"], "stack.csv");
+    assert!(told["records"][0]["rmse_um"].as_f64().unwrap() < 0.3);
+    let model: Value =
+        serde_json::from_str(&std::fs::read_to_string(bench.path("stack.json")).unwrap()).unwrap();
+    assert_eq!(model["hysteresis"]["kind"], "bouc-wen");
+    assert!(value(&model["hysteresis"]["parameters"]["alpha"]) > 0.0, "counter-clockwise");
+    assert_eq!(model["dynamics"]["kind"], "integer");
+    let lag = value(&model["dynamics"]["denominator"][1]["coefficient"]);
+    assert!((0.0125..0.0150).contains(&lag), "lag {lag} s");
+    let delay = value(&model["delay"]);
+    assert!((0.004..0.010).contains(&delay), "delay {delay} s: one to two samples");
+    assert!(model["delay"]["std_error"].as_f64().unwrap() > 0.0);
+    let findings = told["findings"].to_string();
+    assert!(findings.contains("do not say how the loop changes with frequency"), "{findings}");
+    assert!(findings.contains("counter-clockwise"), "{findings}");
+    let report = std::fs::read_to_string(bench.path("stack.html")).unwrap();
+    assert!(report.contains("<svg") && report.contains("SHA-256"));
+    assert!(std::fs::read_dir(bench.path("figures")).unwrap().count() >= 4);
+    let scored = json(&bench.run("validate stack.json stack.csv --json"));
+    assert_eq!(scored["records"][0]["rmse_um"], told["records"][0]["rmse_um"]);
+}
+
+#[test]
+fn parameters_come_back_and_demands_are_kept() {
+    let bench = Bench::new();
+    bench.write("loop.csv", simulated());
+    json(&bench.run("identify loop.csv -o all.json --json"));
+    let file = ModelFile::read(&bench.path("all.json")).unwrap();
+    for (name, truth) in
+        [("linear", 0.3), ("quadratic", 1e-4), ("alpha", 0.08), ("beta", 0.05), ("gamma", 0.01)]
+    {
+        let found = file.hysteresis.parameters.get(name).unwrap().value;
+        assert!((found / truth - 1.0).abs() < 1e-3, "{name} = {found}");
+    }
+    json(&bench.run(
+        "identify loop.csv -o held.json --degree 2 --fix gamma=0 --bound beta=0.04:0.06 --delay 0 --json",
+    ));
+    let held = ModelFile::read(&bench.path("held.json")).unwrap();
+    assert_eq!(held.hysteresis.parameters.get("gamma").unwrap().value, 0.0);
+    assert_eq!(held.provenance.unwrap().options["fix gamma"], "0");
+    json(&bench.run(
+        "identify loop.csv -o again.json --degree 2 --optimizer de --generations 5 --start all.json --json",
+    ));
+    let again = ModelFile::read(&bench.path("again.json")).unwrap();
+    assert_eq!(
+        again.hysteresis.parameters.get("beta").unwrap().value,
+        file.hysteresis.parameters.get("beta").unwrap().value
+    );
+}
+
+/// Content, flags, parts of the message.
+const REFUSED: &[(&str, &str, &[&str])] = &[
+    ("", "", &["`run.csv` is empty"]),
+    ("t_s,u_V,y_um\n0,1,2\n", "", &["one sample only"]),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,NaN,3\n0.2,3,4\n", "", &["line 3, column 2 (`u_V`)"]),
+    ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3,4\n0.3,2,3\n", "", &["need at least 20 valid samples but found 4"]),
+];
+
+#[test]
+fn unusable_records_leave_no_model_behind() {
+    for (content, flags, parts) in REFUSED {
+        let bench = Bench::new();
+        bench.write("run.csv", content);
+        let run = bench.run(&format!("identify run.csv -o new.json --report new.html {flags}"));
+        assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""), "{run:?}");
+        for part in *parts {
+            assert!(run.stderr.contains(part), "{part} in {}", run.stderr);
+        }
+        assert_eq!(bench.files(), ["model.json", "run.csv"]);
+    }
+}
+
+fn record(sample: impl Fn(f64) -> (f64, f64)) -> String {
+    let mut text = "t_s,u_V,y_um\n".to_owned();
+    for k in 0..400 {
+        let t = f64::from(k) / 100.0;
+        let (u, y) = sample(t);
+        writeln!(text, "{t},{u},{y}").unwrap();
+    }
+    text
+}
+
+#[test]
+fn what_cannot_be_identified_is_said_with_the_reason() {
+    let swing = |t: f64| 5.0 - 5.0 * (TAU * t).cos();
+    let cases = [
+        (record(|t| (5.0, t)), "", "the input is constant (5)"),
+        (record(|t| (swing(t), 1.5)), "", "the output is constant (1.5)"),
+        (
+            record(|t| (swing(t) - 5.0, (swing(t) - 5.0).abs() * (1.0 + (7.0 * t).sin()))),
+            "",
+            "does not describe record",
+        ),
+        (record(|t| (swing(t), 2.0 * swing(t))), "--dynamics fractional", "holds quasi-static records only"),
+        (record(|t| (swing(t), 2.0 * swing(t))), "--fix gama=1", "there is no parameter 'gama'"),
+        (record(|t| (swing(t), 2.0 * swing(t))), "--degree 12", "a whole number from 1 to 9"),
+    ];
+    for (content, flags, part) in cases {
+        let bench = Bench::new();
+        bench.write("run.csv", content);
+        let run = bench.run(&format!("identify run.csv -o new.json {flags}"));
+        assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""), "{run:?}");
+        assert!(run.stderr.contains(part), "{part} in {}", run.stderr);
+        assert_eq!(bench.files(), ["model.json", "run.csv"]);
+    }
+}
+
+#[test]
+fn uneven_time_is_fine_for_a_static_fit_and_refused_for_dynamics() {
+    let bench = Bench::new();
+    let mut text = "t_s,u_V,y_um\n".to_owned();
+    for k in 0..300 {
+        let t = f64::from(k) / 100.0 + 0.004 * f64::from(k % 3);
+        let u = 5.0 - 5.0 * (TAU * t).cos();
+        writeln!(text, "{t},{u},{}", 2.0 * u + 0.1 * u * u).unwrap();
+    }
+    bench.write("uneven.csv", &text);
+    json(&bench.run("identify uneven.csv -o static.json --json"));
+    let run = bench.run("identify --static uneven.csv --dynamic uneven.csv -o new.json");
+    assert_eq!(run.exit_code, 1);
+    assert!(run.stderr.contains("non-uniform time stamps"), "{}", run.stderr);
+}
+
+#[test]
+fn usage_errors_exit_2() {
+    let bench = Bench::new();
+    bench.write("run.csv", simulated());
+    for flags in [
+        "--optimizer magic",
+        "--n soft",
+        "--fix gamma",
+        "--bound beta=1",
+        "--generations -3",
+        "--scheme euler",
+    ] {
+        let run = bench.run(&format!("identify run.csv -o new.json {flags}"));
+        assert_eq!(run.exit_code, 2, "{flags}: {}", run.stderr);
+    }
+    assert_eq!(bench.run("identify -o new.json").exit_code, 2);
+    assert_eq!(bench.run("identify run.csv").exit_code, 2);
+}
