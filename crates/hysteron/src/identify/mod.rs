@@ -3,7 +3,7 @@
 //! [`identify_two_step`] recognises which records are quasi-static and which carry dynamics, chooses what the user left
 //! open (start, polynomial degree, delay and lag) from the data, runs the searches and hands out an
 //! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain words what
-//! the records do not determine.
+//! the records do not determine. [`optimizer_study`] compares the optimisers on the article's two problems.
 
 mod dynamic_problem;
 mod dynamic_step;
@@ -12,6 +12,7 @@ mod error;
 mod facts;
 mod findings;
 mod layout;
+pub mod optimizer_study;
 mod options;
 mod projection;
 mod result;
