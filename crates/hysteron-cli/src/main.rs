@@ -16,6 +16,7 @@ mod identify;
 mod inspect;
 mod interrupt;
 mod model;
+mod optimizers;
 mod progress;
 mod rig;
 mod scale;
@@ -45,6 +46,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Excite(excite::Excite),
     Rig(rig::Rig),
+    Optimizers(optimizers::Optimizers),
     Completions(completions::Completions),
     Schema(schema::Schema),
 }
@@ -57,6 +59,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Simulate(c) => c.run(),
         Command::Excite(c) => c.run(),
         Command::Rig(c) => c.run(),
+        Command::Optimizers(c) => c.run(),
         Command::Completions(c) => c.run(),
         Command::Schema(c) => c.run(),
     }
