@@ -1,0 +1,53 @@
+//! What can go wrong.
+
+use std::path::PathBuf;
+
+use hysteron::bench_rig::RigError;
+use hysteron::dynamics::DynamicsError;
+use hysteron::hysteresis::HysteresisError;
+use hysteron::identify::IdentifyError;
+use hysteron::record::RecordError;
+use thiserror::Error;
+
+/// A request that could not be met.
+#[derive(Debug, Error)]
+pub enum BenchError {
+    /// Standard input or output.
+    #[error("cannot talk to bench.py: {0}")]
+    Pipe(#[from] std::io::Error),
+    /// A line that is no request.
+    #[error("request not understood: {0}")]
+    Request(#[from] serde_json::Error),
+    /// A file of samples.
+    #[error("{}: {source}", path.display())]
+    SignalFile {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Simulation before its plan.
+    #[error("no simulation is planned: ask for 'plan_fractional' first")]
+    NotPlanned,
+    /// A record of the campaign is missing in memory.
+    #[error("the simulated bench made no {0} record")]
+    NoRecord(&'static str),
+    /// An algorithm the bench does not run.
+    #[error("no algorithm '{0}': choose de-abc, de or auto")]
+    Algorithm(String),
+    /// The dynamic block.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    /// The static block.
+    #[error(transparent)]
+    Hysteresis(#[from] HysteresisError),
+    /// The simulated bench.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// A record.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// An identification.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+}

@@ -1,0 +1,86 @@
+//! The Rust side of `make bench`: does what `bench/bench.py` asks for on standard input, one line of JSON a request,
+//! and answers with one line of JSON. That way both sides take turns on the same inputs within one run.
+
+mod allocations;
+mod answer;
+mod bouc_wen;
+mod error;
+mod fractional;
+mod identification;
+mod signal_file;
+mod stopwatch;
+
+use std::io::{BufRead, Write, stdin, stdout};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use answer::Answer;
+use error::BenchError;
+use fractional::Fractional;
+use serde::Deserialize;
+
+/// What can be asked for.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "task", rename_all = "snake_case", deny_unknown_fields)]
+enum Request {
+    /// Plans the simulation of Eq. 13 over the input in a file.
+    PlanFractional { input: PathBuf },
+    /// Simulates: both transforms.
+    Simulate { repetitions: usize },
+    /// Simulates with the input transformed before.
+    Candidate { repetitions: usize },
+    /// Writes the output of the last simulation.
+    WriteOutput { path: PathBuf },
+    /// Simulates the Bouc–Wen operator.
+    BoucWen(bouc_wen::Request),
+    /// Plays the article's campaign on the simulated bench and writes its records.
+    Campaign { directory: PathBuf, seed: u64 },
+    /// Identifies from the records of a campaign.
+    Identify(identification::Request),
+}
+
+fn serve(request: Request, fractional: &mut Option<Fractional>) -> Result<Answer, BenchError> {
+    match request {
+        Request::PlanFractional { input } => {
+            let plan = Fractional::new(signal_file::read(&input)?)?;
+            let answer = plan.answer();
+            *fractional = Some(plan);
+            Ok(answer)
+        }
+        Request::Simulate { repetitions } => planned(fractional)?.simulate(repetitions),
+        Request::Candidate { repetitions } => planned(fractional)?.candidate(repetitions),
+        Request::WriteOutput { path } => {
+            signal_file::write(&path, planned(fractional)?.output())?;
+            Ok(Answer::Done)
+        }
+        Request::BoucWen(request) => request.run(),
+        Request::Campaign { directory, seed } => identification::write_campaign(&directory, seed),
+        Request::Identify(request) => request.run(),
+    }
+}
+
+fn planned(fractional: &mut Option<Fractional>) -> Result<&mut Fractional, BenchError> {
+    fractional.as_mut().ok_or(BenchError::NotPlanned)
+}
+
+fn run() -> Result<(), BenchError> {
+    let mut fractional = None;
+    for line in stdin().lock().lines() {
+        let answer = serve(serde_json::from_str(&line?)?, &mut fractional)?;
+        let mut out = stdout().lock();
+        serde_json::to_writer(&mut out, &answer)?;
+        out.write_all(b"\n")?;
+        out.flush()?;
+    }
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: hysteron-bench: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
