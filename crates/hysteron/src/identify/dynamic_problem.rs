@@ -6,7 +6,7 @@
 //! The integer-order model is the same with α₂ = 2, α₁ = 1.
 
 use super::layout::Role;
-use super::projection::Projection;
+use super::projection::{Projection, centre};
 use crate::dynamics::{
     DynamicsError, InitialCondition, InputSpectrum, Scheme, SecondOrder, SimulationPlan, Term,
     TransferFunction, Workspace as PlanWorkspace,
@@ -22,7 +22,6 @@ const SMALLEST_ORDER_GAP: f64 = 0.02;
 pub(super) struct DynamicRecord {
     /// Hysteresis output minus its value at rest \[µm\].
     moved: Vec<f64>,
-    rest: f64,
     prologue: usize,
     output: Vec<f64>,
     scored: Vec<usize>,
@@ -45,7 +44,7 @@ impl DynamicRecord {
         let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
         let plan = SimulationPlan::new(moved.len(), sample_rate_hz, scheme, InitialCondition::Zero)?;
         let spectrum = plan.transform(&moved)?;
-        Ok(Self { moved, rest, prologue, output, scored, sample_rate_hz, plan, spectrum })
+        Ok(Self { moved, prologue, output, scored, sample_rate_hz, plan, spectrum })
     }
 }
 
@@ -88,8 +87,8 @@ pub(super) struct DynamicProblem {
     layout: DynamicLayout,
     bounds: Bounds,
     identity: String,
-    offsets: Vec<Projection>,
-    residuals: usize,
+    /// Scored outputs of all records, each less its mean: the offset of a record is eliminated by centring.
+    target: Vec<f64>,
 }
 
 /// Scratch of one evaluation.
@@ -116,16 +115,13 @@ impl DynamicProblem {
         bounds: Bounds,
         identity: String,
     ) -> Self {
-        let offsets = records
-            .iter()
-            .map(|record| {
-                let mut projection = Projection::new(record.scored.len(), 1);
-                projection.push(|column| column.fill(1.0));
-                projection
-            })
-            .collect();
-        let residuals = records.iter().map(|r| r.scored.len()).sum();
-        Self { records, layout, bounds, identity, offsets, residuals }
+        let mut target = Vec::with_capacity(records.iter().map(|r| r.scored.len()).sum());
+        for record in &records {
+            let at = target.len();
+            target.extend(record.scored.iter().map(|&k| record.output[k]));
+            centre(&mut target[at..]);
+        }
+        Self { records, layout, bounds, identity, target }
     }
 
     /// The candidate, with gain 1 where the gain is projected out.
@@ -143,14 +139,14 @@ impl DynamicProblem {
         (form.alpha2 - form.alpha1 >= SMALLEST_ORDER_GAP).then_some(DynamicSolution { form, delay_s })
     }
 
-    /// Unit-gain response into `ws.column`, target without offsets into `ws.target`, neither yet combined.
+    /// Unit-gain response less its mean on each record into `ws.column`.
     fn respond(&self, candidate: &DynamicSolution, ws: &mut DynamicWorkspace) -> bool {
         let unit = SecondOrder { gain: 1.0, ..candidate.form };
         if unit.write_to(&mut ws.unit_gain).is_err() {
             return false;
         }
         let mut at = 0;
-        for ((record, offset), plan_ws) in self.records.iter().zip(&self.offsets).zip(&mut ws.plans) {
+        for (record, plan_ws) in self.records.iter().zip(&mut ws.plans) {
             let simulated = &mut ws.simulated[..record.moved.len()];
             let done = if candidate.delay_s > 0.0 {
                 let delayed = &mut ws.delayed[..record.moved.len()];
@@ -163,14 +159,11 @@ impl DynamicProblem {
             if done.is_err() {
                 return false;
             }
-            let span = at..at + record.scored.len();
-            let (column, target) = (&mut ws.column[span.clone()], &mut ws.target[span]);
-            for ((c, t), &k) in column.iter_mut().zip(target.iter_mut()).zip(&record.scored) {
-                *c = record.rest + simulated[record.prologue + k];
-                *t = record.output[k];
+            let column = &mut ws.column[at..at + record.scored.len()];
+            for (c, &k) in column.iter_mut().zip(&record.scored) {
+                *c = simulated[record.prologue + k];
             }
-            offset.project(column);
-            offset.project(target);
+            centre(column);
             at += record.scored.len();
         }
         true
@@ -183,10 +176,15 @@ impl DynamicProblem {
         }
         let DynamicWorkspace { column, target, projection, .. } = ws;
         match self.layout.gain.value(x) {
-            Some(gain) => target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= gain * c),
+            Some(gain) => {
+                for ((r, t), c) in target.iter_mut().zip(&self.target).zip(column.iter()) {
+                    *r = t - gain * c;
+                }
+            }
             None => {
                 projection.clear();
                 projection.push(|q| q.copy_from_slice(column));
+                target.copy_from_slice(&self.target);
                 projection.project(target);
             }
         }
@@ -202,7 +200,7 @@ impl DynamicProblem {
                 return None;
             }
             ws.projection.push(|q| q.copy_from_slice(&ws.column));
-            candidate.form.gain = *ws.projection.coefficients(&ws.target).first()?;
+            candidate.form.gain = *ws.projection.coefficients(&self.target).first()?;
         }
         Some(candidate)
     }
@@ -221,9 +219,9 @@ impl Problem for DynamicProblem {
             plans: self.records.iter().map(|r| r.plan.workspace()).collect(),
             delayed: vec![0.0; longest],
             simulated: vec![0.0; longest],
-            column: vec![0.0; self.residuals],
-            target: vec![0.0; self.residuals],
-            projection: Projection::new(self.residuals, 1),
+            column: vec![0.0; self.target.len()],
+            target: vec![0.0; self.target.len()],
+            projection: Projection::new(self.target.len(), 1),
             unit_gain: blank(),
         }
     }
@@ -239,7 +237,7 @@ impl Problem for DynamicProblem {
 
 impl LeastSquaresProblem for DynamicProblem {
     fn residual_count(&self) -> usize {
-        self.residuals
+        self.target.len()
     }
 
     fn residuals(&self, x: &[f64], ws: &mut DynamicWorkspace, out: &mut [f64]) -> bool {

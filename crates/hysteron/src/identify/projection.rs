@@ -80,17 +80,31 @@ impl Projection {
     }
 }
 
-/// Inner product in four interleaved sums, which the compiler vectorises; the order of summation is fixed.
+/// Inner product in eight interleaved sums, which the compiler vectorises; the order of summation is fixed.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a4.zip(b4) {
-        for i in 0..4 {
+    let mut sums = [0.0; 8];
+    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in a8.zip(b8) {
+        for i in 0..8 {
             sums[i] += x[i] * y[i];
         }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Takes its mean off `x`.
+pub(super) fn centre(x: &mut [f64]) {
+    let mut sums = [0.0; 8];
+    let eights = x.chunks_exact(8);
+    let rest: f64 = eights.remainder().iter().sum();
+    for eight in eights {
+        for (sum, x) in sums.iter_mut().zip(eight) {
+            *sum += x;
+        }
+    }
+    let mean = (sums.iter().sum::<f64>() + rest) / x.len() as f64;
+    x.iter_mut().for_each(|x| *x -= mean);
 }
 
 fn subtract(x: &mut [f64], share: f64, q: &[f64]) {

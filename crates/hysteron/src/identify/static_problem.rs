@@ -66,7 +66,12 @@ pub(super) struct StaticProblem {
     identity: String,
     /// Orthonormal nuisance columns (offset, creep) of each record over its scored samples.
     nuisance: Vec<Projection>,
-    residuals: usize,
+    /// Scored outputs of all records without nuisance.
+    target: Vec<f64>,
+    /// u, u², … of each record.
+    powers: Vec<Vec<Vec<f64>>>,
+    /// Finished columns of u, u², … where no candidate changes them: delay and lag are held.
+    held_columns: Vec<Vec<f64>>,
 }
 
 /// Scratch of one evaluation.
@@ -107,8 +112,42 @@ impl StaticProblem {
                 projection
             })
             .collect();
-        let residuals = records.iter().map(|r| r.scored.len()).sum();
-        Self { records, layout, bounds, identity, nuisance, residuals }
+        let powers = records.iter().map(|r| powers(&r.input, layout.polynomial.len())).collect();
+        let target = Vec::with_capacity(records.iter().map(|r| r.scored.len()).sum());
+        let held_columns = Vec::new();
+        let mut problem = Self { records, layout, bounds, identity, nuisance, target, powers, held_columns };
+        for (record, nuisance) in problem.records.iter().zip(&problem.nuisance) {
+            let at = problem.target.len();
+            problem.target.extend(record.scored.iter().map(|&k| record.output[k]));
+            nuisance.project(&mut problem.target[at..]);
+        }
+        if let (Role::Fixed(delay_s), Role::Fixed(lag_s)) = (problem.layout.delay, problem.layout.lag) {
+            problem.hold_columns(delay_s, lag_s);
+        }
+        problem
+    }
+
+    fn hold_columns(&mut self, delay_s: f64, lag_s: f64) {
+        let longest = self.records.iter().map(|r| r.input.len()).max().unwrap_or(0);
+        let mut signal = vec![0.0; longest];
+        self.held_columns = (0..self.layout.polynomial.len())
+            .map(|index| {
+                let mut column = vec![0.0; self.target.len()];
+                self.power_column(index, delay_s, lag_s, &mut signal, &mut column);
+                column
+            })
+            .collect();
+    }
+
+    /// The column of u^(index + 1) after delay and lag, without nuisance.
+    fn power_column(&self, index: usize, delay_s: f64, lag_s: f64, signal: &mut [f64], column: &mut [f64]) {
+        let mut at = 0;
+        for ((record, nuisance), powers) in self.records.iter().zip(&self.nuisance).zip(&self.powers) {
+            let signal = &mut signal[..record.input.len()];
+            signal.copy_from_slice(&powers[index]);
+            let rest = record.rest_voltage_v.powi(index as i32 + 1);
+            at += finish(record, nuisance, (delay_s, lag_s), rest, signal, &mut column[at..]);
+        }
     }
 
     /// β', γ' in the unit-α form. With α eliminated the search is in β', γ' themselves.
@@ -125,62 +164,42 @@ impl StaticProblem {
     }
 
     /// Calls `write` with every column of the linear part, in the order u, u², …, −ζ; `write` gets the column's role,
-    /// index and its values on the scored samples of all records.
+    /// and its values on the scored samples of all records.
     fn columns(
         &self,
         shape: &Shape,
         ws: &mut StaticWorkspace,
-        mut write: impl FnMut(Role, &mut Vec<f64>, &mut Projection, &mut [f64]),
+        mut write: impl FnMut(Role, &[f64], &mut Projection, &mut [f64]),
     ) -> bool {
         let StaticWorkspace { zeta, column, target, projection } = ws;
-        let degree = self.layout.polynomial.len();
-        for index in 0..=degree {
-            let role = self.layout.polynomial.get(index).copied().unwrap_or(self.layout.alpha);
-            let mut at = 0;
-            for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
-                let signal = &mut zeta[..record.input.len()];
-                let rest = if index < degree {
-                    let power = index as i32 + 1;
-                    for (s, &u) in signal.iter_mut().zip(&record.input) {
-                        *s = u.powi(power);
-                    }
-                    record.rest_voltage_v.powi(power)
-                } else {
-                    let start = Start::Rest { u: record.rest_voltage_v };
-                    if shape.unit.simulate(&record.input, start, signal).is_err() {
-                        return false;
-                    }
-                    signal.iter_mut().for_each(|s| *s = -*s);
-                    0.0
-                };
-                if let Some(rate) = record.sample_rate_hz {
-                    shift(signal, rest, shape.delay_s * rate);
-                    lag(signal, rest, shape.lag_s * rate);
-                }
-                let here = &mut column[at..at + record.scored.len()];
-                for (c, &k) in here.iter_mut().zip(&record.scored) {
-                    *c = signal[record.prologue + k];
-                }
-                nuisance.project(here);
-                at += record.scored.len();
+        for (index, &role) in self.layout.polynomial.iter().enumerate() {
+            if let Some(held) = self.held_columns.get(index) {
+                write(role, held, projection, target);
+                continue;
             }
+            self.power_column(index, shape.delay_s, shape.lag_s, zeta, column);
             write(role, column, projection, target);
         }
+        let mut at = 0;
+        for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
+            let signal = &mut zeta[..record.input.len()];
+            let start = Start::Rest { u: record.rest_voltage_v };
+            if shape.unit.simulate(&record.input, start, signal).is_err() {
+                return false;
+            }
+            let here = &mut column[at..];
+            let done = finish(record, nuisance, (shape.delay_s, shape.lag_s), 0.0, signal, here);
+            here[..done].iter_mut().for_each(|c| *c = -*c);
+            at += done;
+        }
+        write(self.layout.alpha, column, projection, target);
         true
     }
 
     /// Residual after elimination of everything linear, in `ws.target`; the columns stay in `ws.projection`.
     fn eliminate(&self, x: &[f64], ws: &mut StaticWorkspace) -> bool {
         let Some(shape) = self.shape(x) else { return false };
-        let mut at = 0;
-        for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
-            let here = &mut ws.target[at..at + record.scored.len()];
-            for (t, &k) in here.iter_mut().zip(&record.scored) {
-                *t = record.output[k];
-            }
-            nuisance.project(here);
-            at += record.scored.len();
-        }
+        ws.target.copy_from_slice(&self.target);
         ws.projection.clear();
         let done = self.columns(&shape, ws, |role, column, projection, target| match role.value(x) {
             Some(value) => target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c),
@@ -201,15 +220,7 @@ impl StaticProblem {
         }
         // Coefficients of the projected columns, against the target with the known columns taken off.
         let mut known = self.workspace();
-        let mut measured = Vec::with_capacity(self.residuals);
-        for record in &self.records {
-            measured.extend(record.scored.iter().map(|&k| record.output[k]));
-        }
-        let mut at = 0;
-        for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
-            nuisance.project(&mut measured[at..at + record.scored.len()]);
-            at += record.scored.len();
-        }
+        let mut measured = self.target.clone();
         let mut roles = Vec::new();
         self.columns(&shape, &mut known, |role, column, _, _| {
             roles.push(role);
@@ -252,6 +263,41 @@ pub(super) fn simulate(record: &StaticRecord, solution: &StaticSolution) -> Opti
     Some(v.split_off(record.prologue))
 }
 
+/// Delays and lags `signal`, which rested at `rest`, and writes its scored samples without nuisance to the front of
+/// `column`; returns how many they are.
+fn finish(
+    record: &StaticRecord,
+    nuisance: &Projection,
+    (delay_s, lag_s): (f64, f64),
+    rest: f64,
+    signal: &mut [f64],
+    column: &mut [f64],
+) -> usize {
+    if let Some(rate) = record.sample_rate_hz {
+        shift(signal, rest, delay_s * rate);
+        lag(signal, rest, lag_s * rate);
+    }
+    let column = &mut column[..record.scored.len()];
+    for (c, &k) in column.iter_mut().zip(&record.scored) {
+        *c = signal[record.prologue + k];
+    }
+    nuisance.project(column);
+    column.len()
+}
+
+/// u, u², … up to `degree`.
+fn powers(u: &[f64], degree: usize) -> Vec<Vec<f64>> {
+    let mut powers: Vec<Vec<f64>> = Vec::with_capacity(degree);
+    for _ in 0..degree {
+        let next = match powers.last() {
+            Some(last) => last.iter().zip(u).map(|(p, u)| p * u).collect(),
+            None => u.to_vec(),
+        };
+        powers.push(next);
+    }
+    powers
+}
+
 /// ln(1 + t / 1 s) of sample `k`; without a sample rate, over the record's length.
 fn creep_at(record: &StaticRecord, k: usize) -> f64 {
     match record.sample_rate_hz {
@@ -265,9 +311,11 @@ pub(super) fn lag(x: &mut [f64], before: f64, samples: f64) {
     if samples <= 0.0 {
         return;
     }
+    let gain = 1.0 / (2.0 * samples + 1.0);
+    let decay = (2.0 * samples - 1.0) * gain;
     let (mut previous, mut state) = (before, before);
     for x in x.iter_mut() {
-        state = ((2.0 * samples - 1.0) * state + *x + previous) / (2.0 * samples + 1.0);
+        state = decay * state + gain * (*x + previous);
         previous = *x;
         *x = state;
     }
@@ -284,9 +332,9 @@ impl Problem for StaticProblem {
         let longest = self.records.iter().map(|r| r.input.len()).max().unwrap_or(0);
         StaticWorkspace {
             zeta: vec![0.0; longest],
-            column: vec![0.0; self.residuals],
-            target: vec![0.0; self.residuals],
-            projection: Projection::new(self.residuals, self.layout.polynomial.len() + 1),
+            column: vec![0.0; self.target.len()],
+            target: vec![0.0; self.target.len()],
+            projection: Projection::new(self.target.len(), self.layout.polynomial.len() + 1),
         }
     }
 
@@ -301,7 +349,7 @@ impl Problem for StaticProblem {
 
 impl LeastSquaresProblem for StaticProblem {
     fn residual_count(&self) -> usize {
-        self.residuals
+        self.target.len()
     }
 
     fn residuals(&self, x: &[f64], ws: &mut StaticWorkspace, out: &mut [f64]) -> bool {

@@ -4,6 +4,7 @@
 //! than white ones (the integrated autocorrelation time of the residual): a two-step fit leaves structured residuals,
 //! and the white-noise formula would be far too optimistic.
 
+use crate::numeric::fft::{RealFft, fast_length};
 use crate::optimize::LeastSquaresProblem;
 use nalgebra::{DMatrix, DVector};
 
@@ -63,18 +64,27 @@ pub(super) fn covariance<P: LeastSquaresProblem>(problem: &P, x: &[f64]) -> Opti
 /// 1 + 2 Σ ρ_k of a series, summed up to the first ρ_k ≤ 0 or a tenth of the series (Geyer's initial positive sequence, doi:10.1214/ss/1177011137,
 /// in its simplest form): the number of samples that carry the information of one independent sample. At least 1.
 pub(super) fn correlation_time(e: &[f64]) -> f64 {
-    let power: f64 = e.iter().map(|x| x * x).sum();
-    if power == 0.0 {
+    let products = autocorrelation(e);
+    let power = products.first().copied().unwrap_or(0.0);
+    if power <= 0.0 {
         return 1.0;
     }
-    let mut time = 1.0;
-    for lag in 1..e.len() / 10 {
-        let rho = e.iter().zip(&e[lag..]).map(|(a, b)| a * b).sum::<f64>() / power;
-        if rho <= 0.0 {
-            break;
-        }
-        time += 2.0 * rho;
-    }
+    let lags = products.iter().take(e.len() / 10).skip(1);
+    1.0 + lags.map(|product| 2.0 * product / power).take_while(|&share| share > 0.0).sum::<f64>()
+}
+
+/// Σ_i e_i e_{i+k} for k = 0 … N − 1, by the power spectrum of the series
+/// followed by as many zeros.
+fn autocorrelation(e: &[f64]) -> Vec<f64> {
+    let fft = RealFft::new(fast_length(2 * e.len()));
+    let mut time = fft.forward.make_input_vec();
+    let mut spectrum = fft.forward.make_output_vec();
+    time[..e.len()].copy_from_slice(e);
+    // All lengths come from the plan, so the transforms cannot refuse them.
+    let _ = fft.forward.process(&mut time, &mut spectrum);
+    let scale = 1.0 / fft.len() as f64;
+    spectrum.iter_mut().for_each(|bin| *bin = (bin.norm_sqr() * scale).into());
+    let _ = fft.inverse.process(&mut spectrum, &mut time);
     time
 }
 
