@@ -1,5 +1,7 @@
 //! What is answered.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::stopwatch::Timing;
@@ -28,6 +30,8 @@ pub enum Answer {
         seconds: f64,
         /// The searches of the two steps.
         searches: Vec<Search>,
+        /// Evaluations of every search, the small ones that choose a structure among them.
+        evaluations: BTreeMap<String, usize>,
         /// RMSE of every record \[µm\].
         rmse_um: Vec<f64>,
         /// Parameters by name.

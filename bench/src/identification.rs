@@ -1,13 +1,15 @@
 //! The article's identification on records of the simulated bench.
 
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hysteron::bench_rig::{CampaignPlan, Role, Truth, run_campaign};
 use hysteron::identify::{
-    CampaignRecord, Choice, DynamicsChoice, Options, RecordRole, Unwatched, identify_two_step,
+    CampaignRecord, Choice, DynamicsChoice, Options, RecordRole, Searches, Watcher, identify_two_step,
 };
-use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions};
+use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions, Progress};
 use hysteron::record::{InputOutput, TimeBase};
 use serde::Deserialize;
 
@@ -43,6 +45,17 @@ pub fn write_campaign(directory: &Path, seed: u64) -> Result<Answer, BenchError>
     Ok(Answer::Done)
 }
 
+/// Counts the evaluations of every search, the small ones that choose a structure among them.
+#[derive(Default)]
+struct Counter(BTreeMap<String, usize>);
+
+impl Watcher for Counter {
+    fn progress(&mut self, step: &str, progress: &Progress<'_>, _: &dyn Fn() -> Searches) -> ControlFlow<()> {
+        self.0.insert(step.to_owned(), progress.evaluations);
+        ControlFlow::Continue(())
+    }
+}
+
 impl Request {
     /// Identifies: degree 2 and n = 1 as in the article, no delay, orders and coefficients at once.
     pub fn run(&self) -> Result<Answer, BenchError> {
@@ -71,7 +84,8 @@ impl Request {
             ..Options::default()
         };
         let start = Instant::now();
-        let found = identify_two_step(&campaign, &options, &mut Unwatched, None)?;
+        let mut counter = Counter::default();
+        let found = identify_two_step(&campaign, &options, &mut counter, None)?;
         let seconds = start.elapsed().as_secs_f64();
         let searches = found.searches.iter().map(|search| Search {
             step: search.step.clone(),
@@ -83,6 +97,7 @@ impl Request {
         Ok(Answer::Identified {
             seconds,
             searches: searches.collect(),
+            evaluations: counter.0,
             rmse_um: found.records.iter().map(|record| record.scores.rmse).collect(),
             parameters: found.parameters.into_iter().map(|p| (p.name, p.value)).collect(),
         })

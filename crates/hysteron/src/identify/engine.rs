@@ -102,7 +102,12 @@ impl<'a> Engine<'a> {
         problem: &P,
         starts: Vec<Vec<f64>>,
     ) -> Result<Search, IdentifyError> {
-        let options = LeastSquaresOptions { starts: starts.len().max(1), ..Default::default() };
+        let options = LeastSquaresOptions {
+            starts: starts.len().max(1),
+            // Structures are told apart by far larger differences.
+            cost_tolerance: 1e-8,
+            ..Default::default()
+        };
         self.run(step, problem, &Algorithm::LeastSquares(options), starts)
     }
 

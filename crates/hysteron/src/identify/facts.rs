@@ -17,7 +17,7 @@ pub(super) struct RecordFacts {
     pub(super) data: InputOutput,
     pub(super) periods: Option<Periods>,
     /// Shortest time between two reversals of the drive, in samples.
-    shortest_swing: usize,
+    pub(super) shortest_swing: usize,
 }
 
 impl RecordFacts {

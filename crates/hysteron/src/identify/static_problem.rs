@@ -32,6 +32,22 @@ pub(super) struct StaticRecord {
     pub(super) creep: bool,
 }
 
+impl StaticRecord {
+    /// Every `factor`-th sample, the first one included; the prologue must be a multiple of `factor`.
+    pub(super) fn thinned(self, factor: usize) -> Self {
+        let factor = factor.max(1);
+        let every = |x: &[f64]| x.iter().copied().step_by(factor).collect();
+        Self {
+            input: every(&self.input),
+            prologue: self.prologue / factor,
+            output: every(&self.output),
+            scored: self.scored.iter().filter(|&k| k % factor == 0).map(|k| k / factor).collect(),
+            sample_rate_hz: self.sample_rate_hz.map(|rate| rate / factor as f64),
+            ..self
+        }
+    }
+}
+
 /// Roles of the parameters of the static step.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct StaticLayout {

@@ -166,7 +166,7 @@ pub(super) fn choose_start(
         }
         let sampled = facts.data.sample_rate_hz().is_some();
         let shift = Shift { delay: sampled, lag: sampled };
-        let records = [prepare(facts, &start, 0)?];
+        let records = [prepare(facts, &start, 0)?.thinned(thinning(facts))];
         let free = Options {
             degree: Choice::Auto,
             n: Choice::Given(1.0),
@@ -187,6 +187,14 @@ pub(super) fn choose_start(
         }
     }
     Ok(best.1)
+}
+
+/// Every how many samples tell a start from another as well as all do: some thousand samples, a hundred a swing, a whole
+/// number of them a period.
+fn thinning(facts: &RecordFacts) -> usize {
+    let most = (facts.data.u.len() / 4000).min(facts.shortest_swing / 100).max(1);
+    let period = facts.period_samples().unwrap_or(0);
+    (1..=most).rev().find(|factor| period % factor == 0).unwrap_or(1)
 }
 
 fn prepare(facts: &RecordFacts, start: &Start, left_out: usize) -> Result<StaticRecord, IdentifyError> {

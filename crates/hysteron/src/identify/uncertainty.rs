@@ -112,6 +112,16 @@ mod tests {
     use super::*;
     use crate::optimize::{Bounds, Problem, Range};
 
+    #[test]
+    fn autocorrelation_is_the_sum_of_products() {
+        let e: Vec<f64> = (0..77).map(|k| f64::from(k * k % 23) - 11.0).collect();
+        let products = autocorrelation(&e);
+        for lag in 0..e.len() {
+            let direct: f64 = e.iter().zip(&e[lag..]).map(|(a, b)| a * b).sum();
+            assert!((products[lag] - direct).abs() < 1e-10, "{lag}: {} {direct}", products[lag]);
+        }
+    }
+
     /// r = a + b t − y.
     struct Line {
         t: Vec<f64>,
