@@ -34,6 +34,10 @@ pub enum Answer {
         evaluations: BTreeMap<String, usize>,
         /// RMSE of every record \[µm\].
         rmse_um: Vec<f64>,
+        /// Search box of each step: name, low, high, whether logarithmic.
+        boxes: Vec<Vec<(String, f64, f64, bool)>>,
+        /// How each record was taken to start.
+        starts: Vec<String>,
         /// Parameters by name.
         parameters: Vec<(String, f64)>,
     },

@@ -29,6 +29,9 @@ pub enum BenchError {
     /// Simulation before its plan.
     #[error("no simulation is planned: ask for 'plan_fractional' first")]
     NotPlanned,
+    /// A scheme by a name that is none.
+    #[error("no such scheme: tustin, grunwald-letnikov, bdf2 or band-limited")]
+    Scheme,
     /// A record of the campaign is missing in memory.
     #[error("the simulated bench made no {0} record")]
     NoRecord(&'static str),

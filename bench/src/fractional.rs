@@ -24,9 +24,11 @@ pub struct Fractional {
 }
 
 impl Fractional {
-    /// Plans the simulation from zero with the default scheme.
-    pub fn new(input: Vec<f64>) -> Result<Self, BenchError> {
-        let plan = SimulationPlan::new(input.len(), SAMPLE_RATE_HZ, Scheme::Tustin, InitialCondition::Zero)?;
+    /// Plans the simulation from zero with the scheme of this name.
+    pub fn new(input: Vec<f64>, scheme: &str) -> Result<Self, BenchError> {
+        let scheme = Scheme::ALL.into_iter().find(|s| s.name() == scheme);
+        let scheme = scheme.ok_or(BenchError::Scheme)?;
+        let plan = SimulationPlan::new(input.len(), SAMPLE_RATE_HZ, scheme, InitialCondition::Zero)?;
         let spectrum = plan.transform(&input)?;
         let (workspace, output) = (plan.workspace(), vec![0.0; input.len()]);
         let transfer_function = TransferFunction::article_eq13();

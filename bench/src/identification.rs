@@ -99,6 +99,12 @@ impl Request {
             searches: searches.collect(),
             evaluations: counter.0,
             rmse_um: found.records.iter().map(|record| record.scores.rmse).collect(),
+            boxes: found
+                .bounds
+                .iter()
+                .map(|b| b.ranges.iter().map(|r| (r.name.clone(), r.low, r.high, r.logarithmic)).collect())
+                .collect(),
+            starts: found.records.iter().map(|record| format!("{:?}", record.start)).collect(),
             parameters: found.parameters.into_iter().map(|p| (p.name, p.value)).collect(),
         })
     }

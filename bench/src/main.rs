@@ -24,7 +24,7 @@ use serde::Deserialize;
 #[serde(tag = "task", rename_all = "snake_case", deny_unknown_fields)]
 enum Request {
     /// Plans the simulation of Eq. 13 over the input in a file.
-    PlanFractional { input: PathBuf },
+    PlanFractional { input: PathBuf, scheme: String },
     /// Simulates: both transforms.
     Simulate { repetitions: usize },
     /// Simulates with the input transformed before.
@@ -41,8 +41,8 @@ enum Request {
 
 fn serve(request: Request, fractional: &mut Option<Fractional>) -> Result<Answer, BenchError> {
     match request {
-        Request::PlanFractional { input } => {
-            let plan = Fractional::new(signal_file::read(&input)?)?;
+        Request::PlanFractional { input, scheme } => {
+            let plan = Fractional::new(signal_file::read(&input)?, &scheme)?;
             let answer = plan.answer();
             *fractional = Some(plan);
             Ok(answer)

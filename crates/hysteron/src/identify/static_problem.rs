@@ -41,7 +41,7 @@ impl StaticRecord {
             input: every(&self.input),
             prologue: self.prologue / factor,
             output: every(&self.output),
-            scored: self.scored.iter().filter(|&k| k % factor == 0).map(|k| k / factor).collect(),
+            scored: self.scored.iter().filter(|&k| k.is_multiple_of(factor)).map(|k| k / factor).collect(),
             sample_rate_hz: self.sample_rate_hz.map(|rate| rate / factor as f64),
             ..self
         }

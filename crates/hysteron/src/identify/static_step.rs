@@ -194,7 +194,7 @@ pub(super) fn choose_start(
 fn thinning(facts: &RecordFacts) -> usize {
     let most = (facts.data.u.len() / 4000).min(facts.shortest_swing / 100).max(1);
     let period = facts.period_samples().unwrap_or(0);
-    (1..=most).rev().find(|factor| period % factor == 0).unwrap_or(1)
+    (1..=most).rev().find(|&factor| period.is_multiple_of(factor)).unwrap_or(1)
 }
 
 fn prepare(facts: &RecordFacts, start: &Start, left_out: usize) -> Result<StaticRecord, IdentifyError> {

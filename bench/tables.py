@@ -1,0 +1,133 @@
+"""The results as Markdown."""
+
+
+def ms(seconds):
+    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def fractional(result):
+    times = result["times"]
+
+    def row(text, ours, peer, difference):
+        o, p = times[ours], times[peer]
+        return [
+            text, f"{ms(o['min_s'])} ({ms(o['median_s'])})", f"{ms(p['min_s'])} ({ms(p['median_s'])})",
+            f"**{p['min_s'] / o['min_s']:.3g} ×** ({p['median_s'] / o['median_s']:.3g} ×)",
+            f"{result['agreement'][difference]:.0e}",
+        ]
+
+    head = ["peer", "hysteron: best (median)", "peer: best (median)", "ratio", "largest difference / largest output"]
+    rows = [
+        row("numpy + scipy.fft, one FFT pair", "hysteron pair", "numpy pair", "numpy pair"),
+        row("numpy + scipy.fft, input transform kept", "hysteron kept", "numpy kept", "numpy kept"),
+        row("numba G(s) + scipy.fft, one FFT pair", "hysteron pair", "numba pair", "numba pair"),
+        row("numba G(s) + scipy.fft, input transform kept", "hysteron kept", "numba kept", "numba kept"),
+        row("numba O(N²) recursion, fast-math, merged kernel (Grünwald–Letnikov)",
+            "hysteron pair, Grünwald-Letnikov", "numba recursion", "numba recursion"),
+    ]
+    text = table(head, rows)
+    runs = times["hysteron pair"]["runs"]
+    return f"{text}\n\nAllocations of hysteron in {2 * runs} evaluations: {result['allocations']}."
+
+
+def scaling(rows):
+    from math import log2
+
+    def row(r):
+        n, t = r["samples"], r["times"]
+        pair, kept, peer = (t[name]["min_s"] for name in ("hysteron pair", "hysteron kept", "numpy pair"))
+        length = r["transform_length"]
+        return [
+            f"{n:,}".replace(",", " "), ms(pair), f"{1e9 * pair / n:.1f}", f"{1e9 * pair / (n * log2(length)):.2f}",
+            ms(kept), ms(peer), f"{peer / pair:.3g} ×", r["allocations"],
+        ]
+
+    head = ["N", "one FFT pair", "ns per sample", "ns per sample and log₂ L", "input transform kept", "numpy + scipy.fft, pair",
+            "ratio", "allocations"]
+    return table(head, [row(r) for r in rows])
+
+
+def bouc_wen(rows):
+    def cost(entry):
+        if entry["substeps"] is None:
+            return "not reached"
+        return f"{entry['ns_per_sample']:.3g} ns ({entry['substeps']})"
+
+    def row(r):
+        ours = r["hysteron"]["ns_per_sample"]
+        closed = r.get("numba closed form")
+        euler = r["numba Euler to 1e-6"]["ns_per_sample"]
+        return [
+            f"{r['n']:g}", r["samples_per_period"], f"**{ours:.3g} ns**", f"{r['hysteron']['error']:.0e}",
+            f"{r['numba Euler']['ns_per_sample']:.3g} ns", f"{r['numba Euler']['error']:.1e}",
+            cost(r["numba Euler to 1e-3"]), cost(r["numba Euler to 1e-6"]),
+            "" if euler is None else f"{euler / ours:.3g} ×",
+            cost(r["numba Runge-Kutta 4 to 1e-6"]), f"{closed['ns_per_sample']:.3g} ns" if closed else "",
+        ]
+
+    head = ["n", "samples a period", "hysteron, exact", "its error", "Euler, 1 step a sample", "its error",
+            "Euler to 1e-3 (sub-steps)", "Euler to 1e-6 (sub-steps)", "Euler to 1e-6 / hysteron",
+            "Runge–Kutta 4 to 1e-6 (sub-steps)", "numba closed form"]
+    text = table(head, [row(r) for r in rows])
+    return (f"{text}\n\nTimes are per sample; errors are the largest over 14 periods, as a share of the stroke, against "
+            "scipy's DOP853 at 1e-12.")
+
+
+def identification(result):
+    ours = [name for name in result if name.startswith("hysteron")]
+    scipy = result["scipy"]
+    rows = []
+    for name in ours:
+        r = result[name]
+        evaluations = " + ".join(str(s["evaluations"]) for s in r["searches"])
+        cost = " / ".join(f"{s['cost']:.4f}" for s in r["searches"])
+        rows.append([name, evaluations, f"{r['cpu_s']:.3g} s", f"{r['seconds']:.3g} s", cost])
+    rows.append([
+        "scipy differential evolution over numba and scipy.fft, 1 process",
+        " + ".join(str(n) for n in scipy["evaluations"]), f"{scipy['cpu_s']:.3g} s", "",
+        " / ".join(f"{c:.4f}" for c in scipy["cost"]),
+    ])
+    text = table(["", "evaluations, static + dynamic", "processor time", "wall clock", "RMSE, static / dynamic [µm]"], rows)
+    ratio = scipy["cpu_s"] / result["hysteron de-abc, 1 thread"]["cpu_s"]
+    least_squares = scipy["cpu_s"] / result["hysteron auto, 2 threads"]["cpu_s"]
+    return (f"{text}\n\nProcessor time, scipy over hysteron: **{ratio:.2g} ×** with DE-ABC on one thread, "
+            f"{least_squares:.2g} × with the default engine (least squares). hysteron's times include the choice of each "
+            "record's start, the standard errors and the scores; scipy's are the two searches alone, numba's compilation not "
+            "counted.")
+
+
+def markdown(result):
+    m = result["machine"]
+    return "\n\n".join([
+        f"Machine: {m['processor']}, {m['cores']} cores; Python {m['python']}, numpy {m['numpy']}, scipy {m['scipy']}, "
+        f"numba {m['numba']}. Load average {result['load_before']:.1f} before and {result['load_after']:.1f} after the run"
+        + (" (other programs were running: trust the ratios, and the best more than the median)."
+           if max(result["load_before"], result["load_after"]) > m["cores"] else "."),
+        f"### Fractional simulation: Eq. 13, 1–100 Hz chirp at 10 kHz, N = {result['fractional']['samples']}, one thread",
+        fractional(result["fractional"]),
+        "### Growth with the length of the record",
+        scaling(result["scaling"]),
+        "### Bouc–Wen simulation",
+        bouc_wen(result["bouc_wen"]),
+        f"### Identification: {result['identification']['generations']} generations of 50 for each step, "
+        "1 Hz loop and 10 s sweep at 10 kHz, full rate",
+        identification(result["identification"]),
+    ]) + "\n"
+
+
+BEGIN = "<!-- results of the last `make bench`: written by bench/tables.py -->"
+END = "<!-- end of results -->"
+
+
+def write_into(page, text):
+    """Puts the tables between the marks of a page."""
+    whole = page.read_text()
+    if BEGIN not in whole or END not in whole:
+        raise SystemExit(f"error: {page} has no place for the tables\n  try: put the lines '{BEGIN}' and '{END}' into it")
+    head, tail = whole.split(BEGIN, 1)[0], whole.split(END, 1)[1]
+    page.write_text(f"{head}{BEGIN}\n{text}{END}{tail}")
