@@ -223,6 +223,25 @@ fn threads_do_not_change_the_result() {
 }
 
 #[test]
+fn the_start_of_a_long_record_is_told_from_part_of_its_samples() {
+    let rate = 4000.0;
+    let u: Vec<f64> = (0..12_000).map(|k| 5.0 + 5.0 * (TAU * k as f64 / rate).sin()).collect();
+    for start in [Start::Settled { period_samples: 4000 }, Start::Rest { voltage_v: 0.0 }] {
+        let y = truth(Dynamics::None, 0.0).simulate(&u, Some(rate), &start).unwrap();
+        let options = Options {
+            dynamics: DynamicsChoice::None,
+            degree: Choice::Given(2),
+            delay_s: Choice::Given(0.0),
+            ..Options::default()
+        };
+        let campaign = [record("loop", rate, u.clone(), y)];
+        let found = identify_two_step(&campaign, &options, &mut Unwatched, None).unwrap();
+        assert_eq!(found.records[0].start, start);
+        assert!(found.records[0].scores.rmse < 1e-6, "{start:?}: {}", found.records[0].scores.rmse);
+    }
+}
+
+#[test]
 fn demands_are_honoured() {
     let mut options = Options { degree: Choice::Given(2), ..Options::default() };
     options.demands.fixed = vec![("gamma".into(), 0.1)];
