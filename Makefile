@@ -47,8 +47,11 @@ article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, fi
 bench: check-toolchain ## speed, side by side with the peers, which this installs into bench/.venv
 	bench/run.sh
 
-figures: check-toolchain ## the pictures of the README, made by the program
-	cargo run --release --locked -p hysteron-cli -- identify $(RECORD) -o $(OUT)/model.json --report $(OUT)/report.html --figures docs/figures
+figures: $(HYSTERON) ## the pictures of README and docs, made by the program
+	@mkdir -p $(OUT) docs/figures
+	$(HYSTERON) identify $(RECORD) -o $(OUT)/model.json --figures $(OUT)/figures
+	cp $(OUT)/figures/figure-*-hysteresis-loop-*.svg docs/figures/hysteresis-loop.svg
+	cp $(OUT)/figures/figure-*-start-of-the-record-*.svg docs/figures/start-from-rest.svg
 
 FORCE:
 

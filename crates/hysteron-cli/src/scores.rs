@@ -1,5 +1,8 @@
 //! Scores of records as JSON that others rely on, and as a table.
 
+use std::collections::HashSet;
+use std::path::Path;
+
 use comfy_table::Table;
 use hysteron::record::{InputOutput, Unit};
 use hysteron::validate::{CorrelationTest, Definition, Scores, definitions};
@@ -43,6 +46,28 @@ impl Scored {
         Scored { unit, ..self }
     }
 
+    /// The scores shown, in their order.
+    fn values(&self) -> Vec<String> {
+        let s = &self.scores;
+        let ratio = |x: Option<f64>, digits: usize| {
+            x.map_or("-".to_owned(), |x| format!("{x:.digits$}").replace('-', "−"))
+        };
+        // What is left of the model's own offset after rounding is no offset.
+        let offset = if s.offset.abs() < 1e-9 * s.stroke { 0.0 } else { s.offset };
+        vec![
+            s.samples.to_string(),
+            s.skipped_samples.to_string(),
+            significant(offset, 4),
+            significant(s.rmse, 4),
+            significant(s.max_abs_error, 4),
+            ratio(s.rmse_percent_of_stroke, 3),
+            ratio(s.max_percent_of_stroke, 3),
+            ratio(s.fit_percent, 2),
+            ratio(s.relative_error, 5),
+            ratio(s.loop_width_error_percent, 3),
+        ]
+    }
+
     /// What the residual tests found, in a sentence; `None` for a record too short for them.
     pub fn residual_tests(&self) -> Option<String> {
         let outside = |test: &CorrelationTest| {
@@ -83,39 +108,54 @@ impl Serialize for Scored {
     }
 }
 
-/// The table for people, a row a record.
+/// Records up to which the table has a column a record: it then fits a narrow terminal.
+const SIDE_BY_SIDE: usize = 3;
+
+/// The table for people: a column a record for a few records, a row a record for more.
 pub fn table(records: &[Scored]) -> Table {
-    let header: Vec<String> = shown()
-        .map(|d| match d.unit {
-            "output" | "1" => d.name.to_owned(),
-            unit => format!("{} [{unit}]", d.name),
+    let one_unit = records.windows(2).all(|pair| pair[0].unit == pair[1].unit);
+    let unit = records.first().map(|r| r.unit.to_string()).filter(|unit| one_unit && !unit.is_empty());
+    let mut metrics: Vec<String> = shown()
+        .map(|d| match (d.unit, &unit) {
+            ("output", Some(unit)) => format!("{} [{unit}]", d.name),
+            ("output" | "1", _) => d.name.to_owned(),
+            (unit, _) => format!("{} [{unit}]", d.name),
         })
         .collect();
-    let mut columns = vec!["record", "unit"];
-    columns.extend(header.iter().map(String::as_str));
-    let mut table = console::table(&columns);
-    for r in records {
-        let s = &r.scores;
-        let ratio = |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
-        table.add_row([
-            r.record.clone(),
-            r.unit.to_string(),
-            s.samples.to_string(),
-            s.skipped_samples.to_string(),
-            significant(s.offset, 4),
-            significant(s.rmse, 4),
-            significant(s.max_abs_error, 4),
-            ratio(s.rmse_percent_of_stroke, 3),
-            ratio(s.max_percent_of_stroke, 3),
-            ratio(s.fit_percent, 2),
-            ratio(s.relative_error, 5),
-            ratio(s.loop_width_error_percent, 3),
-        ]);
+    let mut values: Vec<Vec<String>> = records.iter().map(Scored::values).collect();
+    if !one_unit {
+        metrics.push("unit".to_owned());
+        values.iter_mut().zip(records).for_each(|(values, r)| values.push(r.unit.to_string()));
+    }
+    let names = names(records);
+    if records.len() > SIDE_BY_SIDE {
+        let header: Vec<&str> = std::iter::once("record").chain(metrics.iter().map(String::as_str)).collect();
+        let mut table = console::table(&header);
+        for (name, values) in names.into_iter().zip(values) {
+            table.add_row(std::iter::once(name.to_owned()).chain(values));
+        }
+        return table;
+    }
+    let header: Vec<&str> = std::iter::once("score").chain(names).collect();
+    let mut table = console::table(&header);
+    for (row, metric) in metrics.into_iter().enumerate() {
+        let cells = values.iter().map(|values| values[row].clone());
+        table.add_row(std::iter::once(metric).chain(cells));
     }
     table
 }
 
-/// What the columns of the table mean, a line each.
+/// File names where they tell the records apart, else the paths as given.
+fn names(records: &[Scored]) -> Vec<&str> {
+    let short: Vec<&str> = records
+        .iter()
+        .map(|r| Path::new(&r.record).file_name().and_then(|name| name.to_str()).unwrap_or(&r.record))
+        .collect();
+    let distinct: HashSet<&str> = short.iter().copied().collect();
+    if distinct.len() == records.len() { short } else { records.iter().map(|r| r.record.as_str()).collect() }
+}
+
+/// What the scores of the table mean, a line each.
 pub fn explanation() -> String {
     let line = |d: &Definition| {
         format!("{} [{}]: {}\n", d.name, if d.unit == "output" { "unit" } else { d.unit }, d.meaning)
@@ -125,4 +165,43 @@ pub fn explanation() -> String {
 
 fn shown() -> impl Iterator<Item = &'static Definition> {
     SHOWN.iter().filter_map(|key| definitions().iter().find(|d| d.key == *key))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+mod tests {
+    use super::*;
+    use hysteron::record::{Source, TimeBase};
+    use hysteron::validate::{Scoring, score};
+
+    fn scored(path: &str) -> Scored {
+        let (u, y) = (vec![0.0, 1.0, 2.0, 1.0, 0.0], vec![0.0, 2.0, 5.0, 3.0, 0.5]);
+        let mut data = InputOutput::new("r", TimeBase::uniform(10.0), u, y).unwrap();
+        let scores = score(&data, &[0.0, 2.1, 4.8, 3.0, 0.5], &Scoring::default()).unwrap();
+        data.source = Some(Source { path: path.into(), sha256: String::new() });
+        Scored::new(&data, scores)
+    }
+
+    #[test]
+    fn a_few_records_stand_side_by_side_and_many_in_rows() {
+        let text = table(&[scored("a/x.csv"), scored("b/y.csv")]).to_string();
+        assert!(text.starts_with("| score "), "{text}");
+        assert!(text.contains("RMSE [µm]") && text.contains("x.csv") && !text.contains("a/x.csv"), "{text}");
+        let many: Vec<Scored> = ["p.csv", "q.csv", "r.csv", "s.csv"].iter().map(|p| scored(p)).collect();
+        let text = table(&many).to_string();
+        assert!(text.starts_with("| record "), "{text}");
+        assert_eq!(text.lines().count(), 6, "{text}");
+    }
+
+    #[test]
+    fn records_of_one_name_are_told_apart_by_their_folders() {
+        let text = table(&[scored("a/x.csv"), scored("b/x.csv")]).to_string();
+        assert!(text.contains("a/x.csv") && text.contains("b/x.csv"), "{text}");
+    }
+
+    #[test]
+    fn records_of_different_units_name_them_in_a_row() {
+        let text = table(&[scored("x.csv"), scored("y.csv").in_unit(Unit::new("urad"))]).to_string();
+        assert!(!text.contains("RMSE [µm]") && text.contains("| unit ") && text.contains("µrad"), "{text}");
+    }
 }

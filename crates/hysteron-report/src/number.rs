@@ -48,7 +48,8 @@ pub fn with_std_error(value: f64, std_error: Option<f64>) -> (String, String) {
         _ => return (significant(value, 5), String::new()),
     };
     let last = rounded_exponent(error, 2) - 1;
-    let top = if value == 0.0 { last } else { rounded_exponent(value, 17).max(last) };
+    // A value lost in its error has the error's power of ten.
+    let top = if value == 0.0 { last + 1 } else { rounded_exponent(value, 17).max(last + 1) };
     if PLAIN.contains(&top) && last >= -12 {
         let decimals = (-last).max(0) as usize;
         return (fixed(value, decimals), significant(error, 2));
@@ -98,6 +99,7 @@ mod tests {
         assert_eq!(with_std_error(-1.2039, Some(0.00096)), ("−1.20390".into(), "0.00096".into()));
         assert_eq!(with_std_error(5.4955e9, Some(1.2e6)), ("5.4955 × 10⁹".into(), "0.0012 × 10⁹".into()));
         assert_eq!(with_std_error(0.0, Some(0.1)), ("0.00".into(), "0.10".into()));
+        assert_eq!(with_std_error(0.0, Some(6.4e-5)), ("0.0 × 10⁻⁵".into(), "6.4 × 10⁻⁵".into()));
         assert_eq!(with_std_error(1.5, Some(f64::NAN)), ("1.5000".into(), String::new()));
     }
 }

@@ -139,14 +139,14 @@ impl Excite {
         })?;
         let written = Written::new(drive, &excitation);
         console::message(&format!(
-            "wrote {}: {}; {} samples, {} s, {} V to {} V, at most {:.4} V/s, crest factor {:.3}",
+            "wrote {}: {}; {} samples, {} s, {} V to {} V, at most {} V/s, crest factor {:.3}",
             written.file,
             written.description,
             written.samples,
             written.duration_s,
-            written.low_v,
-            written.high_v,
-            written.max_slew_v_per_s,
+            tidy(written.low_v),
+            tidy(written.high_v),
+            tidy(written.max_slew_v_per_s),
             written.crest_factor,
         ));
         if drive.json { console::json(&written) } else { Ok(()) }
@@ -186,4 +186,9 @@ impl<'a> Written<'a> {
             even_detection_hz: &excitation.even_detection_hz,
         }
     }
+}
+
+/// `value` to six significant digits, as short as that can be written.
+fn tidy(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
 }

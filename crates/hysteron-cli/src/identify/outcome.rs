@@ -4,6 +4,7 @@ use std::path::Path;
 
 use hysteron::identify::{FindingKind, Identification};
 use hysteron::model_file::ModelFile;
+use hysteron_report::number::with_std_error;
 use serde::Serialize;
 
 use crate::console;
@@ -82,17 +83,12 @@ fn kind_name(kind: FindingKind) -> &'static str {
 pub fn text(found: &Identification, file: &ModelFile) -> String {
     let mut parameters = console::table(&["block", "parameter", "value", "std. error", "unit"]);
     for p in &found.parameters {
-        let error = p.std_error.map_or("held".to_owned(), |e| format!("{e:.2e}"));
+        let (value, error) = with_std_error(p.value, p.std_error);
+        let error = if p.std_error.is_some() { error } else { "-".to_owned() };
         let unit = super::report::unit_of(p, file);
-        parameters.add_row([
-            p.block.to_owned(),
-            p.name.clone(),
-            format!("{:.6}", Shortest(p.value)),
-            error,
-            unit,
-        ]);
+        parameters.add_row([p.block.to_owned(), p.name.clone(), value, error, unit]);
     }
-    let mut text = format!("{parameters}\n\n{}\n", scores::table(&scored(found)));
+    let mut text = format!("{parameters}\n\n{}\n\n", scores::table(&scored(found)));
     for finding in &found.findings {
         text += &format!("{}: {}\n", kind_name(finding.kind), finding.text);
     }
@@ -100,20 +96,4 @@ pub fn text(found: &Identification, file: &ModelFile) -> String {
         text += &format!("data: {line}\n");
     }
     text
-}
-
-/// A number in plain or scientific form, whichever reads better.
-struct Shortest(f64);
-
-impl std::fmt::Display for Shortest {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = f.precision().unwrap_or(6);
-        let size = self.0.abs();
-        if size == 0.0 || (1e-3..1e6).contains(&size) {
-            let decimals = (digits as i32 - 1 - size.max(1e-3).log10().floor() as i32).max(0) as usize;
-            write!(f, "{:.decimals$}", self.0)
-        } else {
-            write!(f, "{:.*e}", digits.saturating_sub(1), self.0)
-        }
-    }
 }
