@@ -97,7 +97,7 @@ pub struct Identify {
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
 
-    /// Degree of the polynomial l[u]
+    /// Degree of the polynomial l(u)
     #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = degree)]
     degree: ChoiceArg<usize>,
 
