@@ -16,7 +16,7 @@ const CLOSED: f64 = 0.03;
 pub(super) struct RecordFacts {
     pub(super) data: InputOutput,
     pub(super) periods: Option<Periods>,
-    /// Shortest time between two reversals of the drive, in samples.
+    /// Shortest time between two reversals of the drive, in samples, but for a tenth of them.
     pub(super) shortest_swing: usize,
 }
 
@@ -25,7 +25,10 @@ impl RecordFacts {
         let periods = find_periods(&data).ok();
         let range = span(&data.u);
         let turns = turning_points(&data.u, SWING * range);
-        let shortest_swing = turns.windows(2).map(|w| w[1].index - w[0].index).min().unwrap_or(data.u.len());
+        let mut swings: Vec<usize> = turns.windows(2).map(|w| w[1].index - w[0].index).collect();
+        swings.sort_unstable();
+        // One in ten may be cut short by a start or an end.
+        let shortest_swing = swings.get(swings.len() / 10).copied().unwrap_or(data.u.len());
         Self { data, periods, shortest_swing: shortest_swing.max(1) }
     }
 
@@ -54,6 +57,20 @@ impl RecordFacts {
             gap <= CLOSED * span(x)
         };
         closes(&self.data.u) && closes(&self.data.y)
+    }
+
+    /// Samples before the drive first moves; 0 where that is within a few samples.
+    pub(super) fn samples_at_rest(&self) -> usize {
+        let u = &self.data.u;
+        let still = u.iter().take_while(|x| **x == u[0]).count();
+        if still > u.len() / 100 + 3 { still } else { 0 }
+    }
+
+    /// Whether the drive leaves its rest with a step of more than this share of its range.
+    pub(super) fn jumps_after_rest(&self, share: f64) -> bool {
+        let first = self.samples_at_rest();
+        let step = self.data.u.get(first).map_or(0.0, |x| (x - self.data.u[0]).abs());
+        step > share * self.range_v()
     }
 
     pub(super) fn whole_periods(&self) -> usize {

@@ -183,8 +183,8 @@ fn treatment(facts: &[RecordFacts], result: &Identification) -> Vec<String> {
             }
             if left_out > 0 {
                 list.push(format!(
-                    "{name}: its first {left_out} samples were left out of the fit, because a model without lag cannot \
-                     follow its start."
+                    "{name}: its first {left_out} samples (rest, or a start that a model without lag cannot follow) were left \
+                     out of the fit and its scores."
                 ));
             }
             quasi_static += 1;

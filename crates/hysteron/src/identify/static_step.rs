@@ -66,15 +66,8 @@ pub(super) fn identify_static(
         delay: sampled && jumps && !dynamics_follow && options.delay_s == Choice::Auto,
         lag: sampled && jumps && !dynamics_follow && lag_wanted,
     };
-    let left_out: Vec<usize> = records
-        .iter()
-        .zip(&starts)
-        .map(
-            |(facts, start)| {
-                if !shift.lag && jump_share(facts, start) > JUMP { facts.settling_samples() } else { 0 }
-            },
-        )
-        .collect();
+    let left_out: Vec<usize> =
+        records.iter().zip(&starts).map(|(facts, start)| left_out(facts, start, shift)).collect();
     let prepared: Vec<StaticRecord> = records
         .iter()
         .zip(&starts)
@@ -97,6 +90,14 @@ pub(super) fn identify_static(
         .ok_or(crate::optimize::OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
     let shift_searched = shift.delay || shift.lag;
     Ok(StaticStep { problem, layout, search, solution, starts, shift_searched, degrees, left_out })
+}
+
+/// Samples at the start of a record that say nothing about the static block: a rest before the drive moves (what the
+/// device remembers of earlier drive is unknown there), and a jump that only a model with lag can follow.
+fn left_out(facts: &RecordFacts, start: &Start, shift: Shift) -> usize {
+    let rest = facts.samples_at_rest();
+    let jumps = if rest > 0 { facts.jumps_after_rest(JUMP) } else { jump_share(facts, start) > JUMP };
+    if jumps && !shift.lag { rest + facts.settling_samples() } else { rest }
 }
 
 #[derive(Clone, Copy)]

@@ -15,6 +15,7 @@ use crate::hammerstein::{Model, Start};
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Problem, Settings};
+use crate::record::InputOutput;
 use crate::validate::{Scoring, score};
 
 /// Fewest valid samples of a usable record.
@@ -85,7 +86,7 @@ pub fn identify_two_step(
         let simulated = model.simulate_at_own_rate(&facts.data.u, facts.data.sample_rate_hz(), &start)?;
         let left_out =
             static_records.iter().position(|s| std::ptr::eq(*s, facts)).map_or(0, |i| step1.left_out[i]);
-        let scores = score(&facts.data, &simulated, &scoring(facts, left_out))?;
+        let scores = score(&without_first(&facts.data, left_out), &simulated, &Scoring::default())?;
         fits.push(RecordFit {
             data: facts.data.clone(),
             role: if follow || *role == RecordRole::QuasiStatic { *role } else { RecordRole::QuasiStatic },
@@ -291,14 +292,19 @@ fn assemble(
 fn settle_offset(model: &mut Model, step1: &StaticStep, first: &RecordFacts) -> Result<(), IdentifyError> {
     let simulated =
         model.simulate_at_own_rate(&first.data.u, first.data.sample_rate_hz(), &step1.starts[0])?;
-    model.offset += score(&first.data, &simulated, &scoring(first, step1.left_out[0]))?.offset;
+    let fitted = without_first(&first.data, step1.left_out[0]);
+    model.offset += score(&fitted, &simulated, &Scoring::default())?.offset;
     Ok(())
 }
 
-/// Scores as [`crate::validate`] does, without the samples that were left out of the fit.
-fn scoring(facts: &RecordFacts, left_out: usize) -> Scoring {
-    let skip_s = facts.data.sample_rate_hz().map_or(0.0, |rate| left_out as f64 / rate);
-    Scoring { skip_s, ..Scoring::default() }
+/// The record with its first samples masked: what was left out of the fit is left out of its scores.
+fn without_first(data: &InputOutput, left_out: usize) -> InputOutput {
+    let mut data = data.clone();
+    if left_out > 0 {
+        let mask = data.valid.get_or_insert_with(|| vec![true; data.u.len()]);
+        mask.iter_mut().take(left_out).for_each(|valid| *valid = false);
+    }
+    data
 }
 
 /// ARX from hysteresis output to displacement, on all dynamic records, orders by simulated error.
