@@ -4,19 +4,16 @@
 //! * [`Start`]: where an operator stands before the first sample.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away.
-//! * [`loop_sense`], [`loop_opening`]: which way round a loop runs and how wide it is, measured or simulated.
 
 mod admissibility;
 pub mod bouc_wen;
 mod error;
 mod inter_sample;
-mod loop_shape;
 
 pub use admissibility::Admissibility;
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use error::HysteresisError;
 pub use inter_sample::{InterSample, RecordEnds};
-pub use loop_shape::{LoopSense, loop_area, loop_opening, loop_sense};
 
 /// A rate-independent hysteresis operator.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,8 +5,8 @@ use super::options::{Choice, Options, RecordRole};
 use super::result::{Finding, FindingKind, Identification};
 use crate::dynamics::{Dynamics, Stability, stability};
 use crate::hammerstein::Start;
-use crate::hysteresis::{Hysteresis, LoopSense, loop_sense};
-use crate::record::turning_points;
+use crate::hysteresis::Hysteresis;
+use crate::record::{LoopSense, loop_shape, turning_points};
 
 /// A parameter whose standard error exceeds this share of its value is called undetermined.
 const UNDETERMINED: f64 = 0.5;
@@ -44,14 +44,14 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         facts.iter().zip(&result.records).filter(|(_, r)| r.role == RecordRole::QuasiStatic).collect();
 
     if let Some((_, fit)) = fitted_statically.first() {
-        let sense = match loop_sense(&fit.data.u, &fit.data.y) {
-            LoopSense::CounterClockwise => {
+        let sense = match loop_shape(&fit.data.u, &fit.data.y).and_then(|shape| shape.sense) {
+            Some(LoopSense::CounterClockwise) => {
                 "counter-clockwise: the output lags the input, as real actuators do"
             }
-            LoopSense::Clockwise => {
+            Some(LoopSense::Clockwise) => {
                 "clockwise: the output leads the input. Check the sign and the order of the channels"
             }
-            _ => "too narrow to have a sense",
+            None => "too narrow to have a sense",
         };
         say(FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
     }
