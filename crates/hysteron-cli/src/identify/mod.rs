@@ -16,8 +16,8 @@ use hysteron::identify::{
 };
 use hysteron::model_file::ModelFile;
 use hysteron::optimize::{
-    AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, Progress as SearchProgress,
-    PsoOptions,
+    AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError,
+    Progress as SearchProgress, PsoOptions, ResumeError,
 };
 use hysteron_report::identification::identification_report;
 use hysteron_report::{write_figures, write_page};
@@ -387,8 +387,23 @@ fn read_searches(path: &Path) -> Result<Searches, Failure> {
 
 /// The library's error with what to do about it.
 fn explain(error: &IdentifyError) -> Failure {
-    let failure = Failure::new("no model was identified").because(error);
+    const TITLE: &str = "no model was identified";
+    let failure = Failure::new(TITLE).because(error);
     match error {
+        IdentifyError::UnknownParameter { .. }
+        | IdentifyError::Demand { .. }
+        | IdentifyError::Option { .. } => Failure::usage(TITLE).because(error),
+        IdentifyError::Optimize(OptimizeError::Resume(error)) => {
+            let failure = Failure::new(TITLE).hint(
+                "resume with the records and options of the interrupted run; or leave --resume out and begin anew",
+            );
+            match error {
+                ResumeError::Problem { .. } => {
+                    failure.because("the interrupted searches are of other records or options")
+                }
+                error => failure.because(error),
+            }
+        }
         IdentifyError::ModelClass { .. } => failure.hint(
             "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 hands the model \
              out all the same",

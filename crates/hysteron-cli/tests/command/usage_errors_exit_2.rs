@@ -17,6 +17,10 @@ fn wrong_usage_exits_with_2_and_a_message() {
         ("validate model.json run.csv --no-such-flag", "unexpected argument '--no-such-flag'"),
         ("simulate model.json run.csv", "--out"),
         ("completions tcsh", "tcsh"),
+        ("identify run.csv", "--output-model"),
+        ("identify run.csv -o model.json --degree 12", "a whole number from 1 to 9"),
+        ("identify run.csv -o model.json --fix foo=1", "there is no parameter 'foo'"),
+        ("identify run.csv -o model.json --fix gamma", "expected NAME=VALUE"),
     ] {
         let run = bench.run(arguments);
         assert_eq!(run.exit_code, 2, "{arguments}: {run:?}");
