@@ -59,7 +59,16 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     if let Dynamics::Fractional(g) | Dynamics::Integer(g) = &result.model.dynamics {
         let text = match stability(g) {
             Stability::Stable => "Dynamic block: stable.".to_owned(),
-            other => format!("Dynamic block: {other:?}."),
+            Stability::Integrating { .. } => {
+                "Dynamic block: integrating, its gain at zero frequency is infinite; a constant input drives it away."
+                    .to_owned()
+            }
+            Stability::Marginal { frequency_hz } => {
+                format!("Dynamic block: undamped at {frequency_hz:.4} Hz, on the edge of stability.")
+            }
+            Stability::Unstable { poles } => {
+                format!("Dynamic block: unstable, {poles} pole(s) in the right half-plane. Do not use it.")
+            }
         };
         say(FindingKind::Verdict, "stability", text);
     }
@@ -99,17 +108,22 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             ),
         );
     }
-    for parameter in &result.parameters {
-        if let Some(error) = parameter.std_error.filter(|e| *e > UNDETERMINED * parameter.value.abs()) {
-            say(
-                FindingKind::Advice,
-                "precision",
-                format!(
-                    "{} = {:.3e} ± {error:.1e} (standard error) is poorly determined by these records.",
-                    parameter.name, parameter.value
-                ),
-            );
-        }
+    let poor: Vec<String> = result
+        .parameters
+        .iter()
+        .filter_map(|p| Some((p, p.std_error.filter(|e| *e > UNDETERMINED * p.value.abs())?)))
+        .map(|(p, error)| format!("{} ({} ± {})", p.name, short(p.value), short(error)))
+        .collect();
+    if !poor.is_empty() {
+        say(
+            FindingKind::Advice,
+            "precision",
+            format!(
+                "Poorly determined by these records (value ± standard error): {}. Do not read them as properties of the \
+                 device; the output is described by all parameters together.",
+                poor.join(", ")
+            ),
+        );
     }
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
@@ -119,9 +133,13 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                     FindingKind::Warning,
                     "search range",
                     format!(
-                        "{} = {x:.4e} ended on the edge of its search range {:.4e} … {:.4e}; widen it with --bound \
-                         {}=LOW:HIGH if the device may lie outside.",
-                        range.name, range.low, range.high, range.name
+                        "{} = {} ended on the edge of its search range {} … {}; widen it with --bound {}=LOW:HIGH if the \
+                         device may lie outside.",
+                        range.name,
+                        short(*x),
+                        short(range.low),
+                        short(range.high),
+                        range.name
                     ),
                 );
             }
@@ -208,6 +226,19 @@ fn amplitudes(facts: &RecordFacts) -> usize {
         }
     }
     count
+}
+
+/// Three significant digits, in plain or scientific form, whichever is shorter.
+fn short(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 {
+        "0".into()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+        format!("{x:.decimals$}")
+    } else {
+        format!("{x:.2e}")
+    }
 }
 
 fn min(x: &[f64]) -> f64 {

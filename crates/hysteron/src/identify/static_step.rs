@@ -9,7 +9,7 @@ use super::{IdentifyError, RecordFacts};
 use crate::hammerstein::Start;
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
-use crate::optimize::{Bounds, LeastSquaresProblem, Problem, Range};
+use crate::optimize::{Bounds, LeastSquaresProblem, OptimizeError, Problem, Range};
 
 /// Highest degree tried when the degree is chosen from the data: one loop cannot justify more.
 const HIGHEST_AUTOMATIC_DEGREE: usize = 5;
@@ -87,7 +87,7 @@ pub(super) fn identify_static(
     let search = engine.search(&format!("static block, degree {degree}"), &problem, guesses)?;
     let solution = problem
         .solve(&search.outcome.best)
-        .ok_or(crate::optimize::OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
+        .ok_or(OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
     let shift_searched = shift.delay || shift.lag;
     Ok(StaticStep { problem, layout, search, solution, starts, shift_searched, degrees, left_out })
 }
@@ -180,11 +180,11 @@ pub(super) fn choose_start(
         let (problem, layout) = setup.problem(3, true)?;
         let guesses = setup.guesses(&problem, &layout);
         let name = format!("start of {}, {index}", facts.data.name);
-        // A start that cannot be simulated is simply not the one.
-        if let Ok(search) = engine.quick_fit(&name, &problem, guesses)
-            && search.outcome.cost < best.0
-        {
-            best = (search.outcome.cost, start);
+        match engine.quick_fit(&name, &problem, guesses) {
+            Ok(search) if search.outcome.cost < best.0 => best = (search.outcome.cost, start),
+            // A start that cannot be simulated is simply not the one.
+            Ok(_) | Err(IdentifyError::Optimize(OptimizeError::NoFeasiblePoint { .. })) => {}
+            Err(other) => return Err(other),
         }
     }
     Ok(best.1)
