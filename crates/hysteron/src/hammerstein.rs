@@ -3,6 +3,7 @@
 //! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (SPEC §4). A delay commutes with rate-independent
 //! hysteresis, so it is applied to v, linearly between samples.
 
+use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Scheme, SimulationPlan};
 use crate::hysteresis::{self, Hysteresis, HysteresisError};
 use std::borrow::Cow;
@@ -122,7 +123,7 @@ impl Model {
         let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, start)?;
         self.check_sample_rate(sample_rate_hz)?;
         if let Some(rate) = sample_rate_hz {
-            shift(&mut v, rest, self.delay_s * rate);
+            delay_in_place(&mut v, self.delay_s * rate, rest);
         }
         let mut y = self.simulate_dynamics(v, rest, sample_rate_hz)?;
         y.drain(..prologue);
@@ -239,18 +240,4 @@ fn between(x: &[f64], at: f64) -> f64 {
     let next = (k + 1).min(x.len().saturating_sub(1));
     let fraction = (at - k as f64).clamp(0.0, 1.0);
     (1.0 - fraction) * x.get(k).copied().unwrap_or(0.0) + fraction * x.get(next).copied().unwrap_or(0.0)
-}
-
-/// Delays `x` in place by `samples` ≥ 0, linear between samples, `before` ahead of the first.
-pub(crate) fn shift(x: &mut [f64], before: f64, samples: f64) {
-    if samples <= 0.0 {
-        return;
-    }
-    let whole = samples.floor();
-    let fraction = samples - whole;
-    let whole = whole as usize;
-    for k in (0..x.len()).rev() {
-        let at = |back: usize| if k >= back { x[k - back] } else { before };
-        x[k] = (1.0 - fraction) * at(whole) + fraction * at(whole.saturating_add(1));
-    }
 }

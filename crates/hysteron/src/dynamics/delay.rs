@@ -72,18 +72,27 @@ pub fn delay_linear(
 ) -> Result<(), DynamicsError> {
     check_length("output", output.len(), signal.len())?;
     let shift = shift(delay_s, sample_rate_hz)?;
-    let whole = shift.floor();
-    let fraction = shift - whole;
-    let skip = (whole as usize).min(signal.len());
-    output[..skip].fill(before);
-    let mut last = before;
-    for (y, &x) in output[skip..].iter_mut().zip(signal) {
-        // The first sample is a jump from `before` only where the signal does not start from it; the straight
-        // line then runs from `before`, one sample earlier.
-        *y = x + fraction * (last - x);
-        last = x;
-    }
+    output.copy_from_slice(signal);
+    delay_in_place(output, shift, before);
     Ok(())
+}
+
+/// Delays `x` by `samples` ≥ 0 in place, on straight lines between samples; the first line runs from `before`, one
+/// sample ahead. A negative or undefined delay is none.
+pub(crate) fn delay_in_place(x: &mut [f64], samples: f64, before: f64) {
+    if samples.is_nan() || samples <= 0.0 {
+        return;
+    }
+    let whole = samples.floor();
+    let fraction = samples - whole;
+    let skip = (whole as usize).min(x.len());
+    // From the end, so that what is read has not been written yet.
+    for k in (skip..x.len()).rev() {
+        let earlier = x[k - skip];
+        let still_earlier = if k > skip { x[k - skip - 1] } else { before };
+        x[k] = earlier + fraction * (still_earlier - earlier);
+    }
+    x[..skip].fill(before);
 }
 
 /// Delay in samples.

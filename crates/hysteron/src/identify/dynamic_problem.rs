@@ -7,11 +7,11 @@
 
 use super::layout::Role;
 use super::projection::{Projection, centre};
+use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{
     DynamicsError, InitialCondition, InputSpectrum, Scheme, SecondOrder, SimulationPlan, Term,
     TransferFunction, Workspace as PlanWorkspace,
 };
-use crate::hammerstein::shift;
 use crate::optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
 
 /// Orders closer than this are one term, and their coefficients cannot be told apart.
@@ -151,7 +151,7 @@ impl DynamicProblem {
             let done = if candidate.delay_s > 0.0 {
                 let delayed = &mut ws.delayed[..record.moved.len()];
                 delayed.copy_from_slice(&record.moved);
-                shift(delayed, 0.0, candidate.delay_s * record.sample_rate_hz);
+                delay_in_place(delayed, candidate.delay_s * record.sample_rate_hz, 0.0);
                 record.plan.simulate(&ws.unit_gain, delayed, plan_ws, simulated)
             } else {
                 record.plan.simulate_spectrum(&ws.unit_gain, &record.spectrum, plan_ws, simulated)

@@ -9,7 +9,7 @@
 
 use super::layout::Role;
 use super::projection::Projection;
-use crate::hammerstein::shift;
+use crate::dynamics::delay::delay_in_place;
 use crate::hysteresis::{BoucWen, Start, UnitShape};
 use crate::optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
 
@@ -273,7 +273,7 @@ pub(super) fn simulate(record: &StaticRecord, solution: &StaticSolution) -> Opti
     solution.hysteresis.simulate(&record.input, Start::Rest { u: record.rest_voltage_v }, &mut v).ok()?;
     let rest = solution.hysteresis.polynomial_at(record.rest_voltage_v);
     if let Some(rate) = record.sample_rate_hz {
-        shift(&mut v, rest, solution.delay_s * rate);
+        delay_in_place(&mut v, solution.delay_s * rate, rest);
         lag(&mut v, rest, solution.lag_s * rate);
     }
     Some(v.split_off(record.prologue))
@@ -290,7 +290,7 @@ fn finish(
     column: &mut [f64],
 ) -> usize {
     if let Some(rate) = record.sample_rate_hz {
-        shift(signal, rest, delay_s * rate);
+        delay_in_place(signal, delay_s * rate, rest);
         lag(signal, rest, lag_s * rate);
     }
     let column = &mut column[..record.scored.len()];
