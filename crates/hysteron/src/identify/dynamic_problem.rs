@@ -22,6 +22,8 @@ const SMALLEST_ORDER_GAP: f64 = 0.02;
 pub(super) struct DynamicRecord {
     /// Hysteresis output minus its value at rest \[µm\].
     moved: Vec<f64>,
+    /// Where the offset is held: the output at rest \[µm\], counted from it; `None`: an offset is eliminated.
+    rest_beside_held_offset: Option<f64>,
     prologue: usize,
     output: Vec<f64>,
     scored: Vec<usize>,
@@ -31,7 +33,9 @@ pub(super) struct DynamicRecord {
 }
 
 impl DynamicRecord {
-    /// `v`: hysteresis output over prologue and record, having rested at `rest`.
+    /// `v`: hysteresis output over prologue and record, having rested at `rest`. `offset_is_held`: `output` is counted
+    /// from the known offset, and none is eliminated.
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn new(
         v: &[f64],
         rest: f64,
@@ -40,11 +44,13 @@ impl DynamicRecord {
         scored: Vec<usize>,
         sample_rate_hz: f64,
         scheme: Scheme,
+        offset_is_held: bool,
     ) -> Result<Self, DynamicsError> {
         let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
         let plan = SimulationPlan::new(moved.len(), sample_rate_hz, scheme, InitialCondition::Zero)?;
         let spectrum = plan.transform(&moved)?;
-        Ok(Self { moved, prologue, output, scored, sample_rate_hz, plan, spectrum })
+        let rest_beside_held_offset = offset_is_held.then_some(rest);
+        Ok(Self { moved, rest_beside_held_offset, prologue, output, scored, sample_rate_hz, plan, spectrum })
     }
 }
 
@@ -87,7 +93,7 @@ pub(super) struct DynamicProblem {
     layout: DynamicLayout,
     bounds: Bounds,
     identity: String,
-    /// Scored outputs of all records, each less its mean: the offset of a record is eliminated by centring.
+    /// Scored outputs of all records, each less its mean, which eliminates its offset, unless that is held.
     target: Vec<f64>,
 }
 
@@ -119,7 +125,9 @@ impl DynamicProblem {
         for record in &records {
             let at = target.len();
             target.extend(record.scored.iter().map(|&k| record.output[k]));
-            centre(&mut target[at..]);
+            if record.rest_beside_held_offset.is_none() {
+                centre(&mut target[at..]);
+            }
         }
         Self { records, layout, bounds, identity, target }
     }
@@ -139,7 +147,7 @@ impl DynamicProblem {
         (form.alpha2 - form.alpha1 >= SMALLEST_ORDER_GAP).then_some(DynamicSolution { form, delay_s })
     }
 
-    /// Unit-gain response less its mean on each record into `ws.column`.
+    /// Unit-gain response, less its mean on each record whose offset is eliminated, into `ws.column`.
     fn respond(&self, candidate: &DynamicSolution, ws: &mut DynamicWorkspace) -> bool {
         let unit = SecondOrder { gain: 1.0, ..candidate.form };
         if unit.write_to(&mut ws.unit_gain).is_err() {
@@ -163,7 +171,10 @@ impl DynamicProblem {
             for (c, &k) in column.iter_mut().zip(&record.scored) {
                 *c = simulated[record.prologue + k];
             }
-            centre(column);
+            match record.rest_beside_held_offset {
+                Some(rest) => column.iter_mut().for_each(|c| *c += rest),
+                None => centre(column),
+            }
             at += record.scored.len();
         }
         true

@@ -4,6 +4,7 @@ use super::dynamic_problem::{DynamicLayout, DynamicProblem, DynamicRecord, Dynam
 use super::engine::{Engine, Search};
 use super::layout::{BoxBuilder, Role};
 use super::options::{Choice, Options};
+use super::static_step::OFFSET;
 use super::{IdentifyError, RecordFacts};
 use crate::dynamics::{Dynamics, TransferFunction};
 use crate::hammerstein::Start;
@@ -67,8 +68,18 @@ fn dynamic_records(
         .iter()
         .map(|o| {
             let scored = o.facts.scored(0);
-            let y = o.facts.data.y.clone();
-            Ok(DynamicRecord::new(&o.v, o.rest, o.prologue, y, scored, o.rate_hz, options.scheme)?)
+            let held = options.demands.fixed(OFFSET);
+            let y = o.facts.data.y.iter().map(|y| y - held.unwrap_or(0.0)).collect();
+            Ok(DynamicRecord::new(
+                &o.v,
+                o.rest,
+                o.prologue,
+                y,
+                scored,
+                o.rate_hz,
+                options.scheme,
+                held.is_some(),
+            )?)
         })
         .collect()
 }

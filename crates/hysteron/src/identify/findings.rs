@@ -166,10 +166,10 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         );
     }
     result.findings = findings;
-    result.treatment = treatment(facts, result);
+    result.treatment = treatment(facts, options, result);
 }
 
-fn treatment(facts: &[RecordFacts], result: &Identification) -> Vec<String> {
+fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) -> Vec<String> {
     let mut list = Vec::new();
     let mut quasi_static = 0;
     for (facts, fit) in facts.iter().zip(&result.records) {
@@ -186,8 +186,12 @@ fn treatment(facts: &[RecordFacts], result: &Identification) -> Vec<String> {
         let masked = facts.data.y.len() - facts.scored(0).len();
         let masked =
             if masked > 0 { format!(", {masked} samples masked as not valid") } else { String::new() };
+        let offset = match options.demands.fixed(super::static_step::OFFSET) {
+            Some(value) => format!("held at {value} {unit}"),
+            None => "estimated".to_owned(),
+        };
         list.push(format!(
-            "{name}: {role}, {} samples{masked}, {start}; its offset was estimated.",
+            "{name}: {role}, {} samples{masked}, {start}; its offset was {offset}.",
             facts.data.y.len()
         ));
         if fit.role == RecordRole::QuasiStatic {

@@ -16,6 +16,7 @@ pub mod optimizer_study;
 mod options;
 mod projection;
 mod result;
+mod static_fit;
 mod static_problem;
 mod static_step;
 mod two_step;
@@ -26,6 +27,7 @@ pub use error::IdentifyError;
 pub use layout::Demands;
 pub use options::{CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Options, RecordRole};
 pub use result::{Finding, FindingKind, Identification, Parameter, RecordFit, StructureChoice};
+pub use static_fit::StaticFit;
 pub use two_step::identify_two_step;
 
 use facts::RecordFacts;

@@ -30,6 +30,8 @@ pub(super) struct StaticRecord {
     pub(super) sample_rate_hz: Option<f64>,
     /// Allows for a slow creep ln(1 + t/1 s) beside the offset.
     pub(super) creep: bool,
+    /// Offset held at this value, without creep; `output` is counted from it.
+    pub(super) held_offset: Option<f64>,
 }
 
 impl StaticRecord {
@@ -92,7 +94,7 @@ pub(super) struct StaticProblem {
 
 /// Scratch of one evaluation.
 #[derive(Debug)]
-pub(super) struct StaticWorkspace {
+pub struct StaticWorkspace {
     zeta: Vec<f64>,
     column: Vec<f64>,
     target: Vec<f64>,
@@ -117,6 +119,9 @@ impl StaticProblem {
             .iter()
             .map(|record| {
                 let mut projection = Projection::new(record.scored.len(), 2);
+                if record.held_offset.is_some() {
+                    return projection;
+                }
                 projection.push(|column| column.fill(1.0));
                 if record.creep {
                     projection.push(|column| {
@@ -260,7 +265,10 @@ impl StaticProblem {
             let simulated = simulate(record, &solution)?;
             let rest: Vec<f64> = record.scored.iter().map(|&k| record.output[k] - simulated[k]).collect();
             let found = nuisance.coefficients(&rest);
-            solution.offsets.push(found.first().copied()?);
+            solution.offsets.push(match record.held_offset {
+                Some(offset) => offset,
+                None => found.first().copied()?,
+            });
             solution.creeps.push(found.get(1).copied().unwrap_or(0.0));
         }
         Some(solution)

@@ -21,6 +21,9 @@ const JUMP: f64 = 0.02;
 /// Longest delay and lag searched, as a share of the period (or of the record).
 const LONGEST_SHIFT: f64 = 0.1;
 
+/// Name under which the offset of every record can be held (`--fix offset=0`: the sensor's zero is right).
+pub(super) const OFFSET: &str = "offset";
+
 /// What the static step found.
 pub(super) struct StaticStep {
     pub(super) problem: StaticProblem,
@@ -38,7 +41,7 @@ pub(super) struct StaticStep {
 }
 
 /// Scales of the data that the search box is made from.
-struct Scales {
+pub(super) struct Scales {
     range_v: f64,
     largest_v: f64,
     slope: f64,
@@ -72,7 +75,7 @@ pub(super) fn identify_static(
         .iter()
         .zip(&starts)
         .zip(&left_out)
-        .map(|((facts, start), &left_out)| prepare(facts, start, left_out))
+        .map(|((facts, start), &left_out)| prepare(facts, start, left_out, options.demands.fixed(OFFSET)))
         .collect::<Result<_, _>>()?;
     let setup = Setup { records: &prepared, scales: &scales, options, shift };
 
@@ -101,21 +104,21 @@ fn left_out(facts: &RecordFacts, start: &Start, shift: Shift) -> usize {
 }
 
 #[derive(Clone, Copy)]
-struct Shift {
-    delay: bool,
-    lag: bool,
+pub(super) struct Shift {
+    pub(super) delay: bool,
+    pub(super) lag: bool,
 }
 
 /// Everything that a static problem of any degree is made from.
-struct Setup<'a> {
-    records: &'a [StaticRecord],
-    scales: &'a Scales,
-    options: &'a Options,
-    shift: Shift,
+pub(super) struct Setup<'a> {
+    pub(super) records: &'a [StaticRecord],
+    pub(super) scales: &'a Scales,
+    pub(super) options: &'a Options,
+    pub(super) shift: Shift,
 }
 
 impl Scales {
-    fn of(records: &[&RecordFacts]) -> Self {
+    pub(super) fn of(records: &[&RecordFacts]) -> Self {
         let fold = |f: fn(f64, f64) -> f64, start: f64, pick: fn(&RecordFacts) -> &[f64]| {
             records.iter().flat_map(|r| pick(r).iter().copied()).fold(start, f)
         };
@@ -167,7 +170,7 @@ pub(super) fn choose_start(
         }
         let sampled = facts.data.sample_rate_hz().is_some();
         let shift = Shift { delay: sampled, lag: sampled };
-        let records = [prepare(facts, &start, 0)?.thinned(thinning(facts))];
+        let records = [prepare(facts, &start, 0, None)?.thinned(thinning(facts))];
         let free = Options {
             degree: Choice::Auto,
             n: Choice::Given(1.0),
@@ -198,22 +201,28 @@ fn thinning(facts: &RecordFacts) -> usize {
     (1..=most).rev().find(|&factor| period.is_multiple_of(factor)).unwrap_or(1)
 }
 
-fn prepare(facts: &RecordFacts, start: &Start, left_out: usize) -> Result<StaticRecord, IdentifyError> {
+pub(super) fn prepare(
+    facts: &RecordFacts,
+    start: &Start,
+    left_out: usize,
+    held_offset: Option<f64>,
+) -> Result<StaticRecord, IdentifyError> {
     let (extended, prologue, rest_voltage_v) = start.extend(&facts.data.u)?;
     Ok(StaticRecord {
         input: extended.into_owned(),
         prologue,
         rest_voltage_v,
-        output: facts.data.y.clone(),
+        output: facts.data.y.iter().map(|y| y - held_offset.unwrap_or(0.0)).collect(),
         scored: facts.scored(left_out),
         sample_rate_hz: facts.data.sample_rate_hz(),
-        creep: facts.whole_periods() >= 3,
+        creep: held_offset.is_none() && facts.whole_periods() >= 3,
+        held_offset,
     })
 }
 
 impl Setup<'_> {
     /// The problem of this polynomial degree; `eliminate`: linear parameters are projected out.
-    fn problem(
+    pub(super) fn problem(
         &self,
         degree: usize,
         eliminate: bool,
@@ -412,7 +421,7 @@ pub(super) fn in_article_symbols(
         .iter()
         .zip(&step.starts)
         .zip(&step.left_out)
-        .map(|((facts, start), &left_out)| prepare(facts, start, left_out))
+        .map(|((facts, start), &left_out)| prepare(facts, start, left_out, demands.fixed(OFFSET)))
         .collect::<Result<_, _>>()?;
     Ok((StaticProblem::new(prepared, layout, Bounds { ranges }, String::new()), x))
 }

@@ -6,7 +6,7 @@ use super::engine::{Engine, Search, Searches, Watcher};
 use super::findings;
 use super::options::{CampaignRecord, Choice, DynamicsChoice, Options, RecordRole};
 use super::result::{Identification, Parameter, RecordFit, StructureChoice};
-use super::static_step::{self, StaticStep};
+use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{covariance, standard_error};
 use super::{IdentifyError, RecordFacts};
 use crate::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
@@ -78,7 +78,9 @@ pub fn identify_two_step(
     };
 
     let mut model = assemble(&step1, &step2, &static_records, &dynamic, options);
-    settle_offset(&mut model, &step1, static_records[0])?;
+    if options.demands.fixed(OFFSET).is_none() {
+        settle_offset(&mut model, &step1, static_records[0])?;
+    }
     let parameters = parameters(&step1, &step2, &static_records, &outputs, options)?;
     let mut fits = Vec::new();
     for (facts, role) in facts.iter().zip(&roles) {
@@ -227,11 +229,17 @@ fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> 
 fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError> {
     let polynomial: Vec<_> = (1..=super::HIGHEST_DEGREE).map(polynomial_name).collect();
     let mut known: Vec<&str> = polynomial.iter().map(AsRef::as_ref).collect();
-    known.extend(["alpha", "beta", "gamma", "n", "delay", "lag"]);
+    known.extend(["alpha", "beta", "gamma", "n", "delay", "lag", OFFSET]);
     if dynamics {
         known.extend(["gain", "natural_frequency", "damping", "order2", "order1"]);
     }
     options.demands.check(&known)?;
+    if options.demands.bounded(OFFSET).is_some() {
+        return Err(IdentifyError::Demand {
+            name: OFFSET.into(),
+            wanted: "a fixed value (it is eliminated, not searched)",
+        });
+    }
     if options.demands.fixed("n").is_some_and(|n| !(1.0..=10.0).contains(&n)) {
         return Err(IdentifyError::Demand { name: "n".into(), wanted: "1 ≤ n ≤ 10" });
     }
