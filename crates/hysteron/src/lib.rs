@@ -61,6 +61,7 @@
 //!
 //! Records from CSV files are read by the crate `hysteron-io`, reports written by `hysteron-report`.
 
+pub mod article;
 pub mod atomic_file;
 pub mod bench_rig;
 pub mod dynamics;

@@ -1,0 +1,67 @@
+//! How far the reproduction is, and the right to stop it.
+
+use super::ArticleError;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+/// How far a reproduction is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// What is being done.
+    pub stage: String,
+    /// Share of the whole work done, 0 … 1 (by the time that the stages usually take).
+    pub done: f64,
+}
+
+/// Told about progress from any thread; `Break` stops the reproduction.
+pub type Watcher<'a> = dyn Fn(&Progress) -> ControlFlow<()> + Sync + 'a;
+
+/// The stages in the order of the work, with the share of the time they usually take.
+const WEIGHTS: [(&str, f64); 5] = [
+    ("measuring on the simulated bench", 0.04),
+    ("Table 1: comparing the optimisers", 0.48),
+    ("Table 2 and Eq. 13: identifying by DE-ABC", 0.36),
+    ("Table 3: identifying by least squares", 0.04),
+    ("recovering Table 2 and Eq. 13", 0.08),
+];
+
+/// A stage of the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    Bench,
+    Optimizers,
+    Colony,
+    LeastSquares,
+    Recovery,
+}
+
+pub(super) struct Stages<'a> {
+    watcher: &'a Watcher<'a>,
+    furthest: Mutex<f64>,
+}
+
+impl<'a> Stages<'a> {
+    pub(super) fn new(watcher: &'a Watcher<'a>) -> Self {
+        Self { watcher, furthest: Mutex::new(0.0) }
+    }
+
+    /// The share `within` (0 … 1) of a stage is done; `detail` says with what.
+    pub(super) fn at(&self, stage: Stage, within: f64, detail: &str) -> ControlFlow<()> {
+        let index = stage as usize;
+        let before: f64 = WEIGHTS[..index].iter().map(|(_, weight)| weight).sum();
+        let (name, weight) = WEIGHTS[index];
+        let mut done = before + weight * within.clamp(0.0, 1.0);
+        // Threads report in any order; progress never runs backwards.
+        if let Ok(mut furthest) = self.furthest.lock() {
+            *furthest = furthest.max(done);
+            done = *furthest;
+        }
+        let stage = if detail.is_empty() { name.to_owned() } else { format!("{name} ({detail})") };
+        (self.watcher)(&Progress { stage, done })
+    }
+
+    /// As [`Self::at`], where stopping is an error.
+    pub(super) fn check(&self, stage: Stage, within: f64, detail: &str) -> Result<(), ArticleError> {
+        if self.at(stage, within, detail).is_break() { Err(ArticleError::Stopped) } else { Ok(()) }
+    }
+}
