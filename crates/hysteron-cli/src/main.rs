@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+mod article;
 mod columns;
 mod completions;
 mod console;
@@ -47,6 +48,7 @@ enum Command {
     Excite(excite::Excite),
     Rig(rig::Rig),
     Optimizers(optimizers::Optimizers),
+    Article(article::Article),
     Completions(completions::Completions),
     Schema(schema::Schema),
 }
@@ -60,6 +62,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Excite(c) => c.run(),
         Command::Rig(c) => c.run(),
         Command::Optimizers(c) => c.run(),
+        Command::Article(c) => c.run(),
         Command::Completions(c) => c.run(),
         Command::Schema(c) => c.run(),
     }

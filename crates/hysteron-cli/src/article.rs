@@ -1,0 +1,169 @@
+//! `hysteron article`: the source article, reproduced on the simulated bench.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use clap::Args;
+use hysteron::article::{ArticleError, Plan, Progress as Stage, Reproduction, reproduce};
+use hysteron::atomic_file::write_atomically;
+use hysteron_report::article::{page, tables};
+use hysteron_report::{write_figures, write_page};
+use serde::Serialize;
+
+use crate::console;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::progress::Progress;
+
+/// Reproduce the source article on a simulated bench: its tables and figures beside its printed numbers.
+#[derive(Args)]
+#[command(
+    after_help = "Writes index.html (works offline), figures/*.svg, tables/*.csv and article.json into the folder. The article's data are \
+    not public: every number is from the simulated bench of `hysteron rig`, and the page says which readings of the text were chosen, \
+    where the printed numbers contradict each other and where the result disagrees with the claims.\n\n\
+    Example: hysteron article --out-dir article --seed 1"
+)]
+pub struct Article {
+    /// Folder everything is written into; made if it does not exist
+    #[arg(long, value_name = "DIR")]
+    out_dir: PathBuf,
+
+    /// Seed of the bench's noise and of every search
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Threads; the result does not depend on it (all cores if not given)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Print the tables' numbers, the verdicts and the files written as one JSON object
+    #[arg(long)]
+    json: bool,
+
+    /// A rehearsal in seconds: few runs, few generations, a short sweep; the page says that its numbers do not count
+    #[arg(long, hide = true)]
+    quick: bool,
+}
+
+/// What `--json` prints: everything but the curves, which are in article.json.
+#[derive(Serialize)]
+struct Summary<'a> {
+    page: String,
+    files: Vec<String>,
+    plan: &'a Plan,
+    claims: &'a [hysteron::article::Claim],
+    table_1: Vec<serde_json::Value>,
+    table_2: serde_json::Value,
+    table_3: &'a [hysteron::article::ModelFit],
+    contradictions: &'a hysteron::article::Contradictions,
+    recovery: &'a hysteron::article::Recovery,
+}
+
+impl Article {
+    pub fn run(&self) -> Result<(), Failure> {
+        make_folder(&self.out_dir)?;
+        let found = self.reproduce()?;
+        let files = self.write(&found)?;
+        if self.json {
+            console::json(&self.summary(&found, &files))
+        } else {
+            console::result(&self.words(&found))
+        }
+    }
+
+    fn reproduce(&self) -> Result<Reproduction, Failure> {
+        let failure = || Failure::new("cannot reproduce the article");
+        let plan = Plan { seed: self.seed, ..if self.quick { Plan::quick() } else { Plan::default() } };
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.map_or(0, usize::from))
+            .build()
+            .map_err(|e| failure().because(e))?;
+        let stop = interrupt::stop_flag()?;
+        const STEPS: f64 = 1000.0;
+        let bar = Progress::new("article", STEPS as u64);
+        let watcher = |stage: &Stage| {
+            bar.set((STEPS * stage.done) as u64, stage.stage.clone());
+            if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        pool.install(|| reproduce(&plan, &watcher)).map_err(|e| match e {
+            ArticleError::Stopped => failure().because(e).hint("nothing was written; run it again"),
+            _ => failure().because(e),
+        })
+    }
+
+    fn write(&self, found: &Reproduction) -> Result<Vec<PathBuf>, Failure> {
+        let mut page = page(found);
+        page.footer.push(format!("hysteron {}, seed {}.", env!("CARGO_PKG_VERSION"), self.seed));
+        let failed = |e: hysteron::atomic_file::AtomicWriteError| {
+            Failure::new("cannot write the reproduction").because(e)
+        };
+        let figures = self.out_dir.join("figures");
+        make_folder(&figures)?;
+        let mut files = write_figures(&figures, "article", &page).map_err(failed)?;
+        let folder = self.out_dir.join("tables");
+        make_folder(&folder)?;
+        for table in tables(found) {
+            let path = folder.join(table.name);
+            write_atomically(&path, table.text.as_bytes()).map_err(failed)?;
+            files.push(path);
+        }
+        let path = self.out_dir.join("article.json");
+        let text = serde_json::to_string(found)
+            .map_err(|e| Failure::new(format!("cannot write {}", path.display())).because(e))?;
+        write_atomically(&path, (text + "\n").as_bytes()).map_err(failed)?;
+        files.push(path);
+        let path = self.out_dir.join("index.html");
+        write_page(&path, &page).map_err(failed)?;
+        files.push(path);
+        Ok(files)
+    }
+
+    fn summary<'a>(&self, found: &'a Reproduction, files: &[PathBuf]) -> Summary<'a> {
+        Summary {
+            page: self.out_dir.join("index.html").display().to_string(),
+            files: files.iter().map(|f| f.display().to_string()).collect(),
+            plan: &found.plan,
+            claims: &found.claims,
+            table_1: found
+                .optimizers
+                .contenders
+                .iter()
+                .map(|c| {
+                    serde_json::json!({
+                        "algorithm": c.name,
+                        "printed": c.printed,
+                        "median_rmse_um": c.median_um,
+                        "quartiles_um": c.quartiles_um,
+                        "success_percent": c.success_percent,
+                        "evaluations_to_1_percent": c.evaluations_to_1_percent,
+                    })
+                })
+                .collect(),
+            table_2: serde_json::json!({
+                "parameters": found.static_block.parameters,
+                "re": found.static_block.re,
+                "rmse_um": found.static_block.rmse_um,
+            }),
+            table_3: &found.models.models,
+            contradictions: &found.contradictions,
+            recovery: &found.recovery,
+        }
+    }
+
+    /// The verdicts, for people.
+    fn words(&self, found: &Reproduction) -> String {
+        let mut table = console::table(&["claim of the article", "on the simulated bench"]);
+        for claim in &found.claims {
+            table.add_row([claim.claim.clone(), claim.verdict.word().to_owned()]);
+        }
+        let rehearsal = if self.quick { "A rehearsal (--quick): the numbers do not count.\n" } else { "" };
+        format!("{table}\n\n{rehearsal}page  {}\n", self.out_dir.join("index.html").display())
+    }
+}
+
+fn make_folder(path: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(path)
+        .map_err(|e| Failure::new(format!("cannot make the folder {}", path.display())).because(e))
+}
