@@ -1,11 +1,10 @@
-//! The article's dynamic problem: a fractional transfer function behind the hysteresis block.
+//! The article's dynamic problem: orders and coefficients of a fractional transfer function.
 
+use super::StudyError;
 use super::noise::add_noise;
-use super::{StaticBlock, StudyError};
 use crate::dynamics::{
     self, InitialCondition, InputSpectrum, Scheme, SimulationPlan, Term, TransferFunction,
 };
-use crate::hysteresis::{BoucWen, Start};
 use crate::optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
 use std::f64::consts::TAU;
 
@@ -13,10 +12,14 @@ const SAMPLES: usize = 2000;
 const SAMPLE_RATE_HZ: f64 = 1000.0;
 const NOISE_UM: f64 = 0.02;
 
-/// Fit of (b, c₁, c₀, α₂, α₁) of b/(s^α₂ + c₁ s^α₁ + c₀), orders and coefficients at once. Input is the output of
-/// article Table 2's Bouc–Wen model for a linear 1–100 Hz sweep of 2 s, 0 to 10 V, at 1 kHz (2000 samples); truth is
-/// article Eq. 13 under the same scheme (Tustin, from rest), with normal noise of 0.02 µm. Coefficients span three
-/// decades and are scaled logarithmically; unstable candidates have cost +∞.
+/// Fit of (b, c₁, c₀, α₂, α₁) of b/(s^α₂ + c₁ s^α₁ + c₀), orders and coefficients at once. Input is a linear 1–100 Hz
+/// chirp of 1 µm amplitude, 2 s at 1 kHz (2000 samples); truth is article Eq. 13 under the same scheme (Tustin, from
+/// rest), with normal noise of 0.02 µm. Coefficients span three decades and are scaled logarithmically; unstable
+/// candidates have cost +∞.
+///
+/// How hard the problem is hangs on the noise: behind the article's own drive (Table 2's hysteresis from 0 to 10 V,
+/// ten times the amplitude) the same noise leaves a valley so narrow that DE-ABC succeeds in 26 % of 31 runs and DE
+/// in all.
 #[derive(Debug)]
 pub struct FractionalBlock {
     bounds: Bounds,
@@ -35,9 +38,9 @@ pub struct FractionalWorkspace {
 
 impl FractionalBlock {
     /// The problem in one sentence.
-    pub const DESCRIPTION: &'static str = "linear 1-100 Hz sweep of 2 s, 0 to 10 V at 1 kHz (2000 samples) through \
-        the Bouc-Wen model of article Table 2, article Eq. 13 as truth (Tustin, from rest), normal noise of 0.02 um; \
-        b, c1, c0 (three decades each) and the orders alpha2, alpha1 sought at once";
+    pub const DESCRIPTION: &'static str = "linear 1-100 Hz chirp of 1 um amplitude, 2 s at 1 kHz (2000 samples), \
+        article Eq. 13 as truth (Tustin, from rest), normal noise of 0.02 um; b, c1, c0 (three decades each) and the \
+        orders alpha2, alpha1 sought at once";
 
     /// Article Eq. 13 in the order of the parameters: b, c₁, c₀, α₂, α₁.
     pub const TRUTH: [f64; 5] = [5.2589e6, 3081.0, 5.4955e6, 2.0384, 1.0523];
@@ -45,18 +48,13 @@ impl FractionalBlock {
     /// The problem with a noise realisation.
     ///
     /// # Errors
-    /// [`StudyError::Hysteresis`] and [`StudyError::Dynamics`] never occur: both truths can be simulated.
+    /// [`StudyError::Dynamics`] never occurs: the truth is stable.
     pub fn new(noise_seed: u64) -> Result<Self, StudyError> {
         let duration_s = SAMPLES as f64 / SAMPLE_RATE_HZ;
         let cycles = |t: f64| t + 0.5 * (100.0 - 1.0) * t * t / duration_s;
-        let u: Vec<f64> =
-            (0..SAMPLES).map(|k| 5.0 - 5.0 * (TAU * cycles(k as f64 / SAMPLE_RATE_HZ)).cos()).collect();
-        let [quadratic, linear, alpha, beta, gamma] = StaticBlock::TRUTH;
-        let mut v = vec![0.0; SAMPLES];
-        let hysteresis = BoucWen::new(vec![linear, quadratic], alpha, beta, gamma, 1.0)?;
-        hysteresis.simulate(&u, Start::Rest { u: 0.0 }, &mut v)?;
+        let chirp: Vec<f64> = (0..SAMPLES).map(|k| (TAU * cycles(k as f64 / SAMPLE_RATE_HZ)).sin()).collect();
         let plan = SimulationPlan::new(SAMPLES, SAMPLE_RATE_HZ, Scheme::Tustin, InitialCondition::Rest)?;
-        let input = plan.transform(&v)?;
+        let input = plan.transform(&chirp)?;
         let mut y = vec![0.0; SAMPLES];
         let mut truth = blank();
         write(&Self::TRUTH, &mut truth);

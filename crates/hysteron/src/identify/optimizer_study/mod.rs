@@ -6,6 +6,25 @@
 //! reached (that of a least-squares fit polished from the truth). All compete inside the same box, on the same noise
 //! realisation; only the optimiser's seed changes.
 //!
+//! Measured with the default options (success, median evaluations to 1 %; 31 seeds, 7 550 evaluations):
+//!
+//! | | static block | fractional block |
+//! | --- | --- | --- |
+//! | DE-ABC, all dimensions | 94 %, 2 727 | 87 %, 1 593 |
+//! | DE-ABC, one dimension | 0 % | 3 %, 3 604 |
+//! | DE-ABC, no scout | 94 %, 2 727 | 87 %, 1 593 |
+//! | DE-ABC, chaotic scout, L = 10 | 97 %, 2 955 | 90 %, 1 664 |
+//! | DE-ABC, random scout, L = 10 | 81 %, 3 075 | 94 %, 1 803 |
+//! | DE/rand/1/bin | 100 %, 5 199 | 100 %, 2 634 |
+//! | PSO | 42 %, 6 723 | 42 %, 4 596 |
+//! | ABC | 0 % | 23 %, 5 132 |
+//! | multi-start least squares | 100 %, 50 | 100 %, 86 |
+//! | DE-ABC 5 %, then least squares | 100 %, 352 | 100 %, 350 |
+//!
+//! DE-ABC is 1.7 to 1.9 times as fast as DE and less reliable: over 1000 seeds it succeeds on the static block in 97.9 %; now and
+//! then its population collapses before it has reached the minimum. At its default limit the chaotic scout changes
+//! nothing that counts.
+//!
 //! ```no_run
 //! use hysteron::identify::optimizer_study::{StudyOptions, run_study};
 //! use std::ops::ControlFlow;
