@@ -90,7 +90,7 @@ fn settled(path: &Path, drive: &Drive) -> Option<Start> {
 /// A start in words.
 pub fn in_words(start: &Start, unit: &str) -> String {
     match start {
-        Start::Rest { voltage_v } => format!("from rest at {voltage_v} {unit}"),
+        Start::Rest { voltage_v } => format!("from rest at {voltage_v} {unit}").trim_end().to_owned(),
         Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
     }
 }

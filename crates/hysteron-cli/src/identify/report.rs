@@ -16,6 +16,17 @@ use super::written::command_line;
 /// Frequencies at which the response is drawn.
 const RESPONSE_POINTS: usize = 400;
 
+/// Scores in the report's table, by key.
+const SHOWN: [&str; 7] = [
+    "samples",
+    "skipped_samples",
+    "rmse",
+    "max_abs_error",
+    "rmse_percent_of_stroke",
+    "max_percent_of_stroke",
+    "fit_percent",
+];
+
 /// Everything the report shows.
 pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> IdentificationReportData {
     let of_kind = |kind| found.findings.iter().filter(move |f| f.kind == kind).map(|f| f.text.clone());
@@ -51,7 +62,11 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
                 fit_percent: r.scores.fit_percent.unwrap_or(f64::NAN),
             })
             .collect(),
-        score_definitions: definitions().iter().map(|d| format!("{}: {}", d.name, d.meaning)).collect(),
+        score_definitions: definitions()
+            .iter()
+            .filter(|d| SHOWN.contains(&d.key))
+            .map(|d| format!("{}: {}", d.name, d.meaning))
+            .collect(),
         preparation: found.treatment.clone(),
         records: found.records.iter().map(curves).collect(),
         convergence: found
@@ -154,7 +169,10 @@ fn equations(found: &Identification) -> Vec<String> {
         Dynamics::None => list.push("y(t) = offset + v(t − τ)".into()),
         Dynamics::Integer(g) | Dynamics::Fractional(g) => {
             list.push("y(t) = offset + (G ∗ v)(t − τ)".into());
-            list.push(format!("G(s) = {g}   (form of Eq. 13)"));
+            list.push(format!(
+                "G(s) = {g}{}",
+                if g.denominator.len() == 3 { "   (form of Eq. 13)" } else { "" }
+            ));
         }
         Dynamics::Arx(_) => list.push("y = offset + B(z)/A(z) v   (sampled)".into()),
     }

@@ -87,11 +87,13 @@ fn provenance(found: &Identification, options: &Options) -> Provenance {
         Choice::Auto => None,
     };
     let degree = found.structure.degree;
+    let degree_text =
+        if options.degree == Choice::Auto { format!("{degree} (auto)") } else { degree.to_string() };
     let algorithm = options.algorithm.as_ref().map_or("auto (least-squares)", |a| a.name());
     let mut named = BTreeMap::from([
         ("method".to_owned(), "two-step".to_owned()),
         ("optimizer".to_owned(), algorithm.to_owned()),
-        ("degree".to_owned(), degree.to_string()),
+        ("degree".to_owned(), degree_text),
         ("n".to_owned(), choice(given(options.n)).replace("auto", "free")),
         ("delay".to_owned(), choice(given(options.delay_s))),
         ("scheme".to_owned(), options.scheme.name().to_owned()),

@@ -6,6 +6,7 @@ use super::layout::{BoxBuilder, Role};
 use super::options::{Choice, Options};
 use super::static_step::OFFSET;
 use super::{IdentifyError, RecordFacts};
+use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{Dynamics, TransferFunction};
 use crate::hammerstein::Start;
 use crate::hysteresis::{self, BoucWen};
@@ -53,9 +54,11 @@ pub(super) fn hysteresis_outputs<'a>(
 }
 
 impl HysteresisOutput<'_> {
-    /// v counted from rest, y, and the mask of the record.
-    pub(super) fn counted_from_rest(&self) -> (Vec<f64>, Vec<f64>, Option<Vec<bool>>) {
-        let v = self.v[self.prologue..].iter().map(|v| v - self.rest).collect();
+    /// v counted from rest and delayed, y, and the mask of the record.
+    pub(super) fn counted_from_rest(&self, delay_s: f64) -> (Vec<f64>, Vec<f64>, Option<Vec<bool>>) {
+        let mut v: Vec<f64> = self.v.iter().map(|v| v - self.rest).collect();
+        delay_in_place(&mut v, delay_s * self.rate_hz, 0.0);
+        let v = v.split_off(self.prologue);
         (v, self.facts.data.y.clone(), self.facts.data.valid.clone())
     }
 }

@@ -2,14 +2,15 @@
 
 use super::IdentifyError;
 use crate::record::{InputOutput, Periods, TimeBase, find_periods, turning_points};
+use crate::validate::settled_period;
 
 /// Moves of less than this share of the drive's range are no swings.
 const SWING: f64 = 0.1;
 /// A record is dynamic beside one whose fastest swing is this much slower.
 const FASTER: f64 = 3.0;
 
-/// Ends that differ by less than this share of the range close a loop.
-const CLOSED: f64 = 0.03;
+/// A drive that stays within this share of its range rests.
+const AT_REST: f64 = 0.01;
 
 /// A record and what was read off it.
 #[derive(Clone, Debug)]
@@ -44,26 +45,15 @@ impl RecordFacts {
 
     /// Samples of a period: where the drive repeats from the first sample on, or where the record is one closed loop.
     pub(super) fn period_samples(&self) -> Option<usize> {
-        match self.periods {
-            Some(p) => (p.start == 0 && p.count >= 2).then(|| p.period_samples.round() as usize),
-            None => self.is_one_closed_loop().then_some(self.data.u.len()),
-        }
+        settled_period(&self.data, self.periods)
     }
 
-    /// Ends where it began, in input and output, to the step of a sample or so.
-    fn is_one_closed_loop(&self) -> bool {
-        let closes = |x: &[f64]| {
-            let gap = (x[x.len() - 1] - x[0]).abs();
-            gap <= CLOSED * span(x)
-        };
-        closes(&self.data.u) && closes(&self.data.y)
-    }
-
-    /// Samples before the drive first moves; 0 where that is within a few samples.
+    /// Samples before the drive first moves (beyond a noise of [`AT_REST`]); 0 where that is within a quarter of a swing.
     pub(super) fn samples_at_rest(&self) -> usize {
         let u = &self.data.u;
-        let still = u.iter().take_while(|x| **x == u[0]).count();
-        if still > u.len() / 100 + 3 { still } else { 0 }
+        let near = AT_REST * self.range_v();
+        let still = u.iter().take_while(|x| (**x - u[0]).abs() <= near).count();
+        if still > 3 + self.shortest_swing / 4 { still } else { 0 }
     }
 
     /// Whether the drive leaves its rest with a step of more than this share of its range.

@@ -12,6 +12,8 @@ use crate::record::{LoopSense, loop_shape, turning_points};
 const UNDETERMINED: f64 = 0.5;
 /// Swings whose size differs by less than this share of the range count as one amplitude.
 const ONE_AMPLITUDE: f64 = 0.05;
+/// Swings below this share of the range are noise rather than loops.
+const SMALLEST_LOOP: f64 = 0.1;
 
 /// Why a record that the model class cannot describe may be what it is.
 pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
@@ -28,8 +30,9 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
         )
     } else {
         format!(
-            "The output ({}) is not a loop over the input ({}) that follows its last turning points: the record may be \
-             driven by further inputs, saturate, or have its dynamics inside the hysteresis",
+            "The output ({}) is not a loop over the input ({}) that follows its last turning points: the record may carry \
+             dynamics of its own (then name it with --dynamic; a linear device with --degree 1 --fix alpha=0), be driven by \
+             further inputs, saturate, or have its dynamics inside the hysteresis",
             unit(&facts.data.y_unit),
             unit(&facts.data.u_unit)
         )
@@ -73,8 +76,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         say(FindingKind::Verdict, "stability", text);
     }
 
-    let amplitudes: usize = fitted_statically.iter().map(|(f, _)| amplitudes(f)).sum();
-    if amplitudes <= 1 && !fitted_statically.is_empty() {
+    if amplitudes(fitted_statically.iter().map(|(f, _)| *f)) <= 1 && !fitted_statically.is_empty() {
         say(
             FindingKind::Advice,
             "amplitudes",
@@ -108,6 +110,34 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             ),
         );
     }
+    if dynamic && fitted_statically.iter().any(|(f, _)| f.highest_frequency_hz() > 0.0) {
+        say(
+            FindingKind::Advice,
+            "two steps",
+            "The blocks were identified one after the other: what dynamics there are in the quasi-static records went into \
+             the hysteresis parameters, and that bias is in no standard error (it can be many of them)."
+                .into(),
+        );
+    }
+    let undetermined: Vec<&str> = result
+        .bounds
+        .first()
+        .into_iter()
+        .flat_map(|bounds| &bounds.ranges)
+        .map(|range| range.name.as_str())
+        .filter(|name| result.parameters.iter().any(|p| p.name == *name && p.std_error.is_none()))
+        .collect();
+    if !undetermined.is_empty() {
+        say(
+            FindingKind::Warning,
+            "precision",
+            format!(
+                "No standard errors: the records do not determine {} apart from the other parameters. Fix one of them \
+                 (--fix NAME=VALUE), lower the degree, or add records.",
+                undetermined.join(", ")
+            ),
+        );
+    }
     let poor: Vec<String> = result
         .parameters
         .iter()
@@ -128,7 +158,16 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
             let at = range.to_unit(*x);
-            if !(1e-4..=1.0 - 1e-4).contains(&at) && range.name != "delay" {
+            if at < 1e-4 && range.low == 0.0 && matches!(range.name.as_str(), "delay" | "beta") {
+                say(
+                    FindingKind::Warning,
+                    "search range",
+                    format!(
+                        "{} came out as zero, its lower limit: the other parameters took over what there is of it.",
+                        range.name
+                    ),
+                );
+            } else if !(1e-4..=1.0 - 1e-4).contains(&at) {
                 say(
                     FindingKind::Warning,
                     "search range",
@@ -176,7 +215,9 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
         let name = &fit.data.name;
         let unit = &fit.data.y_unit;
         let start = match fit.start {
-            Start::Rest { voltage_v } => format!("simulated from rest at {voltage_v} {}", fit.data.u_unit),
+            Start::Rest { voltage_v } => {
+                format!("simulated from rest at {voltage_v} {}", fit.data.u_unit).trim_end().to_owned()
+            }
             Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
         };
         let role = match fit.role {
@@ -215,11 +256,15 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
     list
 }
 
-/// Number of clearly different loop amplitudes.
-fn amplitudes(facts: &RecordFacts) -> usize {
-    let range = facts.range_v();
-    let turns = turning_points(&facts.data.u, 0.02 * range);
-    let mut sizes: Vec<f64> = turns.windows(2).map(|w| (w[1].value - w[0].value).abs()).collect();
+/// Number of clearly different loop amplitudes in all records together.
+fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usize {
+    let range = records.clone().map(RecordFacts::range_v).fold(0.0, f64::max);
+    let mut sizes: Vec<f64> = records
+        .flat_map(|facts| {
+            let turns = turning_points(&facts.data.u, SMALLEST_LOOP * range);
+            turns.windows(2).map(|w| (w[1].value - w[0].value).abs()).collect::<Vec<_>>()
+        })
+        .collect();
     sizes.sort_by(f64::total_cmp);
     let mut count = usize::from(!sizes.is_empty());
     let mut last = sizes.first().copied().unwrap_or(0.0);

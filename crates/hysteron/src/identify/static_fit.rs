@@ -31,7 +31,8 @@ impl StaticFit {
             return Err(IdentifyError::Demand { name: "degree".into(), wanted: "a given degree" });
         };
         let facts = RecordFacts::new(record.clone());
-        let records = [prepare(&facts, start, 0, options.demands.fixed(super::static_step::OFFSET))?];
+        let records =
+            [prepare(&facts, start, 0, options.demands.fixed(super::static_step::OFFSET), options.scheme)?];
         let scales = Scales::of(&[&facts]);
         let shift = Shift { delay: false, lag: false };
         let setup = Setup { records: &records, scales: &scales, options, shift };

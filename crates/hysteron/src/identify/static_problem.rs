@@ -2,13 +2,14 @@
 //!
 //! Output of one record at a candidate (SPEC §2, unit-α form z = α ζ):
 //!
-//! y = offset + F\[ Σ cᵢ uⁱ − α ζ(β', γ', n) \],  F = delay ► first-order lag 1/(T s + 1) (Tustin),
+//! y = offset + F\[ Σ cᵢ uⁱ − α ζ(β', γ', n) \],  F = delay ► first-order lag 1/(T s + 1),
 //!
 //! with the offset of every record, and by default all cᵢ and α, eliminated by linear least squares. Delay and lag are
 //! searched only where a record carries dynamic information (a start from rest).
 
 use super::layout::Role;
 use super::projection::Projection;
+use crate::dynamics::Scheme;
 use crate::dynamics::delay::delay_in_place;
 use crate::hysteresis::{BoucWen, Start, UnitShape};
 use crate::optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
@@ -28,6 +29,8 @@ pub(super) struct StaticRecord {
     pub(super) scored: Vec<usize>,
     /// Sample rate \[Hz\]; needed for delay and lag only.
     pub(super) sample_rate_hz: Option<f64>,
+    /// Scheme that the lag is simulated by: the model's.
+    pub(super) scheme: Scheme,
     /// Allows for a slow creep ln(1 + t/1 s) beside the offset.
     pub(super) creep: bool,
     /// Offset held at this value, without creep; `output` is counted from it.
@@ -45,6 +48,7 @@ impl StaticRecord {
             output: every(&self.output),
             scored: self.scored.iter().filter(|&k| k.is_multiple_of(factor)).map(|k| k / factor).collect(),
             sample_rate_hz: self.sample_rate_hz.map(|rate| rate / factor as f64),
+            scheme: self.scheme,
             ..self
         }
     }
@@ -282,7 +286,7 @@ pub(super) fn simulate(record: &StaticRecord, solution: &StaticSolution) -> Opti
     let rest = solution.hysteresis.polynomial_at(record.rest_voltage_v);
     if let Some(rate) = record.sample_rate_hz {
         delay_in_place(&mut v, solution.delay_s * rate, rest);
-        lag(&mut v, rest, solution.lag_s * rate);
+        lag(&mut v, rest, solution.lag_s * rate, record.scheme);
     }
     Some(v.split_off(record.prologue))
 }
@@ -299,7 +303,7 @@ fn finish(
 ) -> usize {
     if let Some(rate) = record.sample_rate_hz {
         delay_in_place(signal, delay_s * rate, rest);
-        lag(signal, rest, lag_s * rate);
+        lag(signal, rest, lag_s * rate, record.scheme);
     }
     let column = &mut column[..record.scored.len()];
     for (c, &k) in column.iter_mut().zip(&record.scored) {
@@ -330,18 +334,50 @@ fn creep_at(record: &StaticRecord, k: usize) -> f64 {
     }
 }
 
-/// First-order lag 1/(T s + 1) by Tustin, in place, at rest at `before`; `samples` = T in sample periods.
-pub(super) fn lag(x: &mut [f64], before: f64, samples: f64) {
+/// First-order lag 1/(T s + 1) in place, at rest at `before`; `samples` = T in sample periods. The recursions of the
+/// schemes for this one pole; `band-limited` has none and is replaced by the exact response to straight lines between
+/// samples, which it equals for a drive that is slow against the sample rate.
+pub(super) fn lag(x: &mut [f64], before: f64, samples: f64, scheme: Scheme) {
     if samples <= 0.0 {
         return;
     }
-    let gain = 1.0 / (2.0 * samples + 1.0);
-    let decay = (2.0 * samples - 1.0) * gain;
     let (mut previous, mut state) = (before, before);
-    for x in x.iter_mut() {
-        state = decay * state + gain * (*x + previous);
-        previous = *x;
-        *x = state;
+    match scheme {
+        Scheme::Tustin => {
+            let gain = 1.0 / (2.0 * samples + 1.0);
+            let decay = (2.0 * samples - 1.0) * gain;
+            for x in x.iter_mut() {
+                state = decay * state + gain * (*x + previous);
+                previous = *x;
+                *x = state;
+            }
+        }
+        Scheme::GrunwaldLetnikov => {
+            let gain = 1.0 / (samples + 1.0);
+            for x in x.iter_mut() {
+                state += gain * (*x - state);
+                *x = state;
+            }
+        }
+        Scheme::Bdf2 => {
+            let gain = 1.0 / (1.5 * samples + 1.0);
+            let mut earlier = before;
+            for x in x.iter_mut() {
+                let next = gain * (samples * (2.0 * state - 0.5 * earlier) + *x);
+                earlier = state;
+                state = next;
+                *x = state;
+            }
+        }
+        Scheme::BandLimited => {
+            let decay = (-1.0 / samples).exp();
+            let slope = 1.0 - (1.0 - decay) * samples;
+            for x in x.iter_mut() {
+                state = decay * state + (1.0 - decay) * previous + slope * (*x - previous);
+                previous = *x;
+                *x = state;
+            }
+        }
     }
 }
 
@@ -380,5 +416,32 @@ impl LeastSquaresProblem for StaticProblem {
         let done = self.eliminate(x, ws);
         out.copy_from_slice(&ws.target);
         done
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::{InitialCondition, SimulationPlan, Term, TransferFunction};
+
+    #[test]
+    fn the_lag_of_a_fit_is_the_lag_of_the_model_under_every_scheme() {
+        let term = |coefficient, order| Term { coefficient, order };
+        let g = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.0), term(0.0143, 1.0)]).unwrap();
+        for scheme in Scheme::ALL {
+            // A start with a jump, but for the scheme that only knows smooth drives.
+            let smooth = scheme == Scheme::BandLimited;
+            let wave = |t: f64| if smooth { 1.0 - t.cos() } else { 1.0 + t.sin() };
+            let x: Vec<f64> = (0..400).map(|k| wave(0.031 * f64::from(k))).collect();
+            let mut ours = x.clone();
+            lag(&mut ours, 0.0, 0.0143 * 200.0, scheme);
+            let plan = SimulationPlan::new(x.len(), 200.0, scheme, InitialCondition::Zero).unwrap();
+            let mut reference = vec![0.0; x.len()];
+            plan.simulate(&g, &x, &mut plan.workspace(), &mut reference).unwrap();
+            let tolerance = if smooth { 1e-3 } else { 1e-9 };
+            for (k, (a, b)) in ours.iter().zip(&reference).enumerate() {
+                assert!((a - b).abs() < tolerance, "{scheme:?} at {k}: {a} {b}");
+            }
+        }
     }
 }

@@ -6,6 +6,7 @@ use super::options::{Choice, DynamicsChoice, Options};
 use super::static_problem::{StaticLayout, StaticProblem, StaticRecord, StaticSolution};
 use super::uncertainty::correlation_time;
 use super::{IdentifyError, RecordFacts};
+use crate::dynamics::Scheme;
 use crate::hammerstein::Start;
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
@@ -75,7 +76,9 @@ pub(super) fn identify_static(
         .iter()
         .zip(&starts)
         .zip(&left_out)
-        .map(|((facts, start), &left_out)| prepare(facts, start, left_out, options.demands.fixed(OFFSET)))
+        .map(|((facts, start), &left_out)| {
+            prepare(facts, start, left_out, options.demands.fixed(OFFSET), options.scheme)
+        })
         .collect::<Result<_, _>>()?;
     let setup = Setup { records: &prepared, scales: &scales, options, shift };
 
@@ -170,7 +173,7 @@ pub(super) fn choose_start(
         }
         let sampled = facts.data.sample_rate_hz().is_some();
         let shift = Shift { delay: sampled, lag: sampled };
-        let records = [prepare(facts, &start, 0, None)?.thinned(thinning(facts))];
+        let records = [prepare(facts, &start, 0, None, options.scheme)?.thinned(thinning(facts))];
         let free = Options {
             degree: Choice::Auto,
             n: Choice::Given(1.0),
@@ -206,6 +209,7 @@ pub(super) fn prepare(
     start: &Start,
     left_out: usize,
     held_offset: Option<f64>,
+    scheme: Scheme,
 ) -> Result<StaticRecord, IdentifyError> {
     let (extended, prologue, rest_voltage_v) = start.extend(&facts.data.u)?;
     Ok(StaticRecord {
@@ -215,6 +219,7 @@ pub(super) fn prepare(
         output: facts.data.y.iter().map(|y| y - held_offset.unwrap_or(0.0)).collect(),
         scored: facts.scored(left_out),
         sample_rate_hz: facts.data.sample_rate_hz(),
+        scheme,
         creep: held_offset.is_none() && facts.whole_periods() >= 3,
         held_offset,
     })
@@ -249,11 +254,10 @@ impl Setup<'_> {
         let range = linear("alpha", -2.0 * slope.abs(), 2.0 * slope.abs());
         let alpha = if eliminate && !demanded { space.projected(range) } else { space.searched(range) };
         let n = match self.options.n {
-            Choice::Given(n) => match demands.fixed("n") {
-                Some(n) => Role::Fixed(n),
-                None => Role::Fixed(n),
-            },
-            Choice::Auto => space.searched(linear("n", 1.0, 4.0)),
+            Choice::Given(n) if demands.bounded("n").is_none() => {
+                Role::Fixed(demands.fixed("n").unwrap_or(n))
+            }
+            _ => space.searched(linear("n", 1.0, 4.0)),
         };
         // In the unit-α form β' has the dimension 1/V^n; in the article's symbols β = β' |α|^(1−n).
         let exponent = n.value(&[]).unwrap_or(1.0);
@@ -388,8 +392,9 @@ fn fingerprint(records: &[StaticRecord]) -> u64 {
 pub(super) fn in_article_symbols(
     step: &StaticStep,
     records: &[&RecordFacts],
-    demands: &Demands,
+    options: &Options,
 ) -> Result<(StaticProblem, Vec<f64>), IdentifyError> {
+    let demands = &options.demands;
     let StaticSolution { hysteresis: b, delay_s, lag_s, .. } = &step.solution;
     let mut x = Vec::new();
     let mut ranges = Vec::new();
@@ -421,7 +426,9 @@ pub(super) fn in_article_symbols(
         .iter()
         .zip(&step.starts)
         .zip(&step.left_out)
-        .map(|((facts, start), &left_out)| prepare(facts, start, left_out, demands.fixed(OFFSET)))
+        .map(|((facts, start), &left_out)| {
+            prepare(facts, start, left_out, demands.fixed(OFFSET), options.scheme)
+        })
         .collect::<Result<_, _>>()?;
     Ok((StaticProblem::new(prepared, layout, Bounds { ranges }, String::new()), x))
 }

@@ -72,7 +72,7 @@ pub fn identify_two_step(
                         .into(),
             });
         }
-        (true, DynamicsChoice::Arx) => Step2::Arx(fit_arx(&outputs)?),
+        (true, DynamicsChoice::Arx) => Step2::Arx(fit_arx(&outputs, step1.solution.delay_s)?),
         (true, DynamicsChoice::Integer) => Step2::integer_order(&outputs, options, true, &mut engine)?,
         (true, _) => Step2::integer_order(&outputs, options, false, &mut engine)?,
     };
@@ -226,12 +226,27 @@ fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> 
         .collect()
 }
 
+/// Every demand must be one that this fit can meet: none is passed over in silence.
 fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError> {
-    let polynomial: Vec<_> = (1..=super::HIGHEST_DEGREE).map(polynomial_name).collect();
+    let highest = match options.degree {
+        Choice::Given(degree) => degree,
+        Choice::Auto => super::HIGHEST_DEGREE,
+    };
+    let polynomial: Vec<_> = (1..=highest).map(polynomial_name).collect();
     let mut known: Vec<&str> = polynomial.iter().map(AsRef::as_ref).collect();
-    known.extend(["alpha", "beta", "gamma", "n", "delay", "lag", OFFSET]);
-    if dynamics {
-        known.extend(["gain", "natural_frequency", "damping", "order2", "order1"]);
+    known.extend(["alpha", "beta", "gamma", "n", OFFSET]);
+    if options.delay_s == Choice::Auto && options.dynamics != DynamicsChoice::Arx {
+        known.push("delay");
+    }
+    match (dynamics, options.dynamics) {
+        (false, DynamicsChoice::Auto | DynamicsChoice::Integer) if options.delay_s == Choice::Auto => {
+            known.push("lag")
+        }
+        (true, DynamicsChoice::Integer) => known.extend(["gain", "natural_frequency", "damping"]),
+        (true, DynamicsChoice::Auto | DynamicsChoice::Fractional) => {
+            known.extend(["gain", "natural_frequency", "damping", "order2", "order1"]);
+        }
+        _ => {}
     }
     options.demands.check(&known)?;
     if options.demands.bounded(OFFSET).is_some() {
@@ -240,7 +255,8 @@ fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError>
             wanted: "a fixed value (it is eliminated, not searched)",
         });
     }
-    if options.demands.fixed("n").is_some_and(|n| !(1.0..=10.0).contains(&n)) {
+    let n = options.demands.bounded("n").map_or(options.demands.fixed("n"), |(low, _)| Some(low));
+    if n.is_some_and(|n| !(1.0..=10.0).contains(&n)) {
         return Err(IdentifyError::Demand { name: "n".into(), wanted: "1 ≤ n ≤ 10" });
     }
     Ok(())
@@ -274,7 +290,7 @@ fn assemble(
     let (dynamics, delay_s) = match step2 {
         Step2::None if solution.lag_s > 0.0 => (Dynamics::Integer(lag(solution.lag_s)), solution.delay_s),
         Step2::None => (Dynamics::None, solution.delay_s),
-        Step2::Arx(arx) => (Dynamics::Arx(arx.clone()), 0.0),
+        Step2::Arx(arx) => (Dynamics::Arx(arx.clone()), solution.delay_s),
         Step2::Order(step) => {
             let g = step.solution.transfer_function();
             let dynamics = if options.dynamics == DynamicsChoice::Integer {
@@ -316,8 +332,8 @@ fn without_first(data: &InputOutput, left_out: usize) -> InputOutput {
 }
 
 /// ARX from hysteresis output to displacement, on all dynamic records, orders by simulated error.
-fn fit_arx(outputs: &[HysteresisOutput<'_>]) -> Result<Arx, IdentifyError> {
-    let signals: Vec<_> = outputs.iter().map(HysteresisOutput::counted_from_rest).collect();
+fn fit_arx(outputs: &[HysteresisOutput<'_>], delay_s: f64) -> Result<Arx, IdentifyError> {
+    let signals: Vec<_> = outputs.iter().map(|output| output.counted_from_rest(delay_s)).collect();
     let records: Vec<ArxRecord<'_>> = signals
         .iter()
         .map(|(input, output, valid)| ArxRecord { input, output, valid: valid.as_deref() })
@@ -340,7 +356,7 @@ fn parameters(
     outputs: &[HysteresisOutput<'_>],
     options: &Options,
 ) -> Result<Vec<Parameter>, IdentifyError> {
-    let (problem, x) = static_step::in_article_symbols(step1, static_records, &options.demands)?;
+    let (problem, x) = static_step::in_article_symbols(step1, static_records, options)?;
     let covariance1 = covariance(&problem, &x);
     let names: Vec<&str> = problem.bounds().ranges.iter().map(|r| r.name.as_str()).collect();
     let error1 = |name: &str| {

@@ -10,7 +10,7 @@ mod start;
 
 pub use loop_width::loop_opening;
 pub use residual_tests::{CorrelationTest, residual_input_correlation, residual_whiteness};
-pub use start::{StartError, choose_start, possible_starts};
+pub use start::{StartError, choose_start, possible_starts, settled_period};
 
 use crate::record::{InputOutput, TimeBase};
 

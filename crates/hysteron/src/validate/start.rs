@@ -2,7 +2,10 @@
 
 use super::{ScoreError, Scoring, score};
 use crate::hammerstein::{Model, SimulationError, Start};
-use crate::record::{InputOutput, find_periods};
+use crate::record::{InputOutput, Periods, find_periods};
+
+/// Ends that differ by less than this share of the range close a loop.
+const CLOSED: f64 = 0.03;
 
 /// Why no start could be chosen.
 #[derive(Debug, thiserror::Error)]
@@ -17,7 +20,7 @@ pub enum StartError {
 }
 
 /// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off), settled on
-/// its own period where it repeats from the beginning.
+/// its own period where it repeats from the beginning or is one closed loop.
 pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
     let mut starts = Vec::new();
     if let Some(&first) = record.u.first() {
@@ -26,10 +29,28 @@ pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
             starts.push(Start::Rest { voltage_v: 0.0 });
         }
     }
-    if let Some(periods) = find_periods(record).ok().filter(|p| p.start == 0 && p.count >= 2) {
-        starts.push(Start::Settled { period_samples: periods.period_samples.round() as usize });
+    if let Some(period_samples) = settled_period(record, find_periods(record).ok()) {
+        starts.push(Start::Settled { period_samples });
     }
     starts
+}
+
+/// Samples of the period that a record may be settled on: where the drive repeats from the first sample on (`periods`, if
+/// they were found), or the whole record, where it is one closed loop.
+pub fn settled_period(record: &InputOutput, periods: Option<Periods>) -> Option<usize> {
+    match periods {
+        Some(p) => (p.start == 0 && p.count >= 2).then(|| p.period_samples.round() as usize),
+        None => (closes(&record.u) && closes(&record.y)).then_some(record.u.len()),
+    }
+}
+
+/// Whether a signal ends where it began, to 3 % of its range.
+fn closes(x: &[f64]) -> bool {
+    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+    match (x.first(), x.last()) {
+        (Some(first), Some(last)) => (last - first).abs() <= CLOSED * (high - low),
+        _ => false,
+    }
 }
 
 /// The start among `preferred` and [`possible_starts`] from which `model` explains the record best (smallest RMSE), and
