@@ -136,8 +136,6 @@ fn what_cannot_be_identified_is_said_with_the_reason() {
             "does not describe record",
         ),
         (record(|t| (swing(t), 2.0 * swing(t))), "--dynamics fractional", "holds quasi-static records only"),
-        (record(|t| (swing(t), 2.0 * swing(t))), "--fix gama=1", "there is no parameter 'gama'"),
-        (record(|t| (swing(t), 2.0 * swing(t))), "--degree 12", "a whole number from 1 to 9"),
     ];
     for (content, flags, part) in cases {
         let bench = Bench::new();
@@ -179,6 +177,16 @@ fn usage_errors_exit_2() {
     ] {
         let run = bench.run(&format!("identify run.csv -o new.json {flags}"));
         assert_eq!(run.exit_code, 2, "{flags}: {}", run.stderr);
+    }
+    for (flags, part) in [
+        ("--fix gama=1", "there is no parameter 'gama'"),
+        ("--fix cubic=1 --degree 2", "there is no parameter 'cubic'"),
+        ("--fix delay=0.1 --delay 0.2", "there is no parameter 'delay'"),
+        ("--degree 12", "a whole number from 1 to 9"),
+    ] {
+        let run = bench.run(&format!("identify run.csv -o new.json {flags}"));
+        assert_eq!(run.exit_code, 2, "{flags}: {}", run.stderr);
+        assert!(run.stderr.contains(part), "{part} in {}", run.stderr);
     }
     assert_eq!(bench.run("identify -o new.json").exit_code, 2);
     assert_eq!(bench.run("identify run.csv").exit_code, 2);
