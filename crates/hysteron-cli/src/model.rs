@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron::hammerstein::{Model, SimulationError};
+use hysteron::dynamics::Dynamics;
+use hysteron::hammerstein::{Model, SimulationError, Start};
 use hysteron::model_file::ModelFile;
 use hysteron::record::{InputOutput, Unit};
 use hysteron::validate::{Scoring, StartError, choose_start};
@@ -57,13 +58,13 @@ impl LoadedModel {
         record: &InputOutput,
         start: &StartFlags,
         scoring: &Scoring,
-    ) -> Result<Vec<f64>, Failure> {
+    ) -> Result<(Start, Vec<f64>), Failure> {
         let drive = Drive { u: &record.u, time: &record.time };
+        let preferred = start.choose(&self.file, path, &drive)?;
         if start.are_given() {
-            return self.simulate(path, &drive, start);
+            return Ok((preferred, self.simulate(path, &drive, start)?));
         }
         self.remark_extrapolation(path, drive.u);
-        let preferred = start.choose(&self.file, path, &drive)?;
         let (chosen, simulated) =
             choose_start(&self.model, record, preferred, scoring).map_err(|e| match e {
                 StartError::Simulation(e) => self.cannot_simulate(path, &e),
@@ -77,7 +78,12 @@ impl LoadedModel {
                 in_words(&preferred, &self.file.units.input)
             ));
         }
-        Ok(simulated)
+        Ok((chosen, simulated))
+    }
+
+    /// Whether the model has no dynamic block.
+    pub fn is_static(&self) -> bool {
+        self.model.dynamics == Dynamics::None
     }
 
     fn cannot_simulate(&self, path: &Path, error: &SimulationError) -> Failure {

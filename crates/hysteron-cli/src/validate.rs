@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron::validate::{OffsetTreatment, Scoring, score};
+use hysteron::record::InputOutput;
+use hysteron::validate::{OffsetTreatment, Scoring, score, unfollowed_start};
 use serde::Serialize;
 
 use crate::columns::{ColumnFlags, not_negative};
@@ -29,9 +30,10 @@ pub struct Validate {
     #[arg(value_name = "RECORD", required = true)]
     records: Vec<PathBuf>,
 
-    /// Seconds at the start of each record that are simulated but not scored
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = not_negative, allow_negative_numbers = true)]
-    skip: f64,
+    /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter period where a model
+    /// without dynamics meets a drive that starts with a jump]
+    #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_negative_numbers = true)]
+    skip: Option<f64>,
 
     /// Compare with the model's own offset instead of estimating each record's sensor offset
     #[arg(long)]
@@ -46,6 +48,20 @@ pub struct Validate {
 
     #[command(flatten)]
     columns: ColumnFlags,
+}
+
+/// Masks the first samples of a record, and says so.
+fn leave_out(record: &mut InputOutput, samples: usize, path: &Path) {
+    if samples == 0 {
+        return;
+    }
+    let mask = record.valid.get_or_insert_with(|| vec![true; record.u.len()]);
+    mask.iter_mut().take(samples).for_each(|valid| *valid = false);
+    console::note(&format!(
+        "{}: the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples are not \
+         scored (--skip 0 scores them)",
+        path.display()
+    ));
 }
 
 #[derive(Serialize)]
@@ -66,9 +82,13 @@ impl Validate {
         model.agreed_unit(path, Signal::Input, &record.u_unit)?;
         let unit = model.agreed_unit(path, Signal::Output, &record.y_unit)?;
         let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
-        let scoring = Scoring { skip_s: self.skip, offset };
-        let simulated = model.simulate_record(path, &record, &self.start, &scoring)?;
-        let scores = score(&record, &simulated, &scoring)
+        let scoring = Scoring { skip_s: self.skip.unwrap_or(0.0), offset };
+        let (start, simulated) = model.simulate_record(path, &record, &self.start, &scoring)?;
+        let mut scored = record.clone();
+        if self.skip.is_none() && model.is_static() {
+            leave_out(&mut scored, unfollowed_start(&record, &start), path);
+        }
+        let scores = score(&scored, &simulated, &scoring)
             .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
         Ok(Scored::new(&record, scores).in_unit(unit))
     }

@@ -1,11 +1,9 @@
 //! What an identification needs to know of a record before any fit.
 
 use super::IdentifyError;
-use crate::record::{InputOutput, Periods, TimeBase, find_periods, turning_points};
-use crate::validate::settled_period;
+use crate::record::{InputOutput, Periods, TimeBase, find_periods, shortest_swing};
+use crate::validate::{settled_period, settling_samples};
 
-/// Moves of less than this share of the drive's range are no swings.
-const SWING: f64 = 0.1;
 /// A record is dynamic beside one whose fastest swing is this much slower.
 const FASTER: f64 = 3.0;
 
@@ -24,13 +22,8 @@ pub(super) struct RecordFacts {
 impl RecordFacts {
     pub(super) fn new(data: InputOutput) -> Self {
         let periods = find_periods(&data).ok();
-        let range = span(&data.u);
-        let turns = turning_points(&data.u, SWING * range);
-        let mut swings: Vec<usize> = turns.windows(2).map(|w| w[1].index - w[0].index).collect();
-        swings.sort_unstable();
-        // One in ten may be cut short by a start or an end.
-        let shortest_swing = swings.get(swings.len() / 10).copied().unwrap_or(data.u.len());
-        Self { data, periods, shortest_swing: shortest_swing.max(1) }
+        let shortest_swing = shortest_swing(&data.u);
+        Self { data, periods, shortest_swing }
     }
 
     pub(super) fn range_v(&self) -> f64 {
@@ -89,10 +82,9 @@ impl RecordFacts {
         (left_out..self.data.y.len()).filter(|&k| valid(k)).collect()
     }
 
-    /// Samples after which a model without dynamics may be compared with a record that starts with a jump: a quarter of a
-    /// period.
+    /// Samples after which a model without dynamics may be compared with a record that starts with a jump.
     pub(super) fn settling_samples(&self) -> usize {
-        (self.shortest_swing / 2).min(self.data.u.len() / 4)
+        settling_samples(&self.data.u, self.shortest_swing)
     }
 
     pub(super) fn require_sample_rate(&self) -> Result<f64, IdentifyError> {

@@ -37,7 +37,7 @@ pub use sensor::{Clipping, clipping, quantisation_step};
 pub use start_up::{StartUp, fit_start_up};
 pub use time_base::{GIVEN_RATE_TOLERANCE, UNIFORM_TOLERANCE_SAMPLES};
 pub use trend::{LinearDrift, linear_drift};
-pub use turning_points::{TurningPoint, turning_points};
+pub use turning_points::{TurningPoint, shortest_swing, turning_points};
 pub use unit::{Quantity, Unit};
 
 /// One measured (or simulated) run: named channels with units on one time base. Never changed in place:

@@ -11,6 +11,16 @@ pub struct TurningPoint {
     pub is_maximum: bool,
 }
 
+/// Shortest time between two reversals \[samples\] that are more than a tenth of the range apart, but for a tenth of them,
+/// which a start or an end may cut short; the whole length where there are no two reversals. At least 1.
+pub fn shortest_swing(samples: &[f64]) -> usize {
+    let (low, high) = range_of(samples);
+    let turns = turning_points(samples, 0.1 * (high - low));
+    let mut swings: Vec<usize> = turns.windows(2).map(|w| w[1].index - w[0].index).collect();
+    swings.sort_unstable();
+    swings.get(swings.len() / 10).copied().unwrap_or(samples.len()).max(1)
+}
+
 /// Extrema between which the signal moves by more than `threshold`, in order, alternating maximum and minimum; the
 /// two ends are none.
 ///

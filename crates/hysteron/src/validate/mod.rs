@@ -10,7 +10,8 @@ mod start;
 
 pub use loop_width::loop_opening;
 pub use residual_tests::{CorrelationTest, residual_input_correlation, residual_whiteness};
-pub use start::{StartError, choose_start, possible_starts, settled_period};
+pub(crate) use start::settling_samples;
+pub use start::{StartError, choose_start, possible_starts, settled_period, unfollowed_start};
 
 use crate::record::{InputOutput, TimeBase};
 
