@@ -43,7 +43,7 @@ pub struct Article {
     json: bool,
 
     /// A rehearsal in seconds: few runs, few generations, a short sweep; the page says that its numbers do not count
-    #[arg(long, hide = true)]
+    #[arg(long)]
     quick: bool,
 }
 

@@ -95,8 +95,14 @@ fn bounds(fit: &ModelFit) -> String {
 }
 
 pub(super) fn table_3_section(found: &Reproduction) -> Section {
-    let mut section =
-        Section::new("Table 3 and Figures 8–11: the models at 10, 20, 50 and 100 Hz").block(table_3(found));
+    let mut section = Section::new("Table 3 and Figures 8–11: the models at 10, 20, 50 and 100 Hz")
+        .block(table_3(found))
+        .block(Block::paragraph(
+            "Read the order with care. Eq. 7 counts the mean error, and the bench creeps from rest, so records of different speed lie at \
+             different heights; the table at the end of this section also has the errors with the mean taken off. ARX is fitted by linear least squares \
+             on the equation error, with an intercept that its simulation does not use. Integer order without a delay has no means but its pole to \
+             follow the bench's delay.",
+        ));
     for (number, curves) in (8..).zip(&found.models.curves) {
         section = section.block(sine_figure(number, curves));
     }

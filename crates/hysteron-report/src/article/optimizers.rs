@@ -114,7 +114,7 @@ fn scout(study: &OptimizerStudy) -> String {
         study.contender(name).map_or_else(String::new, |c| significant(100.0 - c.success_percent, 2))
     };
     format!(
-        "DE-ABC ends more than 1 % above the best fit in {} % of its runs, DE in {} %: speed is bought with reliability. The chaotic scout: with the default limit of SN·D failures, {} over all runs; switched off, {}; after 10 failures already, {}.",
+        "DE-ABC ends more than 1 % above the best fit in {} % of its runs, DE in {} %. The chaotic scout: with the default limit of SN·D failures, {} over all runs; switched off, {}; after 10 failures already, {}.",
         missed("DE-ABC"),
         missed("DE"),
         words("DE-ABC"),
