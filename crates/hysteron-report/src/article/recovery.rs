@@ -47,7 +47,7 @@ fn readings(cases: &[RecoveredBlocks]) -> Table {
         let cells = [
             letter(i),
             if blocks_apart { "each its own" } else { "both together" }.to_owned(),
-            if offset_estimated { "estimated" } else { "zero, as in Eq. 1" }.to_owned(),
+            if offset_estimated { "estimated" } else { "zero" }.to_owned(),
             loop_periods.to_string(),
             if linear_sweep { "linear" } else { "logarithmic" }.to_owned(),
             scheme.to_owned(),
@@ -101,7 +101,7 @@ fn table(cases: &[RecoveredBlocks]) -> Table {
             printed::TABLE_2.gamma
         ))
         .note(
-            "Grünwald–Letnikov fits as well as Tustin and returns other coefficients: they belong to that scheme and that sample rate.",
+            "Grünwald–Letnikov fits to less than the noise of a real sensor and returns other coefficients all the same: they belong to that scheme and that sample rate.",
         )
 }
 

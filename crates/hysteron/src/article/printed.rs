@@ -112,7 +112,7 @@ pub const TEXT_MAX_100HZ_UM: f64 = 0.0728;
 /// Abstract: "the maximum error is 0.0915 µm and the maximum mean square error is 0.0244".
 pub const ABSTRACT: Errors = errors(0.0915, 0.0244);
 
-/// The search box of §4.2 as printed, MinX and MaxX: every lower bound but one lies above its upper bound.
+/// The search box of §4.2 as printed, MinX and MaxX: every lower bound lies above its upper bound.
 pub const SEARCH_BOX: ([f64; 5], [f64; 5]) = ([2.0, 0.0, 1.0, 1.0, 0.0], [1.0, -2.0, 0.0, 0.0, -1.0]);
 
 /// What an earlier, independent prototype of this project found for the bias of the two-step way on noise-free data of
