@@ -6,10 +6,10 @@ use hysteron::dynamics::{Dynamics, Scheme, SecondOrder, Term, TransferFunction};
 use hysteron::hammerstein::{Model, Start};
 use hysteron::hysteresis::{BoucWen, Hysteresis};
 use hysteron::identify::{
-    CampaignRecord, Choice, DynamicsChoice, IdentifyError, Options, RecordRole, Searches, Unwatched, Watcher,
-    identify_two_step,
+    CampaignRecord, Choice, DynamicsChoice, IdentifyError, Options, RecordRole, Searches, StaticFit,
+    Unwatched, Watcher, identify_two_step,
 };
-use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions, Progress};
+use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions, Problem, Progress};
 use hysteron::record::{InputOutput, TimeBase};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -260,4 +260,43 @@ fn a_constant_input_is_refused_by_name() {
     let campaign = [record("flat", 100.0, vec![1.0; 50], (0..50).map(f64::from).collect())];
     let error = identify_two_step(&campaign, &Options::default(), &mut Unwatched, None).unwrap_err();
     assert!(error.to_string().contains("record 'flat': the input is constant"), "{error}");
+}
+
+#[test]
+fn a_held_offset_is_kept_and_not_estimated() {
+    let held = |offset: f64| {
+        let mut options =
+            Options { degree: Choice::Given(2), least_fit_percent: f64::NEG_INFINITY, ..Options::default() };
+        options.demands.fixed = vec![("offset".into(), offset)];
+        identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap()
+    };
+    // The truth's sensor stands at −7.5 µm.
+    let right = held(-7.5);
+    assert_eq!(right.model.offset, -7.5);
+    assert_close(block(&right.model).alpha, 1.1, 1e-6, "alpha");
+    let wrong = held(0.0);
+    assert_eq!(wrong.model.offset, 0.0);
+    assert!(wrong.searches[0].outcome.cost > 1e3 * right.searches[0].outcome.cost.max(1e-9));
+    let mut options = Options::default();
+    options.demands.bounded = vec![("offset".into(), -8.0, 0.0)];
+    let error = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    assert!(error.to_string().contains("'offset'"), "{error}");
+}
+
+#[test]
+fn the_bare_static_problem_is_that_of_the_identification() {
+    let campaign = static_campaign();
+    let options = Options { degree: Choice::Given(2), ..Options::default() };
+    let start = Start::Rest { voltage_v: campaign[0].data.u[0] };
+    let problem = StaticFit::new(&campaign[0].data, &start, &options).unwrap();
+    let names: Vec<&str> = problem.bounds().ranges.iter().map(|r| r.name.as_str()).collect();
+    assert_eq!(names, ["linear", "quadratic", "alpha", "beta", "gamma"]);
+    let x = [3.2, -0.02, 1.1, 0.35, 0.08];
+    assert!(
+        problem.cost(&x, &mut problem.workspace()) < 1e-12,
+        "no residual at the truth, offset eliminated"
+    );
+    assert_eq!(problem.operator(&x).unwrap().polynomial, [3.2, -0.02]);
+    let free = Options { degree: Choice::Auto, ..options };
+    assert!(StaticFit::new(&campaign[0].data, &start, &free).is_err());
 }
