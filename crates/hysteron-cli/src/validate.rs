@@ -55,8 +55,7 @@ fn leave_out(record: &mut InputOutput, samples: usize, path: &Path) {
     if samples == 0 {
         return;
     }
-    let mask = record.valid.get_or_insert_with(|| vec![true; record.u.len()]);
-    mask.iter_mut().take(samples).for_each(|valid| *valid = false);
+    *record = record.without_first(samples);
     console::note(&format!(
         "{}: the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples are not \
          scored (--skip 0 scores them)",

@@ -1,7 +1,7 @@
 //! What an identification needs to know of a record before any fit.
 
 use super::IdentifyError;
-use crate::record::{InputOutput, Periods, TimeBase, find_periods, shortest_swing};
+use crate::record::{InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing};
 use crate::validate::{settled_period, settling_samples};
 
 /// A record is dynamic beside one whose fastest swing is this much slower.
@@ -99,6 +99,6 @@ impl RecordFacts {
 }
 
 fn span(x: &[f64]) -> f64 {
-    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+    let (low, high) = range_of(x);
     high - low
 }

@@ -6,7 +6,7 @@ use super::result::{Finding, FindingKind, Identification};
 use crate::dynamics::{Dynamics, Stability, stability};
 use crate::hammerstein::Start;
 use crate::hysteresis::Hysteresis;
-use crate::record::{LoopSense, loop_shape, turning_points};
+use crate::record::{LoopSense, loop_shape, range_of, turning_points};
 
 /// A parameter whose standard error exceeds this share of its value is called undetermined.
 const UNDETERMINED: f64 = 0.5;
@@ -19,7 +19,10 @@ const SMALLEST_LOOP: f64 = 0.1;
 pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     let (u, y) = (&facts.data.u, &facts.data.y);
     let threshold = 0.1;
-    let reversals = |x: &[f64]| turning_points(x, threshold * (max(x) - min(x))).len();
+    let reversals = |x: &[f64]| {
+        let (low, high) = range_of(x);
+        turning_points(x, threshold * (high - low)).len()
+    };
     let (of_u, of_y) = (reversals(u), reversals(y));
     let unit =
         |u: &crate::record::Unit| if u.symbol().is_empty() { "no unit".to_owned() } else { u.to_string() };
@@ -288,12 +291,4 @@ fn short(x: f64) -> String {
     } else {
         format!("{x:.2e}")
     }
-}
-
-fn min(x: &[f64]) -> f64 {
-    x.iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-fn max(x: &[f64]) -> f64 {
-    x.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }

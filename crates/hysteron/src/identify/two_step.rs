@@ -15,7 +15,6 @@ use crate::hammerstein::{Model, Start};
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Problem, Settings};
-use crate::record::InputOutput;
 use crate::validate::{Scoring, score};
 
 /// Fewest valid samples of a usable record.
@@ -88,7 +87,7 @@ pub fn identify_two_step(
         let simulated = model.simulate_at_own_rate(&facts.data.u, facts.data.sample_rate_hz(), &start)?;
         let left_out =
             static_records.iter().position(|s| std::ptr::eq(*s, facts)).map_or(0, |i| step1.left_out[i]);
-        let scores = score(&without_first(&facts.data, left_out), &simulated, &Scoring::default())?;
+        let scores = score(&facts.data.without_first(left_out), &simulated, &Scoring::default())?;
         fits.push(RecordFit {
             data: facts.data.clone(),
             role: if follow || *role == RecordRole::QuasiStatic { *role } else { RecordRole::QuasiStatic },
@@ -316,19 +315,9 @@ fn assemble(
 fn settle_offset(model: &mut Model, step1: &StaticStep, first: &RecordFacts) -> Result<(), IdentifyError> {
     let simulated =
         model.simulate_at_own_rate(&first.data.u, first.data.sample_rate_hz(), &step1.starts[0])?;
-    let fitted = without_first(&first.data, step1.left_out[0]);
+    let fitted = first.data.without_first(step1.left_out[0]);
     model.offset += score(&fitted, &simulated, &Scoring::default())?.offset;
     Ok(())
-}
-
-/// The record with its first samples masked: what was left out of the fit is left out of its scores.
-fn without_first(data: &InputOutput, left_out: usize) -> InputOutput {
-    let mut data = data.clone();
-    if left_out > 0 {
-        let mask = data.valid.get_or_insert_with(|| vec![true; data.u.len()]);
-        mask.iter_mut().take(left_out).for_each(|valid| *valid = false);
-    }
-    data
 }
 
 /// ARX from hysteresis output to displacement, on all dynamic records, orders by simulated error.

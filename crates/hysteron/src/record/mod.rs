@@ -37,6 +37,7 @@ pub use sensor::{Clipping, clipping, quantisation_step};
 pub use start_up::{StartUp, fit_start_up};
 pub use time_base::{GIVEN_RATE_TOLERANCE, UNIFORM_TOLERANCE_SAMPLES};
 pub use trend::{LinearDrift, linear_drift};
+pub(crate) use turning_points::range_of;
 pub use turning_points::{TurningPoint, shortest_swing, turning_points};
 pub use unit::{Quantity, Unit};
 
@@ -231,6 +232,16 @@ impl InputOutput {
     /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.u.is_empty()
+    }
+
+    /// The record with its first `samples` samples masked as not valid.
+    pub fn without_first(&self, samples: usize) -> Self {
+        let mut masked = self.clone();
+        if samples > 0 {
+            let mask = masked.valid.get_or_insert_with(|| vec![true; masked.u.len()]);
+            mask.iter_mut().take(samples).for_each(|valid| *valid = false);
+        }
+        masked
     }
 
     /// Sample rate \[Hz\], if the time base is uniform.

@@ -2,7 +2,7 @@
 
 use super::{ScoreError, Scoring, score};
 use crate::hammerstein::{Model, SimulationError, Start};
-use crate::record::{InputOutput, Periods, find_periods, shortest_swing};
+use crate::record::{InputOutput, Periods, find_periods, range_of, shortest_swing};
 
 /// Ends that differ by less than this share of the range close a loop.
 const CLOSED: f64 = 0.03;
@@ -49,7 +49,7 @@ pub fn settled_period(record: &InputOutput, periods: Option<Periods>) -> Option<
 pub fn unfollowed_start(record: &InputOutput, start: &Start) -> usize {
     const JUMP: f64 = 0.02;
     let Start::Rest { voltage_v } = *start else { return 0 };
-    let (low, high) = range(&record.u);
+    let (low, high) = range_of(&record.u);
     let jump = record.u.first().map_or(0.0, |first| (first - voltage_v).abs());
     if jump > JUMP * (high - low) { settling_samples(&record.u, shortest_swing(&record.u)) } else { 0 }
 }
@@ -59,13 +59,9 @@ pub(crate) fn settling_samples(u: &[f64], shortest_swing: usize) -> usize {
     (shortest_swing / 2).min(u.len() / 4)
 }
 
-fn range(x: &[f64]) -> (f64, f64) {
-    x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)))
-}
-
 /// Whether a signal ends where it began, to 3 % of its range.
 fn closes(x: &[f64]) -> bool {
-    let (low, high) = range(x);
+    let (low, high) = range_of(x);
     match (x.first(), x.last()) {
         (Some(first), Some(last)) => (last - first).abs() <= CLOSED * (high - low),
         _ => false,
