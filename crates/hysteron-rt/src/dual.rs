@@ -18,6 +18,17 @@ pub struct Dual<T, const P: usize> {
 }
 
 impl<T: Real, const P: usize> Dual<T, P> {
+    /// The parameter of number `index` itself: derivative 1 with respect to it, 0 with respect to the others (to all,
+    /// where there is no such number).
+    #[inline(always)]
+    pub fn variable(value: T, index: usize) -> Self {
+        let mut partials = [T::of(0.0); P];
+        if let Some(own) = partials.get_mut(index) {
+            *own = T::of(1.0);
+        }
+        Dual { value, partials }
+    }
+
     /// f(self) for a function with value `f` and derivative `slope` at `self.value`.
     #[inline(always)]
     fn chain(self, f: T, slope: T) -> Self {

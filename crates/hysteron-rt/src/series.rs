@@ -2,22 +2,21 @@
 
 use crate::real::{Real, Scalar};
 
-/// 1/1!, −1/2!, 1/3!, … : coefficients of E(x) = (1 − e⁻ˣ)/x.
-const E: [f64; 14] = [
-    1.0,
-    -1.0 / 2.0,
-    1.0 / 6.0,
-    -1.0 / 24.0,
-    1.0 / 120.0,
-    -1.0 / 720.0,
-    1.0 / 5040.0,
-    -1.0 / 40320.0,
-    1.0 / 362880.0,
-    -1.0 / 3628800.0,
-    1.0 / 39916800.0,
-    -1.0 / 479001600.0,
-    1.0 / 6227020800.0,
-    -1.0 / 87178291200.0,
+/// 1/2!, −1/3!, 1/4!, … : coefficients of G(x) = (1 − E(x))/x = (e⁻ˣ − 1 + x)/x², where E(x) = (1 − e⁻ˣ)/x.
+const G: [f64; 13] = [
+    1.0 / 2.0,
+    -1.0 / 6.0,
+    1.0 / 24.0,
+    -1.0 / 120.0,
+    1.0 / 720.0,
+    -1.0 / 5040.0,
+    1.0 / 40320.0,
+    -1.0 / 362880.0,
+    1.0 / 3628800.0,
+    -1.0 / 39916800.0,
+    1.0 / 479001600.0,
+    -1.0 / 6227020800.0,
+    1.0 / 87178291200.0,
 ];
 
 /// (e⁻ˣ, (1 − e⁻ˣ)/κ) for x = κ d; the second is d where κ = 0.
@@ -27,45 +26,52 @@ const E: [f64; 14] = [
 #[inline(always)]
 pub(crate) fn relaxation<S: Scalar>(kappa: S, d: S) -> (S, S) {
     let x = kappa * d;
-    let size = x.value().abs();
     let one = S::Real::of(1.0);
-    let ratio = if size <= S::Real::SMALL {
-        small_ratio(x)
-    } else if size <= S::Real::of(0.5) {
-        medium_ratio(x)
-    } else {
-        let e = (-x).exp();
-        return (e, (-e).shift(one) / kappa);
+    if let Some(g) = small_remainder(x) {
+        let ratio = (-(x * g)).shift(one);
+        return ((-(x * ratio)).shift(one), d * ratio);
+    }
+    let e = (-x).exp();
+    (e, (-e).shift(one) / kappa)
+}
+
+/// As [`relaxation`] (the same bits), with the derivative of the second with respect to κ: d² E'(x), where
+/// E'(x) = (1 + x) G(x) − 1 has no cancellation next to 0.
+#[inline(always)]
+pub(crate) fn relaxation_with_slope<T: Real>(kappa: T, d: T) -> (T, T, T) {
+    let (decay, reach) = relaxation(kappa, d);
+    let x = kappa * d;
+    let slope = match small_remainder(x) {
+        Some(g) => d * d * (g + x * g - T::of(1.0)),
+        None => (d * decay - reach) / kappa,
     };
-    ((-(x * ratio)).shift(one), d * ratio)
+    (decay, reach, slope)
 }
 
-/// E(x) = (1 − e⁻ˣ)/x for |x| ≤ [`Real::SMALL`]: degree 6, in independent parts to shorten the chain of operations
-/// that wait for each other.
+/// G(x) where |x| ≤ ½, in independent parts to shorten the chain of operations that wait for each other.
 #[inline(always)]
-pub(crate) fn small_ratio<S: Scalar>(x: S) -> S {
+fn small_remainder<S: Scalar>(x: S) -> Option<S> {
+    let size = x.value().abs();
     let pair = |i: usize| pair(x, i);
-    let x2 = x * x;
-    let high = pair(4) + x2.scale(S::Real::of(E[6]));
-    pair(0) + (pair(2) * x2 + high * (x2 * x2))
+    if size <= S::Real::SMALL {
+        let x2 = x * x;
+        return Some((pair(0) + pair(2) * x2) + pair(4) * (x2 * x2));
+    }
+    if size <= S::Real::of(0.5) {
+        let x2 = x * x;
+        let x4 = x2 * x2;
+        let low = pair(0) + pair(2) * x2;
+        let middle = pair(4) + pair(6) * x2;
+        let high = (pair(8) + pair(10) * x2) + x4.scale(S::Real::of(G[12]));
+        return Some(low + (middle + high * x4) * x4);
+    }
+    None
 }
 
-/// E(x) for |x| ≤ ½: degree 13.
-#[inline(always)]
-fn medium_ratio<S: Scalar>(x: S) -> S {
-    let pair = |i: usize| pair(x, i);
-    let x2 = x * x;
-    let x4 = x2 * x2;
-    let low = pair(0) + pair(2) * x2;
-    let middle = pair(4) + pair(6) * x2;
-    let high = (pair(8) + pair(10) * x2) + pair(12) * x4;
-    low + (middle + high * x4) * x4
-}
-
-/// E_i + E_{i+1} x.
+/// G_i + G_{i+1} x.
 #[inline(always)]
 fn pair<S: Scalar>(x: S, i: usize) -> S {
-    match (E.get(i), E.get(i + 1)) {
+    match (G.get(i), G.get(i + 1)) {
         (Some(&low), Some(&high)) => x.scale(S::Real::of(high)).shift(S::Real::of(low)),
         _ => S::constant(S::Real::of(0.0)),
     }
@@ -187,6 +193,23 @@ mod tests {
         assert!(worst <= 2.0, "f64: {worst} units");
         assert!(worst_single <= 2.0, "f32: {worst_single} units");
         assert_eq!(relaxation(0.0, 3.0), (1.0, 3.0));
+    }
+
+    #[test]
+    fn slope_of_the_relaxation_is_its_series_on_every_tier() {
+        // d² E'(x), E'(x) = Σ (−1)ᵏ k xᵏ⁻¹/(k+1)!: up to |x| = 2 the series is an oracle good to a few units.
+        for k in -4000..=4000_i32 {
+            let x = f64::from(k.signum()) * 2.0 * (f64::from(k.abs()) / 4000.0).powi(4);
+            let (mut term, mut want) = (1.0, 0.0);
+            for k in 1..40_i32 {
+                term *= -1.0 / f64::from(k + 1);
+                want += f64::from(k) * term * x.powi(k - 1);
+            }
+            let d = 1.25;
+            let (decay, reach, slope) = relaxation_with_slope(x / d, d);
+            assert_eq!((decay, reach), relaxation(x / d, d));
+            assert!(units(slope, d * d * want, f64::EPSILON) <= 12.0, "x {x:e}: {slope:e} {want:e}");
+        }
     }
 
     #[test]

@@ -158,7 +158,7 @@ fn unit_form_and_article_form_convert_both_ways() {
         let u = sine(50, 2);
         let (mut v, mut zeta) = (vec![0.0; 100], vec![0.0; 100]);
         model.simulate(&u, Start::Rest { u: 1.0 }, &mut v).unwrap();
-        shape.simulate(&u, Start::Rest { u: 1.0 }, &mut zeta).unwrap();
+        shape.simulate_every(1, &u, Start::Rest { u: 1.0 }, &mut zeta).unwrap();
         for ((&u, v), zeta) in u.iter().zip(v).zip(zeta) {
             assert!((v - (u + 0.1 * u * u - alpha * zeta)).abs() < 1e-13);
         }

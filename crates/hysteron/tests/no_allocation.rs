@@ -12,6 +12,8 @@ use hysteron::dynamics::{
     Arx, DynamicsError, InitialCondition, Scheme, SecondOrder, SimulationPlan, TransferFunction, stability,
 };
 
+use hysteron::hysteresis::{Sensitivities, Start, UnitShape};
+
 struct Counting;
 
 thread_local! {
@@ -79,5 +81,25 @@ fn a_candidate_allocates_nothing() {
             arx.simulate(&input, InitialCondition::Rest, &mut output).unwrap();
         });
         assert_eq!(count, 0);
+    }
+}
+
+#[test]
+fn a_hysteresis_pass_allocates_nothing() {
+    let u: Vec<f64> = (0..1_000).map(|k| 5.0 * (f64::from(k) * 0.01).sin()).collect();
+    let mut zeta = vec![0.0; 500];
+    for n in [1.0, 1.5, 2.0] {
+        let shape = UnitShape { beta: 0.2, gamma: 0.1, n };
+        for start in [Start::Rest { u: 0.0 }, Start::Periodic] {
+            for exponent in [false, true] {
+                let mut out = Sensitivities::default();
+                shape.simulate_with_sensitivities(2, &u, start, exponent, &mut out).unwrap();
+                let count = allocations(|| {
+                    shape.simulate_every(2, &u, start, &mut zeta).unwrap();
+                    shape.simulate_with_sensitivities(2, &u, start, exponent, &mut out).unwrap();
+                });
+                assert_eq!(count, 0, "n {n}, {start:?}");
+            }
+        }
     }
 }

@@ -46,21 +46,27 @@ fn simulate<T: Real, const N: usize>(
     }
 }
 
+/// One step each with the derivatives with respect to the shape, the exponent and the start, then a record of them.
 #[inline(always)]
-fn sensitivities<T: Real>(
+fn sensitivities<T: Real, const N: usize>(
     [alpha, beta, gamma, n]: Parameters<T>,
-    shape: &mut Dual<T, 2>,
-    all: &mut Dual<T, 3>,
-    du: T,
+    (shape, all): &mut (Dual<T, 3>, Dual<T, 4>),
+    u: &[T; N],
+    out: &mut [Dual<T, 3>; N],
 ) -> bool {
     let Ok(operator) = BoucWen::new(alpha, beta, gamma, n) else { return false };
-    match (operator.advance_with_shape(*shape, du), operator.advance_with_sensitivities(*all, du)) {
-        (Ok(next_shape), Ok(next_all)) => {
-            (*shape, *all) = (next_shape, next_all);
-            true
-        }
-        _ => false,
+    let Some(&first) = u.first() else { return false };
+    match (operator.advance_with_shape(*shape, first), operator.advance_with_sensitivities(*all, first)) {
+        (Ok(next_shape), Ok(next_all)) => (*shape, *all) = (next_shape, next_all),
+        _ => return false,
     }
+    let mut slots = out.iter_mut();
+    let record = operator.simulate_with_shape((first, *shape), u, |z| {
+        if let Some(slot) = slots.next() {
+            *slot = z;
+        }
+    });
+    record.is_ok() && operator.simulate_with_sensitivities((first, *all), u, |z| *all = z).is_ok()
 }
 
 macro_rules! entries {
@@ -87,11 +93,11 @@ macro_rules! entries {
         #[allow(improper_ctypes_definitions)]
         pub extern "C" fn $sensitivities(
             parameters: &Parameters<$t>,
-            shape: &mut Dual<$t, 2>,
-            all: &mut Dual<$t, 3>,
-            du: $t,
+            partials: &mut (Dual<$t, 3>, Dual<$t, 4>),
+            u: &[$t; 64],
+            out: &mut [Dual<$t, 3>; 64],
         ) -> bool {
-            sensitivities(*parameters, shape, all, du)
+            sensitivities(*parameters, partials, u, out)
         }
     };
 }

@@ -1,7 +1,8 @@
 //! n = 1: dz/d|u| = sα − κ z, relaxation towards sα/κ, with κ = β + s γ sign z (s = sign Δu).
 
+use crate::dual::Dual;
 use crate::real::{Real, Scalar};
-use crate::series::{log_distance, relaxation};
+use crate::series::{log_distance, relaxation, relaxation_with_slope};
 
 /// z after a monotone move by `du`: z e^(−κd) + sα (1 − e^(−κd))/κ, split where z passes 0.
 #[inline]
@@ -27,40 +28,51 @@ pub(super) fn advance<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S::Real)
     rise * relaxation(kappa, rest).1
 }
 
-/// z along the voltages `u`, starting from z at `u_start`; `sink` is handed each sample's z.
+/// z and its derivatives along the voltages `u`, starting from `z` at `u_last`; `sink` is handed each sample's. The
+/// partials are those with respect to β, γ and then any others, which z alone carries; without partials (P = 0) it is
+/// the plain simulation.
 ///
 /// Same arithmetic as [`advance`], arranged so that only one multiplication and one addition a sample depend on the
-/// sample before: the sign of z is taken to stay, and the sample redone by [`advance`] where it did not.
+/// sample before: the sign of z is taken to stay, and the sample redone by [`advance`] where it did not. With
+/// z⁺ = z e^(−κd) + sα r(κ), r = (1 − e^(−κd))/κ, each derivative is z⁺' = e^(−κd) z' + κ' (sα r'(κ) − d e^(−κd) z),
+/// κ' = 1 for β, ±1 for γ: one exponential for all of them.
 #[inline(always)]
-pub(super) fn run<T: Real>(
+pub(super) fn run<T: Real, const P: usize>(
     (alpha, beta, gamma): (T, T, T),
-    (mut u_last, mut z): (T, T),
+    (mut u_last, mut z): (T, Dual<T, P>),
     u: &[T],
-    mut sink: impl FnMut(T),
-) -> T {
-    let zero = T::of(0.0);
+    mut sink: impl FnMut(Dual<T, P>),
+) -> Dual<T, P> {
+    let [zero, one] = [T::of(0.0), T::of(1.0)];
     let sign_of = |z: T| {
         if z > zero {
-            T::of(1.0)
+            one
         } else if z < zero {
-            T::of(-1.0)
+            -one
         } else {
             zero
         }
     };
-    let mut sign = sign_of(z);
+    let duals = (Dual::constant(alpha), Dual::variable(beta, 0), Dual::variable(gamma, 1));
+    let mut sign = sign_of(z.value);
     let (mut kappa_up, mut kappa_down) = (beta + sign * gamma, beta - sign * gamma);
     for &u_next in u {
         let du = u_next - u_last;
         u_last = u_next;
-        let (rise, kappa, d) = if du < zero { (-alpha, kappa_down, -du) } else { (alpha, kappa_up, du) };
-        let (decay, reach) = relaxation(kappa, d);
-        let end = z * decay + rise * reach;
+        let (rise, kappa, turn, d) =
+            if du < zero { (-alpha, kappa_down, -sign, -du) } else { (alpha, kappa_up, sign, du) };
+        let (decay, reach, reach_slope) = relaxation_with_slope(kappa, d);
+        let end = z.value * decay + rise * reach;
         if end * sign > zero {
-            z = end;
+            let own = rise * reach_slope - d * decay * z.value;
+            let mut partials = z.partials.map(|p| decay * p);
+            for (p, own) in partials.iter_mut().zip([own, turn * own]) {
+                *p = *p + own;
+            }
+            z = Dual { value: end, partials };
         } else {
-            z = advance(alpha, beta, gamma, z, du);
-            sign = sign_of(z);
+            z = advance(duals.0, duals.1, duals.2, z, du);
+            sign = sign_of(z.value);
             kappa_up = beta + sign * gamma;
             kappa_down = beta - sign * gamma;
         }

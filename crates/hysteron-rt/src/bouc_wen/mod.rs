@@ -124,39 +124,35 @@ impl<T: Real> BoucWen<T> {
     /// As [`Self::step`].
     #[inline]
     pub fn advance(&self, z: T, du: T) -> Result<T, StepError<T>> {
-        self.finite(advance(self.law, (self.alpha, self.beta, self.gamma, self.n), z, du)?, z)
+        self.finite(advance(self.law, [self.alpha, self.beta, self.gamma, self.n], z, du)?, z)
     }
 
-    /// As [`Self::advance`], with the derivatives of z with respect to β and γ carried along (`z.partials`): exact
-    /// closed forms for n = 1 and 2. In the unit-α form these are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
+    /// As [`Self::advance`], with derivatives of z carried along: `z.partials` are those with respect to β, γ and
+    /// then any others that z comes with (its own start value, say). Exact closed forms for n = 1 and 2. In the unit-α
+    /// form the first two are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
     ///
     /// # Errors
     /// As [`Self::step`].
-    pub fn advance_with_shape(&self, z: Dual<T, 2>, du: T) -> Result<Dual<T, 2>, StepError<T>> {
-        let [zero, one] = [T::of(0.0), T::of(1.0)];
-        let parameters = (
-            Dual::constant(self.alpha),
-            Dual { value: self.beta, partials: [one, zero] },
-            Dual { value: self.gamma, partials: [zero, one] },
-            Dual::constant(self.n),
-        );
-        self.finite(advance(self.law, parameters, z, du)?, z)
+    pub fn advance_with_shape<const P: usize>(
+        &self,
+        z: Dual<T, P>,
+        du: T,
+    ) -> Result<Dual<T, P>, StepError<T>> {
+        self.finite(advance(self.law, self.duals(false), z, du)?, z)
     }
 
-    /// As [`Self::advance`], with the derivatives of z with respect to β, γ and n carried along (`z.partials`). The
-    /// derivative with respect to n has no closed form, so that every n goes through the series.
+    /// As [`Self::advance`], with derivatives of z carried along: `z.partials` are those with respect to β, γ, n and
+    /// then any others that z comes with. The derivative with respect to n has no closed form, so that every n goes
+    /// through the series.
     ///
     /// # Errors
     /// As [`Self::step`].
-    pub fn advance_with_sensitivities(&self, z: Dual<T, 3>, du: T) -> Result<Dual<T, 3>, StepError<T>> {
-        let [zero, one] = [T::of(0.0), T::of(1.0)];
-        let parameters = (
-            Dual::constant(self.alpha),
-            Dual { value: self.beta, partials: [one, zero, zero] },
-            Dual { value: self.gamma, partials: [zero, one, zero] },
-            Dual { value: self.n, partials: [zero, zero, one] },
-        );
-        self.finite(advance(Law::Power, parameters, z, du)?, z)
+    pub fn advance_with_sensitivities<const P: usize>(
+        &self,
+        z: Dual<T, P>,
+        du: T,
+    ) -> Result<Dual<T, P>, StepError<T>> {
+        self.finite(advance(Law::Power, self.duals(true), z, du)?, z)
     }
 
     /// z along the voltages `u` into `out` (same length), from `state`, which ends at the last sample: what
@@ -191,50 +187,71 @@ impl<T: Real> BoucWen<T> {
             return Err(SimulateError::Lengths { expected, found: out.len() });
         }
         let Some(&u_end) = u.last() else { return Ok(()) };
-        let start = *state;
-        if self.law == Law::Linear && start.u.is_finite() && u.iter().all(|u| u.is_finite()) {
-            let parameters = (self.alpha, self.beta, self.gamma);
-            let z_end = if factor == 1 {
-                let mut slots = out.iter_mut();
-                linear::run(parameters, (start.u, start.z), u, |z| {
-                    if let Some(slot) = slots.next() {
-                        *slot = z;
-                    }
-                })
-            } else {
-                let mut slots = out.iter_mut();
-                let mut until = 0;
-                linear::run(parameters, (start.u, start.z), u, |z| {
-                    if until == 0 {
-                        until = factor;
-                        if let Some(slot) = slots.next() {
-                            *slot = z;
-                        }
-                    }
-                    until -= 1;
-                })
-            };
-            // Once z is not finite it stays so; the loop below then finds where.
-            if z_end.is_finite() {
-                *state = BoucWenState { u: u_end, z: z_end };
-                return Ok(());
-            }
-        }
+        let start = (state.u, Dual { value: state.z, partials: [] });
         let mut slots = out.iter_mut();
-        let mut now = start;
-        let mut until = 0;
-        for (index, &u_next) in u.iter().enumerate() {
-            let z = self.step(&mut now, u_next).map_err(|cause| SimulateError::Step { index, cause })?;
-            if until == 0 {
-                until = factor;
-                if let Some(slot) = slots.next() {
-                    *slot = z;
-                }
+        let mut keep = |z| {
+            if let Some(slot) = slots.next() {
+                *slot = z;
             }
-            until -= 1;
-        }
-        *state = now;
+        };
+        let end = if factor == 1 {
+            self.simulate_with_shape(start, u, |z| keep(z.value))
+        } else {
+            let mut until = 0;
+            self.simulate_with_shape(start, u, |z| {
+                if until == 0 {
+                    until = factor;
+                    keep(z.value);
+                }
+                until -= 1;
+            })
+        };
+        *state = BoucWenState { u: u_end, z: end?.value };
         Ok(())
+    }
+
+    /// z with derivatives as in [`Self::advance_with_shape`] along the voltages `u`, from z at the voltage of `start`;
+    /// `sink` is handed each sample's in turn. Returns the last. For n = 1 all derivatives share one exponential.
+    ///
+    /// # Errors
+    /// The sample and the [`StepError`] it failed with; what `sink` was handed from that sample on is void.
+    pub fn simulate_with_shape<const P: usize>(
+        &self,
+        start: (T, Dual<T, P>),
+        u: &[T],
+        mut sink: impl FnMut(Dual<T, P>),
+    ) -> Result<Dual<T, P>, SimulateError<T>> {
+        let advance = |z, du| self.advance_with_shape(z, du);
+        if self.law != Law::Linear || !start.0.is_finite() || !u.iter().all(|u| u.is_finite()) {
+            return follow(start, u, advance, sink);
+        }
+        let end = linear::run((self.alpha, self.beta, self.gamma), start, u, &mut sink);
+        // Once a number is not finite it stays so; going through again then finds where.
+        if end.magnitude().is_finite() {
+            return Ok(end);
+        }
+        follow(start, u, advance, |_| {})?;
+        Err(SimulateError::Step { index: u.len().saturating_sub(1), cause: StepError::Overflow })
+    }
+
+    /// As [`Self::simulate_with_shape`] with the derivatives of [`Self::advance_with_sensitivities`], n's among them.
+    ///
+    /// # Errors
+    /// As [`Self::simulate_with_shape`].
+    pub fn simulate_with_sensitivities<const P: usize>(
+        &self,
+        start: (T, Dual<T, P>),
+        u: &[T],
+        sink: impl FnMut(Dual<T, P>),
+    ) -> Result<Dual<T, P>, SimulateError<T>> {
+        follow(start, u, |z, du| self.advance_with_sensitivities(z, du), sink)
+    }
+
+    /// (α, β, γ, n) as parameters 0 and 1, and 2 where n is one.
+    #[inline(always)]
+    fn duals<const P: usize>(&self, exponent: bool) -> [Dual<T, P>; 4] {
+        let n = if exponent { Dual::variable(self.n, 2) } else { Dual::constant(self.n) };
+        [Dual::constant(self.alpha), Dual::variable(self.beta, 0), Dual::variable(self.gamma, 1), n]
     }
 
     /// `end` where every number in it is finite.
@@ -250,11 +267,31 @@ impl<T: Real> BoucWen<T> {
     }
 }
 
+/// z along the voltages `u`, one `advance` a sample.
+#[inline(always)]
+fn follow<T: Real, const P: usize>(
+    (mut u_last, mut z): (T, Dual<T, P>),
+    u: &[T],
+    mut advance: impl FnMut(Dual<T, P>, T) -> Result<Dual<T, P>, StepError<T>>,
+    mut sink: impl FnMut(Dual<T, P>),
+) -> Result<Dual<T, P>, SimulateError<T>> {
+    for (index, &u_next) in u.iter().enumerate() {
+        let step = |cause| SimulateError::Step { index, cause };
+        if !u_next.is_finite() || !u_last.is_finite() {
+            return Err(step(StepError::NotFinite));
+        }
+        z = advance(z, u_next - u_last).map_err(step)?;
+        u_last = u_next;
+        sink(z);
+    }
+    Ok(z)
+}
+
 /// z after a monotone move by `du`; parameters are (α, β, γ, n).
 #[inline]
 fn advance<S: Scalar>(
     law: Law,
-    (alpha, beta, gamma, n): (S, S, S, S),
+    [alpha, beta, gamma, n]: [S; 4],
     z: S,
     du: S::Real,
 ) -> Result<S, StepError<S::Real>> {

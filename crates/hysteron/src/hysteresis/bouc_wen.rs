@@ -152,21 +152,8 @@ impl UnitShape {
         Ok(hysteron_rt::BoucWen::unit(self.beta, self.gamma, self.n)?)
     }
 
-    /// ζ \[V\] for the voltages `u` \[V\] into `out` (same length); returns the state (u, ζ) at the last sample.
-    /// Allocates nothing.
-    ///
-    /// # Errors
-    /// As [`BoucWen::simulate`].
-    pub fn simulate(
-        &self,
-        u: &[f64],
-        start: Start,
-        out: &mut [f64],
-    ) -> Result<BoucWenState, HysteresisError> {
-        run(&self.operator()?, 1, u, start, out)
-    }
-
-    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k * factor]`.
+    /// ζ \[V\] into `out` for the voltages `u` \[V\] given on a time base finer by `factor`: `out[k]` belongs to
+    /// `u[k * factor]`. Returns the state (u, ζ) at the last sample of u. Allocates nothing.
     ///
     /// # Errors
     /// As [`BoucWen::simulate`].
@@ -192,7 +179,7 @@ fn sign(alpha: f64) -> f64 {
 }
 
 /// z along `u` into `out` from any start.
-fn run(
+pub(super) fn run(
     operator: &hysteron_rt::BoucWen<f64>,
     factor: usize,
     u: &[f64],

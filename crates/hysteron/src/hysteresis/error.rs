@@ -68,6 +68,15 @@ pub enum HysteresisError {
         /// Change of z over the last one \[µm\].
         change: f64,
     },
+    /// The steady state of a period does not determine its own derivatives.
+    #[error(
+        "the steady state has no derivatives: what is left of a difference of states after a period is {slope} of it \
+         and must be less than 1; give the loop a shape with β' > |γ'|, or another start than the periodic one"
+    )]
+    NotContracting {
+        /// ∂ζ(end of the period)/∂ζ(its start).
+        slope: f64,
+    },
     /// Up-sampling by 0.
     #[error("the up-sampling factor is 0: it must be at least 1")]
     Factor,

@@ -1,6 +1,7 @@
 //! Static hysteresis block: rate-independent operators, one file a model behind one enum.
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
+//! * [`Sensitivities`]: ζ with its derivatives, in one pass.
 //! * [`Start`]: where an operator stands before the first sample.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away.
@@ -9,11 +10,13 @@ mod admissibility;
 pub mod bouc_wen;
 mod error;
 mod inter_sample;
+mod sensitivities;
 
 pub use admissibility::Admissibility;
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use error::HysteresisError;
 pub use inter_sample::{InterSample, RecordEnds};
+pub use sensitivities::Sensitivities;
 
 /// A rate-independent hysteresis operator.
 #[derive(Clone, Debug, PartialEq)]

@@ -209,7 +209,7 @@ impl StaticProblem {
         for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
             let signal = &mut zeta[..record.input.len()];
             let start = Start::Rest { u: record.rest_voltage_v };
-            if shape.unit.simulate(&record.input, start, signal).is_err() {
+            if shape.unit.simulate_every(1, &record.input, start, signal).is_err() {
                 return false;
             }
             let here = &mut column[at..];

@@ -91,7 +91,7 @@ impl LeastSquaresProblem for StaticBlock {
         let &[quadratic, linear, alpha, beta, gamma] = x else { return false };
         let gamma = if alpha < 0.0 { -gamma } else { gamma };
         let shape = UnitShape { beta, gamma, n: 1.0 };
-        if shape.simulate(&self.u, Start::Rest { u: 0.0 }, out).is_err() {
+        if shape.simulate_every(1, &self.u, Start::Rest { u: 0.0 }, out).is_err() {
             return false;
         }
         for ((r, u), y) in out.iter_mut().zip(&self.u).zip(&self.y) {
