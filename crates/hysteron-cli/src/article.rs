@@ -15,6 +15,8 @@ use serde::Serialize;
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::numbers::whole;
+use crate::output;
 use crate::progress::Progress;
 
 /// Reproduce the source article on a simulated bench: its tables and figures beside its printed numbers.
@@ -31,11 +33,11 @@ pub struct Article {
     out_dir: PathBuf,
 
     /// Seed of the bench's noise and of every search
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 
     /// Threads; the result does not depend on it (all cores if not given)
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
     threads: Option<u16>,
 
     /// Print the tables' numbers, the verdicts and the files written as one JSON object
@@ -63,7 +65,7 @@ struct Summary<'a> {
 
 impl Article {
     pub fn run(&self) -> Result<(), Failure> {
-        make_folder(&self.out_dir)?;
+        output::check_folder("the reproduction", &self.out_dir)?;
         let found = self.reproduce()?;
         let files = self.write(&found)?;
         if self.json {
@@ -80,7 +82,7 @@ impl Article {
             .num_threads(self.threads.map_or(0, usize::from))
             .build()
             .map_err(|e| failure().because(e))?;
-        let stop = interrupt::stop_flag()?;
+        let stop = interrupt::stop_flag("nothing is written")?;
         const STEPS: f64 = 1000.0;
         let bar = Progress::new("article", STEPS as u64);
         let watcher = |stage: &Stage| {

@@ -8,6 +8,7 @@ use hysteron_io::{ReadOptions, read_csv, read_input_output};
 
 use crate::console;
 use crate::failure::Failure;
+use crate::numbers::{positive, whole};
 use crate::scale::{self, Scale};
 
 /// Time and size of a file.
@@ -18,11 +19,11 @@ pub struct TimeFlags {
     time: Option<String>,
 
     /// Sample rate in Hz, where there is no time column; where there is one, it must agree and replaces the stamps
-    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true, help_heading = "Columns")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, help_heading = "Columns")]
     sample_rate: Option<f64>,
 
     /// Largest file read, in bytes
-    #[arg(long, value_name = "BYTES", help_heading = "Columns")]
+    #[arg(long, value_name = "BYTES", value_parser = whole::<u64>, allow_hyphen_values = true, help_heading = "Columns")]
     max_bytes: Option<u64>,
 }
 
@@ -136,21 +137,5 @@ fn cannot_read(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
 fn notes(path: &Path, notes: &[String]) {
     for note in notes {
         console::note(&format!("{}: {note}", path.display()));
-    }
-}
-
-/// Parses a number above 0.
-pub fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
-        _ => Err("expected a number above 0".into()),
-    }
-}
-
-/// Parses a number that is not negative.
-pub fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x.is_finite() && x >= 0.0 => Ok(x),
-        _ => Err("expected a number of at least 0".into()),
     }
 }

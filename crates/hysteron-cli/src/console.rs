@@ -40,6 +40,11 @@ pub fn note(text: &str) {
     message(&format!("note: {text}"));
 }
 
+/// Prints what the user should read before using the result.
+pub fn warning(text: &str) {
+    message(&format!("warning: {text}"));
+}
+
 /// A table for people: borders of ASCII where standard output is not a terminal that would show others.
 pub fn table(header: &[&str]) -> comfy_table::Table {
     let mut table = comfy_table::Table::new();

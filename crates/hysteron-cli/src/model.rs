@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use hysteron::display::short;
 use hysteron::dynamics::Dynamics;
 use hysteron::hammerstein::{Model, SimulationError, Start};
 use hysteron::model_file::ModelFile;
@@ -135,10 +136,12 @@ impl LoadedModel {
         let slack = RANGE_SLACK * (range.input.high - range.input.low);
         if low < range.input.low - slack || high > range.input.high + slack {
             console::note(&format!(
-                "{}: the input runs from {low} to {high} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
+                "{}: the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
                 record.display(),
-                range.input.low,
-                range.input.high,
+                short(low),
+                short(high),
+                short(range.input.low),
+                short(range.input.high),
                 unit = Unit::new(&range.input.unit),
             ));
         }

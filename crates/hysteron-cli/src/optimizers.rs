@@ -17,6 +17,8 @@ use serde::de::DeserializeOwned;
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::numbers::whole;
+use crate::output;
 use crate::progress::Progress;
 
 /// Compare the optimisers on the article's two identification problems, over many seeds with one budget.
@@ -36,19 +38,19 @@ pub struct Optimizers {
     competitors: Vec<Competitor>,
 
     /// Runs of each competitor
-    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().seeds)]
+    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().seeds, value_parser = whole::<usize>, allow_hyphen_values = true)]
     seeds: usize,
 
     /// Seed of the first run
-    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().first_seed)]
+    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().first_seed, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 
     /// Cost evaluations of a run
-    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().budget)]
+    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().budget, value_parser = whole::<usize>, allow_hyphen_values = true)]
     budget: usize,
 
     /// Threads [default: one a core]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true)]
     threads: Option<usize>,
 
     /// Write a self-contained HTML page with tables and convergence
@@ -62,11 +64,12 @@ pub struct Optimizers {
 
 impl Optimizers {
     pub fn run(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.report {
+            output::check_file("the report", path)?;
+        }
         let study = self.study()?;
         if let Some(path) = &self.report {
-            write_page(path, &page(&study)).map_err(|e| {
-                Failure::new(format!("cannot write the report {}", path.display())).because(e)
-            })?;
+            write_page(path, &page(&study)).map_err(|e| output::cannot_write("the report", path, e))?;
             console::message(&format!("report written to {}", path.display()));
         }
         if self.json { console::json(&study) } else { console::result(&text(&study)) }
@@ -87,7 +90,7 @@ impl Optimizers {
             threads: self.threads,
             ..StudyOptions::default()
         };
-        let stop = interrupt::stop_flag()?;
+        let stop = interrupt::stop_flag("no comparison is printed")?;
         let runs = options.problems.len() * options.competitors.len() * options.seeds;
         let bar = Progress::new("optimizer runs", runs as u64);
         let mut progress = |p: &hysteron::identify::optimizer_study::StudyProgress| {

@@ -14,6 +14,8 @@ use serde::de::DeserializeOwned;
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
+use crate::numbers::whole;
+use crate::output;
 
 /// Largest truth or plan file read, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -36,7 +38,7 @@ pub struct Rig {
     out_dir: PathBuf,
 
     /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 
     /// Which records are made: JSON, all keys optional (plan.json of an earlier run, edited)
@@ -57,6 +59,7 @@ pub struct Rig {
 
 impl Rig {
     pub fn run(&self) -> Result<(), Failure> {
+        output::check_folder("the records", &self.out_dir)?;
         let truth: Truth = read_or_default(self.truth.as_deref(), "truth")?;
         let plan: CampaignPlan = read_or_default(self.plan.as_deref(), "plan")?;
         let runs = self.measure(&truth, &plan)?;

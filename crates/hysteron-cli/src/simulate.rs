@@ -10,6 +10,7 @@ use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
+use crate::output;
 use crate::start::{Drive, StartFlags};
 
 /// Simulate a model's output for the drive in a file.
@@ -41,6 +42,7 @@ pub struct Simulate {
 
 impl Simulate {
     pub fn run(&self) -> Result<(), Failure> {
+        output::check_file("the simulation", &self.out)?;
         let model = LoadedModel::read(&self.model)?;
         let drive = self.columns.read_drive(&self.input_file)?;
         let u_unit = model.agreed_unit(&self.input_file, Signal::Input, &drive.unit)?;

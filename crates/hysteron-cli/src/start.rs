@@ -3,23 +3,24 @@
 use std::path::Path;
 
 use clap::Args;
+use hysteron::display::short;
 use hysteron::hammerstein::Start;
 use hysteron::model_file::{ModelFile, StartKind};
 use hysteron::record::{InputOutput, TimeBase, find_periods};
 
-use crate::columns::positive;
 use crate::console;
 use crate::failure::Failure;
+use crate::numbers::{number, positive};
 
 /// How a simulation starts, where the model file's own assumption does not hold.
 #[derive(Args, Clone, Debug)]
 pub struct StartFlags {
     /// The device rested at this voltage before the record (the model file's assumption if not given)
-    #[arg(long, value_name = "VOLTS", allow_negative_numbers = true, conflicts_with = "settled")]
+    #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "settled")]
     rest_voltage: Option<f64>,
 
     /// The record repeats with this period and had been running for some periods before it begins
-    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     settled: Option<f64>,
 }
 
@@ -90,7 +91,9 @@ fn settled(path: &Path, drive: &Drive) -> Option<Start> {
 /// A start in words.
 pub fn in_words(start: &Start, unit: &str) -> String {
     match start {
-        Start::Rest { voltage_v } => format!("from rest at {voltage_v} {unit}").trim_end().to_owned(),
+        Start::Rest { voltage_v } => {
+            format!("from rest at {} {unit}", short(*voltage_v)).trim_end().to_owned()
+        }
         Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
     }
 }

@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use hysteron::display::short;
 use hysteron::record::InputOutput;
 use hysteron::validate::{OffsetTreatment, Scoring, score, unfollowed_start};
 use serde::Serialize;
 
-use crate::columns::{ColumnFlags, not_negative};
+use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
+use crate::numbers::not_negative;
 use crate::scores::{self, Scored};
 use crate::start::StartFlags;
 
@@ -32,7 +34,7 @@ pub struct Validate {
 
     /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter period where a model
     /// without dynamics meets a drive that starts with a jump]
-    #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
     skip: Option<f64>,
 
     /// Compare with the model's own offset instead of estimating each record's sensor offset
@@ -63,6 +65,51 @@ fn leave_out(record: &mut InputOutput, samples: usize, path: &Path) {
     ));
 }
 
+/// Fewest samples that say anything about a model: with two, and the offset estimated from them, any line fits.
+const FEWEST_SAMPLES: usize = 3;
+/// Variation of a simulation, over its size, that is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// A score says nothing of one or two samples, nor where nothing moves: a sensor that stood still, or a drive that did (unless the model, started
+/// elsewhere, still moves towards it).
+fn refuse_meaningless(record: &InputOutput, simulated: &[f64], path: &Path) -> Result<(), Failure> {
+    let valid = |k: usize| record.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let range = |x: &[f64]| {
+        let scored = x.iter().enumerate().filter(|(k, _)| valid(*k)).map(|(_, x)| *x);
+        scored.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let failure = || Failure::new(format!("cannot score {}", path.display()));
+    let samples = (0..record.len()).filter(|&k| valid(k)).count();
+    if samples < FEWEST_SAMPLES {
+        let total = record.len();
+        return Err(failure()
+            .because(format!(
+                "only {samples} of its {total} samples can be scored; need at least {FEWEST_SAMPLES}"
+            ))
+            .hint("record at least one loop, with a hundred samples or more"));
+    }
+    let ((u_low, u_high), (y_low, y_high)) = (range(&record.u), range(&record.y));
+    if y_low == y_high {
+        return Err(failure()
+            .because(format!(
+                "the output `{}` is constant ({}): no motion to compare with",
+                record.output,
+                short(y_low)
+            ))
+            .hint("check that the sensor was on; choose the column with --output"));
+    }
+    let (low, high) = range(simulated);
+    if u_low == u_high && high - low <= ROUNDING * low.abs().max(high.abs()) {
+        return Err(failure()
+            .because(format!("the input `{}` is constant ({}): the model has nothing to follow", record.input, short(u_low)))
+            .hint(
+                "choose the column with --input; for a step from another voltage say --rest-voltage VOLTS (a model with \
+                 dynamics follows it)",
+            ));
+    }
+    Ok(())
+}
+
 #[derive(Serialize)]
 struct Report {
     records: Vec<Scored>,
@@ -87,6 +134,7 @@ impl Validate {
         if self.skip.is_none() && model.is_static() {
             leave_out(&mut scored, unfollowed_start(&record, &start), path);
         }
+        refuse_meaningless(&scored, &simulated, path)?;
         let scores = score(&scored, &simulated, &scoring)
             .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
         Ok(Scored::new(&record, scores).in_unit(unit))

@@ -25,6 +25,41 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), AtomicWriteErro
     write_atomically_with(path, |out| out.write_all(bytes))
 }
 
+/// Finds out, before the work whose result it is to hold, whether `path` can be written; leaves nothing behind.
+///
+/// # Errors
+/// What [`write_atomically`] would meet now: no such folder, a folder that may not be written to, a folder of this name.
+pub fn check_writable(path: &Path) -> Result<(), AtomicWriteError> {
+    let failed = |action| move |source| AtomicWriteError { path: path.to_path_buf(), action, source };
+    match std::fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(failed("opening")(io::Error::from(io::ErrorKind::IsADirectory))),
+        // A pipe or a terminal: opening it only to see would be noticed at its other end.
+        Ok(found) if !found.is_file() => Ok(()),
+        _ => temporary_in(folder_of(path)).map(drop).map_err(failed(CREATING)),
+    }
+}
+
+const CREATING: &str = "creating a file in its folder";
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// A temporary file with the permissions of an ordinary one. The error does not name it: the user knows nothing of it.
+fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".hysteron-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder).map_err(|e| io::Error::from(e.kind()))
+}
+
 /// Like [`write_atomically`], for content that is produced piece by piece.
 ///
 /// A `path` that exists and is not a regular file (a pipe, a terminal) is written directly: there is nothing to rename over.
@@ -46,19 +81,8 @@ pub fn write_atomically_with(
         produce(&mut out).map_err(failed("writing"))?;
         return out.flush().map_err(failed("writing"));
     }
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".hysteron-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut temporary =
-        builder.tempfile_in(folder).map_err(failed("creating a temporary file in its folder"))?;
+    let folder = folder_of(path);
+    let mut temporary = temporary_in(folder).map_err(failed(CREATING))?;
     {
         let mut out = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
         produce(&mut out).map_err(failed("writing"))?;
@@ -111,6 +135,27 @@ mod tests {
         assert!(err.to_string().contains("no/such/folder"), "{err}");
         let err = write_atomically(folder.path(), b"x").unwrap_err();
         assert_eq!(err.action, "opening");
+    }
+
+    #[test]
+    fn what_could_not_be_written_is_found_beforehand_without_a_trace() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        check_writable(&path).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        std::fs::write(&path, "old").unwrap();
+        check_writable(&path).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        for (bad, kind) in [
+            (folder.path().to_path_buf(), io::ErrorKind::IsADirectory),
+            (folder.path().join("no/a.txt"), io::ErrorKind::NotFound),
+            (path.join("b.txt"), io::ErrorKind::NotADirectory),
+        ] {
+            let err = check_writable(&bad).unwrap_err();
+            assert_eq!(err.source.kind(), kind, "{err}");
+            assert!(!err.to_string().contains(".tmp"), "{err}");
+            assert_eq!(err.to_string(), write_atomically(&bad, b"x").unwrap_err().to_string());
+        }
     }
 
     #[cfg(unix)]

@@ -64,6 +64,7 @@
 pub mod article;
 pub mod atomic_file;
 pub mod bench_rig;
+pub mod display;
 pub mod dynamics;
 pub mod excitation;
 pub mod fractional;

@@ -5,13 +5,15 @@ mod waves;
 use std::path::PathBuf;
 
 use clap::Args;
+use hysteron::display::short;
 use hysteron::excitation::{AmplifierLimits, Excitation, ExcitationSpec};
 use hysteron_io::write_csv;
 use serde::Serialize;
 
-use crate::columns::{not_negative, positive};
 use crate::console;
 use crate::failure::Failure;
+use crate::numbers::{not_negative, number, positive, whole};
+use crate::output;
 use waves::Wave;
 
 /// A voltage beyond every amplifier: the limit where none is given.
@@ -33,27 +35,27 @@ pub struct Excite {
 #[derive(Args, Clone, Debug)]
 pub struct Drive {
     /// Sample rate in Hz
-    #[arg(long, value_name = "HZ", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     sample_rate: f64,
 
     /// Lowest voltage
-    #[arg(long, value_name = "VOLTS", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "VOLTS", default_value_t = 0.0, value_parser = number, allow_hyphen_values = true)]
     low: f64,
 
     /// Highest voltage
-    #[arg(long, value_name = "VOLTS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true)]
     high: f64,
 
     /// Seconds of smooth lead-in from 0 V to the first sample
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
     soft_start: f64,
 
     /// Seconds of smooth lead-out from the last sample to 0 V
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
     soft_end: f64,
 
     /// Seed of whatever is random
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 
     /// File to write
@@ -68,7 +70,7 @@ pub struct Drive {
     #[arg(
         long,
         value_name = "VOLTS",
-        allow_negative_numbers = true,
+        value_parser = number, allow_hyphen_values = true,
         help_heading = "Limits of the amplifier"
     )]
     amplifier_low: Option<f64>,
@@ -77,21 +79,21 @@ pub struct Drive {
     #[arg(
         long,
         value_name = "VOLTS",
-        allow_negative_numbers = true,
+        value_parser = number, allow_hyphen_values = true,
         help_heading = "Limits of the amplifier"
     )]
     amplifier_high: Option<f64>,
 
     /// Largest slew rate of the amplifier in V/s
-    #[arg(long, value_name = "V/S", value_parser = positive, allow_negative_numbers = true, help_heading = "Limits of the amplifier")]
+    #[arg(long, value_name = "V/S", value_parser = positive, allow_hyphen_values = true, help_heading = "Limits of the amplifier")]
     max_slew: Option<f64>,
 
     /// Largest current of the amplifier in A; needs --capacitance
-    #[arg(long, value_name = "AMPERES", value_parser = positive, allow_negative_numbers = true, requires = "capacitance", help_heading = "Limits of the amplifier")]
+    #[arg(long, value_name = "AMPERES", value_parser = positive, allow_hyphen_values = true, requires = "capacitance", help_heading = "Limits of the amplifier")]
     max_current: Option<f64>,
 
     /// Capacitance of the actuator in F
-    #[arg(long, value_name = "FARADS", value_parser = positive, allow_negative_numbers = true, help_heading = "Limits of the amplifier")]
+    #[arg(long, value_name = "FARADS", value_parser = positive, allow_hyphen_values = true, help_heading = "Limits of the amplifier")]
     capacitance: Option<f64>,
 }
 
@@ -118,6 +120,7 @@ struct Written<'a> {
 impl Excite {
     pub fn run(&self) -> Result<(), Failure> {
         let (waveform, drive) = self.wave.waveform();
+        output::check_file("the waveform", &drive.out)?;
         let spec = ExcitationSpec {
             soft_start_s: drive.soft_start,
             soft_end_s: drive.soft_end,
@@ -144,9 +147,9 @@ impl Excite {
             written.description,
             written.samples,
             written.duration_s,
-            tidy(written.low_v),
-            tidy(written.high_v),
-            tidy(written.max_slew_v_per_s),
+            short(written.low_v),
+            short(written.high_v),
+            short(written.max_slew_v_per_s),
             written.crest_factor,
         ));
         if drive.json { console::json(&written) } else { Ok(()) }
@@ -186,9 +189,4 @@ impl<'a> Written<'a> {
             even_detection_hz: &excitation.even_detection_hz,
         }
     }
-}
-
-/// `value` to six significant digits, as short as that can be written.
-fn tidy(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
 }

@@ -4,6 +4,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use hysteron::excitation::{Lines, Phases, SweepLaw, Tone, Waveform};
 
 use super::Drive;
+use crate::numbers::{count, not_negative, number, positive};
 
 /// The waveforms.
 #[derive(Subcommand)]
@@ -36,10 +37,10 @@ pub enum Wave {
 #[derive(Args)]
 pub struct Periodic {
     /// Frequency in Hz
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     frequency: f64,
     /// Number of periods
-    #[arg(long, value_name = "N", default_value_t = 3.0)]
+    #[arg(long, value_name = "N", default_value_t = 3.0, value_parser = positive, allow_hyphen_values = true)]
     periods: f64,
     #[command(flatten)]
     drive: Drive,
@@ -48,10 +49,10 @@ pub struct Periodic {
 #[derive(Args)]
 pub struct Sines {
     /// One sine as HZ:AMPLITUDE or HZ:AMPLITUDE:DEGREES, amplitudes relative to each other; may be repeated
-    #[arg(long = "tone", value_name = "TONE", required = true, value_parser = tone)]
+    #[arg(long = "tone", value_name = "TONE", required = true, value_parser = tone, allow_hyphen_values = true)]
     tones: Vec<Tone>,
     /// Duration in s
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     duration: f64,
     #[command(flatten)]
     drive: Drive,
@@ -60,13 +61,13 @@ pub struct Sines {
 #[derive(Args)]
 pub struct NestedLoops {
     /// Frequency of every loop in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 1.0)]
+    #[arg(long, value_name = "HZ", default_value_t = 1.0, value_parser = positive, allow_hyphen_values = true)]
     frequency: f64,
     /// Amplitudes in the order played, parts of the range
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1,0.8,0.6,0.4,0.2")]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1,0.8,0.6,0.4,0.2", value_parser = number, allow_hyphen_values = true)]
     amplitudes: Vec<f64>,
     /// Periods of each amplitude
-    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = count::<u32>, allow_hyphen_values = true)]
     periods_each: u32,
     #[command(flatten)]
     drive: Drive,
@@ -75,10 +76,10 @@ pub struct NestedLoops {
 #[derive(Args)]
 pub struct ReversalCurves {
     /// Number of curves
-    #[arg(long, value_name = "N", default_value_t = 10)]
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = count::<u32>, allow_hyphen_values = true)]
     curves: u32,
     /// Seconds a ramp over the whole range takes
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     ramp: f64,
     #[command(flatten)]
     drive: Drive,
@@ -87,13 +88,13 @@ pub struct ReversalCurves {
 #[derive(Args)]
 pub struct Staircase {
     /// Steps from the lowest to the highest voltage
-    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = count::<u32>, allow_hyphen_values = true)]
     steps: u32,
     /// Seconds each level is held
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     hold: f64,
     /// Seconds of smooth transition between levels; 0 jumps
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
     transition: f64,
     #[command(flatten)]
     drive: Drive,
@@ -102,16 +103,16 @@ pub struct Staircase {
 #[derive(Args)]
 pub struct Raster {
     /// Lines a second
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     line_rate: f64,
     /// Number of lines
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<u32>, allow_hyphen_values = true)]
     lines: u32,
     /// Part of a line spent on the way back; 0.5 is a triangle
-    #[arg(long, value_name = "PART", default_value_t = 0.2)]
+    #[arg(long, value_name = "PART", default_value_t = 0.2, value_parser = not_negative, allow_hyphen_values = true)]
     return_fraction: f64,
     /// Part of a line spent in each turnaround
-    #[arg(long, value_name = "PART", default_value_t = 0.05)]
+    #[arg(long, value_name = "PART", default_value_t = 0.05, value_parser = not_negative, allow_hyphen_values = true)]
     turnaround_fraction: f64,
     #[command(flatten)]
     drive: Drive,
@@ -120,13 +121,13 @@ pub struct Raster {
 #[derive(Args)]
 pub struct Decaying {
     /// Frequency in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 1.0)]
+    #[arg(long, value_name = "HZ", default_value_t = 1.0, value_parser = positive, allow_hyphen_values = true)]
     frequency: f64,
     /// Number of cycles
-    #[arg(long, value_name = "N", default_value_t = 30.0)]
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = positive, allow_hyphen_values = true)]
     cycles: f64,
     /// Amplitude of each cycle over that of the one before
-    #[arg(long, value_name = "RATIO", default_value_t = 0.85)]
+    #[arg(long, value_name = "RATIO", default_value_t = 0.85, value_parser = positive, allow_hyphen_values = true)]
     ratio: f64,
     #[command(flatten)]
     drive: Drive,
@@ -135,13 +136,13 @@ pub struct Decaying {
 #[derive(Args)]
 pub struct Sweep {
     /// Frequency at the start in Hz
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = not_negative, allow_hyphen_values = true)]
     from: f64,
     /// Frequency at the end in Hz
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     to: f64,
     /// Duration in s
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     duration: f64,
     /// How the frequency runs
     #[arg(long, value_enum, default_value_t = Law::Logarithmic)]
@@ -162,22 +163,22 @@ enum Law {
 #[derive(Args)]
 pub struct Multisine {
     /// Lowest frequency in Hz
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = not_negative, allow_hyphen_values = true)]
     from: f64,
     /// Highest frequency in Hz
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     to: f64,
     /// Length of a period in s; its inverse is the frequency resolution
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     period: f64,
     /// Number of periods
-    #[arg(long, value_name = "N", default_value_t = 4)]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = count::<u32>, allow_hyphen_values = true)]
     periods: u32,
     /// Which multiples of 1/period are excited
     #[arg(long, value_enum, default_value_t = LineChoice::Full)]
     lines: LineChoice,
     /// Of how many consecutive odd lines one is left out, with --lines odd-with-detection
-    #[arg(long, value_name = "N", default_value_t = 4)]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = count::<u32>, allow_hyphen_values = true)]
     detection_group: u32,
     /// How the phases are chosen
     #[arg(long, value_enum, default_value_t = PhaseChoice::Optimised)]
@@ -211,13 +212,13 @@ enum PhaseChoice {
 #[derive(Args)]
 pub struct Random {
     /// Lowest frequency in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 0.0)]
+    #[arg(long, value_name = "HZ", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
     from: f64,
     /// Highest frequency in Hz
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     to: f64,
     /// Duration in s
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     duration: f64,
     #[command(flatten)]
     drive: Drive,

@@ -4,6 +4,7 @@ mod outcome;
 mod report;
 mod written;
 
+use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,8 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Args, ValueEnum};
 use hysteron::dynamics::Scheme;
 use hysteron::identify::{
-    CampaignRecord, Choice, Demands, DynamicsChoice, IdentifyError, Options, RecordRole, Searches, Watcher,
-    identify_two_step,
+    CampaignRecord, Choice, Demands, DynamicsChoice, FindingKind, IdentifyError, Options, RecordRole,
+    Searches, Watcher, identify_two_step,
 };
 use hysteron::model_file::ModelFile;
 use hysteron::optimize::{
@@ -26,6 +27,8 @@ use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::numbers::{count, number, whole};
+use crate::output;
 use crate::progress::Progress;
 
 /// Largest file of interrupted searches read \[bytes\].
@@ -77,20 +80,20 @@ pub struct Identify {
     optimizer: OptimizerArg,
 
     /// Generations of a population method [default: 150]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     generations: Option<usize>,
 
     /// Population: food sources of de-abc and abc [default: 25], members of de and particles of pso [default: 50],
     /// starts of least-squares [default: 20]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     population: Option<usize>,
 
     /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 
     /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     threads: Option<usize>,
 
     /// Go on from the searches of an interrupted identification
@@ -98,23 +101,23 @@ pub struct Identify {
     resume: Option<PathBuf>,
 
     /// Degree of the polynomial l(u)
-    #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = degree)]
+    #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = degree, allow_hyphen_values = true)]
     degree: ChoiceArg<usize>,
 
     /// Exponent n of the Bouc–Wen model
-    #[arg(long, value_name = "VALUE|free", default_value = "1", value_parser = exponent)]
+    #[arg(long, value_name = "VALUE|free", default_value = "1", value_parser = exponent, allow_hyphen_values = true)]
     n: ChoiceArg<f64>,
 
     /// Delay between input and output in seconds; a given delay stands for the whole time shift of a quasi-static record
-    #[arg(long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay)]
+    #[arg(long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay, allow_hyphen_values = true)]
     delay: ChoiceArg<f64>,
 
     /// Hold a parameter at a value (repeatable)
-    #[arg(long, value_name = "NAME=VALUE", value_parser = name_value)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = name_value, allow_hyphen_values = true)]
     fix: Vec<(String, f64)>,
 
     /// Keep a parameter within a range (repeatable)
-    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = name_range)]
+    #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = name_range, allow_hyphen_values = true)]
     bound: Vec<(String, f64, f64)>,
 
     /// Model whose parameters every search tries first
@@ -126,7 +129,7 @@ pub struct Identify {
     scheme: SchemeArg,
 
     /// Hand out the model even if it explains less than this share of a record's variation, in %
-    #[arg(long, value_name = "PERCENT", default_value_t = 75.0)]
+    #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
     least_fit: f64,
 
     /// Report to write, one HTML file
@@ -219,13 +222,6 @@ fn number_or(text: &str, word: &str) -> Result<ChoiceArg<f64>, String> {
     number(text).map(|x| ChoiceArg(Choice::Given(x))).map_err(|e| format!("{e} or {word}"))
 }
 
-fn number(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x.is_finite() => Ok(x),
-        _ => Err("expected a number".into()),
-    }
-}
-
 fn name_value(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, e.g. gamma=0")?;
     Ok((name.trim().to_owned(), number(value.trim())?))
@@ -240,22 +236,29 @@ fn name_range(text: &str) -> Result<(String, f64, f64), String> {
 
 impl Identify {
     pub fn run(&self) -> Result<(), Failure> {
+        self.check_outputs()?;
         let options = self.options()?;
         let campaign = self.campaign()?;
         let resume = self.resume.as_deref().map(read_searches).transpose()?;
-        let stop = interrupt::stop_flag()?;
+        let stop = interrupt::stop_flag("the best so far is kept")?;
         let mut watcher = Console { stop: &stop, shown: None };
         let found = identify_two_step(&campaign, &options, &mut watcher, resume);
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = written::model_file(&found, &campaign, &options);
-        file.write(&self.out)
-            .map_err(|e| Failure::new(format!("cannot write the model {}", self.out.display())).because(e))?;
+        file.write(&self.out).map_err(|e| {
+            Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
+        })?;
         if found.cancelled {
             self.write_searches(&found.resume)?;
         }
         if self.report.is_some() || self.figures.is_some() {
             self.write_report(&found, &file)?;
+        }
+        // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
+        if self.json || !std::io::stdout().is_terminal() {
+            let warnings = found.findings.iter().filter(|f| f.kind == FindingKind::Warning);
+            warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&f.text));
         }
         if self.json {
             return console::json(&outcome::Outcome::new(&self.out, &found, &file));
@@ -264,6 +267,17 @@ impl Identify {
         console::message(&format!("model written to {}", self.out.display()));
         if let Some(report) = &self.report {
             console::message(&format!("report written to {}", report.display()));
+        }
+        Ok(())
+    }
+
+    fn check_outputs(&self) -> Result<(), Failure> {
+        output::check_file("the model", &self.out)?;
+        if let Some(path) = &self.report {
+            output::check_file("the report", path)?;
+        }
+        if let Some(folder) = &self.figures {
+            output::check_folder("the figures", folder)?;
         }
         Ok(())
     }
@@ -358,14 +372,13 @@ impl Identify {
     ) -> Result<(), Failure> {
         let page = identification_report(&report::data(&self.out, found, file));
         if let Some(path) = &self.report {
-            write_page(path, &page).map_err(|e| {
-                Failure::new(format!("cannot write the report {}", path.display())).because(e)
-            })?;
+            write_page(path, &page).map_err(|e| output::cannot_write("the report", path, e))?;
         }
         if let Some(folder) = &self.figures {
             let failure = || Failure::new(format!("cannot write the figures to {}", folder.display()));
             std::fs::create_dir_all(folder).map_err(|e| failure().because(e))?;
-            let written = write_figures(folder, "figure", &page).map_err(|e| failure().because(e))?;
+            let written = write_figures(folder, "figure", &page)
+                .map_err(|e| output::cannot_write("the figures", folder, e))?;
             console::message(&format!("{} figures written to {}", written.len(), folder.display()));
         }
         Ok(())

@@ -51,6 +51,7 @@ impl Inspect {
             return Err(Failure::usage("one SVG cannot hold several records")
                 .hint("write an HTML page: --plot FILE.html"));
         }
+        self.plot.as_ref().map_or(Ok(()), plot::Target::check)?;
         let mut inspected = Vec::with_capacity(self.records.len());
         for path in &self.records {
             let data = self.columns.read_silently(path)?;

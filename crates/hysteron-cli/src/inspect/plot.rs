@@ -10,12 +10,24 @@ use hysteron_report::write_page;
 use super::Inspected;
 use crate::console;
 use crate::failure::Failure;
+use crate::output;
 
 /// File to draw into.
 #[derive(Clone, Debug)]
 pub enum Target {
     Svg(PathBuf),
     Html(PathBuf),
+}
+
+impl Target {
+    /// Checks that the file can be written.
+    ///
+    /// # Errors
+    /// If it cannot.
+    pub fn check(&self) -> Result<(), Failure> {
+        let (Target::Svg(path) | Target::Html(path)) = self;
+        output::check_file("the plot", path)
+    }
 }
 
 /// Parses a file name by its ending.
@@ -34,17 +46,17 @@ pub fn target(text: &str) -> Result<Target, String> {
 /// If the file cannot be written.
 pub fn write(target: &Target, records: &[Inspected]) -> Result<(), Failure> {
     let (Target::Svg(path) | Target::Html(path)) = target;
-    let failure = || Failure::new(format!("cannot write the plot {}", path.display()));
+    let failed = |e| output::cannot_write("the plot", path, e);
     match (target, records) {
         (Target::Svg(path), [record, ..]) => {
-            write_atomically(path, figure(record).to_svg().as_bytes()).map_err(|e| failure().because(e))?;
+            write_atomically(path, figure(record).to_svg().as_bytes()).map_err(failed)?;
         }
         _ => {
             let mut page = Page::new("Records").footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")));
             for record in records {
                 page = page.section(section(record));
             }
-            write_page(path, &page).map_err(|e| failure().because(e))?;
+            write_page(path, &page).map_err(failed)?;
         }
     }
     console::message(&format!("plot written to {}", path.display()));

@@ -36,5 +36,5 @@ fn a_folder_that_cannot_be_made_is_named_before_any_work_is_done() {
     let bench = Bench::new();
     let run = bench.run("article --out-dir model.json/out");
     assert_eq!(run.exit_code, 1);
-    assert!(run.stderr.contains("cannot make the folder model.json/out"), "{}", run.stderr);
+    assert!(run.stderr.contains("cannot write the reproduction to model.json/out"), "{}", run.stderr);
 }

@@ -121,6 +121,57 @@ fn missing_files_folders_and_binary_files_are_named() {
 }
 
 #[test]
+fn records_in_which_nothing_moves_are_not_scored() {
+    let rows = |row: fn(usize) -> (f64, f64)| -> String {
+        let line = |k: usize| format!("{},{},{}\n", k as f64 / 100.0, row(k).0, row(k).1);
+        "t_s,u_V,y_um\n".to_owned() + &(0..100).map(line).collect::<String>()
+    };
+    for (content, part) in [
+        (
+            "t_s,u_V,y_um\n0,1,2\n0.1,2,3\n".to_owned(),
+            "only 2 of its 2 samples can be scored; need at least 3",
+        ),
+        (rows(|k| (k as f64, 5.0)), "the output `y` is constant (5): no motion to compare with"),
+        (rows(|k| (5.0, k as f64)), "the input `u` is constant (5): the model has nothing to follow"),
+        (rows(|_| (5.0, 5.0)), "is constant (5)"),
+    ] {
+        let bench = Bench::new();
+        bench.write("run.csv", content);
+        for flags in ["", "--fixed-offset", "--rest-voltage 0"] {
+            let run = bench.run(&format!("validate model.json run.csv --json {flags}"));
+            assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""), "{part}: {run:?}");
+            assert!(run.stderr.contains("error: cannot score run.csv\nbecause: "), "{}", run.stderr);
+            assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
+        }
+        assert_eq!(bench.run("inspect run.csv").exit_code, 0);
+    }
+}
+
+#[test]
+fn a_step_from_rest_is_scored_by_a_model_with_dynamics() {
+    let mut model = crate::bench::static_model();
+    let term = |coefficient, order| hysteron::dynamics::Term { coefficient, order };
+    model.dynamics = hysteron::dynamics::Dynamics::Integer(
+        hysteron::dynamics::TransferFunction::new(
+            vec![term(1.0, 0.0)],
+            vec![term(1.0, 0.0), term(0.05, 1.0)],
+        )
+        .unwrap(),
+    );
+    let bench = Bench::new();
+    bench.write_model("lag.json", &model, hysteron::model_file::SignalUnits::default());
+    let line = |k: usize| {
+        let t = k as f64 / 100.0;
+        format!("{t},5,{}\n", 1.2 * (1.0 - (-t / 0.05).exp()))
+    };
+    bench.write("run.csv", "t_s,u_V,y_um\n".to_owned() + &(0..100).map(line).collect::<String>());
+    let run = bench.run("validate lag.json run.csv --rest-voltage 0");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let run = bench.run("validate lag.json run.csv --rest-voltage 5");
+    assert_eq!(run.exit_code, 1, "{run:?}");
+}
+
+#[test]
 fn one_bad_record_among_good_ones_fails_the_whole_report() {
     let bench = Bench::new();
     bench.write("good.csv", good_record());

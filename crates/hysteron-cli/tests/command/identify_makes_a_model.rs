@@ -92,6 +92,23 @@ fn parameters_come_back_and_demands_are_kept() {
     );
 }
 
+#[test]
+fn a_search_cut_short_is_not_trusted() {
+    let bench = Bench::new();
+    bench.write("loop.csv", simulated());
+    let part = "The search of the static block, degree 2 was too short to be trusted";
+    let flags = "--degree 2 --optimizer de-abc --report new.html --json";
+    let run = bench.run(&format!("identify loop.csv -o new.json {flags} --generations 5"));
+    assert!(run.stderr.contains(&format!("warning: {part}")), "{}", run.stderr);
+    assert!(json(&run)["findings"].to_string().contains(part));
+    assert!(std::fs::read_to_string(bench.path("new.html")).unwrap().contains(part));
+    // Least squares ends by itself, and a population does once it stands still.
+    for flags in ["--degree 2", "--degree 2 --optimizer de --generations 60 --start all.json --delay 0"] {
+        let run = bench.run(&format!("identify loop.csv -o all.json {flags} --json"));
+        assert!(!run.stderr.contains("too short") && run.exit_code == 0, "{flags}: {}", run.stderr);
+    }
+}
+
 /// Content, flags, parts of the message.
 const REFUSED: &[(&str, &str, &[&str])] = &[
     ("", "", &["`run.csv` is empty"]),

@@ -54,14 +54,15 @@ fn rate_range_periods_and_loop_of_a_sine_are_found() {
 
 #[test]
 fn spoiled_records_are_warned_about_by_inspect_and_validate_alike() {
-    let constant = record("t_s,u_V,y_um", |_, _, y| (0.0, 5.0, y));
     let saturated = record("t_s,u_V,y_um", |_, u, y| (0.0, u, y.min(17.0)));
     let uneven = record("t_s,u_V,y_um", |k, u, y| (if k % 3 == 1 { 1e-3 } else { 0.0 }, u, y));
     let timed = record("t_s,u_V,y_um", |_, u, y| (0.0, u, y));
     let timeless = timed.lines().map(|line| line.split_once(',').unwrap().1.to_owned() + "\n").collect();
     let swapped = record("t_s,u_V,y_um", |_, u, y| (0.0, y, u));
     for (content, part) in [
-        (constant, "input `u` is constant (5 V)"),
+        (record("t_s,u_V,y_mm", |_, u, y| (0.0, u, 2.5 * y)), "A stroke of 49.984 mm is implausible"),
+        (record("t_ms,u_V,y_um", |_, u, y| (0.0, u, y)), "200 kHz is a very fast sampling"),
+        (record("t_s,u_kV,y_um", |_, u, y| (0.0, u, y)), "A drive of 100 kV is implausible"),
         (saturated, "output `y` looks saturated"),
         (uneven, "time stamps are not uniform"),
         (timeless, "no time column and no sample rate"),
@@ -78,6 +79,39 @@ fn spoiled_records_are_warned_about_by_inspect_and_validate_alike() {
         let run = bench.run("inspect run.csv");
         assert!(run.stdout.contains("WARNING: ") && run.stdout.contains(part), "{part}: {}", run.stdout);
     }
+}
+
+#[test]
+fn constant_signals_are_warned_about() {
+    let bench = Bench::new();
+    bench.write("run.csv", record("t_s,u_V,y_um", |_, _, _| (0.0, 5.0, 0.1 + 0.2)));
+    let said = warnings(&inspected(&bench, ""));
+    for part in ["input `u` is constant (5 V)", "output `y` is constant (0.3 µm)"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+}
+
+#[test]
+fn one_or_two_samples_are_inspected_or_refused() {
+    let bench = Bench::new();
+    bench.write("run.csv", "t_s,u_V,y_um\n0,1,2\n0.1,2,3\n");
+    assert_eq!(inspected(&bench, "")["samples"], 2);
+    bench.write("run.csv", "t_s,u_V,y_um\n0,1,2\n");
+    assert_eq!(bench.run("inspect run.csv").exit_code, 1);
+}
+
+#[test]
+fn identify_asks_about_an_implausible_unit_on_stderr_and_in_its_findings() {
+    let bench = Bench::new();
+    bench.write("run.csv", record("t_s,u_V,y_mm", |_, u, y| (0.0, u, 2.5 * y)));
+    let run = bench.run("identify run.csv -o new.json --dynamics none --degree 1 --report new.html --json");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let part = "A stroke of 49.984 mm is implausible for a piezo actuator";
+    assert_eq!(run.stderr.matches(part).count(), 1, "{}", run.stderr);
+    let told: Value = serde_json::from_str(&run.stdout).unwrap();
+    let mut findings = told["findings"].as_array().unwrap().iter();
+    assert!(findings.any(|f| f["kind"] == "warning" && f["text"].as_str().unwrap().contains(part)));
+    assert!(std::fs::read_to_string(bench.path("new.html")).unwrap().contains(part));
 }
 
 #[test]

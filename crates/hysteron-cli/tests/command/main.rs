@@ -15,6 +15,7 @@ mod identify_can_be_interrupted;
 mod identify_makes_a_model;
 mod inspect_tells_what_is_in_a_record;
 mod optimizers_are_compared;
+mod outputs_are_checked_first;
 mod rig_makes_records;
 mod schema_and_completions_are_printed;
 mod simulate_writes_a_record;

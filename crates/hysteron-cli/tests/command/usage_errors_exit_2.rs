@@ -21,12 +21,45 @@ fn wrong_usage_exits_with_2_and_a_message() {
         ("identify run.csv -o model.json --degree 12", "a whole number from 1 to 9"),
         ("identify run.csv -o model.json --fix foo=1", "there is no parameter 'foo'"),
         ("identify run.csv -o model.json --fix gamma", "expected NAME=VALUE"),
+        ("identify run.csv -o model.json --delay -1", "0 to 10 seconds"),
+        ("identify run.csv -o model.json --delay -1e-3", "0 to 10 seconds"),
+        ("identify run.csv -o model.json --delay --json", "expected a number or auto"),
+        ("identify run.csv -o model.json --degree -1", "expected a whole number or auto"),
+        ("identify run.csv -o model.json --n -1", "1 ≤ n ≤ 10"),
+        ("identify run.csv -o model.json --fix x=-1", "there is no parameter 'x'"),
+        ("identify run.csv -o model.json --fix -1", "expected NAME=VALUE"),
+        ("identify run.csv -o model.json --bound beta=1:-1", "LOW < HIGH"),
+        ("identify run.csv -o model.json --generations -3", "expected a whole number above 0"),
+        ("identify run.csv -o model.json --population 0", "expected a whole number above 0"),
+        ("identify run.csv -o model.json --threads -1", "expected a whole number above 0"),
+        ("identify run.csv -o model.json --seed -1", "expected a whole number of at least 0"),
+        ("identify run.csv -o model.json --sample-rate -.5", "expected a number above 0"),
+        ("validate model.json run.csv --skip -1e-3", "expected a number of at least 0"),
+        ("validate model.json run.csv --settled -1", "expected a number above 0"),
+        ("validate model.json run.csv --rest-voltage nan", "expected a number"),
+        ("optimizers --seeds -1", "expected a whole number of at least 0"),
+        ("excite sine --frequency -1 --sample-rate 10 --high 1 -o x.csv", "expected a number above 0"),
+        ("rig --out-dir x --seed -1", "expected a whole number of at least 0"),
     ] {
         let run = bench.run(arguments);
         assert_eq!(run.exit_code, 2, "{arguments}: {run:?}");
         assert!(run.stderr.contains(part), "{arguments}: {}", run.stderr);
         assert_eq!(run.stdout, "", "{arguments}");
     }
+}
+
+#[test]
+fn negative_values_are_values_where_they_make_sense() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    for voltage in ["-1", "-.5", "-1e-3"] {
+        let run = bench.run(&format!("validate model.json run.csv --rest-voltage {voltage}"));
+        assert_eq!(run.exit_code, 0, "{voltage}: {run:?}");
+    }
+    let run =
+        bench.run("excite sine --frequency 1 --periods 1 --sample-rate 100 --low -.5 --high 1 -o drive.csv");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    assert!(run.stderr.contains("-0.5 V to 1 V"), "{}", run.stderr);
 }
 
 #[test]

@@ -134,18 +134,6 @@ fn skipped_seconds_and_masked_samples_are_counted_and_not_scored() {
 }
 
 #[test]
-fn a_constant_output_has_null_ratios() {
-    let bench = Bench::new();
-    bench.write("run.csv", record("t_s,u_V,y_um", |_, _| 5.0));
-    let json = report(&bench.run("validate model.json run.csv --json"));
-    let r = &json["records"][0];
-    assert!(r["rmse_um"].as_f64().unwrap() > 1.0);
-    for key in ["rmse_percent_of_stroke", "max_percent_of_stroke", "fit_percent"] {
-        assert!(r[key].is_null(), "{key}: {}", r[key]);
-    }
-}
-
-#[test]
 fn the_table_says_that_the_offset_was_estimated_or_not() {
     let bench = Bench::new();
     bench.write("run.csv", good_record());

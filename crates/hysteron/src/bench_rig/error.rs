@@ -1,5 +1,6 @@
 //! What can be wrong with a simulated bench.
 
+use crate::display::short;
 use thiserror::Error;
 
 /// Why the simulated bench could not be run.
@@ -51,7 +52,9 @@ pub enum RigError {
     },
     /// The hysteresis left the range of numbers.
     #[error(
-        "truth: the hysteresis state diverged at {time_s} s, drive {drive_v} V (parameters outside the stable class)"
+        "truth: the hysteresis state diverged at {} s, drive {} V (parameters outside the stable class)",
+        short(*.time_s),
+        short(*.drive_v)
     )]
     Diverged {
         /// Time \[s\].

@@ -1,5 +1,6 @@
 //! What the dynamic block can refuse.
 
+use crate::display::short;
 use crate::fractional::FractionalError;
 
 /// Error of [`crate::dynamics`].
@@ -129,7 +130,8 @@ pub enum DynamicsError {
     },
     /// A pole sits on the imaginary axis and the steady state does not exist.
     #[error(
-        "the transfer function has an undamped pole at {frequency_hz} Hz, so a steady state does not exist"
+        "the transfer function has an undamped pole at {} Hz, so a steady state does not exist",
+        short(*.frequency_hz)
     )]
     Undamped {
         /// Frequency of the pole \[Hz\].

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::display::short;
+
 /// Why a drive waveform was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -40,7 +42,9 @@ pub enum ExcitationError {
     },
     /// A sample leaves the amplifier's voltage range.
     #[error(
-        "sample {sample} at {time_s} s is {value_v} V, outside the amplifier's {low_v} V to {high_v} V; change low_v/high_v of the waveform"
+        "sample {sample} at {} s is {} V, outside the amplifier's {low_v} V to {high_v} V; change low_v/high_v of the waveform",
+        short(*.time_s),
+        short(*.value_v)
     )]
     Voltage {
         /// First offending sample.
@@ -56,8 +60,10 @@ pub enum ExcitationError {
     },
     /// The waveform rises or falls faster than the amplifier can.
     #[error(
-        "from sample {sample} at {time_s} s the drive moves at {slew_v_per_s} V/s, the amplifier allows {limit_v_per_s} V/s; \
-         lower the frequency or the amplitude, or start softly"
+        "from sample {sample} at {} s the drive moves at {} V/s, the amplifier allows {limit_v_per_s} V/s; \
+         lower the frequency or the amplitude, or start softly",
+        short(*.time_s),
+        short(*.slew_v_per_s)
     )]
     Slew {
         /// Sample at the start of the offending step.
@@ -71,8 +77,10 @@ pub enum ExcitationError {
     },
     /// Charging the actuator's capacitance that fast takes more current than the amplifier has.
     #[error(
-        "from sample {sample} at {time_s} s the actuator of {capacitance_f} F draws {current_a} A, the amplifier gives {limit_a} A; \
-         lower the frequency or the amplitude"
+        "from sample {sample} at {} s the actuator of {capacitance_f} F draws {} A, the amplifier gives {limit_a} A; \
+         lower the frequency or the amplitude",
+        short(*.time_s),
+        short(*.current_a)
     )]
     Current {
         /// Sample at the start of the offending step.

@@ -1,5 +1,6 @@
 //! What can go wrong between records and a model.
 
+use crate::display::short;
 use crate::dynamics::DynamicsError;
 use crate::hammerstein::SimulationError;
 use crate::optimize::OptimizeError;
@@ -40,7 +41,7 @@ pub enum IdentifyError {
         wanted: &'static str,
     },
     /// A record whose input or output never moves.
-    #[error("record '{record}': the {signal} is constant ({value}), so nothing can be identified from it")]
+    #[error("record '{record}': the {signal} is constant ({}), so nothing can be identified from it", short(*.value))]
     Constant {
         /// Record.
         record: String,

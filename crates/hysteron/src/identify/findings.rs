@@ -1,17 +1,24 @@
 //! What the fit says about the device and what the records leave open, in plain words.
 
 use super::RecordFacts;
+use super::engine::Search;
 use super::options::{Choice, Options, RecordRole};
 use super::result::{Finding, FindingKind, Identification};
+use crate::display::short;
 use crate::dynamics::{Dynamics, Stability, stability};
 use crate::hammerstein::Start;
 use crate::hysteresis::Hysteresis;
-use crate::record::{LoopSense, loop_shape, range_of, turning_points};
+use crate::optimize::StopReason;
+use crate::record::{LoopSense, implausible_units, loop_shape, range_of, turning_points};
 
 /// A parameter whose standard error exceeds this share of its value is called undetermined.
 const UNDETERMINED: f64 = 0.5;
 /// Swings whose size differs by less than this share of the range count as one amplitude.
 const ONE_AMPLITUDE: f64 = 0.05;
+/// A fall of the best cost by more than this share says that a search was still under way.
+const STILL_IMPROVING: f64 = 0.01;
+/// Fewest last generations over which that is judged.
+const LAST_GENERATIONS: usize = 5;
 /// Swings below this share of the range are noise rather than loops.
 const SMALLEST_LOOP: f64 = 0.1;
 
@@ -200,6 +207,17 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             );
         }
     }
+    for search in &result.searches {
+        if let Some(text) = still_improving(search) {
+            say(FindingKind::Warning, "search", text);
+        }
+    }
+    for facts in facts {
+        let fastest_hz = Some(facts.highest_frequency_hz());
+        for text in implausible_units(&facts.data, fastest_hz) {
+            say(FindingKind::Warning, "units", format!("Record '{}': {text}", facts.data.name));
+        }
+    }
     if result.cancelled {
         say(
             FindingKind::Warning,
@@ -211,6 +229,28 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     result.treatment = treatment(facts, options, result);
 }
 
+/// What is wrong with a search by a population that ran out of generations while it was still improving: by more than
+/// [`STILL_IMPROVING`] over the last tenth of them (over the last [`LAST_GENERATIONS`] at least, or over all there are).
+fn still_improving(search: &Search) -> Option<String> {
+    let outcome = &search.outcome;
+    if !matches!(outcome.stopped, StopReason::Generations | StopReason::Budget) || !outcome.starts.is_empty()
+    {
+        return None;
+    }
+    let generations = outcome.generations;
+    let last = generations.div_ceil(10).max(LAST_GENERATIONS).min(generations);
+    let before = outcome.history.get(outcome.history.len().checked_sub(1 + last)?)?.best_cost;
+    let gained = 1.0 - outcome.cost / before;
+    (gained > STILL_IMPROVING || !before.is_finite()).then(|| {
+        format!(
+            "The search of the {} was too short to be trusted: the best RMSE was still falling, by {} % over the last {last} of \
+             {generations} generations. Raise --generations, or leave --optimizer out.",
+            search.step,
+            if before.is_finite() { short(100.0 * gained) } else { "100".into() }
+        )
+    })
+}
+
 fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) -> Vec<String> {
     let mut list = Vec::new();
     let mut quasi_static = 0;
@@ -219,7 +259,9 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
         let unit = &fit.data.y_unit;
         let start = match fit.start {
             Start::Rest { voltage_v } => {
-                format!("simulated from rest at {voltage_v} {}", fit.data.u_unit).trim_end().to_owned()
+                format!("simulated from rest at {} {}", short(voltage_v), fit.data.u_unit)
+                    .trim_end()
+                    .to_owned()
             }
             Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
         };
@@ -278,17 +320,4 @@ fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usi
         }
     }
     count
-}
-
-/// Three significant digits, in plain or scientific form, whichever is shorter.
-fn short(x: f64) -> String {
-    let size = x.abs();
-    if x == 0.0 {
-        "0".into()
-    } else if (1e-3..1e5).contains(&size) {
-        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
-        format!("{x:.decimals$}")
-    } else {
-        format!("{x:.2e}")
-    }
 }

@@ -1,5 +1,7 @@
 //! What can be wrong with a record.
 
+use crate::display::short;
+
 /// What is wrong with a record, or why a step cannot be done with it. Sample indices count from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -191,7 +193,9 @@ pub enum RecordError {
     },
     /// A given sample rate that the time column contradicts.
     #[error(
-        "record `{record}`: the sample rate given is {given_hz} Hz, but {samples} samples span {duration_s} s by the time column, {measured_hz} Hz; correct the one or drop the other"
+        "record `{record}`: the sample rate given is {given_hz} Hz, but {samples} samples span {} s by the time column, {} Hz; correct the one or drop the other",
+        short(*.duration_s),
+        short(*.measured_hz)
     )]
     RateContradictsTime {
         /// Name of the record.
@@ -255,7 +259,8 @@ pub enum RecordError {
     },
     /// A signal that never changes.
     #[error(
-        "record `{record}`: channel `{channel}` is constant ({value}) over all samples, so {purpose} is not possible; was the drive connected, the right column chosen?"
+        "record `{record}`: channel `{channel}` is constant ({}) over all samples, so {purpose} is not possible; was the drive connected, the right column chosen?",
+        short(*.value)
     )]
     ConstantSignal {
         /// Name of the record.

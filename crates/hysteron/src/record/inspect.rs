@@ -1,10 +1,12 @@
 //! What is in a record, in numbers and in plain words.
 
+use crate::display::short;
+
 use super::turning_points::{median, range_of};
 use super::{
     Clipping, DelayFinding, ExcitationKind, InputOutput, LinearDrift, LoopSense, LoopShape, NoiseFloor,
     NoiseMethod, Periods, StartUp, TimeBase, Unit, WaveShape, clipping, excitation_kind, find_delay,
-    find_periods, linear_drift, loop_shape, noise_floor, quantisation_step,
+    find_periods, implausible_units, linear_drift, loop_shape, noise_floor, quantisation_step,
 };
 
 /// Everything [`inspect`] finds. Frequencies in Hz where there is a uniform time base, else `None`.
@@ -133,15 +135,17 @@ impl Inspection {
         let unit = spaced(&data.y_unit);
         if u_low == u_high {
             warn(format!(
-                "The input `{}` is constant ({u_low}{}): nothing can be identified. Was the drive connected, the right column chosen?",
+                "The input `{}` is constant ({}{}): nothing can be identified. Was the drive connected, the right column chosen?",
                 data.input,
+                short(u_low),
                 spaced(&data.u_unit)
             ));
         }
         if y_low == y_high {
             warn(format!(
-                "The output `{}` is constant ({y_low}{unit}): the sensor was off, or this is the wrong column.",
-                data.output
+                "The output `{}` is constant ({}{unit}): the sensor was off, or this is the wrong column.",
+                data.output,
+                short(y_low)
             ));
         }
         for (what, name, clipped) in
@@ -158,6 +162,8 @@ impl Inspection {
                 ));
             }
         }
+        let fastest_hz = self.frequency_span_hz.map(|(_, highest)| highest);
+        implausible_units(data, fastest_hz).into_iter().for_each(&mut warn);
         match &data.time {
             TimeBase::Unknown => warn(
                 "There is no time column and no sample rate: a static fit is possible, dynamics are not. Give --sample-rate if it is known."
