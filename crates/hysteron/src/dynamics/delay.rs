@@ -9,18 +9,7 @@ use super::DynamicsError;
 use super::error::{check_finite, check_length, check_sample_rate};
 use crate::numeric::Complex64;
 use crate::numeric::fft::{RealFft, fast_length};
-
-/// What a signal does between its samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum InterSample {
-    /// Holds the sample before.
-    Hold,
-    /// Straight line.
-    #[default]
-    Linear,
-    /// Has no content above half the sample rate.
-    BandLimited,
-}
+pub use crate::record::InterSample;
 
 /// `signal` delayed by `delay_s` ≥ 0 seconds: y(t) = x(t − τ), with x = `before` ahead of the first sample.
 ///
@@ -96,7 +85,7 @@ pub(crate) fn delay_in_place(x: &mut [f64], samples: f64, before: f64) {
 }
 
 /// Delay in samples.
-fn shift(delay_s: f64, sample_rate_hz: f64) -> Result<f64, DynamicsError> {
+pub(super) fn shift(delay_s: f64, sample_rate_hz: f64) -> Result<f64, DynamicsError> {
     check_sample_rate(sample_rate_hz)?;
     let shift = delay_s * sample_rate_hz;
     if shift.is_finite() && shift >= 0.0 {

@@ -59,6 +59,35 @@ pub enum DynamicsError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// Not as many values as a form has parameters.
+    #[error("the form of the dynamics has {expected} parameters, but {found} values are given")]
+    ParameterCount {
+        /// Parameters of the form.
+        expected: usize,
+        /// Values given.
+        found: usize,
+    },
+    /// A response was made for another number of derivatives.
+    #[error(
+        "the response has room for {found} derivatives, but the form has {expected} with that of the delay: \
+         make it with `empty_response` for as many parameters"
+    )]
+    Tangents {
+        /// Parameters of the form, and the delay.
+        expected: usize,
+        /// What the response has room for.
+        found: usize,
+    },
+    /// A derivative was asked for that was not computed.
+    #[error(
+        "derivative {which} of the response is not there; it has {found} (none unless last computed with tangents)"
+    )]
+    NoTangent {
+        /// The derivative asked for, from 0.
+        which: usize,
+        /// How many there are.
+        found: usize,
+    },
     /// The sample rate is not a positive finite number.
     #[error("the sample rate must be a positive finite number of hertz, but it is {sample_rate_hz}")]
     SampleRate {

@@ -2,7 +2,8 @@
 //!
 //! A [`TransferFunction`] with real orders (article Eqs. 2–6; whole orders make it the integer one) is
 //! simulated over a record through a [`SimulationPlan`], made once per record: a candidate then costs one
-//! complex exponential per term and frequency and one inverse FFT, and allocates nothing. [`stability`] is
+//! complex exponential per term and frequency and one inverse FFT, and allocates nothing. A [`DynamicForm`] gives
+//! transfer functions in words, with exact derivatives, and a [`Response`] what they do to any number of inputs. [`stability`] is
 //! exact; [`delay`] shifts signals by fractions of a sample; [`Arx`] is the sampled-data alternative.
 //!
 //! ```
@@ -23,17 +24,26 @@ mod blocks;
 mod causal;
 pub mod delay;
 mod error;
+mod form;
+mod linearised;
 mod plan;
 mod poles;
+mod response;
 mod second_order;
+mod shift;
 mod stability;
+mod tangent;
 mod transfer_function;
 mod transient;
 
 pub use crate::fractional::{Scheme, Term};
+pub use crate::record::InterSample;
 pub use arx::Arx;
 pub use error::DynamicsError;
+pub use form::{DynamicForm, FormParameter, Modes};
+pub use linearised::{Linearised, TermTangent};
 pub use plan::{InputSpectrum, SimulationPlan, Workspace};
+pub use response::{Response, Sampling};
 pub use second_order::SecondOrder;
 pub use stability::{Stability, stability};
 pub use transfer_function::TransferFunction;

@@ -28,14 +28,16 @@ const SHORTEST: usize = 256;
 /// (`tests/quadrature_matches_recursion.rs`).
 #[derive(Debug)]
 pub struct SimulationPlan {
-    samples: usize,
-    sample_rate_hz: f64,
-    scheme: Scheme,
+    pub(super) samples: usize,
+    pub(super) sample_rate_hz: f64,
+    pub(super) scheme: Scheme,
     initial: InitialCondition,
     fft: RealFft,
+    /// −ln r.
+    pub(super) damping: f64,
     /// ln |s| and arg s of each frequency.
-    log_abs: Vec<f64>,
-    angle: Vec<f64>,
+    pub(super) log_abs: Vec<f64>,
+    pub(super) angle: Vec<f64>,
     /// Largest ln |s|.
     top: f64,
     /// r^k for the samples of the input, with its extension.
@@ -44,13 +46,16 @@ pub struct SimulationPlan {
     growth: Exponential,
     /// ln |s| and arg s along |z| = 1, made when a stability verdict first needs them.
     unit_circle: OnceLock<(Vec<f64>, Vec<f64>)>,
-    set: InstructionSet,
+    /// Factors of a held and of a straight reconstruction, made when first needed.
+    pub(super) held: OnceLock<Vec<Complex64>>,
+    pub(super) straight: OnceLock<Vec<Complex64>>,
+    pub(super) set: InstructionSet,
 }
 
 /// Transform of an input, made by [`SimulationPlan::transform`] and valid for that plan (or one made alike).
 #[derive(Clone, Debug)]
 pub struct InputSpectrum {
-    bins: Vec<Complex64>,
+    pub(super) bins: Vec<Complex64>,
     /// Level subtracted before the transform.
     level: f64,
 }
@@ -59,7 +64,7 @@ pub struct InputSpectrum {
 #[derive(Clone, Debug)]
 pub struct Workspace {
     time: Vec<f64>,
-    spectrum: Vec<Complex64>,
+    pub(super) spectrum: Vec<Complex64>,
     scratch: Vec<Complex64>,
     input: InputSpectrum,
 }
@@ -95,12 +100,15 @@ impl SimulationPlan {
             scheme,
             initial,
             fft,
+            damping,
             log_abs,
             angle,
             top,
             decay,
             growth,
             unit_circle: OnceLock::new(),
+            held: OnceLock::new(),
+            straight: OnceLock::new(),
             set,
         })
     }
@@ -228,6 +236,16 @@ impl SimulationPlan {
             InitialCondition::Periodic | InitialCondition::Zero => 0.0,
         };
         self.multiply(tf, input, &mut workspace.spectrum);
+        self.invert(workspace, offset, output)
+    }
+
+    /// `output` = inverse transform of the workspace's spectrum, plus `offset`.
+    pub(super) fn invert(
+        &self,
+        workspace: &mut Workspace,
+        offset: f64,
+        output: &mut [f64],
+    ) -> Result<(), DynamicsError> {
         let (time, scratch) = (&mut workspace.time, &mut workspace.scratch);
         let _ = self.fft.inverse.process_with_scratch(&mut workspace.spectrum, time, scratch);
         if self.growth.multiply(time, 0.0, offset, output) {
@@ -237,16 +255,17 @@ impl SimulationPlan {
         }
     }
 
-    fn empty_spectrum(&self) -> InputSpectrum {
+    /// The spectrum of silence, to be written by [`SimulationPlan::transform_into`] or added to.
+    pub fn empty_spectrum(&self) -> InputSpectrum {
         InputSpectrum { bins: vec![Complex64::ZERO; self.log_abs.len()], level: 0.0 }
     }
 
-    fn check_workspace(&self, workspace: &Workspace) -> Result<(), DynamicsError> {
+    pub(super) fn check_workspace(&self, workspace: &Workspace) -> Result<(), DynamicsError> {
         check_length("workspace", workspace.time.len(), self.fft.len())
     }
 
     /// What can be refused before any frequency is computed.
-    fn check_candidate(&self, tf: &TransferFunction) -> Result<(), DynamicsError> {
+    pub(super) fn check_candidate(&self, tf: &TransferFunction) -> Result<(), DynamicsError> {
         tf.validate()?;
         // Squares of the polynomials must stay in range, or a quotient would quietly become zero.
         let size = |term: &Term| term.coefficient.abs().ln() + term.order * self.top;
@@ -313,18 +332,26 @@ impl SimulationPlan {
         self.edges(tf, input, spectrum);
     }
 
-    /// The first and, at even length, the last frequency: real, and limits where s is 0 or ∞.
+    /// The first and last frequency of G times the input.
     fn edges(&self, tf: &TransferFunction, input: &InputSpectrum, spectrum: &mut [Complex64]) {
         let last = spectrum.len() - 1;
+        let (dc, top) = (tf.dc_gain(), tf.high_frequency_gain());
+        self.settle_ends(spectrum, dc * input.bins[0].re, top * input.bins[last].re);
+    }
+
+    /// The first and, at even length, the last frequency: real, and limits `dc` and `top` where s is 0 or ∞.
+    pub(super) fn settle_ends(&self, bins: &mut [Complex64], dc: f64, top: f64) {
+        let last = bins.len() - 1;
+        let even = self.fft.len() == 2 * last;
         if self.initial == InitialCondition::Periodic {
-            spectrum[0].re = tf.dc_gain() * input.bins[0].re;
-            if self.scheme == Scheme::Tustin && self.fft.len() == 2 * last && last > 0 {
-                spectrum[last].re = tf.high_frequency_gain() * input.bins[last].re;
+            bins[0].re = dc;
+            if self.scheme == Scheme::Tustin && even && last > 0 {
+                bins[last].re = top;
             }
         }
-        spectrum[0].im = 0.0;
-        if self.fft.len() == 2 * last {
-            spectrum[last].im = 0.0;
+        bins[0].im = 0.0;
+        if even {
+            bins[last].im = 0.0;
         }
     }
 
@@ -345,5 +372,24 @@ impl SimulationPlan {
 impl InputSpectrum {
     const fn none() -> Self {
         Self { bins: Vec::new(), level: 0.0 }
+    }
+
+    /// What was taken off the input before the transform: its first sample under [`InitialCondition::Rest`], else 0.
+    pub fn level(&self) -> f64 {
+        self.level
+    }
+
+    /// Makes it the spectrum of silence.
+    pub fn clear(&mut self) {
+        self.bins.fill(Complex64::ZERO);
+        self.level = 0.0;
+    }
+
+    /// Adds `factor` · `other`, which has the same plan: the spectrum of the sum of the inputs.
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        for (bin, x) in self.bins.iter_mut().zip(&other.bins) {
+            *bin += x * factor;
+        }
+        self.level += factor * other.level;
     }
 }

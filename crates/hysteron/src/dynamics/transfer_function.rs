@@ -154,14 +154,24 @@ pub(super) fn polynomial(terms: &[Term], log_s: Complex64) -> Complex64 {
     terms.iter().map(value).sum()
 }
 
+/// Position of the first term that is not zero; one past the end where there is none.
+pub(super) fn lowest_index(terms: &[Term]) -> usize {
+    terms.iter().position(|term| term.coefficient != 0.0).unwrap_or(terms.len())
+}
+
+/// Position of the last term that is not zero; one past the end where there is none.
+pub(super) fn highest_index(terms: &[Term]) -> usize {
+    terms.iter().rposition(|term| term.coefficient != 0.0).unwrap_or(terms.len())
+}
+
 /// First term that is not zero; a zero term where there is none.
 pub(super) fn lowest(terms: &[Term]) -> Term {
-    terms.iter().find(|term| term.coefficient != 0.0).copied().unwrap_or(Term::new(0.0, 0.0))
+    terms.get(lowest_index(terms)).copied().unwrap_or(Term::new(0.0, 0.0))
 }
 
 /// Last term that is not zero; a zero term where there is none.
 pub(super) fn highest(terms: &[Term]) -> Term {
-    terms.iter().rfind(|term| term.coefficient != 0.0).copied().unwrap_or(Term::new(0.0, 0.0))
+    terms.get(highest_index(terms)).copied().unwrap_or(Term::new(0.0, 0.0))
 }
 
 /// The form of article Eq. 13, highest order first, numbers to five significant digits (`{:.9}`: nine).

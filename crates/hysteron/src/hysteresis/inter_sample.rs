@@ -1,24 +1,13 @@
 //! How the drive goes from one sample to the next.
+//!
+//! Hysteresis sees nothing but the sequence of turning points, so at the sampling instants [`InterSample::Hold`] and
+//! [`InterSample::Linear`] give it the same values; they differ for what follows it. [`InterSample::BandLimited`] matters
+//! as soon as a period has few samples, because the true turning points then lie between them.
 
 use realfft::RealFftPlanner;
 
 use super::HysteresisError;
-
-/// What is assumed of the drive between its samples.
-///
-/// Hysteresis sees nothing but the sequence of turning points, so at the sampling instants [`Self::Hold`] and
-/// [`Self::Linear`] give it the same values; they differ for what follows it. [`Self::BandLimited`] matters as soon as
-/// a period has few samples, because the true turning points then lie between them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum InterSample {
-    /// Held until the next sample: a digital-to-analogue converter without a filter.
-    Hold,
-    /// A straight line to the next sample.
-    #[default]
-    Linear,
-    /// The band-limited signal through the samples (trigonometric interpolation): periodic or long records.
-    BandLimited,
-}
+use crate::record::InterSample;
 
 /// What the drive is taken to do beyond the ends of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -12,10 +12,11 @@ mod error;
 mod inter_sample;
 mod sensitivities;
 
+pub use crate::record::InterSample;
 pub use admissibility::Admissibility;
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use error::HysteresisError;
-pub use inter_sample::{InterSample, RecordEnds};
+pub use inter_sample::RecordEnds;
 pub use sensitivities::Sensitivities;
 
 /// A rate-independent hysteresis operator.

@@ -107,6 +107,35 @@ dispatched! {
 }
 
 dispatched! {
+    /// Adds (coefficient + weight · (log_abs + i·angle)) · power to `sum`, element by element; pairs are (re, im).
+    /// With weight 0, coefficient · power.
+    accumulate_tangent => accumulate_tangent_kernel(
+        coefficient: f64, weight: f64, log: (&[f64], &[f64]), power: (&[f64], &[f64]),
+        sum: (&mut [f64], &mut [f64]))
+}
+
+dispatched! {
+    /// value = numerator / denominator, weight = factor / denominator and out = value · factor, element by element;
+    /// pairs are (re, im).
+    quotient_parts => quotient_parts_kernel(
+        numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), factor: &[Complex64],
+        value: (&mut [f64], &mut [f64]), weight: (&mut [f64], &mut [f64]), out: &mut [Complex64])
+}
+
+dispatched! {
+    /// out = (numerator − value · denominator) · weight, element by element, pairs (re, im): with the derivatives of
+    /// numerator and denominator, and value and weight of [`quotient_parts`], the derivative of its `out`.
+    quotient_tangent => quotient_tangent_kernel(
+        numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), value: (&[f64], &[f64]),
+        weight: (&[f64], &[f64]), out: &mut [Complex64])
+}
+
+dispatched! {
+    /// out = a · b, element by element.
+    multiply => multiply_kernel(a: &[Complex64], b: &[Complex64], out: &mut [Complex64])
+}
+
+dispatched! {
     /// Signed half turns about the origin of a polygon of points re + i·im: +1 for each crossing of the
     /// real axis counter-clockwise, −1 clockwise. Points on the real axis count as above it.
     half_turns => half_turns_kernel(re: &[f64], im: &[f64]) -> f64
@@ -144,6 +173,89 @@ fn multiply_quotient_kernel(
         let gi = (ni * dr - nr * di) * scale;
         out.re = gr * f.re - gi * f.im;
         out.im = gr * f.im + gi * f.re;
+    }
+}
+
+#[inline(always)]
+fn accumulate_tangent_kernel(
+    coefficient: f64,
+    weight: f64,
+    log: (&[f64], &[f64]),
+    power: (&[f64], &[f64]),
+    sum: (&mut [f64], &mut [f64]),
+) {
+    let sums = sum.0.iter_mut().zip(sum.1);
+    let powers = power.0.iter().zip(power.1);
+    if weight == 0.0 {
+        for ((re, im), (&pr, &pi)) in sums.zip(powers) {
+            *re += coefficient * pr;
+            *im += coefficient * pi;
+        }
+        return;
+    }
+    for (((re, im), (&pr, &pi)), (&a, &t)) in sums.zip(powers).zip(log.0.iter().zip(log.1)) {
+        let fr = coefficient + weight * a;
+        let fi = weight * t;
+        *re += fr * pr - fi * pi;
+        *im += fr * pi + fi * pr;
+    }
+}
+
+#[inline(always)]
+fn quotient_parts_kernel(
+    numerator: (&[f64], &[f64]),
+    denominator: (&[f64], &[f64]),
+    factor: &[Complex64],
+    value: (&mut [f64], &mut [f64]),
+    weight: (&mut [f64], &mut [f64]),
+    out: &mut [Complex64],
+) {
+    let numerator = numerator.0.iter().zip(numerator.1);
+    let denominator = denominator.0.iter().zip(denominator.1);
+    let value = value.0.iter_mut().zip(value.1);
+    let weight = weight.0.iter_mut().zip(weight.1);
+    for (((((out, f), (&nr, &ni)), (&dr, &di)), (vr, vi)), (wr, wi)) in
+        out.iter_mut().zip(factor).zip(numerator).zip(denominator).zip(value).zip(weight)
+    {
+        let scale = 1.0 / (dr * dr + di * di);
+        let gr = (nr * dr + ni * di) * scale;
+        let gi = (ni * dr - nr * di) * scale;
+        *vr = gr;
+        *vi = gi;
+        *wr = (f.re * dr + f.im * di) * scale;
+        *wi = (f.im * dr - f.re * di) * scale;
+        out.re = gr * f.re - gi * f.im;
+        out.im = gr * f.im + gi * f.re;
+    }
+}
+
+#[inline(always)]
+fn quotient_tangent_kernel(
+    numerator: (&[f64], &[f64]),
+    denominator: (&[f64], &[f64]),
+    value: (&[f64], &[f64]),
+    weight: (&[f64], &[f64]),
+    out: &mut [Complex64],
+) {
+    let numerator = numerator.0.iter().zip(numerator.1);
+    let denominator = denominator.0.iter().zip(denominator.1);
+    let value = value.0.iter().zip(value.1);
+    let weight = weight.0.iter().zip(weight.1);
+    for ((((out, (&nr, &ni)), (&dr, &di)), (&gr, &gi)), (&wr, &wi)) in
+        out.iter_mut().zip(numerator).zip(denominator).zip(value).zip(weight)
+    {
+        let xr = nr - (gr * dr - gi * di);
+        let xi = ni - (gr * di + gi * dr);
+        out.re = xr * wr - xi * wi;
+        out.im = xr * wi + xi * wr;
+    }
+}
+
+#[inline(always)]
+fn multiply_kernel(a: &[Complex64], b: &[Complex64], out: &mut [Complex64]) {
+    for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+        out.re = a.re * b.re - a.im * b.im;
+        out.im = a.re * b.im + a.im * b.re;
     }
 }
 

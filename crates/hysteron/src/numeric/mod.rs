@@ -8,7 +8,10 @@ mod dispatch;
 mod elementary;
 pub mod fft;
 
-pub use dispatch::{InstructionSet, accumulate_power, half_turns, multiply_quotient};
+pub use dispatch::{
+    InstructionSet, accumulate_power, accumulate_tangent, half_turns, multiply, multiply_quotient,
+    quotient_parts, quotient_tangent,
+};
 pub use rustfft::num_complex::Complex;
 
 /// Complex number in double precision.

@@ -1,0 +1,166 @@
+//! Factors on a plan's frequencies: e^(−s x h) for a delay of x samples, and what the input does between its samples.
+
+use std::f64::consts::{PI, TAU};
+
+use super::blocks::BLOCK;
+use super::delay::shift as delay_in_samples;
+use super::{DynamicsError, Sampling, Scheme, SimulationPlan};
+use crate::numeric::Complex64;
+use crate::record::InterSample;
+
+/// z^x on the frequencies z = e^(−damping − 2πi·bin/length).
+///
+/// Phases are reduced to turns with whole samples in whole numbers, so they are as accurate for 10⁵ samples as for one.
+struct Shift {
+    whole: usize,
+    fraction: f64,
+    length: usize,
+    size: f64,
+    /// e^(−2πi·j·x/length), j < BLOCK.
+    fine: [Complex64; BLOCK],
+}
+
+impl Shift {
+    fn new(whole: usize, fraction: f64, damping: f64, length: usize) -> Self {
+        let size = (-damping * (whole as f64 + fraction)).exp();
+        let mut shift = Self { whole: whole % length, fraction, length, size, fine: [Complex64::ONE; BLOCK] };
+        for j in 0..BLOCK.min(length) {
+            shift.fine[j] = shift.turn(j);
+        }
+        shift
+    }
+
+    /// e^(−2πi·bin·x/length).
+    fn turn(&self, bin: usize) -> Complex64 {
+        let length = self.length as u128;
+        let whole = (bin as u128 * self.whole as u128 % length) as f64;
+        let turns = (whole + bin as f64 * self.fraction) / self.length as f64;
+        let (sin, cos) = (TAU * (turns - turns.floor())).sin_cos();
+        Complex64::new(cos, -sin)
+    }
+
+    /// The factors of the bins from `first` on.
+    fn write(&self, first: usize, out: &mut [Complex64]) {
+        let start = self.turn(first) * self.size;
+        for (out, fine) in out.iter_mut().zip(&self.fine) {
+            *out = start * fine;
+        }
+    }
+}
+
+/// E: the factor of delay and reconstruction, and its derivative in the delay.
+///
+/// With a delay of m + f samples, m whole: z^⌈m + f⌉ held, z^m (1 − f + f z) on straight lines, z^(m + f)
+/// band-limited.
+pub(super) struct InputFactor<'a> {
+    rule: InterSample,
+    /// z^⌈m + f⌉, z^m or z^(m + f).
+    shift: Shift,
+    /// z, on straight lines.
+    one: Option<Shift>,
+    fraction: f64,
+    /// ln z = −(damping + i·step·bin).
+    damping: f64,
+    step: f64,
+    sample_rate_hz: f64,
+    reconstruction: Option<&'a [Complex64]>,
+}
+
+impl<'a> InputFactor<'a> {
+    /// # Errors
+    /// [`DynamicsError::Parameter`] for a delay that is negative or not finite.
+    pub(super) fn new(
+        plan: &'a SimulationPlan,
+        delay_s: f64,
+        sampling: Sampling,
+    ) -> Result<Self, DynamicsError> {
+        let (damping, length) = (plan.damping, plan.transform_length());
+        let samples = delay_in_samples(delay_s, plan.sample_rate_hz)?;
+        let (whole, fraction) = (samples.floor(), samples - samples.floor());
+        let shift = |whole: f64, fraction| Shift::new(whole as usize, fraction, damping, length);
+        let rule = sampling.delay;
+        let (shift, one) = match rule {
+            InterSample::Hold => (shift(samples.ceil(), 0.0), None),
+            InterSample::Linear => (shift(whole, 0.0), Some(shift(1.0, 0.0))),
+            InterSample::BandLimited => (shift(whole, fraction), None),
+        };
+        let reconstruction = match (plan.scheme, sampling.reconstruction) {
+            (Scheme::BandLimited, InterSample::Hold) => Some(&plan.held),
+            (Scheme::BandLimited, InterSample::Linear) => Some(&plan.straight),
+            _ => None,
+        };
+        let reconstruction = reconstruction.map(|table| {
+            table.get_or_init(|| reconstruction_table(sampling.reconstruction, damping, length)).as_slice()
+        });
+        let (step, sample_rate_hz) = (TAU / length as f64, plan.sample_rate_hz);
+        Ok(Self { rule, shift, one, fraction, damping, step, sample_rate_hz, reconstruction })
+    }
+
+    /// Whether a small change of the delay changes anything.
+    pub(super) fn depends_on_delay(&self) -> bool {
+        self.rule != InterSample::Hold
+    }
+
+    /// E of the bins from `first` on, at most [`BLOCK`] of them.
+    pub(super) fn write(&self, first: usize, out: &mut [Complex64]) {
+        self.shift.write(first, out);
+        if let Some(one) = &self.one {
+            let (mut z, f) = ([Complex64::ZERO; BLOCK], self.fraction);
+            one.write(first, &mut z);
+            for (out, z) in out.iter_mut().zip(&z) {
+                *out *= Complex64::new((1.0 - f) + f * z.re, f * z.im);
+            }
+        }
+        self.reconstruct(first, out);
+    }
+
+    /// dE/dτ \[1/s\], from the right where the rule has a corner. `values` is what [`Self::write`] wrote.
+    pub(super) fn differentiate(&self, first: usize, values: &[Complex64], out: &mut [Complex64]) {
+        match (self.rule, &self.one) {
+            (InterSample::BandLimited, _) => {
+                for (j, (out, value)) in out.iter_mut().zip(values).enumerate() {
+                    let log_z = Complex64::new(-self.damping, -self.step * (first + j) as f64);
+                    *out = value * log_z * self.sample_rate_hz;
+                }
+            }
+            (_, Some(one)) => {
+                self.shift.write(first, out);
+                let mut z = [Complex64::ZERO; BLOCK];
+                one.write(first, &mut z);
+                for (out, z) in out.iter_mut().zip(&z) {
+                    *out *= (z - 1.0) * self.sample_rate_hz;
+                }
+                self.reconstruct(first, out);
+            }
+            (_, None) => out.fill(Complex64::ZERO),
+        }
+    }
+
+    fn reconstruct(&self, first: usize, out: &mut [Complex64]) {
+        if let Some(table) = self.reconstruction {
+            for (out, factor) in out.iter_mut().zip(&table[first..]) {
+                *out *= factor;
+            }
+        }
+    }
+}
+
+/// What a signal does between its samples, as a factor on the spectrum of the samples:
+/// (1 − e^(−sh))/(sh) held, ((e^(sh/2) − e^(−sh/2))/(sh))² on straight lines. First image only: what a staircase or
+/// a polygon holds above half the sample rate is left out.
+fn reconstruction_table(rule: InterSample, damping: f64, length: usize) -> Vec<Complex64> {
+    let at = |bin: usize| {
+        let theta = if 2 * bin == length { PI } else { TAU * bin as f64 / length as f64 };
+        let half = Complex64::new(0.5 * damping, 0.5 * theta);
+        // By its parts, sinh keeps its relative accuracy near 0.
+        let (sin, cos) = half.im.sin_cos();
+        let sinh = Complex64::new(half.re.sinh() * cos, half.re.cosh() * sin);
+        let quotient = if half == Complex64::ZERO { Complex64::ONE } else { sinh / half };
+        match rule {
+            InterSample::Hold => quotient * (-half).exp(),
+            InterSample::Linear => quotient * quotient,
+            InterSample::BandLimited => Complex64::ONE,
+        }
+    };
+    (0..=length / 2).map(at).collect()
+}

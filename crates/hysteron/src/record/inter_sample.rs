@@ -1,0 +1,66 @@
+//! What a sampled signal does between its samples.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// What is assumed of a signal between its samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum InterSample {
+    /// Held until the next sample: a digital-to-analogue converter without a filter.
+    Hold,
+    /// A straight line to the next sample.
+    #[default]
+    Linear,
+    /// The band-limited signal through the samples: no content above half the sample rate.
+    BandLimited,
+}
+
+impl InterSample {
+    /// Every rule.
+    pub const ALL: [Self; 3] = [Self::Hold, Self::Linear, Self::BandLimited];
+
+    /// Name as on the command line and in a model file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hold => "hold",
+            Self::Linear => "linear",
+            Self::BandLimited => "band-limited",
+        }
+    }
+}
+
+impl fmt::Display for InterSample {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that is not a rule's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown rule `{name}` between samples; the rules are hold, linear and band-limited")]
+pub struct UnknownInterSample {
+    /// The name given.
+    pub name: String,
+}
+
+impl FromStr for InterSample {
+    type Err = UnknownInterSample;
+
+    fn from_str(name: &str) -> Result<Self, UnknownInterSample> {
+        let found = Self::ALL.into_iter().find(|rule| rule.name() == name);
+        found.ok_or_else(|| UnknownInterSample { name: name.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_read_back() {
+        for rule in InterSample::ALL {
+            assert_eq!(rule.to_string().parse(), Ok(rule));
+        }
+        assert!("cubic".parse::<InterSample>().is_err());
+    }
+}
