@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
+use hysteron::validate::{residual_input_correlation, residual_whiteness};
 use hysteron_report::article::{ComparisonRow, ComparisonTable};
 use hysteron_report::figure::{
     Axis, ConvergenceCurve, Figure, FrequencyResponseCurve, Panel, Series, Style, convergence,
@@ -64,12 +65,16 @@ fn curves(name: String, time_s: Vec<f64>, u: Vec<f64>, measured: Vec<f64>) -> Re
             values.iter().sum::<f64>() / values.len().max(1) as f64
         })
         .collect();
-    let model = (0..measured.len()).map(|k| mean[(k + period - 2) % period]).collect();
+    let model: Vec<f64> = (0..measured.len()).map(|k| mean[(k + period - 2) % period]).collect();
+    let residual: Vec<f64> = measured.iter().zip(&model).map(|(y, model)| y - model).collect();
+    let scored = vec![true; residual.len()];
     RecordCurves {
         name,
         role: "fitted".into(),
         time_s,
         input: ("voltage".into(), "V".into()),
+        autocorrelation: residual_whiteness(&residual, &scored),
+        input_correlation: residual_input_correlation(&residual, &u, &scored),
         u,
         output: ("displacement".into(), "µm".into()),
         measured,
@@ -176,10 +181,12 @@ fn identification(record: RecordCurves) -> Page {
         frequency_response: vec![response("", 12.0, 1.0)],
         excited_hz: Some((0.9, 5.0)),
         magnitude_unit: String::new(),
-        correlation: Some((
-            vec!["α".into(), "β".into(), "γ".into()],
-            vec![vec![1.0], vec![0.97, 1.0], vec![-0.41, -0.55, 1.0]],
-        )),
+        correlations: vec![hysteron::identify::Correlation {
+            step: "static block".into(),
+            names: vec!["α".into(), "β".into(), "γ".into()],
+            matrix: vec![vec![1.0, 0.97, -0.41], vec![0.97, 1.0, -0.55], vec![-0.41, -0.55, 1.0]],
+            condition_number: 84.0,
+        }],
         provenance: vec![("program".into(), "hysteron 0.1.0".into()), ("seed".into(), "1".into())],
         commands: vec!["hysteron identify record.csv -o model.json --report report.html".into()],
         footer: vec!["hysteron 0.1.0".into()],

@@ -4,11 +4,13 @@
 
 use crate::figure::ticks::fixed;
 use crate::figure::{
-    Axis, Colour, ConvergenceCurve, Figure, FrequencyResponseCurve, Panel, Series, Style, convergence,
-    frequency_response, measured_and_model, residual,
+    Axis, Colour, ConvergenceCurve, Dash, Figure, FrequencyResponseCurve, Panel, Series, Style, convergence,
+    correlation_matrix, correlogram, frequency_response, measured_and_model, residual,
 };
 use crate::number::{significant, with_std_error};
-use crate::page::{Block, Cell, Column, Highlight, Page, Row, Section, Table};
+use crate::page::{Block, Column, Highlight, Page, Section, Table};
+use hysteron::identify::Correlation;
+use hysteron::validate::Correlogram;
 
 /// Everything the report of an identification shows. Empty parts are left out of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -51,8 +53,12 @@ pub struct IdentificationReportData {
     pub excited_hz: Option<(f64, f64)>,
     /// Unit of the magnitude of the response.
     pub magnitude_unit: String,
-    /// Correlation of the estimated parameters: names and the square matrix, row by row.
-    pub correlation: Option<(Vec<String>, Vec<Vec<f64>>)>,
+    /// Correlation of the estimated parameters of each step.
+    pub correlations: Vec<Correlation>,
+    /// Polynomial degrees tried; empty where the degree was given.
+    pub degrees: Vec<DegreeRow>,
+    /// Why the convergence curves do not end at the scores; may be empty.
+    pub convergence_note: String,
     /// Where the model comes from: records with hash, options, seed, program version; name and value.
     pub provenance: Vec<(String, String)>,
     /// Command lines that give the same result again.
@@ -78,6 +84,19 @@ pub struct ParameterRow {
     pub std_error: Option<f64>,
     /// How it came about when it was not estimated (`fixed`, `at its bound` …); may be empty.
     pub note: String,
+}
+
+/// One polynomial degree that was tried.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DegreeRow {
+    /// Degree.
+    pub degree: usize,
+    /// RMSE of its fit \[objective unit\].
+    pub rmse: f64,
+    /// Bayesian information criterion of its fit.
+    pub bic: f64,
+    /// Whether it was chosen.
+    pub chosen: bool,
 }
 
 /// Scores of one record.
@@ -128,6 +147,10 @@ pub struct RecordCurves {
     pub valid: Vec<bool>,
     /// Time up to which samples were skipped in the scores \[s\]; 0 for none.
     pub skipped_until_s: f64,
+    /// Autocorrelation of the residual; `None` for a record too short for it.
+    pub autocorrelation: Option<Correlogram>,
+    /// Correlation of the residual with the input.
+    pub input_correlation: Option<Correlogram>,
 }
 
 impl RecordCurves {
@@ -199,6 +222,28 @@ impl RecordCurves {
             }
         }
         starts
+    }
+
+    /// Correlation of the residual with itself and with the input; `None` for a record too short for it.
+    pub fn residual_figure(&self) -> Option<Figure> {
+        let tests = [
+            ("with itself", self.autocorrelation.as_ref()?),
+            ("with the input", self.input_correlation.as_ref()?),
+        ];
+        let mut figure = Figure::new(format!("Residual: {}", self.name)).in_columns(2).panel_height(150.0);
+        let mut outside = Vec::new();
+        for (title, c) in tests {
+            figure = figure.panel(correlogram(title, c.first_lag, &c.coefficients, c.bound));
+            let test = c.test();
+            outside.push(format!("{} of {} lags {title}", test.outside, test.lags));
+        }
+        Some(figure.captioned(format!(
+            "Correlation of the residual of record {}. Noise alone would stay within the 99 % bounds (dashed) at all but about one \
+             lag in a hundred; outside are {}. What is outside is structure that the model does not describe: creep, minor loops, \
+             dynamics (positive lags of the input), or a delay that is too long (negative lags).",
+            self.name,
+            outside.join(" and ")
+        )))
     }
 
     /// Input, output and residual of the first `samples` samples.
@@ -298,6 +343,7 @@ fn loops(data: &IdentificationReportData) -> Section {
     for record in &data.records {
         section = section.block(mark(record.loop_figure())).block(mark(record.time_figure()));
         section = section.blocks(record.start_figure().map(mark));
+        section = section.blocks(record.residual_figure().map(mark));
     }
     section
 }
@@ -335,28 +381,38 @@ fn model(data: &IdentificationReportData) -> Section {
     if !data.verdicts.is_empty() {
         section = section.block(Block::KeyValues(data.verdicts.clone()));
     }
-    if let Some((names, matrix)) = &data.correlation {
-        section = section
-            .block(Block::details("Correlation of the parameters", vec![correlation(names, matrix).into()]));
+    if !data.degrees.is_empty() {
+        section = section.block(degrees(data));
     }
-    section
+    section.blocks(data.correlations.iter().filter(|c| c.names.len() > 1).map(correlation))
 }
 
-/// Lower triangle of a correlation matrix; entries of at least 0.95 stand out.
-fn correlation(names: &[String], matrix: &[Vec<f64>]) -> Table {
-    let mut columns = vec![Column::text("")];
-    columns.extend(names.iter().map(|name| Column::number(name, "")));
-    let mut table = Table::new(columns)
-        .note("Entries of magnitude 0.95 and more are bold: those parameters can hardly be told apart by these records.");
-    for (i, (name, row)) in names.iter().zip(matrix).enumerate() {
-        let mut cells = vec![Cell::new(name)];
-        cells.extend(row.iter().take(i + 1).map(|r| {
-            let text = fixed(*r, 2);
-            if r.abs() >= 0.95 { Cell::strong(text) } else { Cell::new(text) }
-        }));
-        table.rows.push(Row { cells, highlight: false });
+/// The degrees tried, the chosen one shaded.
+fn degrees(data: &IdentificationReportData) -> Table {
+    let columns = [
+        Column::number("degree", ""),
+        Column::number("RMSE", &data.objective_unit),
+        Column::number("BIC", ""),
+    ];
+    let mut table = Table::new(columns).captioned("Polynomial degrees tried").note(
+        "A higher degree is taken where it lowers BIC by more than 10 and keeps the hysteresis bounded; shaded: the one used. BIC \
+         counts only as many samples as are independent.",
+    );
+    for d in &data.degrees {
+        let cells = [d.degree.to_string(), significant(d.rmse, 4), fixed(d.bic, 1)];
+        table = if d.chosen { table.highlighted_row(cells) } else { table.row(cells) };
     }
     table
+}
+
+/// Correlation of the estimates of one step.
+fn correlation(c: &Correlation) -> Figure {
+    correlation_matrix(format!("Correlation of the parameters: {}", c.step), &c.names, &c.matrix).captioned(format!(
+        "Correlation of the estimates of the step '{}'; condition number {}. Parameters with a correlation near ±1 can hardly be \
+         told apart by these records: only their combination is determined.",
+        c.step,
+        significant(c.condition_number, 3)
+    ))
 }
 
 fn dynamics(data: &IdentificationReportData) -> Section {
@@ -364,16 +420,36 @@ fn dynamics(data: &IdentificationReportData) -> Section {
     if !data.frequency_response.is_empty() {
         let mut figure =
             frequency_response("Frequency response", &data.magnitude_unit, &data.frequency_response);
-        if let Some((from, to)) = data.excited_hz {
+        if let Some((from, to)) = data.excited_hz.filter(|(from, to)| from < to) {
             for (panel, label) in figure.panels.iter_mut().zip(["excited by the records", ""]) {
                 *panel = std::mem::take(panel).span(from, to, label);
             }
+        }
+        if let Some((at, _)) = data.excited_hz.filter(|(from, to)| from == to) {
+            mark_frequency(&mut figure, at);
         }
         section = section.block(figure.captioned(
             "Response of the linear block behind the hysteresis, delay included. It is not that of the whole actuator.",
         ));
     }
     section
+}
+
+/// Marks the one frequency that the records excite on every curve.
+fn mark_frequency(figure: &mut Figure, at_hz: f64) {
+    let label = format!("excited by the records: {} Hz", significant(at_hz, 3));
+    for panel in &mut figure.panels {
+        let mark = |s: &Series| {
+            let k = s.x.iter().position(|f| *f >= at_hz)?;
+            let (x0, x1) = (s.x[k.saturating_sub(1)], s.x[k]);
+            let share = if x1 > x0 { (at_hz - x0) / (x1 - x0) } else { 0.0 };
+            let (y0, y1) = (s.y.get(k.saturating_sub(1))?, s.y.get(k)?);
+            let style = Style::line(Colour::Vermillion).marked(0).with_dash(Dash::None);
+            Some(Series::line(label.as_str(), vec![at_hz], vec![y0 + share * (y1 - y0)], style))
+        };
+        let marks: Vec<Series> = panel.series.iter().filter_map(mark).collect();
+        panel.series.extend(marks);
+    }
 }
 
 fn search(data: &IdentificationReportData) -> Section {
@@ -390,11 +466,16 @@ fn search(data: &IdentificationReportData) -> Section {
             Axis::log("best objective so far", &data.objective_unit),
             &data.convergence,
         );
+        let note = if data.convergence_note.is_empty() {
+            String::new()
+        } else {
+            format!(" {}", data.convergence_note)
+        };
         let spread = data.convergence.iter().any(|c| c.runs.len() > 1);
         section = section.block(figure.captioned(if spread {
-            "Best objective so far: median over the runs, quartiles shaded."
+            format!("Best objective so far: median over the runs, quartiles shaded.{note}")
         } else {
-            "Best objective so far."
+            format!("Best objective so far.{note}")
         }));
     }
     section

@@ -1,9 +1,11 @@
 //! A page runs nothing but its own script, loads nothing, and shows hostile text as text.
 #![allow(clippy::unwrap_used)]
 
+use hysteron::identify::Correlation;
+use hysteron::validate::Correlogram;
 use hysteron_report::figure::{Axis, ConvergenceCurve, Figure, FrequencyResponseCurve, Panel, Series, Style};
 use hysteron_report::identification::{
-    IdentificationReportData, ParameterRow, RecordCurves, ScoreRow, identification_report,
+    DegreeRow, IdentificationReportData, ParameterRow, RecordCurves, ScoreRow, identification_report,
 };
 use hysteron_report::page::{Block, Column, Highlight, Page, Section, Table};
 use proptest::prelude::*;
@@ -15,6 +17,7 @@ const HOSTILE: &str =
 fn report(text: &str) -> Page {
     let t = || text.to_owned();
     let ramp: Vec<f64> = (0..50).map(f64::from).collect();
+    let correlogram = Correlogram { first_lag: 1, coefficients: vec![0.5, f64::NAN], bound: 0.1 };
     let page = identification_report(&IdentificationReportData {
         model_name: t(),
         summary: t(),
@@ -47,6 +50,8 @@ fn report(text: &str) -> Page {
             model: ramp.clone(),
             valid: Vec::new(),
             skipped_until_s: 3.0,
+            autocorrelation: Some(correlogram.clone()),
+            input_correlation: Some(correlogram.clone()),
         }],
         convergence: vec![ConvergenceCurve { label: t(), x: ramp.clone(), runs: vec![ramp.clone()] }],
         objective_unit: t(),
@@ -60,7 +65,14 @@ fn report(text: &str) -> Page {
         }],
         excited_hz: Some((1.0, 20.0)),
         magnitude_unit: t(),
-        correlation: Some((vec![t()], vec![vec![1.0]])),
+        correlations: vec![Correlation {
+            step: t(),
+            names: vec![t(), t()],
+            matrix: vec![vec![1.0; 2]; 2],
+            condition_number: f64::INFINITY,
+        }],
+        degrees: vec![DegreeRow { degree: 2, rmse: 0.1, bic: -3.0, chosen: true }],
+        convergence_note: t(),
         provenance: vec![(t(), t())],
         commands: vec![t()],
         footer: vec![t()],

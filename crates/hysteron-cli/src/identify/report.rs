@@ -3,12 +3,16 @@
 use std::path::Path;
 
 use hysteron::dynamics::Dynamics;
-use hysteron::identify::{FindingKind, Identification, Parameter, RecordRole};
+use hysteron::hammerstein::Start;
+use hysteron::identify::{FindingKind, Identification, Parameter, RecordFit, RecordRole};
 use hysteron::model_file::ModelFile;
 use hysteron::record::{InputOutput, TimeBase};
-use hysteron::validate::definitions;
+use hysteron::validate::{definitions, residual_input_correlation, residual_whiteness};
 use hysteron_report::figure::{ConvergenceCurve, FrequencyResponseCurve};
-use hysteron_report::identification::{IdentificationReportData, ParameterRow, RecordCurves, ScoreRow};
+use hysteron_report::identification::{
+    DegreeRow, IdentificationReportData, ParameterRow, RecordCurves, ScoreRow,
+};
+use hysteron_report::number::significant;
 use hysteron_report::page::Highlight;
 
 use super::written::command_line;
@@ -39,7 +43,7 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
         warnings: of_kind(FindingKind::Warning).collect(),
         limits: of_kind(FindingKind::Advice).collect(),
         equations: equations(found),
-        parameters: found.parameters.iter().map(|p| parameter_row(p, file)).collect(),
+        parameters: parameters(found, file),
         verdicts: found
             .findings
             .iter()
@@ -68,7 +72,12 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
             .map(|d| format!("{}: {}", d.name, d.meaning))
             .collect(),
         preparation: found.treatment.clone(),
-        records: found.records.iter().map(curves).collect(),
+        records: found
+            .records
+            .iter()
+            .zip(left_out(found))
+            .map(|(fit, left_out)| curves(fit, left_out))
+            .collect(),
         convergence: found
             .searches
             .iter()
@@ -78,12 +87,24 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
                 runs: vec![s.outcome.history.iter().map(|h| h.best_cost).collect()],
             })
             .collect(),
+        convergence_note: convergence_note(found, &unit),
         objective_unit: unit,
         convergence_x_label: "cost evaluations".into(),
         frequency_response: response(found).into_iter().collect(),
         excited_hz: found.excited_hz,
         magnitude_unit: String::new(),
-        correlation: None,
+        correlations: found.correlations.clone(),
+        degrees: found
+            .structure
+            .degrees
+            .iter()
+            .map(|&(degree, rmse, bic)| DegreeRow {
+                degree,
+                rmse,
+                bic,
+                chosen: degree == found.structure.degree,
+            })
+            .collect(),
         provenance: provenance(file),
         commands: vec![command_line()],
         footer: vec![file.provenance.as_ref().map(|p| p.program.clone()).unwrap_or_default()],
@@ -211,15 +232,81 @@ fn parameter_row(p: &Parameter, file: &ModelFile) -> ParameterRow {
         value: p.value,
         unit: unit_of(p, file),
         std_error: p.std_error,
-        note: if p.std_error.is_some() {
-            String::new()
-        } else {
-            "held, or not determined by the records".into()
+        note: match (p.held, p.std_error) {
+            (true, _) => "held at this value".into(),
+            (false, Some(_)) => String::new(),
+            (false, None) => "not determined by these records".into(),
         },
     }
 }
 
-fn curves(fit: &hysteron::identify::RecordFit) -> RecordCurves {
+/// The model's parameters, then what belongs to the records: the sensor's offset and the start of each.
+fn parameters(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
+    let mut rows: Vec<ParameterRow> = found.parameters.iter().map(|p| parameter_row(p, file)).collect();
+    let Some(first) = found.records.first() else { return rows };
+    let held = file.provenance.as_ref().is_some_and(|p| p.options.contains_key("fix offset"));
+    rows.push(ParameterRow {
+        block: "sensor".into(),
+        symbol: "y₀".into(),
+        meaning: "offset of the sensor".into(),
+        value: found.model.offset,
+        unit: first.data.y_unit.to_string(),
+        std_error: None,
+        note: if held {
+            "held at this value".into()
+        } else {
+            format!("mean residual of {}", first.data.name)
+        },
+    });
+    for fit in &found.records {
+        let (symbol, meaning, value, unit) = match fit.start {
+            Start::Rest { voltage_v } => {
+                ("u₀", "input at which the device had rested", voltage_v, fit.data.u_unit.to_string())
+            }
+            Start::Settled { period_samples } => {
+                ("N", "period on which the device had settled", period_samples as f64, "samples".into())
+            }
+        };
+        rows.push(ParameterRow {
+            block: "start".into(),
+            symbol: symbol.into(),
+            meaning: meaning.into(),
+            value,
+            unit,
+            std_error: None,
+            note: format!("of {}", fit.data.name),
+        });
+    }
+    rows
+}
+
+/// Samples left out at the start of every record.
+fn left_out(found: &Identification) -> Vec<usize> {
+    let mut quasi_static = found.structure.left_out.iter().copied();
+    let of = |r: &RecordFit| match r.role {
+        RecordRole::QuasiStatic => quasi_static.next().unwrap_or(0),
+        RecordRole::Dynamic => 0,
+    };
+    found.records.iter().map(of).collect()
+}
+
+/// Why the search's own RMSE is not the score: the fit allowed for creep, which the model does not have.
+fn convergence_note(found: &Identification, unit: &str) -> String {
+    let (Some(search), Some(record)) = (found.searches.first(), found.records.first()) else {
+        return String::new();
+    };
+    if found.structure.creeps.iter().all(|creep| *creep == 0.0) {
+        return String::new();
+    }
+    format!(
+        "The search ends at {} {unit} where the score is {} {unit}: the fit allows for a slow creep of each quasi-static record so \
+         that it does not distort the loop; the model has no creep, and the score counts what it leaves.",
+        significant(search.outcome.cost, 3),
+        significant(record.scores.rmse, 3)
+    )
+}
+
+fn curves(fit: &RecordFit, left_out: usize) -> RecordCurves {
     let InputOutput { name, time, u, y, valid, .. } = &fit.data;
     let samples = u.len();
     let time_s: Vec<f64> = match time {
@@ -240,16 +327,22 @@ fn curves(fit: &hysteron::identify::RecordFit) -> RecordCurves {
         };
         (format!("{word} {channel}"), unit.to_string())
     };
+    let model: Vec<f64> = fit.simulated.iter().map(|x| x + offset).collect();
+    let residual: Vec<f64> = y.iter().zip(&model).map(|(y, model)| y - model).collect();
+    let valid_at = |k: usize| valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let scored: Vec<bool> = (0..samples).map(|k| k >= left_out && valid_at(k)).collect();
     RecordCurves {
         name: name.clone(),
         role: role_name(fit.role).to_owned(),
-        skipped_until_s: 0.0,
+        skipped_until_s: if left_out > 0 { time_s.get(left_out).copied().unwrap_or(0.0) } else { 0.0 },
+        autocorrelation: residual_whiteness(&residual, &scored),
+        input_correlation: residual_input_correlation(&residual, u, &scored),
         time_s,
         input: labelled(&fit.data.input, &fit.data.u_unit, true),
         u: u.clone(),
         output: labelled(&fit.data.output, &fit.data.y_unit, false),
         measured: y.clone(),
-        model: fit.simulated.iter().map(|x| x + offset).collect(),
+        model,
         valid: valid.clone().unwrap_or_default(),
     }
 }

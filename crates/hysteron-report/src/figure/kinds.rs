@@ -122,6 +122,32 @@ pub fn frequency_response(
     Figure::new(title).panel(magnitude).panel(phase).panel_height(180.0).link_x()
 }
 
+/// Correlation coefficients by lag as bars, with their bounds as dashed lines.
+pub fn correlogram(title: impl Into<String>, first_lag: i64, coefficients: &[f64], bound: f64) -> Panel {
+    let lags: Vec<f64> = (first_lag..).take(coefficients.len()).map(|lag| lag as f64).collect();
+    let ends = match (lags.first(), lags.last()) {
+        (Some(first), Some(last)) => vec![first - 0.5, last + 0.5],
+        _ => Vec::new(),
+    };
+    let bars = Style::line(Colour::Blue).with_marker(Marker::Bar);
+    let limit = Style::line(Colour::Vermillion).with_dash(Dash::Dashed).with_width(1.2);
+    let line = |label: &str, y: f64| Series::line(label, ends.clone(), vec![y; ends.len()], limit);
+    Panel::new(Axis::linear("lag", "samples"), Axis::linear("correlation", "").with_range(-1.05, 1.05))
+        .titled(title)
+        .series(Series::line("", lags, coefficients.to_vec(), bars))
+        .series(line("99 % bounds", bound))
+        .series(line("", -bound))
+}
+
+/// A correlation matrix as coloured cells: `names` and the square matrix, row by row.
+pub fn correlation_matrix(title: impl Into<String>, names: &[String], matrix: &[Vec<f64>]) -> Figure {
+    const CELL_PX: f64 = 34.0;
+    let upwards = names.iter().rev();
+    let mut panel = Panel::new(Axis::categories("", names), Axis::categories("", upwards));
+    panel.cells = matrix.to_vec();
+    Figure::new(title).panel(panel).panel_height(CELL_PX * names.len().max(2) as f64)
+}
+
 /// Errors of several models at a few frequencies: marks joined by thin lines on logarithmic axes.
 ///
 /// `models` holds a name and one value for each entry of `frequency_hz`.
@@ -194,6 +220,20 @@ mod tests {
         assert!(curve.quantile(0.5)[2].is_nan(), "no run reaches the third abscissa");
         curve.runs.push(vec![f64::NAN, f64::INFINITY]);
         assert_eq!(curve.quantile(0.5)[..2], [3.0, 30.0]);
+    }
+
+    #[test]
+    fn a_correlation_matrix_shows_every_coefficient_in_its_cell() {
+        let names = ["α", "β"].map(String::from);
+        let svg = correlation_matrix("c", &names, &[vec![1.0, -0.973], vec![-0.973, 1.0]]).to_svg();
+        assert_eq!((svg.matches(">1.00<").count(), svg.matches(">−0.97<").count()), (2, 2), "{svg}");
+        // The first row is the topmost one.
+        let row = |name: &str| {
+            let labels = svg.split("class=\"t ty\"").nth(1).unwrap();
+            let before = labels.split(&format!(">{name}<")).next().unwrap();
+            before.rsplit("y=\"").next().unwrap().split('"').next().unwrap().parse::<f64>().unwrap()
+        };
+        assert!(row("α") < row("β"));
     }
 
     #[test]

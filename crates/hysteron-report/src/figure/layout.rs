@@ -11,6 +11,8 @@ pub(crate) const TITLE: f64 = 15.5;
 /// Height of one legend row \[px\] and length of its line sample.
 pub(crate) const LEGEND_ROW: f64 = 18.0;
 pub(crate) const SWATCH: f64 = 26.0;
+/// Longest name at a categorical ordinate \[px\].
+const LONGEST_NAME: f64 = 140.0;
 
 /// A rectangle \[px\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -198,9 +200,10 @@ fn place_axis(panel: &Panel, axis: &Axis, horizontal: bool, length: f64) -> (Pla
     let limit = (length / if horizontal { 64.0 } else { 28.0 }).floor().clamp(3.0, 10.0) as usize;
     let marks = if !axis.categories.is_empty() {
         let slot = length / axis.categories.len() as f64;
+        let room = if horizontal { slot - 4.0 } else { LONGEST_NAME };
         Ticks {
             major: (0..axis.categories.len()).map(|i| i as f64).collect(),
-            labels: axis.categories.iter().map(|name| fit(name, SMALL, slot - 4.0)).collect(),
+            labels: axis.categories.iter().map(|name| fit(name, SMALL, room)).collect(),
             ..Ticks::default()
         }
     } else if any {
@@ -320,7 +323,9 @@ pub(crate) fn layout(figure: &Figure) -> Layout {
                 frame,
                 x,
                 y: y_axis,
-                has_data: any_x && any_y && panel.series.iter().any(|s| drawable(panel, s)),
+                has_data: any_x
+                    && any_y
+                    && (!panel.cells.is_empty() || panel.series.iter().any(|s| drawable(panel, s))),
                 show_x_labels,
                 title: fit(&panel.title, PANEL_TITLE, w + 20.0),
                 title_y: y + 15.0,

@@ -18,6 +18,7 @@
 
 mod curves;
 mod decimate;
+mod heat;
 mod kinds;
 mod layout;
 #[cfg(feature = "png")]
@@ -29,8 +30,8 @@ pub mod ticks;
 
 pub use decimate::decimate;
 pub use kinds::{
-    ConvergenceCurve, FrequencyResponseCurve, convergence, errors_by_category, errors_by_frequency,
-    frequency_response, histogram, measured_and_model, residual,
+    ConvergenceCurve, FrequencyResponseCurve, convergence, correlation_matrix, correlogram,
+    errors_by_category, errors_by_frequency, frequency_response, histogram, measured_and_model, residual,
 };
 #[cfg(feature = "png")]
 pub use png::PngError;
@@ -152,6 +153,8 @@ pub struct Panel {
     pub series: Vec<Series>,
     /// Shaded stretches of the x axis, behind the curves.
     pub spans: Vec<Span>,
+    /// Numbers from −1 to 1 as coloured cells, row by row from the top, between two categorical axes.
+    pub cells: Vec<Vec<f64>>,
 }
 
 impl Panel {

@@ -5,6 +5,7 @@
 //! `assets/zoom.js` reads them and redraws axes and curves.
 
 use super::curves::{self, Swatch};
+use super::heat;
 use super::layout::{
     Layout, LegendEntry, PANEL_TITLE, PlacedAxis, PlacedPanel, SMALL, SWATCH, TITLE, layout,
 };
@@ -114,6 +115,7 @@ fn draw_panel(out: &mut String, panel: &Panel, placed: &PlacedPanel, id: &str, i
     if placed.has_data {
         axes(out, placed);
         put!(out, "<g clip-path=\"url(#{id}c)\">");
+        heat::draw(out, &panel.cells, placed);
         curves::draw(out, panel, placed, zoomable);
         out.push_str("</g>");
     } else {
@@ -183,8 +185,10 @@ fn axes(out: &mut String, placed: &PlacedPanel) {
         vertical(&mut marks, *value, bottom, bottom + 3.0);
     }
     for value in &placed.y.ticks.major {
-        horizontal(&mut grid, *value, f.x, f.x + f.w);
-        horizontal(&mut marks, *value, f.x - 5.0, f.x);
+        if !placed.y.categorical {
+            horizontal(&mut grid, *value, f.x, f.x + f.w);
+            horizontal(&mut marks, *value, f.x - 5.0, f.x);
+        }
     }
     for value in &placed.y.ticks.minor {
         horizontal(&mut faint, *value, f.x, f.x + f.w);

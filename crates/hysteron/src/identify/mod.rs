@@ -26,7 +26,7 @@ pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
 pub use error::IdentifyError;
 pub use layout::Demands;
 pub use options::{CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Options, RecordRole};
-pub use result::{Finding, FindingKind, Identification, Parameter, RecordFit, StructureChoice};
+pub use result::{Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, StructureChoice};
 pub use static_fit::StaticFit;
 pub use two_step::identify_two_step;
 

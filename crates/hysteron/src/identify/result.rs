@@ -14,6 +14,8 @@ pub struct Identification {
     pub model: Model,
     /// Its parameters by name, with standard errors.
     pub parameters: Vec<Parameter>,
+    /// How the parameters of each step hang together; none of a step whose parameters the records do not determine.
+    pub correlations: Vec<Correlation>,
     /// The main searches, in order (the small fits that choose start and degree are not among them).
     pub searches: Vec<Search>,
     /// Search box of each of them.
@@ -45,11 +47,26 @@ pub struct Parameter {
     pub value: f64,
     /// Standard error; `None` where the parameter was held or the data do not determine it.
     pub std_error: Option<f64>,
+    /// It was held at this value: by demand, or because this fit does not search it.
+    pub held: bool,
+}
+
+/// Correlation of the estimates of one step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correlation {
+    /// What was estimated.
+    pub step: String,
+    /// Parameters, as on the command line.
+    pub names: Vec<String>,
+    /// Their correlation coefficients, row by row; 1 on the diagonal.
+    pub matrix: Vec<Vec<f64>>,
+    /// Largest over smallest eigenvalue of the matrix: 1 where every parameter is determined on its own.
+    pub condition_number: f64,
 }
 
 impl Parameter {
     pub(super) fn new(block: &'static str, name: &str, value: f64, std_error: Option<f64>) -> Self {
-        Self { block, name: name.to_owned(), value, std_error }
+        Self { block, name: name.to_owned(), value, std_error, held: false }
     }
 }
 

@@ -5,9 +5,9 @@ use super::dynamic_step::{self, DynamicStep, HysteresisOutput};
 use super::engine::{Engine, Search, Searches, Watcher};
 use super::findings;
 use super::options::{CampaignRecord, Choice, DynamicsChoice, Options, RecordRole};
-use super::result::{Identification, Parameter, RecordFit, StructureChoice};
+use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
 use super::static_step::{self, OFFSET, StaticStep};
-use super::uncertainty::{covariance, standard_error};
+use super::uncertainty::{correlation, covariance, standard_error};
 use super::{IdentifyError, RecordFacts};
 use crate::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
@@ -80,7 +80,7 @@ pub fn identify_two_step(
     if options.demands.fixed(OFFSET).is_none() {
         settle_offset(&mut model, &step1, static_records[0])?;
     }
-    let parameters = parameters(&step1, &step2, &static_records, &outputs, options)?;
+    let (parameters, correlations) = parameters(&step1, &step2, &static_records, &outputs, options)?;
     let mut fits = Vec::new();
     for (facts, role) in facts.iter().zip(&roles) {
         let start = start_of(facts, &static_records, &step1, &dynamic, &dynamic_starts);
@@ -122,6 +122,7 @@ pub fn identify_two_step(
     let mut identification = Identification {
         model,
         parameters,
+        correlations,
         searches,
         bounds,
         records: fits,
@@ -337,14 +338,14 @@ fn fit_arx(outputs: &[HysteresisOutput<'_>], delay_s: f64) -> Result<Arx, Identi
     Ok(best.fit.model)
 }
 
-/// Every free parameter with its unit, standard error and what it was searched in.
+/// Every parameter with its standard error, and the correlations of those of each step.
 fn parameters(
     step1: &StaticStep,
     step2: &Step2,
     static_records: &[&RecordFacts],
     outputs: &[HysteresisOutput<'_>],
     options: &Options,
-) -> Result<Vec<Parameter>, IdentifyError> {
+) -> Result<(Vec<Parameter>, Vec<Correlation>), IdentifyError> {
     let (problem, x) = static_step::in_article_symbols(step1, static_records, options)?;
     let covariance1 = covariance(&problem, &x);
     let names: Vec<&str> = problem.bounds().ranges.iter().map(|r| r.name.as_str()).collect();
@@ -352,6 +353,9 @@ fn parameters(
         let index = names.iter().position(|n| *n == name)?;
         covariance1.as_ref().map(|c| c[(index, index)].sqrt())
     };
+    let mut searched: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    let mut correlations: Vec<Correlation> =
+        covariance1.iter().map(|c| correlation(&step1.search.step, searched.clone(), c)).collect();
     let b = &step1.solution.hysteresis;
     let mut list: Vec<Parameter> = b
         .polynomial
@@ -395,6 +399,9 @@ fn parameters(
                 };
                 list.push(Parameter::new("dynamics", name, values[i], error2(&at)));
             }
+            correlations.extend(covariance2.iter().map(|c| correlation(&step.search.step, names.clone(), c)));
+            searched.extend(names);
+            searched.extend(["b", "c0", "c1"].map(str::to_owned));
         }
         Step2::None if step1.solution.lag_s > 0.0 => {
             list.push(Parameter::new("dynamics", "lag", step1.solution.lag_s, error1("lag")));
@@ -407,5 +414,8 @@ fn parameters(
         }
         Step2::Arx(_) => {}
     }
-    Ok(list)
+    for parameter in &mut list {
+        parameter.held = !searched.contains(&parameter.name);
+    }
+    Ok((list, correlations))
 }

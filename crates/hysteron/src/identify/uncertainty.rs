@@ -4,6 +4,7 @@
 //! than white ones (the integrated autocorrelation time of the residual): a two-step fit leaves structured residuals,
 //! and the white-noise formula would be far too optimistic.
 
+use super::result::Correlation;
 use crate::numeric::fft::{RealFft, fast_length};
 use crate::optimize::LeastSquaresProblem;
 use nalgebra::{DMatrix, DVector};
@@ -59,6 +60,19 @@ pub(super) fn covariance<P: LeastSquaresProblem>(problem: &P, x: &[f64]) -> Opti
         }
     }
     covariance.iter().all(|c| c.is_finite()).then_some(covariance)
+}
+
+/// The correlation matrix of a covariance, and its condition number.
+pub(super) fn correlation(step: &str, names: Vec<String>, covariance: &DMatrix<f64>) -> Correlation {
+    let deviation: Vec<f64> = covariance.diagonal().iter().map(|v| v.sqrt()).collect();
+    let matrix = covariance.map_with_location(|i, j, c| c / (deviation[i] * deviation[j]));
+    let eigenvalues = matrix.symmetric_eigenvalues();
+    Correlation {
+        step: step.to_owned(),
+        names,
+        matrix: matrix.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        condition_number: eigenvalues.max() / eigenvalues.min().max(0.0),
+    }
 }
 
 /// 1 + 2 Σ ρ_k of a series, summed up to the first ρ_k ≤ 0 or a tenth of the series (Geyer's initial positive sequence, doi:10.1214/ss/1177011137,
@@ -172,6 +186,11 @@ mod tests {
         let sxx: f64 = t.iter().map(|t| (t - mean) * (t - mean)).sum();
         assert!((c[(1, 1)] / (s2 / sxx) - 1.0).abs() < 1e-6, "{}", c[(1, 1)]);
         assert!((c[(0, 0)] / (s2 * (0.01 + mean * mean / sxx)) - 1.0).abs() < 1e-6);
+        // Textbook: corr(a, b) = −mean / √(mean² + Sxx/N), and the eigenvalues of a 2 × 2 correlation are 1 ± ρ.
+        let rho = -mean / (mean * mean + sxx / 100.0).sqrt();
+        let found = correlation("line", vec!["a".into(), "b".into()], &c);
+        assert!((found.matrix[0][1] - rho).abs() < 1e-6 && found.matrix[0][0] == 1.0, "{found:?}");
+        assert!((found.condition_number / ((1.0 - rho) / (1.0 + rho)) - 1.0).abs() < 1e-4, "{found:?}");
         let doubled = standard_error(&c, &[2.0, 3.0], |x| 2.0 * x[1]).unwrap();
         assert!((doubled - 2.0 * c[(1, 1)].sqrt()).abs() < 1e-9);
     }

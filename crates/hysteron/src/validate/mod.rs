@@ -9,7 +9,7 @@ mod residual_tests;
 mod start;
 
 pub use loop_width::loop_opening;
-pub use residual_tests::{CorrelationTest, residual_input_correlation, residual_whiteness};
+pub use residual_tests::{CorrelationTest, Correlogram, residual_input_correlation, residual_whiteness};
 pub(crate) use start::settling_samples;
 pub use start::{StartError, choose_start, possible_starts, settled_period, unfollowed_start};
 
@@ -193,8 +193,8 @@ pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Resu
         rmse_over_std: ratio(rmse, std),
         relative_error: ratio(e.iter().map(|e| e.abs()).sum(), distance),
         loop_width_error_percent: width_error.and_then(|w| ratio(100.0 * w, stroke)),
-        whiteness: residual_whiteness(&residuals, &scored),
-        input_correlation: residual_input_correlation(&residuals, &record.u, &scored),
+        whiteness: residual_whiteness(&residuals, &scored).map(|c| c.test()),
+        input_correlation: residual_input_correlation(&residuals, &record.u, &scored).map(|c| c.test()),
     }
     .checked(&y, simulated)
 }

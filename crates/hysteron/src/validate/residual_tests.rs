@@ -22,12 +22,39 @@ pub struct CorrelationTest {
     pub largest_lag: i64,
 }
 
+/// Correlation coefficients by lag, and the bound that 99 % of them keep where nothing is correlated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correlogram {
+    /// Lag of the first coefficient \[samples\]; the others follow one by one.
+    pub first_lag: i64,
+    /// Coefficients, in \[−1, 1\].
+    pub coefficients: Vec<f64>,
+    /// 2.576/√N.
+    pub bound: f64,
+}
+
+impl Correlogram {
+    /// The coefficients against the bound.
+    pub fn test(&self) -> CorrelationTest {
+        let Correlogram { first_lag, bound, .. } = *self;
+        let lags = self.coefficients.len();
+        let mut result = CorrelationTest { lags, outside: 0, bound, largest: 0.0, largest_lag: first_lag };
+        for (lag, &r) in (first_lag..).zip(&self.coefficients) {
+            result.outside += usize::from(r.abs() > bound);
+            if r.abs() > result.largest.abs() {
+                (result.largest, result.largest_lag) = (r, lag);
+            }
+        }
+        result
+    }
+}
+
 /// Autocorrelation r_k = Σ e_t e_{t−k} / Σ e_t² of the residual at lags 1 … 25, over pairs of scored samples.
 ///
 /// A residual that is noise alone stays within the bound at 99 % of the lags. `None` where the residual vanishes or
 /// fewer than 50 samples are scored.
-pub fn residual_whiteness(e: &[f64], scored: &[bool]) -> Option<CorrelationTest> {
-    test(e, e, scored, 1)
+pub fn residual_whiteness(e: &[f64], scored: &[bool]) -> Option<Correlogram> {
+    correlogram(e, e, scored, 1)
 }
 
 /// Correlation r_k = Σ (u_{t−k} − ū) e_t / √(Σ (u_t − ū)² Σ e_t²) of the residual with past (k ≥ 0) and coming
@@ -36,15 +63,15 @@ pub fn residual_whiteness(e: &[f64], scored: &[bool]) -> Option<CorrelationTest>
 /// Positive lags outside the bound: dynamics or hysteresis the model does not describe; negative ones: feedback, or
 /// a delay in the model that is too long. The bound holds where the residual is white. `None` where the residual or
 /// the input's variation vanishes or fewer than 50 samples are scored.
-pub fn residual_input_correlation(e: &[f64], u: &[f64], scored: &[bool]) -> Option<CorrelationTest> {
+pub fn residual_input_correlation(e: &[f64], u: &[f64], scored: &[bool]) -> Option<Correlogram> {
     let n = scored.iter().filter(|&&s| s).count();
     let mean = u.iter().zip(scored).filter(|(_, s)| **s).map(|(u, _)| u).sum::<f64>() / n as f64;
     let centred: Vec<f64> = u.iter().map(|u| u - mean).collect();
-    test(e, &centred, scored, -(LAGS as i64))
+    correlogram(e, &centred, scored, -(LAGS as i64))
 }
 
 /// Correlates `e_t` with `x_{t−k}` for k = `first_lag` … 25.
-fn test(e: &[f64], x: &[f64], scored: &[bool], first_lag: i64) -> Option<CorrelationTest> {
+fn correlogram(e: &[f64], x: &[f64], scored: &[bool], first_lag: i64) -> Option<Correlogram> {
     let n = scored.iter().filter(|&&s| s).count();
     if n < 2 * LAGS {
         return None;
@@ -63,17 +90,11 @@ fn test(e: &[f64], x: &[f64], scored: &[bool], first_lag: i64) -> Option<Correla
     let energy = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
     let norm = (energy(&e) * energy(&x)).sqrt();
     let bound = QUANTILE_99 / (n as f64).sqrt();
-    let mut result = CorrelationTest { lags: 0, outside: 0, bound, largest: 0.0, largest_lag: first_lag };
-    for lag in first_lag..=LAGS as i64 {
+    let coefficient = |lag: i64| {
         let shift = lag.unsigned_abs() as usize;
         let (late, early) = if lag >= 0 { (&e, &x) } else { (&x, &e) };
         let sum: f64 = late.iter().skip(shift).zip(early).map(|(a, b)| a * b).sum();
-        let r = sum / norm;
-        result.lags += 1;
-        result.outside += usize::from(r.abs() > bound);
-        if r.abs() > result.largest.abs() {
-            (result.largest, result.largest_lag) = (r, lag);
-        }
-    }
-    Some(result)
+        sum / norm
+    };
+    Some(Correlogram { first_lag, coefficients: (first_lag..=LAGS as i64).map(coefficient).collect(), bound })
 }

@@ -188,11 +188,11 @@ fn noise(count: usize) -> Vec<f64> {
 fn white_noise_passes_the_whiteness_test_and_a_sine_does_not() {
     let e = noise(20_000);
     let all = vec![true; e.len()];
-    let white = residual_whiteness(&e, &all).unwrap();
+    let white = residual_whiteness(&e, &all).unwrap().test();
     assert_eq!((white.lags, white.bound), (25, 2.575_829_303_548_901 / 20_000_f64.sqrt()));
     assert!(white.outside <= 1, "{white:?}");
     let sine: Vec<f64> = (0..2000).map(|k| (k as f64 * 0.1).sin()).collect();
-    let coloured = residual_whiteness(&sine, &all[..2000]).unwrap();
+    let coloured = residual_whiteness(&sine, &all[..2000]).unwrap().test();
     assert!(coloured.outside >= 23 && coloured.largest_lag == 1, "{coloured:?}");
     assert!((coloured.largest - 0.1_f64.cos()).abs() < 1e-2);
 }
@@ -202,11 +202,11 @@ fn a_residual_that_is_the_input_three_samples_late_correlates_at_lag_three() {
     let u = noise(5_000);
     let e: Vec<f64> = (0..u.len()).map(|k| if k >= 3 { -0.2 * u[k - 3] } else { 0.0 }).collect();
     let all = vec![true; u.len()];
-    let found = residual_input_correlation(&e, &u, &all).unwrap();
+    let found = residual_input_correlation(&e, &u, &all).unwrap().test();
     assert_eq!((found.lags, found.largest_lag), (51, 3));
     assert!(found.largest < -0.99);
     let reversed: Vec<f64> = (0..u.len()).map(|k| u.get(k + 2).copied().unwrap_or(0.0)).collect();
-    assert_eq!(residual_input_correlation(&reversed, &u, &all).unwrap().largest_lag, -2);
+    assert_eq!(residual_input_correlation(&reversed, &u, &all).unwrap().test().largest_lag, -2);
     assert_eq!(residual_input_correlation(&vec![0.0; u.len()], &u, &all), None);
 }
 
