@@ -264,6 +264,12 @@ def main():
         say("Eq. 13, a thousand to ten million samples")
         sizes = [1_000, 10_000] if quick else [10**k for k in range(3, 8)]
         result["scaling"] = scaling(rust, folder, sizes)
+        say("columns of a fit and their derivatives")
+        result["columns"] = [
+            {"scheme": scheme, "samples": size}
+            | rust.ask("columns", samples=size, repetitions=5 if quick else 60, scheme=scheme)
+            for scheme in ("tustin", "band-limited")
+        ]
         say("Bouc-Wen operator")
         result["bouc_wen"] = bench_bouc_wen(rust, folder, 20_000, 3 if quick else 40)
         say("identification")

@@ -52,6 +52,21 @@ def scaling(rows):
     return table(head, [row(r) for r in rows])
 
 
+def columns(rows):
+    def row(r):
+        pair = r["fft_pair_s"]
+        return [
+            r["scheme"], ms(pair), ms(r["response_s"]), f"{ms(r['column_s'])}: **{r['column_s'] / pair:.2f} ×**",
+            ms(r["objective_s"]), ms(r["response_with_tangents_s"]),
+            f"{ms(r['jacobian_s'])}: **{r['jacobian_s'] / r['objective_s']:.2f} ×**", r["allocations"],
+        ]
+
+    head = ["scheme", "FFT pair alone", "G and delay", "one column (G, FFT pair): over the FFT pair",
+            "objective (G, 1 forward, 3 inverse FFTs)", "G, delay and 5 derivatives",
+            "Jacobian (all of it, 8 inverse FFTs): over the objective", "allocations"]
+    return table(head, [row(r) for r in rows])
+
+
 def bouc_wen(rows):
     def cost(entry):
         if entry["substeps"] is None:
@@ -112,6 +127,8 @@ def markdown(result):
         fractional(result["fractional"]),
         "### Growth with the length of the record",
         scaling(result["scaling"]),
+        f"### Columns of a fit and their derivatives, fractional form with delay, N = {result['columns'][0]['samples']}",
+        columns(result["columns"]),
         "### Bouc–Wen simulation",
         bouc_wen(result["bouc_wen"]),
         f"### Identification: {result['identification']['generations']} generations of 50 for each step, "

@@ -24,6 +24,8 @@ pub enum Answer {
         /// Allocations of all repetitions together.
         allocations: usize,
     },
+    /// Columns of a fit were worked out.
+    Columns(ColumnTimes),
     /// A model was identified.
     Identified {
         /// Wall-clock time \[s\].
@@ -41,6 +43,43 @@ pub enum Answer {
         /// Parameters by name.
         parameters: Vec<(String, f64)>,
     },
+}
+
+/// Shortest wall-clock times \[s\] of columns of a fit and of their parts.
+#[derive(Debug, Serialize)]
+pub struct ColumnTimes {
+    /// Length of the transforms.
+    pub transform_length: usize,
+    /// One forward and one inverse FFT.
+    pub fft_pair_s: f64,
+    /// G on every frequency.
+    pub response_s: f64,
+    /// G and its five derivatives.
+    pub response_with_tangents_s: f64,
+    /// G, a forward and an inverse FFT.
+    pub column_s: f64,
+    /// G, a forward and three inverse FFTs.
+    pub objective_s: f64,
+    /// G and its five derivatives, a forward and eight inverse FFTs.
+    pub jacobian_s: f64,
+    /// Allocations of all repetitions together.
+    pub allocations: usize,
+}
+
+impl ColumnTimes {
+    /// Nothing measured yet.
+    pub fn starting(transform_length: usize) -> Self {
+        Self {
+            transform_length,
+            fft_pair_s: f64::INFINITY,
+            response_s: f64::INFINITY,
+            response_with_tangents_s: f64::INFINITY,
+            column_s: f64::INFINITY,
+            objective_s: f64::INFINITY,
+            jacobian_s: f64::INFINITY,
+            allocations: 0,
+        }
+    }
 }
 
 /// One search of an identification.

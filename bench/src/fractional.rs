@@ -11,7 +11,7 @@ use crate::error::BenchError;
 use crate::stopwatch::time;
 
 /// The article's sample rate is not printed; this is ours \[Hz\].
-const SAMPLE_RATE_HZ: f64 = 10_000.0;
+pub const SAMPLE_RATE_HZ: f64 = 10_000.0;
 
 /// Everything that is made before the clock runs.
 pub struct Fractional {

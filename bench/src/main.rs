@@ -4,6 +4,7 @@
 mod allocations;
 mod answer;
 mod bouc_wen;
+mod columns;
 mod error;
 mod fractional;
 mod identification;
@@ -31,6 +32,8 @@ enum Request {
     Candidate { repetitions: usize },
     /// Writes the output of the last simulation.
     WriteOutput { path: PathBuf },
+    /// Works out columns of a fit and their derivatives.
+    Columns(columns::Request),
     /// Simulates the Bouc–Wen operator.
     BoucWen(bouc_wen::Request),
     /// Plays the article's campaign on the simulated bench and writes its records.
@@ -53,6 +56,7 @@ fn serve(request: Request, fractional: &mut Option<Fractional>) -> Result<Answer
             signal_file::write(&path, planned(fractional)?.output())?;
             Ok(Answer::Done)
         }
+        Request::Columns(request) => request.run(),
         Request::BoucWen(request) => request.run(),
         Request::Campaign { directory, seed } => identification::write_campaign(&directory, seed),
         Request::Identify(request) => request.run(),

@@ -4,7 +4,10 @@
 #![allow(clippy::unwrap_used)]
 
 use hysteron::numeric::fft::{RealFft, fast_length};
-use hysteron::numeric::{Complex64, InstructionSet, accumulate_power, half_turns, multiply_quotient};
+use hysteron::numeric::{
+    Complex64, InstructionSet, accumulate_power, accumulate_tangent, half_turns, multiply, multiply_quotient,
+    quotient_parts, quotient_tangent,
+};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -85,6 +88,20 @@ fn every_instruction_set_gives_the_same_bits() {
         let mut quotient = vec![Complex64::ZERO; n];
         multiply_quotient(set, (&numerator.0, &numerator.1), (&re, &im), &factor, &mut quotient);
         let turns = half_turns(set, &re, &im);
+        let (mut value, mut weight) = ((re.clone(), im.clone()), (re.clone(), im.clone()));
+        let mut product = vec![Complex64::ZERO; n];
+        let (top, bottom) = ((&numerator.0[..], &numerator.1[..]), (&re[..], &im[..]));
+        let parts = ((&mut value.0[..], &mut value.1[..]), (&mut weight.0[..], &mut weight.1[..]));
+        quotient_parts(set, top, bottom, &factor, parts.0, parts.1, &mut product);
+        for weight in [0.0, 0.7] {
+            let sum = (&mut value.0[..], &mut value.1[..]);
+            accumulate_tangent(set, 1.3, weight, (&log_abs, &angle), bottom, sum);
+        }
+        let mut tangent = vec![Complex64::ZERO; n];
+        quotient_tangent(set, top, bottom, (&value.0, &value.1), (&weight.0, &weight.1), &mut tangent);
+        let mut last = vec![Complex64::ZERO; n];
+        multiply(set, &tangent, &product, &mut last);
+        quotient.extend(last);
         let bits: Vec<u64> = quotient.iter().flat_map(|q| [q.re.to_bits(), q.im.to_bits()]).collect();
         (bits, re, im, turns)
     };
@@ -103,6 +120,40 @@ fn the_quotient_is_the_complex_quotient() {
     for k in 0..100 {
         let expected = Complex64::new(nr[k], ni[k]) / Complex64::new(dr[k], di[k]) * factor[k];
         assert!((out[k] - expected).norm() < 1e-14 * expected.norm());
+    }
+}
+
+#[test]
+fn the_derivative_kernels_are_complex_arithmetic() {
+    let set = InstructionSet::detected();
+    let x = |seed| (uniform(100, -2.0, 2.0, seed), uniform(100, -2.0, 2.0, seed + 50));
+    let (n, d, dn, dd, mut g, mut w, log) = (x(1), x(2), x(3), x(4), x(5), x(6), x(7));
+    let (factor, mut out, mut product) = (complex(100, 8), complex(100, 9), complex(100, 10));
+    let at = |pair: &(Vec<f64>, Vec<f64>), k: usize| Complex64::new(pair.0[k], pair.1[k]);
+    let near = |a: Complex64, b: Complex64| assert!((a - b).norm() < 1e-13 * (1.0 + b.norm()), "{a} {b}");
+    quotient_parts(
+        set,
+        (&n.0, &n.1),
+        (&d.0, &d.1),
+        &factor,
+        (&mut g.0, &mut g.1),
+        (&mut w.0, &mut w.1),
+        &mut out,
+    );
+    for k in 0..100 {
+        near(at(&g, k), at(&n, k) / at(&d, k));
+        near(at(&w, k), factor[k] / at(&d, k));
+        near(out[k], at(&n, k) / at(&d, k) * factor[k]);
+    }
+    multiply(set, &out, &factor, &mut product);
+    (0..100).for_each(|k| near(product[k], out[k] * factor[k]));
+    quotient_tangent(set, (&dn.0, &dn.1), (&dd.0, &dd.1), (&g.0, &g.1), (&w.0, &w.1), &mut out);
+    (0..100).for_each(|k| near(out[k], (at(&dn, k) - at(&g, k) * at(&dd, k)) * at(&w, k)));
+    for weight in [0.0, -0.4] {
+        let before = dn.clone();
+        let mut sum = dn.clone();
+        accumulate_tangent(set, 1.5, weight, (&log.0, &log.1), (&n.0, &n.1), (&mut sum.0, &mut sum.1));
+        (0..100).for_each(|k| near(at(&sum, k), at(&before, k) + (1.5 + weight * at(&log, k)) * at(&n, k)));
     }
 }
 

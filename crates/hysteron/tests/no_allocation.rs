@@ -9,7 +9,8 @@ use std::cell::Cell;
 
 use hysteron::dynamics::delay::delay_linear;
 use hysteron::dynamics::{
-    Arx, DynamicsError, InitialCondition, Scheme, SecondOrder, SimulationPlan, TransferFunction, stability,
+    Arx, DynamicForm, DynamicsError, InitialCondition, InterSample, Linearised, Modes, Sampling, Scheme,
+    SecondOrder, SimulationPlan, TransferFunction, stability,
 };
 
 use hysteron::hysteresis::{Sensitivities, Start, UnitShape};
@@ -100,6 +101,41 @@ fn a_hysteresis_pass_allocates_nothing() {
                 });
                 assert_eq!(count, 0, "n {n}, {start:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn a_response_and_its_derivatives_allocate_nothing() {
+    let form = DynamicForm { modes: Modes::TwoFractional, creep: true };
+    let p = [320.0, 0.62, 1.94, 1.05, 710.0, 0.21, 1.87, 0.93, 0.7, 0.08, 0.12];
+    let mut tf = form.transfer_function(&p).unwrap();
+    let mut linearised = Linearised::new();
+    form.linearise(&p, &mut linearised).unwrap();
+    let input: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 0.01).sin()).collect();
+    let mut output = vec![0.0; input.len()];
+    for scheme in Scheme::ALL {
+        for (delay, reconstruction) in
+            InterSample::ALL.into_iter().flat_map(|delay| InterSample::ALL.map(|other| (delay, other)))
+        {
+            let sampling = Sampling { delay, reconstruction };
+            let plan = SimulationPlan::new(input.len(), 1e4, scheme, InitialCondition::Zero).unwrap();
+            let (mut workspace, mut response) = (plan.workspace(), plan.empty_response(p.len()));
+            let mut spectrum = plan.transform(&input).unwrap();
+            // The first makes the table of the reconstruction.
+            plan.response(&tf, 0.0, sampling, &mut response).unwrap();
+            let count = allocations(|| {
+                form.write_to(&p, &mut tf).unwrap();
+                plan.response(&tf, 2.3e-4, sampling, &mut response).unwrap();
+                plan.apply(&response, &spectrum, &mut workspace, &mut output).unwrap();
+                form.linearise(&p, &mut linearised).unwrap();
+                plan.response_with_tangents(&linearised, 2.3e-4, sampling, &mut response).unwrap();
+                plan.transform_into(&input, &mut workspace, &mut spectrum).unwrap();
+                for which in 0..response.tangents() {
+                    plan.apply_tangent(&response, which, &spectrum, &mut workspace, &mut output).unwrap();
+                }
+            });
+            assert_eq!(count, 0, "{scheme} {sampling:?}");
         }
     }
 }

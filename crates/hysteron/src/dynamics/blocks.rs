@@ -72,10 +72,6 @@ impl Exponential {
         Self { coarse, fine: std::array::from_fn(|k| (rate * k as f64).exp()) }
     }
 
-    pub(super) fn at(&self, k: usize) -> f64 {
-        self.coarse[k / BLOCK] * self.fine[k % BLOCK]
-    }
-
     /// to_k = (from_k + before) · scale · e^(rate·k) + after; false if any result is not finite.
     pub(super) fn multiply(&self, from: &[f64], before: f64, after: f64, to: &mut [f64]) -> bool {
         let mut finite = true;

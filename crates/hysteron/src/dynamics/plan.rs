@@ -40,8 +40,10 @@ pub struct SimulationPlan {
     pub(super) angle: Vec<f64>,
     /// Largest ln |s|.
     top: f64,
-    /// r^k for the samples of the input, with its extension.
+    /// r^k for the samples of the input.
     decay: Exponential,
+    /// What its continuation is multiplied by, `BandLimited` only: fading times r^k, from one past the last sample.
+    fade: Vec<f64>,
     /// r^−k / L for the samples of the output.
     growth: Exponential,
     /// ln |s| and arg s along |z| = 1, made when a stability verdict first needs them.
@@ -89,8 +91,8 @@ impl SimulationPlan {
         let damping = if periodic { 0.0 } else { -ALIASING.ln() / length as f64 };
         let (log_abs, angle) = frequencies(scheme, length, damping, sample_rate_hz);
         let top = log_abs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let extended = if scheme == Scheme::BandLimited { length } else { samples };
-        let decay = Exponential::new(-damping, 1.0, extended);
+        let decay = Exponential::new(-damping, 1.0, samples);
+        let fade = if scheme == Scheme::BandLimited { fading(samples, length, damping) } else { Vec::new() };
         let growth = Exponential::new(damping, 1.0 / length as f64, samples);
         let fft = RealFft::new(length);
         let set = InstructionSet::detected();
@@ -105,6 +107,7 @@ impl SimulationPlan {
             angle,
             top,
             decay,
+            fade,
             growth,
             unit_circle: OnceLock::new(),
             held: OnceLock::new(),
@@ -358,15 +361,22 @@ impl SimulationPlan {
     /// Continues the input past its end so that it has no corner there: reflected about its last sample and
     /// faded out over the rest of the period.
     fn extend(&self, input: &[f64], level: f64, time: &mut [f64]) {
-        let count = (time.len() - self.samples).min(self.samples);
         let end = input[self.samples - 1] - level;
-        for j in 1..count {
-            let mirrored = 2.0 * end - (input[self.samples - 1 - j] - level);
-            let fade = 0.5 + 0.5 * (PI * j as f64 / count as f64).cos();
-            let k = self.samples - 1 + j;
-            time[k] = mirrored * fade * self.decay.at(k);
+        let earlier = input.iter().rev().skip(1);
+        for ((time, x), fade) in time[self.samples..].iter_mut().zip(earlier).zip(&self.fade) {
+            *time = (2.0 * end - (x - level)) * fade;
         }
     }
+}
+
+/// Fading from 1 to 0 over as many samples as there are, or as fit, times r^k.
+fn fading(samples: usize, length: usize, damping: f64) -> Vec<f64> {
+    let count = (length - samples).min(samples);
+    let at = |j: usize| {
+        let fade = 0.5 + 0.5 * (PI * j as f64 / count as f64).cos();
+        fade * (-damping * (samples - 1 + j) as f64).exp()
+    };
+    (1..count).map(at).collect()
 }
 
 impl InputSpectrum {

@@ -39,25 +39,33 @@ impl Shift {
         Complex64::new(cos, -sin)
     }
 
-    /// The factors of the bins from `first` on.
-    fn write(&self, first: usize, out: &mut [Complex64]) {
-        let start = self.turn(first) * self.size;
+    /// `weight` times the factors of the bins from `first` on.
+    fn write(&self, first: usize, weight: f64, out: &mut [Complex64]) {
+        let start = self.turn(first) * (self.size * weight);
         for (out, fine) in out.iter_mut().zip(&self.fine) {
             *out = start * fine;
+        }
+    }
+
+    /// [`Self::write`], added to what is there.
+    fn add(&self, first: usize, weight: f64, out: &mut [Complex64]) {
+        let start = self.turn(first) * (self.size * weight);
+        for (out, fine) in out.iter_mut().zip(&self.fine) {
+            *out += start * fine;
         }
     }
 }
 
 /// E: the factor of delay and reconstruction, and its derivative in the delay.
 ///
-/// With a delay of m + f samples, m whole: z^⌈m + f⌉ held, z^m (1 − f + f z) on straight lines, z^(m + f)
-/// band-limited.
+/// With a delay of m + f samples, m whole: z^⌈m + f⌉ held, (1 − f) z^m + f z^(m + 1) on straight lines,
+/// z^(m + f) band-limited.
 pub(super) struct InputFactor<'a> {
     rule: InterSample,
     /// z^⌈m + f⌉, z^m or z^(m + f).
     shift: Shift,
-    /// z, on straight lines.
-    one: Option<Shift>,
+    /// z^(m + 1), on straight lines.
+    next: Option<Shift>,
     fraction: f64,
     /// ln z = −(damping + i·step·bin).
     damping: f64,
@@ -79,9 +87,9 @@ impl<'a> InputFactor<'a> {
         let (whole, fraction) = (samples.floor(), samples - samples.floor());
         let shift = |whole: f64, fraction| Shift::new(whole as usize, fraction, damping, length);
         let rule = sampling.delay;
-        let (shift, one) = match rule {
+        let (shift, next) = match rule {
             InterSample::Hold => (shift(samples.ceil(), 0.0), None),
-            InterSample::Linear => (shift(whole, 0.0), Some(shift(1.0, 0.0))),
+            InterSample::Linear => (shift(whole, 0.0), Some(shift(whole + 1.0, 0.0))),
             InterSample::BandLimited => (shift(whole, fraction), None),
         };
         let reconstruction = match (plan.scheme, sampling.reconstruction) {
@@ -93,7 +101,7 @@ impl<'a> InputFactor<'a> {
             table.get_or_init(|| reconstruction_table(sampling.reconstruction, damping, length)).as_slice()
         });
         let (step, sample_rate_hz) = (TAU / length as f64, plan.sample_rate_hz);
-        Ok(Self { rule, shift, one, fraction, damping, step, sample_rate_hz, reconstruction })
+        Ok(Self { rule, shift, next, fraction, damping, step, sample_rate_hz, reconstruction })
     }
 
     /// Whether a small change of the delay changes anything.
@@ -103,12 +111,11 @@ impl<'a> InputFactor<'a> {
 
     /// E of the bins from `first` on, at most [`BLOCK`] of them.
     pub(super) fn write(&self, first: usize, out: &mut [Complex64]) {
-        self.shift.write(first, out);
-        if let Some(one) = &self.one {
-            let (mut z, f) = ([Complex64::ZERO; BLOCK], self.fraction);
-            one.write(first, &mut z);
-            for (out, z) in out.iter_mut().zip(&z) {
-                *out *= Complex64::new((1.0 - f) + f * z.re, f * z.im);
+        match &self.next {
+            None => self.shift.write(first, 1.0, out),
+            Some(next) => {
+                self.shift.write(first, 1.0 - self.fraction, out);
+                next.add(first, self.fraction, out);
             }
         }
         self.reconstruct(first, out);
@@ -116,20 +123,16 @@ impl<'a> InputFactor<'a> {
 
     /// dE/dτ \[1/s\], from the right where the rule has a corner. `values` is what [`Self::write`] wrote.
     pub(super) fn differentiate(&self, first: usize, values: &[Complex64], out: &mut [Complex64]) {
-        match (self.rule, &self.one) {
+        match (self.rule, &self.next) {
             (InterSample::BandLimited, _) => {
                 for (j, (out, value)) in out.iter_mut().zip(values).enumerate() {
                     let log_z = Complex64::new(-self.damping, -self.step * (first + j) as f64);
                     *out = value * log_z * self.sample_rate_hz;
                 }
             }
-            (_, Some(one)) => {
-                self.shift.write(first, out);
-                let mut z = [Complex64::ZERO; BLOCK];
-                one.write(first, &mut z);
-                for (out, z) in out.iter_mut().zip(&z) {
-                    *out *= (z - 1.0) * self.sample_rate_hz;
-                }
+            (_, Some(next)) => {
+                self.shift.write(first, -self.sample_rate_hz, out);
+                next.add(first, self.sample_rate_hz, out);
                 self.reconstruct(first, out);
             }
             (_, None) => out.fill(Complex64::ZERO),

@@ -184,8 +184,13 @@ impl SimulationPlan {
             candidate.sum(log_abs, angle, &mut sums, parameters);
             factor.write(first, &mut e[..count]);
             let (n, d) = (sums.numerator.first(count), sums.denominator.first(count));
+            let out = &mut values[bins.clone()];
+            if linearised.is_none() {
+                multiply_quotient(self.set, n, d, &e[..count], out);
+                continue;
+            }
             let (value, weight) = (g.first_mut(count), w.first_mut(count));
-            quotient_parts(self.set, n, d, &e[..count], value, weight, &mut values[bins.clone()]);
+            quotient_parts(self.set, n, d, &e[..count], value, weight, out);
             for tangent in parameters.iter_mut().filter(|tangent| !tangent.zero) {
                 let Polynomials { numerator, denominator } = &tangent.polynomials;
                 let (dn, dd) = (numerator.first(count), denominator.first(count));
