@@ -29,6 +29,16 @@ impl<T: Real, const P: usize> Dual<T, P> {
         Dual { value, partials }
     }
 
+    /// Without the derivatives from number `first` on that have [vanished](Real::VANISHED): that with respect to the
+    /// start of a long record decays for ever.
+    #[inline(always)]
+    pub(crate) fn without_vanished(mut self, first: usize) -> Self {
+        for p in self.partials.iter_mut().skip(first) {
+            *p = if p.abs() < T::VANISHED { T::of(0.0) } else { *p };
+        }
+        self
+    }
+
     /// f(self) for a function with value `f` and derivative `slope` at `self.value`.
     #[inline(always)]
     fn chain(self, f: T, slope: T) -> Self {

@@ -52,6 +52,9 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     const EPSILON: Self;
     /// Up to this |x| the polynomial of degree 6 gives (1 − e⁻ˣ)/x to a fraction of a unit in the last place.
     const SMALL: Self;
+    /// A derivative below this has vanished. Above the subnormal numbers, which are slow to compute with, by more than
+    /// any factor of one step.
+    const VANISHED: Self;
     /// Conversion of a literal, rounded to nearest.
     fn of(literal: f64) -> Self;
     /// Absolute value.
@@ -75,7 +78,7 @@ macro_rules! elementary {
 }
 
 macro_rules! real {
-    ($t:ident, $small:expr, $exp:path, $ln_1p:path, $sqrt:path, $tan:path, $tanh:path, $atan:path, $pow:path, $ln:path) => {
+    ($t:ident, $small:expr, $vanished:expr, $exp:path, $ln_1p:path, $sqrt:path, $tan:path, $tanh:path, $atan:path, $pow:path, $ln:path) => {
         impl sealed::Sealed for $t {}
 
         impl Scalar for $t {
@@ -118,6 +121,7 @@ macro_rules! real {
         impl Real for $t {
             const EPSILON: $t = $t::EPSILON;
             const SMALL: $t = $small;
+            const VANISHED: $t = $vanished;
             #[inline(always)]
             #[allow(clippy::cast_possible_truncation)]
             fn of(literal: f64) -> $t {
@@ -140,6 +144,7 @@ macro_rules! real {
 real!(
     f32,
     0.375,
+    1e-30,
     libm::expf,
     libm::log1pf,
     libm::sqrtf,
@@ -152,6 +157,7 @@ real!(
 real!(
     f64,
     0.015625,
+    1e-250,
     libm::exp,
     libm::log1p,
     libm::sqrt,

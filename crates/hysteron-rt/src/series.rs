@@ -25,27 +25,42 @@ const G: [f64; 13] = [
 /// that the exponential function: each within 2 units in the last place.
 #[inline(always)]
 pub(crate) fn relaxation<S: Scalar>(kappa: S, d: S) -> (S, S) {
-    let x = kappa * d;
-    let one = S::Real::of(1.0);
-    if let Some(g) = small_remainder(x) {
-        let ratio = (-(x * g)).shift(one);
-        return ((-(x * ratio)).shift(one), d * ratio);
+    match small_remainder(kappa * d) {
+        Some(g) => small_relaxation(kappa * d, d, g),
+        None => large_relaxation(kappa, d),
     }
-    let e = (-x).exp();
-    (e, (-e).shift(one) / kappa)
 }
 
 /// As [`relaxation`] (the same bits), with the derivative of the second with respect to κ: d² E'(x), where
 /// E'(x) = (1 + x) G(x) − 1 has no cancellation next to 0.
 #[inline(always)]
 pub(crate) fn relaxation_with_slope<T: Real>(kappa: T, d: T) -> (T, T, T) {
-    let (decay, reach) = relaxation(kappa, d);
     let x = kappa * d;
-    let slope = match small_remainder(x) {
-        Some(g) => d * d * (g + x * g - T::of(1.0)),
-        None => (d * decay - reach) / kappa,
-    };
-    (decay, reach, slope)
+    match small_remainder(x) {
+        Some(g) => {
+            let (decay, reach) = small_relaxation(x, d, g);
+            (decay, reach, d * d * (g + x * g - T::of(1.0)))
+        }
+        None => {
+            let (decay, reach) = large_relaxation(kappa, d);
+            (decay, reach, (d * decay - reach) / kappa)
+        }
+    }
+}
+
+/// [`relaxation`] from `g` = G(x).
+#[inline(always)]
+fn small_relaxation<S: Scalar>(x: S, d: S, g: S) -> (S, S) {
+    let one = S::Real::of(1.0);
+    let ratio = (-(x * g)).shift(one);
+    ((-(x * ratio)).shift(one), d * ratio)
+}
+
+/// [`relaxation`] from the exponential function.
+#[inline(always)]
+fn large_relaxation<S: Scalar>(kappa: S, d: S) -> (S, S) {
+    let e = (-(kappa * d)).exp();
+    (e, (-e).shift(S::Real::of(1.0)) / kappa)
 }
 
 /// G(x) where |x| ≤ ½, in independent parts to shorten the chain of operations that wait for each other.

@@ -69,7 +69,7 @@ pub(super) fn run<T: Real, const P: usize>(
             for (p, own) in partials.iter_mut().zip([own, turn * own]) {
                 *p = *p + own;
             }
-            z = Dual { value: end, partials };
+            z = Dual { value: end, partials }.without_vanished(2);
         } else {
             z = advance(duals.0, duals.1, duals.2, z, du);
             sign = sign_of(z.value);

@@ -280,7 +280,7 @@ fn follow<T: Real, const P: usize>(
         if !u_next.is_finite() || !u_last.is_finite() {
             return Err(step(StepError::NotFinite));
         }
-        z = advance(z, u_next - u_last).map_err(step)?;
+        z = advance(z, u_next - u_last).map_err(step)?.without_vanished(0);
         u_last = u_next;
         sink(z);
     }
