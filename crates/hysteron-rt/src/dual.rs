@@ -32,7 +32,7 @@ impl<T: Real, const P: usize> Dual<T, P> {
     /// Without the derivatives from number `first` on that have [vanished](Real::VANISHED): that with respect to the
     /// start of a long record decays for ever.
     #[inline(always)]
-    pub(crate) fn without_vanished(mut self, first: usize) -> Self {
+    pub fn without_vanished(mut self, first: usize) -> Self {
         for p in self.partials.iter_mut().skip(first) {
             *p = if p.abs() < T::VANISHED { T::of(0.0) } else { *p };
         }

@@ -3,6 +3,9 @@
 //! Sources: article Eq. 1; Y.-K. Wen, *J. Eng. Mech. Div. ASCE* 102 (1976) 249–263; the unit-α form and the bounded
 //! class after F. Ikhouane, J. Rodellar, *Systems with Hysteresis*, Wiley 2007, doi:10.1002/9780470513200.
 
+use hysteron_rt::Dual;
+
+use super::pass::{Every, pass};
 use super::{Admissibility, HysteresisError, Start};
 
 /// Where a Bouc–Wen operator stands: present voltage u \[V\] and hysteretic displacement z \[µm\].
@@ -136,7 +139,7 @@ impl BoucWen {
     ) -> Result<BoucWenState, HysteresisError> {
         self.validate()?;
         let end = run(&self.operator()?, factor, u, start, out)?;
-        for (v, &u) in out.iter_mut().zip(u.iter().step_by(factor.max(1))) {
+        for (v, &u) in out.iter_mut().zip(u.iter().step_by(factor)) {
             *v = self.polynomial_at(u) - *v;
         }
         Ok(end)
@@ -186,13 +189,35 @@ pub(super) fn run(
     start: Start,
     out: &mut [f64],
 ) -> Result<BoucWenState, HysteresisError> {
-    let mut state = match start {
-        Start::Rest { u } => BoucWenState { u, z: 0.0 },
-        Start::State(state) => state,
-        Start::Periodic => return run_periodic(operator, factor, u, out),
-    };
-    operator.simulate_every(factor, &mut state, u, out)?;
-    Ok(state)
+    let every = Every::new(factor)?;
+    let expected = u.len().div_ceil(factor);
+    if out.len() != expected {
+        return Err(HysteresisError::Lengths { expected, found: out.len() });
+    }
+    match start {
+        Start::Rest { u: rest } => follow(operator, every, BoucWenState { u: rest, z: 0.0 }, u, out),
+        Start::State(state) => follow(operator, every, state, u, out),
+        Start::Periodic => settle(operator, every, u, out),
+    }
+}
+
+/// z along `u` into `out` from a known state.
+fn follow(
+    operator: &hysteron_rt::BoucWen<f64>,
+    mut every: Every,
+    start: BoucWenState,
+    u: &[f64],
+    out: &mut [f64],
+) -> Result<BoucWenState, HysteresisError> {
+    let mut slots = out.iter_mut();
+    let end = pass(operator, (start.u, Dual { value: start.z, partials: [] }), u, |z| {
+        if every.take()
+            && let Some(slot) = slots.next()
+        {
+            *slot = z.value;
+        }
+    })?;
+    Ok(BoucWenState { u: u.last().copied().unwrap_or(start.u), z: end.value })
 }
 
 /// Periods simulated at most to find a steady state.
@@ -200,21 +225,20 @@ const PERIODS: usize = 200;
 
 /// Steady state by the secant method on z(end of period) − z(start): the return map is increasing and, in the bounded
 /// class, a contraction, often so weak (small loops) that mere repetition would take thousands of periods.
-fn run_periodic(
+fn settle(
     operator: &hysteron_rt::BoucWen<f64>,
-    factor: usize,
+    every: Every,
     u: &[f64],
     out: &mut [f64],
 ) -> Result<BoucWenState, HysteresisError> {
     let Some(&u_last) = u.last() else {
-        return run(operator, factor, u, Start::Rest { u: 0.0 }, out);
+        return Ok(BoucWenState { u: 0.0, z: 0.0 });
     };
     let mut before: Option<(f64, f64)> = None;
     let mut z = 0.0;
     let mut change = f64::INFINITY;
     for _ in 0..PERIODS {
-        let mut state = BoucWenState { u: u_last, z };
-        operator.simulate_every(factor, &mut state, u, out)?;
+        let state = follow(operator, every, BoucWenState { u: u_last, z }, u, out)?;
         change = state.z - z;
         let size = out.iter().fold(z.abs(), |m: f64, z| m.max(z.abs()));
         if change.abs() <= 1e-13 * size {

@@ -10,6 +10,7 @@ mod admissibility;
 pub mod bouc_wen;
 mod error;
 mod inter_sample;
+mod pass;
 mod sensitivities;
 
 pub use crate::record::InterSample;

@@ -7,6 +7,7 @@
 use hysteron_rt::Dual;
 
 use super::bouc_wen::run;
+use super::pass::{Every, pass};
 use super::{BoucWenState, HysteresisError, Start, UnitShape};
 
 /// ζ \[V\] and its derivatives at every `factor`-th sample of a drive. The buffers are kept between calls.
@@ -31,7 +32,7 @@ impl UnitShape {
     ///
     /// Derivatives are those with respect to β', γ', ζ(0) and, if `exponent`, n. Those of a periodic start are total:
     /// the steady state moves with the shape. Closed forms for n = 1 and 2; with `exponent` every n goes through the
-    /// series, and n = 1 costs some ten times as much. Allocates nothing where the buffers already have their length.
+    /// series, and n = 1 costs some hundred times as much. Allocates nothing where the buffers already have their length.
     ///
     /// # Errors
     /// As [`super::BoucWen::simulate`]; [`HysteresisError::Factor`]; [`HysteresisError::NotContracting`] where a steady
@@ -45,9 +46,7 @@ impl UnitShape {
         out: &mut Sensitivities,
     ) -> Result<BoucWenState, HysteresisError> {
         let operator = self.operator()?;
-        if factor == 0 {
-            return Err(HysteresisError::Factor);
-        }
+        let mut every = Every::new(factor)?;
         out.resize(u.len().div_ceil(factor), exponent);
         let state = match start {
             Start::Rest { u } => BoucWenState { u, z: 0.0 },
@@ -57,10 +56,8 @@ impl UnitShape {
         let mut columns =
             out.zeta.iter_mut().zip(&mut out.d_beta).zip(&mut out.d_gamma).zip(&mut out.d_start);
         let mut d_n = out.d_n.iter_mut();
-        let mut until = 0;
         let mut keep = |zeta: f64, [beta, gamma, n, start]: [f64; 4]| {
-            if until == 0 {
-                until = factor;
+            if every.take() {
                 if let Some((((z, b), g), s)) = columns.next() {
                     (*z, *b, *g, *s) = (zeta, beta, gamma, start);
                 }
@@ -68,7 +65,6 @@ impl UnitShape {
                     *slot = n;
                 }
             }
-            until -= 1;
         };
         let (zeta, partials) = if exponent {
             let start = (state.u, Dual::variable(state.z, 3));
@@ -77,7 +73,7 @@ impl UnitShape {
         } else {
             let without_n = |[beta, gamma, start]: [f64; 3]| [beta, gamma, 0.0, start];
             let start = (state.u, Dual::variable(state.z, 2));
-            let end = operator.simulate_with_shape(start, u, |z| keep(z.value, without_n(z.partials)))?;
+            let end = pass(&operator, start, u, |z| keep(z.value, without_n(z.partials)))?;
             (end.value, without_n(end.partials))
         };
         let Some(&u_end) = u.last() else { return Ok(state) };

@@ -7,6 +7,7 @@
 
 use super::Complex64;
 use super::elementary::{exp, sin_cos};
+use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
 
 /// Instruction set a kernel runs with. Results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,6 +140,17 @@ dispatched! {
     /// Signed half turns about the origin of a polygon of points re + i·im: +1 for each crossing of the
     /// real axis counter-clockwise, −1 clockwise. Points on the real axis count as above it.
     half_turns => half_turns_kernel(re: &[f64], im: &[f64]) -> f64
+}
+
+dispatched! {
+    /// [`Relaxations::compute`] without slopes.
+    relaxations => relaxations_kernel(up: f64, down: f64, count: usize, row: &mut Relaxations)
+}
+
+dispatched! {
+    /// [`Relaxations::compute`] with slopes.
+    relaxations_with_slopes => relaxations_with_slopes_kernel(
+        up: f64, down: f64, count: usize, row: &mut Relaxations)
 }
 
 #[inline(always)]

@@ -7,11 +7,13 @@ pub mod convolution;
 mod dispatch;
 mod elementary;
 pub mod fft;
+mod relaxation;
 
 pub use dispatch::{
     InstructionSet, accumulate_power, accumulate_tangent, half_turns, multiply, multiply_quotient,
     quotient_parts, quotient_tangent,
 };
+pub use relaxation::Relaxations;
 pub use rustfft::num_complex::Complex;
 
 /// Complex number in double precision.
