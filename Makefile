@@ -45,6 +45,7 @@ article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, fi
 	@echo "page  $(abspath $(OUT)/article)/index.html"
 
 bench: check-toolchain ## speed, side by side with the peers, which this installs into bench/.venv
+	bench/instructions.sh
 	bench/run.sh
 
 figures: $(HYSTERON) ## the pictures of README and docs, made by the program
