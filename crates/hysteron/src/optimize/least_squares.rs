@@ -96,6 +96,8 @@ pub enum LocalStatus {
     StepTolerance,
     /// Out of iterations.
     Iterations,
+    /// Given up: at its pace it would have been out of iterations before it came down to the best of the starts before.
+    Abandoned,
     /// The run's budget of evaluations was spent.
     Budget,
     /// The model cannot be simulated at the start.
@@ -167,8 +169,11 @@ impl MultiStart {
         let Some(fit) = &mut self.current else {
             return self.begin_next(options, settings, ledger, residuals);
         };
-        let Some(status) = fit.iterate(options, settings, ledger, residuals) else {
-            return Advance::Continue;
+        let best = self.done.iter().map(|start| start.cost).fold(f64::INFINITY, f64::min);
+        let status = match fit.iterate(options, settings, ledger, residuals) {
+            Some(status) => status,
+            None if fit.is_hopeless(options.iterations, best) => LocalStatus::Abandoned,
+            None => return Advance::Continue,
         };
         let result = StartResult {
             best: fit.point.clone(),

@@ -16,6 +16,8 @@ use serde::{Deserialize, Serialize};
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-15;
 const LARGEST_DAMPING: f64 = 1e30;
+/// Iterations over which the pace of a fit is judged.
+const PACE: usize = 10;
 /// Smallest gain ratio of a step that is taken.
 const LEAST_GAIN: f64 = 1e-4;
 
@@ -33,6 +35,8 @@ pub(super) struct LocalFit {
     /// D.
     scale: Vec<f64>,
     pub(super) iterations: usize,
+    /// Cost when the pace was last judged.
+    judged: f64,
     /// Evaluations of the run before this fit began.
     pub(super) evaluations_before: usize,
 }
@@ -47,6 +51,7 @@ impl LocalFit {
             growth: 2.0,
             scale: vec![0.0; point.len()],
             iterations: 0,
+            judged: cost,
             evaluations_before,
         }
     }
@@ -60,6 +65,19 @@ impl LocalFit {
             && self.damping.is_finite()
             && self.growth >= 2.0
             && self.growth.is_finite()
+            && self.judged.is_finite()
+    }
+
+    /// Whether, going on at the pace of its last iterations, the fit would be out of them before it came down to `best`:
+    /// it creeps along a valley that leads elsewhere. Judged every [`PACE`] iterations.
+    pub(super) fn is_hopeless(&mut self, iterations: usize, best: f64) -> bool {
+        if !self.iterations.is_multiple_of(PACE) {
+            return false;
+        }
+        let fall = self.judged - self.cost;
+        self.judged = self.cost;
+        let paces_left = iterations.saturating_sub(self.iterations) as f64 / PACE as f64;
+        self.cost - paces_left * fall > best
     }
 
     /// One Jacobian and the steps from it until one is taken; the status if the fit has ended.

@@ -149,3 +149,24 @@ fn central_differences_come_closer_to_the_minimum_than_tolerances_ask() {
         assert!((x - exact).abs() < 1e-8, "{x} {exact}");
     }
 }
+
+#[test]
+fn a_fit_is_hopeless_only_if_its_pace_cannot_bring_it_down_to_the_best() {
+    // A fall of 0.1 in ten iterations, ninety left: 1.0 is the lowest it would come to.
+    let creeping = || {
+        let mut fit = LocalFit::new(&[0.5], 2.0, 0);
+        (fit.iterations, fit.cost) = (10, 1.9);
+        fit
+    };
+    assert!(creeping().is_hopeless(100, 0.99));
+    assert!(!creeping().is_hopeless(100, 1.01));
+    assert!(!creeping().is_hopeless(100, f64::INFINITY), "the first start has nothing to be measured by");
+    let mut fit = creeping();
+    fit.iterations = 11;
+    assert!(!fit.is_hopeless(100, 0.0), "judged every ten iterations");
+    fit.iterations = 20;
+    assert!(fit.is_hopeless(100, 1.0), "a fall of 0.1 since the start, judged at 20");
+    // The pace is that of the last ten iterations, not of all.
+    (fit.iterations, fit.cost) = (30, 1.2);
+    assert!(!fit.is_hopeless(100, 0.1));
+}
