@@ -197,8 +197,7 @@ impl RecordCurves {
             return None;
         }
         // The record may begin within a period, so its end is counted from the record's first sample.
-        let period = starts.get(1)?.checked_sub(*starts.first()?)?;
-        let end = PERIODS_SHOWN * period;
+        let end = starts.get(PERIODS_SHOWN)?.checked_sub(*starts.first()?)?;
         let figure = self.curves_over_time(end.min(self.time_s.len()));
         Some(figure.titled(format!("Start of the record: {}", self.name)).captioned(format!(
             "The first {PERIODS_SHOWN} of {} periods of record {}.",
