@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use hysteron::bench_rig::{CampaignPlan, Role, Truth, run_campaign};
 use hysteron::identify::{
-    CampaignRecord, Choice, DynamicsChoice, Options, RecordRole, Searches, Watcher, identify_two_step,
+    CampaignRecord, Choice, DynamicsChoice, Method, Options, RecordRole, Searches, Watcher, identify,
 };
 use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions, Progress};
 use hysteron::record::{InputOutput, TimeBase};
@@ -73,6 +73,7 @@ impl Request {
             other => return Err(BenchError::Algorithm(other.to_owned())),
         };
         let options = Options {
+            method: Method::TwoStep,
             dynamics: DynamicsChoice::Fractional,
             algorithm,
             generations: self.generations,
@@ -85,7 +86,7 @@ impl Request {
         };
         let start = Instant::now();
         let mut counter = Counter::default();
-        let found = identify_two_step(&campaign, &options, &mut counter, None)?;
+        let found = identify(&campaign, &options, &mut counter, None)?;
         let seconds = start.elapsed().as_secs_f64();
         let searches = found.searches.iter().map(|search| Search {
             step: search.step.clone(),

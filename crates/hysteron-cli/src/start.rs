@@ -94,6 +94,9 @@ pub fn in_words(start: &Start, unit: &str) -> String {
         Start::Rest { voltage_v } => {
             format!("from rest at {} {unit}", short(*voltage_v)).trim_end().to_owned()
         }
+        Start::Remembering { voltage_v, z } => {
+            format!("from rest at {} {unit} with hysteresis memory z = {}", short(*voltage_v), short(*z))
+        }
         Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
     }
 }

@@ -1,11 +1,13 @@
 //! The Hammerstein model: hysteresis block followed by the dynamic block (article Fig. 3).
 //!
 //! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (SPEC §4). A delay commutes with rate-independent
-//! hysteresis, so it is applied to v, linearly between samples.
+//! hysteresis, so it is applied to v: band-limited under the `band-limited` scheme, else linearly between samples. Where G(0)
+//! is infinite (creep), what the device crept before the record counts as offset, and G's gain at rest as 1.
 
 use crate::dynamics::delay::delay_in_place;
-use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Scheme, SimulationPlan};
-use crate::hysteresis::{self, Hysteresis, HysteresisError};
+use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
+use crate::hysteresis::{self, BoucWenState, Hysteresis, HysteresisError, RecordEnds, polygon_of_means};
+use crate::record::InterSample;
 use std::borrow::Cow;
 
 /// A Hammerstein model: all that is needed to predict a displacement from a drive voltage.
@@ -21,6 +23,8 @@ pub struct Model {
     pub delay_s: f64,
     /// Simulation scheme the dynamic block was identified with.
     pub scheme: Scheme,
+    /// What the drive does between its samples.
+    pub inter_sample: InterSample,
     /// Sample rate the model was identified at \[Hz\]; `None` for a static model of a record without one.
     pub sample_rate_hz: Option<f64>,
 }
@@ -34,6 +38,13 @@ pub enum Start {
         /// Voltage before the first sample \[V\].
         voltage_v: f64,
     },
+    /// The device rested at this voltage with the hysteresis memory `z` and moves to u(0) in one sample period.
+    Remembering {
+        /// Voltage before the first sample \[V\].
+        voltage_v: f64,
+        /// Hysteretic displacement there \[µm\].
+        z: f64,
+    },
     /// The record repeats: its first period has been run [`SETTLING_PERIODS`] times before.
     Settled {
         /// Samples of a period.
@@ -43,6 +54,16 @@ pub enum Start {
 
 /// Periods run before a record that starts [`Start::Settled`]: Bouc–Wen memory fades as e^(−β · path length).
 pub const SETTLING_PERIODS: usize = 4;
+
+/// Steps a sample period in which a hysteresis operator follows a band-limited drive: a turning point between samples is
+/// missed by less than (π/2/8)²/2 = 2 % of the amplitude at half the sample rate, and less as the square of the frequency.
+pub const FINER: usize = 8;
+
+/// Whether the output of the hysteresis block is joined by straight lines through samples that keep its means: where the
+/// drive goes along straight lines and the scheme has no rule of its own.
+pub(crate) fn joins_means(scheme: Scheme, inter_sample: InterSample) -> bool {
+    scheme == Scheme::BandLimited && inter_sample == InterSample::Linear
+}
 
 /// Why a model could not be simulated.
 #[derive(Debug, thiserror::Error)]
@@ -72,15 +93,6 @@ pub enum SimulationError {
         /// Samples of the period asked for.
         period_samples: usize,
     },
-    /// A dynamic block without a gain at zero frequency cannot have rested anywhere but at zero.
-    #[error(
-        "the dynamic block has an infinite gain at zero frequency, so it cannot have rested at {rest} before the record; \
-         start from 0 V, or give the model a low-frequency corner"
-    )]
-    InfiniteDcGain {
-        /// Hysteresis output at rest.
-        rest: f64,
-    },
     /// The hysteresis block failed.
     #[error(transparent)]
     Hysteresis(#[from] HysteresisError),
@@ -93,7 +105,9 @@ impl Start {
     /// Drive with what ran before it, the number of samples put in front, and the voltage before all that.
     pub fn extend<'a>(&self, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize, f64), SimulationError> {
         match *self {
-            Start::Rest { voltage_v } => Ok((Cow::Borrowed(u), 0, voltage_v)),
+            Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
+                Ok((Cow::Borrowed(u), 0, voltage_v))
+            }
             Start::Settled { period_samples } => {
                 let period = u.get(..period_samples).filter(|_| period_samples >= 2);
                 let Some(period) = period else {
@@ -122,7 +136,7 @@ impl Model {
     ) -> Result<Vec<f64>, SimulationError> {
         let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, start)?;
         self.check_sample_rate(sample_rate_hz)?;
-        if let Some(rate) = sample_rate_hz {
+        if let (Some(rate), Dynamics::None | Dynamics::Arx(_)) = (sample_rate_hz, &self.dynamics) {
             delay_in_place(&mut v, self.delay_s * rate, rest);
         }
         let mut y = self.simulate_dynamics(v, rest, sample_rate_hz)?;
@@ -178,8 +192,21 @@ impl Model {
         let (extended, prologue, rest_voltage_v) = start.extend(u)?;
         let mut v = vec![0.0; extended.len()];
         let Hysteresis::BoucWen(operator) = &self.hysteresis;
-        operator.simulate(&extended, hysteresis::Start::Rest { u: rest_voltage_v }, &mut v)?;
-        Ok((v, prologue, operator.polynomial_at(rest_voltage_v)))
+        let z = if let Start::Remembering { z, .. } = *start { z } else { 0.0 };
+        let state = hysteresis::Start::State(BoucWenState { u: rest_voltage_v, z });
+        let filtered = matches!(self.dynamics, Dynamics::Integer(_) | Dynamics::Fractional(_));
+        if extended.len() > 1 && filtered && joins_means(self.scheme, self.inter_sample) {
+            let drive = self.inter_sample.upsample(&extended, 2, RecordEnds::Open)?;
+            let mut fine = vec![0.0; drive.len()];
+            operator.simulate(&drive, state, &mut fine)?;
+            polygon_of_means(&fine, &mut v);
+        } else if self.inter_sample == InterSample::BandLimited && extended.len() > 1 {
+            let fine = self.inter_sample.upsample(&extended, FINER, RecordEnds::Open)?;
+            operator.simulate_every(FINER, &fine, state, &mut v)?;
+        } else {
+            operator.simulate(&extended, state, &mut v)?;
+        }
+        Ok((v, prologue, operator.polynomial_at(rest_voltage_v) - z))
     }
 
     fn check_sample_rate(&self, record: Option<f64>) -> Result<(), SimulationError> {
@@ -220,16 +247,16 @@ impl Model {
             Dynamics::Integer(g) | Dynamics::Fractional(g) => {
                 let rate = sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
                 let plan = SimulationPlan::new(y.len(), rate, self.scheme, InitialCondition::Zero)?;
-                plan.simulate(g, &moved, &mut plan.workspace(), &mut y)?;
+                let mut response = plan.empty_response(0);
+                let sampling = Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) };
+                plan.response(g, self.delay_s, sampling, &mut response)?;
+                plan.apply(&response, &plan.transform(&moved)?, &mut plan.workspace(), &mut y)?;
                 g.dc_gain()
             }
         };
-        if rest != 0.0 {
-            if !gain.is_finite() {
-                return Err(SimulationError::InfiniteDcGain { rest });
-            }
-            y.iter_mut().for_each(|y| *y += gain * rest);
-        }
+        // What creeps for ever cannot have rested: its creep up to the record is in the offset.
+        let gain = if gain.is_finite() { gain } else { 1.0 };
+        y.iter_mut().for_each(|y| *y += gain * rest);
         Ok(y)
     }
 }

@@ -9,7 +9,7 @@
 //! ```
 //! use hysteron::hammerstein::Start;
 //! use hysteron::hysteresis::{BoucWen, Hysteresis};
-//! use hysteron::identify::{CampaignRecord, Options, Unwatched, identify_two_step};
+//! use hysteron::identify::{CampaignRecord, Options, Unwatched, identify};
 //! use hysteron::record::{InputOutput, TimeBase};
 //! use hysteron::validate::{Scoring, score};
 //!
@@ -27,7 +27,7 @@
 //!
 //! // Identify: degree, start, delay and dynamics are chosen from the record.
 //! let campaign = [CampaignRecord { data: record, role: None }];
-//! let found = identify_two_step(&campaign, &Options::default(), &mut Unwatched, None)?;
+//! let found = identify(&campaign, &Options::default(), &mut Unwatched, None)?;
 //! let Hysteresis::BoucWen(identified) = &found.model.hysteresis;
 //! assert!((identified.alpha - 3.5).abs() < 1e-3 && (identified.beta - 0.6).abs() < 1e-3);
 //! for finding in &found.findings {
@@ -54,7 +54,7 @@
 //!    [`hammerstein`] joins them: [`hammerstein::Model::simulate`].
 //! 4. [`optimize`] searches: bounded least squares, the article's DE-ABC (Eqs. 8–12), ABC, DE, PSO, all seeded and identical
 //!    for any number of threads.
-//! 5. [`identify`] is the article's two-step procedure: [`identify::identify_two_step`] hands out model, standard errors, scores
+//! 5. [`identify`] is the article's two-step procedure: [`identify::identify`] hands out model, standard errors, scores
 //!    and what the records leave open.
 //! 6. [`validate`] defines every score once ([`validate::definitions`]) and tests residuals.
 //! 7. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.

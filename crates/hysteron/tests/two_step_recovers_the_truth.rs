@@ -13,13 +13,18 @@ use hysteron::excitation::SweepLaw;
 use hysteron::hammerstein::{Model, Start};
 use hysteron::hysteresis::{BoucWen, Hysteresis};
 use hysteron::identify::{
-    CampaignRecord, Choice, DynamicsChoice, IdentifyError, Options, RecordRole, Searches, StaticFit,
-    Unwatched, Watcher, identify_two_step,
+    CampaignRecord, Choice, DynamicsChoice, IdentifyError, Method, Options, RecordRole, Searches, StaticFit,
+    Unwatched, Watcher, identify,
 };
 use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions, Problem, Progress};
-use hysteron::record::{ChannelChoice, InputOutput, TimeBase};
+use hysteron::record::{ChannelChoice, InputOutput, InterSample, TimeBase};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
+
+/// The article's way.
+fn two_step() -> Options {
+    Options { method: Method::TwoStep, ..Options::default() }
+}
 
 fn record(name: &str, rate: f64, u: Vec<f64>, y: Vec<f64>) -> CampaignRecord {
     CampaignRecord { data: InputOutput::new(name, TimeBase::uniform(rate), u, y).unwrap(), role: None }
@@ -32,6 +37,7 @@ fn truth(dynamics: Dynamics, delay_s: f64) -> Model {
         offset: -7.5,
         delay_s,
         scheme: Scheme::Tustin,
+        inter_sample: InterSample::Linear,
         sample_rate_hz: None,
     }
 }
@@ -67,7 +73,7 @@ fn assert_close(found: f64, truth: f64, relative: f64, name: &str) {
 
 #[test]
 fn static_parameters_come_back_from_noise_free_loops() {
-    let found = identify_two_step(&static_campaign(), &Options::default(), &mut Unwatched, None).unwrap();
+    let found = identify(&static_campaign(), &two_step(), &mut Unwatched, None).unwrap();
     let b = block(&found.model);
     assert_eq!(b.polynomial.len(), 2, "degree chosen");
     for (name, x, t) in [
@@ -88,9 +94,9 @@ fn population_methods_search_all_parameters_as_the_article_does() {
         algorithm: Some(Algorithm::De(DeOptions::default())),
         generations: 60,
         degree: Choice::Given(2),
-        ..Options::default()
+        ..two_step()
     };
-    let found = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap();
+    let found = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap();
     let search = &found.searches[0];
     assert_eq!(search.outcome.best.len(), 5, "quadratic, linear, α, β, γ");
     assert_eq!(search.outcome.evaluations, 61 * 50);
@@ -108,7 +114,7 @@ fn delay_and_lag_come_back_from_a_start_from_rest() {
     let u: Vec<f64> = (0..800).map(|k| 5.0 + 5.0 * (TAU * k as f64 / 200.0).sin()).collect();
     let y = model.simulate(&u, Some(200.0), &Start::Rest { voltage_v: 0.0 }).unwrap();
     let campaign = [record("started", 200.0, u, y)];
-    let found = identify_two_step(&campaign, &Options::default(), &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &two_step(), &mut Unwatched, None).unwrap();
     assert_eq!(found.records[0].start, Start::Rest { voltage_v: 0.0 });
     assert_close(found.model.delay_s, 0.011, 1e-4, "delay");
     let Dynamics::Integer(g) = &found.model.dynamics else { panic!("{:?}", found.model.dynamics) };
@@ -142,8 +148,8 @@ const FORM: SecondOrder = SecondOrder {
 fn fractional_orders_and_coefficients_come_back_at_once() {
     for scheme in [Scheme::Tustin, Scheme::GrunwaldLetnikov, Scheme::Bdf2] {
         let campaign = dynamic_campaign(FORM, 0.00013, scheme);
-        let options = Options { scheme, ..Options::default() };
-        let found = identify_two_step(&campaign, &options, &mut Unwatched, None).unwrap();
+        let options = Options { scheme: Choice::Given(scheme), ..two_step() };
+        let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
         assert_eq!(found.records[0].role, RecordRole::Dynamic, "the sweep is recognised");
         assert_eq!(found.records[1].role, RecordRole::QuasiStatic);
         let Dynamics::Fractional(g) = &found.model.dynamics else { panic!("not fractional") };
@@ -189,10 +195,10 @@ fn where_both_blocks_act_together_the_two_step_way_is_biased_as_the_prototype_is
         dynamics: DynamicsChoice::Fractional,
         degree: Choice::Given(2),
         delay_s: Choice::Given(0.0),
-        ..Options::default()
+        ..two_step()
     };
     options.demands.fixed = vec![("offset".into(), 0.0)];
-    let found = identify_two_step(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
     let Dynamics::Fractional(g) = &found.model.dynamics else { panic!("not fractional") };
     let [_, _, c2] = g.denominator.as_slice() else { panic!("not Eq. 13") };
     let percent = |found: f64, truth: f64| 100.0 * (found / truth - 1.0);
@@ -211,16 +217,16 @@ fn integer_and_arx_blocks_fit_an_integer_plant() {
     let form = SecondOrder { alpha2: 2.0, alpha1: 1.0, ..FORM };
     let campaign = dynamic_campaign(form, 0.0, Scheme::Tustin);
     for dynamics in [DynamicsChoice::Integer, DynamicsChoice::Arx] {
-        let options = Options { dynamics, ..Options::default() };
-        let found = identify_two_step(&campaign, &options, &mut Unwatched, None).unwrap();
+        let options = Options { dynamics, ..two_step() };
+        let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
         assert!(found.records[0].scores.fit_percent.unwrap() > 99.9, "{dynamics:?}");
     }
 }
 
 #[test]
 fn quasi_static_records_alone_give_no_fractional_model() {
-    let options = Options { dynamics: DynamicsChoice::Fractional, ..Options::default() };
-    let error = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    let options = Options { dynamics: DynamicsChoice::Fractional, ..two_step() };
+    let error = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
     assert!(matches!(error, IdentifyError::NoDynamicInformation { .. }), "{error}");
 }
 
@@ -251,22 +257,22 @@ fn colony(threads: usize) -> Options {
         generations: 25,
         threads: Some(threads),
         degree: Choice::Given(2),
-        ..Options::default()
+        ..two_step()
     }
 }
 
 #[test]
 fn an_interrupted_identification_goes_on_to_the_same_bits() {
     let campaign = static_campaign();
-    let straight = identify_two_step(&campaign, &colony(1), &mut Unwatched, None).unwrap();
+    let straight = identify(&campaign, &colony(1), &mut Unwatched, None).unwrap();
     let mut interrupt = Interrupt { after: 9, kept: None };
-    let stopped = identify_two_step(&campaign, &colony(1), &mut interrupt, None).unwrap();
+    let stopped = identify(&campaign, &colony(1), &mut interrupt, None).unwrap();
     assert!(stopped.cancelled);
     assert_ne!(stopped.model, straight.model);
     let json = serde_json::to_string(&stopped.resume).unwrap();
     assert_eq!(stopped.resume, interrupt.kept.unwrap());
     let resume: Searches = serde_json::from_str(&json).unwrap();
-    let resumed = identify_two_step(&campaign, &colony(1), &mut Unwatched, Some(resume)).unwrap();
+    let resumed = identify(&campaign, &colony(1), &mut Unwatched, Some(resume)).unwrap();
     assert!(!resumed.cancelled);
     assert_eq!(resumed.model, straight.model);
 }
@@ -274,8 +280,8 @@ fn an_interrupted_identification_goes_on_to_the_same_bits() {
 #[test]
 fn threads_do_not_change_the_result() {
     let campaign = static_campaign();
-    let one = identify_two_step(&campaign, &colony(1), &mut Unwatched, None).unwrap();
-    let three = identify_two_step(&campaign, &colony(3), &mut Unwatched, None).unwrap();
+    let one = identify(&campaign, &colony(1), &mut Unwatched, None).unwrap();
+    let three = identify(&campaign, &colony(3), &mut Unwatched, None).unwrap();
     assert_eq!(one.model, three.model);
 }
 
@@ -289,10 +295,10 @@ fn the_start_of_a_long_record_is_told_from_part_of_its_samples() {
             dynamics: DynamicsChoice::None,
             degree: Choice::Given(2),
             delay_s: Choice::Given(0.0),
-            ..Options::default()
+            ..two_step()
         };
         let campaign = [record("loop", rate, u.clone(), y)];
-        let found = identify_two_step(&campaign, &options, &mut Unwatched, None).unwrap();
+        let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
         assert_eq!(found.records[0].start, start);
         assert!(found.records[0].scores.rmse < 1e-6, "{start:?}: {}", found.records[0].scores.rmse);
     }
@@ -300,22 +306,22 @@ fn the_start_of_a_long_record_is_told_from_part_of_its_samples() {
 
 #[test]
 fn demands_are_honoured() {
-    let mut options = Options { degree: Choice::Given(2), ..Options::default() };
+    let mut options = Options { degree: Choice::Given(2), ..two_step() };
     options.demands.fixed = vec![("gamma".into(), 0.1)];
     options.demands.bounded = vec![("linear".into(), 3.0, 3.1)];
-    let found = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap();
+    let found = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap();
     let b = block(&found.model);
     assert_eq!(b.gamma, 0.1);
     assert!((3.0..=3.1).contains(&b.polynomial[0]));
     options.demands.fixed = vec![("gama".into(), 0.1)];
-    let error = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    let error = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
     assert!(error.to_string().contains("no parameter 'gama'"), "{error}");
 }
 
 #[test]
 fn a_constant_input_is_refused_by_name() {
     let campaign = [record("flat", 100.0, vec![1.0; 50], (0..50).map(f64::from).collect())];
-    let error = identify_two_step(&campaign, &Options::default(), &mut Unwatched, None).unwrap_err();
+    let error = identify(&campaign, &two_step(), &mut Unwatched, None).unwrap_err();
     assert!(error.to_string().contains("record 'flat': the input is constant"), "{error}");
 }
 
@@ -323,9 +329,9 @@ fn a_constant_input_is_refused_by_name() {
 fn a_held_offset_is_kept_and_not_estimated() {
     let held = |offset: f64| {
         let mut options =
-            Options { degree: Choice::Given(2), least_fit_percent: f64::NEG_INFINITY, ..Options::default() };
+            Options { degree: Choice::Given(2), least_fit_percent: f64::NEG_INFINITY, ..two_step() };
         options.demands.fixed = vec![("offset".into(), offset)];
-        identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap()
+        identify(&static_campaign(), &options, &mut Unwatched, None).unwrap()
     };
     // The truth's sensor stands at −7.5 µm.
     let right = held(-7.5);
@@ -334,16 +340,16 @@ fn a_held_offset_is_kept_and_not_estimated() {
     let wrong = held(0.0);
     assert_eq!(wrong.model.offset, 0.0);
     assert!(wrong.searches[0].outcome.cost > 1e3 * right.searches[0].outcome.cost.max(1e-9));
-    let mut options = Options::default();
+    let mut options = two_step();
     options.demands.bounded = vec![("offset".into(), -8.0, 0.0)];
-    let error = identify_two_step(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    let error = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
     assert!(error.to_string().contains("'offset'"), "{error}");
 }
 
 #[test]
 fn the_bare_static_problem_is_that_of_the_identification() {
     let campaign = static_campaign();
-    let options = Options { degree: Choice::Given(2), ..Options::default() };
+    let options = Options { degree: Choice::Given(2), ..two_step() };
     let start = Start::Rest { voltage_v: campaign[0].data.u[0] };
     let problem = StaticFit::new(&campaign[0].data, &start, &options).unwrap();
     let names: Vec<&str> = problem.bounds().ranges.iter().map(|r| r.name.as_str()).collect();

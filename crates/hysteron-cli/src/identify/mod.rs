@@ -12,14 +12,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Args, ValueEnum};
 use hysteron::dynamics::Scheme;
 use hysteron::identify::{
-    CampaignRecord, Choice, Demands, DynamicsChoice, FindingKind, IdentifyError, Options, RecordRole,
-    Searches, Watcher, identify_two_step,
+    CampaignRecord, Choice, Demands, DynamicsChoice, FindingKind, IdentifyError, Initial, Method, Options,
+    RecordRole, Searches, Watcher, identify,
 };
 use hysteron::model_file::ModelFile;
 use hysteron::optimize::{
     AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError,
     Progress as SearchProgress, PsoOptions, ResumeError,
 };
+use hysteron::record::InterSample;
 use hysteron_report::identification::identification_report;
 use hysteron_report::{write_figures, write_page};
 
@@ -72,8 +73,24 @@ pub struct Identify {
     dynamics: Option<DynamicsArg>,
 
     /// Identification method
-    #[arg(long, value_enum, default_value_t = MethodArg::TwoStep)]
+    #[arg(long, value_enum, default_value_t = MethodArg::Joint)]
     method: MethodArg,
+
+    /// Poles of --dynamics integer, 1 to 4 (joint)
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    order: usize,
+
+    /// Add a fractional creep factor 1 + k s^-mu to the dynamics (joint)
+    #[arg(long)]
+    creep: bool,
+
+    /// What happened before each record (joint)
+    #[arg(long, value_enum, default_value_t = InitialArg::Auto)]
+    initial: InitialArg,
+
+    /// Allow for a linear drift of each record's output (joint)
+    #[arg(long)]
+    drift: bool,
 
     /// Optimiser; auto: least squares from data-driven starts with the linear parameters eliminated
     #[arg(long, value_enum, default_value_t = OptimizerArg::Auto)]
@@ -124,9 +141,14 @@ pub struct Identify {
     #[arg(long, value_name = "MODEL.json")]
     start: Option<PathBuf>,
 
-    /// Simulation scheme of the dynamic block
-    #[arg(long, value_enum, default_value_t = SchemeArg::Tustin)]
-    scheme: SchemeArg,
+    /// Simulation scheme of the dynamic block [default: band-limited for a joint fit of records that start smoothly, else
+    /// tustin]
+    #[arg(long, value_enum)]
+    scheme: Option<SchemeArg>,
+
+    /// What the drive does between its samples: hold for a converter without filter that shares the recorder's clock
+    #[arg(long, value_enum, default_value_t = InterSampleArg::Linear)]
+    inter_sample: InterSampleArg,
 
     /// Hand out the model even if it explains less than this share of a record's variation, in %
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
@@ -155,7 +177,24 @@ enum HysteresisArg {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum MethodArg {
+    /// All records, both blocks, delay and initial states in one fit
+    Joint,
+    /// The article's way: hysteresis from slow records, then dynamics from the others
     TwoStep,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum InitialArg {
+    /// Rest, judged by the record
+    Auto,
+    /// Rest at the first sample, with an unknown hysteresis memory
+    Rest,
+    /// The record is a steady state that repeats
+    Periodic,
+    /// Rest at 0 V without memory
+    Zero,
+    /// Rest, with motion left over from before
+    Free,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -163,7 +202,12 @@ enum DynamicsArg {
     None,
     Integer,
     Arx,
+    /// b / (s^a2 + c1 s^a1 + c0)
     Fractional,
+    /// b / (s^a2 + c1 s^a1 + c0 s^a0)
+    FractionalFreeLowest,
+    /// Two fractional modes in parallel
+    TwoFractional,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -182,6 +226,23 @@ enum SchemeArg {
     GrunwaldLetnikov,
     Bdf2,
     BandLimited,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum InterSampleArg {
+    Hold,
+    Linear,
+    BandLimited,
+}
+
+impl From<InterSampleArg> for InterSample {
+    fn from(arg: InterSampleArg) -> Self {
+        match arg {
+            InterSampleArg::Hold => InterSample::Hold,
+            InterSampleArg::Linear => InterSample::Linear,
+            InterSampleArg::BandLimited => InterSample::BandLimited,
+        }
+    }
 }
 
 impl From<SchemeArg> for Scheme {
@@ -242,7 +303,7 @@ impl Identify {
         let resume = self.resume.as_deref().map(read_searches).transpose()?;
         let stop = interrupt::stop_flag("the best so far is kept")?;
         let mut watcher = Console { stop: &stop, shown: None };
-        let found = identify_two_step(&campaign, &options, &mut watcher, resume);
+        let found = identify(&campaign, &options, &mut watcher, resume);
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = written::model_file(&found, &campaign, &options);
@@ -284,7 +345,6 @@ impl Identify {
 
     fn options(&self) -> Result<Options, Failure> {
         let HysteresisArg::BoucWen = self.hysteresis;
-        let MethodArg::TwoStep = self.method;
         let start = match &self.start {
             Some(path) => {
                 let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
@@ -294,12 +354,28 @@ impl Identify {
             None => None,
         };
         Ok(Options {
+            method: match self.method {
+                MethodArg::Joint => Method::Joint,
+                MethodArg::TwoStep => Method::TwoStep,
+            },
+            order: self.order,
+            creep: self.creep,
+            initial: match self.initial {
+                InitialArg::Auto => Initial::Auto,
+                InitialArg::Rest => Initial::Rest,
+                InitialArg::Periodic => Initial::Periodic,
+                InitialArg::Zero => Initial::Zero,
+                InitialArg::Free => Initial::Free,
+            },
+            drift: self.drift,
             dynamics: match self.dynamics {
                 None => DynamicsChoice::Auto,
                 Some(DynamicsArg::None) => DynamicsChoice::None,
                 Some(DynamicsArg::Integer) => DynamicsChoice::Integer,
                 Some(DynamicsArg::Arx) => DynamicsChoice::Arx,
                 Some(DynamicsArg::Fractional) => DynamicsChoice::Fractional,
+                Some(DynamicsArg::FractionalFreeLowest) => DynamicsChoice::FractionalFreeLowest,
+                Some(DynamicsArg::TwoFractional) => DynamicsChoice::TwoFractional,
             },
             algorithm: self.algorithm(),
             generations: self.generations.unwrap_or(Options::default().generations),
@@ -310,7 +386,8 @@ impl Identify {
             delay_s: self.delay.0,
             demands: Demands { fixed: self.fix.clone(), bounded: self.bound.clone() },
             start,
-            scheme: self.scheme.into(),
+            scheme: self.scheme.map_or(Choice::Auto, |scheme| Choice::Given(scheme.into())),
+            inter_sample: self.inter_sample.into(),
             least_fit_percent: self.least_fit,
         })
     }

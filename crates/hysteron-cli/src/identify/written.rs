@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::time::SystemTime;
 
 use hysteron::hammerstein::Start;
-use hysteron::identify::{CampaignRecord, Choice, Identification, Options, RecordFit, RecordRole};
+use hysteron::identify::{
+    CampaignRecord, Choice, DynamicsChoice, Identification, Method, Options, RecordFit, RecordRole,
+};
 use hysteron::model_file::{
-    Interval, ModelFile, Provenance, Quantity, RecordEntry, RecordRole as RoleEntry, ScoreEntry, ScoreRole,
-    SignalUnits, StartEntry, StartKind, ValidRange, timestamp,
+    Interval, ModelFile, Normalisation, Provenance, Quantity, RecordEntry, RecordRole as RoleEntry,
+    ScoreEntry, ScoreRole, SignalUnits, StartEntry, StartKind, ValidRange, timestamp,
 };
 
 /// The file: model, standard errors, range, how it was made, scores.
@@ -33,6 +35,13 @@ pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: 
             quantity.std_error = Some(error);
         }
     }
+    if found.method == Method::Joint {
+        file.normalisation = match options.dynamics {
+            DynamicsChoice::FractionalFreeLowest => Normalisation::UnitGainAt1Hz,
+            _ if options.creep => Normalisation::Free,
+            _ => Normalisation::UnitDcGain,
+        };
+    }
     if let Some(record) = found.records.first() {
         file.start = start(record, &input);
     }
@@ -50,7 +59,7 @@ pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: 
 fn start(record: &RecordFit, unit: &str) -> StartEntry {
     match record.start {
         Start::Settled { .. } => StartEntry { kind: StartKind::Settled, voltage: None },
-        Start::Rest { voltage_v } => {
+        Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
             let own = record.data.u.first() == Some(&voltage_v);
             let unit = if unit.is_empty() { "1" } else { unit };
             StartEntry { kind: StartKind::Rest, voltage: (!own).then(|| Quantity::new(voltage_v, unit)) }
@@ -91,12 +100,18 @@ fn provenance(found: &Identification, options: &Options) -> Provenance {
         if options.degree == Choice::Auto { format!("{degree} (auto)") } else { degree.to_string() };
     let algorithm = options.algorithm.as_ref().map_or("auto (least-squares)", |a| a.name());
     let mut named = BTreeMap::from([
-        ("method".to_owned(), "two-step".to_owned()),
+        (
+            "method".to_owned(),
+            match found.method {
+                Method::Joint => "joint".to_owned(),
+                Method::TwoStep => "two-step".to_owned(),
+            },
+        ),
         ("optimizer".to_owned(), algorithm.to_owned()),
         ("degree".to_owned(), degree_text),
         ("n".to_owned(), choice(given(options.n)).replace("auto", "free")),
         ("delay".to_owned(), choice(given(options.delay_s))),
-        ("scheme".to_owned(), options.scheme.name().to_owned()),
+        ("scheme".to_owned(), found.model.scheme.name().to_owned()),
     ]);
     if options.algorithm.as_ref().is_some_and(|a| a.name() != "least-squares") {
         named.insert("generations".into(), options.generations.to_string());

@@ -7,6 +7,7 @@ use hysteron::dynamics::{Dynamics, Scheme};
 use hysteron::hammerstein::Model;
 use hysteron::hysteresis::{BoucWen, Hysteresis};
 use hysteron::model_file::{ModelFile, SignalUnits};
+use hysteron::record::InterSample;
 use tempfile::TempDir;
 
 /// A folder with a model, in which commands run.
@@ -77,6 +78,7 @@ pub fn static_model() -> Model {
         offset: 0.0,
         delay_s: 0.0,
         scheme: Scheme::Tustin,
+        inter_sample: InterSample::Linear,
         sample_rate_hz: None,
     }
 }

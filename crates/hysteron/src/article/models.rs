@@ -9,8 +9,8 @@ use super::{ArticleError, Plan};
 use crate::dynamics::{Dynamics, TransferFunction};
 use crate::hammerstein::{Model, Start};
 use crate::identify::{
-    CampaignRecord, Choice, Demands, DynamicsChoice, Identification, IdentifyError, Options, RecordRole,
-    Searches, Watcher as SearchWatcher, identify_two_step,
+    CampaignRecord, Choice, Demands, DynamicsChoice, Identification, IdentifyError, Method, Options,
+    RecordRole, Searches, Watcher as SearchWatcher,
 };
 use crate::optimize::Progress;
 use crate::record::InputOutput;
@@ -84,6 +84,7 @@ impl ModelKind {
             Self::IntegerLeastSquares => Options { dynamics: DynamicsChoice::Integer, ..by_least_squares },
             Self::FractionalLeastSquares => by_least_squares,
             Self::Default => Options {
+                method: Method::Joint,
                 degree: Choice::Auto,
                 delay_s: Choice::Auto,
                 demands: Demands::default(),
@@ -212,7 +213,7 @@ pub(super) fn identify(
         let options = kind.options(plan);
         let records: &[CampaignRecord] =
             if options.dynamics == DynamicsChoice::None { &loop_only } else { &both };
-        let found = identify_two_step(records, &options, &mut relay, resume);
+        let found = crate::identify::identify(records, &options, &mut relay, resume);
         if relay.stopped {
             return Err(ArticleError::Stopped);
         }

@@ -13,7 +13,7 @@ use crate::bench_rig::{CampaignPlan, CampaignRun, Plant, PowerTerm, RigRun, Role
 use crate::dynamics::{Dynamics, Scheme};
 use crate::excitation::SweepLaw;
 use crate::identify::{
-    CampaignRecord, Demands, IdentifyError, Options, RecordRole, Unwatched, identify_two_step,
+    CampaignRecord, Choice, Demands, IdentifyError, Options, RecordRole, Unwatched, identify,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -134,11 +134,11 @@ impl RecoveryCase {
         let article = article_options(plan);
         let options = Options {
             algorithm: None,
-            scheme: if self.scheme == Scheme::Tustin.name() {
+            scheme: Choice::Given(if self.scheme == Scheme::Tustin.name() {
                 Scheme::Tustin
             } else {
                 Scheme::GrunwaldLetnikov
-            },
+            }),
             demands: if self.offset_estimated { Demands::default() } else { article.demands.clone() },
             ..article
         };
@@ -146,7 +146,7 @@ impl RecoveryCase {
             model: "article's own plant".into(),
             source: source.into(),
         };
-        let found = identify_two_step(&records, &options, &mut Unwatched, None).map_err(failed)?;
+        let found = identify(&records, &options, &mut Unwatched, None).map_err(failed)?;
         let Dynamics::Fractional(g) = &found.model.dynamics else { return Err(no_form()) };
         let cost = |i: usize| found.searches.get(i).map_or(f64::NAN, |s| s.outcome.cost);
         Ok(RecoveredBlocks {

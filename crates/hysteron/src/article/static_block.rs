@@ -3,13 +3,14 @@
 use super::printed::Table2;
 use super::{ArticleError, Plan};
 use crate::hysteresis::{BoucWen, Hysteresis};
-use crate::identify::{Choice, Demands, DynamicsChoice, Identification, Options};
+use crate::identify::{Choice, Demands, DynamicsChoice, Identification, Method, Options};
 use crate::optimize::{Algorithm, DeAbcOptions};
 use serde::Serialize;
 
 /// The article's way to identify: quadratic (improved) Bouc–Wen with n = 1 and no offset (Eq. 1 has none), no delay, DE-ABC.
 pub(super) fn article_options(plan: &Plan) -> Options {
     Options {
+        method: Method::TwoStep,
         dynamics: DynamicsChoice::Fractional,
         algorithm: Some(Algorithm::DeAbc(DeAbcOptions::default())),
         generations: plan.generations,

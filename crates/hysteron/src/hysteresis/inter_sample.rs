@@ -97,3 +97,43 @@ fn trigonometric(u: &[f64], factor: usize) -> Result<Vec<f64>, HysteresisError> 
     inverse.process(&mut spectrum, &mut fine).map_err(failed)?;
     Ok(fine)
 }
+
+/// x̃ such that the polygon through it has the mean of x over every sample period: x̃_k = x_k + ½ (b_{k−1} + b_k), where
+/// b_k = ⅔ (x_{k+½} − ½ (x_k + x_{k+1})) is by Simpson's rule what the straight line from x_k to x_{k+1} leaves out. `fine`
+/// holds x on a time base twice as fine; one sample more or less at its end does not matter.
+///
+/// A hysteresis operator driven along straight lines puts out curves between the samples. Linear dynamics much slower than
+/// a sample period see the means of these, so x̃ is what is to be joined by straight lines.
+pub(crate) fn polygon_of_means(fine: &[f64], out: &mut [f64]) {
+    let mut before = 0.0;
+    for (k, x) in out.iter_mut().enumerate() {
+        let here = fine.get(2 * k).copied().unwrap_or(0.0);
+        let bulge = match (fine.get(2 * k + 1), fine.get(2 * k + 2)) {
+            (Some(middle), Some(next)) => (middle - 0.5 * (here + next)) / 1.5,
+            _ => 0.0,
+        };
+        *x = here + 0.5 * (before + bulge);
+        before = bulge;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polygon_has_the_means_of_a_parabola() {
+        // x = t², means over [k, k + 1]: k² + k + 1/3. Simpson's rule is exact.
+        let fine: Vec<f64> = (0..21).map(|j| (0.5 * f64::from(j)).powi(2)).collect();
+        let mut out = [0.0; 11];
+        polygon_of_means(&fine, &mut out);
+        for (k, pair) in out.windows(2).enumerate().skip(1).take(8) {
+            let t = k as f64;
+            assert!((0.5 * (pair[0] + pair[1]) - (t * t + t + 1.0 / 3.0)).abs() < 1e-13);
+        }
+        // A straight line stays as it is.
+        let fine: Vec<f64> = (0..21).map(|j| 0.5 * f64::from(j)).collect();
+        polygon_of_means(&fine, &mut out);
+        assert!(out.iter().enumerate().all(|(k, x)| (x - k as f64).abs() < 1e-15));
+    }
+}

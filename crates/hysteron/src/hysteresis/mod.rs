@@ -18,6 +18,7 @@ pub use admissibility::Admissibility;
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use error::HysteresisError;
 pub use inter_sample::RecordEnds;
+pub(crate) use inter_sample::polygon_of_means;
 pub use sensitivities::Sensitivities;
 
 /// A rate-independent hysteresis operator.

@@ -7,12 +7,12 @@
 
 use super::layout::Role;
 use super::projection::{Projection, centre};
-use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{
-    DynamicsError, InitialCondition, InputSpectrum, Scheme, SecondOrder, SimulationPlan, Term,
-    TransferFunction, Workspace as PlanWorkspace,
+    DynamicsError, InitialCondition, InputSpectrum, Response, Sampling, Scheme, SecondOrder, SimulationPlan,
+    Term, TransferFunction, Workspace as PlanWorkspace,
 };
 use crate::optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
+use crate::record::InterSample;
 
 /// Orders closer than this are one term, and their coefficients cannot be told apart.
 const SMALLEST_ORDER_GAP: f64 = 0.02;
@@ -20,15 +20,13 @@ const SMALLEST_ORDER_GAP: f64 = 0.02;
 /// One record prepared for the dynamic step.
 #[derive(Debug)]
 pub(super) struct DynamicRecord {
-    /// Hysteresis output minus its value at rest \[µm\].
-    moved: Vec<f64>,
     /// Where the offset is held: the output at rest \[µm\], counted from it; `None`: an offset is eliminated.
     rest_beside_held_offset: Option<f64>,
     prologue: usize,
     output: Vec<f64>,
     scored: Vec<usize>,
-    sample_rate_hz: f64,
     plan: SimulationPlan,
+    sampling: Sampling,
     spectrum: InputSpectrum,
 }
 
@@ -44,13 +42,15 @@ impl DynamicRecord {
         scored: Vec<usize>,
         sample_rate_hz: f64,
         scheme: Scheme,
+        inter_sample: InterSample,
         offset_is_held: bool,
     ) -> Result<Self, DynamicsError> {
         let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
         let plan = SimulationPlan::new(moved.len(), sample_rate_hz, scheme, InitialCondition::Zero)?;
         let spectrum = plan.transform(&moved)?;
         let rest_beside_held_offset = offset_is_held.then_some(rest);
-        Ok(Self { moved, rest_beside_held_offset, prologue, output, scored, sample_rate_hz, plan, spectrum })
+        let sampling = Sampling { reconstruction: inter_sample, ..Sampling::of(scheme) };
+        Ok(Self { rest_beside_held_offset, prologue, output, scored, plan, sampling, spectrum })
     }
 }
 
@@ -100,8 +100,7 @@ pub(super) struct DynamicProblem {
 /// Scratch of one evaluation.
 #[derive(Debug)]
 pub(super) struct DynamicWorkspace {
-    plans: Vec<PlanWorkspace>,
-    delayed: Vec<f64>,
+    plans: Vec<(PlanWorkspace, Response)>,
     simulated: Vec<f64>,
     column: Vec<f64>,
     target: Vec<f64>,
@@ -154,16 +153,12 @@ impl DynamicProblem {
             return false;
         }
         let mut at = 0;
-        for (record, plan_ws) in self.records.iter().zip(&mut ws.plans) {
-            let simulated = &mut ws.simulated[..record.moved.len()];
-            let done = if candidate.delay_s > 0.0 {
-                let delayed = &mut ws.delayed[..record.moved.len()];
-                delayed.copy_from_slice(&record.moved);
-                delay_in_place(delayed, candidate.delay_s * record.sample_rate_hz, 0.0);
-                record.plan.simulate(&ws.unit_gain, delayed, plan_ws, simulated)
-            } else {
-                record.plan.simulate_spectrum(&ws.unit_gain, &record.spectrum, plan_ws, simulated)
-            };
+        for (record, (plan_ws, response)) in self.records.iter().zip(&mut ws.plans) {
+            let simulated = &mut ws.simulated[..record.plan.samples()];
+            let done = record
+                .plan
+                .response(&ws.unit_gain, candidate.delay_s, record.sampling, response)
+                .and_then(|()| record.plan.apply(response, &record.spectrum, plan_ws, simulated));
             if done.is_err() {
                 return false;
             }
@@ -225,10 +220,9 @@ impl Problem for DynamicProblem {
     }
 
     fn workspace(&self) -> DynamicWorkspace {
-        let longest = self.records.iter().map(|r| r.moved.len()).max().unwrap_or(0);
+        let longest = self.records.iter().map(|r| r.plan.samples()).max().unwrap_or(0);
         DynamicWorkspace {
-            plans: self.records.iter().map(|r| r.plan.workspace()).collect(),
-            delayed: vec![0.0; longest],
+            plans: self.records.iter().map(|r| (r.plan.workspace(), r.plan.empty_response(0))).collect(),
             simulated: vec![0.0; longest],
             column: vec![0.0; self.target.len()],
             target: vec![0.0; self.target.len()],

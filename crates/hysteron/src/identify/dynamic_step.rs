@@ -80,7 +80,8 @@ fn dynamic_records(
                 y,
                 scored,
                 o.rate_hz,
-                options.scheme,
+                options.scheme(),
+                options.inter_sample,
                 held.is_some(),
             )?)
         })

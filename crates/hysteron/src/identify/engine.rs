@@ -118,7 +118,20 @@ impl<'a> Engine<'a> {
         algorithm: &Algorithm,
         starts: Vec<Vec<f64>>,
     ) -> Result<Search, IdentifyError> {
-        let settings = Settings { starts, ..self.settings.clone() };
+        let generations = self.settings.generations;
+        self.run_for(step, problem, algorithm, starts, generations)
+    }
+
+    /// Runs `algorithm` for this many generations.
+    pub(super) fn run_for<P: LeastSquaresProblem>(
+        &mut self,
+        step: &str,
+        problem: &P,
+        algorithm: &Algorithm,
+        starts: Vec<Vec<f64>>,
+        generations: usize,
+    ) -> Result<Search, IdentifyError> {
+        let settings = Settings { starts, generations, ..self.settings.clone() };
         let resume = self.resumed.remove(step);
         let (watcher, done, cancelled) = (&mut *self.watcher, &self.done, self.cancelled);
         let mut observer = |progress: &Progress<'_>| {

@@ -89,6 +89,14 @@ pub enum IdentifyError {
         /// Why not.
         because: String,
     },
+    /// A record that was said to repeat does not.
+    #[error("record '{record}' is not a periodic steady state: {found}")]
+    NotPeriodic {
+        /// Record.
+        record: String,
+        /// What it is instead.
+        found: String,
+    },
     /// The model class does not describe the record.
     #[error(
         "the model class (Bouc–Wen hysteresis and linear dynamics) does not describe record '{record}': the best fit \

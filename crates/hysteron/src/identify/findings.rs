@@ -2,7 +2,7 @@
 
 use super::RecordFacts;
 use super::engine::Search;
-use super::options::{Choice, Options, RecordRole};
+use super::options::{Choice, Method, Options, RecordRole};
 use super::result::{Finding, FindingKind, Identification};
 use crate::display::short;
 use crate::dynamics::{Dynamics, Stability, stability};
@@ -120,7 +120,9 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             ),
         );
     }
-    if dynamic && fitted_statically.iter().any(|(f, _)| f.highest_frequency_hz() > 0.0) {
+    if result.method == Method::TwoStep
+        && fitted_statically.iter().any(|(f, _)| f.highest_frequency_hz() > 0.0)
+    {
         say(
             FindingKind::Advice,
             "two steps",
@@ -253,6 +255,13 @@ fn still_improving(search: &Search) -> Option<String> {
 
 fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) -> Vec<String> {
     let mut list = Vec::new();
+    if let Some(reduction) = result.reduction {
+        list.push(format!(
+            "The search worked on {} of {} samples (filtered and thinned where a record was oversampled); the estimates come \
+             from a fit of all samples, which moved no parameter by more than {:.2} standard errors.",
+            reduction.searched, reduction.samples, reduction.moved
+        ));
+    }
     let mut quasi_static = 0;
     for (facts, fit) in facts.iter().zip(&result.records) {
         let name = &fit.data.name;
@@ -263,6 +272,11 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
                     .trim_end()
                     .to_owned()
             }
+            Start::Remembering { voltage_v, z } => format!(
+                "simulated from rest at {voltage_v} {} with the hysteresis memory z = {} {unit} that it fits",
+                fit.data.u_unit,
+                short(z)
+            ),
             Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
         };
         let role = match fit.role {

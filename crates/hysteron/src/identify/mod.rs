@@ -1,6 +1,6 @@
 //! From records to a model: the article's two-step identification (§4.3) with any of the optimisers.
 //!
-//! [`identify_two_step`] recognises which records are quasi-static and which carry dynamics, chooses what the user left
+//! [`identify`] recognises which records are quasi-static and which carry dynamics, chooses what the user left
 //! open (start, polynomial degree, delay and lag) from the data, runs the searches and hands out an
 //! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain words what
 //! the records do not determine. [`optimizer_study`] compares the optimisers on the article's two problems.
@@ -11,6 +11,7 @@ mod engine;
 mod error;
 mod facts;
 mod findings;
+mod joint;
 mod layout;
 pub mod optimizer_study;
 mod options;
@@ -24,12 +25,18 @@ mod uncertainty;
 
 pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
 pub use error::IdentifyError;
+pub use joint::Covariance;
 pub use layout::Demands;
-pub use options::{CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Options, RecordRole};
-pub use result::{Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, StructureChoice};
+pub use options::{
+    CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,
+};
+pub use result::{
+    Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, Reduction, StructureChoice,
+};
 pub use static_fit::StaticFit;
-pub use two_step::identify_two_step;
+pub use two_step::identify;
 
+use engine::Engine;
 use facts::RecordFacts;
 
 /// FNV-1a over 64-bit words: tells the checkpoint of another problem.

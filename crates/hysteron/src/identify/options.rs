@@ -5,7 +5,7 @@ use super::layout::Demands;
 use crate::dynamics::Scheme;
 use crate::hammerstein::Model;
 use crate::optimize::Algorithm;
-use crate::record::InputOutput;
+use crate::record::{InputOutput, InterSample};
 
 /// A record of the campaign and what it is for.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +25,32 @@ pub enum RecordRole {
     Dynamic,
 }
 
+/// How a campaign with dynamics is identified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Method {
+    /// All records, both blocks, delay and initial states in one fit.
+    #[default]
+    Joint,
+    /// The article's way (§4.3): hysteresis from the quasi-static records, then dynamics from the others.
+    TwoStep,
+}
+
+/// What happened before the records of a joint fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Initial {
+    /// `Rest`, but a record that starts off 0 V may have been switched on from there; judged by the record.
+    #[default]
+    Auto,
+    /// At rest at u(0), with an unknown hysteresis memory.
+    Rest,
+    /// The record is a steady state that repeats.
+    Periodic,
+    /// At rest at 0 V, without memory.
+    Zero,
+    /// As `Rest`, with motion left over from before, fitted as responses to two impulses and a step at the first sample.
+    Free,
+}
+
 /// Dynamic block asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum DynamicsChoice {
@@ -39,6 +65,10 @@ pub enum DynamicsChoice {
     Arx,
     /// Real orders, Eq. 13.
     Fractional,
+    /// Eq. 13 with a free lowest order: b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀) (joint fit).
+    FractionalFreeLowest,
+    /// Two fractional modes in parallel (joint fit).
+    TwoFractional,
 }
 
 /// A value that is given or chosen from the data.
@@ -54,8 +84,18 @@ pub enum Choice<T> {
 /// Options of an identification; the defaults are meant to be right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
+    /// Joint fit or two steps.
+    pub method: Method,
     /// Dynamic block.
     pub dynamics: DynamicsChoice,
+    /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 4.
+    pub order: usize,
+    /// A joint fit has a creep factor 1 + k s^−μ.
+    pub creep: bool,
+    /// What happened before each record of a joint fit.
+    pub initial: Initial,
+    /// A joint fit allows for a linear drift of each record's output.
+    pub drift: bool,
     /// Optimiser; `None`: least squares from data-driven starts, with the linear parameters eliminated.
     pub algorithm: Option<Algorithm>,
     /// Generations of a population method.
@@ -75,8 +115,11 @@ pub struct Options {
     pub demands: Demands,
     /// Model whose parameters are the first start of every search.
     pub start: Option<Model>,
-    /// Simulation scheme of the dynamic block.
-    pub scheme: Scheme,
+    /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start smoothly, whose
+    /// estimates do not depend on the sample rate, else `tustin`.
+    pub scheme: Choice<Scheme>,
+    /// What the drive does between its samples.
+    pub inter_sample: InterSample,
     /// Least fit \[%\] for which a model is handed out at all.
     pub least_fit_percent: f64,
 }
@@ -84,7 +127,12 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
+            method: Method::Joint,
             dynamics: DynamicsChoice::Auto,
+            order: 2,
+            creep: false,
+            initial: Initial::Auto,
+            drift: false,
             algorithm: None,
             generations: 150,
             seed: 1,
@@ -94,7 +142,8 @@ impl Default for Options {
             delay_s: Choice::Auto,
             demands: Demands::default(),
             start: None,
-            scheme: Scheme::Tustin,
+            scheme: Choice::Auto,
+            inter_sample: InterSample::Linear,
             least_fit_percent: 75.0,
         }
     }
@@ -104,12 +153,23 @@ impl Default for Options {
 pub const HIGHEST_DEGREE: usize = 9;
 
 impl Options {
+    /// The scheme given, else `tustin`.
+    pub(super) fn scheme(&self) -> Scheme {
+        match self.scheme {
+            Choice::Given(scheme) => scheme,
+            Choice::Auto => Scheme::Tustin,
+        }
+    }
+
     pub(super) fn validate(&self) -> Result<(), IdentifyError> {
         let refuse = |option, value, wanted| Err(IdentifyError::Option { option, value, wanted });
         if let Choice::Given(degree) = self.degree
             && !(1..=HIGHEST_DEGREE).contains(&degree)
         {
             return refuse("degree", degree as f64, "a whole number from 1 to 9");
+        }
+        if !(1..=4).contains(&self.order) {
+            return refuse("order", self.order as f64, "a whole number from 1 to 4");
         }
         if let Choice::Given(n) = self.n
             && !(1.0..=10.0).contains(&n)

@@ -27,6 +27,34 @@ impl Projection {
         self.columns = 0;
     }
 
+    /// Forgets all columns but the first `columns`.
+    pub(super) fn truncate(&mut self, columns: usize) {
+        self.columns = self.columns.min(columns);
+    }
+
+    /// Number of columns.
+    pub(super) fn len(&self) -> usize {
+        self.columns
+    }
+
+    /// Room for columns.
+    pub(super) fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    /// The same columns with room for more.
+    pub(super) fn with_capacity(&self, capacity: usize) -> Self {
+        let mut wider = Self::new(self.rows, capacity);
+        wider.columns = self.columns.min(capacity);
+        for c in 0..wider.columns {
+            wider.q[c * self.rows..(c + 1) * self.rows]
+                .copy_from_slice(&self.q[c * self.rows..(c + 1) * self.rows]);
+            wider.r[c * capacity..c * capacity + wider.columns]
+                .copy_from_slice(&self.r[c * self.capacity..c * self.capacity + wider.columns]);
+        }
+        wider
+    }
+
     /// Adds the column that `fill` writes. A column that depends on the earlier ones gets a zero basis vector, hence
     /// coefficient zero.
     pub(super) fn push(&mut self, fill: impl FnOnce(&mut [f64])) {
@@ -81,7 +109,7 @@ impl Projection {
 }
 
 /// Inner product in eight interleaved sums, which the compiler vectorises; the order of summation is fixed.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();

@@ -1,7 +1,8 @@
 //! What an identification hands out.
 
 use super::engine::{Search, Searches};
-use super::options::RecordRole;
+use super::joint::Covariance;
+use super::options::{Method, RecordRole};
 use crate::hammerstein::{Model, Start};
 use crate::optimize::Bounds;
 use crate::record::InputOutput;
@@ -10,6 +11,8 @@ use crate::validate::Scores;
 /// An identified model and everything a report needs about it.
 #[derive(Clone, Debug)]
 pub struct Identification {
+    /// How both blocks were identified; a campaign without dynamics is one joint fit.
+    pub method: Method,
     /// The model.
     pub model: Model,
     /// Its parameters by name, with standard errors.
@@ -24,6 +27,11 @@ pub struct Identification {
     pub records: Vec<RecordFit>,
     /// How the structure was chosen.
     pub structure: StructureChoice,
+    /// Covariance of the parameters of a joint fit, in the article's symbols; `None` where the records do not determine
+    /// them, and for two steps.
+    pub covariance: Option<Covariance>,
+    /// Thinning while searching; `None` where every sample was used throughout.
+    pub reduction: Option<Reduction>,
     /// Verdicts, warnings and advice in plain words.
     pub findings: Vec<Finding>,
     /// What was done to the data, in plain words.
@@ -70,6 +78,17 @@ impl Parameter {
     }
 }
 
+/// Thinning of oversampled records while searching. The estimates handed out come from all samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reduction {
+    /// Samples of all records.
+    pub samples: usize,
+    /// Samples the search worked on.
+    pub searched: usize,
+    /// Largest move of a parameter from the reduced to the whole records, in standard errors.
+    pub moved: f64,
+}
+
 /// One record and the model's simulation of it.
 #[derive(Clone, Debug)]
 pub struct RecordFit {
@@ -83,6 +102,13 @@ pub struct RecordFit {
     pub scores: Scores,
     /// Simulated output, with the model's own offset \[output unit\].
     pub simulated: Vec<f64>,
+}
+
+impl RecordFit {
+    /// Fit \[%\]; 0 where it is not defined.
+    pub(super) fn fit_percent(&self) -> f64 {
+        self.scores.fit_percent.unwrap_or(0.0)
+    }
 }
 
 /// How the structure was chosen.

@@ -11,7 +11,7 @@ use crate::optimize::{Bounds, LeastSquaresProblem, Problem};
 use crate::record::InputOutput;
 
 /// Step 1 of the article on one record: RMSE (Eq. 7) of the improved Bouc–Wen block (Eq. 1) over the search box that
-/// [`super::identify_two_step`] would use, every parameter searched, none eliminated but an offset that is not held.
+/// [`super::identify`] would use, every parameter searched, none eliminated but an offset that is not held.
 ///
 /// The search vector is, in the order of [`Problem::bounds`], the coefficients of u, u², …, then α, β, γ (and n where
 /// it is free).
@@ -32,7 +32,7 @@ impl StaticFit {
         };
         let facts = RecordFacts::new(record.clone());
         let records =
-            [prepare(&facts, start, 0, options.demands.fixed(super::static_step::OFFSET), options.scheme)?];
+            [prepare(&facts, start, 0, options.demands.fixed(super::static_step::OFFSET), options.scheme())?];
         let scales = Scales::of(&[&facts]);
         let shift = Shift { delay: false, lag: false };
         let setup = Setup { records: &records, scales: &scales, options, shift };

@@ -43,9 +43,9 @@ pub(super) struct StaticStep {
 
 /// Scales of the data that the search box is made from.
 pub(super) struct Scales {
-    range_v: f64,
-    largest_v: f64,
-    slope: f64,
+    pub(super) range_v: f64,
+    pub(super) largest_v: f64,
+    pub(super) slope: f64,
     shortest_period_s: f64,
     sample_period_s: Option<f64>,
 }
@@ -77,7 +77,7 @@ pub(super) fn identify_static(
         .zip(&starts)
         .zip(&left_out)
         .map(|((facts, start), &left_out)| {
-            prepare(facts, start, left_out, options.demands.fixed(OFFSET), options.scheme)
+            prepare(facts, start, left_out, options.demands.fixed(OFFSET), options.scheme())
         })
         .collect::<Result<_, _>>()?;
     let setup = Setup { records: &prepared, scales: &scales, options, shift };
@@ -146,7 +146,9 @@ impl Scales {
 /// Share of the drive's range by which the first sample lies off the rest voltage.
 pub(super) fn jump_share(facts: &RecordFacts, start: &Start) -> f64 {
     match *start {
-        Start::Rest { voltage_v } => (facts.data.u[0] - voltage_v).abs() / facts.range_v(),
+        Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
+            (facts.data.u[0] - voltage_v).abs() / facts.range_v()
+        }
         Start::Settled { .. } => 0.0,
     }
 }
@@ -173,7 +175,7 @@ pub(super) fn choose_start(
         }
         let sampled = facts.data.sample_rate_hz().is_some();
         let shift = Shift { delay: sampled, lag: sampled };
-        let records = [prepare(facts, &start, 0, None, options.scheme)?.thinned(thinning(facts))];
+        let records = [prepare(facts, &start, 0, None, options.scheme())?.thinned(thinning(facts))];
         let free = Options {
             degree: Choice::Auto,
             n: Choice::Given(1.0),
@@ -427,7 +429,7 @@ pub(super) fn in_article_symbols(
         .zip(&step.starts)
         .zip(&step.left_out)
         .map(|((facts, start), &left_out)| {
-            prepare(facts, start, left_out, demands.fixed(OFFSET), options.scheme)
+            prepare(facts, start, left_out, demands.fixed(OFFSET), options.scheme())
         })
         .collect::<Result<_, _>>()?;
     Ok((StaticProblem::new(prepared, layout, Bounds { ranges }, String::new()), x))

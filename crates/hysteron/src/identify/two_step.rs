@@ -3,12 +3,12 @@
 
 use super::dynamic_step::{self, DynamicStep, HysteresisOutput};
 use super::engine::{Engine, Search, Searches, Watcher};
-use super::findings;
-use super::options::{CampaignRecord, Choice, DynamicsChoice, Options, RecordRole};
+use super::options::{CampaignRecord, Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
 use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{correlation, covariance, standard_error};
 use super::{IdentifyError, RecordFacts};
+use super::{findings, joint};
 use crate::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::{Model, Start};
@@ -20,12 +20,14 @@ use crate::validate::{Scoring, score};
 /// Fewest valid samples of a usable record.
 const FEWEST_SAMPLES: usize = 20;
 
-/// Identifies a Hammerstein model from a campaign by the article's two-step procedure.
+/// Identifies a Hammerstein model from a campaign: by one joint fit, or by the article's two-step procedure
+/// ([`Options::method`]). A campaign of quasi-static records alone has no second step, and its first is a joint fit of all
+/// that such records determine.
 ///
 /// # Errors
 /// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not describe the
 /// records.
-pub fn identify_two_step(
+pub fn identify(
     campaign: &[CampaignRecord],
     options: &Options,
     watcher: &mut dyn Watcher,
@@ -40,7 +42,6 @@ pub fn identify_two_step(
     let (quasi_static, dynamic) = (by_role(RecordRole::QuasiStatic), by_role(RecordRole::Dynamic));
     let static_records = if quasi_static.is_empty() { dynamic.clone() } else { quasi_static };
     let follow = !dynamic.is_empty() && options.dynamics != DynamicsChoice::None;
-    check_demands(options, follow)?;
 
     let settings = Settings {
         seed: options.seed,
@@ -49,6 +50,11 @@ pub fn identify_two_step(
         ..Settings::default()
     };
     let mut engine = Engine::new(options.algorithm.as_ref(), settings, watcher, resume);
+    // An ARX block belongs to one sample rate and to the article's way.
+    if follow && options.method == Method::Joint && options.dynamics != DynamicsChoice::Arx {
+        return joint::identify(&facts, &roles, options, engine);
+    }
+    check_demands(options, follow)?;
     let step1 = static_step::identify_static(&static_records, options, follow, &mut engine)?;
     let mut dynamic_starts = Vec::new();
     for facts in &dynamic {
@@ -96,12 +102,12 @@ pub fn identify_two_step(
             simulated,
         });
     }
-    let worst = fits.iter().min_by(|a, b| fit_percent(a).total_cmp(&fit_percent(b)));
-    if let Some(worst) = worst.filter(|w| fit_percent(w) < options.least_fit_percent) {
+    let worst = fits.iter().min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()));
+    if let Some(worst) = worst.filter(|w| w.fit_percent() < options.least_fit_percent) {
         let because = facts.iter().find(|f| f.data.name == worst.data.name).map(findings::why_no_fit);
         return Err(IdentifyError::ModelClass {
             record: worst.data.name.clone(),
-            fit_percent: fit_percent(worst),
+            fit_percent: worst.fit_percent(),
             need: options.least_fit_percent,
             because: because.unwrap_or_default(),
         });
@@ -120,6 +126,7 @@ pub fn identify_two_step(
     let mut searches = vec![step1.search];
     searches.extend(step2.into_search());
     let mut identification = Identification {
+        method: if follow { Method::TwoStep } else { Method::Joint },
         model,
         parameters,
         correlations,
@@ -127,6 +134,8 @@ pub fn identify_two_step(
         bounds,
         records: fits,
         structure,
+        covariance: None,
+        reduction: None,
         findings: Vec::new(),
         treatment: Vec::new(),
         excited_hz: excited(&facts),
@@ -169,15 +178,11 @@ impl Step2 {
 }
 
 /// Lowest and highest frequency of the drives \[Hz\].
-fn excited(facts: &[RecordFacts]) -> Option<(f64, f64)> {
+pub(super) fn excited(facts: &[RecordFacts]) -> Option<(f64, f64)> {
     let timed = facts.iter().filter(|f| f.data.sample_rate_hz().is_some());
     let low = timed.clone().map(|f| f.period_s().recip()).fold(f64::INFINITY, f64::min);
     let high = timed.map(RecordFacts::highest_frequency_hz).fold(0.0, f64::max);
     (low <= high).then_some((low, high))
-}
-
-fn fit_percent(fit: &RecordFit) -> f64 {
-    fit.scores.fit_percent.unwrap_or(0.0)
 }
 
 fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
@@ -249,6 +254,11 @@ fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError>
         _ => {}
     }
     options.demands.check(&known)?;
+    check_common_demands(options)
+}
+
+/// Demands on the offset and on n.
+pub(super) fn check_common_demands(options: &Options) -> Result<(), IdentifyError> {
     if options.demands.bounded(OFFSET).is_some() {
         return Err(IdentifyError::Demand {
             name: OFFSET.into(),
@@ -307,7 +317,8 @@ fn assemble(
         dynamics,
         offset: solution.offsets.first().copied().unwrap_or(0.0),
         delay_s,
-        scheme: options.scheme,
+        scheme: options.scheme(),
+        inter_sample: options.inter_sample,
         sample_rate_hz: if matches!(step2, Step2::None) { rate(static_records) } else { rate(dynamic) },
     }
 }

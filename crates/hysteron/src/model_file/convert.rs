@@ -86,6 +86,7 @@ impl ModelFile {
             offset: Quantity::new(model.offset, units.output),
             units: signals,
             scheme: model.scheme.into(),
+            inter_sample: model.inter_sample.into(),
             sample_rate_hz: model.sample_rate_hz,
             normalisation: Normalisation::default(),
             start: StartEntry::default(),
@@ -128,6 +129,7 @@ impl ModelFile {
             offset: self.offset.value,
             delay_s: self.delay.value,
             scheme: self.scheme.into(),
+            inter_sample: self.inter_sample.into(),
             sample_rate_hz: self.sample_rate_hz,
         })
     }

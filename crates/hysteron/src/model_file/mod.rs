@@ -48,6 +48,7 @@ pub use schema::json_schema;
 
 use crate::atomic_file::write_atomically;
 use crate::dynamics::Scheme;
+use crate::record::InterSample;
 
 /// Value of the key `format`.
 pub const FORMAT: &str = "hysteron-model";
@@ -82,6 +83,9 @@ pub struct ModelFile {
     pub offset: Quantity,
     /// How the dynamic block is simulated on sampled data.
     pub scheme: SchemeName,
+    /// What the drive does between its samples.
+    #[serde(default, skip_serializing_if = "InterSampleName::is_default")]
+    pub inter_sample: InterSampleName,
     /// Sample rate the model was identified at, in Hz; null for a static model of records without one.
     #[serde(deserialize_with = "Option::deserialize")]
     #[schemars(required)]
@@ -208,6 +212,45 @@ impl From<SchemeName> for Scheme {
             SchemeName::GrunwaldLetnikov => Scheme::GrunwaldLetnikov,
             SchemeName::Bdf2 => Scheme::Bdf2,
             SchemeName::BandLimited => Scheme::BandLimited,
+        }
+    }
+}
+
+/// What a drive does between its samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InterSampleName {
+    /// Holds each sample for one period.
+    Hold,
+    /// Straight line to the next sample.
+    #[default]
+    Linear,
+    /// No content above half the sample rate.
+    BandLimited,
+}
+
+impl InterSampleName {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl From<InterSample> for InterSampleName {
+    fn from(rule: InterSample) -> Self {
+        match rule {
+            InterSample::Hold => Self::Hold,
+            InterSample::Linear => Self::Linear,
+            InterSample::BandLimited => Self::BandLimited,
+        }
+    }
+}
+
+impl From<InterSampleName> for InterSample {
+    fn from(name: InterSampleName) -> Self {
+        match name {
+            InterSampleName::Hold => Self::Hold,
+            InterSampleName::Linear => Self::Linear,
+            InterSampleName::BandLimited => Self::BandLimited,
         }
     }
 }

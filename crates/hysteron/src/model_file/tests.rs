@@ -7,6 +7,7 @@ use super::*;
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
 use crate::hysteresis::{BoucWen, Hysteresis};
+use crate::record::InterSample;
 
 fn term(coefficient: f64, order: f64) -> Term {
     Term { coefficient, order }
@@ -29,6 +30,7 @@ fn article() -> Model {
         offset: -0.25,
         delay_s: 0.01,
         scheme: Scheme::GrunwaldLetnikov,
+        inter_sample: InterSample::Hold,
         sample_rate_hz: Some(10_000.0),
     }
 }
@@ -424,6 +426,7 @@ proptest! {
             offset,
             delay_s,
             scheme: Scheme::BandLimited,
+            inter_sample: InterSample::Linear,
             sample_rate_hz: Some(rate),
         };
         let file = ModelFile::from_model(&model, SignalUnits::default());

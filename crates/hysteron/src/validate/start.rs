@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use crate::dynamics::{Dynamics, Scheme};
     use crate::hysteresis::{BoucWen, Hysteresis};
-    use crate::record::TimeBase;
+    use crate::record::{InterSample, TimeBase};
     use std::f64::consts::TAU;
 
     fn model() -> Model {
@@ -111,6 +111,7 @@ mod tests {
             offset: 0.0,
             delay_s: 0.0,
             scheme: Scheme::Tustin,
+            inter_sample: InterSample::Linear,
             sample_rate_hz: None,
         }
     }

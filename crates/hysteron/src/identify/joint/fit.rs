@@ -1,0 +1,384 @@
+//! From records to a model in one fit: reduced records from many starts, then all samples from the best.
+
+use super::super::engine::{Engine, Search};
+use super::super::layout::Role;
+use super::super::options::{Choice, Method, Options, RecordRole};
+use super::super::result::{Identification, Parameter, RecordFit, Reduction, StructureChoice};
+use super::super::static_step::OFFSET;
+use super::super::uncertainty::correlation_time;
+use super::super::{IdentifyError, RecordFacts, findings};
+use super::campaign::JointMember;
+use super::knowledge::{self, Covariance};
+use super::problem::{JointProblem, JointSolution};
+use super::record::Before;
+use super::setup::{self, JointSetup, memory_name};
+use crate::dynamics::{DynamicForm, Dynamics, Modes, Scheme, TransferFunction};
+use crate::hammerstein::Model;
+use crate::hysteresis::{BoucWen, Hysteresis, UnitShape};
+use crate::model_file::polynomial_name;
+use crate::optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
+use crate::validate::{Scoring, score};
+
+/// Highest degree tried when the degree is chosen from the data.
+const HIGHEST_AUTOMATIC_DEGREE: usize = 5;
+/// Evidence asked for one more degree: a fall of BIC by 10 ("very strong", Kass & Raftery 1995,
+/// doi:10.1080/01621459.1995.10476572).
+const BIC_FALL: f64 = 10.0;
+/// Degree that the starts are tried with where it is chosen from the data.
+const DEGREE_OF_STARTS: usize = 3;
+/// Starts that must end in the same optimum.
+const AGREEMENT: usize = 3;
+
+/// Identifies both blocks from all records at once.
+pub(in super::super) fn identify(
+    facts: &[RecordFacts],
+    roles: &[RecordRole],
+    options: &Options,
+    mut engine: Engine<'_>,
+) -> Result<Identification, IdentifyError> {
+    let form = setup::form(options);
+    check_demands(options, &form, facts.len())?;
+    let members: Vec<JointMember<'_>> =
+        facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
+    let scheme = match options.scheme {
+        Choice::Given(scheme) => scheme,
+        // A jump is not band-limited.
+        Choice::Auto if members.iter().any(|m| matches!(m.before, Before::Rest { .. })) => Scheme::Tustin,
+        Choice::Auto => Scheme::BandLimited,
+    };
+    let options = &Options { scheme: Choice::Given(scheme), ..options.clone() };
+    let setup = JointSetup::new(&members, form.clone(), options);
+    let reduced = members.iter().any(|member| member.factor > 1);
+
+    let first_degree = match options.degree {
+        Choice::Given(degree) => degree,
+        Choice::Auto => DEGREE_OF_STARTS,
+    };
+    let problem = setup.problem(first_degree, reduced)?;
+    let mut search = search_globally(&problem, &setup, &mut engine)?;
+    let mut degrees = Vec::new();
+    let mut degree = first_degree;
+    let mut best = search.outcome.best.clone();
+    if options.degree == Choice::Auto {
+        (degree, best) = choose_degree(&setup, reduced, &best, &mut engine, &mut degrees)?;
+    }
+    let (problem, x, reduction) = if reduced {
+        let small = setup.problem(degree, true)?;
+        let whole = setup.problem(degree, false)?;
+        let polished = engine.quick_fit("all samples", &whole, vec![best.clone()])?;
+        let reduction = Reduction {
+            samples: whole.residual_count(),
+            searched: small.residual_count(),
+            moved: moved(&whole, &polished.outcome.best, &best),
+        };
+        search.outcome.cost = polished.outcome.cost;
+        search.outcome.best.clone_from(&polished.outcome.best);
+        (whole, polished.outcome.best, Some(reduction))
+    } else {
+        search.outcome.best.clone_from(&best);
+        (setup.problem(degree, false)?, best, None)
+    };
+    let solution = problem
+        .solve(&x)
+        .ok_or(OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
+    let mut model = assemble(&solution, &form, &members, options)?;
+
+    let mut fits = Vec::new();
+    for (index, (member, role)) in members.iter().zip(roles).enumerate() {
+        let data = &member.facts.data;
+        let start = member.start(solution.hysteresis.alpha * solution.memory[index]);
+        let simulated = model.simulate(&data.u, data.sample_rate_hz(), &start)?;
+        let scores = score(data, &simulated, &Scoring::default())?;
+        fits.push(RecordFit { data: data.clone(), role: *role, start, scores, simulated });
+    }
+    if options.demands.fixed(OFFSET).is_none() {
+        // The model's own offset is that of its first record.
+        model.offset = fits[0].scores.offset;
+        for fit in &mut fits {
+            fit.simulated.iter_mut().for_each(|y| *y += model.offset);
+            fit.scores = score(&fit.data, &fit.simulated, &Scoring::default())?;
+        }
+    }
+    if let Some(worst) = fits
+        .iter()
+        .min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()))
+        .filter(|w| w.fit_percent() < options.least_fit_percent)
+    {
+        let because = facts.iter().find(|f| f.data.name == worst.data.name).map(findings::why_no_fit);
+        return Err(IdentifyError::ModelClass {
+            record: worst.data.name.clone(),
+            fit_percent: worst.fit_percent(),
+            need: options.least_fit_percent,
+            because: because.unwrap_or_default(),
+        });
+    }
+    let covariance = knowledge::covariance(&problem, &x).map(|own| in_article_symbols(&own, &problem));
+    let parameters = parameters(&solution, &form, &problem, covariance.as_ref(), &model);
+    let structure = StructureChoice {
+        degrees,
+        degree,
+        delay_and_lag_from_start: false,
+        creeps: Vec::new(),
+        left_out: Vec::new(),
+    };
+    let mut identification = Identification {
+        method: Method::Joint,
+        model,
+        parameters,
+        correlations: covariance.iter().map(|c| c.correlation("joint fit")).collect(),
+        bounds: vec![problem.bounds().clone()],
+        searches: vec![search],
+        records: fits,
+        structure,
+        covariance,
+        reduction,
+        findings: Vec::new(),
+        treatment: Vec::new(),
+        excited_hz: super::super::two_step::excited(facts),
+        cancelled: engine.cancelled,
+        resume: engine.searches(),
+    };
+    findings::write(facts, options, &mut identification);
+    Ok(identification)
+}
+
+/// Many starts, and where they disagree a population search on a twentieth of its usual budget, polished.
+fn search_globally(
+    problem: &JointProblem,
+    setup: &JointSetup<'_>,
+    engine: &mut Engine<'_>,
+) -> Result<Search, IdentifyError> {
+    let guesses = setup.guesses(problem.bounds());
+    let mut search = engine.search("joint fit", problem, guesses)?;
+    if setup.options.algorithm.is_some() || agreeing(&search) >= AGREEMENT || engine.cancelled {
+        if setup.options.algorithm.as_ref().is_some_and(|a| a.name() != "least-squares") && !engine.cancelled
+        {
+            let polished =
+                engine.quick_fit("joint fit, polished", problem, vec![search.outcome.best.clone()])?;
+            search.outcome.best.clone_from(&polished.outcome.best);
+            search.outcome.cost = polished.outcome.cost;
+        }
+        return Ok(search);
+    }
+    let population = Algorithm::DeAbc(DeAbcOptions::default());
+    let generations = (setup.options.generations / 20).max(5);
+    let starts = vec![search.outcome.best.clone()];
+    let wide = engine.run_for("joint fit, population", problem, &population, starts, generations)?;
+    let polished =
+        engine.quick_fit("joint fit, population polished", problem, vec![wide.outcome.best.clone()])?;
+    if polished.outcome.cost < search.outcome.cost {
+        search.outcome.best.clone_from(&polished.outcome.best);
+        search.outcome.cost = polished.outcome.cost;
+    }
+    search.outcome.evaluations += wide.outcome.evaluations + polished.outcome.evaluations;
+    search.outcome.starts.extend(polished.outcome.starts);
+    Ok(search)
+}
+
+/// Starts that ended in the best optimum found (to 1e-6 of its cost).
+fn agreeing(search: &Search) -> usize {
+    let best = search.outcome.cost;
+    search
+        .outcome
+        .starts
+        .iter()
+        .filter(|start| start.status.converged() && start.cost <= best * (1.0 + 1e-6))
+        .count()
+}
+
+/// Degree by BIC over the information that the residuals really hold, from one warm fit each.
+fn choose_degree(
+    setup: &JointSetup<'_>,
+    reduced: bool,
+    start: &[f64],
+    engine: &mut Engine<'_>,
+    tried: &mut Vec<(usize, f64, f64)>,
+) -> Result<(usize, Vec<f64>), IdentifyError> {
+    let demanded = (1..=super::super::HIGHEST_DEGREE)
+        .filter(|&d| setup.options.demands.names().any(|n| n == polynomial_name(d)))
+        .max()
+        .unwrap_or(1);
+    let mut fits = Vec::new();
+    let mut information = 2.0;
+    for degree in 1..=HIGHEST_AUTOMATIC_DEGREE.max(demanded) {
+        let problem = setup.problem(degree, reduced)?;
+        let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start.to_vec()])?;
+        let mut residual = vec![0.0; problem.residual_count()];
+        problem.residuals(&fit.outcome.best, &mut problem.workspace(), &mut residual);
+        // Those of the richest fit count: its residual is the least structured.
+        information = (0..problem.records().len())
+            .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
+            .sum::<f64>()
+            .max(2.0);
+        let parameters = problem.bounds().dimension() + degree + 1;
+        fits.push((degree, fit.outcome.cost, parameters, fit.outcome.best));
+    }
+    let mut chosen: Option<(usize, f64, Vec<f64>)> = None;
+    for (degree, cost, parameters, best) in fits {
+        let bic =
+            information * (cost * cost).max(f64::MIN_POSITIVE).ln() + parameters as f64 * information.ln();
+        tried.push((degree, cost, bic));
+        let better = chosen.as_ref().is_none_or(|(_, before, _)| bic < before - BIC_FALL);
+        if better || degree <= demanded {
+            chosen = Some((degree, bic, best));
+        }
+    }
+    Ok(chosen.map_or((demanded, start.to_vec()), |(degree, _, best)| (degree, best)))
+}
+
+/// Largest move of a searched number between reduced and whole records, in standard errors.
+fn moved(whole: &JointProblem, x: &[f64], before: &[f64]) -> f64 {
+    let Some(covariance) = knowledge::covariance(whole, x) else { return f64::NAN };
+    let eliminated = covariance.values.len() - x.len();
+    x.iter()
+        .zip(before)
+        .enumerate()
+        .filter_map(|(j, (now, then))| {
+            covariance.std_error(eliminated + j).map(|error| (now - then).abs() / error)
+        })
+        .fold(0.0, f64::max)
+}
+
+fn assemble(
+    solution: &JointSolution,
+    form: &DynamicForm,
+    members: &[JointMember<'_>],
+    options: &Options,
+) -> Result<Model, IdentifyError> {
+    let g = form.transfer_function(&solution.form)?;
+    let dynamics = match form.modes {
+        Modes::None if !form.creep => Dynamics::None,
+        Modes::Integer { .. } if !form.creep => Dynamics::Integer(g),
+        _ => Dynamics::Fractional(g),
+    };
+    let fastest = members.iter().map(|m| m.rate_hz).fold(0.0, f64::max);
+    Ok(Model {
+        hysteresis: Hysteresis::BoucWen(solution.hysteresis.clone()),
+        dynamics,
+        offset: options.demands.fixed(OFFSET).unwrap_or(0.0),
+        delay_s: solution.delay_s,
+        scheme: options.scheme(),
+        inter_sample: options.inter_sample,
+        sample_rate_hz: Some(fastest),
+    })
+}
+
+/// The covariance with β, γ for β', γ' and z(0) for ζ(0).
+fn in_article_symbols(own: &Covariance, problem: &JointProblem) -> Covariance {
+    let place = |name: &str| own.names.iter().position(|n| n == name);
+    let (alpha, beta, gamma, n) = (place("alpha"), place("beta"), place("gamma"), place("n"));
+    let layout = problem.layout();
+    let held = |role: Role| if let Role::Fixed(value) = role { value } else { 0.0 };
+    let memory: Vec<usize> = own
+        .names
+        .iter()
+        .enumerate()
+        .filter(|(_, name)| name.starts_with("memory_"))
+        .map(|(index, _)| index)
+        .collect();
+    own.transformed(own.names.clone(), |values| {
+        let mut out = values.to_vec();
+        let at = |index: Option<usize>, role: Role| index.map_or(held(role), |i| values[i]);
+        let a = at(alpha, layout.alpha);
+        let shape =
+            UnitShape { beta: at(beta, layout.beta), gamma: at(gamma, layout.gamma), n: at(n, layout.n) };
+        if let Ok(model) = BoucWen::from_unit(vec![1.0], a, shape) {
+            if let Some(i) = beta {
+                out[i] = model.beta;
+            }
+            if let Some(i) = gamma {
+                out[i] = model.gamma;
+            }
+        }
+        for &i in &memory {
+            out[i] = a * values[i];
+        }
+        out
+    })
+}
+
+fn parameters(
+    solution: &JointSolution,
+    form: &DynamicForm,
+    problem: &JointProblem,
+    covariance: Option<&Covariance>,
+    model: &Model,
+) -> Vec<Parameter> {
+    let error = |name: &str| {
+        let c = covariance?;
+        c.std_error(c.names.iter().position(|n| n == name)?)
+    };
+    let b = &solution.hysteresis;
+    let mut list: Vec<Parameter> = b
+        .polynomial
+        .iter()
+        .enumerate()
+        .map(|(i, &c)| {
+            let name = polynomial_name(i + 1);
+            Parameter::new("hysteresis", &name, c, error(&name))
+        })
+        .collect();
+    let layout = problem.layout();
+    let mut push = |block, name: &str, value, role: Role| {
+        let held = matches!(role, Role::Fixed(_));
+        list.push(Parameter { held, ..Parameter::new(block, name, value, error(name)) });
+    };
+    push("hysteresis", "alpha", b.alpha, layout.alpha);
+    push("hysteresis", "beta", b.beta, layout.beta);
+    push("hysteresis", "gamma", b.gamma, layout.gamma);
+    push("hysteresis", "n", b.n, layout.n);
+    for ((parameter, &value), &role) in form.parameters().iter().zip(&solution.form).zip(&layout.form) {
+        push("dynamics", parameter.name, value, role);
+    }
+    push("dynamics", "delay", solution.delay_s, layout.delay);
+    if let (Modes::Fractional, false, Dynamics::Fractional(g)) = (&form.modes, form.creep, &model.dynamics) {
+        // Eq. 13's own coefficients, with their errors by the delta method.
+        let coefficients = |g: &TransferFunction| {
+            vec![g.numerator[0].coefficient, g.denominator[0].coefficient, g.denominator[1].coefficient]
+        };
+        let names: Vec<String> = ["b", "c0", "c1"].map(String::from).to_vec();
+        let errors = covariance.map(|c| {
+            let places: Vec<Option<usize>> =
+                form.parameters().iter().map(|p| c.names.iter().position(|n| n == p.name)).collect();
+            c.transformed(names.clone(), |values| {
+                let p: Vec<f64> = places
+                    .iter()
+                    .zip(&solution.form)
+                    .map(|(place, &value)| place.map_or(value, |i| values[i]))
+                    .collect();
+                form.transfer_function(&p).map_or(vec![f64::NAN; 3], |g| coefficients(&g))
+            })
+        });
+        for (index, (name, value)) in names.iter().zip(coefficients(g)).enumerate() {
+            let error = errors.as_ref().and_then(|c| c.std_error(index));
+            list.push(Parameter::new("dynamics", name, value, error));
+        }
+    }
+    for (index, role) in problem.layout().memory.iter().enumerate() {
+        if matches!(role, Role::Searched(_)) {
+            let name = memory_name(index);
+            list.push(Parameter::new("start", &name, b.alpha * solution.memory[index], error(&name)));
+        }
+    }
+    list
+}
+
+/// Every demand must be one that this fit can meet: none is passed over in silence.
+fn check_demands(options: &Options, form: &DynamicForm, records: usize) -> Result<(), IdentifyError> {
+    let highest = match options.degree {
+        Choice::Given(degree) => degree,
+        Choice::Auto => super::super::HIGHEST_DEGREE,
+    };
+    let polynomial: Vec<_> = (1..=highest).map(polynomial_name).collect();
+    let memory: Vec<String> = (0..records).map(memory_name).collect();
+    let mut known: Vec<&str> = polynomial.iter().map(AsRef::as_ref).collect();
+    known.extend(["alpha", "beta", "gamma", "n", OFFSET]);
+    if options.delay_s == Choice::Auto {
+        known.push("delay");
+    }
+    let form = form.parameters();
+    known.extend(form.iter().map(|p| p.name));
+    known.extend(memory.iter().map(String::as_str));
+    options.demands.check(&known)?;
+    super::super::two_step::check_common_demands(options)
+}

@@ -1,0 +1,224 @@
+//! What a joint fit knows: covariance of all parameters in the article's symbols, robust to coloured residuals.
+//!
+//! With J the Jacobian in every parameter (the eliminated ones too) and Ω the covariance of the residuals, the covariance
+//! of the estimate is (JᵀJ)⁻¹ JᵀΩJ (JᵀJ)⁻¹. JᵀΩJ = Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ record by record, ρ the autocovariance of
+//! the record's residual and w the Parzen window (Newey, West 1987, doi:10.2307/1913610, for errors that are stationary and
+//! do not depend on the regressors; Parzen's window keeps the estimate positive).
+
+use super::super::result::Correlation;
+use super::super::uncertainty::{correlation, correlation_time};
+use super::problem::{JointProblem, Linearisation};
+use crate::numeric::Complex64;
+use crate::numeric::fft::{RealFft, fast_length};
+use crate::optimize::{LeastSquaresProblem, Problem};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Lags of the window as a multiple of the residual's correlation time, and fewest.
+const WINDOW: f64 = 6.0;
+const FEWEST_LAGS: usize = 12;
+
+/// Covariance of everything estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Covariance {
+    /// Names: coefficients and α in the order of the model, then what was searched, in unit-α symbols where `internal`.
+    pub names: Vec<String>,
+    /// Estimates.
+    pub values: Vec<f64>,
+    /// Covariance matrix; zero rows and columns where a parameter is held, or stands on the edge of its range.
+    pub matrix: DMatrix<f64>,
+    /// Ratio of the largest to the smallest singular value of the Jacobian with columns of unit length.
+    pub condition_number: f64,
+}
+
+impl Covariance {
+    /// Standard error of parameter `index`.
+    pub fn std_error(&self, index: usize) -> Option<f64> {
+        let variance = self.matrix[(index, index)];
+        (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
+    }
+
+    /// Correlation of the parameters that the records determine.
+    pub(in super::super) fn correlation(&self, step: &str) -> Correlation {
+        let known: Vec<usize> = (0..self.names.len()).filter(|&i| self.std_error(i).is_some()).collect();
+        let names = known.iter().map(|&i| self.names[i].clone()).collect();
+        correlation(step, names, &self.matrix.select_rows(&known).select_columns(&known))
+    }
+
+    /// Covariance of functions f of the parameters, J C Jᵀ with J by central differences of f, whose steps are a small part
+    /// of each standard error.
+    pub fn transformed(&self, names: Vec<String>, f: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let values = f(&self.values);
+        let mut jacobian = DMatrix::zeros(values.len(), self.values.len());
+        let mut at = self.values.clone();
+        for j in 0..self.values.len() {
+            let scale = self.std_error(j).unwrap_or(0.0).max(1e-9 * self.values[j].abs()).max(1e-300);
+            let step = 1e-3 * scale;
+            at[j] = self.values[j] + step;
+            let taken_up = at[j] - self.values[j];
+            let up = f(&at);
+            at[j] = self.values[j] - step;
+            let taken = taken_up - (at[j] - self.values[j]);
+            let down = f(&at);
+            at[j] = self.values[j];
+            for (i, (u, d)) in up.iter().zip(&down).enumerate() {
+                jacobian[(i, j)] = (u - d) / taken;
+            }
+        }
+        let matrix = &jacobian * &self.matrix * jacobian.transpose();
+        Self { names, values, matrix, condition_number: self.condition_number }
+    }
+}
+
+/// Covariance of the eliminated coefficients and the searched numbers at `x`, in the fit's own (unit-α) symbols.
+/// Parameters on a bound count as held. `None` where nothing can be said.
+pub(in super::super) fn covariance(problem: &JointProblem, x: &[f64]) -> Option<Covariance> {
+    let linearisation = problem.linearise(x)?;
+    let Linearisation { linear, eliminated, searched, residuals, coefficients } = &linearisation;
+    let rows = problem.residual_count();
+    let degree = problem.layout().polynomial.len();
+    let names: Vec<String> = eliminated
+        .iter()
+        .map(|&index| {
+            if index == degree {
+                "alpha".into()
+            } else {
+                crate::model_file::polynomial_name(index + 1).into_owned()
+            }
+        })
+        .chain(problem.bounds().ranges.iter().map(|r| r.name.clone()))
+        .collect();
+    let values: Vec<f64> =
+        eliminated.iter().map(|&index| coefficients[index]).chain(x.iter().copied()).collect();
+    let on_bound: Vec<bool> = eliminated
+        .iter()
+        .map(|_| false)
+        .chain(problem.bounds().ranges.iter().zip(x).map(|(range, &x)| {
+            let t = range.to_unit(x);
+            t <= 1e-9 || t >= 1.0 - 1e-9
+        }))
+        .collect();
+    let columns: Vec<&[f64]> = linear.chunks_exact(rows).chain(searched.chunks_exact(rows)).collect();
+    let norms: Vec<f64> = columns.iter().map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let free: Vec<usize> =
+        (0..columns.len()).filter(|&j| !on_bound[j] && norms[j] > 0.0 && norms[j].is_finite()).collect();
+    if free.is_empty() || problem.valid() <= free.len() {
+        return None;
+    }
+    let p = free.len();
+    let mut jacobian = DMatrix::zeros(rows, p);
+    for (mut to, &j) in jacobian.column_iter_mut().zip(&free) {
+        for (to, from) in to.iter_mut().zip(columns[j]) {
+            *to = from / norms[j];
+        }
+    }
+    let r = jacobian.clone().qr().r();
+    let singular = r.clone().svd(false, false).singular_values;
+    let condition_number = singular.max() / singular.min();
+    let inverse = r.try_inverse()?;
+    let bread = &inverse * inverse.transpose();
+    let freedom = problem.valid() as f64 / (problem.valid() - p) as f64;
+    let meat = (0..problem.records().len())
+        .into_par_iter()
+        .map(|record| {
+            let rows = problem.rows(record);
+            coloured_square(&jacobian.rows(rows.start, rows.len()).into_owned(), &residuals[rows])
+        })
+        // Summed in the order of the records, whatever the threads.
+        .collect::<Vec<_>>()
+        .into_iter()
+        .fold(DMatrix::zeros(p, p), |sum, part| sum + part);
+    let small = &bread * meat * &bread * freedom;
+    let mut matrix = DMatrix::from_element(columns.len(), columns.len(), 0.0);
+    for (i, &fi) in free.iter().enumerate() {
+        for (j, &fj) in free.iter().enumerate() {
+            matrix[(fi, fj)] = small[(i, j)] / (norms[fi] * norms[fj]);
+        }
+    }
+    Some(Covariance { names, values, matrix, condition_number })
+}
+
+/// Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ over one record, in the frequency domain.
+fn coloured_square(jacobian: &DMatrix<f64>, residual: &[f64]) -> DMatrix<f64> {
+    let n = residual.len();
+    let p = jacobian.ncols();
+    let lags =
+        ((WINDOW * correlation_time(residual)).ceil() as usize).max(FEWEST_LAGS).min(n.saturating_sub(1));
+    let fft = RealFft::new(fast_length(2 * n));
+    let bins = fft.forward.make_output_vec().len();
+    let transform = |x: &[f64]| -> Vec<Complex64> {
+        let mut time = fft.forward.make_input_vec();
+        time[..n].copy_from_slice(x);
+        let mut spectrum = fft.forward.make_output_vec();
+        // All lengths come from the plan, so the transform cannot refuse them.
+        let _ = fft.forward.process(&mut time, &mut spectrum);
+        spectrum
+    };
+    // Autocovariance, window, back: the smoothed power spectrum, twice the length so that nothing wraps.
+    let mut power: Vec<Complex64> = transform(residual).iter().map(|x| x.norm_sqr().into()).collect();
+    let mut covariance = fft.inverse.make_output_vec();
+    let _ = fft.inverse.process(&mut power, &mut covariance);
+    let valid = residual.iter().filter(|r| **r != 0.0).count().max(1) as f64;
+    let scale = 1.0 / (fft.len() as f64 * valid);
+    let length = fft.len();
+    let mut windowed = fft.forward.make_input_vec();
+    for k in 0..=lags {
+        let value = covariance[k] * scale * parzen(k as f64 / (lags + 1) as f64);
+        windowed[k] = value;
+        if k > 0 {
+            windowed[length - k] = value;
+        }
+    }
+    let mut spectrum = fft.forward.make_output_vec();
+    let _ = fft.forward.process(&mut windowed, &mut spectrum);
+    let columns: Vec<Vec<Complex64>> = (0..p).map(|j| transform(jacobian.column(j).as_slice())).collect();
+    let mut square = DMatrix::zeros(p, p);
+    for i in 0..p {
+        for j in 0..=i {
+            let mut sum = 0.0;
+            for bin in 0..bins {
+                let twice = if bin == 0 || 2 * bin == length { 1.0 } else { 2.0 };
+                let (a, b) = (columns[i][bin], columns[j][bin]);
+                sum += twice * spectrum[bin].re.max(0.0) * (a.re * b.re + a.im * b.im);
+            }
+            square[(i, j)] = sum / length as f64;
+            square[(j, i)] = square[(i, j)];
+        }
+    }
+    square
+}
+
+/// Parzen's window, 1 at 0 and 0 at 1.
+fn parzen(x: f64) -> f64 {
+    if x < 0.5 { 1.0 - 6.0 * x * x * (1.0 - x) } else { 2.0 * (1.0 - x).max(0.0).powi(3) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coloured_square_is_the_double_sum() {
+        let n = 60;
+        let e: Vec<f64> =
+            (0..n).map(|k| ((k * k) as f64 * 0.7).sin() + 0.3 * (k as f64 * 0.2).cos()).collect();
+        let j = DMatrix::from_fn(n, 2, |k, c| ((k + 1) as f64 * (0.05 + 0.11 * c as f64)).cos());
+        let found = coloured_square(&j, &e);
+        let lags = ((WINDOW * correlation_time(&e)).ceil() as usize).max(FEWEST_LAGS).min(n - 1);
+        for a in 0..2 {
+            for b in 0..2 {
+                let mut sum = 0.0;
+                for s in 0..n {
+                    for t in 0..n {
+                        let k = s.abs_diff(t);
+                        if k <= lags {
+                            let rho: f64 = e.iter().zip(&e[k..]).map(|(x, y)| x * y).sum::<f64>() / n as f64;
+                            sum += parzen(k as f64 / (lags + 1) as f64) * rho * j[(s, a)] * j[(t, b)];
+                        }
+                    }
+                }
+                assert!((found[(a, b)] - sum).abs() < 1e-10 * sum.abs().max(1.0), "{} {sum}", found[(a, b)]);
+            }
+        }
+    }
+}

@@ -1,0 +1,373 @@
+//! The joint fit of all records and both blocks as a least-squares problem by variable projection.
+//!
+//! Searched are β', γ', n, the parameters of the dynamics, the delay and the unknown memory ζ(0) of each record; offset,
+//! drift and transients of each record and the coefficients of l\[u\] and α are eliminated by linear least squares at
+//! every candidate (Golub, Pereyra 1973, doi:10.1137/0710036). With Φ(θ) the columns, c the eliminated coefficients and
+//! P⊥ the projector off the columns, the residual is r = P⊥ y and the Jacobian −P⊥ (∂Φ/∂θ) c: Kaufman's form
+//! (doi:10.1007/BF01932995). It leaves out a term in the span of the columns, to which r is orthogonal, so that the
+//! gradient Jᵀr is exact.
+
+use rayon::prelude::*;
+
+use super::super::layout::Role;
+use super::super::projection::{Projection, dot};
+use super::record::{Candidate, Derivatives, Direction, JointRecord, RecordWorkspace};
+use crate::dynamics::{DynamicForm, Linearised};
+use crate::hysteresis::{BoucWen, UnitShape};
+use crate::optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
+
+/// Roles of the parameters of a joint fit.
+#[derive(Clone, Debug, PartialEq)]
+pub(in super::super) struct JointLayout {
+    /// Coefficients of u, u², …
+    pub(in super::super) polynomial: Vec<Role>,
+    pub(in super::super) alpha: Role,
+    /// β' and γ' of the unit-α form.
+    pub(in super::super) beta: Role,
+    pub(in super::super) gamma: Role,
+    pub(in super::super) n: Role,
+    /// Parameters of the dynamics, in the order of [`DynamicForm::parameters`].
+    pub(in super::super) form: Vec<Role>,
+    pub(in super::super) delay: Role,
+    /// ζ(0) of each record; `Fixed(0)` where its memory is known.
+    pub(in super::super) memory: Vec<Role>,
+}
+
+/// What one searched number is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Searched {
+    /// Coefficient of u^(index + 1), or α for the index one past.
+    Linear(usize),
+    /// Something that changes every record.
+    Everywhere(Direction),
+    /// ζ(0) of one record.
+    Memory(usize),
+}
+
+/// Values of all parameters of a joint fit.
+#[derive(Clone, Debug, PartialEq)]
+pub(in super::super) struct JointSolution {
+    pub(in super::super) hysteresis: BoucWen,
+    pub(in super::super) shape: UnitShape,
+    pub(in super::super) form: Vec<f64>,
+    pub(in super::super) delay_s: f64,
+    /// ζ(0) of each record \[V\].
+    pub(in super::super) memory: Vec<f64>,
+}
+
+/// A joint fit as a problem for [`crate::optimize`].
+#[derive(Debug)]
+pub(in super::super) struct JointProblem {
+    records: Vec<JointRecord>,
+    /// First residual of each record, and the number of residuals.
+    at: Vec<usize>,
+    form: DynamicForm,
+    layout: JointLayout,
+    searched: Vec<Searched>,
+    bounds: Bounds,
+    identity: String,
+}
+
+/// Scratch of one evaluation.
+#[derive(Debug)]
+pub(in super::super) struct JointWorkspace {
+    records: Vec<RecordWorkspace>,
+    dynamics: Linearised,
+    column: Vec<f64>,
+    target: Vec<f64>,
+    projection: Projection,
+}
+
+impl JointProblem {
+    pub(in super::super) fn new(
+        records: Vec<JointRecord>,
+        form: DynamicForm,
+        layout: JointLayout,
+        bounds: Bounds,
+        identity: String,
+    ) -> Self {
+        let mut at = vec![0];
+        at.extend(records.iter().scan(0, |sum, record| {
+            *sum += record.samples();
+            Some(*sum)
+        }));
+        let mut searched = vec![Searched::Linear(0); bounds.dimension()];
+        let mut place = |role: Role, what: Searched| {
+            if let Role::Searched(index) = role {
+                searched[index] = what;
+            }
+        };
+        for (index, role) in layout.polynomial.iter().chain([&layout.alpha]).enumerate() {
+            place(*role, Searched::Linear(index));
+        }
+        place(layout.beta, Searched::Everywhere(Direction::Beta));
+        place(layout.gamma, Searched::Everywhere(Direction::Gamma));
+        place(layout.n, Searched::Everywhere(Direction::N));
+        for (index, role) in layout.form.iter().chain([&layout.delay]).enumerate() {
+            place(*role, Searched::Everywhere(Direction::Dynamics(index)));
+        }
+        for (record, role) in layout.memory.iter().enumerate() {
+            place(*role, Searched::Memory(record));
+        }
+        Self { records, at, form, layout, searched, bounds, identity }
+    }
+
+    pub(in super::super) fn layout(&self) -> &JointLayout {
+        &self.layout
+    }
+
+    pub(in super::super) fn records(&self) -> &[JointRecord] {
+        &self.records
+    }
+
+    /// Residuals that belong to record `index`.
+    pub(in super::super) fn rows(&self, index: usize) -> std::ops::Range<usize> {
+        self.at[index]..self.at[index + 1]
+    }
+
+    /// Residuals with weight.
+    pub(in super::super) fn valid(&self) -> usize {
+        self.records.iter().map(|record| record.valid).sum()
+    }
+
+    fn degree(&self) -> usize {
+        self.layout.polynomial.len()
+    }
+
+    pub(in super::super) fn candidate(&self, x: &[f64]) -> Option<Candidate> {
+        let l = &self.layout;
+        let shape = UnitShape { beta: l.beta.value(x)?, gamma: l.gamma.value(x)?, n: l.n.value(x)? };
+        let memory = l.memory.iter().map(|role| role.value(x)).collect::<Option<_>>()?;
+        Some(Candidate { shape, delay_s: l.delay.value(x)?, memory })
+    }
+
+    fn form_values(&self, x: &[f64]) -> Option<Vec<f64>> {
+        self.layout.form.iter().map(|role| role.value(x)).collect()
+    }
+
+    /// Columns of every record at `x`, in the records' workspaces.
+    fn respond(&self, x: &[f64], derivatives: Derivatives, ws: &mut JointWorkspace) -> bool {
+        let (Some(candidate), Some(form)) = (self.candidate(x), self.form_values(x)) else { return false };
+        if self.form.linearise(&form, &mut ws.dynamics).is_err() {
+            return false;
+        }
+        let dynamics = &ws.dynamics;
+        self.records
+            .par_iter()
+            .zip(&mut ws.records)
+            .zip(&candidate.memory)
+            .map(|((record, ws), &memory)| {
+                record.respond(&candidate, memory, Some(dynamics), derivatives, ws)
+            })
+            // No short cut: which records are visited must not depend on the threads.
+            .reduce(|| true, |a, b| a & b)
+    }
+
+    /// Column `index` of the linear part over all records.
+    fn gather(&self, index: usize, records: &[RecordWorkspace], out: &mut [f64]) {
+        for (r, ws) in records.iter().enumerate() {
+            let samples = self.records[r].samples();
+            out[self.rows(r)].copy_from_slice(&ws.columns[index * samples..(index + 1) * samples]);
+        }
+    }
+
+    /// Residual after elimination of everything linear into `ws.target`; the columns stay in `ws.projection`.
+    fn eliminate(&self, x: &[f64], derivatives: Derivatives, ws: &mut JointWorkspace) -> bool {
+        if !self.respond(x, derivatives, ws) {
+            return false;
+        }
+        for (r, record) in ws.records.iter().enumerate() {
+            ws.target[self.at[r]..self.at[r + 1]].copy_from_slice(&record.target);
+        }
+        ws.projection.clear();
+        let JointWorkspace { records, column, target, projection, .. } = ws;
+        for (index, role) in self.layout.polynomial.iter().chain([&self.layout.alpha]).enumerate() {
+            match role.value(x) {
+                Some(value) => {
+                    self.gather(index, records, column);
+                    target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+                }
+                None => projection.push(|q| self.gather(index, records, q)),
+            }
+        }
+        projection.project(target);
+        true
+    }
+
+    /// Coefficients of u, u², … and α at `x`, after [`Self::eliminate`].
+    fn coefficients(&self, x: &[f64], ws: &mut JointWorkspace) -> Vec<f64> {
+        let JointWorkspace { records, column, projection, .. } = ws;
+        let mut measured = vec![0.0; column.len()];
+        for (r, record) in records.iter().enumerate() {
+            measured[self.rows(r)].copy_from_slice(&record.target);
+        }
+        let roles: Vec<Role> = self.layout.polynomial.iter().chain([&self.layout.alpha]).copied().collect();
+        for (index, role) in roles.iter().enumerate() {
+            if let Some(value) = role.value(x) {
+                self.gather(index, records, column);
+                measured.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+            }
+        }
+        let mut eliminated = projection.coefficients(&measured).into_iter();
+        roles.iter().map(|role| role.value(x).or_else(|| eliminated.next()).unwrap_or(0.0)).collect()
+    }
+
+    /// All parameter values at `x`, the eliminated ones by linear least squares.
+    pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
+        let mut ws = self.workspace();
+        let candidate = self.candidate(x)?;
+        if !self.eliminate(x, Derivatives::None, &mut ws) {
+            return None;
+        }
+        let coefficients = self.coefficients(x, &mut ws);
+        let (alpha, polynomial) = coefficients.split_last()?;
+        Some(JointSolution {
+            hysteresis: BoucWen::from_unit(polynomial.to_vec(), *alpha, candidate.shape).ok()?,
+            shape: candidate.shape,
+            form: self.form_values(x)?,
+            delay_s: candidate.delay_s,
+            memory: candidate.memory,
+        })
+    }
+
+    fn derivatives(&self) -> Derivatives {
+        Derivatives::Shape { exponent: matches!(self.layout.n, Role::Searched(_)) }
+    }
+
+    /// Derivative of the fit along every searched number at fixed linear coefficients, each record's local columns taken
+    /// off, into `out` column by column. After [`Self::respond`] with derivatives.
+    fn differentiate(&self, coefficients: &[f64], records: &mut [RecordWorkspace], out: &mut [f64]) {
+        let count = self.residual_count();
+        let alpha = coefficients.last().copied().unwrap_or(0.0);
+        // One slice a record, each holding its rows of every column.
+        let mut slices: Vec<Vec<&mut [f64]>> = self.records.iter().map(|_| Vec::new()).collect();
+        for mut column in out.chunks_exact_mut(count) {
+            for (r, slices) in slices.iter_mut().enumerate() {
+                let (here, rest) = column.split_at_mut(self.records[r].samples());
+                slices.push(here);
+                column = rest;
+            }
+        }
+        self.records.par_iter().zip(records).zip(slices).enumerate().for_each(
+            |(r, ((record, ws), mut slices))| {
+                record.combine(coefficients, ws);
+                let samples = record.samples();
+                for (what, out) in self.searched.iter().zip(&mut slices) {
+                    let written = match *what {
+                        Searched::Linear(index) => {
+                            out.copy_from_slice(&ws.columns[index * samples..(index + 1) * samples]);
+                            true
+                        }
+                        Searched::Everywhere(direction) => record.differentiate(direction, alpha, ws, out),
+                        Searched::Memory(owner) => {
+                            owner == r && record.differentiate(Direction::Memory, alpha, ws, out)
+                        }
+                    };
+                    if !written {
+                        out.fill(0.0);
+                    }
+                }
+            },
+        );
+    }
+
+    /// The fit linearised at `x` in everything: the linear columns that were eliminated, and the derivatives along the
+    /// searched numbers; residuals beside them. Local columns are taken off all of them.
+    pub(in super::super) fn linearise(&self, x: &[f64]) -> Option<Linearisation> {
+        let mut ws = self.workspace();
+        if !self.eliminate(x, self.derivatives(), &mut ws) {
+            return None;
+        }
+        let coefficients = self.coefficients(x, &mut ws);
+        let count = self.residual_count();
+        let mut searched = vec![0.0; count * self.bounds.dimension()];
+        self.differentiate(&coefficients, &mut ws.records, &mut searched);
+        let mut linear = Vec::new();
+        let mut eliminated = Vec::new();
+        for (index, role) in self.layout.polynomial.iter().chain([&self.layout.alpha]).enumerate() {
+            if *role == Role::Projected {
+                let at = linear.len();
+                linear.resize(at + count, 0.0);
+                self.gather(index, &ws.records, &mut linear[at..]);
+                eliminated.push(index);
+            }
+        }
+        Some(Linearisation { linear, eliminated, searched, residuals: ws.target, coefficients })
+    }
+}
+
+/// A joint fit linearised at a point.
+#[derive(Debug)]
+pub(in super::super) struct Linearisation {
+    /// Columns of the eliminated coefficients, one after the other.
+    pub(in super::super) linear: Vec<f64>,
+    /// Which coefficient each of them is: index of u^(index + 1), or the degree for α.
+    pub(in super::super) eliminated: Vec<usize>,
+    /// Derivatives along the searched numbers, one after the other.
+    pub(in super::super) searched: Vec<f64>,
+    /// Weighted residuals.
+    pub(in super::super) residuals: Vec<f64>,
+    /// Coefficients of u, u², … and α.
+    pub(in super::super) coefficients: Vec<f64>,
+}
+
+impl Problem for JointProblem {
+    type Workspace = JointWorkspace;
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    fn workspace(&self) -> JointWorkspace {
+        let degree = self.degree();
+        let parameters = self.layout.form.len();
+        let count = self.residual_count();
+        JointWorkspace {
+            records: self.records.iter().map(|record| record.workspace(degree, parameters)).collect(),
+            dynamics: Linearised::default(),
+            column: vec![0.0; count],
+            target: vec![0.0; count],
+            projection: Projection::new(count, degree + 1),
+        }
+    }
+
+    fn cost(&self, x: &[f64], ws: &mut JointWorkspace) -> f64 {
+        if self.eliminate(x, Derivatives::None, ws) { root_mean_square(&ws.target) } else { f64::INFINITY }
+    }
+
+    fn identity(&self) -> String {
+        self.identity.clone()
+    }
+}
+
+impl LeastSquaresProblem for JointProblem {
+    fn residual_count(&self) -> usize {
+        self.at.last().copied().unwrap_or(0)
+    }
+
+    fn residuals(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> bool {
+        let done = self.eliminate(x, Derivatives::None, ws);
+        out.copy_from_slice(&ws.target);
+        done
+    }
+
+    fn jacobian(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> Derivative {
+        if !self.eliminate(x, self.derivatives(), ws) {
+            return Derivative::Infeasible;
+        }
+        let coefficients = self.coefficients(x, ws);
+        self.differentiate(&coefficients, &mut ws.records, out);
+        let count = self.residual_count();
+        let projection = &ws.projection;
+        out.par_chunks_exact_mut(count).for_each(|column| {
+            projection.project(column);
+            column.iter_mut().for_each(|d| *d = -*d);
+        });
+        // A candidate is differentiable where every derivative is finite.
+        if out.par_chunks_exact(count).all(|column| dot(column, column).is_finite()) {
+            Derivative::Written
+        } else {
+            Derivative::Infeasible
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! Search box and starts of a joint fit.
+
+use super::super::layout::{BoxBuilder, Role};
+use super::super::options::{Choice, Options};
+use super::super::static_step::Scales;
+use super::super::{IdentifyError, RecordFacts, fingerprint};
+use super::campaign::JointMember;
+use super::problem::{JointLayout, JointProblem};
+use super::record::Before;
+use crate::dynamics::{DynamicForm, Dynamics, Modes};
+use crate::hysteresis::Hysteresis;
+use crate::model_file::polynomial_name;
+use crate::optimize::{Bounds, Range};
+
+/// Longest delay searched, in samples at least and as a share of the fastest period in the data at least.
+const LONGEST_DELAY_SAMPLES: f64 = 5.0;
+const LONGEST_DELAY_PERIODS: f64 = 0.1;
+
+/// Everything that a joint problem of any degree is made from.
+pub(in super::super) struct JointSetup<'a> {
+    pub(in super::super) members: &'a [JointMember<'a>],
+    pub(in super::super) scales: Scales,
+    pub(in super::super) form: DynamicForm,
+    pub(in super::super) options: &'a Options,
+    pub(in super::super) fastest_hz: f64,
+    pub(in super::super) rate_hz: f64,
+}
+
+/// Name of ζ(0) of a record in the search.
+pub(in super::super) fn memory_name(record: usize) -> String {
+    format!("memory_{}", record + 1)
+}
+
+impl<'a> JointSetup<'a> {
+    pub(in super::super) fn new(
+        members: &'a [JointMember<'a>],
+        form: DynamicForm,
+        options: &'a Options,
+    ) -> Self {
+        let facts: Vec<&RecordFacts> = members.iter().map(|member| member.facts).collect();
+        Self {
+            scales: Scales::of(&facts),
+            form,
+            options,
+            fastest_hz: facts.iter().map(|f| f.highest_frequency_hz()).fold(0.0, f64::max),
+            rate_hz: members.iter().map(|m| m.rate_hz).fold(0.0, f64::max),
+            members,
+        }
+    }
+
+    /// The problem of this polynomial degree, on reduced or on whole records.
+    pub(in super::super) fn problem(
+        &self,
+        degree: usize,
+        reduced: bool,
+    ) -> Result<JointProblem, IdentifyError> {
+        let (layout, bounds) = self.layout(degree);
+        // Weights such that the cost reads as RMSE in the output's unit where all records are equally noisy.
+        let (mut counted, mut information, mut samples) = (0.0, 0.0, 0.0);
+        for member in self.members {
+            let factor = if reduced { member.factor } else { 1 };
+            let scored = member.facts.scored(0).len() as f64 / factor as f64;
+            counted += scored;
+            information += scored * factor as f64 / (member.noise * member.noise);
+            samples += (member.facts.data.u.len().div_ceil(factor)) as f64;
+        }
+        let scale = (counted / information).sqrt() * (samples / counted).sqrt();
+        let records = self
+            .members
+            .iter()
+            .map(|member| member.prepare(reduced, scale, degree, self.options.scheme(), self.options))
+            .collect::<Result<Vec<_>, _>>()?;
+        let values = self
+            .members
+            .iter()
+            .flat_map(|m| m.facts.data.u.iter().chain(&m.facts.data.y).map(|x| x.to_bits()));
+        let identity = format!(
+            "joint {degree} {reduced} {:?} {layout:?} {:?} {:x}",
+            self.form,
+            self.options.scheme(),
+            fingerprint(values)
+        );
+        Ok(JointProblem::new(records, self.form.clone(), layout, bounds, identity))
+    }
+
+    fn layout(&self, degree: usize) -> (JointLayout, Bounds) {
+        let Scales { range_v, largest_v, slope, .. } = self.scales;
+        let demands = &self.options.demands;
+        let mut space = BoxBuilder::new(demands);
+        let polynomial = (1..=degree)
+            .map(|power| {
+                let unit = slope.abs() / largest_v.powi(power as i32 - 1);
+                space.projected(Range::linear(&polynomial_name(power), -4.0 * unit, 4.0 * unit))
+            })
+            .collect();
+        let alpha = space.projected(Range::linear("alpha", -2.0 * slope.abs(), 2.0 * slope.abs()));
+        let n = match self.options.n {
+            Choice::Given(n) if demands.bounded("n").is_none() => {
+                Role::Fixed(demands.fixed("n").unwrap_or(n))
+            }
+            _ => space.searched(Range::linear("n", 1.0, 4.0)),
+        };
+        // ζ saturates at (β' + γ')^(−1/n) V: with 20 / range the loop is a pure offset switch.
+        let steepest = 20.0 / range_v;
+        let high = match n {
+            Role::Fixed(n) => steepest.powf(n),
+            _ => steepest.max(steepest.powi(4)),
+        };
+        let beta = space.searched(Range::linear("beta", 0.0, high));
+        let gamma = space.searched(Range::linear("gamma", -high, high));
+        let form = self
+            .form
+            .parameters()
+            .iter()
+            .map(|parameter| space.searched(self.range(parameter.name)))
+            .collect();
+        let longest = (LONGEST_DELAY_SAMPLES / self.rate_hz).max(LONGEST_DELAY_PERIODS / self.fastest_hz);
+        let delay = match self.options.delay_s {
+            Choice::Given(delay) => Role::Fixed(delay),
+            Choice::Auto => space.searched(Range::linear("delay", 0.0, longest)),
+        };
+        let memory = self
+            .members
+            .iter()
+            .enumerate()
+            .map(|(index, member)| match member.before {
+                Before::Remembering => space.searched(Range::linear(&memory_name(index), -range_v, range_v)),
+                Before::Rest { .. } | Before::Periodic => Role::Fixed(0.0),
+            })
+            .collect();
+        let layout = JointLayout { polynomial, alpha, beta, gamma, n, form, delay, memory };
+        (layout, space.finish())
+    }
+
+    /// Search range of a parameter of the dynamics.
+    fn range(&self, name: &str) -> Range {
+        // A resonance shows in its flank, up to a decade above the fastest drive.
+        let low = (0.5 * self.fastest_hz).min(0.05 * self.rate_hz);
+        let high = (20.0 * self.fastest_hz).min(0.45 * self.rate_hz);
+        match name.trim_end_matches("_2") {
+            "natural_frequency" => Range::logarithmic(name, low, high),
+            "lag" => Range::logarithmic(name, 0.02 / self.rate_hz, 3.0 / self.fastest_hz),
+            "damping" => Range::logarithmic(name, 0.005, 20.0),
+            "order2" => Range::linear(name, 1.2, 2.6),
+            "order1" => Range::linear(name, 0.02, 1.6),
+            "order0" => Range::linear(name, 0.0, 0.5),
+            "creep" => Range::logarithmic(name, 1e-4, 1.0),
+            "creep_order" => Range::linear(name, 0.01, 0.6),
+            "share" => Range::linear(name, 0.0, 1.0),
+            _ => Range::linear(name, 0.0, 1.0),
+        }
+    }
+
+    /// Data-driven starts: loops of moderate and of greater width, resonances well above and near the drive; before them
+    /// the model to start from.
+    pub(in super::super) fn guesses(&self, bounds: &Bounds) -> Vec<Vec<f64>> {
+        let mut guesses = Vec::new();
+        if let Some(model) = &self.options.start {
+            let Hysteresis::BoucWen(b) = &model.hysteresis;
+            let unit = b.unit_shape();
+            let form = match &model.dynamics {
+                Dynamics::Fractional(g) | Dynamics::Integer(g) => g.second_order().ok(),
+                _ => None,
+            };
+            guesses.push(pick(bounds, |name| match name {
+                "alpha" => Some(b.alpha),
+                "beta" => Some(unit.beta),
+                "gamma" => Some(unit.gamma),
+                "n" => Some(b.n),
+                "delay" => Some(model.delay_s),
+                "natural_frequency" => form.map(|f| f.natural_frequency_hz),
+                "damping" => form.map(|f| f.damping),
+                "order2" => form.map(|f| f.alpha2),
+                "order1" => form.map(|f| f.alpha1),
+                name => (1..=b.polynomial.len())
+                    .find(|&i| polynomial_name(i) == name)
+                    .map(|i| b.polynomial[i - 1]),
+            }));
+        }
+        let steepest = 20.0 / self.scales.range_v;
+        for (width, place, damping, order1) in
+            [(1.0, 0.7, 0.3, 1.0), (3.0, 0.7, 0.1, 0.3), (2.0, 0.4, 0.7, 1.0), (1.0, 0.85, 0.1, 1.0)]
+        {
+            let second = place + 0.5 * (1.0 - place);
+            guesses.push(pick(bounds, |name| {
+                let at = |t: f64| bounds.ranges.iter().find(|r| r.name == name).map(|r| r.from_unit(t));
+                match name {
+                    "alpha" => Some(0.3 * self.scales.slope),
+                    "beta" => Some(width * steepest / 20.0),
+                    "gamma" => Some(0.2 * width * steepest / 20.0),
+                    "n" => Some(1.2),
+                    "delay" => Some(0.0),
+                    "natural_frequency" => at(place),
+                    "natural_frequency_2" => at(second),
+                    "damping" | "damping_2" => Some(damping),
+                    "order2" | "order2_2" => Some(2.0),
+                    "order1" | "order1_2" => Some(order1),
+                    "order0" => Some(0.02),
+                    "share" => Some(0.9),
+                    "creep" => Some(0.05),
+                    "creep_order" => Some(0.15),
+                    name if name.starts_with("memory_") => Some(0.0),
+                    _ => None,
+                }
+            }));
+        }
+        guesses
+    }
+}
+
+fn pick(bounds: &Bounds, value: impl Fn(&str) -> Option<f64>) -> Vec<f64> {
+    bounds
+        .ranges
+        .iter()
+        .map(|r| value(&r.name).unwrap_or_else(|| r.from_unit(0.5)).clamp(r.low, r.high))
+        .collect()
+}
+
+/// The dynamics that the user asked for, or what the records support.
+pub(in super::super) fn form(options: &Options) -> DynamicForm {
+    use super::super::options::DynamicsChoice;
+    let modes = match options.dynamics {
+        DynamicsChoice::None => Modes::None,
+        DynamicsChoice::Integer => Modes::Integer { order: options.order },
+        DynamicsChoice::FractionalFreeLowest => Modes::FractionalFreeLowest,
+        DynamicsChoice::TwoFractional => Modes::TwoFractional,
+        DynamicsChoice::Auto | DynamicsChoice::Fractional | DynamicsChoice::Arx => Modes::Fractional,
+    };
+    DynamicForm { modes, creep: options.creep }
+}

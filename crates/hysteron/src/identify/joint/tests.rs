@@ -1,0 +1,225 @@
+//! The joint problem against slow oracles.
+
+use super::super::layout::Role;
+use super::problem::{JointLayout, JointProblem};
+use super::record::{Before, Ingredients, JointRecord, Thinning};
+use crate::dynamics::{DynamicForm, Modes, Sampling, Scheme};
+use crate::optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range};
+use crate::record::InterSample;
+use std::f64::consts::TAU;
+
+/// Two records: a nested slow drive and a faster one, outputs that no model fits.
+fn records(scheme: Scheme, transients: bool, before: [Before; 2], factor: usize) -> Vec<JointRecord> {
+    let drives: [Vec<f64>; 2] = [
+        (0..600)
+            .map(|k| {
+                let t = k as f64 / 600.0;
+                4.0 * (1.0 - 0.6 * t) * (1.0 - (TAU * 3.0 * t).cos()) + 0.3
+            })
+            .collect(),
+        (0..480).map(|k| 5.0 + 4.0 * (TAU * (k as f64 / 480.0) * 6.0).sin()).collect(),
+    ];
+    drives
+        .iter()
+        .zip(before)
+        .enumerate()
+        .map(|(r, (drive, before))| {
+            let samples = drive.len().div_ceil(factor);
+            let output: Vec<f64> = drive
+                .iter()
+                .step_by(factor)
+                .enumerate()
+                .map(|(k, u)| 2.0 * u - 0.4 * (u * 0.9).sin() + 0.2 * (k as f64 * 0.11).cos() + r as f64)
+                .collect();
+            let weight = (0..samples).map(|k| if k % 37 == 5 { 0.0 } else { 1.0 + 0.5 * r as f64 }).collect();
+            let mut sampling = Sampling::of(scheme);
+            sampling.reconstruction = InterSample::Linear;
+            JointRecord::new(Ingredients {
+                drive,
+                thinning: Thinning::Pick(factor),
+                output: &output,
+                weight,
+                before,
+                transients,
+                offset_is_held: false,
+                nuisance: vec![(0..samples).map(|k| k as f64).collect()],
+                degree: 3,
+                dynamics: Some((1000.0 / factor as f64, scheme, sampling)),
+            })
+            .unwrap()
+        })
+        .collect()
+}
+
+fn problem(form: DynamicForm, n: Option<f64>, records: Vec<JointRecord>, memory: [bool; 2]) -> JointProblem {
+    let mut ranges: Vec<Range> = Vec::new();
+    let mut searched = |name: &str, low: f64, high: f64| {
+        ranges.push(Range::linear(name, low, high));
+        Role::Searched(ranges.len() - 1)
+    };
+    let beta = searched("beta", 0.0, 3.0);
+    let gamma = searched("gamma", -3.0, 3.0);
+    let n = match n {
+        Some(n) => Role::Fixed(n),
+        None => searched("n", 1.0, 4.0),
+    };
+    let form_roles = form
+        .parameters()
+        .iter()
+        .map(|p| {
+            let high = if p.name.starts_with("natural") { 1000.0 } else { 3.0 };
+            searched(p.name, 1e-4, high)
+        })
+        .collect();
+    let delay = searched("delay", 0.0, 0.05);
+    let memory = memory
+        .iter()
+        .enumerate()
+        .map(|(r, free)| if *free { searched(&format!("memory_{r}"), -5.0, 5.0) } else { Role::Fixed(0.0) })
+        .collect();
+    let layout = JointLayout {
+        polynomial: vec![Role::Projected, Role::Projected],
+        alpha: Role::Projected,
+        beta,
+        gamma,
+        n,
+        form: form_roles,
+        delay,
+        memory,
+    };
+    JointProblem::new(records, form, layout, Bounds { ranges }, String::new())
+}
+
+/// Sixth-order central difference of `f` at 0 with the step `h`.
+fn difference(h: f64, f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+    let at = |k: f64| f(k * h);
+    let (a, b, c) = ((at(1.0), at(-1.0)), (at(2.0), at(-2.0)), (at(3.0), at(-3.0)));
+    (0..a.0.len())
+        .map(|i| (45.0 * (a.0[i] - a.1[i]) - 9.0 * (b.0[i] - b.1[i]) + (c.0[i] - c.1[i])) / (60.0 * h))
+        .collect()
+}
+
+fn residuals(problem: &JointProblem, x: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; problem.residual_count()];
+    assert!(problem.residuals(x, &mut problem.workspace(), &mut out));
+    out
+}
+
+/// Kaufman's Jacobian is P⊥ times the derivative of the residual, since what it leaves out lies in the span of the columns.
+/// P⊥ itself is taken from the problem: the columns are read off its linearisation.
+fn check(problem: &JointProblem, x: &[f64]) {
+    let count = problem.residual_count();
+    let mut jacobian = vec![0.0; count * x.len()];
+    let written = problem.jacobian(x, &mut problem.workspace(), &mut jacobian);
+    assert_eq!(written, Derivative::Written);
+    let linearisation = problem.linearise(x).unwrap();
+    let mut basis = super::super::projection::Projection::new(count, 3);
+    for column in linearisation.linear.chunks_exact(count) {
+        basis.push(|q| q.copy_from_slice(column));
+    }
+    let gradient_of_cost = |j: usize, r: &[f64]| -> f64 {
+        jacobian[j * count..(j + 1) * count].iter().zip(r).map(|(a, b)| a * b).sum()
+    };
+    let r = residuals(problem, x);
+    for (j, range) in problem.bounds().ranges.iter().enumerate() {
+        // Small in the hysteresis, for where ζ passes 0 at a sample the second derivative jumps; not too small, for the
+        // transform's rounding grows along the record.
+        let hysteretic =
+            ["beta", "gamma", "n"].contains(&range.name.as_str()) || range.name.contains("memory");
+        let h = if hysteretic { 2e-4 } else { 5e-3 } * x[j].abs().max(1e-3 * range.high);
+        let by_steps = difference(h, |d| {
+            let mut at = x.to_vec();
+            at[j] += d;
+            residuals(problem, &at)
+        });
+        let mut projected = by_steps.clone();
+        basis.project(&mut projected);
+        // The residual also moves within the records' own local columns where these depend on the candidate; both
+        // Jacobians are compared where the fit lives.
+        let found = &jacobian[j * count..(j + 1) * count];
+        let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+        let size = norm(&mut found.iter().copied());
+        let off = norm(&mut found.iter().zip(&projected).map(|(a, b)| a - b));
+        assert!(off <= 1e-7 * size, "{}: {off:e} of {size:e}", range.name);
+        // The gradient of ½‖r‖² is exact.
+        let gradient = gradient_of_cost(j, &r);
+        let scalar: f64 = by_steps.iter().zip(&r).map(|(d, r)| d * r).sum();
+        let scale = size * norm(&mut r.iter().copied());
+        assert!((gradient - scalar).abs() <= 1e-7 * scale, "{}: {gradient} {scalar}", range.name);
+    }
+}
+
+fn fractional() -> DynamicForm {
+    DynamicForm { modes: Modes::Fractional, creep: false }
+}
+
+#[test]
+fn jacobian_agrees_with_differences_under_every_scheme() {
+    for scheme in [Scheme::Tustin, Scheme::BandLimited, Scheme::Bdf2, Scheme::GrunwaldLetnikov] {
+        let before = [Before::Remembering, Before::Rest { voltage_v: 1.0 }];
+        let problem = problem(fractional(), Some(1.0), records(scheme, false, before, 1), [true, false]);
+        // A delay of 3.4 samples: differences stay on one line between samples under the linear rule.
+        check(&problem, &[0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9]);
+    }
+}
+
+#[test]
+fn jacobian_agrees_with_differences_for_other_exponents() {
+    let before = [Before::Remembering, Before::Remembering];
+    for (n, x_n) in [(Some(2.0), None), (Some(1.5), None), (None, Some(1.7))] {
+        let problem = problem(
+            DynamicForm { modes: Modes::Integer { order: 2 }, creep: false },
+            n,
+            records(Scheme::BandLimited, false, before, 1),
+            [true, true],
+        );
+        let mut x = vec![0.35, 0.3];
+        x.extend(x_n);
+        x.extend([120.0, 0.4, 0.0034, 0.9, -0.8]);
+        check(&problem, &x);
+    }
+}
+
+#[test]
+fn jacobian_agrees_with_differences_for_reduced_records_and_creep() {
+    let before = [Before::Remembering, Before::Remembering];
+    let form = DynamicForm { modes: Modes::Fractional, creep: true };
+    let problem = problem(form, Some(1.0), records(Scheme::BandLimited, false, before, 4), [true, true]);
+    let mut x = vec![0.35, 0.3, 40.0, 0.4, 1.9, 0.9];
+    x.extend([0.06, 0.2, 0.0034, 0.9, -0.8]);
+    check(&problem, &x);
+}
+
+#[test]
+fn jacobian_agrees_with_differences_on_periodic_records() {
+    // Whole periods: 480 samples are 6 periods; the first record is left out.
+    let before = [Before::Remembering, Before::Periodic];
+    let records = records(Scheme::BandLimited, false, before, 1);
+    let problem = problem(fractional(), Some(1.0), records, [true, false]);
+    check(&problem, &[0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9]);
+}
+
+#[test]
+fn gradient_is_exact_with_transients() {
+    let before = [Before::Remembering, Before::Remembering];
+    let records = records(Scheme::Tustin, true, before, 1);
+    let problem = problem(fractional(), Some(1.0), records, [true, true]);
+    let x = [0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9, -0.8];
+    let count = problem.residual_count();
+    let mut jacobian = vec![0.0; count * x.len()];
+    assert_eq!(problem.jacobian(&x, &mut problem.workspace(), &mut jacobian), Derivative::Written);
+    let r = residuals(&problem, &x);
+    for (j, range) in problem.bounds().ranges.iter().enumerate() {
+        let h = 2e-3 * x[j].abs();
+        let cost = |d: f64| {
+            let mut at = x.to_vec();
+            at[j] += d;
+            vec![residuals(&problem, &at).iter().map(|r| 0.5 * r * r).sum::<f64>()]
+        };
+        let by_steps = difference(h, cost)[0];
+        let column = &jacobian[j * count..(j + 1) * count];
+        let gradient: f64 = column.iter().zip(&r).map(|(d, r)| d * r).sum();
+        let scale: f64 = column.iter().zip(&r).map(|(d, r)| (d * r).abs()).sum();
+        assert!((gradient - by_steps).abs() <= 1e-7 * scale, "{}: {gradient} {by_steps}", range.name);
+    }
+}
