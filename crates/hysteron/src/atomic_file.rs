@@ -139,7 +139,8 @@ mod tests {
 
     #[test]
     fn what_could_not_be_written_is_found_beforehand_without_a_trace() {
-        let folder = tempfile::tempdir().unwrap();
+        // A folder whose own name is not that of a temporary file.
+        let folder = tempfile::Builder::new().prefix("folder").tempdir().unwrap();
         let path = folder.path().join("a.txt");
         check_writable(&path).unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);

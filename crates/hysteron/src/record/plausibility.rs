@@ -101,7 +101,7 @@ mod tests {
     fn record(stroke_um: f64, volts: f64, slower: f64) -> InputOutput {
         let angle = |k: i32| std::f64::consts::TAU * f64::from(k) / 200.0;
         let u = (0..2000).map(|k| 0.5 * volts * (1.0 - angle(k).cos())).collect();
-        let y = (0..2000).map(|k| 0.5 * stroke_um * (1.0 - (angle(k) - 0.1).cos())).collect();
+        let y = (0..2000).map(|k| 0.5 * stroke_um * (1.0 - angle(k - 3).cos())).collect();
         let mut data = InputOutput::new("r", TimeBase::uniform(200.0 / slower), u, y).unwrap();
         (data.u_unit, data.y_unit) = (Unit::new("V"), Unit::new("um"));
         data
