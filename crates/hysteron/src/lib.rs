@@ -68,6 +68,7 @@ pub mod display;
 pub mod dynamics;
 pub mod excitation;
 pub mod fractional;
+pub mod frequency_response;
 pub mod hammerstein;
 pub mod hysteresis;
 pub mod identify;

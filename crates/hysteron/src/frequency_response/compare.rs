@@ -1,0 +1,147 @@
+//! The structures that answer a question, fitted and told apart.
+
+use super::explain::explain;
+use super::{
+    Core, FrequencyResponse, FrequencyResponseError, ResponseFit, Structure, Weighting, fit_structure,
+};
+
+/// Most modes tried.
+const MOST_MODES: usize = 12;
+/// Numbers of modes in a row that bring nothing before no more are tried.
+const PATIENCE: usize = 2;
+/// A maximum of the magnitude this many times above what lies on both sides of it is a resonance.
+const PROMINENCE: f64 = 1.3;
+
+/// A structure fitted for comparison.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Short name, e.g. `loss angle`.
+    pub name: String,
+    /// The fit.
+    pub fit: ResponseFit,
+    /// What it explains and what it leaves, in plain words.
+    pub explanation: String,
+}
+
+/// A kind of structure, as people ask for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// K s^{−μ}.
+    PowerLaw,
+    /// A fractional lag; where there is a resonance, the form of article Eq. 13 with delay.
+    Fractional,
+    /// Poles and zeros, as many parameters as [`Family::Fractional`].
+    Integer,
+    /// A power law with a loss angle.
+    LossAngle,
+    /// Resonances times a power law, with delay; without the power law; and with a loss angle.
+    Modes,
+}
+
+impl Family {
+    /// What tells apart the structures of this response: modes where it has a resonance, else those of a smooth response.
+    pub fn for_response(response: &FrequencyResponse) -> Vec<Self> {
+        if has_resonance(response) {
+            vec![Self::PowerLaw, Self::Fractional, Self::Integer, Self::Modes]
+        } else {
+            vec![Self::PowerLaw, Self::Fractional, Self::Integer, Self::LossAngle]
+        }
+    }
+}
+
+/// Whether the magnitude has a maximum inside the band that stands out on both sides by a factor of 1.3.
+pub fn has_resonance(response: &FrequencyResponse) -> bool {
+    let magnitudes: Vec<f64> = response.values.iter().map(|g| g.norm()).collect();
+    let lowest = |part: &[f64]| part.iter().copied().fold(f64::INFINITY, f64::min);
+    (1..magnitudes.len().saturating_sub(1)).any(|i| {
+        let (before, after) = magnitudes.split_at(i);
+        let side = PROMINENCE * lowest(before).max(lowest(&after[1..]));
+        magnitudes[i] > side
+    })
+}
+
+/// Fits the structures of the families in order. `modes`: their number; `None` takes the one with the least Bayesian
+/// criterion (2N ln(Σ|w e|²/2N) + k ln 2N).
+///
+/// # Errors
+/// As [`fit_structure`].
+pub fn compare(
+    response: &FrequencyResponse,
+    weighting: Weighting,
+    families: &[Family],
+    modes: Option<usize>,
+) -> Result<Vec<Candidate>, FrequencyResponseError> {
+    let mut candidates: Vec<Candidate> = Vec::new();
+    let mut add = |name: String, fit: ResponseFit| {
+        let explanation = explain(&fit, response);
+        candidates.push(Candidate { name, fit, explanation });
+    };
+    let resonant = has_resonance(response);
+    for family in families {
+        let (name, structure) = match family {
+            Family::PowerLaw => ("power law", Structure::POWER_LAW),
+            Family::LossAngle => ("loss angle", Structure::LOSS_ANGLE),
+            Family::Fractional if resonant => {
+                ("fractional", Structure::of(Core::FractionalOscillator).with_delay())
+            }
+            Family::Fractional => ("fractional", Structure::FRACTIONAL_LAG),
+            Family::Integer if resonant => {
+                ("integer", Structure::of(Core::Rational { poles: 2, direct: true }).with_delay())
+            }
+            Family::Integer => ("integer", Structure::LEAD_LAG),
+            Family::Modes => {
+                let best = modal(response, weighting, modes)?;
+                let count = best.structure.core_count() / 2;
+                let with = |power_law, loss_angle| Structure { power_law, loss_angle, ..best.structure };
+                let plain = fit_structure(response, &with(false, false), weighting)?;
+                let lossy = fit_structure(response, &with(true, true), weighting)?;
+                let plural = if count == 1 { "mode" } else { "modes" };
+                add(format!("{count} {plural}"), plain);
+                add(format!("{count} {plural}, power law"), best);
+                add(format!("{count} {plural}, power law, loss angle"), lossy);
+                continue;
+            }
+        };
+        add(name.to_owned(), fit_structure(response, &structure, weighting)?);
+    }
+    Ok(candidates)
+}
+
+/// Modes times a power law with delay.
+fn modal(
+    response: &FrequencyResponse,
+    weighting: Weighting,
+    modes: Option<usize>,
+) -> Result<ResponseFit, FrequencyResponseError> {
+    let structure = |modes: usize| {
+        let core = Core::Rational { poles: modes.saturating_mul(2), direct: true };
+        Structure::of(core).with_power_law().with_delay()
+    };
+    if let Some(modes) = modes {
+        return fit_structure(response, &structure(modes), weighting);
+    }
+    let mut best = fit_structure(response, &structure(1), weighting)?;
+    let mut since = 0;
+    for modes in 2..=MOST_MODES {
+        let next = structure(modes);
+        if 2 * response.len() <= 2 * next.parameter_count() || since >= PATIENCE {
+            break;
+        }
+        let fit = fit_structure(response, &next, weighting)?;
+        if bayes(&fit) < bayes(&best) {
+            best = fit;
+            since = 0;
+        } else {
+            since += 1;
+        }
+    }
+    Ok(best)
+}
+
+/// Akaike's criterion with the penalty of Schwarz (1978, doi:10.1214/aos/1176344136).
+fn bayes(fit: &ResponseFit) -> f64 {
+    fit.aic + fit.parameters.len() as f64 * ((2.0 * fit.points as f64).ln() - 2.0)
+}
+
+#[cfg(test)]
+mod tests;
