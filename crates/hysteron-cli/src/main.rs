@@ -13,6 +13,7 @@ mod completions;
 mod console;
 mod excite;
 mod failure;
+mod frequency_response;
 mod identify;
 mod inspect;
 mod interrupt;
@@ -46,6 +47,7 @@ enum Command {
     Identify(Box<identify::Identify>),
     Inspect(inspect::Inspect),
     Validate(validate::Validate),
+    FrequencyResponse(Box<frequency_response::FrequencyResponseCommand>),
     Simulate(simulate::Simulate),
     Excite(excite::Excite),
     Rig(rig::Rig),
@@ -60,6 +62,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Identify(c) => c.run(),
         Command::Inspect(c) => c.run(),
         Command::Validate(c) => c.run(),
+        Command::FrequencyResponse(c) => c.run(),
         Command::Simulate(c) => c.run(),
         Command::Excite(c) => c.run(),
         Command::Rig(c) => c.run(),

@@ -58,7 +58,7 @@ pub fn read_input_output_bytes(
     selected(name, bytes, options)
 }
 
-fn open(path: &Path) -> Result<File, IoError> {
+pub(crate) fn open(path: &Path) -> Result<File, IoError> {
     let failed = |source| IoError::Open { file: path.display().to_string(), source };
     let file = File::open(path).map_err(failed)?;
     if file.metadata().map_err(failed)?.is_dir() {
@@ -89,6 +89,19 @@ impl Kept {
 }
 
 fn read(file: &str, source: impl Read, options: &ReadOptions) -> Result<(Record, ChannelChoice), IoError> {
+    let (table, sha256) =
+        read_table(file, source, options, |line, fields| Header::new(file, line, fields, options))?;
+    let choice = table.choice();
+    Ok((table.into_record(sha256, options.sample_rate_hz)?, choice))
+}
+
+/// Reads the rows below a header that `understand` makes of the header's line number and fields; and the file's SHA-256.
+pub(crate) fn read_table(
+    file: &str,
+    source: impl Read,
+    options: &ReadOptions,
+    understand: impl FnOnce(u64, &[Vec<u8>]) -> Result<Header, IoError>,
+) -> Result<(Table, String), IoError> {
     let mut lines = Lines::new(file, source, options.max_bytes);
     let mut delimiter = options.delimiter;
     let (first, comment) = next_fields(&mut lines, &mut delimiter)?;
@@ -114,11 +127,10 @@ fn read(file: &str, source: impl Read, options: &ReadOptions) -> Result<(Record,
             suggestion: suggested_header(fields.len(), delimiter),
         });
     }
-    let header = Header::new(file, header_line.number, &fields, options)?;
+    let header = understand(header_line.number, &fields)?;
     let Some(first_row) = first_row else {
         return Err(IoError::HeaderOnly { file: file.to_string(), line: header_line.number });
     };
-    let choice = ChannelChoice { input: header.input.clone(), output: header.output.clone() };
     let mut table = Table::new(file, header, delimiter, options.max_values);
     table.push_row(first_row.line())?;
     while let Some(line) = lines.next_line()? {
@@ -126,8 +138,7 @@ fn read(file: &str, source: impl Read, options: &ReadOptions) -> Result<(Record,
             table.push_row(line)?;
         }
     }
-    let record = table.into_record(lines.sha256(), options.sample_rate_hz)?;
-    Ok((record, choice))
+    Ok((table, lines.sha256()))
 }
 
 /// Next line that has fields, and the comment line last seen on the way. A `sep=` line sets the delimiter.

@@ -1,6 +1,7 @@
 //! What can be wrong with a file. Lines and columns count from 1, as editors do.
 
 use hysteron::atomic_file::AtomicWriteError;
+use hysteron::frequency_response::FrequencyResponseError;
 use hysteron::record::RecordError;
 
 /// Why a file could not be read as a record, or a record not written.
@@ -233,6 +234,76 @@ pub enum IoError {
         line: u64,
         /// The column that gives it away.
         column: String,
+    },
+    /// No frequency column where a frequency response is wanted.
+    #[error(
+        "`{file}`, line {line}: no frequency among the columns {found}; expected columns such as `f_Hz,re,im` or `f_Hz,magnitude,phase_deg`"
+    )]
+    NoFrequency {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// The columns found.
+        found: String,
+    },
+    /// Frequencies without a complex value.
+    #[error(
+        "`{file}`, line {line}: no complex response among the columns {found}; expected real and imaginary part (`re,im`, `stage_re,stage_im`) or magnitude and phase (`magnitude,phase_deg`, `magnitude_dB,phase_rad`)"
+    )]
+    NoResponse {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// The columns found.
+        found: String,
+    },
+    /// Several responses, or none of the name asked for.
+    #[error("`{file}`, line {line}: {problem}; the responses are {available}; choose one with {flag}")]
+    ChooseResponse {
+        /// The file.
+        file: String,
+        /// Line of the header.
+        line: u64,
+        /// What is the matter.
+        problem: String,
+        /// Names of the responses.
+        available: String,
+        /// The flag that decides.
+        flag: &'static str,
+    },
+    /// A frequency that is not positive.
+    #[error(
+        "`{file}`, line {line}, column {column} (`{name}`): found `{found}`, expected a frequency above 0; delete the line"
+    )]
+    BadFrequency {
+        /// The file.
+        file: String,
+        /// The line.
+        line: u64,
+        /// The column.
+        column: usize,
+        /// Its name.
+        name: String,
+        /// The text found.
+        found: String,
+    },
+    /// Two lines at one frequency.
+    #[error("`{file}`: two lines at {frequency_hz} Hz; average them or delete one")]
+    RepeatedFrequency {
+        /// The file.
+        file: String,
+        /// The frequency \[Hz\].
+        frequency_hz: f64,
+    },
+    /// What was read is not a usable frequency response.
+    #[error("`{file}`: {source}")]
+    Response {
+        /// The file.
+        file: String,
+        /// What is wrong with it.
+        source: Box<FrequencyResponseError>,
     },
     /// No channel besides time and mask.
     #[error(

@@ -21,6 +21,8 @@ pub(crate) enum ColumnRole {
     /// Time; the factor makes seconds of it.
     Time(f64),
     Mask,
+    /// Frequency, positive; the factor makes hertz of it. Of a frequency response, never of a record.
+    Frequency(f64),
     Channel,
     /// Not read.
     Skipped,
@@ -83,7 +85,7 @@ impl Header {
 }
 
 /// Names and units, checked; all roles still open.
-fn named_columns(file: &str, line: u64, fields: &[Vec<u8>]) -> Result<Vec<Column>, IoError> {
+pub(crate) fn named_columns(file: &str, line: u64, fields: &[Vec<u8>]) -> Result<Vec<Column>, IoError> {
     if fields.len() > MAX_COLUMNS {
         return Err(IoError::TooManyColumns {
             file: file.to_string(),
@@ -234,7 +236,7 @@ fn is_spectral(column: &Column) -> bool {
         || (["Hz", "kHz", "MHz"].contains(&column.unit.symbol()) && !name.starts_with(['u', 'y']))
 }
 
-fn list(columns: &[Column]) -> String {
+pub(crate) fn list(columns: &[Column]) -> String {
     let names: Vec<String> =
         columns.iter().filter(|c| !c.header.is_empty()).map(|c| format!("`{}`", c.header)).collect();
     names.join(", ")

@@ -16,12 +16,15 @@
 //!   Stamps must not decrease; equal ones are accepted and make the time base non-uniform.
 //! * A column `valid` of 0 and 1 is the sample mask. All other columns are channels and must be numbers; where both input and output are
 //!   chosen, only these are read.
+//!
+//! A measured frequency response is read by [`read_frequency_response`], by the same rules for text and numbers.
 #![forbid(unsafe_code)]
 
 mod csv_read;
 mod csv_write;
 mod dialect;
 mod error;
+mod frequency_response;
 mod header;
 mod lines;
 mod options;
@@ -30,4 +33,5 @@ mod table;
 pub use csv_read::{ReadOutcome, read_csv, read_csv_bytes, read_input_output, read_input_output_bytes};
 pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
+pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};
 pub use options::ReadOptions;

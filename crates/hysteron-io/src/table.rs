@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hysteron::record::{Channel, Record, RecordError, Source, TimeBase};
+use hysteron::record::{Channel, ChannelChoice, Record, RecordError, Source, TimeBase};
 
 use crate::IoError;
 use crate::dialect::{loosely_number, split_fields};
@@ -109,6 +109,18 @@ impl Table {
                         name: self.name(column),
                         before,
                         after: value,
+                    });
+                }
+            }
+            ColumnRole::Frequency(factor) => {
+                value *= factor;
+                if value <= 0.0 {
+                    return Err(IoError::BadFrequency {
+                        file: self.file.clone(),
+                        line: line.number,
+                        column: column + 1,
+                        name: self.name(column),
+                        found: shown(field),
                     });
                 }
             }
@@ -222,6 +234,16 @@ impl Table {
         self.header.columns.get(column).map(|c| c.header.clone()).unwrap_or_default()
     }
 
+    /// Channels chosen by the options.
+    pub fn choice(&self) -> ChannelChoice {
+        ChannelChoice { input: self.header.input.clone(), output: self.header.output.clone() }
+    }
+
+    /// The numbers of every column that was read, in the order of the file; empty for the others.
+    pub fn into_columns(self) -> Vec<Vec<f64>> {
+        self.columns
+    }
+
     /// The record, after the last line.
     pub fn into_record(self, sha256: String, sample_rate_hz: Option<f64>) -> Result<Record, IoError> {
         if self.rows < 2 {
@@ -239,7 +261,7 @@ impl Table {
                 ColumnRole::Channel => {
                     channels.push(Channel { name: column.name, unit: column.unit, samples });
                 }
-                ColumnRole::Skipped => {}
+                ColumnRole::Frequency(_) | ColumnRole::Skipped => {}
             }
         }
         let failed = |source: RecordError| IoError::Record { file: file.clone(), source: Box::new(source) };

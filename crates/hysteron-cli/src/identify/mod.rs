@@ -4,6 +4,8 @@ mod outcome;
 mod report;
 mod written;
 
+pub use written::command_line;
+
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};

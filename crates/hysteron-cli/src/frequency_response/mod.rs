@@ -1,0 +1,204 @@
+//! `hysteron frequency-response`: structures fitted to a measured frequency response, and told apart.
+
+mod empirical;
+mod model;
+mod report;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use hysteron::frequency_response::empirical::{EmpiricalOptions, EmpiricalResponse, empirical_response};
+use hysteron::frequency_response::{Candidate, Family, FrequencyResponse, Weighting, compare};
+use hysteron_io::{IoError, ResponseOptions, read_csv, read_frequency_response};
+use hysteron_report::write_page;
+
+use crate::columns::{ColumnFlags, positive};
+use crate::console;
+use crate::failure::Failure;
+
+/// Fit structures to a measured frequency response, or to records of periodic multisines, and say what each explains.
+#[derive(Args)]
+#[command(
+    after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; with a column std every point counts by its \
+    uncertainty, else by its relative error. Several responses in one file (stage_re,stage_im,ampV_re,…) are chosen by name. \
+    Records of one multisine (same lines, other phases) give the response, its noise and its distortion.\n\n\
+    Example: hysteron frequency-response frf.csv --response stage --over ampV --band 1:30 --report frf.html\n\
+    Example: hysteron frequency-response run1.csv run2.csv run3.csv --structure modes -o model.json"
+)]
+pub struct FrequencyResponseCommand {
+    /// One file with a frequency response, or records of periodic multisines
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+
+    /// Structure to fit (repeatable); auto: those that answer what lies behind this response
+    #[arg(long = "structure", value_enum, default_values_t = [StructureArg::Auto])]
+    structures: Vec<StructureArg>,
+
+    /// Number of modes [default: as many as the response supports]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
+    modes: Option<u8>,
+
+    /// Use the points between two frequencies in Hz only
+    #[arg(long, value_name = "LOW:HIGH", value_parser = band)]
+    band: Option<(f64, f64)>,
+
+    /// Response to take, where the file has several
+    #[arg(long, value_name = "NAME")]
+    response: Option<String>,
+
+    /// Response of the same file to divide by, e.g. the amplifier's
+    #[arg(long, value_name = "NAME")]
+    over: Option<String>,
+
+    /// Unit of the response, where the file does not give it, e.g. um_per_V
+    #[arg(long, value_name = "UNIT")]
+    unit: Option<String>,
+
+    /// Records: length of a period in seconds [default: found from the input]
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    period: Option<f64>,
+
+    /// Records: periods left out at the start of each [default: those in which the output settles]
+    #[arg(long, value_name = "N")]
+    settling: Option<usize>,
+
+    /// Model file to write: the structure with the lowest AIC among those that a model file can hold
+    #[arg(short, long = "output-model", value_name = "MODEL.json")]
+    out: Option<PathBuf>,
+
+    /// Write a self-contained HTML report
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    columns: ColumnFlags,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum StructureArg {
+    /// What tells apart the structures of this response
+    Auto,
+    /// b/(s^α₂ + c₁ s^α₁ + c₀) with delay, or a fractional lag where there is no resonance
+    Fractional,
+    /// Poles and zeros, as many parameters as the fractional one
+    Integer,
+    /// K s^−μ
+    PowerLaw,
+    /// K s^−μ with a constant extra phase, as hysteresis leaves it
+    LossAngle,
+    /// Resonances times a power law, with delay
+    Modes,
+}
+
+/// What was measured and what was fitted.
+struct Found {
+    response: FrequencyResponse,
+    empirical: Option<EmpiricalResponse>,
+    candidates: Vec<Candidate>,
+}
+
+impl FrequencyResponseCommand {
+    pub fn run(&self) -> Result<(), Failure> {
+        let (measured, empirical) = self.measured()?;
+        let response = self.prepared(measured)?;
+        let weighting = Weighting::of(&response);
+        let families = self.families(&response);
+        let candidates = compare(&response, weighting, &families, self.modes.map(usize::from))
+            .map_err(|e| Failure::new("cannot fit the frequency response").because(e))?;
+        let found = Found { response, empirical, candidates };
+        let written = self.out.as_deref().map(|path| model::write(path, &found)).transpose()?;
+        if let Some(path) = &self.report {
+            write_page(path, &report::page(&found)).map_err(|e| {
+                Failure::new(format!("cannot write the report {}", path.display())).because(e)
+            })?;
+            console::message(&format!("report written to {}", path.display()));
+        }
+        if let Some(text) = written {
+            console::message(&text);
+        }
+        if self.json { console::json(&text::summary(&found)) } else { console::result(&text::text(&found)) }
+    }
+
+    fn families(&self, response: &FrequencyResponse) -> Vec<Family> {
+        let of = |arg: &StructureArg| match arg {
+            StructureArg::Auto => Family::for_response(response),
+            StructureArg::Fractional => vec![Family::Fractional],
+            StructureArg::Integer => vec![Family::Integer],
+            StructureArg::PowerLaw => vec![Family::PowerLaw],
+            StructureArg::LossAngle => vec![Family::LossAngle],
+            StructureArg::Modes => vec![Family::Modes],
+        };
+        let mut families: Vec<Family> = Vec::new();
+        for family in self.structures.iter().flat_map(of) {
+            if !families.contains(&family) {
+                families.push(family);
+            }
+        }
+        families
+    }
+
+    /// The response of a file, or that of the records.
+    fn measured(&self) -> Result<(FrequencyResponse, Option<EmpiricalResponse>), Failure> {
+        if let [file] = self.files.as_slice()
+            && self.is_response(file)
+        {
+            let options = ResponseOptions {
+                response: self.response.clone(),
+                over: self.over.clone(),
+                max_bytes: Some(self.columns.options().max_bytes),
+            };
+            let response = read_frequency_response(file, &options).map_err(|e| {
+                Failure::new(format!("cannot read the frequency response {}", file.display())).because(e)
+            })?;
+            return Ok((response, None));
+        }
+        if self.response.is_some() || self.over.is_some() {
+            return Err(Failure::usage(
+                "--response and --over choose among the columns of one file with a frequency response; these files are records",
+            ));
+        }
+        let records = self.files.iter().map(|path| self.columns.read(path)).collect::<Result<Vec<_>, _>>()?;
+        let options = EmpiricalOptions { period_s: self.period, settling_periods: self.settling };
+        let found = empirical_response(&records, &options).map_err(|e| {
+            Failure::new("cannot take a frequency response from the records").because(e).hint(
+                "play a multisine (hysteron excite multisine) of at least two periods, and again with other seeds to tell distortion \
+                 from noise",
+            )
+        })?;
+        Ok((found.response.clone(), Some(found)))
+    }
+
+    fn is_response(&self, file: &Path) -> bool {
+        let named = self.response.is_some() || self.over.is_some();
+        named || matches!(read_csv(file, &self.columns.options()), Err(IoError::FrequencyResponse { .. }))
+    }
+
+    /// In the band and with the unit asked for.
+    fn prepared(&self, mut response: FrequencyResponse) -> Result<FrequencyResponse, Failure> {
+        if let Some(unit) = &self.unit {
+            response.unit.clone_from(unit);
+        }
+        let Some((low, high)) = self.band else { return Ok(response) };
+        let whole = response.range_hz();
+        let part = response.band(low, high);
+        if part.is_empty() {
+            return Err(Failure::new(format!("no point of the response lies between {low} and {high} Hz"))
+                .because(format!("its points lie between {} and {} Hz", whole.0, whole.1)));
+        }
+        Ok(part)
+    }
+}
+
+/// Parses LOW:HIGH.
+fn band(text: &str) -> Result<(f64, f64), String> {
+    let ends = text.split_once(':').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
+    match ends {
+        Some((low, high)) if 0.0 <= low && low < high && high < f64::INFINITY => Ok((low, high)),
+        _ => Err("expected LOW:HIGH in Hz, e.g. 1:30".into()),
+    }
+}

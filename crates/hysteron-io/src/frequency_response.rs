@@ -1,0 +1,274 @@
+//! CSV file to frequency response.
+
+use std::io::Read;
+use std::path::Path;
+
+use hysteron::frequency_response::FrequencyResponse;
+use hysteron::numeric::Complex64;
+use hysteron::record::{Source, Unit, split_header};
+
+use crate::csv_read::{open, read_table};
+use crate::header::{Column, ColumnRole, Header, list, named_columns};
+use crate::{IoError, ReadOptions};
+
+/// Which of a file's responses is wanted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ResponseOptions {
+    /// Name of the response, what its columns have before `_re`, `_im` and the like (`--response`); needed where there are
+    /// several.
+    pub response: Option<String>,
+    /// Name of a response that it is divided by (`--over`), e.g. an amplifier's, measured from the same command.
+    pub over: Option<String>,
+    /// Largest file read \[bytes\]; `None`: as for records.
+    pub max_bytes: Option<u64>,
+}
+
+/// Reads a frequency response.
+///
+/// Columns: frequency `f`, `freq` or `frequency` in Hz (or `f_kHz`, `f_MHz`, `omega_rad_per_s`); real and imaginary part `re`,
+/// `im`, or magnitude and phase `magnitude` (`magnitude_dB`), `phase_deg` (`phase_rad`), each behind a name and an
+/// underscore where there are several responses (`stage_re`, `ampV_re`); with or without a standard deviation `std`
+/// (√E|error|², of the complex value). A unit stands at the end (`re_um_per_V`). Other columns are not read. Lines may be
+/// in any order; frequencies must differ and be above 0.
+///
+/// # Errors
+/// Any [`IoError`]; it names the file, and line and column where there are any.
+pub fn read_frequency_response(path: &Path, options: &ResponseOptions) -> Result<FrequencyResponse, IoError> {
+    read(&path.display().to_string(), open(path)?, options)
+}
+
+/// [`read_frequency_response`] from memory; `name` stands for the file in messages.
+///
+/// # Errors
+/// As [`read_frequency_response`].
+pub fn read_frequency_response_bytes(
+    name: &str,
+    bytes: &[u8],
+    options: &ResponseOptions,
+) -> Result<FrequencyResponse, IoError> {
+    read(name, bytes, options)
+}
+
+fn read(file: &str, source: impl Read, options: &ResponseOptions) -> Result<FrequencyResponse, IoError> {
+    let defaults = ReadOptions::default();
+    let text = ReadOptions { max_bytes: options.max_bytes.unwrap_or(defaults.max_bytes), ..defaults };
+    let mut wanted = None;
+    let (table, sha256) = read_table(file, source, &text, |line, fields| {
+        let columns = named_columns(file, line, fields)?;
+        let layout = Layout::new(file, line, &columns, options)?;
+        let header = Header { columns: layout.with_roles(columns), line, input: None, output: None };
+        wanted = Some(layout);
+        Ok(header)
+    })?;
+    let columns = table.into_columns();
+    let Some(layout) = wanted else { return Err(IoError::Empty { file: file.to_string() }) };
+    let source = Source { path: file.to_string(), sha256 };
+    let failed = |source| IoError::Response { file: file.to_string(), source: Box::new(source) };
+    let mut response = layout.response.assemble(file, &columns, layout.frequency.0)?;
+    if let Some(over) = &layout.over {
+        response = response.over(&over.assemble(file, &columns, layout.frequency.0)?).map_err(failed)?;
+    }
+    response.source = Some(source);
+    Ok(response)
+}
+
+/// The part of a complex number that a column holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    Real,
+    Imaginary,
+    Magnitude,
+    Decibels,
+    /// The factor makes radians of it.
+    Phase(f64),
+    Deviation,
+}
+
+/// The columns of one response.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    name: String,
+    unit: String,
+    parts: Vec<(Part, usize)>,
+}
+
+/// Where frequency and the wanted responses stand.
+struct Layout {
+    /// Column, and the factor that makes hertz of it.
+    frequency: (usize, f64),
+    response: Group,
+    over: Option<Group>,
+}
+
+impl Layout {
+    fn new(file: &str, line: u64, columns: &[Column], options: &ResponseOptions) -> Result<Self, IoError> {
+        let file = || file.to_string();
+        let frequency = columns.iter().enumerate().find_map(|(i, c)| Some((i, hertz(c)?)));
+        let Some(frequency) = frequency else {
+            return Err(IoError::NoFrequency { file: file(), line, found: list(columns) });
+        };
+        let mut groups: Vec<Group> = Vec::new();
+        for (i, column) in columns.iter().enumerate().filter(|(i, _)| *i != frequency.0) {
+            let Some((name, part, unit)) = part_of(column) else { continue };
+            let index = groups.iter().position(|g| g.name == name).unwrap_or_else(|| {
+                groups.push(Group { name, ..Group::default() });
+                groups.len() - 1
+            });
+            let group = &mut groups[index];
+            if group.unit.is_empty() {
+                group.unit = unit;
+            }
+            group.parts.push((part, i));
+        }
+        groups.retain(Group::is_complete);
+        if groups.is_empty() {
+            return Err(IoError::NoResponse { file: file(), line, found: list(columns) });
+        }
+        let available = groups.iter().map(|g| format!("`{}`", g.shown_name())).collect::<Vec<_>>().join(", ");
+        let choose = |problem: String, flag| IoError::ChooseResponse {
+            file: file(),
+            line,
+            problem,
+            available: available.clone(),
+            flag,
+        };
+        let named = |asked: &str, flag| {
+            let same = |g: &&Group| g.shown_name() == asked.trim();
+            let found = groups.iter().find(same).cloned();
+            found.ok_or_else(|| choose(format!("no response `{}` ({flag})", asked.trim()), flag))
+        };
+        let response = match (&options.response, groups.as_slice()) {
+            (Some(asked), _) => named(asked, "--response")?,
+            (None, [only]) => only.clone(),
+            _ => return Err(choose(format!("{} responses", groups.len()), "--response")),
+        };
+        let over = options.over.as_deref().map(|asked| named(asked, "--over")).transpose()?;
+        Ok(Self { frequency, response, over })
+    }
+
+    fn with_roles(&self, mut columns: Vec<Column>) -> Vec<Column> {
+        let read = |i: usize| {
+            [Some(&self.response), self.over.as_ref()]
+                .into_iter()
+                .flatten()
+                .any(|group| group.parts.iter().any(|(_, column)| *column == i))
+        };
+        for (i, column) in columns.iter_mut().enumerate() {
+            if i == self.frequency.0 {
+                column.role = ColumnRole::Frequency(self.frequency.1);
+            } else if read(i) {
+                column.role = ColumnRole::Channel;
+            }
+        }
+        columns
+    }
+}
+
+impl Group {
+    /// Column of a part.
+    fn column(&self, is: impl Fn(Part) -> bool) -> Option<(Part, usize)> {
+        self.parts.iter().find(|(part, _)| is(*part)).copied()
+    }
+
+    fn magnitude(&self) -> Option<(Part, usize)> {
+        self.column(|p| matches!(p, Part::Magnitude | Part::Decibels))
+    }
+
+    fn phase(&self) -> Option<(Part, usize)> {
+        self.column(|p| matches!(p, Part::Phase(_)))
+    }
+
+    fn is_complete(&self) -> bool {
+        let has = |part| self.column(|p| p == part).is_some();
+        has(Part::Real) && has(Part::Imaginary) || self.magnitude().is_some() && self.phase().is_some()
+    }
+
+    fn shown_name(&self) -> &str {
+        if self.name.is_empty() { "response" } else { &self.name }
+    }
+
+    fn assemble(
+        &self,
+        file: &str,
+        columns: &[Vec<f64>],
+        frequency: usize,
+    ) -> Result<FrequencyResponse, IoError> {
+        let column = |i: usize| columns.get(i).map_or(&[][..], Vec::as_slice);
+        let of = |part| self.column(|p| p == part).map(|(_, i)| column(i));
+        let values: Vec<Complex64> = match (of(Part::Real), of(Part::Imaginary)) {
+            (Some(re), Some(im)) => re.iter().zip(im).map(|(&re, &im)| Complex64::new(re, im)).collect(),
+            _ => match (self.magnitude(), self.phase()) {
+                (Some((kind, magnitude)), Some((Part::Phase(factor), phase))) => {
+                    let size = |x: f64| if kind == Part::Decibels { 10f64.powf(x / 20.0) } else { x };
+                    let pairs = column(magnitude).iter().zip(column(phase));
+                    pairs.map(|(&m, &p)| Complex64::from_polar(size(m), factor * p)).collect()
+                }
+                _ => Vec::new(),
+            },
+        };
+        let frequencies = column(frequency);
+        let mut order: Vec<usize> = (0..frequencies.len()).collect();
+        order.sort_by(|&a, &b| frequencies[a].total_cmp(&frequencies[b]));
+        if let Some(two) = order.windows(2).find(|two| frequencies[two[0]] == frequencies[two[1]]) {
+            let frequency_hz = frequencies[two[0]];
+            return Err(IoError::RepeatedFrequency { file: file.to_string(), frequency_hz });
+        }
+        let response = FrequencyResponse {
+            name: self.shown_name().to_string(),
+            frequency_hz: order.iter().map(|&i| frequencies[i]).collect(),
+            values: order.iter().filter_map(|&i| values.get(i).copied()).collect(),
+            std_dev: of(Part::Deviation).map(|s| order.iter().map(|&i| s[i]).collect()),
+            unit: self.unit.clone(),
+            source: None,
+        };
+        response
+            .check()
+            .map_err(|source| IoError::Response { file: file.to_string(), source: Box::new(source) })?;
+        Ok(response)
+    }
+}
+
+/// Factor to hertz of a frequency column.
+fn hertz(column: &Column) -> Option<f64> {
+    let name = column.name.to_lowercase();
+    match (name.as_str(), column.unit.symbol()) {
+        ("f" | "freq" | "frequency", "" | "Hz") => Some(1.0),
+        ("f" | "freq" | "frequency", "kHz") => Some(1e3),
+        ("f" | "freq" | "frequency", "MHz") => Some(1e6),
+        ("omega" | "w" | "frequency", "rad_per_s" | "rad/s") => Some(std::f64::consts::TAU.recip()),
+        _ => None,
+    }
+}
+
+/// Response that a column belongs to, the part it holds, and the unit it gives.
+fn part_of(column: &Column) -> Option<(String, Part, String)> {
+    let unit = column.unit.symbol();
+    let lower = column.name.to_lowercase();
+    let (text, decibels) = match lower.strip_suffix("_db") {
+        Some(rest) => (rest, true),
+        None => (lower.as_str(), unit.eq_ignore_ascii_case("dB")),
+    };
+    let last = text.rsplit('_').next().unwrap_or(text);
+    let part = match last {
+        "re" | "real" => Part::Real,
+        "im" | "imag" | "imaginary" => Part::Imaginary,
+        "magnitude" | "mag" | "abs" | "gain" | "amplitude" if decibels => Part::Decibels,
+        "magnitude" | "mag" | "abs" | "gain" | "amplitude" => Part::Magnitude,
+        "phase" | "arg" | "angle" => match unit {
+            "" | "deg" | "°" => Part::Phase(1f64.to_radians()),
+            "rad" => Part::Phase(1.0),
+            "mrad" => Part::Phase(1e-3),
+            _ => return None,
+        },
+        "std" | "sigma" | "stddev" | "uncertainty" => Part::Deviation,
+        _ => return None,
+    };
+    // What stands before the part is the response's name, in the letters of the file.
+    let before = text.len() - last.len();
+    let name = column.name.get(..before)?.trim_end_matches('_');
+    let (name, unit_before) =
+        if name.is_empty() { (String::new(), Unit::new("")) } else { split_header(name) };
+    let own = if decibels || matches!(part, Part::Phase(_)) { "" } else { unit };
+    let unit = if unit_before.symbol().is_empty() { own } else { unit_before.symbol() };
+    Some((name, part, unit.to_string()))
+}
