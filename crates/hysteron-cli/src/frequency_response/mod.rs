@@ -83,7 +83,7 @@ pub struct FrequencyResponseCommand {
 enum StructureArg {
     /// What tells apart the structures of this response
     Auto,
-    /// b/(s^α₂ + c₁ s^α₁ + c₀) with delay, or a fractional lag where there is no resonance
+    /// b/(s^α₂ + c₁ s^α₁ + c₀) with delay, or a fractional lag where the phase hardly turns
     Fractional,
     /// Poles and zeros, as many parameters as the fractional one
     Integer,

@@ -11,6 +11,7 @@ mod bad_models_are_refused;
 mod bad_records_are_refused;
 mod bench;
 mod excite_writes_drives;
+mod frequency_responses_are_explained;
 mod identify_can_be_interrupted;
 mod identify_makes_a_model;
 mod inspect_tells_what_is_in_a_record;

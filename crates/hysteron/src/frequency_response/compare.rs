@@ -11,6 +11,8 @@ const MOST_MODES: usize = 12;
 const PATIENCE: usize = 2;
 /// A maximum of the magnitude this many times above what lies on both sides of it is a resonance.
 const PROMINENCE: f64 = 1.3;
+/// Turn of the phase over the band \[°\] from which on a response has dynamics.
+const TURN_DEG: f64 = 45.0;
 
 /// A structure fitted for comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +30,7 @@ pub struct Candidate {
 pub enum Family {
     /// K s^{−μ}.
     PowerLaw,
-    /// A fractional lag; where there is a resonance, the form of article Eq. 13 with delay.
+    /// A fractional lag; the form of article Eq. 13 with delay where the response has dynamics ([`has_dynamics`]).
     Fractional,
     /// Poles and zeros, as many parameters as [`Family::Fractional`].
     Integer,
@@ -60,8 +62,16 @@ pub fn has_resonance(response: &FrequencyResponse) -> bool {
     })
 }
 
-/// Fits the structures of the families in order. `modes`: their number; `None` takes the one with the least Bayesian
-/// criterion (2N ln(Σ|w e|²/2N) + k ln 2N).
+/// Whether there is more than creep and loss: a resonance, or a phase that turns by more than 45° over the band.
+pub fn has_dynamics(response: &FrequencyResponse) -> bool {
+    let phases = response.phase_deg();
+    let low = phases.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = phases.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    has_resonance(response) || high - low > TURN_DEG
+}
+
+/// Fits the structures of the families in order. `modes`: their number; `None` adds modes as long as the data
+/// pay for their parameters.
 ///
 /// # Errors
 /// As [`fit_structure`].
@@ -76,16 +86,16 @@ pub fn compare(
         let explanation = explain(&fit, response);
         candidates.push(Candidate { name, fit, explanation });
     };
-    let resonant = has_resonance(response);
+    let dynamic = has_dynamics(response);
     for family in families {
         let (name, structure) = match family {
             Family::PowerLaw => ("power law", Structure::POWER_LAW),
             Family::LossAngle => ("loss angle", Structure::LOSS_ANGLE),
-            Family::Fractional if resonant => {
+            Family::Fractional if dynamic => {
                 ("fractional", Structure::of(Core::FractionalOscillator).with_delay())
             }
             Family::Fractional => ("fractional", Structure::FRACTIONAL_LAG),
-            Family::Integer if resonant => {
+            Family::Integer if dynamic => {
                 ("integer", Structure::of(Core::Rational { poles: 2, direct: true }).with_delay())
             }
             Family::Integer => ("integer", Structure::LEAD_LAG),
@@ -128,7 +138,7 @@ fn modal(
             break;
         }
         let fit = fit_structure(response, &next, weighting)?;
-        if bayes(&fit) < bayes(&best) {
+        if supported(&fit, &best) {
             best = fit;
             since = 0;
         } else {
@@ -138,9 +148,12 @@ fn modal(
     Ok(best)
 }
 
-/// Akaike's criterion with the penalty of Schwarz (1978, doi:10.1214/aos/1176344136).
-fn bayes(fit: &ResponseFit) -> f64 {
-    fit.aic + fit.parameters.len() as f64 * ((2.0 * fit.points as f64).ln() - 2.0)
+/// Whether the data pay for the further parameters: the criterion of Schwarz (1978, doi:10.1214/aos/1176344136),
+/// n ln(Σ|w e|²/n) + k ln n, with n the number of independent real residuals that 2N correlated ones are worth.
+fn supported(richer: &ResponseFit, simpler: &ResponseFit) -> bool {
+    let independent = 2.0 * richer.points as f64 / richer.correlation;
+    let more = richer.parameters.len() as f64 - simpler.parameters.len() as f64;
+    independent * (simpler.square / richer.square).ln() > more * independent.ln()
 }
 
 #[cfg(test)]

@@ -68,6 +68,10 @@ pub struct ResponseFit {
     /// Akaike's criterion for N points and k parameters: 2N ln(Σ|w e|²/2N) + 2k by relative weights, Σ|w e|² + 2k by
     /// uncertainties. Differences between structures on the same points count; it takes the residuals for independent.
     pub aic: f64,
+    /// Σ|w e|², the weighted sum of squares.
+    pub square: f64,
+    /// Number of neighbouring points that carry the information of one (1: residuals independent).
+    pub correlation: f64,
     /// Starts followed.
     pub starts: usize,
     /// Starts that ended in the best optimum.
@@ -161,7 +165,7 @@ fn result(
             name,
             value,
             unit,
-            std_error: variances[i].map(f64::sqrt),
+            std_error: variances[i].map(f64::sqrt).filter(|error| *error <= UNDETERMINED * value.abs()),
             on_edge: edges.get(i).copied().unwrap_or(false),
         })
         .collect();
@@ -178,6 +182,8 @@ fn result(
         relative_rms: 0.0,
         largest: (0.0, 0.0),
         aic,
+        square,
+        correlation: correlation(&residuals),
         starts,
         agreeing,
     };
@@ -196,7 +202,10 @@ fn on_edge(bounds: &Bounds, x: &[f64]) -> Vec<bool> {
     bounds.ranges.iter().zip(x).map(|(range, &x)| edge(range.to_unit(x))).collect()
 }
 
-/// Variances of all parameters; `None` for those on an edge, or all where the rest is not determined.
+/// A standard error this many times the value says that the response does not determine the parameter.
+const UNDETERMINED: f64 = 1e3;
+
+/// Variances of all parameters; `None` for those on an edge or not determined, or all where the rest is not.
 fn variances(
     problem: &ResponseProblem,
     weighting: Weighting,

@@ -67,7 +67,7 @@ pub fn levy(
             let terms = others.iter().zip(&solution[numerators..]);
             *d = power(f, lowest) + terms.map(|(&order, a)| a * power(f, order)).sum::<Complex64>();
         }
-        if before.iter().any(|d| *d == Complex64::ZERO) {
+        if before.contains(&Complex64::ZERO) {
             break;
         }
     }

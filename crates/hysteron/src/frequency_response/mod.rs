@@ -34,7 +34,7 @@ mod start;
 mod structure;
 mod transfer;
 
-pub use compare::{Candidate, Family, compare, has_resonance};
+pub use compare::{Candidate, Family, compare, has_dynamics, has_resonance};
 pub use data::{FrequencyResponse, unwrapped_phase_deg};
 pub use error::FrequencyResponseError;
 pub use fit::{FittedParameter, ResponseFit, Weighting, fit_structure};

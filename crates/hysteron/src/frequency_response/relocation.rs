@@ -105,7 +105,7 @@ fn zeros_of_sigma(poles: &[Complex64], residues: &[f64]) -> Option<Vec<Complex64
         if !stable.is_finite() || stable.re == 0.0 {
             return None;
         }
-        if stable.im == 0.0 || stable.im > 0.0 {
+        if stable.im >= 0.0 {
             zeros.push(stable);
         }
     }

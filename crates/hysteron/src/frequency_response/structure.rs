@@ -132,7 +132,7 @@ impl Structure {
             Core::FractionalLag => vec![wide("corner_frequency"), Range::linear("order", 0.02, 1.98)],
             Core::FractionalOscillator => vec![
                 wide("natural_frequency"),
-                Range::linear("damping", -2.0, 100.0),
+                Range::linear("damping", 0.0, 100.0),
                 Range::linear("order1", 0.02, 2.0),
                 Range::linear("order2", 0.04, 2.5),
             ],

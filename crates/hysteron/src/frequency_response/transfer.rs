@@ -8,6 +8,9 @@ use crate::dynamics::{Term, TransferFunction};
 /// Largest relative difference between the partial fractions and the expanded polynomials.
 const AGREEMENT: f64 = 1e-6;
 
+/// Coefficients and orders.
+type Polynomial = Vec<(f64, f64)>;
+
 impl ResponseFit {
     /// Transfer function and delay \[s\] of the fit, checked against it at the points of `response`.
     ///
@@ -71,7 +74,7 @@ impl ResponseFit {
     }
 
     /// Numerator and denominator over the product of all poles, monic.
-    fn polynomials(&self) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+    fn polynomials(&self) -> (Polynomial, Polynomial) {
         // Of each section its denominator and its numerator, coefficients ascending.
         let mut sections: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
         if let Some(pole) = self.parameter("pole_frequency") {
