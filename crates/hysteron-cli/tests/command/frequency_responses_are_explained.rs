@@ -63,7 +63,7 @@ fn a_loss_angle_is_found_and_no_model_file_can_hold_it() {
     // With the others beside it the best of those is written, and it says which.
     let run = bench.run("frequency-response frf.csv -o new.json --report frf.html");
     assert_eq!(run.exit_code, 0, "{run:?}");
-    assert!(run.stderr.contains("wrote new.json: fractional"), "{}", run.stderr);
+    assert!(run.stderr.contains("wrote new.json: power law"), "{}", run.stderr);
     assert!(run.stdout.contains("−1.72° more as a loss angle"), "{}", run.stdout);
     let page = std::fs::read_to_string(bench.path("frf.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("loss angle"));

@@ -1,14 +1,15 @@
 //! The structures that answer a question, fitted and told apart.
 
 use super::explain::explain;
+use super::fit::fit_beside;
 use super::{
     Core, FrequencyResponse, FrequencyResponseError, ResponseFit, Structure, Weighting, fit_structure,
 };
 
-/// Most modes tried.
-const MOST_MODES: usize = 12;
-/// Numbers of modes in a row that bring nothing before no more are tried.
-const PATIENCE: usize = 2;
+/// Most modes tried where nobody says how many.
+const MOST_MODES: usize = 10;
+/// Numbers of modes in a row that the data do not pay for before no more are tried.
+const PATIENCE: usize = 3;
 /// A maximum of the magnitude this many times above what lies on both sides of it is a resonance.
 const PROMINENCE: f64 = 1.3;
 /// Turn of the phase over the band \[°\] from which on a response has dynamics.
@@ -96,15 +97,16 @@ pub fn compare(
             }
             Family::Fractional => ("fractional", Structure::FRACTIONAL_LAG),
             Family::Integer if dynamic => {
-                ("integer", Structure::of(Core::Rational { poles: 2, direct: true }).with_delay())
+                ("integer", Structure::of(Core::Rational { poles: 3, direct: false }))
             }
             Family::Integer => ("integer", Structure::LEAD_LAG),
             Family::Modes => {
-                let best = modal(response, weighting, modes)?;
+                let base = Structure::of(Core::Modes { count: 1 }).with_delay();
+                let best = modal(response, weighting, base.with_power_law(), modes)?;
                 let count = best.structure.core_count() / 2;
-                let with = |power_law, loss_angle| Structure { power_law, loss_angle, ..best.structure };
-                let plain = fit_structure(response, &with(false, false), weighting)?;
-                let lossy = fit_structure(response, &with(true, true), weighting)?;
+                let plain = modal(response, weighting, base, Some(count))?;
+                let lossy = base.with_power_law().with_loss_angle();
+                let lossy = modal(response, weighting, lossy, Some(count))?;
                 let plural = if count == 1 { "mode" } else { "modes" };
                 add(format!("{count} {plural}"), plain);
                 add(format!("{count} {plural}, power law"), best);
@@ -117,30 +119,28 @@ pub fn compare(
     Ok(candidates)
 }
 
-/// Modes times a power law with delay.
+/// Modes one by one with the factors of `base`: `wanted` of them, or as many as the data pay for.
 fn modal(
     response: &FrequencyResponse,
     weighting: Weighting,
-    modes: Option<usize>,
+    base: Structure,
+    wanted: Option<usize>,
 ) -> Result<ResponseFit, FrequencyResponseError> {
-    let structure = |modes: usize| {
-        let core = Core::Rational { poles: modes.saturating_mul(2), direct: true };
-        Structure::of(core).with_power_law().with_delay()
-    };
-    if let Some(modes) = modes {
-        return fit_structure(response, &structure(modes), weighting);
-    }
-    let mut best = fit_structure(response, &structure(1), weighting)?;
+    let structure = |count| Structure { core: Core::Modes { count }, ..base };
+    let mut last = fit_structure(response, &structure(1), weighting)?;
+    let mut best = last.clone();
     let mut since = 0;
-    for modes in 2..=MOST_MODES {
-        let next = structure(modes);
-        if 2 * response.len() <= 2 * next.parameter_count() || since >= PATIENCE {
+    for count in 2..=wanted.unwrap_or(MOST_MODES) {
+        let next = structure(count);
+        if wanted.is_none() && response.len() <= next.parameter_count() {
             break;
         }
-        let fit = fit_structure(response, &next, weighting)?;
-        if supported(&fit, &best) {
-            best = fit;
+        last = fit_beside(response, &next, weighting, Some(&last))?;
+        if wanted.is_some() || supported(&last, &best) {
+            best = last.clone();
             since = 0;
+        } else if since + 1 == PATIENCE {
+            break;
         } else {
             since += 1;
         }

@@ -21,7 +21,8 @@ pub(super) fn explain(fit: &ResponseFit, response: &FrequencyResponse) -> String
             fit.value("order1")
         )),
         Core::Rational { poles: 1, direct: true } => parts.push(lead_lag(fit)),
-        Core::Rational { poles, .. } => parts.extend(modes(fit, poles, response)),
+        Core::Rational { poles, .. } => parts.extend(modes(fit, poles / 2, response)),
+        Core::Modes { count } => parts.extend(modes(fit, count, response)),
     }
     if structure.power_law {
         let exponent = fit.value("exponent");
@@ -79,11 +80,11 @@ fn lead_lag(fit: &ResponseFit) -> String {
 }
 
 /// Resonances inside the band, and the other poles by their number.
-fn modes(fit: &ResponseFit, poles: usize, response: &FrequencyResponse) -> Vec<String> {
+fn modes(fit: &ResponseFit, pairs: usize, response: &FrequencyResponse) -> Vec<String> {
     let (low, high) = response.range_hz();
     let pair = |i: usize| (fit.value(&format!("mode{i}_frequency")), fit.value(&format!("mode{i}_damping")));
     let is_mode = |&(f, damping): &(f64, f64)| (low..=high).contains(&f) && damping < 0.7;
-    let all: Vec<(f64, f64)> = (1..=poles / 2).map(pair).collect();
+    let all: Vec<(f64, f64)> = (1..=pairs).map(pair).collect();
     let seen: Vec<String> = all
         .iter()
         .filter(|p| is_mode(p))

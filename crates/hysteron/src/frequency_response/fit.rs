@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 
 use super::problem::ResponseProblem;
-use super::start::starts;
-use super::{FrequencyResponse, FrequencyResponseError, Structure};
+use super::start::{one_mode_more, starts};
+use super::{Core, FrequencyResponse, FrequencyResponseError, Structure};
 use crate::numeric::Complex64;
 use crate::optimize::{
     Algorithm, Bounds, LeastSquaresOptions, OptimizeError, Outcome, Problem, Settings, Unobserved, minimize,
@@ -78,7 +78,7 @@ pub struct ResponseFit {
     pub agreeing: usize,
 }
 
-/// Fits a structure: linear starts over a coarse search, then bounded least squares on all nonlinear parameters, linear
+/// Fits a structure: linear starts over a coarse search (modes one by one, each fit also a start of the next), then bounded least squares on all nonlinear parameters, linear
 /// coefficients projected out.
 ///
 /// Standard errors are those of linearised least squares. Their variance is that of the residuals, or by uncertainties
@@ -95,6 +95,65 @@ pub fn fit_structure(
 ) -> Result<ResponseFit, FrequencyResponseError> {
     response.check()?;
     structure.check()?;
+    check_points(response, structure)?;
+    match structure.core {
+        Core::Modes { count } if count > 1 => {
+            let simpler = Structure { core: Core::Modes { count: count - 1 }, ..*structure };
+            let before = fit_structure(response, &simpler, weighting)?;
+            fit_beside(response, structure, weighting, Some(&before))
+        }
+        _ => fit_beside(response, structure, weighting, None),
+    }
+}
+
+/// [`fit_structure`], started also from a fit of the same factors with one mode less.
+pub(super) fn fit_beside(
+    response: &FrequencyResponse,
+    structure: &Structure,
+    weighting: Weighting,
+    before: Option<&ResponseFit>,
+) -> Result<ResponseFit, FrequencyResponseError> {
+    response.check()?;
+    structure.check()?;
+    check_points(response, structure)?;
+    if let Some(zero) = response.values.iter().position(|g| *g == Complex64::ZERO) {
+        return Err(response.bad_value(zero, "something an error can be relative to"));
+    }
+    let problem = ResponseProblem::new(response, *structure, weighting)?;
+    if structure.nonlinear_count() == 0 {
+        return Ok(result(response, &problem, weighting, &[], (1, 1)));
+    }
+    let mut starts = starts(response, &problem);
+    if let (Some(before), Core::Modes { count }) = (before, structure.core) {
+        let x: Vec<f64> = before.parameters.iter().map(|p| p.value).collect();
+        let x = &x[..before.structure.nonlinear_count().min(x.len())];
+        starts.extend(one_mode_more(response, &problem, x, count - 1));
+    }
+    if starts.is_empty() {
+        let (structure, name) = (structure.to_string(), response.name.clone());
+        return Err(FrequencyResponseError::NoStart { structure, name });
+    }
+    let outcome = polish(&problem, starts)?;
+    let same = |cost: f64| cost <= outcome.cost * (1.0 + SAME_OPTIMUM) + 1e-12;
+    let agreeing = outcome.starts.iter().filter(|start| same(start.cost)).count();
+    let mut best = outcome.best;
+    sort_pairs(structure, &mut best);
+    Ok(result(response, &problem, weighting, &best, (outcome.starts.len(), agreeing)))
+}
+
+/// Pairs of poles by ascending frequency.
+fn sort_pairs(structure: &Structure, x: &mut [f64]) {
+    let (real, pairs) = match structure.core {
+        Core::Rational { poles, .. } => (poles % 2, poles / 2),
+        Core::Modes { count } => (0, count),
+        _ => return,
+    };
+    let mut sorted: Vec<[f64; 2]> = x[real..real + 2 * pairs].chunks_exact(2).map(|p| [p[0], p[1]]).collect();
+    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    x[real..real + 2 * pairs].copy_from_slice(sorted.as_flattened());
+}
+
+fn check_points(response: &FrequencyResponse, structure: &Structure) -> Result<(), FrequencyResponseError> {
     let parameters = structure.parameter_count();
     if 2 * response.len() <= parameters {
         let (low_hz, high_hz) = response.range_hz();
@@ -108,22 +167,7 @@ pub fn fit_structure(
             found: response.len(),
         });
     }
-    if let Some(zero) = response.values.iter().position(|g| *g == Complex64::ZERO) {
-        return Err(response.bad_value(zero, "something an error can be relative to"));
-    }
-    let problem = ResponseProblem::new(response, *structure, weighting)?;
-    if structure.nonlinear_count() == 0 {
-        return Ok(result(response, &problem, weighting, &[], (1, 1)));
-    }
-    let starts = starts(response, &problem);
-    if starts.is_empty() {
-        let (structure, name) = (structure.to_string(), response.name.clone());
-        return Err(FrequencyResponseError::NoStart { structure, name });
-    }
-    let outcome = polish(&problem, starts)?;
-    let same = |cost: f64| cost <= outcome.cost * (1.0 + SAME_OPTIMUM) + 1e-12;
-    let agreeing = outcome.starts.iter().filter(|start| same(start.cost)).count();
-    Ok(result(response, &problem, weighting, &outcome.best, (outcome.starts.len(), agreeing)))
+    Ok(())
 }
 
 fn polish(problem: &ResponseProblem, starts: Vec<Vec<f64>>) -> Result<Outcome, OptimizeError> {

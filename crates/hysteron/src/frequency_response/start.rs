@@ -22,7 +22,7 @@ const RELOCATIONS: usize = 20;
 /// Starts handed on.
 const KEPT: usize = 4;
 
-/// The best few starts by their cost, best first.
+/// The best few starts by their cost, best first, and as different as they can be: of every exponent and delay the best.
 pub(super) fn starts(response: &FrequencyResponse, problem: &ResponseProblem) -> Vec<Vec<f64>> {
     let structure = problem.structure;
     let (_, high) = response.range_hz();
@@ -34,6 +34,7 @@ pub(super) fn starts(response: &FrequencyResponse, problem: &ResponseProblem) ->
         for &turns in delays {
             let delay = turns / high;
             let rest = without_factors(response, exponent, delay);
+            let mut of_these: Vec<(f64, Vec<f64>)> = Vec::new();
             for mut x in core_starts(&rest, structure.core) {
                 for (there, value) in
                     [(structure.power_law, exponent), (structure.loss_angle, 0.0), (structure.delay, delay)]
@@ -45,13 +46,42 @@ pub(super) fn starts(response: &FrequencyResponse, problem: &ResponseProblem) ->
                 clip(problem.bounds(), &mut x);
                 let cost = problem.cost(&x, &mut ws);
                 if cost.is_finite() {
-                    found.push((cost, x));
+                    of_these.push((cost, x));
                 }
             }
+            of_these.sort_by(|a, b| a.0.total_cmp(&b.0));
+            of_these.truncate(KEPT.div_ceil(exponents.len() * delays.len()));
+            found.append(&mut of_these);
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(KEPT);
+    found.into_iter().map(|(_, x)| x).collect()
+}
+
+/// Frequencies at which a further mode is tried.
+const PLACES: usize = 40;
+/// Its damping.
+const LIGHT: f64 = 0.02;
+
+/// Starts with one mode more than a fit of one mode less, `modes` of them in `before`: the best two places for it.
+pub(super) fn one_mode_more(
+    response: &FrequencyResponse,
+    problem: &ResponseProblem,
+    before: &[f64],
+    modes: usize,
+) -> Vec<Vec<f64>> {
+    let (low, high) = response.range_hz();
+    let mut ws = problem.workspace();
+    let (old, factors) = before.split_at((2 * modes).min(before.len()));
+    let place = |k: usize| low * (high / low).powf((k as f64 + 0.5) / PLACES as f64);
+    let mut found: Vec<(f64, Vec<f64>)> = (0..PLACES)
+        .map(|k| [old, &[place(k), LIGHT], factors].concat())
+        .map(|x| (problem.cost(&x, &mut ws), x))
+        .filter(|(cost, _)| cost.is_finite())
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.truncate(2);
     found.into_iter().map(|(_, x)| x).collect()
 }
 
@@ -88,6 +118,7 @@ fn core_starts(response: &FrequencyResponse, core: Core) -> Vec<Vec<f64>> {
                 .collect()
         }
         Core::Rational { poles, direct } => relocated(response, poles, direct),
+        Core::Modes { count } => relocated(response, 2 * count, true),
     }
 }
 

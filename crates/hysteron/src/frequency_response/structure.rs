@@ -10,6 +10,9 @@ use crate::optimize::Range;
 /// Most poles of a [`Core::Rational`].
 pub const MOST_POLES: usize = 40;
 
+/// Largest damping of a mode: beyond 1/√2 there is no resonance, and the pair would stand in for creep.
+const MOST_DAMPING: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// G(s) = e^{−sτ} · e^{−iδ} · s^{−μ} · Σ_k c_k φ_k(s), s = 2πi f.
 ///
 /// The basis φ is the [`Core`]; μ, δ and τ are there where the three switches say so, otherwise zero. The c_k are real and
@@ -44,6 +47,12 @@ pub enum Core {
         poles: usize,
         /// Whether there is a constant among the functions.
         direct: bool,
+    },
+    /// Resonances (ζ ≤ 1/√2) with real residues, as light damping gives them: 1, and for each 1/(1 + 2ζx + x²). Unlike the free
+    /// numerator of `Rational`, whose highest coefficient stands in for a small delay, they determine a delay beside them.
+    Modes {
+        /// Number of modes, 1 … [`MOST_POLES`]/2.
+        count: usize,
     },
 }
 
@@ -91,6 +100,10 @@ impl Structure {
                 let what = "the number of poles";
                 Err(FrequencyResponseError::Structure { what, found: poles, allowed: "1 to 40" })
             }
+            Core::Modes { count } if count == 0 || count > MOST_POLES / 2 => {
+                let what = "the number of modes";
+                Err(FrequencyResponseError::Structure { what, found: count, allowed: "1 to 20" })
+            }
             _ => Ok(()),
         }
     }
@@ -102,6 +115,7 @@ impl Structure {
             Core::FractionalLag => 2,
             Core::FractionalOscillator => 4,
             Core::Rational { poles, .. } => poles,
+            Core::Modes { count } => 2 * count,
         }
     }
 
@@ -115,6 +129,7 @@ impl Structure {
     pub fn linear_count(&self) -> usize {
         match self.core {
             Core::Rational { poles, direct } => poles + usize::from(direct),
+            Core::Modes { count } => 1 + count,
             _ => 1,
         }
     }
@@ -133,20 +148,17 @@ impl Structure {
             Core::FractionalOscillator => vec![
                 wide("natural_frequency"),
                 Range::linear("damping", 0.0, 100.0),
-                Range::linear("order1", 0.02, 2.0),
-                Range::linear("order2", 0.04, 2.5),
+                // Apart from each other: two equal orders cannot be told from one.
+                Range::linear("order1", 0.02, 1.4),
+                Range::linear("order2", 1.0, 2.5),
             ],
-            Core::Rational { poles, .. } => {
-                let near = |name: &str| Range::logarithmic(name, 1e-2 * low_hz, 1e2 * high_hz);
-                let mut ranges = Vec::new();
-                if poles % 2 == 1 {
-                    ranges.push(near("pole_frequency"));
-                }
-                for i in 1..=poles / 2 {
-                    ranges.push(near(&format!("mode{i}_frequency")));
-                    ranges.push(Range::logarithmic(&format!("mode{i}_damping"), 1e-5, 1e3));
-                }
-                ranges
+            Core::Rational { poles, .. } => sections(poles % 2 == 1, poles / 2, low_hz, high_hz),
+            Core::Modes { count } => {
+                let mode = |i: usize| {
+                    let frequency = Range::logarithmic(&format!("mode{i}_frequency"), low_hz, 3.0 * high_hz);
+                    [frequency, Range::logarithmic(&format!("mode{i}_damping"), 1e-4, MOST_DAMPING)]
+                };
+                (1..=count).flat_map(mode).collect()
             }
         };
         if self.power_law {
@@ -163,8 +175,16 @@ impl Structure {
 
     /// Names of the linear coefficients.
     pub(super) fn linear_names(&self) -> Vec<String> {
-        let Core::Rational { poles, direct } = self.core else { return vec!["gain".to_owned()] };
         let mut names = Vec::new();
+        let (poles, direct) = match self.core {
+            Core::Rational { poles, direct } => (poles, direct),
+            Core::Modes { count } => {
+                names.push("direct".to_owned());
+                names.extend((1..=count).map(|i| format!("mode{i}_gain")));
+                return names;
+            }
+            _ => return vec!["gain".to_owned()],
+        };
         if direct {
             names.push("direct".to_owned());
         }
@@ -257,8 +277,35 @@ impl Structure {
                     k += 2;
                 }
             }
+            Core::Modes { count } => {
+                values[0] = Complex64::ONE;
+                let width = values.len();
+                for i in 0..count {
+                    let (f, damping) = (x[2 * i], x[2 * i + 1]);
+                    let y = s / (TAU * f);
+                    let value = (1.0 + y * (2.0 * damping) + y * y).inv();
+                    let square = value * value;
+                    values[1 + i] = value;
+                    slopes[2 * i * width + 1 + i] = square * y * (2.0 * damping + 2.0 * y) / f;
+                    slopes[(2 * i + 1) * width + 1 + i] = -square * y * 2.0;
+                }
+            }
         }
     }
+}
+
+/// Ranges of one real pole, where there is one, and of pairs.
+fn sections(real: bool, pairs: usize, low_hz: f64, high_hz: f64) -> Vec<Range> {
+    let near = |name: &str| Range::logarithmic(name, 1e-2 * low_hz, 1e2 * high_hz);
+    let mut ranges = Vec::new();
+    if real {
+        ranges.push(near("pole_frequency"));
+    }
+    for i in 1..=pairs {
+        ranges.push(near(&format!("mode{i}_frequency")));
+        ranges.push(Range::logarithmic(&format!("mode{i}_damping"), 1e-5, 1e3));
+    }
+    ranges
 }
 
 /// ln(s/2πf) on the main sheet, for s on the positive imaginary axis.
@@ -266,10 +313,10 @@ fn logarithm(s: Complex64, f: f64) -> Complex64 {
     Complex64::new((s.im / (TAU * f)).ln(), FRAC_PI_2)
 }
 
-/// The formula, e.g. `K e^{−iδ} s^{−μ}`.
+/// The formula, e.g. `K e^−iδ s^−μ`.
 impl fmt::Display for Structure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let factors = [(self.delay, "e^{−sτ} "), (self.loss_angle, "e^{−iδ} "), (self.power_law, "s^{−μ} ")];
+        let factors = [(self.delay, "e^−sτ "), (self.loss_angle, "e^−iδ "), (self.power_law, "s^−μ ")];
         let factors: String = factors.iter().filter(|(there, _)| *there).map(|(_, text)| *text).collect();
         match self.core {
             Core::Constant => write!(f, "K {}", factors.trim_end()),
@@ -277,8 +324,9 @@ impl fmt::Display for Structure {
             Core::FractionalOscillator => write!(f, "{factors}K/(1 + 2ζ(s/ω)^α₁ + (s/ω)^α₂)"),
             Core::Rational { poles, direct } => {
                 let zeros = if direct { poles } else { poles - 1 };
-                write!(f, "{factors}B(s)/A(s), {zeros} zeros, {poles} poles")
+                write!(f, "{factors}B(s)/A(s), zeros: {zeros}, poles: {poles}")
             }
+            Core::Modes { .. } => write!(f, "{factors}(d + Σ rω²/(s² + 2ζωs + ω²))"),
         }
     }
 }
@@ -297,6 +345,7 @@ mod tests {
             Structure::of(Core::FractionalOscillator).with_delay(),
             rational(5, false).with_power_law(),
             rational(4, true).with_power_law().with_loss_angle().with_delay(),
+            Structure::of(Core::Modes { count: 3 }).with_power_law().with_delay(),
         ]
     }
 

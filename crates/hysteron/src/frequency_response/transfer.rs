@@ -63,7 +63,7 @@ impl ResponseFit {
                 let damping = 2.0 * self.value("damping") * omega.powf(two - one);
                 (vec![(gain * stiffness, 0.0)], vec![(stiffness, 0.0), (damping, one), (1.0, two)])
             }
-            Core::Rational { .. } => self.polynomials(),
+            Core::Rational { .. } | Core::Modes { .. } => self.polynomials(),
         };
         let terms = |list: Vec<(f64, f64)>, shift: f64| {
             let mut terms: Vec<Term> = list.iter().map(|&(c, order)| Term::new(c, order + shift)).collect();
@@ -83,11 +83,10 @@ impl ResponseFit {
         }
         for i in 1.. {
             let of = |what: &str| self.parameter(&format!("mode{i}_{what}")).map(|p| p.value);
-            let (Some(f), Some(damping), Some(gain), Some(slope)) =
-                (of("frequency"), of("damping"), of("gain"), of("slope"))
-            else {
+            let (Some(f), Some(damping), Some(gain)) = (of("frequency"), of("damping"), of("gain")) else {
                 break;
             };
+            let slope = of("slope").unwrap_or(0.0);
             let omega = TAU * f;
             let denominator = vec![omega * omega, 2.0 * damping * omega, 1.0];
             sections.push((denominator, vec![omega * omega * gain, omega * slope]));

@@ -46,7 +46,7 @@ fn the_structure_that_made_a_smooth_response_has_the_lowest_criterion_and_compet
 
 #[test]
 fn the_number_of_modes_is_found() {
-    let frequency_hz = spaced(5.0, 2000.0, 160);
+    let frequency_hz = spaced(20.0, 1500.0, 80);
     let mode = |f: f64, zeta: f64| {
         let omega = std::f64::consts::TAU * f;
         TransferFunction::new(

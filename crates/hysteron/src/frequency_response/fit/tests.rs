@@ -67,16 +67,15 @@ fn power_law_and_loss_angle_are_told_apart() {
 
 #[test]
 fn modes_behind_a_power_law_and_a_delay_are_recovered() {
-    // (s^0.05)⁻¹ (0.02 + two modes), as polynomials over common poles.
-    let structure = Structure::of(Core::Rational { poles: 4, direct: true }).with_power_law().with_delay();
+    let structure = Structure::of(Core::Modes { count: 2 }).with_power_law().with_delay();
     let x = [380.0, 0.02, 665.0, 0.04, 0.05, 1.2e-4];
-    let c = [0.02, 0.03, 0.001, 0.1, -0.004];
+    let c = [0.02, 0.03, 0.1];
     let frequency_hz = spaced(1.0, 1500.0, 200);
     let values = frequency_hz
         .iter()
         .map(|f| {
-            let mut functions = vec![Complex64::ZERO; 5];
-            structure.evaluate(TAU * f, &x, &mut functions, &mut [Complex64::ZERO; 30]);
+            let mut functions = vec![Complex64::ZERO; 3];
+            structure.evaluate(TAU * f, &x, &mut functions, &mut [Complex64::ZERO; 18]);
             functions.iter().zip(c).map(|(f, c)| f * c).sum()
         })
         .collect();
