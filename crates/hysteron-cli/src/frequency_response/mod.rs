@@ -13,9 +13,11 @@ use hysteron::frequency_response::{Candidate, Family, FrequencyResponse, Weighti
 use hysteron_io::{IoError, ResponseOptions, read_csv, read_frequency_response};
 use hysteron_report::write_page;
 
-use crate::columns::{ColumnFlags, positive};
+use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
+use crate::numbers::positive;
+use crate::output;
 
 /// Fit structures to a measured frequency response, or to records of periodic multisines, and say what each explains.
 #[derive(Args)]
@@ -104,6 +106,12 @@ struct Found {
 
 impl FrequencyResponseCommand {
     pub fn run(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.out {
+            output::check_file("the model", path)?;
+        }
+        if let Some(path) = &self.report {
+            output::check_file("the report", path)?;
+        }
         let (measured, empirical) = self.measured()?;
         let response = self.prepared(measured)?;
         let weighting = Weighting::of(&response);
@@ -113,9 +121,8 @@ impl FrequencyResponseCommand {
         let found = Found { response, empirical, candidates };
         let written = self.out.as_deref().map(|path| model::write(path, &found)).transpose()?;
         if let Some(path) = &self.report {
-            write_page(path, &report::page(&found)).map_err(|e| {
-                Failure::new(format!("cannot write the report {}", path.display())).because(e)
-            })?;
+            write_page(path, &report::page(&found))
+                .map_err(|e| output::cannot_write("the report", path, e))?;
             console::message(&format!("report written to {}", path.display()));
         }
         if let Some(text) = written {

@@ -9,6 +9,7 @@ use hysteron::frequency_response::Candidate;
 use hysteron::hammerstein::Model;
 use hysteron::hysteresis::{BoucWen, Hysteresis};
 use hysteron::model_file::{ModelFile, Provenance, SignalUnits, timestamp};
+use hysteron::record::InterSample;
 
 use super::Found;
 use crate::failure::Failure;
@@ -65,6 +66,7 @@ fn model_file(
         delay_s,
         scheme: Scheme::Tustin,
         sample_rate_hz: None,
+        inter_sample: InterSample::Linear,
     };
     // v = u carries the input's unit into the dynamic block, whose gain carries the rest.
     let units = SignalUnits { input: input.to_owned(), output: output.to_owned() };
