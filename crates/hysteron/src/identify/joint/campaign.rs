@@ -7,7 +7,7 @@ use super::record::{Before, Ingredients, JointRecord, Thinning};
 use crate::dynamics::{Sampling, Scheme};
 use crate::hammerstein::{FINER, SimulationError, Start, joins_means};
 use crate::hysteresis::RecordEnds;
-use crate::record::{InterSample, noise_floor, quantisation_step};
+use crate::record::{InterSample, noise_floor, quantisation_step, thinned};
 
 /// Samples kept a swing of the drive, and in a record, when it is reduced.
 const SAMPLES_A_SWING: usize = 8;
@@ -28,6 +28,8 @@ pub(in super::super) struct JointMember<'a> {
     pub(in super::super) noise: f64,
     /// Every how many samples one is worked on while searching.
     pub(in super::super) factor: usize,
+    /// The output at that rate.
+    thinned: Vec<f64>,
     pub(in super::super) rate_hz: f64,
 }
 
@@ -58,7 +60,8 @@ impl<'a> JointMember<'a> {
         let noise = floor.max(step).max(LEAST_NOISE * facts.stroke());
         let whole = facts.scored(0).len() == facts.data.y.len();
         let factor = if whole { reduction(facts, before) } else { 1 };
-        Ok(Self { facts, before, transients, noise, factor, rate_hz })
+        let thinned = thinned(&facts.data.y, factor);
+        Ok(Self { facts, before, transients, noise, factor, thinned, rate_hz })
     }
 
     /// The record as the fit sees it. `reduced`: at its lower rate. `scale` times 1/noise is its weight.
@@ -73,21 +76,17 @@ impl<'a> JointMember<'a> {
         let factor = if reduced { self.factor } else { 1 };
         let data = &self.facts.data;
         let held = options.demands.fixed(OFFSET);
-        let thinned = if factor > 1 { Some(data.decimated(factor)?) } else { None };
-        let y = thinned.as_ref().map_or(&data.y, |thin| &thin.y);
-        let samples = data.u.len().div_ceil(factor);
-        let mut output: Vec<f64> = y.iter().map(|y| y - held.unwrap_or(0.0)).collect();
-        // Filtering and thinning may end one sample short of the drive's last multiple.
-        output.resize(samples, output.last().copied().unwrap_or(0.0));
-        // The filter has no samples beyond the ends: there it does not see what the thinned model does.
-        let ends = if factor > 1 { 2 } else { 0 };
+        let y = if reduced { &self.thinned } else { &data.y };
+        let samples = y.len();
+        let output: Vec<f64> = y.iter().map(|y| y - held.unwrap_or(0.0)).collect();
         // White noise falls with the root of the factor in the filter.
         let height = scale * (factor as f64).sqrt() / self.noise;
         let mut weight = vec![height; samples];
-        for k in 0..samples {
-            let masked = data.valid.as_ref().is_some_and(|valid| !valid[k * factor]);
-            if masked || k < ends || k + ends >= samples || k >= y.len() {
-                weight[k] = 0.0;
+        if let Some(valid) = &data.valid {
+            for (weight, valid) in weight.iter_mut().zip(valid.iter().step_by(factor)) {
+                if !valid {
+                    *weight = 0.0;
+                }
             }
         }
         let mut nuisance = Vec::new();

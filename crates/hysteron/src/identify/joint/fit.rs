@@ -47,7 +47,7 @@ pub(in super::super) fn identify(
         Choice::Auto => Scheme::BandLimited,
     };
     let options = &Options { scheme: Choice::Given(scheme), ..options.clone() };
-    let setup = JointSetup::new(&members, form.clone(), options);
+    let setup = JointSetup::new(&members, form, options);
     let reduced = members.iter().any(|member| member.factor > 1);
 
     let first_degree = match options.degree {

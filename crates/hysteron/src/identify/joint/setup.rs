@@ -80,7 +80,7 @@ impl<'a> JointSetup<'a> {
             self.options.scheme(),
             fingerprint(values)
         );
-        Ok(JointProblem::new(records, self.form.clone(), layout, bounds, identity))
+        Ok(JointProblem::new(records, self.form, layout, bounds, identity))
     }
 
     fn layout(&self, degree: usize) -> (JointLayout, Bounds) {
