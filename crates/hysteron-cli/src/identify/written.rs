@@ -38,7 +38,7 @@ pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: 
     if found.method == Method::Joint {
         file.normalisation = match options.dynamics {
             DynamicsChoice::FractionalFreeLowest => Normalisation::UnitGainAt1Hz,
-            _ if options.creep => Normalisation::Free,
+            _ if found.parameters.iter().any(|p| p.name == "creep") => Normalisation::Free,
             _ => Normalisation::UnitDcGain,
         };
     }

@@ -90,7 +90,7 @@ pub struct Options {
     pub dynamics: DynamicsChoice,
     /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 4.
     pub order: usize,
-    /// A joint fit has a creep factor 1 + k s^−μ.
+    /// A joint fit has a creep factor 1 + k s^−μ. With [`DynamicsChoice::Auto`] it gets one where the records ask for it.
     pub creep: bool,
     /// What happened before each record of a joint fit.
     pub initial: Initial,

@@ -2,7 +2,7 @@
 
 use super::super::engine::{Engine, Search};
 use super::super::layout::Role;
-use super::super::options::{Choice, Method, Options, RecordRole};
+use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::super::result::{Identification, Parameter, RecordFit, Reduction, StructureChoice};
 use super::super::static_step::OFFSET;
 use super::super::uncertainty::correlation_time;
@@ -26,6 +26,8 @@ const HIGHEST_AUTOMATIC_DEGREE: usize = 5;
 const BIC_FALL: f64 = 10.0;
 /// Degree that the starts are tried with where it is chosen from the data.
 const DEGREE_OF_STARTS: usize = 3;
+/// Residuals worth less than this share of their samples are far from white.
+const WHITE: f64 = 0.5;
 /// Starts that must end in the same optimum.
 const AGREEMENT: usize = 3;
 
@@ -47,7 +49,7 @@ pub(in super::super) fn identify(
         Choice::Auto => Scheme::BandLimited,
     };
     let options = &Options { scheme: Choice::Given(scheme), ..options.clone() };
-    let setup = JointSetup::new(&members, form, options);
+    let mut setup = JointSetup::new(&members, form, options);
     let reduced = members.iter().any(|member| member.factor > 1);
 
     let first_degree = match options.degree {
@@ -56,6 +58,13 @@ pub(in super::super) fn identify(
     };
     let problem = setup.problem(first_degree, reduced)?;
     let mut search = search_globally(&problem, &setup, &mut engine)?;
+    if options.dynamics == DynamicsChoice::Auto && !options.creep {
+        let creeping = JointSetup::new(&members, DynamicForm { creep: true, ..form }, options);
+        if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, &mut engine)? {
+            (setup, search) = (creeping, better);
+        }
+    }
+    let form = setup.form;
     let mut degrees = Vec::new();
     let mut degree = first_degree;
     let mut best = search.outcome.best.clone();
@@ -175,6 +184,46 @@ fn search_globally(
     Ok(search)
 }
 
+/// The same dynamics with a creep factor, where the residuals are far from white and the evidence for it is very strong.
+fn try_creep(
+    plain: &JointProblem,
+    found: &Search,
+    setup: &JointSetup<'_>,
+    degree: usize,
+    reduced: bool,
+    engine: &mut Engine<'_>,
+) -> Result<Option<Search>, IdentifyError> {
+    let coloured = information(plain, &found.outcome.best) < WHITE * plain.valid() as f64;
+    if !coloured || engine.cancelled {
+        return Ok(None);
+    }
+    let problem = setup.problem(degree, reduced)?;
+    let mut guesses = setup.guesses(problem.bounds());
+    let place = |name: &str| plain.bounds().ranges.iter().position(|range| range.name == name);
+    let from_plain = problem
+        .bounds()
+        .ranges
+        .iter()
+        .zip(&guesses[0])
+        .map(|(range, &guess)| place(&range.name).map_or(guess, |at| found.outcome.best[at]));
+    guesses.push(from_plain.collect());
+    let search = engine.quick_fit("joint fit with creep", &problem, guesses)?;
+    let information = information(&problem, &search.outcome.best);
+    let gain = 2.0 * information * (found.outcome.cost / search.outcome.cost).ln();
+    let parameters = problem.bounds().dimension() - plain.bounds().dimension();
+    Ok((gain > BIC_FALL + parameters as f64 * information.ln()).then_some(search))
+}
+
+/// Number of independent samples that the residuals at `x` are worth.
+fn information(problem: &JointProblem, x: &[f64]) -> f64 {
+    let mut residual = vec![0.0; problem.residual_count()];
+    problem.residuals(x, &mut problem.workspace(), &mut residual);
+    (0..problem.records().len())
+        .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
+        .sum::<f64>()
+        .max(2.0)
+}
+
 /// Starts that ended in the best optimum found (to 1e-6 of its cost).
 fn agreeing(search: &Search) -> usize {
     let best = search.outcome.cost;
@@ -203,13 +252,8 @@ fn choose_degree(
     for degree in 1..=HIGHEST_AUTOMATIC_DEGREE.max(demanded) {
         let problem = setup.problem(degree, reduced)?;
         let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start.to_vec()])?;
-        let mut residual = vec![0.0; problem.residual_count()];
-        problem.residuals(&fit.outcome.best, &mut problem.workspace(), &mut residual);
-        // Those of the richest fit count: its residual is the least structured.
-        information = (0..problem.records().len())
-            .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
-            .sum::<f64>()
-            .max(2.0);
+        // That of the richest fit counts: its residual is the least structured.
+        information = self::information(&problem, &fit.outcome.best);
         let parameters = problem.bounds().dimension() + degree + 1;
         fits.push((degree, fit.outcome.cost, parameters, fit.outcome.best));
     }
