@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use comfy_table::Table;
+use hysteron::hammerstein::Start;
 use hysteron::record::{InputOutput, Unit};
 use hysteron::validate::{CorrelationTest, Definition, Scores, definitions};
 use hysteron_report::number::significant;
@@ -32,18 +33,37 @@ pub struct Scored {
     record: String,
     unit: Unit,
     scores: Scores,
+    /// The start simulated from, where it was estimated from the record.
+    start: Option<Start>,
 }
 
 impl Scored {
     /// Scores of a record, in the unit of its output.
     pub fn new(data: &InputOutput, scores: Scores) -> Self {
         let record = data.source.as_ref().map_or(&data.name, |s| &s.path).clone();
-        Scored { record, unit: data.y_unit.clone(), scores }
+        Scored { record, unit: data.y_unit.clone(), scores, start: None }
     }
 
     /// The same in the unit agreed on where the record names none.
     pub fn in_unit(self, unit: Unit) -> Self {
         Scored { unit, ..self }
+    }
+
+    /// The same, simulated from this start. Printed where its hysteresis memory was estimated from the record.
+    pub fn from_start(self, start: Start) -> Self {
+        Scored { start: Some(start), ..self }
+    }
+
+    /// What was estimated of the record's start, in a sentence; `None` where nothing was.
+    pub fn estimated_start(&self) -> Option<String> {
+        let Some(Start::Remembering { voltage_v, z }) = self.start else { return None };
+        let unit = self.unit.to_string();
+        Some(format!(
+            "{}: simulated from rest at its first input, {}, with the hysteresis memory z = {} {unit} estimated from the record.",
+            self.record,
+            significant(voltage_v, 4),
+            significant(z, 4)
+        ))
     }
 
     /// The scores shown, in their order.
@@ -85,8 +105,17 @@ impl Scored {
     }
 }
 
+/// A start with an estimated memory, in the model's units.
+#[derive(Serialize)]
+struct RememberingStart {
+    kind: &'static str,
+    voltage: f64,
+    z: f64,
+}
+
 impl Serialize for Scored {
-    /// Lengths in µm; the keys of another output end in its unit, and `unit` names it.
+    /// Lengths in µm; the keys of another output end in its unit, and `unit` names it. `start` is there where a hysteresis
+    /// memory was estimated.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let s = &self.scores;
         let symbol = self.unit.symbol();
@@ -104,6 +133,9 @@ impl Serialize for Scored {
         map.serialize_entry("rmse_percent_of_stroke", &s.rmse_percent_of_stroke)?;
         map.serialize_entry("max_percent_of_stroke", &s.max_percent_of_stroke)?;
         map.serialize_entry("fit_percent", &s.fit_percent)?;
+        if let Some(Start::Remembering { voltage_v, z }) = self.start {
+            map.serialize_entry("start", &RememberingStart { kind: "remembering", voltage: voltage_v, z })?;
+        }
         map.end()
     }
 }

@@ -137,7 +137,7 @@ impl Validate {
         refuse_meaningless(&scored, &simulated, path)?;
         let scores = score(&scored, &simulated, &scoring)
             .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
-        Ok(Scored::new(&record, scores).in_unit(unit))
+        Ok(Scored::new(&record, scores).in_unit(unit).from_start(start))
     }
 
     fn text(&self, records: &[Scored]) -> String {
@@ -146,8 +146,10 @@ impl Validate {
         } else {
             "The offset of each record's sensor was estimated from the record: the mean residual, added to the simulation."
         };
-        let residuals =
-            records.iter().filter_map(Scored::residual_tests).map(|text| text + "\n").collect::<String>();
-        format!("{}\n\n{offset}\n{residuals}\n{}", scores::table(records), scores::explanation())
+        let lines = |sentence: fn(&Scored) -> Option<String>| {
+            records.iter().filter_map(sentence).map(|text| text + "\n").collect::<String>()
+        };
+        let (starts, residuals) = (lines(Scored::estimated_start), lines(Scored::residual_tests));
+        format!("{}\n\n{offset}\n{starts}{residuals}\n{}", scores::table(records), scores::explanation())
     }
 }

@@ -5,6 +5,7 @@
 //! Everything is meant for *simulation* (infinite horizon), not one-step prediction.
 
 mod loop_width;
+mod memory;
 mod residual_tests;
 mod start;
 

@@ -1,5 +1,6 @@
 //! What happened before a record, judged by the record itself.
 
+use super::memory::best_memory;
 use super::{ScoreError, Scoring, score};
 use crate::hammerstein::{Model, SimulationError, Start};
 use crate::record::{InputOutput, Periods, find_periods, range_of, shortest_swing};
@@ -70,7 +71,9 @@ fn closes(x: &[f64]) -> bool {
 
 /// The start among `preferred` and [`possible_starts`] from which `model` explains the record best (smallest RMSE), and
 /// the simulation from it. A record's initial state is unknown like its sensor's zero: this is its estimate, one choice
-/// of at most four, and the preferred one unless another is better by more than 1 %.
+/// of at most four, and the preferred one unless another is better by more than 1 %. Where the device rested at u(0) with a
+/// memory of earlier motion that explains the record better than all of them by more than 1 %, that start is taken, with the
+/// estimated memory z ([`Start::Remembering`]).
 ///
 /// # Errors
 /// [`StartError`] where the model cannot be simulated from the preferred start, or the record cannot be scored.
@@ -92,6 +95,11 @@ pub fn choose_start(
         if rmse < best.0.min(BETTER * given) {
             best = (rmse, start, simulated);
         }
+    }
+    if let Some((rmse, start, simulated)) = best_memory(model, record, scoring)?
+        && rmse < BETTER * best.0
+    {
+        return Ok((start, simulated));
     }
     Ok((best.1, best.2))
 }
@@ -130,6 +138,56 @@ mod tests {
             let (start, simulated) = choose_start(&model(), &record, preferred, &Scoring::default()).unwrap();
             assert_eq!(start, truth);
             assert_eq!(simulated, y);
+        }
+    }
+
+    /// A large loop that dies down in smaller ones, cut open in the middle of a small one.
+    fn nested() -> (Vec<f64>, usize) {
+        let amplitude = |k: u32| 2.5 * (-f64::from(k) / 400.0).exp();
+        ((0..1200).map(|k| 3.0 + amplitude(k) * (TAU * f64::from(k) / 150.0).sin()).collect(), 487)
+    }
+
+    #[test]
+    fn a_record_cut_out_of_a_nested_loop_scores_at_its_noise() {
+        for n in [1.0, 1.6] {
+            let hysteresis = Hysteresis::BoucWen(BoucWen::new(vec![3.0], 1.0, 0.2, 0.05, n).unwrap());
+            let model = Model { hysteresis, ..model() };
+            let (u, cut) = nested();
+            let y = model.simulate(&u, None, &Start::Rest { voltage_v: 0.0 }).unwrap();
+            // Equally spread over ±0.005 √3: standard deviation 0.005.
+            let noise = |k: usize| 0.005 * 3.0_f64.sqrt() * (2.0 * ((k * 7919) % 1009) as f64 / 1008.0 - 1.0);
+            let y: Vec<f64> = y[cut..].iter().enumerate().map(|(k, y)| y + 40.0 + noise(k)).collect();
+            let samples = y.len();
+            let own = crate::optimize::root_mean_square(&(0..samples).map(noise).collect::<Vec<_>>());
+            let record = InputOutput::new("cut", TimeBase::uniform(1000.0), u[cut..].to_vec(), y).unwrap();
+            let preferred = Start::Rest { voltage_v: 0.0 };
+            let scoring = Scoring::default();
+            let (start, simulated) = choose_start(&model, &record, preferred, &scoring).unwrap();
+            let found = score(&record, &simulated, &scoring).unwrap();
+            assert!(matches!(start, Start::Remembering { .. }), "{n}: {start:?}");
+            assert!((found.rmse / own - 1.0).abs() < 0.01, "{n}: {} against {own}", found.rmse);
+            assert_eq!(found.skipped_samples, 0);
+            // Not so from any other start.
+            for other in possible_starts(&record) {
+                let simulated = model.simulate(&record.u, None, &other).unwrap();
+                assert!(score(&record, &simulated, &scoring).unwrap().rmse > 2.0 * own, "{n}: {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_memory_is_estimated() {
+        let u: Vec<f64> = (0..500).map(|k| 3.0 + 2.0 * (TAU * f64::from(k) / 125.0).sin()).collect();
+        let truth = Start::Remembering { voltage_v: 3.0, z: -0.83 };
+        let y = model().simulate(&u, None, &truth).unwrap();
+        let record = InputOutput::new("run", TimeBase::uniform(100.0), u, y).unwrap();
+        let preferred = Start::Rest { voltage_v: 3.0 };
+        match choose_start(&model(), &record, preferred, &Scoring::default()).unwrap().0 {
+            Start::Remembering { voltage_v, z } => {
+                assert_eq!(voltage_v, 3.0);
+                assert!((z + 0.83).abs() < 1e-4, "{z}");
+            }
+            other => panic!("{other:?}"),
         }
     }
 
