@@ -22,6 +22,7 @@ mod numbers;
 mod optimizers;
 mod output;
 mod progress;
+mod recalibrate;
 mod rig;
 mod scale;
 mod schema;
@@ -46,6 +47,7 @@ struct Cli {
 enum Command {
     Identify(Box<identify::Identify>),
     Inspect(inspect::Inspect),
+    Recalibrate(recalibrate::Recalibrate),
     Validate(validate::Validate),
     FrequencyResponse(Box<frequency_response::FrequencyResponseCommand>),
     Simulate(simulate::Simulate),
@@ -61,6 +63,7 @@ fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Identify(c) => c.run(),
         Command::Inspect(c) => c.run(),
+        Command::Recalibrate(c) => c.run(),
         Command::Validate(c) => c.run(),
         Command::FrequencyResponse(c) => c.run(),
         Command::Simulate(c) => c.run(),

@@ -73,13 +73,18 @@ impl LoadedModel {
             })?;
         if chosen != preferred {
             console::note(&format!(
-                "{}: simulated {}, which explains it better than {} (--rest-voltage or --settled say it)",
+                "{}: simulated {}, which explains it better than {} (--rest-voltage or --settled say otherwise)",
                 path.display(),
-                in_words(&chosen, &self.file.units.input),
-                in_words(&preferred, &self.file.units.input)
+                in_words(&chosen, &self.file.units.input, &self.file.units.output),
+                in_words(&preferred, &self.file.units.input, &self.file.units.output)
             ));
         }
         Ok((chosen, simulated))
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
     }
 
     /// Whether the model has no dynamic block.

@@ -6,7 +6,7 @@ use clap::Args;
 use hysteron::display::short;
 use hysteron::hammerstein::Start;
 use hysteron::model_file::{ModelFile, StartKind};
-use hysteron::record::{InputOutput, TimeBase, find_periods};
+use hysteron::record::{InputOutput, TimeBase, Unit, find_periods};
 
 use crate::console;
 use crate::failure::Failure;
@@ -88,15 +88,17 @@ fn settled(path: &Path, drive: &Drive) -> Option<Start> {
     }
 }
 
-/// A start in words.
-pub fn in_words(start: &Start, unit: &str) -> String {
+/// A start in words, with the units of input and output (header symbols).
+pub fn in_words(start: &Start, input: &str, output: &str) -> String {
+    let quantity =
+        |value: f64, unit: &str| format!("{} {}", short(value), Unit::new(unit)).trim_end().to_owned();
     match start {
-        Start::Rest { voltage_v } => {
-            format!("from rest at {} {unit}", short(*voltage_v)).trim_end().to_owned()
-        }
-        Start::Remembering { voltage_v, z } => {
-            format!("from rest at {} {unit} with hysteresis memory z = {}", short(*voltage_v), short(*z))
-        }
+        Start::Rest { voltage_v } => format!("from rest at {}", quantity(*voltage_v, input)),
+        Start::Remembering { voltage_v, z } => format!(
+            "from rest at {} with the hysteresis memory z = {}",
+            quantity(*voltage_v, input),
+            quantity(*z, output)
+        ),
         Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
     }
 }

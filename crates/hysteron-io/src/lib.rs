@@ -25,6 +25,7 @@ mod csv_write;
 mod dialect;
 mod error;
 mod frequency_response;
+mod hash;
 mod header;
 mod lines;
 mod options;
@@ -34,4 +35,5 @@ pub use csv_read::{ReadOutcome, read_csv, read_csv_bytes, read_input_output, rea
 pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};
+pub use hash::sha256;
 pub use options::ReadOptions;

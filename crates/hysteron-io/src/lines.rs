@@ -2,6 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read};
 
+use crate::hash::hexadecimal;
 use sha2::{Digest, Sha256};
 
 use crate::IoError;
@@ -109,8 +110,7 @@ impl<R: Read> Lines<R> {
 
     /// SHA-256 of all bytes read so far, lower-case hexadecimal: of the whole file after its last line.
     pub fn sha256(self) -> String {
-        let digest = self.reader.into_inner().hash.finalize();
-        digest.iter().map(|byte| format!("{byte:02x}")).collect()
+        hexadecimal(&self.reader.into_inner().hash.finalize())
     }
 }
 

@@ -112,6 +112,19 @@ pub enum IdentifyError {
         /// What the record looks like instead.
         because: String,
     },
+    /// A record that a model does not describe, whatever its gain, delay and offset.
+    #[error(
+        "record '{record}' contradicts the model: with the best gain, delay and offset it explains {fit_percent:.1} % of it, \
+         {need} % are needed"
+    )]
+    OtherDevice {
+        /// Record.
+        record: String,
+        /// Fit [%], see [`crate::validate::Scores`].
+        fit_percent: f64,
+        /// Least fit accepted [%].
+        need: f64,
+    },
     /// A model to start from that does not suit.
     #[error("the model to start from: {wanted}")]
     StartModel {

@@ -16,6 +16,7 @@ mod layout;
 pub mod optimizer_study;
 mod options;
 mod projection;
+pub mod recalibrate;
 mod result;
 mod static_fit;
 mod static_problem;

@@ -1,0 +1,253 @@
+//! `hysteron recalibrate`: gain, delay and offset of an existing model from short records.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use clap::Args;
+use hysteron::identify::IdentifyError;
+use hysteron::identify::recalibrate::{Change, Prior, Recalibration, Recording, SIGNIFICANT, recalibrate};
+use hysteron::model_file::{
+    ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp,
+};
+use hysteron::record::Unit;
+use hysteron_report::number::{significant, with_std_error};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::columns::ColumnFlags;
+use crate::console;
+use crate::failure::Failure;
+use crate::identify::command_line;
+use crate::model::{LoadedModel, Signal};
+use crate::numbers::number;
+use crate::output;
+use crate::start::{Drive, StartFlags, in_words};
+
+/// Find gain, delay and offset of a model again from short records, and hold the rest of it.
+#[derive(Args)]
+#[command(
+    after_help = "y = offset + g * model(u, delay): g scales the hysteresis block's output, the shape of the loop stays. The \
+    old model is the prior: its gain is known to the relative standard error of `linear`, its delay to its own (the model file \
+    holds no covariance). A gain or delay that differs by more than 3 combined standard errors has changed, and is taken from \
+    the records alone. The offset is that of the first record.\n\n\
+    Example: hysteron recalibrate model.json today.csv -o model-today.json"
+)]
+pub struct Recalibrate {
+    /// The model file
+    #[arg(value_name = "MODEL.json")]
+    model: PathBuf,
+
+    /// The records; a second with some turns of the drive is enough
+    #[arg(value_name = "RECORD", required = true)]
+    records: Vec<PathBuf>,
+
+    /// Model file to write
+    #[arg(short, long = "output-model", value_name = "NEW.json")]
+    out: PathBuf,
+
+    /// Refuse records of which the recalibrated model explains less than this share, in %
+    #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
+    least_fit: f64,
+
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    start: StartFlags,
+
+    #[command(flatten)]
+    columns: ColumnFlags,
+}
+
+impl Recalibrate {
+    pub fn run(&self) -> Result<(), Failure> {
+        output::check_file("the model", &self.out)?;
+        let old = LoadedModel::read(&self.model)?;
+        let recordings =
+            self.records.iter().map(|path| self.recording(&old, path)).collect::<Result<Vec<_>, _>>()?;
+        let prior = Prior::of(&old.file);
+        let found = recalibrate(old.model(), prior, &recordings, self.least_fit).map_err(|e| explain(&e))?;
+        let mut file = found.file(&old.file);
+        file.provenance = Some(self.provenance(&found, prior)?);
+        file.scores = found
+            .records
+            .iter()
+            .map(|r| ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.after))
+            .collect();
+        file.write(&self.out).map_err(|e| {
+            Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
+        })?;
+        if self.json {
+            return console::json(&self.outcome(&found, &file));
+        }
+        console::result(&text(&found, &file))?;
+        console::message(&format!("model written to {}", self.out.display()));
+        Ok(())
+    }
+
+    fn recording(&self, model: &LoadedModel, path: &Path) -> Result<Recording, Failure> {
+        let mut data = self.columns.read(path)?;
+        model.agreed_unit(path, Signal::Input, &data.u_unit)?;
+        data.y_unit = model.agreed_unit(path, Signal::Output, &data.y_unit)?;
+        let start = self.start.choose(&model.file, path, &Drive { u: &data.u, time: &data.time })?;
+        Ok(Recording { data, start, start_is_known: self.start.are_given() })
+    }
+
+    fn provenance(&self, found: &Recalibration, prior: Prior) -> Result<Provenance, Failure> {
+        let bytes = std::fs::read(&self.model).map_err(|e| {
+            Failure::new(format!("cannot read the model {}", self.model.display())).because(e)
+        })?;
+        let sha256 = hysteron_io::sha256(&bytes);
+        let known = |s: Option<f64>| s.map_or("unknown".to_owned(), |s| s.to_string());
+        let options = BTreeMap::from([
+            ("method".to_owned(), "recalibrate".to_owned()),
+            ("recalibrated model".to_owned(), self.model.display().to_string()),
+            ("recalibrated model sha256".to_owned(), sha256),
+            ("gain".to_owned(), found.gain.value.to_string()),
+            ("prior gain std_error".to_owned(), known(prior.gain)),
+            ("prior delay std_error".to_owned(), known(prior.delay_s)),
+        ]);
+        let record = |r: &hysteron::identify::recalibrate::RecalibratedRecord| RecordEntry {
+            path: r.data.source.as_ref().map_or(r.data.name.clone(), |s| s.path.clone()),
+            sha256: r.data.source.as_ref().map(|s| s.sha256.clone()),
+            samples: r.data.len() as u64,
+            role: RecordRole::Both,
+        };
+        Ok(Provenance {
+            program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
+            created: Some(timestamp(SystemTime::now())),
+            records: found.records.iter().map(record).collect(),
+            options,
+            seed: None,
+            command: Some(command_line()),
+        })
+    }
+
+    fn outcome(&self, found: &Recalibration, file: &ModelFile) -> Outcome {
+        let record = |r: &hysteron::identify::recalibrate::RecalibratedRecord| {
+            json!({
+                "record": r.data.source.as_ref().map_or(&r.data.name, |s| &s.path),
+                "samples": r.after.samples,
+                "unit": r.data.y_unit.symbol(),
+                "rmse_before": r.before.rmse,
+                "rmse_after": r.after.rmse,
+                "fit_percent": r.after.fit_percent,
+                "start": in_words(&r.start, &file.units.input, &file.units.output),
+            })
+        };
+        Outcome {
+            model: self.out.display().to_string(),
+            gain: entry(&found.gain),
+            delay_s: entry(&found.delay),
+            offset: file.offset.value,
+            offset_unit: file.offset.unit.clone(),
+            changed: found.gain.is_significant() || found.delay.is_significant(),
+            records: found.records.iter().map(record).collect(),
+        }
+    }
+}
+
+/// The object of `--json`.
+#[derive(Serialize)]
+struct Outcome {
+    model: String,
+    gain: Value,
+    delay_s: Value,
+    offset: f64,
+    offset_unit: String,
+    changed: bool,
+    records: Vec<Value>,
+}
+
+fn entry(change: &Change) -> Value {
+    json!({
+        "old": change.old,
+        "old_std_error": change.old_std_error,
+        "measured": change.measured,
+        "measured_std_error": change.measured_std_error,
+        "value": change.value,
+        "std_error": change.std_error,
+        "changed": change.is_significant(),
+    })
+}
+
+fn text(found: &Recalibration, file: &ModelFile) -> String {
+    let mut numbers = console::table(&["", "old", "± ", "from the records", "±", "new", "±", "unit"]);
+    for (name, change, unit) in [("gain", &found.gain, ""), ("delay", &found.delay, "s")] {
+        let mut row = vec![name.to_owned()];
+        for (value, error) in [
+            (change.old, change.old_std_error),
+            (change.measured, change.measured_std_error),
+            (change.value, change.std_error),
+        ] {
+            let (value, shown) = with_std_error(value, error);
+            row.extend([value, if error.is_some() { shown } else { "-".to_owned() }]);
+        }
+        row.push(unit.to_owned());
+        numbers.add_row(row);
+    }
+    let unit = Unit::new(&file.units.output).to_string();
+    let rmse = if unit.is_empty() { "RMSE".to_owned() } else { format!("RMSE [{unit}]") };
+    let mut scores = console::table(&[
+        "record",
+        "samples",
+        &format!("{rmse} before"),
+        &format!("{rmse} after"),
+        "fit [%]",
+    ]);
+    let mut starts = String::new();
+    for r in &found.records {
+        scores.add_row([
+            r.data.name.clone(),
+            r.after.samples.to_string(),
+            significant(r.before.rmse, 4),
+            significant(r.after.rmse, 4),
+            r.after.fit_percent.map_or("-".to_owned(), |fit| format!("{fit:.2}")),
+        ]);
+        let start = in_words(&r.start, &file.units.input, &file.units.output);
+        starts += &format!("data: {}: simulated {start}.\n", r.data.name);
+    }
+    let offset = significant(file.offset.value, 6);
+    format!(
+        "{numbers}\n\noffset: {offset} {unit} (of the first record)\n\n{scores}\n\n{}{}{starts}",
+        verdict("gain", &found.gain),
+        verdict("delay", &found.delay)
+    )
+}
+
+/// Whether a number has changed, in a line.
+fn verdict(name: &str, change: &Change) -> String {
+    let Some(times) = change.in_standard_errors() else {
+        return format!("verdict: the records do not determine the {name}; it is held at its value.\n");
+    };
+    let prior = if change.old_std_error.is_none() {
+        " (the model file gives no standard error of the old value: that of the records alone)"
+    } else {
+        ""
+    };
+    let times = significant(times, 2);
+    if change.is_significant() {
+        format!(
+            "verdict: {name}: the device has changed: {times} combined standard errors from the old value, more than {SIGNIFICANT}{prior}; \
+             the new value is that of the records alone.\n"
+        )
+    } else {
+        format!(
+            "verdict: {name}: no significant change: {times} combined standard errors from the old value{prior}.\n"
+        )
+    }
+}
+
+fn explain(error: &IdentifyError) -> Failure {
+    let failure = Failure::new("the model was not recalibrated").because(error);
+    match error {
+        IdentifyError::OtherDevice { .. } => failure.hint(
+            "check the columns (--input, --output) and that it is the same device; identify it anew with hysteron identify; \
+             --least-fit 0 hands the model out all the same",
+        ),
+        IdentifyError::Constant { .. } => failure.hint("choose other columns with --input and --output"),
+        _ => failure,
+    }
+}
