@@ -50,7 +50,7 @@ impl Scored {
     }
 
     /// The same, simulated from this start. Printed where its hysteresis memory was estimated from the record.
-    pub fn from_start(self, start: Start) -> Self {
+    pub fn simulated_from(self, start: Start) -> Self {
         Scored { start: Some(start), ..self }
     }
 

@@ -137,7 +137,7 @@ impl Validate {
         refuse_meaningless(&scored, &simulated, path)?;
         let scores = score(&scored, &simulated, &scoring)
             .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
-        Ok(Scored::new(&record, scores).in_unit(unit).from_start(start))
+        Ok(Scored::new(&record, scores).in_unit(unit).simulated_from(start))
     }
 
     fn text(&self, records: &[Scored]) -> String {
