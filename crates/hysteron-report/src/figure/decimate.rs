@@ -1,13 +1,13 @@
 //! Reducing curves to what a drawing can show, without losing an extreme value.
 
-use std::collections::HashSet;
+use super::passes::by_passes;
 
 /// A curve in drawing coordinates `(x, y)` reduced to about what a raster of `cell` shows.
 ///
 /// * A curve whose `x` never decreases (a time curve) keeps the first, lowest, highest and last point of
 ///   each column of width `cell`, in their order.
-/// * Any other curve (a loop) is followed from cell to cell of a square raster; a step between two cells
-///   already drawn is not drawn again, so that forty equal periods cost as much as one.
+/// * Any other curve (a loop) is drawn pass by pass between the turns of `x`, each whole, to half a `cell`; a pass that lies on
+///   those drawn before is left out, so that forty equal periods cost as much as one.
 ///
 /// Cells grow until at most `limit` points remain (or 48, if `limit` is smaller).
 ///
@@ -19,17 +19,17 @@ pub fn decimate(points: &[(f64, f64)], cell: f64, limit: usize) -> Vec<(f64, f64
     }
     let monotonic = is_monotonic(points);
     let extremes = extreme_indices(points);
-    let reduce = |cell: f64| {
-        if monotonic { by_columns(points, cell) } else { by_cells(points, cell, &extremes) }
-    };
+    let limit = limit.max(FEWEST);
     let mut cell = cell;
-    let mut kept = reduce(cell);
-    for _ in 0..MAX_COARSENING {
-        if kept.len() <= limit.max(FEWEST) {
+    let mut kept = Vec::new();
+    for coarsening in 0..=MAX_COARSENING {
+        // The last attempt is the result, however long.
+        let most = if coarsening < MAX_COARSENING { limit } else { usize::MAX };
+        kept = if monotonic { by_columns(points, cell) } else { by_passes(points, cell, &extremes, most) };
+        if kept.len() <= limit {
             break;
         }
         cell *= 1.6;
-        kept = reduce(cell);
     }
     kept
 }
@@ -38,10 +38,10 @@ pub fn decimate(points: &[(f64, f64)], cell: f64, limit: usize) -> Vec<(f64, f64
 /// be above the limit then.
 const MAX_COARSENING: usize = 32;
 
-/// Four cells, every step between them and the extremes: a loop cannot be made of fewer points.
+/// A few passes with their ends and the extremes: a loop cannot be made of fewer points.
 const FEWEST: usize = 48;
 
-fn finite(point: (f64, f64)) -> bool {
+pub(super) fn finite(point: (f64, f64)) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
@@ -118,59 +118,13 @@ fn by_columns(points: &[(f64, f64)], cell: f64) -> Vec<(f64, f64)> {
     out
 }
 
-/// The last point visited by [`by_cells`].
-struct Visited {
-    at: (f64, f64),
-    cell: (i64, i64),
-    /// Whether it is the end of what has been drawn.
-    drawn: bool,
-}
-
-/// Follows the curve from cell to cell, leaving out steps already drawn.
-fn by_cells(points: &[(f64, f64)], cell: f64, extremes: &[usize; 4]) -> Vec<(f64, f64)> {
-    let mut steps = HashSet::new();
-    let mut out: Vec<(f64, f64)> = Vec::new();
-    let mut previous: Option<Visited> = None;
-    for (i, p) in points.iter().enumerate() {
-        if !finite(*p) {
-            push_break(&mut out);
-            previous = None;
-            continue;
-        }
-        let here = ((p.0 / cell).floor() as i64, (p.1 / cell).floor() as i64);
-        let keep = extremes.contains(&i);
-        let drawn = match &previous {
-            None => {
-                out.push(*p);
-                true
-            }
-            Some(before) if before.cell == here && !keep => continue,
-            Some(before) => {
-                let step = if before.cell <= here { (before.cell, here) } else { (here, before.cell) };
-                let draw = steps.insert(step) || keep;
-                if draw && !before.drawn {
-                    push_break(&mut out);
-                    out.push(before.at);
-                }
-                if draw {
-                    out.push(*p);
-                }
-                draw
-            }
-        };
-        previous = Some(Visited { at: *p, cell: here, drawn });
-    }
-    trim_break(&mut out);
-    out
-}
-
-fn push_break(out: &mut Vec<(f64, f64)>) {
+pub(super) fn push_break(out: &mut Vec<(f64, f64)>) {
     if out.last().is_some_and(|p| finite(*p)) {
         out.push((f64::NAN, f64::NAN));
     }
 }
 
-fn trim_break(out: &mut Vec<(f64, f64)>) {
+pub(super) fn trim_break(out: &mut Vec<(f64, f64)>) {
     if out.last().is_some_and(|p| !finite(*p)) {
         out.pop();
     }

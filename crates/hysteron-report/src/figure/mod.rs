@@ -21,6 +21,7 @@ mod decimate;
 mod heat;
 mod kinds;
 mod layout;
+mod passes;
 #[cfg(feature = "png")]
 mod png;
 mod style;
