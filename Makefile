@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo test bench article figures clean check-toolchain check-components
+.PHONY: FORCE help demo test bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 OUT := out
@@ -47,6 +47,9 @@ article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, fi
 bench: check-toolchain ## speed, side by side with the peers, which this installs into bench/.venv
 	bench/instructions.sh
 	bench/run.sh
+
+study: check-toolchain ## coverage: how often the 95 % intervals hold the truth, over 1000 simulated campaigns
+	cargo run --release --locked -p hysteron-bench --bin hysteron-coverage -- 1000
 
 figures: $(HYSTERON) ## the pictures of README and docs, made by the program
 	@mkdir -p $(OUT) docs/figures

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hysteron::identify::{FindingKind, Identification};
+use hysteron::identify::{FindingKind, Identification, Interval, IntervalMethod};
 use hysteron::model_file::ModelFile;
 use hysteron_report::number::with_std_error;
 use serde::Serialize;
@@ -18,9 +18,28 @@ pub struct Outcome<'a> {
     hysteresis: &'a hysteron::model_file::HysteresisBlock,
     dynamics: &'a hysteron::model_file::DynamicsBlock,
     delay: &'a hysteron::model_file::Quantity,
+    parameters: Vec<ParameterEntry<'a>>,
     searches: Vec<SearchEntry>,
     findings: Vec<FindingEntry<'a>>,
     interrupted: bool,
+}
+
+#[derive(Serialize)]
+struct ParameterEntry<'a> {
+    block: &'a str,
+    name: &'a str,
+    value: f64,
+    unit: String,
+    std_error: Option<f64>,
+    interval_95: Option<IntervalEntry>,
+    held: bool,
+}
+
+#[derive(Serialize)]
+struct IntervalEntry {
+    low: f64,
+    high: f64,
+    method: &'static str,
 }
 
 #[derive(Serialize)]
@@ -50,6 +69,23 @@ impl<'a> Outcome<'a> {
             hysteresis: &file.hysteresis,
             dynamics: &file.dynamics,
             delay: &file.delay,
+            parameters: found
+                .parameters
+                .iter()
+                .map(|p| ParameterEntry {
+                    block: p.block,
+                    name: &p.name,
+                    value: p.value,
+                    unit: super::report::unit_of(p, file),
+                    std_error: p.std_error,
+                    interval_95: p.interval.map(|i| IntervalEntry {
+                        low: i.low,
+                        high: i.high,
+                        method: i.method.name(),
+                    }),
+                    held: p.held,
+                })
+                .collect(),
             searches: found
                 .searches
                 .iter()
@@ -79,14 +115,30 @@ fn kind_name(kind: FindingKind) -> &'static str {
     }
 }
 
+/// Both ends to the digits of the standard error; `*` where they come from a profile.
+fn interval(interval: &Interval, std_error: Option<f64>) -> String {
+    let end = |x: f64| with_std_error(x, std_error).0;
+    let mark = if interval.method == IntervalMethod::Profile { " *" } else { "" };
+    format!("{} … {}{mark}", end(interval.low), end(interval.high))
+}
+
 /// The same for people.
 pub fn text(found: &Identification, file: &ModelFile) -> String {
-    let mut parameters = console::table(&["block", "parameter", "value", "std. error", "unit"]);
+    let mut headings = vec!["block", "parameter", "value", "std. error", "unit"];
+    let intervals = found.parameters.iter().any(|p| p.interval.is_some());
+    if intervals {
+        headings.push("95 % interval");
+    }
+    let mut parameters = console::table(&headings);
     for p in &found.parameters {
         let (value, error) = with_std_error(p.value, p.std_error);
         let error = if p.std_error.is_some() { error } else { "-".to_owned() };
         let unit = super::report::unit_of(p, file);
-        parameters.add_row([p.block.to_owned(), p.name.clone(), value, error, unit]);
+        let mut row = vec![p.block.to_owned(), p.name.clone(), value, error, unit];
+        if intervals {
+            row.push(p.interval.map_or("-".to_owned(), |i| interval(&i, p.std_error)));
+        }
+        parameters.add_row(row);
     }
     let mut text = format!("{parameters}\n\n{}\n\n", scores::table(&scored(found)));
     for finding in &found.findings {

@@ -26,7 +26,7 @@ mod uncertainty;
 
 pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
 pub use error::IdentifyError;
-pub use joint::Covariance;
+pub use joint::{Covariance, Interval, IntervalMethod};
 pub use layout::Demands;
 pub use options::{
     CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,

@@ -1,7 +1,7 @@
 //! What an identification hands out.
 
 use super::engine::{Search, Searches};
-use super::joint::Covariance;
+use super::joint::{Covariance, Interval};
 use super::options::{Method, RecordRole};
 use crate::hammerstein::{Model, Start};
 use crate::optimize::Bounds;
@@ -55,6 +55,8 @@ pub struct Parameter {
     pub value: f64,
     /// Standard error; `None` where the parameter was held or the data do not determine it.
     pub std_error: Option<f64>,
+    /// Interval that holds the true value in 95 of 100 campaigns; a joint fit only.
+    pub interval: Option<Interval>,
     /// It was held at this value: by demand, or because this fit does not search it.
     pub held: bool,
 }
@@ -74,7 +76,7 @@ pub struct Correlation {
 
 impl Parameter {
     pub(super) fn new(block: &'static str, name: &str, value: f64, std_error: Option<f64>) -> Self {
-        Self { block, name: name.to_owned(), value, std_error, held: false }
+        Self { block, name: name.to_owned(), value, std_error, interval: None, held: false }
     }
 }
 

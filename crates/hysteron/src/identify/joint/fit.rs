@@ -1,20 +1,21 @@
 //! From records to a model in one fit: reduced records from many starts, then all samples from the best.
 
 use super::super::engine::{Engine, Search};
-use super::super::layout::Role;
 use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
-use super::super::result::{Identification, Parameter, RecordFit, Reduction, StructureChoice};
+use super::super::result::{Identification, RecordFit, Reduction, StructureChoice};
 use super::super::static_step::OFFSET;
 use super::super::uncertainty::correlation_time;
 use super::super::{IdentifyError, RecordFacts, findings};
 use super::campaign::JointMember;
+use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
+use super::parameters;
 use super::problem::{JointProblem, JointSolution};
 use super::record::Before;
 use super::setup::{self, JointSetup, memory_name};
-use crate::dynamics::{DynamicForm, Dynamics, Modes, Scheme, TransferFunction};
+use crate::dynamics::{DynamicForm, Dynamics, Modes, Scheme};
 use crate::hammerstein::Model;
-use crate::hysteresis::{BoucWen, Hysteresis, UnitShape};
+use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
 use crate::validate::{Scoring, score};
@@ -71,15 +72,13 @@ pub(in super::super) fn identify(
     if options.degree == Choice::Auto {
         (degree, best) = choose_degree(&setup, reduced, &best, &mut engine, &mut degrees)?;
     }
-    let (problem, x, reduction) = if reduced {
-        let small = setup.problem(degree, true)?;
+    let small = if reduced { Some(setup.problem(degree, true)?) } else { None };
+    let at_small = best.clone();
+    let (problem, x, mut reduction) = if let Some(small) = &small {
         let whole = setup.problem(degree, false)?;
         let polished = engine.quick_fit("all samples", &whole, vec![best.clone()])?;
-        let reduction = Reduction {
-            samples: whole.residual_count(),
-            searched: small.residual_count(),
-            moved: moved(&whole, &polished.outcome.best, &best),
-        };
+        let reduction =
+            Reduction { samples: whole.residual_count(), searched: small.residual_count(), moved: 0.0 };
         search.outcome.cost = polished.outcome.cost;
         search.outcome.best.clone_from(&polished.outcome.best);
         (whole, polished.outcome.best, Some(reduction))
@@ -121,8 +120,21 @@ pub(in super::super) fn identify(
             because: because.unwrap_or_default(),
         });
     }
-    let covariance = knowledge::covariance(&problem, &x).map(|own| in_article_symbols(&own, &problem));
-    let parameters = parameters(&solution, &form, &problem, covariance.as_ref(), &model);
+    let known = knowledge::knowledge(&problem, &x);
+    let own = known.as_ref().map(|known| &known.covariance);
+    if let (Some(reduction), Some(own)) = (&mut reduction, own) {
+        reduction.moved = moved(own, &x, &at_small);
+    }
+    let covariance = own.map(|own| parameters::in_article_symbols(own, &problem));
+    let mut parameters = parameters::parameters(&solution, &form, &problem, covariance.as_ref(), &model);
+    if let Some(known) = &known {
+        let found = match &small {
+            Some(small) => knowledge::knowledge(small, &at_small)
+                .map_or(Vec::new(), |at_small| intervals(small, &at_small, &known.covariance)),
+            None => intervals(&problem, known, &known.covariance),
+        };
+        parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
+    }
     let structure = StructureChoice {
         degrees,
         degree,
@@ -271,15 +283,12 @@ fn choose_degree(
 }
 
 /// Largest move of a searched number between reduced and whole records, in standard errors.
-fn moved(whole: &JointProblem, x: &[f64], before: &[f64]) -> f64 {
-    let Some(covariance) = knowledge::covariance(whole, x) else { return f64::NAN };
-    let eliminated = covariance.values.len() - x.len();
+fn moved(own: &Covariance, x: &[f64], before: &[f64]) -> f64 {
+    let eliminated = own.values.len() - x.len();
     x.iter()
         .zip(before)
         .enumerate()
-        .filter_map(|(j, (now, then))| {
-            covariance.std_error(eliminated + j).map(|error| (now - then).abs() / error)
-        })
+        .filter_map(|(j, (now, then))| own.std_error(eliminated + j).map(|error| (now - then).abs() / error))
         .fold(0.0, f64::max)
 }
 
@@ -305,106 +314,6 @@ fn assemble(
         inter_sample: options.inter_sample,
         sample_rate_hz: Some(fastest),
     })
-}
-
-/// The covariance with β, γ for β', γ' and z(0) for ζ(0).
-fn in_article_symbols(own: &Covariance, problem: &JointProblem) -> Covariance {
-    let place = |name: &str| own.names.iter().position(|n| n == name);
-    let (alpha, beta, gamma, n) = (place("alpha"), place("beta"), place("gamma"), place("n"));
-    let layout = problem.layout();
-    let held = |role: Role| if let Role::Fixed(value) = role { value } else { 0.0 };
-    let memory: Vec<usize> = own
-        .names
-        .iter()
-        .enumerate()
-        .filter(|(_, name)| name.starts_with("memory_"))
-        .map(|(index, _)| index)
-        .collect();
-    own.transformed(own.names.clone(), |values| {
-        let mut out = values.to_vec();
-        let at = |index: Option<usize>, role: Role| index.map_or(held(role), |i| values[i]);
-        let a = at(alpha, layout.alpha);
-        let shape =
-            UnitShape { beta: at(beta, layout.beta), gamma: at(gamma, layout.gamma), n: at(n, layout.n) };
-        if let Ok(model) = BoucWen::from_unit(vec![1.0], a, shape) {
-            if let Some(i) = beta {
-                out[i] = model.beta;
-            }
-            if let Some(i) = gamma {
-                out[i] = model.gamma;
-            }
-        }
-        for &i in &memory {
-            out[i] = a * values[i];
-        }
-        out
-    })
-}
-
-fn parameters(
-    solution: &JointSolution,
-    form: &DynamicForm,
-    problem: &JointProblem,
-    covariance: Option<&Covariance>,
-    model: &Model,
-) -> Vec<Parameter> {
-    let error = |name: &str| {
-        let c = covariance?;
-        c.std_error(c.names.iter().position(|n| n == name)?)
-    };
-    let b = &solution.hysteresis;
-    let mut list: Vec<Parameter> = b
-        .polynomial
-        .iter()
-        .enumerate()
-        .map(|(i, &c)| {
-            let name = polynomial_name(i + 1);
-            Parameter::new("hysteresis", &name, c, error(&name))
-        })
-        .collect();
-    let layout = problem.layout();
-    let mut push = |block, name: &str, value, role: Role| {
-        let held = matches!(role, Role::Fixed(_));
-        list.push(Parameter { held, ..Parameter::new(block, name, value, error(name)) });
-    };
-    push("hysteresis", "alpha", b.alpha, layout.alpha);
-    push("hysteresis", "beta", b.beta, layout.beta);
-    push("hysteresis", "gamma", b.gamma, layout.gamma);
-    push("hysteresis", "n", b.n, layout.n);
-    for ((parameter, &value), &role) in form.parameters().iter().zip(&solution.form).zip(&layout.form) {
-        push("dynamics", parameter.name, value, role);
-    }
-    push("dynamics", "delay", solution.delay_s, layout.delay);
-    if let (Modes::Fractional, false, Dynamics::Fractional(g)) = (&form.modes, form.creep, &model.dynamics) {
-        // Eq. 13's own coefficients, with their errors by the delta method.
-        let coefficients = |g: &TransferFunction| {
-            vec![g.numerator[0].coefficient, g.denominator[0].coefficient, g.denominator[1].coefficient]
-        };
-        let names: Vec<String> = ["b", "c0", "c1"].map(String::from).to_vec();
-        let errors = covariance.map(|c| {
-            let places: Vec<Option<usize>> =
-                form.parameters().iter().map(|p| c.names.iter().position(|n| n == p.name)).collect();
-            c.transformed(names.clone(), |values| {
-                let p: Vec<f64> = places
-                    .iter()
-                    .zip(&solution.form)
-                    .map(|(place, &value)| place.map_or(value, |i| values[i]))
-                    .collect();
-                form.transfer_function(&p).map_or(vec![f64::NAN; 3], |g| coefficients(&g))
-            })
-        });
-        for (index, (name, value)) in names.iter().zip(coefficients(g)).enumerate() {
-            let error = errors.as_ref().and_then(|c| c.std_error(index));
-            list.push(Parameter::new("dynamics", name, value, error));
-        }
-    }
-    for (index, role) in problem.layout().memory.iter().enumerate() {
-        if matches!(role, Role::Searched(_)) {
-            let name = memory_name(index);
-            list.push(Parameter::new("start", &name, b.alpha * solution.memory[index], error(&name)));
-        }
-    }
-    list
 }
 
 /// Every demand must be one that this fit can meet: none is passed over in silence.

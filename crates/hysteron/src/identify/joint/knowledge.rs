@@ -70,9 +70,21 @@ impl Covariance {
     }
 }
 
-/// Covariance of the eliminated coefficients and the searched numbers at `x`, in the fit's own (unit-α) symbols.
-/// Parameters on a bound count as held. `None` where nothing can be said.
-pub(in super::super) fn covariance(problem: &JointProblem, x: &[f64]) -> Option<Covariance> {
+/// What is known at an optimum, in the fit's own (unit-α) symbols: first the eliminated coefficients, then the searched
+/// numbers. Parameters on a bound count as held.
+#[derive(Debug)]
+pub(in super::super) struct Knowledge {
+    /// Robust to coloured residuals.
+    pub(in super::super) covariance: Covariance,
+    /// s² (JᵀJ)⁻¹, which holds for white residuals.
+    pub(in super::super) white: DMatrix<f64>,
+    /// s² = Σ r² / (N − p) of the weighted residuals.
+    pub(in super::super) variance: f64,
+    pub(in super::super) linearisation: Linearisation,
+}
+
+/// Knowledge at the optimum `x`. `None` where nothing can be said.
+pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<Knowledge> {
     let linearisation = problem.linearise(x)?;
     let Linearisation { linear, eliminated, searched, residuals, coefficients } = &linearisation;
     let rows = problem.residual_count();
@@ -128,14 +140,24 @@ pub(in super::super) fn covariance(problem: &JointProblem, x: &[f64]) -> Option<
         .collect::<Vec<_>>()
         .into_iter()
         .fold(DMatrix::zeros(p, p), |sum, part| sum + part);
-    let small = &bread * meat * &bread * freedom;
-    let mut matrix = DMatrix::from_element(columns.len(), columns.len(), 0.0);
-    for (i, &fi) in free.iter().enumerate() {
-        for (j, &fj) in free.iter().enumerate() {
-            matrix[(fi, fj)] = small[(i, j)] / (norms[fi] * norms[fj]);
+    let variance = residuals.iter().map(|r| r * r).sum::<f64>() / (problem.valid() - p) as f64;
+    let in_own_units = |small: DMatrix<f64>| {
+        let mut matrix = DMatrix::zeros(columns.len(), columns.len());
+        for (i, &fi) in free.iter().enumerate() {
+            for (j, &fj) in free.iter().enumerate() {
+                matrix[(fi, fj)] = small[(i, j)] / (norms[fi] * norms[fj]);
+            }
         }
-    }
-    Some(Covariance { names, values, matrix, condition_number })
+        matrix
+    };
+    let matrix = in_own_units(&bread * meat * &bread * freedom);
+    let white = in_own_units(bread * variance);
+    Some(Knowledge {
+        covariance: Covariance { names, values, matrix, condition_number },
+        white,
+        variance,
+        linearisation,
+    })
 }
 
 /// Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ over one record, in the frequency domain.

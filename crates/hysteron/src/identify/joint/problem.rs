@@ -279,6 +279,44 @@ impl JointProblem {
             return None;
         }
         let coefficients = self.coefficients(x, &mut ws);
+        Some(self.collect(coefficients, &mut ws))
+    }
+
+    /// [`Self::linearise`] at coefficients of u, u², … and α that need not be the best at `x`.
+    pub(in super::super) fn linearise_at(&self, x: &[f64], coefficients: &[f64]) -> Option<Linearisation> {
+        let mut ws = self.workspace();
+        self.deviate(x, coefficients, self.derivatives(), &mut ws)
+            .then(|| self.collect(coefficients.to_vec(), &mut ws))
+    }
+
+    /// Weighted residuals at `x` and any coefficients of u, u², … and α; empty where it cannot be simulated.
+    pub(in super::super) fn residuals_at<'w>(
+        &self,
+        x: &[f64],
+        coefficients: &[f64],
+        ws: &'w mut JointWorkspace,
+    ) -> &'w [f64] {
+        if self.deviate(x, coefficients, Derivatives::None, ws) { &ws.target } else { &[] }
+    }
+
+    /// Residuals at given coefficients into `ws.target`.
+    fn deviate(&self, x: &[f64], coefficients: &[f64], wanted: Derivatives, ws: &mut JointWorkspace) -> bool {
+        if !self.respond(x, wanted, ws) {
+            return false;
+        }
+        let JointWorkspace { records, column, target, .. } = ws;
+        for (r, record) in records.iter().enumerate() {
+            target[self.rows(r)].copy_from_slice(&record.target);
+        }
+        for (index, value) in coefficients.iter().enumerate() {
+            self.gather(index, records, column);
+            target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+        }
+        true
+    }
+
+    /// Everything of a linearisation, after the columns and the residuals.
+    fn collect(&self, coefficients: Vec<f64>, ws: &mut JointWorkspace) -> Linearisation {
         let count = self.residual_count();
         let mut searched = vec![0.0; count * self.bounds.dimension()];
         self.differentiate(&coefficients, &mut ws.records, &mut searched);
@@ -292,7 +330,7 @@ impl JointProblem {
                 eliminated.push(index);
             }
         }
-        Some(Linearisation { linear, eliminated, searched, residuals: ws.target, coefficients })
+        Linearisation { linear, eliminated, searched, residuals: ws.target.clone(), coefficients }
     }
 }
 
