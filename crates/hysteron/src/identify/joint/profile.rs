@@ -280,9 +280,15 @@ mod tests {
             let found = profiled.end(&mut bod(), &optimum, side, wanted).unwrap();
             assert!((found - oracle).abs() <= tolerance, "{found} {oracle} {tolerance}");
         }
-        let (up, down) =
-            (profiled.along_valley(&mut fit, &optimum, 1.0), profiled.along_valley(&mut fit, &optimum, -1.0));
-        assert!(up < 0.9 && down < -1.1, "{up} {down}");
+        // The straight valley shows the profile's asymmetry: z(h) + z(−h) is of second order in h.
+        let h = 0.2;
+        let z = |side: f64| side * deviance(0.5311 + side * h * std_error);
+        let of_profile = z(1.0) + z(-1.0);
+        let mut fit = bod();
+        let mut valley = |steps| profiled.along_valley(&mut fit, &optimum, steps);
+        let of_valley = valley(h) + valley(-h);
+        assert!(of_profile < -0.005, "{of_profile}");
+        assert!((of_valley / of_profile - 1.0).abs() < 0.1, "{of_valley} {of_profile}");
     }
 
     #[test]
