@@ -1,6 +1,8 @@
 //! DE-ABC: the article's bee colony with differential mutation and chaotic scout, Eqs. 8–12 and Fig. 4.
 //!
-//! One generation of SN food sources, on the unit box, x_best and F fixed when it begins:
+//! One generation of SN food sources, on the unit box, F fixed when it begins, x_best when each phase begins. (With x_best
+//! of the generation before for the onlookers too, fewer runs come home: on the static problem of
+//! [`crate::identify::optimizer_study`] 96.8 % instead of 99.0 % of 310 seeds, at the same number of evaluations.)
 //! 1. *Employed bees*, one a source: x' = x_best + F (x_i − x_k) with a random partner k ≠ i (Eq. 8) and
 //!    F = 1 − iter/Iter (Eq. 9; iter counts from 0, so F falls from 1 to 1/Iter). Clipped to the box; accepted if
 //!    better, else the source's counter goes up.
@@ -117,9 +119,8 @@ pub(super) fn generation(
     search: &mut Search<'_>,
     scratch: &mut Scratch,
 ) {
-    let best = search.ledger.best.clone();
     let factor = mutation_factor(search.ledger.generation, search.settings);
-    let mutate = |colony: &Colony, i: usize, random: &mut Stream, candidate: &mut [f64]| {
+    let mutate = |best: &[f64], colony: &Colony, i: usize, random: &mut Stream, candidate: &mut [f64]| {
         let k = random.index_except(colony.costs.len(), &[i]);
         let (own, partner) = (colony.sources.get(i), colony.sources.get(k));
         let forced = match options.moved {
@@ -137,8 +138,12 @@ pub(super) fn generation(
             }
         }
     };
-    colony.phase(Owners::Each, search, scratch, mutate);
-    colony.phase(Owners::Roulette, search, scratch, mutate);
+    for owners in [Owners::Each, Owners::Roulette] {
+        let best = search.ledger.best.clone();
+        colony.phase(owners, search, scratch, |colony, i, random, candidate| {
+            mutate(&best, colony, i, random, candidate);
+        });
+    }
     if options.scout != Scout::Off {
         let limit = options.limit.unwrap_or(options.population * search.dimension());
         if let Some(i) = colony.most_exhausted(limit, colony.best()) {

@@ -10,16 +10,16 @@
 //!
 //! | | static block | fractional block |
 //! | --- | --- | --- |
-//! | DE-ABC, all dimensions | 94 %, 2 727 | 87 %, 1 593 |
-//! | DE-ABC, one dimension | 0 % | 3 %, 3 604 |
-//! | DE-ABC, no scout | 94 %, 2 727 | 87 %, 1 593 |
-//! | DE-ABC, chaotic scout, L = 10 | 97 %, 2 955 | 90 %, 1 664 |
-//! | DE-ABC, random scout, L = 10 | 81 %, 3 075 | 94 %, 1 803 |
+//! | DE-ABC, all dimensions | 100 %, 2 718 | 94 %, 1 573 |
+//! | DE-ABC, one dimension | 0 % | 3 %, 4 547 |
+//! | DE-ABC, no scout | 100 %, 2 718 | 94 %, 1 573 |
+//! | DE-ABC, chaotic scout, L = 10 | 100 %, 2 965 | 97 %, 1 706 |
+//! | DE-ABC, random scout, L = 10 | 100 %, 3 068 | 94 %, 1 855 |
 //! | DE/rand/1/bin | 100 %, 5 199 | 100 %, 2 634 |
 //! | PSO | 42 %, 6 723 | 42 %, 4 596 |
 //! | ABC | 0 % | 23 %, 5 132 |
 //! | multi-start least squares | 100 %, 50 | 100 %, 86 |
-//! | DE-ABC 5 %, then least squares | 100 %, 352 | 100 %, 350 |
+//! | DE-ABC 5 %, then least squares | 100 %, 350 | 100 %, 344 |
 //!
 //! DE-ABC is 1.7 to 1.9 times as fast as DE and less reliable: over 1000 seeds it succeeds on the static block in 97.9 %; now and
 //! then its population collapses before it has reached the minimum. At its default limit the chaotic scout changes

@@ -52,15 +52,15 @@ fn one_generation_is_the_one_computed_by_hand() {
     let (colony, ledger) = one_generation(&options, cost);
     // Employed (Eqs. 8, 9): (0.2, 0.6) + ¼ ((0.2, 0.6) − (0.4, 0.3)) = (0.15, 0.675), cost 0.075 < 0.2: taken.
     //   (0.2, 0.6) + ¼ ((0.4, 0.3) − (0.2, 0.6)) = (0.25, 0.525), infeasible: not taken, counter 1.
-    // Onlookers, both on the first: (0.2, 0.6) + ¼ ((0.15, 0.675) − (0.4, 0.3)) = (0.1375, 0.69375), cost 0.04375: the
-    //   first is taken (x_best is still that of the previous generation), the second is no better: counter 1.
-    assert_close(colony.sources.get(0), &[0.1375, 0.69375]);
+    // Onlookers, both on the first, which is x_best now: (0.15, 0.675) + ¼ ((0.15, 0.675) − (0.4, 0.3)) =
+    //   (0.0875, 0.76875), cost 0.08125 > 0.075: neither is taken, counter 2.
+    assert_close(colony.sources.get(0), &[0.15, 0.675]);
     assert_close(colony.sources.get(1), &[0.4, 0.3]);
-    assert_close(&colony.costs[..1], &[0.04375]);
+    assert_close(&colony.costs[..1], &[0.075]);
     assert_eq!(colony.costs[1], f64::INFINITY);
-    assert_eq!(colony.trials, [1, 1]);
+    assert_eq!(colony.trials, [2, 1]);
     assert_eq!((ledger.evaluations, colony.scouts_fired), (2 + 4, 0));
-    assert_close(&ledger.best, &[0.1375, 0.69375]);
+    assert_close(&ledger.best, &[0.15, 0.675]);
 }
 
 #[test]
@@ -72,8 +72,8 @@ fn one_moved_component_leaves_the_other_at_the_source() {
     // From (0.2, 0.6) a bee reaches (0.15, 0.6) or (0.2, 0.675), both better; an onlooker then moves one component of
     // that: both components are x_best,j + ¼ Δ or untouched, never anything else.
     let found = colony.sources.get(0);
-    let first = [0.2, 0.15, 0.2 + 0.25 * (0.15 - 0.4)];
-    let second = [0.6, 0.675, 0.6 + 0.25 * (0.675 - 0.3)];
+    let first = [0.2, 0.15, 0.15 + 0.25 * (0.15 - 0.4), 0.2 + 0.25 * (0.2 - 0.4)];
+    let second = [0.6, 0.675, 0.675 + 0.25 * (0.675 - 0.3), 0.6 + 0.25 * (0.6 - 0.3)];
     assert!(first.iter().any(|x| (x - found[0]).abs() < 1e-15), "{found:?}");
     assert!(second.iter().any(|x| (x - found[1]).abs() < 1e-15), "{found:?}");
     assert_ne!(found, &[0.2, 0.6]);
