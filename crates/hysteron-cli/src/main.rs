@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 
 mod article;
 mod columns;
+mod compare;
 mod completions;
 mod console;
 mod excite;
@@ -46,6 +47,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Identify(Box<identify::Identify>),
+    Compare(compare::Compare),
     Inspect(inspect::Inspect),
     Recalibrate(recalibrate::Recalibrate),
     Validate(validate::Validate),
@@ -62,6 +64,7 @@ enum Command {
 fn run(command: &Command) -> Result<(), Failure> {
     match command {
         Command::Identify(c) => c.run(),
+        Command::Compare(c) => c.run(),
         Command::Inspect(c) => c.run(),
         Command::Recalibrate(c) => c.run(),
         Command::Validate(c) => c.run(),

@@ -19,6 +19,11 @@ impl Progress {
         Progress(bar)
     }
 
+    /// There are `steps` steps after all.
+    pub fn set_length(&self, steps: u64) {
+        self.0.set_length(steps);
+    }
+
     /// `done` steps are done; `remark` is shown behind the bar, e.g. the best cost so far.
     pub fn set(&self, done: u64, remark: impl Into<Cow<'static, str>>) {
         self.0.set_position(done);

@@ -2,7 +2,7 @@
 
 mod outcome;
 mod report;
-mod written;
+pub mod written;
 
 pub use written::command_line;
 

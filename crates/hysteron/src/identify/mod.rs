@@ -21,6 +21,7 @@ mod result;
 mod static_fit;
 mod static_problem;
 mod static_step;
+pub mod structure;
 mod two_step;
 mod uncertainty;
 

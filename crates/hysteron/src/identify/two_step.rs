@@ -185,7 +185,7 @@ pub(super) fn excited(facts: &[RecordFacts]) -> Option<(f64, f64)> {
     (low <= high).then_some((low, high))
 }
 
-fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
+pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
     let first = campaign.first().ok_or(IdentifyError::NoRecords)?;
     let units = |r: &CampaignRecord| format!("{} → {}", r.data.u_unit, r.data.y_unit);
     campaign

@@ -11,6 +11,11 @@ use realfft::num_complex::Complex;
 use super::start_up::{StartUp, fit_start_up};
 use super::{ExcitationKind, InputOutput, Periods};
 
+/// Gains within this factor of that at the lowest frequency: below the flank of a resonance.
+const SPREAD: f64 = 1.4;
+/// Fewest spectral lines of one record for a line through their phases.
+const FEWEST_RESPONSES: usize = 8;
+
 /// What a record says about the delay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DelayFinding {
@@ -45,25 +50,48 @@ pub fn find_delay(
     kind: &ExcitationKind,
     periods: Option<&Periods>,
 ) -> Option<DelayFinding> {
-    let rate = data.sample_rate_hz()?;
+    data.sample_rate_hz()?;
     if let Some(start_up) = fit_start_up(data, periods) {
         return Some(DelayFinding::FromStartUp(start_up));
     }
     let phase = match kind {
-        ExcitationKind::Sweep { .. } | ExcitationKind::Broadband { .. } => from_phase(data, rate, periods),
+        ExcitationKind::Sweep { .. } | ExcitationKind::Broadband { .. } => {
+            let responses = low_frequency_responses(data, periods, SPREAD);
+            if responses.len() < FEWEST_RESPONSES { None } else { delay_from_phase(&responses) }
+        }
         _ => None,
     };
-    Some(phase.or_else(|| inseparable(data, rate, kind, periods)).unwrap_or(DelayFinding::Unknown))
+    Some(phase.or_else(|| inseparable(data, kind, periods)).unwrap_or(DelayFinding::Unknown))
+}
+
+/// Output over input at one frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Response {
+    /// Frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// Gain \[output unit per input unit\].
+    pub gain: f64,
+    /// Phase \[rad\], −π … π; π is added where the characteristic falls.
+    pub phase_rad: f64,
+    /// Weight of the phase, the reciprocal of its variance but for a common factor.
+    pub weight: f64,
 }
 
 /// Lag of the fundamental over the settled periods.
-fn inseparable(
-    data: &InputOutput,
-    rate: f64,
-    kind: &ExcitationKind,
-    periods: Option<&Periods>,
-) -> Option<DelayFinding> {
+fn inseparable(data: &InputOutput, kind: &ExcitationKind, periods: Option<&Periods>) -> Option<DelayFinding> {
     let ExcitationKind::Wave { frequency, .. } = kind else { return None };
+    let Response { frequency_hz, phase_rad, .. } = fundamental_response(data, *frequency, periods)?;
+    Some(DelayFinding::Inseparable { frequency_hz, at_most_s: (-phase_rad / (TAU * frequency_hz)).max(0.0) })
+}
+
+/// Response at the one frequency of a record's drive (`frequency`, per sample), over its settled periods. `None` without a
+/// uniform time base.
+pub fn fundamental_response(
+    data: &InputOutput,
+    frequency: f64,
+    periods: Option<&Periods>,
+) -> Option<Response> {
+    let rate = data.sample_rate_hz()?;
     let (from, length) = match periods {
         Some(p) => (p.steady_start(), (p.count - p.settling) as f64 * p.period_samples),
         None => (0, data.len() as f64),
@@ -76,11 +104,12 @@ fn inseparable(
             .map(|(k, x)| Complex::from_polar(x - mean, -TAU * frequency * k as f64))
             .sum::<Complex<f64>>()
     };
-    let lag = principal(-(fundamental(&data.y) / fundamental(&data.u)).arg());
+    let ratio = fundamental(&data.y) / fundamental(&data.u);
+    let phase = ratio.arg();
     // A falling characteristic is a rising one with the sign turned.
-    let lag = if lag.abs() > 0.25 * TAU { principal(lag + 0.5 * TAU) } else { lag };
-    let frequency_hz = frequency * rate;
-    Some(DelayFinding::Inseparable { frequency_hz, at_most_s: (lag / (TAU * frequency_hz)).max(0.0) })
+    let phase_rad = if phase.abs() > 0.25 * TAU { principal(phase + 0.5 * TAU) } else { phase };
+    let found = Response { frequency_hz: frequency * rate, gain: ratio.norm(), phase_rad, weight: 1.0 };
+    found.gain.is_finite().then_some(found)
 }
 
 /// Angle brought to (−π, π].
@@ -88,9 +117,14 @@ fn principal(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-/// Straight line through the phase of the averaged cross spectrum, from the lowest driven frequency up to where the gain leaves
-/// 0.7 … 1.4 of its value there, the coherence falls below 0.8, or half the Nyquist frequency.
-fn from_phase(data: &InputOutput, rate: f64, periods: Option<&Periods>) -> Option<DelayFinding> {
+/// Responses at the driven frequencies of a record of several, from the averaged cross spectrum: from the lowest up to where
+/// the gain leaves 1/`spread` … `spread` of its value there, or half the Nyquist frequency; those with a coherence above 0.8.
+pub fn low_frequency_responses(data: &InputOutput, periods: Option<&Periods>, spread: f64) -> Vec<Response> {
+    driven_responses(data, periods, spread).unwrap_or_default()
+}
+
+fn driven_responses(data: &InputOutput, periods: Option<&Periods>, spread: f64) -> Option<Vec<Response>> {
+    let rate = data.sample_rate_hz()?;
     let (length, hop, start) = match periods {
         // Whole periods need no window.
         Some(p) if p.period_samples == p.period_samples.round() && p.count - p.settling >= 2 => {
@@ -113,25 +147,44 @@ fn from_phase(data: &InputOutput, rate: f64, periods: Option<&Periods>) -> Optio
     }
     let gain = |i: usize| (spectra.cross[i] / spectra.input[i]).norm();
     let low_gain = super::turning_points::median(driven[..few].iter().map(|&i| gain(i)).collect());
-    let used: Vec<usize> = driven
+    // A falling characteristic is a rising one with the sign turned.
+    let turn = if spectra.cross[driven[0]].arg().abs() > 0.25 * TAU { 0.5 * TAU } else { 0.0 };
+    let used = driven
         .iter()
         .copied()
-        .take_while(|&i| (0.7..1.4).contains(&(gain(i) / low_gain)))
-        .filter(|&i| spectra.coherence(i) > 0.8)
-        .collect();
-    let (first, last) = (*used.first()?, *used.last()?);
-    if used.len() < 8 || (last as f64) < 3.0 * first as f64 {
+        .take_while(|&i| (1.0 / spread..spread).contains(&(gain(i) / low_gain)))
+        .filter(|&i| spectra.coherence(i) > 0.8);
+    let response = |i: usize| {
+        let coherence = spectra.coherence(i).min(0.9999);
+        Response {
+            frequency_hz: i as f64 * rate / length as f64,
+            gain: gain(i),
+            phase_rad: principal(spectra.cross[i].arg() + turn),
+            weight: coherence / (1.0 - coherence),
+        }
+    };
+    Some(used.map(response).collect())
+}
+
+/// Delay by a straight line through the phases φ(f) = −φ₀ − 2π f τ, in ascending frequency: up to where the gain leaves
+/// 0.7 … 1.4 of that of the lowest. `None` below three frequencies or a factor of three between the lowest and the highest.
+pub fn delay_from_phase(responses: &[Response]) -> Option<DelayFinding> {
+    let first = responses.first()?;
+    let level = |r: &&Response| (1.0 / SPREAD..SPREAD).contains(&(r.gain / first.gain));
+    let used: Vec<&Response> = responses.iter().take_while(level).collect();
+    let last = used.last()?;
+    if used.len() < 3 || last.frequency_hz < 3.0 * first.frequency_hz {
         return None;
     }
-    // Phase unwrapped upwards in frequency; a falling characteristic is a rising one with the sign turned.
-    let turn = if spectra.cross[first].arg().abs() > 0.25 * TAU { 0.5 * TAU } else { 0.0 };
-    let mut points: Vec<(f64, f64, f64)> = Vec::with_capacity(used.len());
+    // Unwrapped upwards in frequency.
     let mut phase = 0.0;
-    for &i in &used {
-        phase += principal(spectra.cross[i].arg() + turn - phase);
-        let coherence = spectra.coherence(i).min(0.9999);
-        points.push((i as f64 * rate / length as f64, phase, coherence / (1.0 - coherence)));
-    }
+    let points: Vec<(f64, f64, f64)> = used
+        .iter()
+        .map(|r| {
+            phase += principal(r.phase_rad - phase);
+            (r.frequency_hz, phase, r.weight)
+        })
+        .collect();
     let weight: f64 = points.iter().map(|p| p.2).sum();
     let f_mean = points.iter().map(|p| p.2 * p.0).sum::<f64>() / weight;
     let phase_mean = points.iter().map(|p| p.2 * p.1).sum::<f64>() / weight;
@@ -147,7 +200,7 @@ fn from_phase(data: &InputOutput, rate: f64, periods: Option<&Periods>) -> Optio
         delay_s: -slope / TAU,
         std_error_s: (scatter / (points.len() as f64 - 2.0) / square).sqrt() / TAU,
         constant_lag_rad: -(phase_mean - slope * f_mean),
-        band_hz: (points.first()?.0, points.last()?.0),
+        band_hz: (first.frequency_hz, last.frequency_hz),
     })
 }
 

@@ -27,7 +27,9 @@ mod turning_points;
 mod unit;
 
 pub use channel::{header_of, split_header};
-pub use delay::{DelayFinding, find_delay};
+pub use delay::{
+    DelayFinding, Response, delay_from_phase, find_delay, fundamental_response, low_frequency_responses,
+};
 pub use error::RecordError;
 pub use excitation_kind::{ExcitationKind, WaveShape, excitation_kind};
 pub use inspect::{Finding, Inspection, inspect};

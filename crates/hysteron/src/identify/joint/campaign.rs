@@ -64,6 +64,12 @@ impl<'a> JointMember<'a> {
         Ok(Self { facts, before, transients, noise, factor, thinned, rate_hz })
     }
 
+    /// The same record, seen through `facts` with other samples valid.
+    pub(in super::super) fn masked<'b>(&self, facts: &'b RecordFacts) -> JointMember<'b> {
+        let Self { before, transients, noise, factor, rate_hz, .. } = *self;
+        JointMember { facts, before, transients, noise, factor, thinned: self.thinned.clone(), rate_hz }
+    }
+
     /// The record as the fit sees it. `reduced`: at its lower rate. `scale` times 1/noise is its weight.
     pub(in super::super) fn prepare(
         &self,

@@ -292,7 +292,7 @@ fn moved(own: &Covariance, x: &[f64], before: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-fn assemble(
+pub(in super::super) fn assemble(
     solution: &JointSolution,
     form: &DynamicForm,
     members: &[JointMember<'_>],

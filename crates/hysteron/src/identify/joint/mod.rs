@@ -12,6 +12,10 @@ mod setup;
 #[cfg(test)]
 mod tests;
 
-pub(super) use fit::identify;
+pub(super) use campaign::JointMember;
+pub(super) use fit::{assemble, identify};
 pub use intervals::{Interval, IntervalMethod};
 pub use knowledge::Covariance;
+pub(super) use problem::JointProblem;
+pub(super) use record::Before;
+pub(super) use setup::{JointSetup, form, memory_name};

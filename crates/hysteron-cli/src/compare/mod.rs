@@ -1,0 +1,175 @@
+//! `hysteron compare`: which structure do these records support?
+
+mod json;
+mod report;
+mod text;
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use hysteron::identify::structure::{
+    Candidate, CompareWatcher, Comparison, StructureError, UnknownCandidate, compare,
+};
+use hysteron::identify::{CampaignRecord, Options, Unwatched, identify};
+use hysteron_report::write_page;
+
+use crate::columns::ColumnFlags;
+use crate::console;
+use crate::failure::Failure;
+use crate::identify::written;
+use crate::interrupt;
+use crate::output;
+use crate::progress::Progress;
+
+/// Compare structures by their simulated error on data they were not fitted to, and say which the records support.
+#[derive(Args)]
+#[command(
+    after_help = "Each record (or part of one, where there are fewer than three of different content) is left out in turn, every candidate \
+    fitted to the rest and simulated on what was left out. Records that are one experiment repeated are refused, with what to \
+    measure instead.\n\n\
+    Without --candidates: every dynamic block, then variants of the best (creep, other polynomial degrees, n free). A candidate is \
+    BLOCK[+creep][+degreeN][+n-free], BLOCK one of none, integer1 to integer4, arx, fractional, fractional-free-lowest, \
+    two-fractional; the polynomial is a cubic and n = 1 if not said.\n\n\
+    Ctrl-C prints what is finished.\n\n\
+    Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
+    Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o model.json"
+)]
+pub struct Compare {
+    /// The records
+    #[arg(value_name = "RECORD", required = true)]
+    records: Vec<PathBuf>,
+
+    /// Structures to compare, separated by commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = candidate)]
+    candidates: Vec<Candidate>,
+
+    /// Model file of the preferred structure to write, identified from all samples of all records
+    #[arg(short, long = "output-model", value_name = "MODEL.json")]
+    out: Option<PathBuf>,
+
+    /// Report to write, one HTML file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    columns: ColumnFlags,
+}
+
+fn candidate(text: &str) -> Result<Candidate, UnknownCandidate> {
+    text.parse()
+}
+
+/// What was compared, for text, JSON and page.
+struct Found {
+    comparison: Comparison,
+    /// Names of the records.
+    records: Vec<String>,
+    /// Unit of the output, as printed.
+    unit: String,
+}
+
+impl Compare {
+    pub fn run(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.out {
+            output::check_file("the model", path)?;
+        }
+        if let Some(path) = &self.report {
+            output::check_file("the report", path)?;
+        }
+        let campaign = self
+            .records
+            .iter()
+            .map(|path| Ok(CampaignRecord { data: self.columns.read(path)?, role: None }))
+            .collect::<Result<Vec<_>, Failure>>()?;
+        let stop = interrupt::stop_flag("what is finished is printed")?;
+        let watcher = Console { stop: &stop, bar: Progress::new("comparing", 1) };
+        let candidates = (!self.candidates.is_empty()).then_some(self.candidates.as_slice());
+        let comparison = compare(&campaign, candidates, &Options::default(), &watcher);
+        drop(watcher);
+        let comparison = comparison.map_err(|e| explain(&e))?;
+        let found = Found {
+            comparison,
+            records: campaign.iter().map(|r| r.data.name.clone()).collect(),
+            unit: campaign.first().map_or(String::new(), |r| r.data.y_unit.to_string()),
+        };
+        if let Some(path) = &self.report {
+            write_page(path, &report::page(&found))
+                .map_err(|e| output::cannot_write("the report", path, e))?;
+            console::message(&format!("report written to {}", path.display()));
+        }
+        if self.json {
+            console::json(&json::Summary::new(&found))?;
+        } else {
+            console::result(&text::text(&found))?;
+        }
+        if found.comparison.ranking.is_none() {
+            return Err(nothing(&found.comparison));
+        }
+        self.out.as_ref().map_or(Ok(()), |path| write_model(path, &found.comparison, &campaign))
+    }
+}
+
+/// Identifies the preferred structure from all samples and writes it.
+fn write_model(
+    path: &std::path::Path,
+    comparison: &Comparison,
+    campaign: &[CampaignRecord],
+) -> Result<(), Failure> {
+    let Some(ranking) = &comparison.ranking else { return Ok(()) };
+    let preferred = &comparison.entries[ranking.preferred];
+    if comparison.interrupted {
+        console::note("the comparison was interrupted: no model is written");
+        return Ok(());
+    }
+    let options =
+        Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };
+    let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));
+    let found = identify(campaign, &options, &mut Unwatched, None).map_err(|e| failure().because(e))?;
+    let file = written::model_file(&found, campaign, &options);
+    file.write(path)
+        .map_err(|e| Failure::new(format!("cannot write the model to {}", path.display())).because(e))?;
+    console::message(&format!("model of {} written to {}", preferred.candidate, path.display()));
+    Ok(())
+}
+
+/// No candidate came through.
+fn nothing(comparison: &Comparison) -> Failure {
+    let failure = Failure::new("no structure could be compared");
+    match comparison.entries.iter().find_map(|e| Some((e.candidate, e.failures.first()?))) {
+        Some((candidate, why)) => failure.because(format!("{candidate}: {why}")),
+        None => failure.because("it was stopped before the first candidate was finished"),
+    }
+}
+
+fn explain(error: &StructureError) -> Failure {
+    match error {
+        StructureError::CannotRank { because, measure } => {
+            Failure::new("structures cannot be ranked on these records")
+                .because(because)
+                .hint(format!("measure {measure}"))
+        }
+        error => Failure::new("structures cannot be compared on these records").because(error),
+    }
+}
+
+/// Progress bar and Ctrl-C.
+struct Console<'a> {
+    stop: &'a AtomicBool,
+    bar: Progress,
+}
+
+impl CompareWatcher for Console<'_> {
+    fn done(&self, fits: usize, of: usize, what: &str) {
+        self.bar.set_length(of as u64);
+        self.bar.set(fits as u64, what.to_owned());
+    }
+
+    fn stop(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}

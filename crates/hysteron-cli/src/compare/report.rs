@@ -1,0 +1,148 @@
+//! The comparison as a page.
+
+use hysteron::identify::structure::Comparison;
+use hysteron_report::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
+use hysteron_report::number::significant;
+use hysteron_report::page::{Block, Cell, Column, Highlight, Page, Section, Table};
+
+use super::{Found, text};
+use crate::identify::command_line;
+
+/// Candidates whose errors are shown fold by fold.
+const SHOWN_BY_FOLD: usize = 5;
+/// Height of one line of a figure [px].
+const LINE_PX: f64 = 26.0;
+
+pub fn page(found: &Found) -> Page {
+    let comparison = &found.comparison;
+    let mut result = Section::new("Which structure");
+    if let Some(ranking) = &comparison.ranking {
+        let preferred = &comparison.entries[ranking.preferred];
+        let error = text::standing(comparison, ranking.preferred).map_or(f64::NAN, |s| s.mean);
+        result = result.block(Block::Highlights(vec![
+            Highlight::new("preferred structure", preferred.candidate.to_string(), ""),
+            Highlight::new("error on unseen data", significant(error, 3), found.unit.as_str()),
+            Highlight::new("noise floor", significant(comparison.noise_floor, 3), found.unit.as_str()),
+            Highlight::new("parameters", preferred.parameters.to_string(), ""),
+        ]));
+    }
+    let result = result
+        .block(Block::list(text::verdict(found)))
+        .block(errors(found))
+        .block(table(found))
+        .block(Block::info(text::about(found)));
+    Page::new("Comparison of structures")
+        .subtitled(found.records.join(", "))
+        .section(result)
+        .section(Section::new("What was left out").block(by_fold(found)).block(fold_table(found)))
+        .section(Section::new("How it was made").block(Block::code(command_line())))
+        .footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")))
+}
+
+fn axis(found: &Found) -> Axis {
+    Axis::log("error on unseen data", found.unit.as_str())
+}
+
+/// Positions of `count` lines, the first on top.
+fn lines(count: usize) -> Vec<f64> {
+    (0..count).rev().map(|i| i as f64).collect()
+}
+
+fn points(colour: Colour) -> Style {
+    Style::line(colour).with_dash(Dash::None).with_marker(Marker::Circle)
+}
+
+/// Error of every candidate with its standard error, its training error, and the noise floor.
+fn errors(found: &Found) -> Figure {
+    let comparison = &found.comparison;
+    let order = text::order(comparison);
+    let at = lines(order.len());
+    let names: Vec<String> =
+        order.iter().rev().map(|&i| comparison.entries[i].candidate.to_string()).collect();
+    let standings: Vec<_> = order.iter().map(|&i| text::standing(comparison, i)).collect();
+    let means = standings.iter().map(|s| s.map_or(f64::NAN, |s| s.mean)).collect();
+    let training = order.iter().map(|&i| comparison.entries[i].training_rmse.unwrap_or(f64::NAN)).collect();
+    let (mut bar_x, mut bar_y) = (Vec::new(), Vec::new());
+    for (standing, &y) in standings.iter().zip(&at) {
+        if let Some(s) = standing {
+            // An error bar that would reach zero ends at a tenth of the mean: the axis is logarithmic.
+            bar_x.extend([(s.mean - s.std_error).max(0.1 * s.mean), s.mean + s.std_error, f64::NAN]);
+            bar_y.extend([y, y, f64::NAN]);
+        }
+    }
+    let panel = Panel::new(axis(found), Axis::categories("", names))
+        .series(noise_floor(comparison, order.len()))
+        .series(Series::line("standard error over the folds", bar_x, bar_y, Style::line(Colour::Blue)))
+        .series(Series::line("training RMSE", training, at.clone(), points(Colour::Orange)))
+        .series(Series::line("unseen data", means, at, points(Colour::Blue)));
+    Figure::new("Simulated error on unseen data")
+        .panel(panel)
+        .panel_height(LINE_PX * order.len().max(3) as f64)
+        .captioned(
+            "Mean over the folds of the RMSE on what the fit left out, with its standard error; beside it the error on the data of the fit. Folds are \
+             harder or easier for all candidates alike, so bars may overlap where the paired differences in the table are clear.",
+        )
+}
+
+fn noise_floor(comparison: &Comparison, lines: usize) -> Series {
+    let floor = comparison.noise_floor;
+    let style = Style::line(Colour::Grey).with_dash(Dash::Dashed);
+    Series::line("noise floor", vec![floor, floor], vec![-0.5, lines as f64 - 0.5], style)
+}
+
+/// Error of the first few candidates on every fold.
+fn by_fold(found: &Found) -> Figure {
+    let comparison = &found.comparison;
+    let at = lines(comparison.folds.len());
+    let names = comparison.folds.iter().rev().map(|f| format!("{} ({})", f.label, f.content));
+    let mut panel = Panel::new(axis(found), Axis::categories("", names))
+        .series(noise_floor(comparison, comparison.folds.len()));
+    for (place, index) in text::order(comparison).into_iter().take(SHOWN_BY_FOLD).enumerate() {
+        let entry = &comparison.entries[index];
+        let errors = entry.fold_rmse.iter().map(|e| e.unwrap_or(f64::NAN)).collect();
+        let style = Style::nth(place).marked(place).with_dash(Dash::None);
+        panel = panel.series(Series::line(entry.candidate.to_string(), errors, at.clone(), style));
+    }
+    Figure::new("Error by what was left out")
+        .panel(panel)
+        .panel_height(LINE_PX * comparison.folds.len().max(4) as f64)
+        .captioned("RMSE of the leading candidates on each part that was left out of their fit.")
+}
+
+fn table(found: &Found) -> Table {
+    let comparison = &found.comparison;
+    let unit = found.unit.as_str();
+    let columns = [
+        Column::text("structure"),
+        Column::number("parameters", ""),
+        Column::number("error on unseen data", unit),
+        Column::number("above the best", unit),
+        Column::number("training RMSE", unit),
+        Column::number("AIC", ""),
+        Column::number("BIC", ""),
+    ];
+    let preferred = comparison.ranking.as_ref().map(|r| r.preferred);
+    text::order(comparison).into_iter().fold(Table::new(columns), |table, index| {
+        let cells = text::cells(comparison, index);
+        if preferred == Some(index) { table.highlighted_row(cells) } else { table.row(cells) }
+    })
+}
+
+fn fold_table(found: &Found) -> Table {
+    let comparison = &found.comparison;
+    let shown: Vec<usize> = text::order(comparison).into_iter().take(SHOWN_BY_FOLD).collect();
+    let mut columns = vec![Column::text("left out"), Column::text("what it holds")];
+    columns.extend(
+        shown
+            .iter()
+            .map(|&i| Column::number(comparison.entries[i].candidate.to_string(), found.unit.as_str())),
+    );
+    comparison.folds.iter().enumerate().fold(Table::new(columns), |table, (f, fold)| {
+        let mut cells: Vec<Cell> = vec![fold.label.as_str().into(), fold.content.as_str().into()];
+        for &i in &shown {
+            let error = comparison.entries[i].fold_rmse[f];
+            cells.push(error.map_or_else(|| "-".to_owned(), |e| significant(e, 3)).into());
+        }
+        table.row(cells)
+    })
+}
