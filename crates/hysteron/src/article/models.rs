@@ -259,7 +259,14 @@ impl ModelFit {
         let crate::hysteresis::Hysteresis::BoucWen(block) = hysteresis;
         let mut scores = Vec::new();
         for ((frequency_hz, record), curves) in bench.table3().zip(curves) {
-            let start = Start::Rest { voltage_v: record.u.first().copied().unwrap_or(0.0) };
+            let first = record.u.first().copied().unwrap_or(0.0);
+            // The bench starts every record alike: a memory found for the first one is that of the others.
+            let start = match found.records.first().map(|fit| fit.start) {
+                Some(Start::Remembering { voltage_v, z }) if voltage_v == first => {
+                    Start::Remembering { voltage_v, z }
+                }
+                _ => Start::Rest { voltage_v: first },
+            };
             let simulated = found.model.simulate_at_own_rate(&record.u, record.sample_rate_hz(), &start)?;
             let scored_with = |offset| score(record, &simulated, &Scoring { skip_s: 0.0, offset });
             let scored = scored_with(OffsetTreatment::Fixed)?;
