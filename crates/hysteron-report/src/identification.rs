@@ -9,6 +9,7 @@ use crate::figure::{
 };
 use crate::number::{significant, with_std_error};
 use crate::page::{Block, Column, Highlight, Page, Section, Table};
+use crate::starts::SearchStarts;
 use hysteron::identify::Correlation;
 use hysteron::validate::Correlogram;
 
@@ -43,6 +44,10 @@ pub struct IdentificationReportData {
     pub records: Vec<RecordCurves>,
     /// Convergence of the search, a curve for each step or optimiser; one run each is usual here.
     pub convergence: Vec<ConvergenceCurve>,
+    /// Starts of the searches that have several.
+    pub starts: Vec<SearchStarts>,
+    /// Name of the objective, e.g. `RMSE`.
+    pub objective: String,
     /// Unit of the objective, for the convergence plot.
     pub objective_unit: String,
     /// Name and unit of the convergence abscissa, e.g. `generation`.
@@ -459,10 +464,11 @@ fn search(data: &IdentificationReportData) -> Section {
         } else {
             data.convergence_x_label.as_str()
         };
+        let objective = if data.objective.is_empty() { "objective" } else { data.objective.as_str() };
         let figure = convergence(
             "Convergence",
             x_label,
-            Axis::log("best objective so far", &data.objective_unit),
+            Axis::log(format!("best {objective} so far"), &data.objective_unit),
             &data.convergence,
         );
         let note = if data.convergence_note.is_empty() {
@@ -472,10 +478,13 @@ fn search(data: &IdentificationReportData) -> Section {
         };
         let spread = data.convergence.iter().any(|c| c.runs.len() > 1);
         section = section.block(figure.captioned(if spread {
-            format!("Best objective so far: median over the runs, quartiles shaded.{note}")
+            format!("Best {objective} so far: median over the runs, quartiles shaded.{note}")
         } else {
-            format!("Best objective so far.{note}")
+            format!("Best {objective} so far.{note}")
         }));
+    }
+    for starts in &data.starts {
+        section = section.blocks(starts.blocks());
     }
     section
 }

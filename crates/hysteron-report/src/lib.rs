@@ -24,6 +24,7 @@ pub mod figure;
 pub mod identification;
 pub mod number;
 pub mod page;
+pub mod starts;
 mod write;
 
 pub use write::{write_figures, write_page};

@@ -8,6 +8,7 @@ use hysteron_report::identification::{
     DegreeRow, IdentificationReportData, ParameterRow, RecordCurves, ScoreRow, identification_report,
 };
 use hysteron_report::page::{Block, Column, Highlight, Page, Section, Table};
+use hysteron_report::starts::{SearchStarts, StartRow};
 use proptest::prelude::*;
 
 const HOSTILE: &str =
@@ -54,6 +55,12 @@ fn report(text: &str) -> Page {
             input_correlation: Some(correlogram.clone()),
         }],
         convergence: vec![ConvergenceCurve { label: t(), x: ramp.clone(), runs: vec![ramp.clone()] }],
+        starts: vec![SearchStarts {
+            step: t(),
+            unit: t(),
+            rows: vec![StartRow { how: t(), best: true, ..StartRow::default() }],
+        }],
+        objective: t(),
         objective_unit: t(),
         convergence_x_label: t(),
         frequency_response: vec![FrequencyResponseCurve {

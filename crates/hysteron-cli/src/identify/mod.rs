@@ -1,7 +1,9 @@
 //! `hysteron identify`: records in, model file and report out.
 
 mod outcome;
+mod parameters;
 mod report;
+mod starts;
 pub mod written;
 
 pub use written::command_line;
@@ -40,11 +42,15 @@ const MAX_RESUME_BYTES: u64 = 256 << 20;
 /// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
 #[derive(Args)]
 #[command(
-    after_help = "With no flag the structure is what the records support: polynomial degree by evidence, delay and \
-    lag from a start from rest, fractional dynamics where a record is much faster than the slowest one. Which record is \
-    quasi-static is recognised; --static and --dynamic say it.\n\n\
-    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n, delay [s], lag [s], and with a \
-    dynamic record gain, natural_frequency [Hz], damping, order2, order1.\n\n\
+    after_help = "With no flag the structure is what the records support: polynomial degree by evidence, fractional dynamics \
+    where a record is much faster than the slowest one, delay and lag from a start from rest where none is. Which record is \
+    slow is recognised; --static and --dynamic say it.\n\n\
+    Records that carry dynamics are fitted jointly: both blocks, the delay, each record's offset and the hysteresis memory \
+    it starts with, from several starts, on thinned records first and all samples last. --method two-step is the article's \
+    way: hysteresis from the slow records, then dynamics from the others. Slow records alone, and --dynamics arx, go that way.\n\n\
+    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n, offset, delay [s]; joint: \
+    natural_frequency [Hz], damping, order2, order1, order0, share, creep, creep_order, memory_1, memory_2, … (beta, gamma and \
+    memory of alpha = 1); two-step: lag [s], gain.\n\n\
     Ctrl-C keeps the best so far and writes MODEL.searches.json; go on from there with --resume.\n\n\
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
     Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7"

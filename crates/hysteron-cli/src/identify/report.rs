@@ -3,18 +3,17 @@
 use std::path::Path;
 
 use hysteron::dynamics::Dynamics;
-use hysteron::hammerstein::Start;
-use hysteron::identify::{FindingKind, Identification, Parameter, RecordFit, RecordRole};
+use hysteron::identify::{FindingKind, Identification, Method, RecordFit, RecordRole};
 use hysteron::model_file::ModelFile;
 use hysteron::record::{InputOutput, TimeBase};
 use hysteron::validate::{definitions, residual_input_correlation, residual_whiteness};
 use hysteron_report::figure::{ConvergenceCurve, FrequencyResponseCurve};
-use hysteron_report::identification::{
-    DegreeRow, IdentificationReportData, ParameterRow, RecordCurves, ScoreRow,
-};
+use hysteron_report::identification::{DegreeRow, IdentificationReportData, RecordCurves, ScoreRow};
 use hysteron_report::number::significant;
 use hysteron_report::page::Highlight;
 
+use super::parameters;
+use super::starts::starts;
 use super::written::command_line;
 
 /// Frequencies at which the response is drawn.
@@ -43,7 +42,7 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
         warnings: of_kind(FindingKind::Warning).collect(),
         limits: of_kind(FindingKind::Advice).collect(),
         equations: equations(found),
-        parameters: parameters(found, file),
+        parameters: parameters::rows(found, file),
         verdicts: found
             .findings
             .iter()
@@ -88,6 +87,8 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
             })
             .collect(),
         convergence_note: convergence_note(found, &unit),
+        starts: starts(found, &unit),
+        objective: if found.method == Method::Joint { "weighted RMSE".into() } else { "RMSE".into() },
         objective_unit: unit,
         convergence_x_label: "cost evaluations".into(),
         frequency_response: response(found).into_iter().collect(),
@@ -111,28 +112,6 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
     }
 }
 
-/// Unit of a parameter: as in the model file, else by its name.
-pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
-    if let Some(quantity) = file.hysteresis.parameters.get(&parameter.name) {
-        return if quantity.unit == "1" { String::new() } else { typographic(&quantity.unit) };
-    }
-    match parameter.name.as_str() {
-        "natural_frequency" => "Hz".into(),
-        "delay" | "lag" => "s".into(),
-        _ => String::new(),
-    }
-}
-
-/// `um/V^2` as µm/V².
-fn typographic(unit: &str) -> String {
-    const RAISED: [&str; 10] = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
-    let mut text = unit.replace("um", "µm");
-    for (digit, raised) in RAISED.iter().enumerate() {
-        text = text.replace(&format!("^{digit}"), raised);
-    }
-    text
-}
-
 fn role_name(role: RecordRole) -> &'static str {
     match role {
         RecordRole::QuasiStatic => "quasi-static",
@@ -152,7 +131,12 @@ fn summary(found: &Identification) -> String {
         Dynamics::Arx(_) => "followed by an ARX model".to_owned(),
         Dynamics::Fractional(_) => "followed by fractional-order dynamics with delay".to_owned(),
     };
-    format!("Improved Bouc–Wen hysteresis with a polynomial of degree {degree}, {dynamics}")
+    let how = match found.method {
+        _ if found.model.dynamics == Dynamics::None => "",
+        Method::Joint => "; identified from all records in one joint fit",
+        Method::TwoStep => "; identified in two steps, hysteresis first",
+    };
+    format!("Improved Bouc–Wen hysteresis with a polynomial of degree {degree}, {dynamics}{how}")
 }
 
 fn highlights(found: &Identification) -> Vec<Highlight> {
@@ -204,84 +188,6 @@ fn subscript(i: usize) -> String {
     i.to_string().chars().map(|c| char::from_u32(0x2080 + c.to_digit(10).unwrap_or(0)).unwrap_or(c)).collect()
 }
 
-fn parameter_row(p: &Parameter, file: &ModelFile) -> ParameterRow {
-    let (symbol, meaning) = match p.name.as_str() {
-        "linear" => ("l₁", "coefficient of u"),
-        "quadratic" => ("l₂", "coefficient of u²"),
-        "cubic" => ("l₃", "coefficient of u³"),
-        "alpha" => ("α", "size of the loop"),
-        "beta" => ("β", "shape of the loop"),
-        "gamma" => ("γ", "shape of the loop, going out against coming back"),
-        "n" => ("n", "smoothness of the transition"),
-        "gain" => ("K", "gain at zero frequency"),
-        "natural_frequency" => ("ω_n/2π", "natural frequency"),
-        "damping" => ("ζ", "damping"),
-        "order2" => ("α₂", "highest order"),
-        "order1" => ("α₁", "middle order"),
-        "delay" => ("τ", "delay"),
-        "lag" => ("T", "time constant of the lag"),
-        "b" => ("b", "numerator, K·c₀"),
-        "c0" => ("c₀", "coefficient of s⁰"),
-        "c1" => ("c₁", "coefficient of s^α₁"),
-        other => (other, "polynomial coefficient"),
-    };
-    ParameterRow {
-        block: p.block.to_owned(),
-        symbol: symbol.to_owned(),
-        meaning: meaning.to_owned(),
-        value: p.value,
-        unit: unit_of(p, file),
-        std_error: p.std_error,
-        note: match (p.held, p.std_error) {
-            (true, _) => "held at this value".into(),
-            (false, Some(_)) => String::new(),
-            (false, None) => "not determined by these records".into(),
-        },
-    }
-}
-
-/// The model's parameters, then what belongs to the records: the sensor's offset and the start of each.
-fn parameters(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
-    let mut rows: Vec<ParameterRow> = found.parameters.iter().map(|p| parameter_row(p, file)).collect();
-    let Some(first) = found.records.first() else { return rows };
-    let held = file.provenance.as_ref().is_some_and(|p| p.options.contains_key("fix offset"));
-    rows.push(ParameterRow {
-        block: "sensor".into(),
-        symbol: "y₀".into(),
-        meaning: "offset of the sensor".into(),
-        value: found.model.offset,
-        unit: first.data.y_unit.to_string(),
-        std_error: None,
-        note: if held {
-            "held at this value".into()
-        } else {
-            format!("mean residual of {}", first.data.name)
-        },
-    });
-    for fit in &found.records {
-        let (symbol, meaning, value, unit) = match fit.start {
-            Start::Rest { voltage_v } => {
-                ("u₀", "input at which the device had rested", voltage_v, fit.data.u_unit.to_string())
-            }
-            // The memory is among the fitted parameters.
-            Start::Remembering { .. } => continue,
-            Start::Settled { period_samples } => {
-                ("N", "period on which the device had settled", period_samples as f64, "samples".into())
-            }
-        };
-        rows.push(ParameterRow {
-            block: "start".into(),
-            symbol: symbol.into(),
-            meaning: meaning.into(),
-            value,
-            unit,
-            std_error: None,
-            note: format!("of {}", fit.data.name),
-        });
-    }
-    rows
-}
-
 /// Samples left out at the start of every record.
 fn left_out(found: &Identification) -> Vec<usize> {
     let mut quasi_static = found.structure.left_out.iter().copied();
@@ -297,6 +203,16 @@ fn convergence_note(found: &Identification, unit: &str) -> String {
     let (Some(search), Some(record)) = (found.searches.first(), found.records.first()) else {
         return String::new();
     };
+    if let Some(reduction) = found.reduction {
+        return format!(
+            "The search worked on {} of {} samples, filtered and thinned; each record is weighted by its noise. The model comes \
+             from a last fit of all samples, which ends at {} {unit} and moved no parameter by more than {:.2} standard errors.",
+            reduction.searched,
+            reduction.samples,
+            significant(search.outcome.cost, 4),
+            reduction.moved
+        );
+    }
     if found.structure.creeps.iter().all(|creep| *creep == 0.0) {
         return String::new();
     }

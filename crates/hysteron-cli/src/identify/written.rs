@@ -5,12 +5,13 @@ use std::time::SystemTime;
 
 use hysteron::hammerstein::Start;
 use hysteron::identify::{
-    CampaignRecord, Choice, DynamicsChoice, Identification, Method, Options, RecordFit, RecordRole,
+    CampaignRecord, Choice, DynamicsChoice, Identification, Initial, Method, Options, RecordFit, RecordRole,
 };
 use hysteron::model_file::{
     Interval, ModelFile, Normalisation, Provenance, Quantity, RecordEntry, RecordRole as RoleEntry,
     ScoreEntry, ScoreRole, SignalUnits, StartEntry, StartKind, ValidRange, timestamp,
 };
+use hysteron::record::InterSample;
 
 /// The file: model, standard errors, range, how it was made, scores.
 pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: &Options) -> ModelFile {
@@ -112,7 +113,16 @@ fn provenance(found: &Identification, options: &Options) -> Provenance {
         ("n".to_owned(), choice(given(options.n)).replace("auto", "free")),
         ("delay".to_owned(), choice(given(options.delay_s))),
         ("scheme".to_owned(), found.model.scheme.name().to_owned()),
+        ("inter-sample".to_owned(), inter_sample(found.model.inter_sample).to_owned()),
     ]);
+    if found.method == Method::Joint {
+        named.insert("initial".into(), initial(options.initial).into());
+        for (name, on) in
+            [("creep", found.parameters.iter().any(|p| p.name == "creep")), ("drift", options.drift)]
+        {
+            named.insert(name.into(), if on { "yes".into() } else { "no".into() });
+        }
+    }
     if options.algorithm.as_ref().is_some_and(|a| a.name() != "least-squares") {
         named.insert("generations".into(), options.generations.to_string());
     }
@@ -141,6 +151,24 @@ fn provenance(found: &Identification, options: &Options) -> Provenance {
         options: named,
         seed: Some(options.seed),
         command: Some(command_line()),
+    }
+}
+
+fn inter_sample(rule: InterSample) -> &'static str {
+    match rule {
+        InterSample::Hold => "hold",
+        InterSample::Linear => "linear",
+        InterSample::BandLimited => "band-limited",
+    }
+}
+
+fn initial(initial: Initial) -> &'static str {
+    match initial {
+        Initial::Auto => "auto",
+        Initial::Rest => "rest",
+        Initial::Periodic => "periodic",
+        Initial::Zero => "zero",
+        Initial::Free => "free",
     }
 }
 

@@ -142,8 +142,10 @@ pub fn correlogram(title: impl Into<String>, first_lag: i64, coefficients: &[f64
 /// A correlation matrix as coloured cells: `names` and the square matrix, row by row.
 pub fn correlation_matrix(title: impl Into<String>, names: &[String], matrix: &[Vec<f64>]) -> Figure {
     const CELL_PX: f64 = 34.0;
-    let upwards = names.iter().rev();
-    let mut panel = Panel::new(Axis::categories("", names), Axis::categories("", upwards));
+    // Names are long: the columns are known by the numbers of the rows.
+    let numbers: Vec<String> = (1..=names.len()).map(|k| k.to_string()).collect();
+    let rows: Vec<String> = numbers.iter().zip(names).map(|(k, name)| format!("{name}  {k}")).collect();
+    let mut panel = Panel::new(Axis::categories("", &numbers), Axis::categories("", rows.iter().rev()));
     panel.cells = matrix.to_vec();
     Figure::new(title).panel(panel).panel_height(CELL_PX * names.len().max(2) as f64)
 }
@@ -233,7 +235,7 @@ mod tests {
             let before = labels.split(&format!(">{name}<")).next().unwrap();
             before.rsplit("y=\"").next().unwrap().split('"').next().unwrap().parse::<f64>().unwrap()
         };
-        assert!(row("α") < row("β"));
+        assert!(row("α  1") < row("β  2"));
     }
 
     #[test]

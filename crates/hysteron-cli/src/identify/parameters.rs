@@ -1,0 +1,128 @@
+//! The model's parameters with symbol, meaning and unit.
+
+use hysteron::hammerstein::Start;
+use hysteron::identify::{Identification, Parameter};
+use hysteron::model_file::ModelFile;
+use hysteron::record::Unit;
+use hysteron_report::identification::ParameterRow;
+
+/// Unit of a parameter: as in the model file, else by its name.
+pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
+    if let Some(quantity) = file.hysteresis.parameters.get(&parameter.name) {
+        return if quantity.unit == "1" { String::new() } else { typographic(&quantity.unit) };
+    }
+    match parameter.name.as_str() {
+        "natural_frequency" => "Hz".into(),
+        "natural_frequency_2" => "Hz".into(),
+        "delay" | "lag" => "s".into(),
+        name if name.starts_with("memory_") => Unit::new(&file.units.output).to_string(),
+        _ => String::new(),
+    }
+}
+
+/// `um/V^2` as µm/V².
+fn typographic(unit: &str) -> String {
+    const RAISED: [&str; 10] = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+    let mut text = unit.replace("um", "µm");
+    for (digit, raised) in RAISED.iter().enumerate() {
+        text = text.replace(&format!("^{digit}"), raised);
+    }
+    text
+}
+
+/// Name of the record whose hysteresis memory this parameter is.
+fn record_of_memory<'a>(name: &str, found: &'a Identification) -> Option<&'a str> {
+    let number: usize = name.strip_prefix("memory_")?.parse().ok()?;
+    Some(found.records.get(number.checked_sub(1)?)?.data.name.as_str())
+}
+
+fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> ParameterRow {
+    let memory = record_of_memory(&p.name, found)
+        .map(|record| format!("hysteretic displacement z at the first sample of {record}"));
+    let (symbol, meaning) = match p.name.as_str() {
+        "linear" => ("l₁", "coefficient of u"),
+        "quadratic" => ("l₂", "coefficient of u²"),
+        "cubic" => ("l₃", "coefficient of u³"),
+        "alpha" => ("α", "size of the loop"),
+        "beta" => ("β", "shape of the loop"),
+        "gamma" => ("γ", "shape of the loop, going out against coming back"),
+        "n" => ("n", "smoothness of the transition"),
+        "gain" => ("K", "gain at zero frequency"),
+        "natural_frequency" => ("ω_n/2π", "natural frequency"),
+        "damping" => ("ζ", "damping"),
+        "order2" => ("α₂", "highest order"),
+        "order1" => ("α₁", "middle order"),
+        "order0" => ("α₀", "lowest order"),
+        "natural_frequency_2" => ("ω_n/2π", "natural frequency of the second mode"),
+        "damping_2" => ("ζ", "damping of the second mode"),
+        "order2_2" => ("α₂", "highest order of the second mode"),
+        "order1_2" => ("α₁", "middle order of the second mode"),
+        "share" => ("share", "share of the first mode in the gain at rest"),
+        "creep" => ("k", "size of the creep, factor 1 + k s^−μ"),
+        "creep_order" => ("μ", "order of the creep"),
+        "delay" => ("τ", "delay"),
+        "lag" => ("T", "time constant of the lag"),
+        "b" => ("b", "numerator, K·c₀"),
+        "c0" => ("c₀", "coefficient of s⁰"),
+        "c1" => ("c₁", "coefficient of s^α₁"),
+        other if other.starts_with("degree_") || other.starts_with("qu") => (other, "polynomial coefficient"),
+        other if memory.is_some() => (other, ""),
+        other => (other, "parameter of the dynamics"),
+    };
+    ParameterRow {
+        block: p.block.to_owned(),
+        symbol: symbol.to_owned(),
+        meaning: memory.unwrap_or_else(|| meaning.to_owned()),
+        value: p.value,
+        unit: unit_of(p, file),
+        std_error: p.std_error,
+        note: match (p.held, p.std_error) {
+            (true, _) => "held at this value".into(),
+            (false, Some(_)) => String::new(),
+            (false, None) => "not determined by these records".into(),
+        },
+    }
+}
+
+/// The model's parameters, then what belongs to the records: the sensor's offset and the start of each.
+pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
+    let mut rows: Vec<ParameterRow> =
+        found.parameters.iter().map(|p| parameter_row(p, found, file)).collect();
+    let Some(first) = found.records.first() else { return rows };
+    let held = file.provenance.as_ref().is_some_and(|p| p.options.contains_key("fix offset"));
+    rows.push(ParameterRow {
+        block: "sensor".into(),
+        symbol: "y₀".into(),
+        meaning: "offset of the sensor".into(),
+        value: found.model.offset,
+        unit: first.data.y_unit.to_string(),
+        std_error: None,
+        note: if held {
+            "held at this value".into()
+        } else {
+            format!("mean residual of {}", first.data.name)
+        },
+    });
+    for fit in &found.records {
+        let (symbol, meaning, value, unit) = match fit.start {
+            Start::Rest { voltage_v } => {
+                ("u₀", "input at which the device had rested", voltage_v, fit.data.u_unit.to_string())
+            }
+            // The memory is among the fitted parameters.
+            Start::Remembering { .. } => continue,
+            Start::Settled { period_samples } => {
+                ("N", "period on which the device had settled", period_samples as f64, "samples".into())
+            }
+        };
+        rows.push(ParameterRow {
+            block: "start".into(),
+            symbol: symbol.into(),
+            meaning: meaning.into(),
+            value,
+            unit,
+            std_error: None,
+            note: format!("of {}", fit.data.name),
+        });
+    }
+    rows
+}
