@@ -222,10 +222,17 @@ fn verdict(name: &str, change: &Change) -> String {
     let Some(times) = change.in_standard_errors() else {
         return format!("verdict: the records do not determine the {name}; it is held at its value.\n");
     };
-    let prior = if change.old_std_error.is_none() {
-        " (the model file gives no standard error of the old value: that of the records alone)"
-    } else {
-        ""
+    let prior = match (change.old_std_error, change.measured_std_error) {
+        (None, _) => {
+            " (the model file gives no standard error of the old value: that of the records alone)".to_owned()
+        }
+        // The old model's ignorance must not pass for the device's constancy.
+        (Some(old), Some(measured)) if old > SIGNIFICANT * measured => format!(
+            " (the old value is known to ± {} only, the records' own to ± {})",
+            significant(old, 2),
+            significant(measured, 2)
+        ),
+        _ => String::new(),
     };
     let times = significant(times, 2);
     if change.is_significant() {

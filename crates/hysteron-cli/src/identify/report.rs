@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hysteron::dynamics::Dynamics;
+use hysteron::dynamics::{Dynamics, TransferFunction};
 use hysteron::identify::{FindingKind, Identification, Method, RecordFit, RecordRole};
 use hysteron::model_file::ModelFile;
 use hysteron::record::{InputOutput, TimeBase};
@@ -174,14 +174,16 @@ fn equations(found: &Identification) -> Vec<String> {
         Dynamics::None => list.push("y(t) = offset + v(t − τ)".into()),
         Dynamics::Integer(g) | Dynamics::Fractional(g) => {
             list.push("y(t) = offset + (G ∗ v)(t − τ)".into());
-            list.push(format!(
-                "G(s) = {g}{}",
-                if g.denominator.len() == 3 { "   (form of Eq. 13)" } else { "" }
-            ));
+            list.push(format!("G(s) = {g}{}", if is_article_form(g) { "   (form of Eq. 13)" } else { "" }));
         }
         Dynamics::Arx(_) => list.push("y = offset + B(z)/A(z) v   (sampled)".into()),
     }
     list
+}
+
+/// b / (s^α₂ + c₁ s^α₁ + c₀).
+fn is_article_form(g: &TransferFunction) -> bool {
+    g.numerator.len() == 1 && g.denominator.len() == 3 && g.denominator[0].order == 0.0
 }
 
 fn subscript(i: usize) -> String {
