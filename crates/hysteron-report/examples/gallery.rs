@@ -113,6 +113,7 @@ fn identification(record: RecordCurves) -> Page {
         value,
         unit: unit.into(),
         std_error,
+        interval: None,
         note: if std_error.is_some() { String::new() } else { "fixed".into() },
     };
     let mut single = runs("least squares", 0.08, 0.05);

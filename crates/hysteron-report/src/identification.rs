@@ -87,6 +87,8 @@ pub struct ParameterRow {
     pub unit: String,
     /// Standard error in the same unit, where it was estimated.
     pub std_error: Option<f64>,
+    /// Ends of its 95 % interval; the column is left out where no parameter has one.
+    pub interval: Option<(f64, f64)>,
     /// How it came about when it was not estimated (`fixed`, `at its bound` …); may be empty.
     pub note: String,
 }
@@ -356,7 +358,7 @@ fn model(data: &IdentificationReportData) -> Section {
     let mut section = Section::new("The model");
     section = section.blocks(data.equations.iter().cloned().map(Block::Formula));
     if !data.parameters.is_empty() {
-        let mut table = Table::new([
+        let mut columns = vec![
             Column::text("block"),
             Column::text("symbol"),
             Column::text("meaning"),
@@ -364,13 +366,18 @@ fn model(data: &IdentificationReportData) -> Section {
             Column::number("std. error", ""),
             Column::text("unit"),
             Column::text("remark"),
-        ]);
+        ];
+        let intervals = data.parameters.iter().any(|p| p.interval.is_some());
+        if intervals {
+            columns.insert(5, Column::text("95 % interval"));
+        }
+        let mut table = Table::new(columns);
         let mut block = "";
         for p in &data.parameters {
             let (value, error) = with_std_error(p.value, p.std_error);
             let shown = if p.block == block { String::new() } else { p.block.clone() };
             block = &p.block;
-            table = table.row([
+            let mut cells = vec![
                 shown,
                 p.symbol.clone(),
                 p.meaning.clone(),
@@ -378,7 +385,13 @@ fn model(data: &IdentificationReportData) -> Section {
                 error,
                 p.unit.clone(),
                 p.note.clone(),
-            ]);
+            ];
+            if intervals {
+                let end = |x: f64| with_std_error(x, p.std_error).0;
+                let both = |(low, high): (f64, f64)| format!("{} … {}", end(low), end(high));
+                cells.insert(5, p.interval.map(both).unwrap_or_default());
+            }
+            table = table.row(cells);
         }
         section = section.block(table);
     }

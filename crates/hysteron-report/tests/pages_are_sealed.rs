@@ -33,6 +33,7 @@ fn report(text: &str) -> Page {
             meaning: t(),
             value: 1.0,
             unit: t(),
+            interval: Some((0.5, 1.5)),
             std_error: Some(0.1),
             note: t(),
         }],

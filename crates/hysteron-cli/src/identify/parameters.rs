@@ -1,7 +1,7 @@
 //! The model's parameters with symbol, meaning and unit.
 
 use hysteron::hammerstein::Start;
-use hysteron::identify::{Identification, Parameter};
+use hysteron::identify::{Identification, IntervalMethod, Parameter};
 use hysteron::model_file::ModelFile;
 use hysteron::record::Unit;
 use hysteron_report::identification::ParameterRow;
@@ -76,8 +76,12 @@ fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> Par
         value: p.value,
         unit: unit_of(p, file),
         std_error: p.std_error,
+        interval: p.interval.map(|i| (i.low, i.high)),
         note: match (p.held, p.std_error) {
             (true, _) => "held at this value".into(),
+            (false, Some(_)) if p.interval.is_some_and(|i| i.method == IntervalMethod::Profile) => {
+                "interval by profile likelihood".into()
+            }
             (false, Some(_)) => String::new(),
             (false, None) => "not determined by these records".into(),
         },
@@ -97,6 +101,7 @@ pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
         value: found.model.offset,
         unit: first.data.y_unit.to_string(),
         std_error: None,
+        interval: None,
         note: if held {
             "held at this value".into()
         } else {
@@ -121,6 +126,7 @@ pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
             value,
             unit,
             std_error: None,
+            interval: None,
             note: format!("of {}", fit.data.name),
         });
     }
