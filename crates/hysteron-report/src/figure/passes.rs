@@ -33,7 +33,9 @@ pub(super) fn by_passes(
             continue;
         }
         for (x, y) in squares {
-            covered.extend((-1..=1).flat_map(|i| (-1..=1).map(move |j| (x + i, y + j))));
+            covered.extend(
+                (-1..=1).flat_map(|i| (-1..=1).map(move |j| (x.saturating_add(i), y.saturating_add(j)))),
+            );
         }
         let mut kept = simplified(points, &pass, forced, cell);
         if drawn_to == Some(*pass.start()) {
