@@ -3,7 +3,10 @@
 //! With J the Jacobian in every parameter (the eliminated ones too) and Ω the covariance of the residuals, the covariance
 //! of the estimate is (JᵀJ)⁻¹ JᵀΩJ (JᵀJ)⁻¹. JᵀΩJ = Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ record by record, ρ the autocovariance of
 //! the record's residual and w the Parzen window (Newey, West 1987, doi:10.2307/1913610, for errors that are stationary and
-//! do not depend on the regressors; Parzen's window keeps the estimate positive).
+//! do not depend on the regressors; Parzen's window keeps the estimate positive). The residual is whitened by a first-order
+//! autoregression before and coloured again after, so that the window cuts little (Andrews, Monahan 1992,
+//! doi:10.2307/2951574). The fit takes power out of the residual where its own derivatives lie: h of the n/τ independent
+//! samples of a record, h the record's leverage and τ its correlation time, whence the factor 1/(1 − hτ/n).
 
 use super::super::result::Correlation;
 use super::super::uncertainty::{correlation, correlation_time};
@@ -13,8 +16,13 @@ use crate::numeric::fft::{RealFft, fast_length};
 use crate::optimize::{LeastSquaresProblem, Problem};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
-/// Lags of the window as a multiple of the residual's correlation time, and fewest.
+/// Strongest autoregression taken out.
+const STRONGEST: f64 = 0.97;
+/// Largest part of a record's independent samples that the fit may be held to have used.
+const MOST_USED: f64 = 0.75;
+/// Lags of the window as a multiple of the whitened residual's correlation time, and fewest.
 const WINDOW: f64 = 6.0;
 const FEWEST_LAGS: usize = 12;
 
@@ -129,12 +137,17 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
     let condition_number = singular.max() / singular.min();
     let inverse = r.try_inverse()?;
     let bread = &inverse * inverse.transpose();
-    let freedom = problem.valid() as f64 / (problem.valid() - p) as f64;
     let meat = (0..problem.records().len())
         .into_par_iter()
         .map(|record| {
             let rows = problem.rows(record);
-            coloured_square(&jacobian.rows(rows.start, rows.len()).into_owned(), &residuals[rows])
+            let own = jacobian.rows(rows.start, rows.len()).into_owned();
+            let residual = &residuals[rows];
+            let leverage =
+                (&bread * own.tr_mul(&own)).trace() + problem.records()[record].local_columns() as f64;
+            let independent = problem.records()[record].valid as f64 / correlation_time(residual);
+            let used = (leverage / independent).min(MOST_USED);
+            coloured_square(&own, residual) / (1.0 - used)
         })
         // Summed in the order of the records, whatever the threads.
         .collect::<Vec<_>>()
@@ -150,7 +163,7 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
         }
         matrix
     };
-    let matrix = in_own_units(&bread * meat * &bread * freedom);
+    let matrix = in_own_units(&bread * meat * &bread);
     let white = in_own_units(bread * variance);
     Some(Knowledge {
         covariance: Covariance { names, values, matrix, condition_number },
@@ -164,8 +177,9 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
 fn coloured_square(jacobian: &DMatrix<f64>, residual: &[f64]) -> DMatrix<f64> {
     let n = residual.len();
     let p = jacobian.ncols();
+    let (memory, white) = whitened(residual);
     let lags =
-        ((WINDOW * correlation_time(residual)).ceil() as usize).max(FEWEST_LAGS).min(n.saturating_sub(1));
+        ((WINDOW * correlation_time(&white)).ceil() as usize).max(FEWEST_LAGS).min(n.saturating_sub(1));
     let fft = RealFft::new(fast_length(2 * n));
     let bins = fft.forward.make_output_vec().len();
     let transform = |x: &[f64]| -> Vec<Complex64> {
@@ -177,7 +191,7 @@ fn coloured_square(jacobian: &DMatrix<f64>, residual: &[f64]) -> DMatrix<f64> {
         spectrum
     };
     // Autocovariance, window, back: the smoothed power spectrum, twice the length so that nothing wraps.
-    let mut power: Vec<Complex64> = transform(residual).iter().map(|x| x.norm_sqr().into()).collect();
+    let mut power: Vec<Complex64> = transform(&white).iter().map(|x| x.norm_sqr().into()).collect();
     let mut covariance = fft.inverse.make_output_vec();
     let _ = fft.inverse.process(&mut power, &mut covariance);
     let valid = residual.iter().filter(|r| **r != 0.0).count().max(1) as f64;
@@ -193,6 +207,10 @@ fn coloured_square(jacobian: &DMatrix<f64>, residual: &[f64]) -> DMatrix<f64> {
     }
     let mut spectrum = fft.forward.make_output_vec();
     let _ = fft.forward.process(&mut windowed, &mut spectrum);
+    for (bin, power) in spectrum.iter_mut().enumerate() {
+        let angle = TAU * bin as f64 / length as f64;
+        *power /= 1.0 - 2.0 * memory * angle.cos() + memory * memory;
+    }
     let columns: Vec<Vec<Complex64>> = (0..p).map(|j| transform(jacobian.column(j).as_slice())).collect();
     let mut square = DMatrix::zeros(p, p);
     for i in 0..p {
@@ -210,6 +228,16 @@ fn coloured_square(jacobian: &DMatrix<f64>, residual: &[f64]) -> DMatrix<f64> {
     square
 }
 
+/// First-order autoregression a of a series, and e_k − a e_{k−1}.
+fn whitened(e: &[f64]) -> (f64, Vec<f64>) {
+    let square: f64 = e.iter().map(|x| x * x).sum();
+    let product: f64 = e.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let memory = if square > 0.0 { (product / square).clamp(-STRONGEST, STRONGEST) } else { 0.0 };
+    let mut before = 0.0;
+    let white = e.iter().map(|&x| x - memory * std::mem::replace(&mut before, x)).collect();
+    (memory, white)
+}
+
 /// Parzen's window, 1 at 0 and 0 at 1.
 fn parzen(x: f64) -> f64 {
     if x < 0.5 { 1.0 - 6.0 * x * x * (1.0 - x) } else { 2.0 * (1.0 - x).max(0.0).powi(3) }
@@ -223,24 +251,42 @@ mod tests {
     fn coloured_square_is_the_double_sum() {
         let n = 60;
         let e: Vec<f64> =
-            (0..n).map(|k| ((k * k) as f64 * 0.7).sin() + 0.3 * (k as f64 * 0.2).cos()).collect();
+            (0..n).map(|k| ((k * k) as f64 * 0.7).sin() + 0.5 * (k as f64 * 0.2).cos()).collect();
         let j = DMatrix::from_fn(n, 2, |k, c| ((k + 1) as f64 * (0.05 + 0.11 * c as f64)).cos());
         let found = coloured_square(&j, &e);
-        let lags = ((WINDOW * correlation_time(&e)).ceil() as usize).max(FEWEST_LAGS).min(n - 1);
+        let (memory, white) = whitened(&e);
+        assert!(memory > 0.1, "{memory}");
+        let lags = ((WINDOW * correlation_time(&white)).ceil() as usize).max(FEWEST_LAGS).min(n - 1);
+        let of_white = |k: usize| -> f64 {
+            let rho = white.iter().zip(&white[k..]).map(|(x, y)| x * y).sum::<f64>() / n as f64;
+            parzen(k as f64 / (lags + 1) as f64) * rho
+        };
+        // Coloured again: the autocovariance of an autoregression of memory a falls as a^|k|/(1 − a²).
+        let coloured = |k: i32| -> f64 {
+            (-(lags as i32)..=lags as i32)
+                .map(|m| of_white(m.unsigned_abs() as usize) * memory.powi((k - m).abs()))
+                .sum::<f64>()
+                / (1.0 - memory * memory)
+        };
         for a in 0..2 {
             for b in 0..2 {
                 let mut sum = 0.0;
                 for s in 0..n {
                     for t in 0..n {
-                        let k = s.abs_diff(t);
-                        if k <= lags {
-                            let rho: f64 = e.iter().zip(&e[k..]).map(|(x, y)| x * y).sum::<f64>() / n as f64;
-                            sum += parzen(k as f64 / (lags + 1) as f64) * rho * j[(s, a)] * j[(t, b)];
-                        }
+                        sum += coloured(s as i32 - t as i32) * j[(s, a)] * j[(t, b)];
                     }
                 }
                 assert!((found[(a, b)] - sum).abs() < 1e-10 * sum.abs().max(1.0), "{} {sum}", found[(a, b)]);
             }
         }
+    }
+
+    #[test]
+    fn whitening_takes_an_autoregression_out() {
+        // The impulse response of the autoregression itself.
+        let e: Vec<f64> = (0..400).map(|k| 0.8f64.powi(k)).collect();
+        let (memory, white) = whitened(&e);
+        assert!((memory - 0.8).abs() < 1e-12, "{memory}");
+        assert!(white[0] == 1.0 && white[1..].iter().all(|x| x.abs() < 1e-12));
     }
 }

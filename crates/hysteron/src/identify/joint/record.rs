@@ -223,6 +223,11 @@ impl JointRecord {
         })
     }
 
+    /// Columns of offset and drift.
+    pub(super) fn local_columns(&self) -> usize {
+        self.nuisance.len()
+    }
+
     pub(super) fn samples(&self) -> usize {
         self.weight.len()
     }
