@@ -1,9 +1,9 @@
 //! What the fit says about the device and what the records leave open, in plain words.
 
-use super::RecordFacts;
 use super::engine::Search;
 use super::options::{Choice, Method, Options, RecordRole};
 use super::result::{Finding, FindingKind, Identification};
+use super::{RecordFacts, identifiability};
 use crate::display::short;
 use crate::dynamics::{Dynamics, Stability, stability};
 use crate::hammerstein::Start;
@@ -131,42 +131,11 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                 .into(),
         );
     }
-    let undetermined: Vec<&str> = result
-        .bounds
-        .first()
-        .into_iter()
-        .flat_map(|bounds| &bounds.ranges)
-        .map(|range| range.name.as_str())
-        .filter(|name| result.parameters.iter().any(|p| p.name == *name && p.std_error.is_none()))
-        .collect();
-    if !undetermined.is_empty() {
-        say(
-            FindingKind::Warning,
-            "precision",
-            format!(
-                "No standard errors: the records do not determine {} apart from the other parameters. Fix one of them \
-                 (--fix NAME=VALUE), lower the degree, or add records.",
-                undetermined.join(", ")
-            ),
-        );
+    match &result.covariance {
+        Some(covariance) => findings.extend(identifiability::verdict(facts, result, covariance)),
+        None => findings.extend(precision(result)),
     }
-    let poor: Vec<String> = result
-        .parameters
-        .iter()
-        .filter_map(|p| Some((p, p.std_error.filter(|e| *e > UNDETERMINED * p.value.abs())?)))
-        .map(|(p, error)| format!("{} ({} ± {})", p.name, short(p.value), short(error)))
-        .collect();
-    if !poor.is_empty() {
-        say(
-            FindingKind::Advice,
-            "precision",
-            format!(
-                "Poorly determined by these records (value ± standard error): {}. Do not read them as properties of the \
-                 device; the output is described by all parameters together.",
-                poor.join(", ")
-            ),
-        );
-    }
+    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
             let at = range.to_unit(*x);
@@ -229,6 +198,49 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     }
     result.findings = findings;
     result.treatment = treatment(facts, options, result);
+}
+
+/// Which parameters the records leave open, by their standard errors alone.
+fn precision(result: &Identification) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
+    let undetermined: Vec<&str> = result
+        .bounds
+        .first()
+        .into_iter()
+        .flat_map(|bounds| &bounds.ranges)
+        .map(|range| range.name.as_str())
+        .filter(|name| result.parameters.iter().any(|p| p.name == *name && p.std_error.is_none()))
+        .collect();
+    if !undetermined.is_empty() {
+        say(
+            FindingKind::Warning,
+            "precision",
+            format!(
+                "No standard errors: the records do not determine {} apart from the other parameters. Fix one of them \
+                 (--fix NAME=VALUE), lower the degree, or add records.",
+                undetermined.join(", ")
+            ),
+        );
+    }
+    let poor: Vec<String> = result
+        .parameters
+        .iter()
+        .filter_map(|p| Some((p, p.std_error.filter(|e| *e > UNDETERMINED * p.value.abs())?)))
+        .map(|(p, error)| format!("{} ({} ± {})", p.name, short(p.value), short(error)))
+        .collect();
+    if !poor.is_empty() {
+        say(
+            FindingKind::Advice,
+            "precision",
+            format!(
+                "Poorly determined by these records (value ± standard error): {}. Do not read them as properties of the \
+                 device; the output is described by all parameters together.",
+                poor.join(", ")
+            ),
+        );
+    }
+    findings
 }
 
 /// What is wrong with a search by a population that ran out of generations while it was still improving: by more than
@@ -316,7 +328,7 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
 }
 
 /// Number of clearly different loop amplitudes in all records together.
-fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usize {
+pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usize {
     let range = records.clone().map(RecordFacts::range_v).fold(0.0, f64::max);
     let mut sizes: Vec<f64> = records
         .flat_map(|facts| {

@@ -11,6 +11,7 @@ mod engine;
 mod error;
 mod facts;
 mod findings;
+mod identifiability;
 mod joint;
 mod layout;
 pub mod optimizer_study;
@@ -27,7 +28,7 @@ mod uncertainty;
 
 pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
 pub use error::IdentifyError;
-pub use joint::{Covariance, Interval, IntervalMethod};
+pub use joint::{Covariance, Interval, IntervalMethod, OutputUncertainty, PredictionBand};
 pub use layout::Demands;
 pub use options::{
     CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,

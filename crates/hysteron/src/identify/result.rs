@@ -1,7 +1,7 @@
 //! What an identification hands out.
 
 use super::engine::{Search, Searches};
-use super::joint::{Covariance, Interval};
+use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand};
 use super::options::{Method, RecordRole};
 use crate::hammerstein::{Model, Start};
 use crate::optimize::Bounds;
@@ -30,6 +30,8 @@ pub struct Identification {
     /// Covariance of the parameters of a joint fit, in the article's symbols; `None` where the records do not determine
     /// them, and for two steps.
     pub covariance: Option<Covariance>,
+    /// Bands of the output for any drive; as `covariance`.
+    pub output_uncertainty: Option<OutputUncertainty>,
     /// Thinning while searching; `None` where every sample was used throughout.
     pub reduction: Option<Reduction>,
     /// Verdicts, warnings and advice in plain words.
@@ -104,6 +106,8 @@ pub struct RecordFit {
     pub scores: Scores,
     /// Simulated output, with the model's own offset \[output unit\].
     pub simulated: Vec<f64>,
+    /// How well the parameters determine the simulated output; a joint fit only.
+    pub band: Option<PredictionBand>,
 }
 
 impl RecordFit {

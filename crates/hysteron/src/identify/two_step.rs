@@ -100,6 +100,7 @@ pub fn identify(
             start,
             scores,
             simulated,
+            band: None,
         });
     }
     let worst = fits.iter().min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()));
@@ -135,6 +136,7 @@ pub fn identify(
         records: fits,
         structure,
         covariance: None,
+        output_uncertainty: None,
         reduction: None,
         findings: Vec::new(),
         treatment: Vec::new(),

@@ -100,23 +100,7 @@ impl<'a> JointMember<'a> {
             nuisance.push((0..samples).map(|k| k as f64 / samples as f64 - 0.5).collect());
         }
         let ends = if self.before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
-        let means = factor == 1 && joins_means(scheme, options.inter_sample);
-        let finer = match options.inter_sample {
-            InterSample::BandLimited => FINER,
-            _ if means => 2,
-            _ => 1,
-        };
-        let mut step = factor * finer;
-        let fine = match finer {
-            1 if factor > 1 => extremes_between(&data.u, factor).map(|(drive, shorter)| {
-                step = shorter;
-                drive
-            }),
-            1 => None,
-            finer => {
-                Some(options.inter_sample.upsample(&data.u, finer, ends).map_err(SimulationError::from)?)
-            }
-        };
+        let (fine, thinning) = fine_drive(&data.u, factor, scheme, options.inter_sample, ends)?;
         let mut sampling = Sampling::of(scheme);
         if factor == 1 {
             // At a lower rate than the drive's own, the drive is as good as band-limited.
@@ -124,7 +108,7 @@ impl<'a> JointMember<'a> {
         }
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&data.u),
-            thinning: if means { Thinning::Means } else { Thinning::Pick(step) },
+            thinning,
             output: &output,
             weight,
             before: self.before,
@@ -146,6 +130,32 @@ impl<'a> JointMember<'a> {
             },
         }
     }
+}
+
+/// The drive on the grid that the hysteresis runs over (`None`: its own), and how every `factor`-th sample follows from it.
+pub(super) fn fine_drive(
+    drive: &[f64],
+    factor: usize,
+    scheme: Scheme,
+    inter_sample: InterSample,
+    ends: RecordEnds,
+) -> Result<(Option<Vec<f64>>, Thinning), SimulationError> {
+    let means = factor == 1 && joins_means(scheme, inter_sample);
+    let finer = match inter_sample {
+        InterSample::BandLimited => FINER,
+        _ if means => 2,
+        _ => 1,
+    };
+    if finer > 1 {
+        let fine = inter_sample.upsample(drive, finer, ends)?;
+        let thinning = if means { Thinning::Means } else { Thinning::Pick(factor * finer) };
+        return Ok((Some(fine), thinning));
+    }
+    let shorter = if factor > 1 { extremes_between(drive, factor) } else { None };
+    Ok(match shorter {
+        Some((drive, step)) => (Some(drive), Thinning::Pick(step)),
+        None => (None, Thinning::Pick(factor)),
+    })
 }
 
 /// The record must repeat from its first sample to its last.

@@ -6,6 +6,7 @@ use super::super::result::{Identification, RecordFit, Reduction, StructureChoice
 use super::super::static_step::OFFSET;
 use super::super::uncertainty::correlation_time;
 use super::super::{IdentifyError, RecordFacts, findings};
+use super::band::{self, OutputUncertainty};
 use super::campaign::JointMember;
 use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
@@ -97,7 +98,7 @@ pub(in super::super) fn identify(
         let start = member.start(solution.hysteresis.alpha * solution.memory[index]);
         let simulated = model.simulate(&data.u, data.sample_rate_hz(), &start)?;
         let scores = score(data, &simulated, &Scoring::default())?;
-        fits.push(RecordFit { data: data.clone(), role: *role, start, scores, simulated });
+        fits.push(RecordFit { data: data.clone(), role: *role, start, scores, simulated, band: None });
     }
     if options.demands.fixed(OFFSET).is_none() {
         // The model's own offset is that of its first record.
@@ -125,6 +126,16 @@ pub(in super::super) fn identify(
     if let (Some(reduction), Some(own)) = (&mut reduction, own) {
         reduction.moved = moved(own, &x, &at_small);
     }
+    let noise: Vec<f64> = fits.iter().map(|fit| fit.scores.rmse).collect();
+    let output_uncertainty = known.as_ref().map(|known| {
+        for (fit, band) in fits.iter_mut().zip(band::of_records(&problem, known, &noise)) {
+            fit.band = Some(band);
+        }
+        let samples: f64 = fits.iter().map(|fit| fit.scores.samples as f64).sum();
+        let square: f64 = fits.iter().map(|fit| fit.scores.samples as f64 * fit.scores.rmse.powi(2)).sum();
+        let schemes = (options.scheme(), options.inter_sample);
+        OutputUncertainty::new(&problem, &form, &x, known, schemes, (square / samples).sqrt())
+    });
     let covariance = own.map(|own| parameters::in_article_symbols(own, &problem));
     let mut parameters = parameters::parameters(&solution, &form, &problem, covariance.as_ref(), &model);
     if let Some(known) = &known {
@@ -152,6 +163,7 @@ pub(in super::super) fn identify(
         records: fits,
         structure,
         covariance,
+        output_uncertainty,
         reduction,
         findings: Vec::new(),
         treatment: Vec::new(),

@@ -177,3 +177,80 @@ impl Fit for Whole<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::knowledge::knowledge;
+    use super::super::problem::JointLayout;
+    use super::super::record::{Before, Ingredients, JointRecord, Thinning};
+    use super::*;
+    use crate::dynamics::{DynamicForm, Modes, Sampling, Scheme};
+    use crate::optimize::Bounds;
+    use rand::Rng;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::SeedableRng;
+
+    #[test]
+    fn of_a_gain_is_that_of_a_straight_line() {
+        // y = 3 + 2 u + white noise.
+        let drive: Vec<f64> = (0..800).map(|k| 5.0 + 4.0 * (f64::from(k) * 0.037).sin()).collect();
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
+        let output: Vec<f64> = drive
+            .iter()
+            .map(|u| 3.0 + 2.0 * u + (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64)
+            .collect();
+        let record = JointRecord::new(Ingredients {
+            drive: &drive,
+            thinning: Thinning::Pick(1),
+            output: &output,
+            weight: vec![1.0; drive.len()],
+            before: Before::Remembering,
+            transients: false,
+            offset_is_held: false,
+            nuisance: Vec::new(),
+            degree: 1,
+            dynamics: Some((1000.0, Scheme::Tustin, Sampling::of(Scheme::Tustin))),
+        })
+        .unwrap();
+        let layout = JointLayout {
+            polynomial: vec![Role::Projected],
+            alpha: Role::Fixed(0.0),
+            beta: Role::Fixed(0.5),
+            gamma: Role::Fixed(0.1),
+            n: Role::Fixed(1.0),
+            form: Vec::new(),
+            delay: Role::Fixed(0.0),
+            memory: vec![Role::Fixed(0.0)],
+        };
+        let form = DynamicForm { modes: Modes::None, creep: false };
+        let problem =
+            JointProblem::new(vec![record], form, layout, Bounds { ranges: Vec::new() }, String::new());
+        let known = knowledge(&problem, &[]).unwrap();
+
+        // By the textbook.
+        let n = drive.len() as f64;
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
+        let (u0, y0) = (mean(&drive), mean(&output));
+        let square: f64 = drive.iter().map(|u| (u - u0).powi(2)).sum();
+        let slope = drive.iter().zip(&output).map(|(u, y)| (u - u0) * (y - y0)).sum::<f64>() / square;
+        let left: f64 = drive.iter().zip(&output).map(|(u, y)| (y - y0 - slope * (u - u0)).powi(2)).sum();
+        let variance = left / (n - 2.0) / square;
+        assert!((known.white[(0, 0)] / variance - 1.0).abs() < 1e-9);
+        // White noise has no colour but what chance gives it.
+        let error = known.covariance.std_error(0).unwrap();
+        assert!((error / variance.sqrt() - 1.0).abs() < 0.15, "{error} {}", variance.sqrt());
+
+        let [Some(interval)] = intervals(&problem, &known, &known.covariance)[..] else { panic!() };
+        assert_eq!(interval.method, IntervalMethod::Quadratic);
+        assert!((interval.high - (slope + 1.96 * error)).abs() < 1e-4 * error);
+        assert!((interval.low - (slope - 1.96 * error)).abs() < 1e-4 * error);
+        assert!(interval.low < 2.0 && 2.0 < interval.high);
+    }
+
+    #[test]
+    fn of_a_coefficient_that_must_be_positive_is_symmetric_in_its_logarithm() {
+        let interval = Interval::logarithmic(100.0, 10.0);
+        assert!((interval.low * interval.high - 1e4).abs() < 1e-9);
+        assert!((interval.high / 100.0 - (0.196f64).exp()).abs() < 1e-4);
+    }
+}

@@ -11,6 +11,7 @@
 use super::super::result::Correlation;
 use super::super::uncertainty::{correlation, correlation_time};
 use super::problem::{JointProblem, Linearisation};
+use super::record::JointRecord;
 use crate::numeric::Complex64;
 use crate::numeric::fft::{RealFft, fast_length};
 use crate::optimize::{LeastSquaresProblem, Problem};
@@ -86,7 +87,7 @@ pub(in super::super) struct Knowledge {
     pub(in super::super) covariance: Covariance,
     /// s² (JᵀJ)⁻¹, which holds for white residuals.
     pub(in super::super) white: DMatrix<f64>,
-    /// s² = Σ r² / (N − p) of the weighted residuals.
+    /// s² = Σ r² / (N − p), offsets counted, of the weighted residuals.
     pub(in super::super) variance: f64,
     pub(in super::super) linearisation: Linearisation,
 }
@@ -122,7 +123,8 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
     let norms: Vec<f64> = columns.iter().map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
     let free: Vec<usize> =
         (0..columns.len()).filter(|&j| !on_bound[j] && norms[j] > 0.0 && norms[j].is_finite()).collect();
-    if free.is_empty() || problem.valid() <= free.len() {
+    let local: usize = problem.records().iter().map(JointRecord::local_columns).sum();
+    if free.is_empty() || problem.valid() <= free.len() + local {
         return None;
     }
     let p = free.len();
@@ -153,7 +155,7 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
         .collect::<Vec<_>>()
         .into_iter()
         .fold(DMatrix::zeros(p, p), |sum, part| sum + part);
-    let variance = residuals.iter().map(|r| r * r).sum::<f64>() / (problem.valid() - p) as f64;
+    let variance = residuals.iter().map(|r| r * r).sum::<f64>() / (problem.valid() - p - local) as f64;
     let in_own_units = |small: DMatrix<f64>| {
         let mut matrix = DMatrix::zeros(columns.len(), columns.len());
         for (i, &fi) in free.iter().enumerate() {

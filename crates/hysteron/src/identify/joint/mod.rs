@@ -1,5 +1,6 @@
 //! The joint fit: all records, both blocks, delay, offsets and initial states at once.
 
+mod band;
 mod campaign;
 mod fit;
 mod intervals;
@@ -13,6 +14,7 @@ mod setup;
 mod tests;
 
 pub(super) use campaign::JointMember;
+pub use band::{OutputUncertainty, PredictionBand};
 pub(super) use fit::{assemble, identify};
 pub use intervals::{Interval, IntervalMethod};
 pub use knowledge::Covariance;
