@@ -74,7 +74,7 @@ impl OutputUncertainty {
         let kept = x.len() - memories;
         let all = known.covariance.values.len() - memories;
         Self {
-            form: form.clone(),
+            form: *form,
             layout,
             bounds: Bounds { ranges: problem.bounds().ranges[..kept].to_vec() },
             x: x[..kept].to_vec(),
@@ -132,8 +132,7 @@ impl OutputUncertainty {
             dynamics: Some((sample_rate_hz, self.scheme, sampling)),
         })?;
         let layout = JointLayout { memory: vec![Role::Fixed(memory)], ..self.layout.clone() };
-        let problem =
-            JointProblem::new(vec![record], self.form.clone(), layout, self.bounds.clone(), String::new());
+        let problem = JointProblem::new(vec![record], self.form, layout, self.bounds.clone(), String::new());
         let std_dev = problem.linearise_at(&self.x, &self.coefficients).map_or_else(
             || vec![f64::NAN; drive.len()],
             |at| deviations(&[&at.linear, &at.searched], drive.len(), 0..drive.len(), &self.covariance),
