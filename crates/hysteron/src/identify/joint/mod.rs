@@ -13,8 +13,8 @@ mod setup;
 #[cfg(test)]
 mod tests;
 
-pub(super) use campaign::JointMember;
 pub use band::{OutputUncertainty, PredictionBand};
+pub(super) use campaign::JointMember;
 pub(super) use fit::{assemble, identify};
 pub use intervals::{Interval, IntervalMethod};
 pub use knowledge::Covariance;
