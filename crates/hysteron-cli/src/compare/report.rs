@@ -10,7 +10,7 @@ use crate::identify::command_line;
 
 /// Candidates whose errors are shown fold by fold.
 const SHOWN_BY_FOLD: usize = 5;
-/// Height of one line of a figure [px].
+/// Height of one line of a figure \[px\].
 const LINE_PX: f64 = 26.0;
 
 pub fn page(found: &Found) -> Page {
