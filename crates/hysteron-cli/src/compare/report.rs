@@ -1,5 +1,7 @@
 //! The comparison as a page.
 
+use std::collections::BTreeSet;
+
 use hysteron::identify::structure::Comparison;
 use hysteron_report::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
 use hysteron_report::number::significant;
@@ -73,8 +75,8 @@ fn errors(found: &Found) -> Figure {
     let panel = Panel::new(axis(found), Axis::categories("", names))
         .series(noise_floor(comparison, order.len()))
         .series(Series::line("standard error over the folds", bar_x, bar_y, Style::line(Colour::Blue)))
-        .series(Series::line("training RMSE", training, at.clone(), points(Colour::Orange)))
-        .series(Series::line("unseen data", means, at, points(Colour::Blue)));
+        .series(marks("training RMSE", training, &at, points(Colour::Orange)))
+        .series(marks("unseen data", means, &at, points(Colour::Blue)));
     Figure::new("Simulated error on unseen data")
         .panel(panel)
         .panel_height(LINE_PX * order.len().max(3) as f64)
@@ -82,6 +84,13 @@ fn errors(found: &Found) -> Figure {
             "Mean over the folds of the RMSE on what the fit left out, with its standard error; beside it the error on the data of the fit. Folds are \
              harder or easier for all candidates alike, so bars may overlap where the paired differences in the table are clear.",
         )
+}
+
+/// Marks that no line joins: a break between any two keeps them all, even in a row.
+fn marks(label: &str, x: Vec<f64>, y: &[f64], style: Style) -> Series {
+    let x = x.into_iter().flat_map(|x| [x, f64::NAN]).collect();
+    let y = y.iter().flat_map(|&y| [y, f64::NAN]).collect();
+    Series::line(label, x, y, style)
 }
 
 fn noise_floor(comparison: &Comparison, lines: usize) -> Series {
@@ -94,14 +103,17 @@ fn noise_floor(comparison: &Comparison, lines: usize) -> Series {
 fn by_fold(found: &Found) -> Figure {
     let comparison = &found.comparison;
     let at = lines(comparison.folds.len());
-    let names = comparison.folds.iter().rev().map(|f| format!("{} ({})", f.label, f.content));
+    // Short names, where they tell the folds apart.
+    let contents: BTreeSet<&str> = comparison.folds.iter().map(|f| f.content.as_str()).collect();
+    let short = contents.len() == comparison.folds.len();
+    let names = comparison.folds.iter().rev().map(|f| if short { &f.content } else { &f.label });
     let mut panel = Panel::new(axis(found), Axis::categories("", names))
         .series(noise_floor(comparison, comparison.folds.len()));
     for (place, index) in text::order(comparison).into_iter().take(SHOWN_BY_FOLD).enumerate() {
         let entry = &comparison.entries[index];
         let errors = entry.fold_rmse.iter().map(|e| e.unwrap_or(f64::NAN)).collect();
         let style = Style::nth(place).marked(place).with_dash(Dash::None);
-        panel = panel.series(Series::line(entry.candidate.to_string(), errors, at.clone(), style));
+        panel = panel.series(marks(&entry.candidate.to_string(), errors, &at, style));
     }
     Figure::new("Error by what was left out")
         .panel(panel)

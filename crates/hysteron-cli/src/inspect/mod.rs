@@ -1,5 +1,6 @@
 //! `hysteron inspect`: what is in a record.
 
+mod campaign;
 mod json;
 mod plot;
 mod text;
@@ -7,6 +8,7 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
+use hysteron::identify::structure::prospects;
 use hysteron::record::{InputOutput, Inspection, inspect};
 use serde::Serialize;
 
@@ -14,9 +16,15 @@ use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 
-/// Show what is in a record: rate, jitter, range, frequency, periods, noise floor, delay, loop, saturation, warnings.
+/// Show what is in a record: rate, jitter, range, frequency, periods, noise floor, delay, loop, saturation, warnings; and what the
+/// records together can determine.
 #[derive(Args)]
-#[command(after_help = "Example: hysteron inspect run.csv --plot run.html")]
+#[command(
+    after_help = "At the end stands what a model can learn from all the records together, before any fit, and which record to measure \
+    next.\n\n\
+    Example: hysteron inspect run.csv --plot run.html\n\
+    Example: hysteron inspect loop.csv sweep.csv"
+)]
 pub struct Inspect {
     /// The records
     #[arg(value_name = "RECORD", required = true)]
@@ -43,6 +51,7 @@ struct Inspected {
 #[derive(Serialize)]
 struct Report<'a> {
     records: Vec<json::Entry<'a>>,
+    campaign: campaign::Entry<'a>,
 }
 
 impl Inspect {
@@ -60,9 +69,16 @@ impl Inspect {
         if let Some(target) = &self.plot {
             plot::write(target, &inspected)?;
         }
+        let records: Vec<InputOutput> = inspected.iter().map(|i| i.data.clone()).collect();
+        let prospects = prospects(&records);
         if self.json {
-            return console::json(&Report { records: inspected.iter().map(json::Entry::new).collect() });
+            return console::json(&Report {
+                records: inspected.iter().map(json::Entry::new).collect(),
+                campaign: campaign::Entry::new(&prospects),
+            });
         }
-        console::result(&inspected.iter().map(text::describe).collect::<Vec<_>>().join("\n"))
+        let mut parts: Vec<String> = inspected.iter().map(text::describe).collect();
+        parts.push(campaign::text(&prospects, &records));
+        console::result(&parts.join("\n"))
     }
 }

@@ -21,5 +21,6 @@ mod recalibrate_finds_gain_and_delay;
 mod rig_makes_records;
 mod schema_and_completions_are_printed;
 mod simulate_writes_a_record;
+mod structures_are_compared;
 mod usage_errors_exit_2;
 mod validate_scores_as_promised;

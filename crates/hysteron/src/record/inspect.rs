@@ -317,7 +317,7 @@ impl Inspection {
                 ))
             }
             Some(DelayFinding::Inseparable { frequency_hz, at_most_s }) => note(format!(
-                "On one steady frequency ({}) delay and loop width look alike: together they make a lag of {:.3} ms, so the delay is at most that. A sweep, or a start from rest that a first-order lag describes, would tell them apart.",
+                "The delay cannot be told from loop width: on one steady frequency ({}) both only shift the output, together by {:.3} ms, so the delay is at most that. A sweep, or a start from rest that a first-order lag describes, would tell them apart.",
                 hz(*frequency_hz),
                 1e3 * at_most_s
             )),
@@ -406,7 +406,10 @@ mod tests {
         assert!(words(&sine(|k| (TAU * k / 200.0 + 0.2).sin())).contains("runs clockwise"));
         let text = words(&sine(|k| (TAU * k / 200.0 - 0.2).sin()));
         assert!(!text.contains("runs clockwise") && text.contains("counter-clockwise"), "{text}");
-        assert!(text.contains("look alike") && text.contains("sine of 1.0000 Hz"), "{text}");
+        assert!(
+            text.contains("cannot be told from loop width") && text.contains("sine of 1.0000 Hz"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -1,0 +1,62 @@
+//! What the records together can determine.
+
+use hysteron::identify::structure::Prospects;
+use hysteron::record::InputOutput;
+use serde::Serialize;
+
+use crate::console;
+
+/// As JSON; `determined` is null where it is in part.
+#[derive(Serialize)]
+pub struct Entry<'a> {
+    statements: Vec<Statement<'a>>,
+    measure_next: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct Statement<'a> {
+    topic: &'a str,
+    determined: Option<bool>,
+    text: &'a str,
+}
+
+impl<'a> Entry<'a> {
+    pub fn new(prospects: &'a Prospects) -> Self {
+        let statement = |p: &'a hysteron::identify::structure::Prospect| Statement {
+            topic: p.topic,
+            determined: p.determined,
+            text: &p.text,
+        };
+        Entry {
+            statements: prospects.statements.iter().map(statement).collect(),
+            measure_next: prospects.next.as_deref(),
+        }
+    }
+}
+
+/// For people.
+pub fn text(prospects: &Prospects, records: &[InputOutput]) -> String {
+    let what = match records.len() {
+        1 => "This record determines",
+        _ => "These records together determine",
+    };
+    let mut table = console::table(&[what, "", "because"]);
+    for p in &prospects.statements {
+        let answer = match p.determined {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "in part",
+        };
+        table.add_row([p.topic, answer, p.text.as_str()]);
+    }
+    let mut text = format!("{table}\n");
+    if records.len() > 1 {
+        for (record, content) in records.iter().zip(&prospects.records) {
+            text += &format!("- {}: {content}\n", record.name);
+        }
+    }
+    match &prospects.next {
+        Some(next) => text + &format!("Measure next: {next}.\n"),
+        None => text + "Measure next: a record for validation, of another amplitude and other frequencies.\n",
+    }
+}

@@ -1,0 +1,131 @@
+//! `compare` ranks structures by what they predict, refuses where nothing is left to predict; `inspect` says before any fit what
+//! the records determine.
+
+use std::path::Path;
+
+use hysteron::model_file::ModelFile;
+use serde_json::Value;
+
+use crate::bench::Bench;
+
+/// The article's campaign, shorter and slower.
+const PLAN: &str = r#"{ "sample_rate_hz": 2000, "loop_periods": 3, "sweep_s": 3, "sweep_end_hz": 80, "validation_hz": [12, 40],
+    "validation_s": 0.5 }"#;
+
+fn measured() -> Bench {
+    let bench = Bench::new();
+    bench.write("plan.json", PLAN);
+    assert_eq!(bench.run("rig --out-dir bench --plan plan.json").exit_code, 0);
+    bench
+}
+
+const LOOP: &str = "bench/simulated_loop_1hz.csv";
+const SWEEP: &str = "bench/simulated_sweep_1_80hz.csv";
+const SINES: &str = "bench/simulated_sine_12hz.csv bench/simulated_sine_40hz.csv";
+
+#[test]
+fn a_campaign_ranks_dynamics_before_none_and_writes_the_model_that_it_prefers() {
+    let bench = measured();
+    let run = bench.run(&format!(
+        "compare {LOOP} {SWEEP} {SINES} --candidates none,integer2,fractional+degree2 --json --report compare.html -o new.json"
+    ));
+    assert_eq!((run.exit_code, run.stdout.trim_end().lines().count()), (0, 1), "{run:?}");
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    let folds = found["folds"].as_array().unwrap();
+    assert_eq!(folds.len(), 4);
+    assert!(folds.iter().any(|f| f["left_out"] == "simulated_sine_12hz.csv" && f["content"] == "5 V, 12 Hz"));
+    let candidates = found["candidates"].as_array().unwrap();
+    let names: Vec<&str> = candidates.iter().map(|c| c["name"].as_str().unwrap()).collect();
+    assert_eq!(names[0], "fractional+degree2", "{found}");
+    let error = |name: &str| {
+        let place = names.iter().position(|n| *n == name).unwrap();
+        candidates[place]["error"].as_f64().unwrap()
+    };
+    assert!(error("fractional+degree2") < 0.8 * error("none"), "{found}");
+    assert!(found["noise_floor"].as_f64().unwrap() < error("fractional+degree2"));
+    assert_eq!(found["interrupted"], false);
+    let page = std::fs::read_to_string(bench.path("compare.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("noise floor") && page.contains("fractional+degree2"));
+    assert!(run.stderr.contains(&format!("model of {} written", found["preferred"].as_str().unwrap())));
+    ModelFile::read(&bench.path("new.json")).unwrap().to_model().unwrap();
+}
+
+#[test]
+fn the_table_is_for_people() {
+    let bench = measured();
+    let run = bench.run(&format!("compare {LOOP} {SWEEP} --candidates none,integer2"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    for part in
+        ["error on unseen data [µm]", "Preferred: ", "loop_1hz.csv", "sweep_1_80hz.csv 2/2", "one amplitude"]
+    {
+        assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
+    }
+}
+
+#[test]
+fn one_loop_many_times_is_refused_with_what_to_measure() {
+    let record = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../examples/piezo-p885-200hz/identification_1hz.csv")
+        .canonicalize()
+        .unwrap();
+    let run = Bench::new().run(&format!("compare {}", record.display()));
+    assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""), "{run:?}");
+    for part in ["cannot be ranked", "one amplitude and one frequency (1.8 V, 1 Hz)", "try: measure a sweep"]
+    {
+        assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn a_structure_that_does_not_exist_is_wrong_usage() {
+    let run = Bench::new().run("compare run.csv --candidates none,fractal");
+    assert_eq!(run.exit_code, 2, "{run:?}");
+    assert!(
+        run.stderr.contains("'fractal' is no structure") && run.stderr.contains("two-fractional"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn a_slow_loop_does_not_pass_its_width_off_as_a_delay() {
+    let bench = measured();
+    let json = |records: &str| -> Value {
+        let run = bench.run(&format!("inspect {records} --json"));
+        assert_eq!(run.exit_code, 0, "{run:?}");
+        serde_json::from_str(&run.stdout).unwrap()
+    };
+    let statement = |found: &Value, topic: &str| {
+        let list = found["campaign"]["statements"].as_array().unwrap();
+        list.iter().find(|s| s["topic"] == topic).unwrap_or_else(|| panic!("{topic}: {found}")).clone()
+    };
+    let slow = json(LOOP);
+    assert_eq!(slow["records"][0]["delay"]["from"], "one-frequency");
+    // The true delay is 0.123 ms; loop width alone looks like many milliseconds.
+    assert!(slow["records"][0]["delay"]["at_most_s"].as_f64().unwrap() > 5e-3, "{slow}");
+    let delay = statement(&slow, "delay");
+    assert_eq!(delay["determined"], false);
+    assert!(delay["text"].as_str().unwrap().contains("cannot be told from loop width"), "{delay}");
+    assert!(
+        bench.run(&format!("inspect {LOOP}")).stdout.contains("The delay cannot be told from loop width")
+    );
+    assert_eq!(statement(&slow, "dynamics")["determined"], false);
+    assert!(slow["campaign"]["measure_next"].as_str().unwrap().starts_with("a sweep"), "{slow}");
+
+    // With a sweep the part of the phase that grows with frequency is told from the part that does not.
+    let both = json(&format!("{LOOP} {SWEEP}"));
+    let delay = statement(&both, "delay");
+    assert_eq!(delay["determined"], true, "{delay}");
+    let milliseconds: f64 = delay["text"].as_str().unwrap().split(' ').next().unwrap().parse().unwrap();
+    // Dead time 0.123 ms, amplifier and mechanics below their resonance add to it; far from the 20 ms of the loop.
+    assert!((0.123..0.4).contains(&milliseconds), "{delay}");
+    assert_eq!(statement(&both, "dynamics")["determined"], true);
+    assert!(both["campaign"]["measure_next"].as_str().unwrap().contains("half and a quarter"), "{both}");
+
+    // So do records of one frequency each, together.
+    let sines = json(&format!("{LOOP} {SINES}"));
+    let delay = statement(&sines, "delay");
+    assert_eq!(delay["determined"], true, "{delay}");
+    let milliseconds: f64 = delay["text"].as_str().unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((0.1..0.5).contains(&milliseconds), "{delay}");
+}
