@@ -151,7 +151,7 @@ fn explain(error: &StructureError) -> Failure {
         StructureError::CannotRank { because, measure } => {
             Failure::new("structures cannot be ranked on these records")
                 .because(because)
-                .hint(format!("measure {measure}"))
+                .hint(format!("measure {measure}."))
         }
         error => Failure::new("structures cannot be compared on these records").because(error),
     }

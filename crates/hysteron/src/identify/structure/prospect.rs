@@ -5,7 +5,7 @@ use super::content::{Content, brief, near};
 use super::folds::Fold;
 use crate::record::{
     DelayFinding, ExcitationKind, InputOutput, Response, delay_from_phase, excitation_kind, find_delay,
-    fundamental_response, low_frequency_responses,
+    fit_start_up, fundamental_response, low_frequency_responses,
 };
 
 /// Ratio of highest to lowest frequency from which on dynamics are told from hysteresis.
@@ -65,13 +65,13 @@ pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option
     let full = full.trim_end();
     if high < FAST_OVER_SLOW * low.max(f64::MIN_POSITIVE) || high == 0.0 {
         let loops = if one_amplitude(contents) {
-            " Then slow loops of the full, half and a quarter of the amplitude, for β, γ and the polynomial."
+            "; then slow loops of the full, half and a quarter of the amplitude, for β, γ and the polynomial"
         } else {
             ""
         };
         return Some(format!(
             "a sweep (or a multisine) from {from} to the highest frequency of use, amplitude {full}: it tells delay and \
-             dynamics from loop width.{loops}"
+             dynamics from loop width{loops}"
         ));
     }
     if one_amplitude(contents) {
@@ -145,7 +145,7 @@ fn amplitudes(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
     let (determined, text) = if !one_amplitude(contents) {
         let text = format!("loops of {} to {} {unit} amplitude", brief(smallest), brief(largest));
         (Some(true), text)
-    } else if facts.iter().any(|f| starts_at_rest(&f.data)) {
+    } else if facts.iter().any(starts_at_rest) {
         let text = "one amplitude: β and γ are told apart by the way from rest into the first loop alone, n and the polynomial by \
                     the shape of one loop";
         (None, text.to_owned())
@@ -190,6 +190,13 @@ fn responses(facts: &[RecordFacts]) -> Vec<Response> {
 fn resonance(facts: &[RecordFacts]) -> Prospect {
     const TOPIC: &str = "resonance";
     let points = responses(facts);
+    let (low, high) = (points.first(), points.last());
+    if let (Some(low), Some(high)) = (low, high)
+        && high.frequency_hz < FAST_OVER_SLOW * low.frequency_hz
+    {
+        let text = format!("{} Hz only: whether there is one is not known", brief(high.frequency_hz));
+        return Prospect { topic: TOPIC, determined: Some(false), text };
+    }
     let lowest = |part: &[Response]| part.iter().map(|p| p.gain).fold(f64::INFINITY, f64::min);
     let peak = points.iter().enumerate().max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
     let Some((at, top)) = peak else {
@@ -219,7 +226,7 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
         format!(
             "{} ± {} ms together with every lag that grows with frequency, beside {}° of loop width, which does not",
             milliseconds(delay_s),
-            milliseconds(error_s),
+            short_error(1e3 * error_s),
             brief(lag.to_degrees())
         )
     };
@@ -268,6 +275,11 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
     }
 }
 
+/// An error to two digits.
+fn short_error(error: f64) -> f64 {
+    format!("{error:.1e}").parse().unwrap_or(error)
+}
+
 fn duration_s(facts: &RecordFacts) -> f64 {
     facts.data.sample_rate_hz().map_or(0.0, |rate| facts.data.u.len() as f64 / rate)
 }
@@ -294,23 +306,25 @@ fn creep(facts: &[RecordFacts]) -> Prospect {
     Prospect { topic: "creep", determined, text }
 }
 
-fn starts_at_rest(data: &InputOutput) -> bool {
-    let (low, high) = crate::record::range_of(&data.u);
-    data.u.first().is_some_and(|first| first.abs() <= OFF_ZERO * (high - low))
+/// The drive starts at 0 V, or jumps from a rest.
+fn starts_at_rest(facts: &RecordFacts) -> bool {
+    let data = &facts.data;
+    let near_zero = data.u.first().is_some_and(|first| first.abs() <= OFF_ZERO * facts.range_v());
+    near_zero || fit_start_up(data, facts.periods.as_ref()).is_some()
 }
 
 fn starts(facts: &[RecordFacts]) -> Prospect {
-    let from_zero = facts.iter().filter(|f| starts_at_rest(&f.data)).count();
+    let from_zero = facts.iter().filter(|f| starts_at_rest(f)).count();
     let (determined, text) = match from_zero {
-        n if n == facts.len() => (Some(true), "every record starts at 0 V".to_owned()),
+        n if n == facts.len() => (Some(true), "every record starts from rest".to_owned()),
         0 => (
             Some(false),
-            "no record starts at 0 V: what the actuator remembers at each start is one more unknown a record"
+            "no record starts from rest: what the actuator remembers at each start is one more unknown a record"
                 .to_owned(),
         ),
         n => (
             None,
-            format!("{n} of {} records start at 0 V; the others begin with an unknown memory", facts.len()),
+            format!("{n} of {} records start from rest; the others begin with an unknown memory", facts.len()),
         ),
     };
     Prospect { topic: "start and offset", determined, text }
