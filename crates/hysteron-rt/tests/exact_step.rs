@@ -248,12 +248,14 @@ proptest! {
         }
         for n in [1.0, 2.0] {
             let b = BoucWen::new(alpha, beta, gamma, n).unwrap();
-            let closed = b.advance_with_shape(Dual { value: z, partials: [0.0; 2] }, first).unwrap();
-            let closed = b.advance_with_shape(closed, second).unwrap();
+            let halfway = b.advance_with_shape(Dual { value: z, partials: [0.0; 2] }, first).unwrap();
+            let closed = b.advance_with_shape(halfway, second).unwrap();
+            // Contributions of the two moves may cancel: rounding is relative to the largest derivative on the way.
+            let size = halfway.partials.iter().chain(&closed.partials).fold(1.0_f64, |m, p| m.max(p.abs()));
             let series = b.advance_with_sensitivities(Dual { value: z, partials: [0.0; 3] }, first).unwrap();
             let series = b.advance_with_sensitivities(series, second).unwrap();
             for (c, s) in closed.partials.iter().zip(series.partials) {
-                prop_assert!((c - s).abs() <= 1e-12 * (1.0 + s.abs()), "n {}: {:?} {:?}", n, closed, series);
+                prop_assert!((c - s).abs() <= 1e-12 * size, "n {}: {:?} {:?}", n, closed, series);
             }
         }
     }
