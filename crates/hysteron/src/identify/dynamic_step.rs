@@ -2,7 +2,7 @@
 
 use super::dynamic_problem::{DynamicLayout, DynamicProblem, DynamicRecord, DynamicSolution};
 use super::engine::{Engine, Search};
-use super::layout::{BoxBuilder, Role};
+use super::layout::{BoxBuilder, Role, pick};
 use super::options::{Choice, Options};
 use super::static_step::OFFSET;
 use super::{IdentifyError, RecordFacts};
@@ -13,8 +13,8 @@ use crate::hysteresis::{self, BoucWen};
 use crate::optimize::{Bounds, OptimizeError, Problem, Range};
 
 /// Longest delay searched, in samples at least and as a share of the fastest period in the data at least.
-const LONGEST_DELAY_SAMPLES: f64 = 5.0;
-const LONGEST_DELAY_PERIODS: f64 = 0.1;
+pub(super) const LONGEST_DELAY_SAMPLES: f64 = 5.0;
+pub(super) const LONGEST_DELAY_PERIODS: f64 = 0.1;
 
 /// What the dynamic step found.
 pub(super) struct DynamicStep {
@@ -172,14 +172,6 @@ fn guesses(bounds: &Bounds, options: &Options) -> Vec<Vec<f64>> {
         }));
     }
     guesses
-}
-
-fn pick(bounds: &Bounds, value: impl Fn(&str) -> Option<f64>) -> Vec<f64> {
-    bounds
-        .ranges
-        .iter()
-        .map(|r| value(&r.name).unwrap_or_else(|| r.from_unit(0.5)).clamp(r.low, r.high))
-        .collect()
 }
 
 /// The same problem with every free parameter searched, at the solution: for standard errors.

@@ -117,3 +117,12 @@ impl<'a> BoxBuilder<'a> {
         Bounds { ranges: self.ranges }
     }
 }
+
+/// A start: each parameter at `value` of its name, in the middle of its range where there is none, inside the box.
+pub(super) fn pick(bounds: &Bounds, value: impl Fn(&str) -> Option<f64>) -> Vec<f64> {
+    bounds
+        .ranges
+        .iter()
+        .map(|r| value(&r.name).unwrap_or_else(|| r.from_unit(0.5)).clamp(r.low, r.high))
+        .collect()
+}

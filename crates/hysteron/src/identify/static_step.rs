@@ -13,10 +13,10 @@ use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, LeastSquaresProblem, OptimizeError, Problem, Range};
 
 /// Highest degree tried when the degree is chosen from the data: one loop cannot justify more.
-const HIGHEST_AUTOMATIC_DEGREE: usize = 5;
+pub(super) const HIGHEST_AUTOMATIC_DEGREE: usize = 5;
 /// Evidence asked for one more degree: a fall of BIC by 10 ("very strong", Kass & Raftery 1995,
 /// doi:10.1080/01621459.1995.10476572).
-const BIC_FALL: f64 = 10.0;
+pub(super) const BIC_FALL: f64 = 10.0;
 /// A first move of more than this share of the drive's range is a start from rest that shows dynamics.
 const JUMP: f64 = 0.02;
 /// Longest delay and lag searched, as a share of the period (or of the record).

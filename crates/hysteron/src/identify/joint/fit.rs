@@ -3,7 +3,7 @@
 use super::super::engine::{Engine, Search};
 use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::super::result::{Identification, RecordFit, Reduction, StructureChoice};
-use super::super::static_step::OFFSET;
+use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE, OFFSET};
 use super::super::uncertainty::correlation_time;
 use super::super::{IdentifyError, RecordFacts, findings};
 use super::band::{self, OutputUncertainty};
@@ -21,11 +21,6 @@ use crate::model_file::polynomial_name;
 use crate::optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
 use crate::validate::{Scoring, score};
 
-/// Highest degree tried when the degree is chosen from the data.
-const HIGHEST_AUTOMATIC_DEGREE: usize = 5;
-/// Evidence asked for one more degree: a fall of BIC by 10 ("very strong", Kass & Raftery 1995,
-/// doi:10.1080/01621459.1995.10476572).
-const BIC_FALL: f64 = 10.0;
 /// Degree that the starts are tried with where it is chosen from the data.
 const DEGREE_OF_STARTS: usize = 3;
 /// Residuals worth less than this share of their samples are far from white.

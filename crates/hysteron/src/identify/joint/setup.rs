@@ -1,6 +1,7 @@
 //! Search box and starts of a joint fit.
 
-use super::super::layout::{BoxBuilder, Role};
+use super::super::dynamic_step::{LONGEST_DELAY_PERIODS, LONGEST_DELAY_SAMPLES};
+use super::super::layout::{BoxBuilder, Role, pick};
 use super::super::options::{Choice, Options};
 use super::super::static_step::Scales;
 use super::super::{IdentifyError, RecordFacts, fingerprint};
@@ -11,10 +12,6 @@ use crate::dynamics::{DynamicForm, Dynamics, Modes};
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Range};
-
-/// Longest delay searched, in samples at least and as a share of the fastest period in the data at least.
-const LONGEST_DELAY_SAMPLES: f64 = 5.0;
-const LONGEST_DELAY_PERIODS: f64 = 0.1;
 
 /// Everything that a joint problem of any degree is made from.
 pub(in super::super) struct JointSetup<'a> {
@@ -206,14 +203,6 @@ impl<'a> JointSetup<'a> {
         }
         guesses
     }
-}
-
-fn pick(bounds: &Bounds, value: impl Fn(&str) -> Option<f64>) -> Vec<f64> {
-    bounds
-        .ranges
-        .iter()
-        .map(|r| value(&r.name).unwrap_or_else(|| r.from_unit(0.5)).clamp(r.low, r.high))
-        .collect()
 }
 
 /// The dynamics that the user asked for, or what the records support.
