@@ -33,7 +33,7 @@ pub struct Optimizers {
     #[arg(long = "problem", value_name = "NAME", value_parser = by_name::<StudyProblem>)]
     problems: Vec<StudyProblem>,
 
-    /// Competitor, e.g. de-abc, de, pso, abc, least-squares; may be repeated [default: all]
+    /// Competitor, e.g. de-abc, de, pso, abc, cma-es, least-squares; may be repeated [default: all]
     #[arg(long = "optimizer", value_name = "NAME", value_parser = by_name::<Competitor>)]
     competitors: Vec<Competitor>,
 

@@ -21,7 +21,7 @@ use hysteron::identify::{
 };
 use hysteron::model_file::ModelFile;
 use hysteron::optimize::{
-    AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError,
+    AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError,
     Progress as SearchProgress, PsoOptions, ResumeError,
 };
 use hysteron::record::InterSample;
@@ -225,6 +225,7 @@ enum OptimizerArg {
     Abc,
     De,
     Pso,
+    CmaEs,
     LeastSquares,
 }
 
@@ -419,6 +420,10 @@ impl Identify {
             OptimizerArg::Pso => {
                 let options = PsoOptions::default();
                 Some(Algorithm::Pso(PsoOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::CmaEs => {
+                let options = CmaEsOptions::default();
+                Some(Algorithm::CmaEs(CmaEsOptions { population: self.population, ..options }))
             }
             OptimizerArg::LeastSquares => {
                 let options = LeastSquaresOptions::default();

@@ -1,6 +1,9 @@
 //! The closed set of algorithms behind one enum.
 
-use super::{AbcOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError, PsoOptions, Settings};
+use super::{
+    AbcOptions, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError, PsoOptions,
+    Settings,
+};
 use serde::{Deserialize, Serialize};
 
 /// An algorithm with its options.
@@ -15,6 +18,8 @@ pub enum Algorithm {
     De(DeOptions),
     /// Particle swarm.
     Pso(PsoOptions),
+    /// Covariance matrix adaptation with restarts.
+    CmaEs(CmaEsOptions),
     /// Bounded Levenberg–Marquardt from many starts.
     LeastSquares(LeastSquaresOptions),
 }
@@ -27,6 +32,7 @@ impl Algorithm {
             Self::Abc(_) => "abc",
             Self::De(_) => "de",
             Self::Pso(_) => "pso",
+            Self::CmaEs(_) => "cma-es",
             Self::LeastSquares(_) => "least-squares",
         }
     }
@@ -37,6 +43,7 @@ impl Algorithm {
             Self::Abc(options) => options.validate(),
             Self::De(options) => options.validate(),
             Self::Pso(options) => options.validate(),
+            Self::CmaEs(options) => options.validate(),
             Self::LeastSquares(options) => options.validate(),
         }
     }

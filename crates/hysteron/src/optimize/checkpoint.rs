@@ -1,5 +1,6 @@
 //! The whole state of a run.
 
+use super::cma_es::Distribution;
 use super::colony::Colony;
 use super::de::Members;
 use super::least_squares::MultiStart;
@@ -42,6 +43,7 @@ pub(super) enum State {
     Colony(Colony),
     Members(Members),
     Swarm(Swarm),
+    Distribution(Distribution),
     Starts(MultiStart),
 }
 
@@ -170,6 +172,9 @@ impl Checkpoint {
             }
             (Algorithm::Pso(options), State::Swarm(swarm)) => {
                 swarm.is_consistent(options.population, dimension)
+            }
+            (Algorithm::CmaEs(options), State::Distribution(distribution)) => {
+                distribution.is_consistent(options, dimension)
             }
             (Algorithm::LeastSquares(_), State::Starts(starts)) => starts.is_consistent(dimension),
             _ => false,

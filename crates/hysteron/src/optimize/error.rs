@@ -44,7 +44,9 @@ pub enum OptimizeError {
         found: Vec<f64>,
     },
     /// Least squares asked of a problem that has only a cost.
-    #[error("least squares needs residuals, and this problem has only a cost: choose de-abc, abc, de or pso")]
+    #[error(
+        "least squares needs residuals, and this problem has only a cost: choose de-abc, abc, de, pso or cma-es"
+    )]
     NeedsResiduals,
     /// A least-squares problem without residuals.
     #[error("the problem has no residuals: there is nothing to fit")]

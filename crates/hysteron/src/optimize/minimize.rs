@@ -7,7 +7,7 @@ use super::least_squares::MultiStart;
 use super::ledger::{Scratch, Search};
 use super::{
     Algorithm, Bounds, Checkpoint, LeastSquaresProblem, Observer, OptimizeError, Outcome, Problem, Progress,
-    Settings, StopReason, abc, de, de_abc, pso,
+    Settings, StopReason, abc, cma_es, de, de_abc, pso,
 };
 
 /// Minimises the root mean square of the residuals of `problem` over its box with any algorithm.
@@ -82,6 +82,9 @@ pub fn minimize_cost<P: Problem>(
             (Algorithm::Pso(options), State::Swarm(swarm)) => {
                 pso::generation(options, swarm, &mut search, &mut scratch);
             }
+            (Algorithm::CmaEs(options), State::Distribution(distribution)) => {
+                cma_es::generation(options, distribution, &mut search, &mut scratch);
+            }
             (algorithm, state) => *state = initial_state(algorithm, &mut search),
         }
         Advance::Continue
@@ -100,6 +103,7 @@ fn initial_state(algorithm: &Algorithm, search: &mut Search<'_>) -> State {
         Algorithm::Abc(options) => State::Colony(super::colony::Colony::new(options.population, search)),
         Algorithm::De(options) => State::Members(de::Members::new(options, search)),
         Algorithm::Pso(options) => State::Swarm(pso::Swarm::new(options, search)),
+        Algorithm::CmaEs(options) => State::Distribution(cma_es::Distribution::new(options, search)),
         Algorithm::LeastSquares(_) => State::NotStarted,
     }
 }

@@ -11,6 +11,7 @@
 //! | [`Abc`](Algorithm::Abc) | artificial bee colony | Karaboga and Basturk 2007, doi:10.1007/s10898-007-9149-x |
 //! | [`De`](Algorithm::De) | differential evolution rand/1/bin | Storn and Price 1997, doi:10.1023/A:1008202821328 |
 //! | [`Pso`](Algorithm::Pso) | particle swarm with constriction coefficients | Clerc and Kennedy 2002, doi:10.1109/4235.985692 |
+//! | [`CmaEs`](Algorithm::CmaEs) | covariance matrix adaptation with restarts | Hansen and Ostermeier 2001, doi:10.1162/106365601750190398 |
 //! | [`LeastSquares`](Algorithm::LeastSquares) | bounded Levenberg–Marquardt from many starts | Kanzow, Yamashita and Fukushima 2004, doi:10.1016/j.cam.2004.02.013 |
 //!
 //! What holds for every one of them:
@@ -50,6 +51,7 @@ mod algorithm;
 mod bounded_linear;
 mod bounds;
 mod checkpoint;
+mod cma_es;
 mod colony;
 mod de;
 mod de_abc;
@@ -73,6 +75,7 @@ pub use abc::AbcOptions;
 pub use algorithm::Algorithm;
 pub use bounds::{Bounds, Range};
 pub use checkpoint::Checkpoint;
+pub use cma_es::CmaEsOptions;
 pub use de::DeOptions;
 pub use de_abc::{Chaos, DeAbcOptions, Moved, Scout, ScoutKeeps};
 pub use error::{OptimizeError, ResumeError};

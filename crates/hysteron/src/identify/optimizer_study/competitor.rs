@@ -1,13 +1,13 @@
 //! Who competes.
 
 use crate::optimize::{
-    AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, Moved, Observer, OptimizeError,
-    Outcome, PsoOptions, Scout, Settings, minimize,
+    AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, Moved, Observer,
+    OptimizeError, Outcome, PsoOptions, Scout, Settings, minimize,
 };
 use crate::optimize::{LeastSquaresProblem, StopReason};
 use serde::{Deserialize, Serialize};
 
-/// Evaluations of a generation of every population method.
+/// Evaluations of a generation of every population method of a fixed size.
 pub(super) const GENERATION: usize = 50;
 /// Limit at which the scout of the eager variants fires; the default, SN·D = 125, is hardly ever reached.
 const EAGER_LIMIT: usize = 10;
@@ -34,6 +34,8 @@ pub enum Competitor {
     Pso,
     /// Artificial bee colony.
     Abc,
+    /// Covariance matrix adaptation with restarts.
+    CmaEs,
     /// Levenberg–Marquardt from one start after the other until the budget is spent.
     LeastSquares,
     /// DE-ABC for 5 % of the budget, then least squares from its best point.
@@ -42,7 +44,7 @@ pub enum Competitor {
 
 impl Competitor {
     /// Every competitor, in the order of the tables.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::DeAbc,
         Self::DeAbcOneDimension,
         Self::DeAbcNoScout,
@@ -51,6 +53,7 @@ impl Competitor {
         Self::De,
         Self::Pso,
         Self::Abc,
+        Self::CmaEs,
         Self::LeastSquares,
         Self::DeAbcThenLeastSquares,
     ];
@@ -66,6 +69,7 @@ impl Competitor {
             Self::De => "DE/rand/1/bin",
             Self::Pso => "PSO",
             Self::Abc => "ABC",
+            Self::CmaEs => "CMA-ES (IPOP)",
             Self::LeastSquares => "multi-start least squares",
             Self::DeAbcThenLeastSquares => "DE-ABC 5 %, then least squares",
         }
@@ -85,6 +89,7 @@ impl Competitor {
             Self::De => Algorithm::De(DeOptions::default()),
             Self::Pso => Algorithm::Pso(PsoOptions::default()),
             Self::Abc => Algorithm::Abc(AbcOptions::default()),
+            Self::CmaEs => Algorithm::CmaEs(CmaEsOptions::default()),
             // As the others, until the budget is spent: every start takes an evaluation at least.
             Self::LeastSquares => Algorithm::LeastSquares(LeastSquaresOptions {
                 starts: budget,
@@ -105,7 +110,11 @@ impl Competitor {
         let run = |algorithm: &Algorithm, budget: usize, starts, observer: &mut dyn Observer| {
             let settings = Settings {
                 seed,
-                generations: (budget / GENERATION).saturating_sub(1).max(1),
+                // A generation of CMA-ES is as large as it chooses.
+                generations: match self {
+                    Self::CmaEs => budget,
+                    _ => (budget / GENERATION).saturating_sub(1).max(1),
+                },
                 budget: Some(budget),
                 starts,
                 threads: Some(1),

@@ -2,18 +2,19 @@ use super::super::test_problems::{
     Cost, ResidualFunction, Residuals, cube, powell_singular, rastrigin, rosenbrock, sphere,
 };
 use super::super::{
-    AbcOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions, Range, ResumeError, Scout,
-    Stagnation, Unobserved,
+    AbcOptions, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions, Range, ResumeError,
+    Scout, Stagnation, Unobserved,
 };
 use super::*;
 use std::ops::ControlFlow;
 
-fn population_methods() -> [Algorithm; 4] {
+fn population_methods() -> [Algorithm; 5] {
     [
         Algorithm::DeAbc(DeAbcOptions::default()),
         Algorithm::Abc(AbcOptions::default()),
         Algorithm::De(DeOptions::default()),
         Algorithm::Pso(PsoOptions::default()),
+        Algorithm::CmaEs(CmaEsOptions::default()),
     ]
 }
 
