@@ -39,6 +39,10 @@ pub struct InputFlags {
     #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = scale::parse, help_heading = "Columns")]
     scales: Vec<Scale>,
 
+    /// Drive below which nothing moves, as with a valve's or an amplifier's threshold: what is smaller counts as 0
+    #[arg(long, value_name = "DRIVE", value_parser = positive, allow_hyphen_values = true, help_heading = "Columns")]
+    dead_band: Option<f64>,
+
     #[command(flatten)]
     time: TimeFlags,
 }
@@ -78,7 +82,16 @@ impl InputFlags {
             self.scaled(read_csv(path, &options).map_err(|e| unreadable(&e))?).map_err(|e| unreadable(&e))?;
         let drive = record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?;
         notes(path, &drive.notes);
-        Ok(drive)
+        Ok(Drive { u: self.beyond_dead_band(path, drive.u), ..drive })
+    }
+
+    fn beyond_dead_band(&self, path: &Path, mut u: Vec<f64>) -> Vec<f64> {
+        if let Some(threshold) = self.dead_band {
+            let within = u.iter_mut().filter(|u| u.abs() < threshold);
+            let count = within.map(|u| *u = 0.0).count();
+            notes(path, &[format!("the drive of {count} samples is below {threshold} and counts as 0")]);
+        }
+        u
     }
 
     fn scaled(&self, record: Record) -> Result<Record, String> {
@@ -113,12 +126,14 @@ impl ColumnFlags {
     /// # Errors
     /// If the file is not a readable record or its columns cannot be decided.
     pub fn read_silently(&self, path: &Path) -> Result<InputOutput, Failure> {
-        if !self.drive.scales.is_empty() {
-            return self.read_scaled(path).map_err(|e| cannot_read(path, &e));
-        }
-        let outcome = read_input_output(path, &self.options()).map_err(|e| cannot_read(path, &e))?;
-        notes(path, &outcome.notes);
-        Ok(outcome.data)
+        let data = if self.drive.scales.is_empty() {
+            let outcome = read_input_output(path, &self.options()).map_err(|e| cannot_read(path, &e))?;
+            notes(path, &outcome.notes);
+            outcome.data
+        } else {
+            self.read_scaled(path).map_err(|e| cannot_read(path, &e))?
+        };
+        Ok(InputOutput { u: self.drive.beyond_dead_band(path, data.u), ..data })
     }
 
     fn read_scaled(&self, path: &Path) -> Result<InputOutput, String> {

@@ -7,7 +7,9 @@ use hysteron::bench_rig::{
     BoucWenFractional, CampaignPlan, CampaignRun, Plant, PowerTerm, Role, Truth, run_campaign,
 };
 use hysteron::hammerstein::Start;
-use hysteron::identify::{CampaignRecord, Choice, Identification, Options, Unwatched, identify};
+use hysteron::identify::{
+    CampaignRecord, Choice, Demands, Identification, Options, RecordRole, Unwatched, identify,
+};
 use hysteron::record::{ChannelChoice, InputOutput};
 
 /// (polynomial, α, β, γ), (c₀, c₁, α₁, α₂), delay.
@@ -175,6 +177,33 @@ fn the_sample_rate_does_not_matter() {
             assert!(z.abs() < 3.0, "{rate} Hz, {name}: {z:.2} standard errors");
         }
     }
+}
+
+/// Its swings are of very different speeds: nothing slow has to lie beside it.
+#[test]
+fn a_sweep_alone_shows_its_dynamics() {
+    let case = &cases()[0];
+    let mut runs = case.campaign(5000.0, 11);
+    runs.retain(|run| run.role == Role::Sweep);
+    let found = fit(&runs, 2, None);
+    let dynamic = ["natural_frequency", "damping", "order1", "order2", "delay"];
+    let off = deviations(case, &found);
+    assert_eq!(off.iter().filter(|(name, _)| dynamic.contains(&name.as_str())).count(), 5, "{off:?}");
+    for (name, z) in off {
+        assert!(z.abs() < 3.0, "{name}: {z:.2} standard errors");
+    }
+}
+
+#[test]
+fn what_would_shape_a_hysteretic_part_is_held_where_there_is_none() {
+    let runs = cases()[0].campaign(2000.0, 5);
+    let campaign = [CampaignRecord { data: data(&runs[1]), role: Some(RecordRole::Dynamic) }];
+    let demands = Demands { fixed: vec![("alpha".into(), 0.0)], bounded: Vec::new() };
+    let options = Options { demands, degree: Choice::Given(2), n: Choice::Auto, ..Options::default() };
+    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let held = found.parameters.iter().filter(|p| p.held).map(|p| p.name.as_str());
+    assert!(held.eq(["alpha", "beta", "gamma", "n"]), "{:?}", found.parameters);
+    assert!(found.parameters.iter().all(|p| !p.name.starts_with("memory")));
 }
 
 #[test]

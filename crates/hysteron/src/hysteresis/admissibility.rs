@@ -1,5 +1,6 @@
 //! Whether a Bouc–Wen parameter set can run away.
 
+use crate::display::short;
 use std::fmt::{Display, Formatter};
 
 use super::UnitShape;
@@ -64,12 +65,15 @@ impl Display for Admissibility {
         match self {
             Self::Bounded { saturation_v } => write!(
                 f,
-                "bounded: the hysteretic part stays finite for every drive (it saturates at {saturation_v:.4} V times α)"
+                "bounded: the hysteretic part stays finite for every drive (it saturates at {} V times α)",
+                short(*saturation_v)
             ),
             Self::BoundedFromRest { saturation_v, limit_v } => write!(
                 f,
                 "bounded from rest: the hysteretic part stays finite for every drive as long as it starts below \
-                 {limit_v:.4} V times α (it saturates at {saturation_v:.4} V times α)"
+                 {} V times α (it saturates at {} V times α)",
+                short(*limit_v),
+                short(*saturation_v)
             ),
             Self::UnboundedAfterReversal => {
                 write!(f, "not bounded: reversing a large drive can make the hysteretic part run away")

@@ -1,12 +1,15 @@
 //! What an identification needs to know of a record before any fit.
 
 use super::IdentifyError;
-use crate::record::{InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing};
+use crate::record::{InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing, turning_points};
 use crate::validate::{settled_period, settling_samples};
 
 /// A record is dynamic beside one whose fastest swing is this much slower.
 const FASTER: f64 = 3.0;
 
+/// … or whose swings of at least this share of its range, so many at least, differ by as much.
+const WIDE: f64 = 0.5;
+const FEWEST_SWINGS: usize = 5;
 /// A drive that stays within this share of its range rests.
 const AT_REST: f64 = 0.01;
 
@@ -74,6 +77,16 @@ impl RecordFacts {
     /// Whether the record carries dynamics beside one whose fastest swing has the frequency `slowest_hz`.
     pub(super) fn is_dynamic(&self, slowest_hz: f64) -> bool {
         self.highest_frequency_hz() > FASTER * slowest_hz
+    }
+
+    /// Whether its wide swings are of very different speeds, as in a sweep or a random drive: dynamics show in such a record
+    /// by itself.
+    pub(super) fn is_broad(&self) -> bool {
+        let turns = turning_points(&self.data.u, WIDE * self.range_v());
+        let mut swings: Vec<usize> = turns.windows(2).map(|w| w[1].index - w[0].index).collect();
+        swings.sort_unstable();
+        let at = |tenths: usize| swings[swings.len() * tenths / 10] as f64;
+        swings.len() >= FEWEST_SWINGS && self.data.sample_rate_hz().is_some() && at(9) > FASTER * at(1)
     }
 
     /// Indices of the samples that are valid and not among the first `left_out`.

@@ -139,7 +139,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
             let at = range.to_unit(*x);
-            if at < 1e-4 && range.low == 0.0 && matches!(range.name.as_str(), "delay" | "beta") {
+            if at < 1e-4 && range.low <= 1e-4 * range.high && matches!(range.name.as_str(), "delay" | "beta")
+            {
                 say(
                     FindingKind::Warning,
                     "search range",

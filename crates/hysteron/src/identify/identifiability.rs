@@ -5,6 +5,7 @@ use super::findings::amplitudes;
 use super::joint::Covariance;
 use super::result::{Finding, FindingKind, Identification, Parameter};
 use crate::display::short;
+use crate::hysteresis::Hysteresis;
 
 /// A standard error above this share of the parameter's scale leaves it undetermined.
 const UNDETERMINED: f64 = 0.5;
@@ -14,6 +15,8 @@ const INSEPARABLE: f64 = 0.99;
 const ILL_CONDITIONED: f64 = 1e6;
 /// A delay is determined where its error is below this share of the fastest period.
 const SHARE_OF_PERIOD: f64 = 0.05;
+/// Loops that reach this share of what would saturate them hardly bend.
+const SHARE_OF_SATURATION: f64 = 0.05;
 /// A bend of the polynomial counts beside this share of the stroke.
 const SHARE_OF_STROKE: f64 = 0.02;
 /// A frequency this much above the fastest drive is asked for, where the sample rate allows it.
@@ -35,7 +38,17 @@ pub(super) fn verdict(
     // Where a record started says nothing of the device, and b, c₀, c₁ repeat what the other symbols say.
     let of_device =
         |p: &&Parameter| !p.held && p.block != "start" && !["b", "c0", "c1"].contains(&p.name.as_str());
-    for p in result.parameters.iter().filter(of_device) {
+    let straight = far_from_saturation(result, advisor.range_v);
+    if straight {
+        say(format!(
+            "The loops are far from where the hysteresis would saturate: the records determine the products of alpha with \
+             beta and gamma, and linear − alpha, but none of the four by itself. Within the range of these records that is \
+             enough. {}",
+            advisor.help(&["alpha"])
+        ));
+    }
+    let explained = |name: &str| straight && ["alpha", "beta", "gamma", "linear"].contains(&name);
+    for p in result.parameters.iter().filter(of_device).filter(|p| !explained(&p.name)) {
         let Some(error) = p.std_error else {
             say(format!(
                 "{} is not determined by these records: it ended on the edge of its range. {}",
@@ -84,6 +97,14 @@ pub(super) fn verdict(
         });
     }
     findings
+}
+
+/// Whether every loop is so small beside the saturation of the operator that only its first bend shows.
+fn far_from_saturation(result: &Identification, range_v: f64) -> bool {
+    let Hysteresis::BoucWen(operator) = &result.model.hysteresis;
+    let shape = operator.unit_shape();
+    let bend = (shape.beta + shape.gamma.abs()) * range_v.powf(shape.n);
+    operator.alpha != 0.0 && bend < SHARE_OF_SATURATION
 }
 
 /// Parameters that hang together.

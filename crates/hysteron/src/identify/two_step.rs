@@ -217,14 +217,14 @@ pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, Id
         .collect()
 }
 
-/// Roles as given, else recognised: the slowest kind of excitation is quasi-static, the rest is dynamic.
+/// Roles as given, else recognised: the slowest kind of excitation is quasi-static unless it is broad, the rest is dynamic.
 fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> {
     let slowest = facts.iter().map(RecordFacts::highest_frequency_hz).fold(f64::INFINITY, f64::min);
     campaign
         .iter()
         .zip(facts)
         .map(|(record, facts)| {
-            record.role.unwrap_or(if facts.is_dynamic(slowest) {
+            record.role.unwrap_or(if facts.is_dynamic(slowest) || facts.is_broad() {
                 RecordRole::Dynamic
             } else {
                 RecordRole::QuasiStatic

@@ -13,6 +13,9 @@ use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Range};
 
+/// Least bend β' (range of the drive)ⁿ of a loop that is searched for.
+const LEAST_BEND: f64 = 1e-3;
+
 /// Everything that a joint problem of any degree is made from.
 pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) members: &'a [JointMember<'a>],
@@ -91,20 +94,31 @@ impl<'a> JointSetup<'a> {
             })
             .collect();
         let alpha = space.projected(Range::linear("alpha", -2.0 * slope.abs(), 2.0 * slope.abs()));
+        // Nothing shapes a hysteretic part that is not there.
+        let hysteretic = demands.fixed("alpha") != Some(0.0);
+        let held = |name: &str, value: f64| Role::Fixed(demands.fixed(name).unwrap_or(value));
         let n = match self.options.n {
-            Choice::Given(n) if demands.bounded("n").is_none() => {
-                Role::Fixed(demands.fixed("n").unwrap_or(n))
-            }
+            Choice::Given(n) if demands.bounded("n").is_none() => held("n", n),
+            _ if !hysteretic => held("n", 1.0),
             _ => space.searched(Range::linear("n", 1.0, 4.0)),
         };
         // ζ saturates at (β' + γ')^(−1/n) V: with 20 / range the loop is a pure offset switch.
         let steepest = 20.0 / range_v;
-        let high = match n {
-            Role::Fixed(n) => steepest.powf(n),
-            _ => steepest.max(steepest.powi(4)),
+        // With much less β' a loop is a parabola of size α β': α grows as β' falls, and nothing else changes.
+        let straightest = 1.0 / range_v;
+        let (low, high) = match n {
+            Role::Fixed(n) => (straightest.powf(n), steepest.powf(n)),
+            _ => (straightest.min(straightest.powi(4)), steepest.max(steepest.powi(4))),
         };
-        let beta = space.searched(Range::linear("beta", 0.0, high));
-        let gamma = space.searched(Range::linear("gamma", -high, high));
+        let low = LEAST_BEND * low;
+        let (beta, gamma) = if hysteretic {
+            (
+                space.searched(Range::linear("beta", low, high)),
+                space.searched(Range::linear("gamma", -high, high)),
+            )
+        } else {
+            (held("beta", 0.0), held("gamma", 0.0))
+        };
         let form = self
             .form
             .parameters()
@@ -121,8 +135,10 @@ impl<'a> JointSetup<'a> {
             .iter()
             .enumerate()
             .map(|(index, member)| match member.before {
-                Before::Remembering => space.searched(Range::linear(&memory_name(index), -range_v, range_v)),
-                Before::Rest { .. } | Before::Periodic => Role::Fixed(0.0),
+                Before::Remembering if hysteretic => {
+                    space.searched(Range::linear(&memory_name(index), -range_v, range_v))
+                }
+                _ => Role::Fixed(0.0),
             })
             .collect();
         let layout = JointLayout { polynomial, alpha, beta, gamma, n, form, delay, memory };
