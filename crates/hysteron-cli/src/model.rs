@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use hysteron::display::short;
 use hysteron::dynamics::Dynamics;
 use hysteron::hammerstein::{Model, SimulationError, Start};
+use hysteron::identify::{PredictionBand, PredictionError};
 use hysteron::model_file::ModelFile;
 use hysteron::record::{InputOutput, Unit};
 use hysteron::validate::{Scoring, StartError, choose_start};
@@ -36,16 +37,20 @@ impl LoadedModel {
         Ok(LoadedModel { path: path.to_owned(), file, model })
     }
 
-    /// Simulates the output for the drive of the record at `path`.
+    /// The start, and the output simulated from it for the drive of the record at `path`.
     ///
     /// # Errors
     /// If the model cannot be run on this drive, e.g. dynamics without a sample rate.
-    pub fn simulate(&self, path: &Path, drive: &Drive, start: &StartFlags) -> Result<Vec<f64>, Failure> {
+    pub fn simulate(
+        &self,
+        path: &Path,
+        drive: &Drive,
+        start: &StartFlags,
+    ) -> Result<(Start, Vec<f64>), Failure> {
         self.remark_extrapolation(path, drive.u);
         let start = start.choose(&self.file, path, drive)?;
-        self.model
-            .simulate(drive.u, drive.sample_rate_hz(), &start)
-            .map_err(|e| self.cannot_simulate(path, &e))
+        let simulated = self.model.simulate(drive.u, drive.sample_rate_hz(), &start);
+        Ok((start, simulated.map_err(|e| self.cannot_simulate(path, &e))?))
     }
 
     /// Simulates the record from the start the flags give, else from the one that explains it best (said in a note where
@@ -63,7 +68,7 @@ impl LoadedModel {
         let drive = Drive { u: &record.u, time: &record.time };
         let preferred = start.choose(&self.file, path, &drive)?;
         if start.are_given() {
-            return Ok((preferred, self.simulate(path, &drive, start)?));
+            return self.simulate(path, &drive, start);
         }
         self.remark_extrapolation(path, drive.u);
         let (chosen, simulated) =
@@ -80,6 +85,30 @@ impl LoadedModel {
             ));
         }
         Ok((chosen, simulated))
+    }
+
+    /// Band of the output for the drive of the record at `path`, from the errors of the numbers in the file.
+    ///
+    /// # Errors
+    /// If the file does not hold them.
+    pub fn band(
+        &self,
+        path: &Path,
+        u: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<PredictionBand, Failure> {
+        PredictionBand::of_file(&self.file, u, sample_rate_hz, start).map_err(|e| match e {
+            PredictionError::Simulation(e) => self.cannot_simulate(path, &e),
+            e => self.no_band(&e),
+        })
+    }
+
+    /// Why the file gives no band.
+    pub fn no_band(&self, error: &PredictionError) -> Failure {
+        Failure::new(format!("cannot draw a band around {}", self.path.display())).because(error).hint(
+            "identify the model anew: a joint fit, or one of slow records alone, writes what a band needs; two steps and ARX do not",
+        )
     }
 
     /// The model.

@@ -28,8 +28,8 @@ use crate::start::{Drive, StartFlags, in_words};
 #[derive(Args)]
 #[command(
     after_help = "y = offset + g * model(u, delay): g scales the hysteresis block's output, the shape of the loop stays. The \
-    old model is the prior: its gain is known to the relative standard error of `linear`, its delay to its own (the model file \
-    holds no covariance). A gain or delay that differs by more than 3 combined standard errors has changed, and is taken from \
+    old model is the prior: the covariance in its file says how well gain and delay are known with the rest held (without one, the \
+    standard errors of `linear` and of the delay). A gain or delay that differs by more than 3 combined standard errors has changed, and is taken from \
     the records alone. The offset is that of the first record.\n\n\
     Example: hysteron recalibrate model.json today.csv -o model-today.json"
 )]
@@ -108,6 +108,7 @@ impl Recalibrate {
             ("gain".to_owned(), found.gain.value.to_string()),
             ("prior gain std_error".to_owned(), known(prior.gain)),
             ("prior delay std_error".to_owned(), known(prior.delay_s)),
+            ("prior correlation".to_owned(), prior.correlation.to_string()),
         ]);
         let record = |r: &hysteron::identify::recalibrate::RecalibratedRecord| RecordEntry {
             path: r.data.source.as_ref().map_or(r.data.name.clone(), |s| s.path.clone()),

@@ -35,13 +35,25 @@ pub struct Scored {
     scores: Scores,
     /// The start simulated from, where it was estimated from the record.
     start: Option<Start>,
+    within: Option<Within>,
+}
+
+/// How the 95 % band of a new measurement holds a record, in the unit of its output.
+#[derive(Clone, Copy, Debug)]
+pub struct Within {
+    /// Share of the scored samples within the band \[%\].
+    pub inside_percent: f64,
+    /// Half of its width, at its widest.
+    pub measurement: f64,
+    /// The same of the band of the model's output.
+    pub model: f64,
 }
 
 impl Scored {
     /// Scores of a record, in the unit of its output.
     pub fn new(data: &InputOutput, scores: Scores) -> Self {
         let record = data.source.as_ref().map_or(&data.name, |s| &s.path).clone();
-        Scored { record, unit: data.y_unit.clone(), scores, start: None }
+        Scored { record, unit: data.y_unit.clone(), scores, start: None, within: None }
     }
 
     /// The same in the unit agreed on where the record names none.
@@ -52,6 +64,25 @@ impl Scored {
     /// The same, simulated from this start. Printed where its hysteresis memory was estimated from the record.
     pub fn simulated_from(self, start: Start) -> Self {
         Scored { start: Some(start), ..self }
+    }
+
+    /// The same, with how a band holds it.
+    pub fn within(self, within: Option<Within>) -> Self {
+        Scored { within, ..self }
+    }
+
+    /// How the band holds the record, in a sentence; `None` where none was asked for.
+    pub fn within_band(&self) -> Option<String> {
+        let Within { inside_percent, measurement, model } = self.within?;
+        let unit = self.unit.to_string();
+        Some(format!(
+            "{}: {} % of the samples lie within the 95 % band of a new measurement, ± {} {unit} at its widest (± {} {unit} of it from the \
+             errors of the parameters).",
+            self.record,
+            significant(inside_percent, 3),
+            significant(measurement, 3),
+            significant(model, 2)
+        ))
     }
 
     /// What was estimated of the record's start, in a sentence; `None` where nothing was.
@@ -133,6 +164,11 @@ impl Serialize for Scored {
         map.serialize_entry("rmse_percent_of_stroke", &s.rmse_percent_of_stroke)?;
         map.serialize_entry("max_percent_of_stroke", &s.max_percent_of_stroke)?;
         map.serialize_entry("fit_percent", &s.fit_percent)?;
+        if let Some(within) = self.within {
+            map.serialize_entry("within_band_percent", &within.inside_percent)?;
+            map.serialize_entry(&in_unit("band_of_measurement"), &within.measurement)?;
+            map.serialize_entry(&in_unit("band_of_model"), &within.model)?;
+        }
         if let Some(Start::Remembering { voltage_v, z }) = self.start {
             map.serialize_entry("start", &RememberingStart { kind: "remembering", voltage: voltage_v, z })?;
         }

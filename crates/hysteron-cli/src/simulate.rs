@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use hysteron::identify::PredictionError;
 use hysteron::record::{Channel, Record};
 use hysteron_io::write_csv;
 
@@ -18,7 +19,10 @@ use crate::start::{Drive, StartFlags};
 #[command(
     after_help = "The file written holds the time (where the input has one), the drive and the model's output, \
     in the model's units, e.g. t_s,u_V,y_um: a record that every other command reads.\n\n\
-    Example: hysteron simulate model.json drive.csv -o simulated.csv"
+    --band adds the ends of a 95 % band, e.g. y_low_um,y_high_um, from the errors in the model file: of the model's output about \
+    its mean (a sensor has its own zero), or of a new measurement, which scatters about it as the records identified from did. \
+    Both take the model class for true.\n\n\
+    Example: hysteron simulate model.json drive.csv -o simulated.csv --band measurement"
 )]
 pub struct Simulate {
     /// The model file
@@ -33,11 +37,23 @@ pub struct Simulate {
     #[arg(short, long = "out", value_name = "OUT.csv")]
     out: PathBuf,
 
+    /// Add the ends of a 95 % band around the output
+    #[arg(long, value_enum)]
+    band: Option<BandArg>,
+
     #[command(flatten)]
     start: StartFlags,
 
     #[command(flatten)]
     columns: InputFlags,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum BandArg {
+    /// Of the output of the model with the true parameters
+    Model,
+    /// Of a new measurement
+    Measurement,
 }
 
 impl Simulate {
@@ -47,10 +63,28 @@ impl Simulate {
         let drive = self.columns.read_drive(&self.input_file)?;
         let u_unit = model.agreed_unit(&self.input_file, Signal::Input, &drive.unit)?;
         let timed = Drive { u: &drive.u, time: &drive.time };
-        let y = model.simulate(&self.input_file, &timed, &self.start)?;
+        let (start, y) = model.simulate(&self.input_file, &timed, &self.start)?;
+        let half = match self.band {
+            None => None,
+            Some(of) => {
+                let band = model.band(&self.input_file, timed.u, timed.sample_rate_hz(), &start)?;
+                Some(match of {
+                    BandArg::Model => band.of_output(),
+                    BandArg::Measurement if band.noise > 0.0 => band.of_measurement(),
+                    BandArg::Measurement => return Err(model.no_band(&PredictionError::NoScores)),
+                })
+            }
+        };
         let failure = || Failure::new(format!("cannot write the simulation to {}", self.out.display()));
-        let channels =
-            vec![Channel::new("u", u_unit.symbol(), drive.u), Channel::new("y", &model.file.units.output, y)];
+        let unit = &model.file.units.output;
+        let ends = half.map(|half| {
+            let end = |name: &str, sign: f64| {
+                Channel::new(name, unit, y.iter().zip(&half).map(|(y, h)| y + sign * h).collect())
+            };
+            [end("y_low", -1.0), end("y_high", 1.0)]
+        });
+        let mut channels = vec![Channel::new("u", u_unit.symbol(), drive.u), Channel::new("y", unit, y)];
+        channels.extend(ends.into_iter().flatten());
         let record = Record::new(&self.out.display().to_string(), drive.time, channels)
             .map_err(|e| failure().because(e))?;
         write_csv(&self.out, &record).map_err(|e| failure().because(e))?;

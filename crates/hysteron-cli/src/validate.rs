@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron::display::short;
+use hysteron::hammerstein::Start;
+use hysteron::identify::PredictionError;
 use hysteron::record::InputOutput;
 use hysteron::validate::{OffsetTreatment, Scoring, score, unfollowed_start};
 use serde::Serialize;
@@ -13,7 +15,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
 use crate::numbers::not_negative;
-use crate::scores::{self, Scored};
+use crate::scores::{self, Scored, Within};
 use crate::start::StartFlags;
 
 /// Score a model on records it may not have seen: simulation from the start of each record, not prediction.
@@ -40,6 +42,10 @@ pub struct Validate {
     /// Compare with the model's own offset instead of estimating each record's sensor offset
     #[arg(long)]
     fixed_offset: bool,
+
+    /// Say how many samples lie within the 95 % band of a new measurement, from the errors in the model file
+    #[arg(long)]
+    band: bool,
 
     /// Print one JSON object
     #[arg(long)]
@@ -137,7 +143,34 @@ impl Validate {
         refuse_meaningless(&scored, &simulated, path)?;
         let scores = score(&scored, &simulated, &scoring)
             .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
-        Ok(Scored::new(&record, scores).in_unit(unit).simulated_from(start))
+        let band = self.band.then(|| self.within(model, path, &scored, &simulated, &start, scores.offset));
+        Ok(Scored::new(&record, scores).in_unit(unit).simulated_from(start).within(band.transpose()?))
+    }
+
+    /// How well the band of a new measurement holds this one.
+    fn within(
+        &self,
+        model: &LoadedModel,
+        path: &Path,
+        scored: &InputOutput,
+        simulated: &[f64],
+        start: &Start,
+        offset: f64,
+    ) -> Result<Within, Failure> {
+        let band = model.band(path, &scored.u, scored.sample_rate_hz(), start)?;
+        if band.noise == 0.0 {
+            return Err(model.no_band(&PredictionError::NoScores));
+        }
+        let half = band.of_measurement();
+        let skipped = (self.skip.unwrap_or(0.0) * scored.sample_rate_hz().unwrap_or(0.0)).ceil() as usize;
+        let valid = |k: &usize| scored.valid.as_ref().is_none_or(|mask| mask.get(*k) == Some(&true));
+        let all: Vec<usize> = (skipped..scored.len()).filter(valid).collect();
+        let inside = all.iter().filter(|&&k| (scored.y[k] - simulated[k] - offset).abs() <= half[k]).count();
+        Ok(Within {
+            inside_percent: 100.0 * inside as f64 / all.len().max(1) as f64,
+            model: band.of_output().into_iter().fold(0.0, f64::max),
+            measurement: half.into_iter().fold(0.0, f64::max),
+        })
     }
 
     fn text(&self, records: &[Scored]) -> String {
@@ -150,6 +183,11 @@ impl Validate {
             records.iter().filter_map(sentence).map(|text| text + "\n").collect::<String>()
         };
         let (starts, residuals) = (lines(Scored::estimated_start), lines(Scored::residual_tests));
-        format!("{}\n\n{offset}\n{starts}{residuals}\n{}", scores::table(records), scores::explanation())
+        let bands = lines(Scored::within_band);
+        format!(
+            "{}\n\n{offset}\n{starts}{bands}{residuals}\n{}",
+            scores::table(records),
+            scores::explanation()
+        )
     }
 }

@@ -13,9 +13,10 @@ use hysteron_report::figure::{
     errors_by_category, errors_by_frequency, histogram,
 };
 use hysteron_report::identification::{
-    IdentificationReportData, ParameterRow, RecordCurves, ScoreRow, identification_report,
+    IdentificationReportData, ParameterRow, ScoreRow, identification_report,
 };
 use hysteron_report::page::{Block, Highlight, Page, Section};
+use hysteron_report::record_curves::RecordCurves;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
@@ -80,6 +81,7 @@ fn curves(name: String, time_s: Vec<f64>, u: Vec<f64>, measured: Vec<f64>) -> Re
         measured,
         model,
         valid: Vec::new(),
+        band: None,
         skipped_until_s: 0.5,
     }
 }

@@ -4,14 +4,14 @@
 
 use crate::figure::ticks::fixed;
 use crate::figure::{
-    Axis, Colour, ConvergenceCurve, Dash, Figure, FrequencyResponseCurve, Panel, Series, Style, convergence,
-    correlation_matrix, correlogram, frequency_response, measured_and_model, residual,
+    Axis, Colour, ConvergenceCurve, Dash, Figure, FrequencyResponseCurve, Series, Style, convergence,
+    correlation_matrix, frequency_response,
 };
 use crate::number::{significant, with_std_error};
 use crate::page::{Block, Column, Highlight, Page, Section, Table};
+use crate::record_curves::RecordCurves;
 use crate::starts::SearchStarts;
 use hysteron::identify::Correlation;
-use hysteron::validate::Correlogram;
 
 /// Everything the report of an identification shows. Empty parts are left out of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -62,6 +62,10 @@ pub struct IdentificationReportData {
     pub correlations: Vec<Correlation>,
     /// Polynomial degrees tried; empty where the degree was given.
     pub degrees: Vec<DegreeRow>,
+    /// Structures next to the identified one; empty where they were not compared.
+    pub structures: Vec<StructureRow>,
+    /// How these numbers came about, or why there are none; may be empty.
+    pub structures_note: String,
     /// Why the convergence curves do not end at the scores; may be empty.
     pub convergence_note: String,
     /// Where the model comes from: records with hash, options, seed, program version; name and value.
@@ -106,6 +110,21 @@ pub struct DegreeRow {
     pub chosen: bool,
 }
 
+/// One structure fitted to the same records.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StructureRow {
+    /// Its name, e.g. `integer2+creep`.
+    pub name: String,
+    /// Number of its parameters.
+    pub parameters: usize,
+    /// RMSE of its fit \[objective unit\].
+    pub rmse: f64,
+    /// Bayesian information criterion above the lowest of all.
+    pub bic_above: f64,
+    /// Whether it is the one identified.
+    pub chosen: bool,
+}
+
 /// Scores of one record.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ScoreRow {
@@ -130,152 +149,6 @@ pub struct ScoreRow {
     /// 100 (1 − ‖y−ŷ‖/‖y−ȳ‖) \[%\].
     pub fit_percent: f64,
 }
-
-/// One record with the model's simulation, all of the same length.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct RecordCurves {
-    /// Name, e.g. the file.
-    pub name: String,
-    /// `fitted` or `held out`.
-    pub role: String,
-    /// Time \[s\].
-    pub time_s: Vec<f64>,
-    /// Name and unit of the input, e.g. `("voltage", "V")`.
-    pub input: (String, String),
-    /// Input values.
-    pub u: Vec<f64>,
-    /// Name and unit of the output, e.g. `("displacement", "µm")`.
-    pub output: (String, String),
-    /// Measured output.
-    pub measured: Vec<f64>,
-    /// Simulated output.
-    pub model: Vec<f64>,
-    /// Whether a sample was used; empty means all. Unused samples are not drawn.
-    pub valid: Vec<bool>,
-    /// Time up to which samples were skipped in the scores \[s\]; 0 for none.
-    pub skipped_until_s: f64,
-    /// Autocorrelation of the residual; `None` for a record too short for it.
-    pub autocorrelation: Option<Correlogram>,
-    /// Correlation of the residual with the input.
-    pub input_correlation: Option<Correlogram>,
-}
-
-impl RecordCurves {
-    /// The values of valid samples, NaN elsewhere.
-    fn masked(&self, values: &[f64]) -> Vec<f64> {
-        let used = |k: usize| self.valid.is_empty() || self.valid.get(k).copied().unwrap_or(false);
-        values.iter().enumerate().map(|(k, v)| if used(k) { *v } else { f64::NAN }).collect()
-    }
-
-    fn x_axis(&self) -> Axis {
-        Axis::linear(&self.input.0, &self.input.1)
-    }
-
-    fn y_axis(&self) -> Axis {
-        Axis::linear(&self.output.0, &self.output.1)
-    }
-
-    /// The loop, measured and model.
-    pub fn loop_figure(&self) -> Figure {
-        let (measured, model) = (self.masked(&self.measured), self.masked(&self.model));
-        Figure::new(format!("Hysteresis loop: {}", self.name))
-            .panel(measured_and_model(self.x_axis(), self.y_axis(), &self.u, &measured, &model))
-            .panel_height(310.0)
-            .captioned(format!(
-                "Measured and simulated {} over {} of record {}.",
-                self.output.0, self.input.0, self.name
-            ))
-    }
-
-    /// Input, output and residual over time, on one time axis.
-    pub fn time_figure(&self) -> Figure {
-        self.curves_over_time(self.time_s.len()).titled(format!("Time curves: {}", self.name)).captioned(
-            format!(
-                "Input, measured and simulated output, and residual (measured − model) of record {}.",
-                self.name
-            ),
-        )
-    }
-
-    /// The first periods of a record that has more than [`CROWDED`], over time; `None` for other records.
-    pub fn start_figure(&self) -> Option<Figure> {
-        let starts = self.period_starts();
-        if starts.len() <= CROWDED {
-            return None;
-        }
-        // The record may begin within a period, so its end is counted from the record's first sample.
-        let end = starts.get(PERIODS_SHOWN)?.checked_sub(*starts.first()?)?;
-        let figure = self.curves_over_time(end.min(self.time_s.len()));
-        Some(figure.titled(format!("Start of the record: {}", self.name)).captioned(format!(
-            "The first {PERIODS_SHOWN} of {} periods of record {}.",
-            starts.len(),
-            self.name
-        )))
-    }
-
-    /// Samples at which the input rises through the middle of its range, after having been below a tenth
-    /// of the range under it.
-    fn period_starts(&self) -> Vec<usize> {
-        let values = || self.u.iter().copied().filter(|u| u.is_finite());
-        let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
-        let (middle, armed_below) = (0.5 * (low + high), 0.4 * high + 0.6 * low);
-        let (mut armed, mut starts) = (false, Vec::new());
-        for (k, u) in self.u.iter().enumerate() {
-            armed |= *u < armed_below;
-            if armed && *u >= middle {
-                armed = false;
-                starts.push(k);
-            }
-        }
-        starts
-    }
-
-    /// Correlation of the residual with itself and with the input; `None` for a record too short for it.
-    pub fn residual_figure(&self) -> Option<Figure> {
-        let tests = [
-            ("with itself", self.autocorrelation.as_ref()?),
-            ("with the input", self.input_correlation.as_ref()?),
-        ];
-        let mut figure = Figure::new(format!("Residual: {}", self.name)).in_columns(2).panel_height(150.0);
-        let mut outside = Vec::new();
-        for (title, c) in tests {
-            figure = figure.panel(correlogram(title, c.first_lag, &c.coefficients, c.bound));
-            let test = c.test();
-            outside.push(format!("{} of {} lags {title}", test.outside, test.lags));
-        }
-        Some(figure.captioned(format!(
-            "Correlation of the residual of record {}. Noise alone would stay within the 99 % bounds (dashed) at all but about one \
-             lag in a hundred; outside are {}. What is outside is structure that the model does not describe: creep, minor loops, \
-             dynamics (positive lags of the input), or a delay that is too long (negative lags).",
-            self.name,
-            outside.join(" and ")
-        )))
-    }
-
-    /// Input, output and residual of the first `samples` samples.
-    fn curves_over_time(&self, samples: usize) -> Figure {
-        let first = |values: &[f64]| values.iter().take(samples).copied().collect::<Vec<f64>>();
-        let time_s = first(&self.time_s);
-        let (measured, model) = (first(&self.masked(&self.measured)), first(&self.masked(&self.model)));
-        let time = || Axis::linear("time", "s");
-        let grey = Style::line(Colour::Grey).with_width(1.2);
-        let input =
-            Panel::new(time(), self.x_axis()).series(Series::line("", time_s.clone(), first(&self.u), grey));
-        let mut output = measured_and_model(time(), self.y_axis(), &time_s, &measured, &model);
-        let mut error = residual(time(), &self.output.1, &time_s, &measured, &model);
-        if let (Some(start), true) = (time_s.first(), self.skipped_until_s > 0.0) {
-            output = output.span(*start, self.skipped_until_s, "not scored");
-            error = error.span(*start, self.skipped_until_s, "");
-        }
-        Figure::new("").panel(input).panel(output).panel(error).panel_height(112.0).link_x()
-    }
-}
-
-/// A time curve with more periods than this shows little: its start is drawn as well.
-pub const CROWDED: usize = 12;
-
-/// Periods in the figure of the start of a record.
-const PERIODS_SHOWN: usize = 4;
 
 /// Lays out the report of an identification.
 pub fn identification_report(data: &IdentificationReportData) -> Page {
@@ -401,7 +274,30 @@ fn model(data: &IdentificationReportData) -> Section {
     if !data.degrees.is_empty() {
         section = section.block(degrees(data));
     }
-    section.blocks(data.correlations.iter().filter(|c| c.names.len() > 1).map(correlation))
+    section = section.blocks(data.correlations.iter().filter(|c| c.names.len() > 1).map(correlation));
+    if data.structures.is_empty() && data.structures_note.is_empty() {
+        return section;
+    }
+    section = section.block(Block::Heading("Other structures on the same records".into()));
+    if data.structures.is_empty() {
+        return section.block(Block::paragraph(&data.structures_note));
+    }
+    section.block(structures(data))
+}
+
+/// Structures next to the identified one, that one shaded.
+fn structures(data: &IdentificationReportData) -> Table {
+    let mut table = Table::new([
+        Column::text("structure"),
+        Column::number("parameters", ""),
+        Column::number("RMSE", &data.objective_unit),
+        Column::number("BIC above the lowest", ""),
+    ]);
+    for s in &data.structures {
+        let cells = [s.name.clone(), s.parameters.to_string(), significant(s.rmse, 4), fixed(s.bic_above, 1)];
+        table = if s.chosen { table.highlighted_row(cells) } else { table.row(cells) };
+    }
+    table.note(&data.structures_note)
 }
 
 /// The degrees tried, the chosen one shaded.

@@ -24,6 +24,7 @@ pub mod figure;
 pub mod identification;
 pub mod number;
 pub mod page;
+pub mod record_curves;
 pub mod starts;
 mod write;
 

@@ -5,9 +5,10 @@ use hysteron::identify::Correlation;
 use hysteron::validate::Correlogram;
 use hysteron_report::figure::{Axis, ConvergenceCurve, Figure, FrequencyResponseCurve, Panel, Series, Style};
 use hysteron_report::identification::{
-    DegreeRow, IdentificationReportData, ParameterRow, RecordCurves, ScoreRow, identification_report,
+    DegreeRow, IdentificationReportData, ParameterRow, ScoreRow, StructureRow, identification_report,
 };
 use hysteron_report::page::{Block, Column, Highlight, Page, Section, Table};
+use hysteron_report::record_curves::{BandWidths, RecordCurves};
 use hysteron_report::starts::{SearchStarts, StartRow};
 use proptest::prelude::*;
 
@@ -51,6 +52,7 @@ fn report(text: &str) -> Page {
             measured: ramp.clone(),
             model: ramp.clone(),
             valid: Vec::new(),
+            band: Some(BandWidths { model: ramp.clone(), measurement: ramp.clone() }),
             skipped_until_s: 3.0,
             autocorrelation: Some(correlogram.clone()),
             input_correlation: Some(correlogram.clone()),
@@ -80,6 +82,8 @@ fn report(text: &str) -> Page {
             condition_number: f64::INFINITY,
         }],
         degrees: vec![DegreeRow { degree: 2, rmse: 0.1, bic: -3.0, chosen: true }],
+        structures: vec![StructureRow { name: t(), chosen: true, ..StructureRow::default() }],
+        structures_note: t(),
         convergence_note: t(),
         provenance: vec![(t(), t())],
         commands: vec![t()],

@@ -8,8 +8,9 @@ use hysteron::bench_rig::{
 };
 use hysteron::hammerstein::Start;
 use hysteron::identify::{
-    CampaignRecord, Choice, Demands, Identification, Options, RecordRole, Unwatched, identify,
+    CampaignRecord, Choice, Demands, Identification, Options, PredictionBand, RecordRole, Unwatched, identify,
 };
+use hysteron::model_file::{ModelFile, SignalUnits};
 use hysteron::record::{ChannelChoice, InputOutput};
 
 /// (polynomial, α, β, γ), (c₀, c₁, α₁, α₂), delay.
@@ -204,6 +205,34 @@ fn what_would_shape_a_hysteretic_part_is_held_where_there_is_none() {
     let held = found.parameters.iter().filter(|p| p.held).map(|p| p.name.as_str());
     assert!(held.eq(["alpha", "beta", "gamma", "n"]), "{:?}", found.parameters);
     assert!(found.parameters.iter().all(|p| !p.name.starts_with("memory")));
+}
+
+#[test]
+fn a_model_file_carries_what_the_fit_knows_of_the_output() {
+    let runs = cases()[0].campaign(2000.0, 5);
+    let found = fit(&runs, 2, None);
+    let known = found.of_numbers.as_ref().unwrap();
+    let mut file = ModelFile::from_model(&found.model, SignalUnits::default());
+    file.set_covariance(&known.names, &known.matrix);
+    let file = ModelFile::from_slice(file.to_json().unwrap().as_bytes()).unwrap();
+    for p in found.parameters.iter().filter(|p| p.block == "hysteresis" || p.name == "delay") {
+        let written = file.number(&p.name).unwrap().std_error;
+        assert_eq!(written.is_some(), p.std_error.is_some(), "{}", p.name);
+        if let (Some(a), Some(b)) = (written, p.std_error) {
+            assert!((a / b - 1.0).abs() < 1e-5, "{}: {a} {b}", p.name);
+        }
+    }
+    // Differences of simulations in the file's numbers against the fit's own derivatives in its own.
+    let run = runs.iter().find(|r| matches!(r.role, Role::Validation { .. })).unwrap();
+    let drive = data(run);
+    let rate = drive.sample_rate_hz();
+    let start = Start::Rest { voltage_v: drive.u[0] };
+    let by_fit = found.output_uncertainty.unwrap().band(&drive.u, rate.unwrap(), &start).unwrap();
+    let by_file = PredictionBand::of_file(&file, &drive.u, rate, &start).unwrap();
+    let largest = by_fit.std_dev.iter().fold(0.0f64, |m, s| m.max(*s));
+    for (k, (a, b)) in by_file.std_dev.iter().zip(&by_fit.std_dev).enumerate() {
+        assert!((a - b).abs() < 2e-3 * largest, "{k}: {a:e} {b:e} of {largest:e}");
+    }
 }
 
 #[test]

@@ -71,6 +71,9 @@ fn model_file(
     // v = u carries the input's unit into the dynamic block, whose gain carries the rest.
     let units = SignalUnits { input: input.to_owned(), output: output.to_owned() };
     let mut file = ModelFile::from_model(&model, units);
+    if let Ok((names, covariance)) = candidate.fit.covariance_of_numbers() {
+        file.set_covariance(&names, &covariance);
+    }
     let (low, high) = response.range_hz();
     let options = BTreeMap::from([
         ("method".to_owned(), "frequency-response".to_owned()),

@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
 use hysteron::dynamics::Scheme;
+use hysteron::identify::structure::neighbours;
 use hysteron::identify::{
     CampaignRecord, Choice, Demands, DynamicsChoice, FindingKind, IdentifyError, Initial, Method, Options,
     RecordRole, Searches, Watcher, identify,
@@ -25,7 +26,7 @@ use hysteron::optimize::{
     Progress as SearchProgress, PsoOptions, ResumeError,
 };
 use hysteron::record::InterSample;
-use hysteron_report::identification::identification_report;
+use hysteron_report::identification::{IdentificationReportData, identification_report};
 use hysteron_report::{write_figures, write_page};
 
 use crate::columns::ColumnFlags;
@@ -323,7 +324,9 @@ impl Identify {
             self.write_searches(&found.resume)?;
         }
         if self.report.is_some() || self.figures.is_some() {
-            self.write_report(&found, &file)?;
+            let stop = || stop.load(Ordering::Relaxed);
+            let others = neighbours(&campaign, &options, &found, &stop);
+            self.write_report(&report::data(&self.out, &found, &file, &others))?;
         }
         // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
         if self.json || !std::io::stdout().is_terminal() {
@@ -455,12 +458,8 @@ impl Identify {
         Ok(())
     }
 
-    fn write_report(
-        &self,
-        found: &hysteron::identify::Identification,
-        file: &ModelFile,
-    ) -> Result<(), Failure> {
-        let page = identification_report(&report::data(&self.out, found, file));
+    fn write_report(&self, data: &IdentificationReportData) -> Result<(), Failure> {
+        let page = identification_report(data);
         if let Some(path) = &self.report {
             write_page(path, &page).map_err(|e| output::cannot_write("the report", path, e))?;
         }

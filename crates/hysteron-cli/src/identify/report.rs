@@ -3,14 +3,16 @@
 use std::path::Path;
 
 use hysteron::dynamics::{Dynamics, TransferFunction};
-use hysteron::identify::{FindingKind, Identification, Method, RecordFit, RecordRole};
+use hysteron::identify::structure::{Neighbours, StructureError};
+use hysteron::identify::{FindingKind, Identification, Method, PredictionBand, RecordFit, RecordRole};
 use hysteron::model_file::ModelFile;
 use hysteron::record::{InputOutput, TimeBase};
 use hysteron::validate::{definitions, residual_input_correlation, residual_whiteness};
 use hysteron_report::figure::{ConvergenceCurve, FrequencyResponseCurve};
-use hysteron_report::identification::{DegreeRow, IdentificationReportData, RecordCurves, ScoreRow};
+use hysteron_report::identification::{DegreeRow, IdentificationReportData, ScoreRow, StructureRow};
 use hysteron_report::number::significant;
 use hysteron_report::page::Highlight;
+use hysteron_report::record_curves::{BandWidths, RecordCurves};
 
 use super::parameters;
 use super::starts::starts;
@@ -31,7 +33,12 @@ const SHOWN: [&str; 7] = [
 ];
 
 /// Everything the report shows.
-pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> IdentificationReportData {
+pub fn data(
+    path: &Path,
+    found: &Identification,
+    file: &ModelFile,
+    others: &Result<Neighbours, StructureError>,
+) -> IdentificationReportData {
     let of_kind = |kind| found.findings.iter().filter(move |f| f.kind == kind).map(|f| f.text.clone());
     let unit = found.records.first().map(|r| r.data.y_unit.to_string()).unwrap_or_default();
     IdentificationReportData {
@@ -75,7 +82,7 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
             .records
             .iter()
             .zip(left_out(found))
-            .map(|(fit, left_out)| curves(fit, left_out))
+            .map(|(fit, left_out)| curves(fit, left_out, file))
             .collect(),
         convergence: found
             .searches
@@ -106,6 +113,8 @@ pub fn data(path: &Path, found: &Identification, file: &ModelFile) -> Identifica
                 chosen: degree == found.structure.degree,
             })
             .collect(),
+        structures: structures(others),
+        structures_note: about_structures(found, others),
         provenance: provenance(file),
         commands: vec![command_line()],
         footer: vec![file.provenance.as_ref().map(|p| p.program.clone()).unwrap_or_default()],
@@ -226,7 +235,55 @@ fn convergence_note(found: &Identification, unit: &str) -> String {
     )
 }
 
-fn curves(fit: &RecordFit, left_out: usize) -> RecordCurves {
+/// The identified structure and those next to it.
+fn structures(others: &Result<Neighbours, StructureError>) -> Vec<StructureRow> {
+    let Ok(others) = others else { return Vec::new() };
+    let lowest = others.entries.iter().map(|e| e.bic).fold(f64::INFINITY, f64::min);
+    let row = |(place, entry): (usize, &hysteron::identify::structure::Neighbour)| StructureRow {
+        name: entry.candidate.to_string(),
+        parameters: entry.parameters,
+        rmse: entry.rmse,
+        bic_above: entry.bic - lowest,
+        chosen: place == 0,
+    };
+    others.entries.iter().enumerate().map(row).collect()
+}
+
+/// How the structures were compared, or why not.
+fn about_structures(found: &Identification, others: &Result<Neighbours, StructureError>) -> String {
+    match others {
+        Ok(others) => format!(
+            "Each fitted to the same records, from the identified model on, thinned where they are oversampled; shaded: the one identified. \
+             The polynomial is a cubic where no degree is named. RMSE over all samples, on the data of the fit: a richer structure always has a lower one. \
+             BIC counts parameters against it, over the {:.0} independent samples (of {}) that the residuals are worth; differences below 10 mean \
+             little. What a structure predicts is told by records that it was not fitted to: hysteron compare {}.",
+            others.independent_samples,
+            others.samples,
+            found
+                .records
+                .iter()
+                .map(|r| r.data.source.as_ref().map_or(r.data.name.as_str(), |s| s.path.as_str()))
+                .collect::<Vec<_>>()
+                .join(" ")
+        ),
+        Err(StructureError::CannotRank { because, measure }) => {
+            format!("Not compared: {because}. To tell structures apart measure {measure}.")
+        }
+        Err(error) => format!("Not compared: {error}."),
+    }
+}
+
+/// Half the widths of the bands: by the fit, else out of the model file. `None` where nothing is known of them.
+fn band(fit: &RecordFit, file: &ModelFile) -> Option<BandWidths> {
+    let of_file = || {
+        let band = PredictionBand::of_file(file, &fit.data.u, fit.data.sample_rate_hz(), &fit.start).ok()?;
+        Some(PredictionBand { noise: fit.scores.rmse, ..band })
+    };
+    let band = fit.band.clone().or_else(of_file)?;
+    Some(BandWidths { model: band.of_output(), measurement: band.of_measurement() })
+}
+
+fn curves(fit: &RecordFit, left_out: usize, file: &ModelFile) -> RecordCurves {
     let InputOutput { name, time, u, y, valid, .. } = &fit.data;
     let samples = u.len();
     let time_s: Vec<f64> = match time {
@@ -255,6 +312,7 @@ fn curves(fit: &RecordFit, left_out: usize) -> RecordCurves {
         name: name.clone(),
         role: role_name(fit.role).to_owned(),
         skipped_until_s: if left_out > 0 { time_s.get(left_out).copied().unwrap_or(0.0) } else { 0.0 },
+        band: band(fit, file),
         autocorrelation: residual_whiteness(&residual, &scored),
         input_correlation: residual_input_correlation(&residual, u, &scored),
         time_s,

@@ -20,21 +20,9 @@ pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: 
         .map(|r| (r.data.u_unit.symbol().to_owned(), r.data.y_unit.symbol().to_owned()))
         .unwrap_or_default();
     let mut file = ModelFile::from_model(&found.model, SignalUnits { input: input.clone(), output });
-    for parameter in &found.parameters {
-        let Some(error) = parameter.std_error else { continue };
-        let dynamics = &mut file.dynamics;
-        let slot = match parameter.name.as_str() {
-            "b" => dynamics.numerator.first_mut().map(|t| &mut t.coefficient),
-            "c0" => dynamics.denominator.first_mut().map(|t| &mut t.coefficient),
-            "c1" | "lag" => dynamics.denominator.get_mut(1).map(|t| &mut t.coefficient),
-            "order1" => dynamics.denominator.get_mut(1).map(|t| &mut t.order),
-            "order2" => dynamics.denominator.get_mut(2).map(|t| &mut t.order),
-            "delay" => Some(&mut file.delay),
-            name => file.hysteresis.parameters.get_mut(name),
-        };
-        if let Some(quantity) = slot {
-            quantity.std_error = Some(error);
-        }
+    match &found.of_numbers {
+        Some(known) => file.set_covariance(&known.names, &known.matrix),
+        None => give_errors(&mut file, found),
     }
     if found.method == Method::Joint {
         file.normalisation = match options.dynamics {
@@ -54,6 +42,23 @@ pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: 
         .map(|r| ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.scores))
         .collect();
     file
+}
+
+/// Standard errors of two steps, which know nothing of each other: there is no correlation between them.
+fn give_errors(file: &mut ModelFile, found: &Identification) {
+    for parameter in &found.parameters {
+        let name = match parameter.name.as_str() {
+            "b" => "numerator[0].coefficient",
+            "c0" => "denominator[0].coefficient",
+            "c1" => "denominator[1].coefficient",
+            "order1" => "denominator[1].order",
+            "order2" => "denominator[2].order",
+            name => name,
+        };
+        if let (Some(error), Some(number)) = (parameter.std_error, file.number_mut(name)) {
+            number.std_error = Some(error);
+        }
+    }
 }
 
 /// What the device did before the first record; a rest at that record's own first sample is each record's own.

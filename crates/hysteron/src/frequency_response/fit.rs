@@ -59,6 +59,8 @@ pub struct ResponseFit {
     pub weighting: Weighting,
     /// Nonlinear parameters, then linear coefficients.
     pub parameters: Vec<FittedParameter>,
+    /// Covariance of the parameters; zero rows and columns for those on an edge, or all where the rest is not determined.
+    pub covariance: DMatrix<f64>,
     /// Number of points.
     pub points: usize,
     /// √(mean |Ĝ/G − 1|²).
@@ -191,7 +193,8 @@ fn result(
     let structure = problem.structure;
     let coefficients = problem.coefficients(x);
     let edges = on_edge(problem.bounds(), x);
-    let variances = variances(problem, weighting, response.std_dev.is_some(), x, &edges);
+    let covariance = covariance(problem, weighting, response.std_dev.is_some(), x, &edges);
+    let std_error = |i: usize| Some(covariance[(i, i)].sqrt()).filter(|error| *error > 0.0);
     let gain = || response.unit.clone();
     let unit = |name: &str| match name {
         "delay" => "s".to_owned(),
@@ -209,7 +212,7 @@ fn result(
             name,
             value,
             unit,
-            std_error: variances[i].map(f64::sqrt).filter(|error| *error <= UNDETERMINED * value.abs()),
+            std_error: std_error(i).filter(|error| *error <= UNDETERMINED * value.abs()),
             on_edge: edges.get(i).copied().unwrap_or(false),
         })
         .collect();
@@ -222,6 +225,7 @@ fn result(
         structure,
         weighting,
         parameters,
+        covariance,
         points: response.len(),
         relative_rms: 0.0,
         largest: (0.0, 0.0),
@@ -249,40 +253,44 @@ fn on_edge(bounds: &Bounds, x: &[f64]) -> Vec<bool> {
 /// A standard error this many times the value says that the response does not determine the parameter.
 const UNDETERMINED: f64 = 1e3;
 
-/// Variances of all parameters; `None` for those on an edge or not determined, or all where the rest is not.
-fn variances(
+/// Covariance of all parameters; zero for those on an edge, and for all where the rest is not determined.
+fn covariance(
     problem: &ResponseProblem,
     weighting: Weighting,
     has_uncertainty: bool,
     x: &[f64],
     edges: &[bool],
-) -> Vec<Option<f64>> {
+) -> DMatrix<f64> {
     let (residuals, columns) = problem.full_jacobian(x);
     let rows = residuals.len();
     let count = columns.len() / rows;
     let free: Vec<usize> = (0..count).filter(|&j| !edges.get(j).copied().unwrap_or(false)).collect();
-    let mut variances = vec![None; count];
+    let mut covariance = DMatrix::zeros(count, count);
     let mut jacobian = DMatrix::from_column_slice(rows, count, &columns).select_columns(&free);
     // Columns of unit length: their units differ by many decades.
     let norms: Vec<f64> = jacobian.column_iter().map(|c| c.norm()).collect();
     if rows <= free.len() || norms.iter().any(|n| !(*n > 0.0 && n.is_finite())) {
-        return variances;
+        return covariance;
     }
     for (mut column, norm) in jacobian.column_iter_mut().zip(&norms) {
         column /= *norm;
     }
-    let Some(inverse) = jacobian.qr().r().try_inverse() else { return variances };
+    let Some(inverse) = jacobian.qr().r().try_inverse() else { return covariance };
     let square: f64 = residuals.iter().map(|r| r * r).sum();
     let mut variance = square / (rows - free.len()) as f64;
     if weighting == Weighting::Uncertainty && has_uncertainty {
         variance = variance.max(1.0);
     }
     let factor = variance * correlation(&residuals);
-    for (row, (&j, norm)) in free.iter().zip(&norms).enumerate() {
-        let v = factor * inverse.row(row).norm_squared() / (norm * norm);
-        variances[j] = v.is_finite().then_some(v);
+    let small = &inverse * inverse.transpose() * factor;
+    if small.iter().all(|v| v.is_finite()) {
+        for (a, (&i, own)) in free.iter().zip(&norms).enumerate() {
+            for (b, (&j, other)) in free.iter().zip(&norms).enumerate() {
+                covariance[(i, j)] = small[(a, b)] / (own * other);
+            }
+        }
     }
-    variances
+    covariance
 }
 
 /// 1 + 2Σ ρ_k over neighbouring frequencies, up to the first ρ_k ≤ 0 or a tenth of the points; real parts first.

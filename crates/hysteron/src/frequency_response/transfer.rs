@@ -4,9 +4,14 @@ use std::f64::consts::TAU;
 
 use super::{Core, FrequencyResponse, FrequencyResponseError, ResponseFit};
 use crate::dynamics::{Term, TransferFunction};
+use crate::model_file::transfer_function_numbers;
+use nalgebra::DMatrix;
 
 /// Largest relative difference between the partial fractions and the expanded polynomials.
 const AGREEMENT: f64 = 1e-6;
+
+/// Step of the differences, in standard errors.
+const STEP: f64 = 1e-3;
 
 /// Coefficients and orders.
 type Polynomial = Vec<(f64, f64)>;
@@ -43,6 +48,37 @@ impl ResponseFit {
                 "its polynomials in s differ from the fit by {worst:.1e}; fit fewer poles or a narrower band"
             ))
         }
+    }
+
+    /// Covariance of the numbers of [`Self::to_transfer_function`] by linear propagation, with their names in a model file:
+    /// coefficients and orders, and the delay.
+    ///
+    /// # Errors
+    /// What [`TransferFunction::validate`] refuses.
+    pub fn covariance_of_numbers(&self) -> Result<(Vec<String>, DMatrix<f64>), FrequencyResponseError> {
+        let numbers = |fit: &Self| -> Result<(Vec<String>, Vec<f64>), FrequencyResponseError> {
+            let (mut names, mut values) = transfer_function_numbers(&fit.expand()?);
+            names.push("delay".to_owned());
+            values.push(fit.value("delay"));
+            Ok((names, values))
+        };
+        let (names, values) = numbers(self)?;
+        let mut jacobian = DMatrix::zeros(values.len(), self.parameters.len());
+        for j in 0..self.parameters.len() {
+            let step = STEP * self.covariance[(j, j)].sqrt();
+            if step > 0.0 {
+                let at = |step: f64| {
+                    let mut moved = self.clone();
+                    moved.parameters[j].value += step;
+                    numbers(&moved)
+                };
+                let (up, down) = (at(step)?.1, at(-step)?.1);
+                for (i, (up, down)) in up.iter().zip(&down).enumerate() {
+                    jacobian[(i, j)] = (up - down) / (2.0 * step);
+                }
+            }
+        }
+        Ok((names, &jacobian * &self.covariance * jacobian.transpose()))
     }
 
     fn expand(&self) -> Result<TransferFunction, FrequencyResponseError> {

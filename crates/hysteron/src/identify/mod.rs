@@ -16,6 +16,7 @@ mod joint;
 mod layout;
 pub mod optimizer_study;
 mod options;
+mod prediction;
 mod projection;
 pub mod recalibrate;
 mod result;
@@ -33,6 +34,7 @@ pub use layout::Demands;
 pub use options::{
     CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,
 };
+pub use prediction::PredictionError;
 pub use result::{
     Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, Reduction, StructureChoice,
 };

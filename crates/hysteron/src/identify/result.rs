@@ -30,6 +30,9 @@ pub struct Identification {
     /// Covariance of the parameters of a joint fit, in the article's symbols; `None` where the records do not determine
     /// them, and for two steps.
     pub covariance: Option<Covariance>,
+    /// Covariance of the model's own numbers, named as a model file names them; `None` where the records do not determine
+    /// them, and where they come from two steps, which know nothing of each other.
+    pub of_numbers: Option<Covariance>,
     /// Bands of the output for any drive; as `covariance`.
     pub output_uncertainty: Option<OutputUncertainty>,
     /// Thinning while searching; `None` where every sample was used throughout.

@@ -7,8 +7,8 @@ use super::options::{CampaignRecord, Choice, DynamicsChoice, Method, Options, Re
 use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
 use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{correlation, covariance, standard_error};
+use super::{Covariance, findings, joint};
 use super::{IdentifyError, RecordFacts};
-use super::{findings, joint};
 use crate::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::{Model, Start};
@@ -86,7 +86,8 @@ pub fn identify(
     if options.demands.fixed(OFFSET).is_none() {
         settle_offset(&mut model, &step1, static_records[0])?;
     }
-    let (parameters, correlations) = parameters(&step1, &step2, &static_records, &outputs, options)?;
+    let Known { parameters, correlations, of_numbers } =
+        parameters(&step1, &step2, &static_records, &outputs, options)?;
     let mut fits = Vec::new();
     for (facts, role) in facts.iter().zip(&roles) {
         let start = start_of(facts, &static_records, &step1, &dynamic, &dynamic_starts);
@@ -136,6 +137,7 @@ pub fn identify(
         records: fits,
         structure,
         covariance: None,
+        of_numbers,
         output_uncertainty: None,
         reduction: None,
         findings: Vec::new(),
@@ -351,14 +353,23 @@ fn fit_arx(outputs: &[HysteresisOutput<'_>], delay_s: f64) -> Result<Arx, Identi
     Ok(best.fit.model)
 }
 
-/// Every parameter with its standard error, and the correlations of those of each step.
+/// What is known of the parameters.
+struct Known {
+    /// Every parameter with its standard error.
+    parameters: Vec<Parameter>,
+    /// Correlations of those of each step.
+    correlations: Vec<Correlation>,
+    /// Covariance of the model's numbers, where there was no second step.
+    of_numbers: Option<Covariance>,
+}
+
 fn parameters(
     step1: &StaticStep,
     step2: &Step2,
     static_records: &[&RecordFacts],
     outputs: &[HysteresisOutput<'_>],
     options: &Options,
-) -> Result<(Vec<Parameter>, Vec<Correlation>), IdentifyError> {
+) -> Result<Known, IdentifyError> {
     let (problem, x) = static_step::in_article_symbols(step1, static_records, options)?;
     let covariance1 = covariance(&problem, &x);
     let names: Vec<&str> = problem.bounds().ranges.iter().map(|r| r.name.as_str()).collect();
@@ -430,5 +441,15 @@ fn parameters(
     for parameter in &mut list {
         parameter.held = !searched.contains(&parameter.name);
     }
-    Ok((list, correlations))
+    let of_numbers = covariance1.filter(|_| matches!(step2, Step2::None)).map(|matrix| Covariance {
+        // The lag is 1 + T s in the model.
+        names: names
+            .iter()
+            .map(|&n| if n == "lag" { "denominator[1].coefficient" } else { n }.into())
+            .collect(),
+        condition_number: correlations.first().map_or(f64::NAN, |c| c.condition_number),
+        values: x,
+        matrix,
+    });
+    Ok(Known { parameters: list, correlations, of_numbers })
 }

@@ -10,7 +10,7 @@ const BOUC_WEN_NAMES: &str =
 
 impl ModelFile {
     /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter names,
-    /// terms that suit the kind of dynamics.
+    /// terms that suit the kind of dynamics, a correlation matrix that is one.
     ///
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.
@@ -51,6 +51,7 @@ impl ModelFile {
                 interval("valid_range.rate", rate, &units.rate())?;
             }
         }
+        self.check_correlation()?;
         self.scores.iter().enumerate().try_for_each(|(i, s)| score(i, s))
     }
 

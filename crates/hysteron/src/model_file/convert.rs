@@ -93,6 +93,7 @@ impl ModelFile {
             valid_range: None,
             provenance: None,
             scores: Vec::new(),
+            correlation: None,
         }
     }
 

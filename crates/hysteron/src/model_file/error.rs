@@ -94,6 +94,12 @@ pub enum ModelFileError {
     /// A settled start has no rest voltage.
     #[error("start.voltage: expected null for a start of the kind \"settled\"")]
     VoltageOfSettledStart,
+    /// The correlation of the numbers is not one.
+    #[error("correlation: {problem}")]
+    Correlation {
+        /// What is wrong with it.
+        problem: String,
+    },
     /// An ARX model lives in z at one sample rate, and the file names none.
     #[error("sample_rate_hz: an arx model needs its sample rate, found null")]
     ArxWithoutSampleRate,

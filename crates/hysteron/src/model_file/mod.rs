@@ -21,12 +21,13 @@
 //!
 //! Reading is strict: an unknown version, key, kind or parameter, a missing key, a wrong unit, a number that is not
 //! finite or not allowed is a [`ModelFileError`] that names the place. Keys that are not part of the mathematics
-//! (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`, and `std_error`) may be
-//! absent. Writing is atomic, and a file that could not be read back is never written. Numbers survive
+//! (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`, `correlation` and `std_error`) may
+//! be absent. Writing is atomic, and a file that could not be read back is never written. Numbers survive
 //! writing and reading bit for bit. [`json_schema`] is the same in JSON Schema.
 
 mod check;
 mod convert;
+mod correlation;
 mod error;
 mod parameters;
 mod provenance;
@@ -40,6 +41,9 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use correlation::{
+    CorrelationEntry, CorrelationRow, MAX_CORRELATED, number_mut, transfer_function_numbers,
+};
 pub use error::ModelFileError;
 pub use parameters::{Parameters, polynomial_name};
 pub use provenance::{Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
@@ -105,6 +109,9 @@ pub struct ModelFile {
     /// How well the model describes its records.
     #[serde(default)]
     pub scores: Vec<ScoreEntry>,
+    /// How the estimates of the model's numbers hang together; with their standard errors, their covariance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<CorrelationEntry>,
 }
 
 /// Units of the model's signals, as the suffixes of column headers.

@@ -128,6 +128,45 @@ fn standard_errors_are_the_scatter_of_two_hundred_noisy_responses() {
 }
 
 #[test]
+fn errors_reach_the_numbers_of_a_model_file() {
+    // K/(1 + (s/ω)^α) with some noise: c₀ = ω^α, b = K c₀.
+    let omega = TAU * 7.0;
+    let term = |c: f64, order: f64| Term::new(c, order);
+    let c0 = omega.powf(0.8);
+    let tf = TransferFunction::new(vec![term(3.0 * c0, 0.0)], vec![term(c0, 0.0), term(1.0, 0.8)]).unwrap();
+    let mut response = sampled(&tf, 0.0, spaced(1.0, 100.0, 60));
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+    response.values.iter_mut().for_each(|g| *g += 0.01 * normal(&mut random));
+    let fit = fit_structure(&response, &Structure::FRACTIONAL_LAG, Weighting::Relative).unwrap();
+    let (names, covariance) = fit.covariance_of_numbers().unwrap();
+    let variance = |name: &str| {
+        let i = names.iter().position(|n| n == name).unwrap();
+        covariance[(i, i)]
+    };
+    // By hand: d ln c₀ = α df/f + ln(2πf) dα, and d ln b = dK/K beside that.
+    let (f, alpha, k) = (fit.value("corner_frequency"), fit.value("order"), fit.value("gain"));
+    let moves = [alpha / f, (TAU * f).ln(), 1.0 / k];
+    let relative = |upto: usize| -> f64 {
+        let c = &fit.covariance;
+        (0..upto).map(|i| (0..upto).map(|j| moves[i] * c[(i, j)] * moves[j]).sum::<f64>()).sum()
+    };
+    let stiffness = (TAU * f).powf(alpha);
+    for (name, expected) in [
+        ("denominator[0].coefficient", relative(2) * stiffness * stiffness),
+        ("numerator[0].coefficient", relative(3) * (k * stiffness).powi(2)),
+        ("denominator[1].order", fit.covariance[(1, 1)]),
+        ("denominator[1].coefficient", 0.0),
+        ("delay", 0.0),
+    ] {
+        assert!(
+            (variance(name) - expected).abs() <= 1e-5 * expected,
+            "{name}: {} {expected}",
+            variance(name)
+        );
+    }
+}
+
+#[test]
 fn what_cannot_be_fitted_is_refused_and_an_edge_is_told() {
     let response = sampled(&TransferFunction::article_eq13(), 0.0, vec![1.0]);
     let refused = fit_structure(&response, &Structure::FRACTIONAL_LAG, Weighting::Relative);

@@ -132,7 +132,9 @@ pub(in super::super) fn identify(
         OutputUncertainty::new(&problem, &form, &x, known, schemes, (square / samples).sqrt())
     });
     let covariance = own.map(|own| parameters::in_article_symbols(own, &problem));
-    let mut parameters = parameters::parameters(&solution, &form, &problem, covariance.as_ref(), &model);
+    let of_numbers = own.and_then(|own| parameters::of_numbers(own, &solution, &form));
+    let covariances = (covariance.as_ref(), of_numbers.as_ref());
+    let mut parameters = parameters::parameters(&solution, &form, &problem, covariances, &model);
     if let Some(known) = &known {
         let found = match &small {
             Some(small) => knowledge::knowledge(small, &at_small)
@@ -158,6 +160,7 @@ pub(in super::super) fn identify(
         records: fits,
         structure,
         covariance,
+        of_numbers,
         output_uncertainty,
         reduction,
         findings: Vec::new(),

@@ -61,8 +61,9 @@ impl Covariance {
         let mut jacobian = DMatrix::zeros(values.len(), self.values.len());
         let mut at = self.values.clone();
         for j in 0..self.values.len() {
-            let scale = self.std_error(j).unwrap_or(0.0).max(1e-9 * self.values[j].abs()).max(1e-300);
-            let step = 1e-3 * scale;
+            // What is held does not move.
+            let Some(std_error) = self.std_error(j) else { continue };
+            let step = 1e-3 * std_error.max(1e-9 * self.values[j].abs());
             at[j] = self.values[j] + step;
             let taken_up = at[j] - self.values[j];
             let up = f(&at);

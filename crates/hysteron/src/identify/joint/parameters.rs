@@ -6,10 +6,10 @@ use super::intervals::{Interval, IntervalMethod};
 use super::knowledge::Covariance;
 use super::problem::{JointProblem, JointSolution};
 use super::setup::memory_name;
-use crate::dynamics::{DynamicForm, Dynamics, Modes, TransferFunction};
+use crate::dynamics::{DynamicForm, Dynamics, Modes};
 use crate::hammerstein::Model;
 use crate::hysteresis::{BoucWen, UnitShape};
-use crate::model_file::polynomial_name;
+use crate::model_file::{polynomial_name, transfer_function_numbers};
 
 /// The covariance with β, γ for β', γ' and z(0) for ζ(0).
 pub(super) fn in_article_symbols(own: &Covariance, problem: &JointProblem) -> Covariance {
@@ -45,18 +45,61 @@ pub(super) fn in_article_symbols(own: &Covariance, problem: &JointProblem) -> Co
     })
 }
 
+/// The covariance of the model's numbers, named as a model file names them.
+pub(super) fn of_numbers(
+    own: &Covariance,
+    solution: &JointSolution,
+    form: &DynamicForm,
+) -> Option<Covariance> {
+    let b = &solution.hysteresis;
+    let hysteresis = (1..=b.polynomial.len()).map(|i| polynomial_name(i).into_owned());
+    let (dynamics, _) = transfer_function_numbers(&form.transfer_function(&solution.form).ok()?);
+    let names: Vec<String> = hysteresis
+        .chain(["alpha", "beta", "gamma", "n"].map(String::from))
+        .chain(dynamics.iter().cloned())
+        .chain(["delay".to_owned()])
+        .collect();
+    let count = names.len();
+    let place = |name: &str| own.names.iter().position(|n| n == name);
+    let coefficients: Vec<(Option<usize>, f64)> =
+        b.polynomial.iter().enumerate().map(|(i, &c)| (place(&polynomial_name(i + 1)), c)).collect();
+    let [alpha, beta, gamma, n, delay] = ["alpha", "beta", "gamma", "n", "delay"].map(place);
+    let form_places: Vec<Option<usize>> = form.parameters().iter().map(|p| place(p.name)).collect();
+    let numbers = own.transformed(names, |values| {
+        let at = |place: Option<usize>, held: f64| place.map_or(held, |i| values[i]);
+        let polynomial = coefficients.iter().map(|&(place, held)| at(place, held)).collect();
+        let shape = UnitShape {
+            beta: at(beta, solution.shape.beta),
+            gamma: at(gamma, solution.shape.gamma),
+            n: at(n, solution.shape.n),
+        };
+        let p: Vec<f64> =
+            form_places.iter().zip(&solution.form).map(|(place, &held)| at(*place, held)).collect();
+        let block = BoucWen::from_unit(polynomial, at(alpha, b.alpha), shape);
+        let (Ok(block), Ok(g)) = (block, form.transfer_function(&p)) else { return vec![f64::NAN; count] };
+        let mut out = block.polynomial;
+        out.extend([block.alpha, block.beta, block.gamma, block.n]);
+        out.extend(transfer_function_numbers(&g).1);
+        out.push(at(delay, solution.delay_s));
+        // Orders that pass each other merge into one term.
+        if out.len() == count { out } else { vec![f64::NAN; count] }
+    });
+    numbers.matrix.iter().all(|c| c.is_finite()).then_some(numbers)
+}
+
 /// All parameters of the model by name, and the records' memory, with their standard errors.
 pub(super) fn parameters(
     solution: &JointSolution,
     form: &DynamicForm,
     problem: &JointProblem,
-    covariance: Option<&Covariance>,
+    (covariance, of_numbers): (Option<&Covariance>, Option<&Covariance>),
     model: &Model,
 ) -> Vec<Parameter> {
-    let error = |name: &str| {
-        let c = covariance?;
+    let of = |c: Option<&Covariance>, name: &str| {
+        let c = c?;
         c.std_error(c.names.iter().position(|n| n == name)?)
     };
+    let error = |name: &str| of(covariance, name);
     let b = &solution.hysteresis;
     let mut list: Vec<Parameter> = b
         .polynomial
@@ -81,26 +124,13 @@ pub(super) fn parameters(
     }
     push("dynamics", "delay", solution.delay_s, layout.delay);
     if let (Modes::Fractional, false, Dynamics::Fractional(g)) = (&form.modes, form.creep, &model.dynamics) {
-        // Eq. 13's own coefficients, with their errors by the delta method.
-        let coefficients = |g: &TransferFunction| {
-            vec![g.numerator[0].coefficient, g.denominator[0].coefficient, g.denominator[1].coefficient]
-        };
-        let names: Vec<String> = ["b", "c0", "c1"].map(String::from).to_vec();
-        let errors = covariance.map(|c| {
-            let places: Vec<Option<usize>> =
-                form.parameters().iter().map(|p| c.names.iter().position(|n| n == p.name)).collect();
-            c.transformed(names.clone(), |values| {
-                let p: Vec<f64> = places
-                    .iter()
-                    .zip(&solution.form)
-                    .map(|(place, &value)| place.map_or(value, |i| values[i]))
-                    .collect();
-                form.transfer_function(&p).map_or(vec![f64::NAN; 3], |g| coefficients(&g))
-            })
-        });
-        for (index, (name, value)) in names.iter().zip(coefficients(g)).enumerate() {
-            let error = errors.as_ref().and_then(|c| c.std_error(index));
-            list.push(Parameter::new("dynamics", name, value, error));
+        // Eq. 13's own coefficients.
+        for (name, number, value) in [
+            ("b", "numerator[0].coefficient", g.numerator[0].coefficient),
+            ("c0", "denominator[0].coefficient", g.denominator[0].coefficient),
+            ("c1", "denominator[1].coefficient", g.denominator[1].coefficient),
+        ] {
+            list.push(Parameter::new("dynamics", name, value, of(of_numbers, number)));
         }
     }
     for (index, role) in problem.layout().memory.iter().enumerate() {

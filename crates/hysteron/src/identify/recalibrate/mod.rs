@@ -3,8 +3,7 @@
 //! y = offset + g · model(u, delay): g multiplies the output of the hysteresis block, so that the loop scales and keeps its
 //! shape. g and the delay are fitted to the records by least squares beside an offset, and a hysteresis memory where
 //! [`choose_start`] finds one, of every record; their covariance allows for coloured residuals. The old model is the prior:
-//! g ~ N(1, s²), delay ~ N(old, its standard error²), no prior on the offset. Model files hold no covariance but standard
-//! errors, so that s is the relative one of `linear`; where `linear` and α hang together, the gain was known better than that.
+//! (g, delay) ~ N((1, old), A), no prior on the offset, with A from the covariance in the model file ([`Prior::of`]).
 //! What differs from the old value by more than [`SIGNIFICANT`] combined standard errors has changed: the prior, which
 //! speaks of the device as it was, is not used for it.
 
@@ -40,13 +39,15 @@ pub struct Recording {
     pub start_is_known: bool,
 }
 
-/// What the old model's standard errors say of gain and delay.
+/// What the old model says of gain and delay.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
     /// Standard error of the gain, 1 being the old one; `None`: nothing is known.
     pub gain: Option<f64>,
     /// Standard error of the delay \[s\].
     pub delay_s: Option<f64>,
+    /// Correlation of both, where both are known.
+    pub correlation: f64,
 }
 
 /// A number of the model before and after.
@@ -101,6 +102,8 @@ pub struct Recalibration {
     pub gain: Change,
     /// Delay \[s\]; held at the old value where no record has a sample rate, or the records do not determine it.
     pub delay: Change,
+    /// Correlation of the new gain and delay.
+    pub correlation: f64,
     /// Fit of every record.
     pub records: Vec<RecalibratedRecord>,
 }
@@ -122,21 +125,22 @@ pub fn recalibrate(
     recordings.iter().try_for_each(|recording| check(&recording.data))?;
     let mut starts = choose(model, recordings)?;
     let before = scores(model, recordings, &starts)?;
-    let (mut new, mut gain, mut delay) = fit(model, prior, recordings, &mut starts)?;
+    let mut found = fit(model, prior, recordings, &mut starts)?;
     for _ in 1..ROUNDS {
-        let mut again = choose(&new, recordings)?;
+        let mut again = choose(&found.model, recordings)?;
         if same_kinds(&again, &starts) {
             break;
         }
         // The fit takes the memory of the old model's operator.
         for start in &mut again {
             if let Start::Remembering { z, .. } = start {
-                *z /= gain.value;
+                *z /= found.gain.value;
             }
         }
         starts = again;
-        (new, gain, delay) = fit(model, prior, recordings, &mut starts)?;
+        found = fit(model, prior, recordings, &mut starts)?;
     }
+    let Fitted { model: mut new, gain, delay, correlation } = found;
     let after = scores(&new, recordings, &starts)?;
     for (scores, recording) in after.iter().zip(recordings) {
         let fit_percent = scores.fit_percent.unwrap_or(0.0);
@@ -158,7 +162,7 @@ pub fn recalibrate(
             after,
         })
         .collect();
-    Ok(Recalibration { model: new, gain, delay, records })
+    Ok(Recalibration { model: new, gain, delay, correlation, records })
 }
 
 fn check(data: &InputOutput) -> Result<(), IdentifyError> {
@@ -206,13 +210,21 @@ fn scores(model: &Model, recordings: &[Recording], starts: &[Start]) -> Result<V
     recordings.iter().zip(starts).map(one).collect()
 }
 
-/// The new model (with the old offset), gain and delay at these starts, whose memories become those of the new model.
+/// The new model (with the old offset), gain and delay.
+struct Fitted {
+    model: Model,
+    gain: Change,
+    delay: Change,
+    correlation: f64,
+}
+
+/// The fit at these starts, whose memories become those of the new model.
 fn fit(
     model: &Model,
     prior: Prior,
     recordings: &[Recording],
     starts: &mut [Start],
-) -> Result<(Model, Change, Change), IdentifyError> {
+) -> Result<Fitted, IdentifyError> {
     let facts: Vec<RecordFacts> = recordings.iter().map(|r| RecordFacts::new(r.data.clone())).collect();
     let timed = recordings.iter().all(|r| r.data.sample_rate_hz().is_some());
     let longest_s = timed.then(|| longest(model, &facts));
@@ -245,12 +257,13 @@ fn fit(
             .filter(|(_, change)| !change.is_significant())
             .filter_map(|(at, change)| Some((at?, change.old, change.old_std_error.filter(|s| *s > 0.0)?)))
             .collect();
-        if let Some((mean, c)) = with_prior(&measured, c, &known) {
+        if let Some((mean, c)) = with_prior(&measured, c, &known, prior.correlation) {
             x = mean;
-            let c = Some(c);
-            (gain.value, gain.std_error) = (x[Names::GAIN], std_error(&c, Names::GAIN));
+            covariance = Some(c);
+            let c = &covariance;
+            (gain.value, gain.std_error) = (x[Names::GAIN], std_error(c, Names::GAIN));
             if let Some(at) = names.delay {
-                (delay.value, delay.std_error) = (x[at].max(0.0), std_error(&c, at));
+                (delay.value, delay.std_error) = (x[at].max(0.0), std_error(c, at));
             }
         }
     }
@@ -259,9 +272,16 @@ fn fit(
             *z = gain.value * x[*at];
         }
     }
-    let new =
+    let model =
         Model { hysteresis: scaled(&model.hysteresis, gain.value)?, delay_s: delay.value, ..model.clone() };
-    Ok((new, gain, delay))
+    let correlation = match (&covariance, names.delay) {
+        (Some(c), Some(at)) => {
+            let g = Names::GAIN;
+            (c[(g, at)] / (c[(g, g)] * c[(at, at)]).sqrt()).clamp(-1.0, 1.0)
+        }
+        _ => 0.0,
+    };
+    Ok(Fitted { model, gain, delay, correlation })
 }
 
 /// Longest delay searched \[s\]: twice the old one, ten samples, a tenth of the fastest period.
@@ -279,17 +299,27 @@ fn minimum(problem: &GainAndDelay<'_>) -> Result<Vec<f64>, IdentifyError> {
     Ok(minimize(problem, &Algorithm::LeastSquares(options), &settings, &mut Unobserved, None)?.best)
 }
 
-/// Mean and covariance of the Gaussian N(x, c) times those of the `known` (index, mean, standard deviation).
-fn with_prior(x: &[f64], c: &DMatrix<f64>, known: &[(usize, f64, f64)]) -> Option<(Vec<f64>, DMatrix<f64>)> {
+/// Mean and covariance of the Gaussian N(x, c) times that of the `known` (index, mean, standard deviation); where there are
+/// two, of this correlation.
+fn with_prior(
+    x: &[f64],
+    c: &DMatrix<f64>,
+    known: &[(usize, f64, f64)],
+    correlation: f64,
+) -> Option<(Vec<f64>, DMatrix<f64>)> {
     // Scaled to unit deviations: gain, seconds and micrometres differ by many decades.
     let scale: Vec<f64> = c.diagonal().iter().map(|v| v.sqrt()).collect();
     let unit = c.map_with_location(|i, j, v| v / (scale[i] * scale[j]));
     let mut information = unit.try_inverse()?;
     let mut pull = DVector::zeros(x.len());
-    for &(at, mean, deviation) in known {
-        let weight = (scale[at] / deviation).powi(2);
-        information[(at, at)] += weight;
-        pull[at] = weight * (mean - x[at]) / scale[at];
+    let prior = DMatrix::from_fn(known.len(), known.len(), |i, j| if i == j { 1.0 } else { correlation });
+    let prior = prior.try_inverse()?;
+    for (i, &(at, _, deviation)) in known.iter().enumerate() {
+        for (j, &(other, mean, other_deviation)) in known.iter().enumerate() {
+            let weight = prior[(i, j)] * scale[at] / deviation * scale[other] / other_deviation;
+            information[(at, other)] += weight;
+            pull[at] += weight * (mean - x[other]) / scale[other];
+        }
     }
     let unit = information.try_inverse()?;
     let step = &unit * pull;

@@ -63,7 +63,7 @@ fn assert_within_errors(found: &Change, truth: f64, loosest: f64) {
 #[test]
 fn a_changed_gain_and_delay_come_back_from_one_second() {
     let old = rig_like();
-    let prior = Prior { gain: Some(0.004), delay_s: Some(3e-6) };
+    let prior = Prior { gain: Some(0.004), delay_s: Some(3e-6), correlation: 0.0 };
     let starts = [Start::Rest { voltage_v: 0.0 }, Start::Remembering { voltage_v: 2.0, z: -1.7 }];
     for start in starts {
         let device = changed(&old, 1.03, 40e-6);
@@ -104,7 +104,7 @@ fn an_unchanged_device_stays_the_old_one() {
     let old = rig_like();
     let record = recording(&old, 5000.0, Start::Rest { voltage_v: 0.0 }, noise(5000, 5, 0.005));
     // Known better than the record can tell.
-    let prior = Prior { gain: Some(1e-6), delay_s: Some(1e-9) };
+    let prior = Prior { gain: Some(1e-6), delay_s: Some(1e-9), correlation: 0.3 };
     let found = recalibrate(&old, prior, std::slice::from_ref(&record), 75.0).unwrap();
     assert!(!found.gain.is_significant() && !found.delay.is_significant());
     assert!(
@@ -114,7 +114,7 @@ fn an_unchanged_device_stays_the_old_one() {
     );
     assert!((found.delay.value - 2e-4).abs() < 3e-9, "{:?}", found.delay);
     // Known worse: the record's own word stands.
-    let prior = Prior { gain: Some(0.5), delay_s: Some(1.0) };
+    let prior = Prior { gain: Some(0.5), delay_s: Some(1.0), correlation: 0.0 };
     let vague = recalibrate(&old, prior, &[record], 75.0).unwrap();
     assert!((vague.gain.value - vague.gain.measured).abs() < 1e-3 * vague.gain.std_error.unwrap());
 }
@@ -123,10 +123,91 @@ fn an_unchanged_device_stays_the_old_one() {
 fn a_gaussian_prior_is_combined_as_the_textbook_says() {
     // Two measurements of equal weight: their mean, and an error smaller by √2. The other unknown follows its correlation 0.5.
     let c = DMatrix::from_row_slice(2, 2, &[1e-4, 0.5e-5, 0.5e-5, 1e-6]);
-    let (x, c) = with_prior(&[1.02, 7.0], &c, &[(0, 1.0, 0.01)]).unwrap();
+    let (x, c) = with_prior(&[1.02, 7.0], &c, &[(0, 1.0, 0.01)], 0.0).unwrap();
     assert!((x[0] - 1.01).abs() < 1e-12 && (c[(0, 0)] - 0.5e-4).abs() < 1e-16, "{x:?}");
     assert!((x[1] - (7.0 - 0.5e-5 / 1e-4 * 0.01)).abs() < 1e-12, "{x:?}");
     assert!((c[(1, 1)] - (1e-6 - 0.5e-5 * 0.5e-5 / 2e-4)).abs() < 1e-18);
+    // Two correlated measurements of both, of the same covariance: the mean of the means, and half the covariance.
+    let both = DMatrix::from_row_slice(2, 2, &[1e-4, 0.5e-5, 0.5e-5, 1e-6]);
+    let (x, c) = with_prior(&[1.02, 7.0], &both, &[(0, 1.0, 1e-2), (1, 7.004, 1e-3)], 0.5).unwrap();
+    assert!((x[0] - 1.01).abs() < 1e-12 && (x[1] - 7.002).abs() < 1e-12, "{x:?}");
+    assert!((&c * 2.0 - both).iter().all(|d| d.abs() < 1e-16), "{c}");
+}
+
+/// The rig's model with a covariance: the loop's numbers make up for each other, c₀ is b.
+fn with_covariance() -> ModelFile {
+    let mut file = ModelFile::from_model(&rig_like(), SignalUnits::default());
+    let names = [
+        "linear",
+        "quadratic",
+        "alpha",
+        "beta",
+        "numerator[0].coefficient",
+        "denominator[0].coefficient",
+        "denominator[2].order",
+        "delay",
+    ];
+    // Linear and α to 5 %, their difference to 0.1 %; b and c₀ equal.
+    let root = DMatrix::from_row_slice(
+        8,
+        6,
+        &[
+            0.1, 5e-3, 0.0, 0.0, 0.0, 0.0, //
+            0.0, 1e-3, 1e-3, 0.0, 0.0, 0.0, //
+            0.1, 0.0, 2e-3, 0.0, 0.0, 0.0, //
+            1e-2, 0.0, 0.0, 1e-3, 0.0, 0.0, //
+            0.0, 0.0, 0.0, 0.0, 1e4, 0.0, //
+            0.0, 0.0, 0.0, 0.0, 1e4, 0.0, //
+            0.0, 0.0, 0.0, 0.0, 1e-3, 0.0, //
+            0.0, 1e-7, 0.0, 0.0, 2e-6, 1e-6,
+        ],
+    );
+    file.set_covariance(&names.map(String::from), &(&root * root.transpose()));
+    file
+}
+
+#[test]
+fn the_prior_is_that_of_gain_and_delay_with_all_else_held() {
+    // By hand: C = ½ [2 −1; −1 2]/100 has the inverse (200/3) [2 1; 1 2]; with D = (2, 1) it is (200/3) · 14.
+    let block = BoucWen::new(vec![2.0], 1.0, 0.2, 0.0, 1.0).unwrap();
+    let model = Model { hysteresis: Hysteresis::BoucWen(block), ..rig_like() };
+    let mut file = ModelFile::from_model(&model, SignalUnits::default());
+    let names = ["linear", "alpha"].map(String::from);
+    file.set_covariance(&names, &DMatrix::from_row_slice(2, 2, &[0.01, -0.005, -0.005, 0.01]));
+    let prior = Prior::of(&file);
+    assert!((prior.gain.unwrap() - (3.0f64 / 2800.0).sqrt()).abs() < 1e-12, "{prior:?}");
+    assert_eq!((prior.delay_s, prior.correlation), (None, 0.0));
+
+    let file = with_covariance();
+    let prior = Prior::of(&file);
+    // Far better known than `linear`, whose error is 1.5 %.
+    assert!(prior.gain.unwrap() < 2e-3 && prior.delay_s.unwrap() < 2e-6, "{prior:?}");
+    assert!(prior.correlation.abs() > 1e-3 && prior.correlation.abs() < 1.0, "{prior:?}");
+}
+
+#[test]
+fn a_new_file_knows_gain_and_delay_as_the_recalibration_does() {
+    let old = rig_like();
+    let file = with_covariance();
+    // Once changed, once not.
+    for (gain, later_s) in [(1.05, 5e-5), (1.0, 0.0)] {
+        let start = Start::Rest { voltage_v: 0.0 };
+        let record = recording(&changed(&old, gain, later_s), 2000.0, start, noise(2000, 5, 0.05));
+        let found = recalibrate(&old, Prior::of(&file), &[record], 75.0).unwrap();
+        let new = found.file(&file);
+        new.check().unwrap();
+        let again = Prior::of(&new);
+        // A gain of 1 stands for the new one there.
+        let expected = found.gain.std_error.unwrap() / found.gain.value;
+        assert!((again.gain.unwrap() / expected - 1.0).abs() < 1e-6, "{again:?} {expected}");
+        assert!((again.delay_s.unwrap() / found.delay.std_error.unwrap() - 1.0).abs() < 1e-6, "{again:?}");
+        assert!((again.correlation - found.correlation).abs() < 1e-6, "{again:?} {}", found.correlation);
+        // The rest is as well known as before, in proportion.
+        let error = |file: &ModelFile, name: &str| file.number(name).unwrap().std_error.unwrap();
+        for name in ["beta", "denominator[2].order"] {
+            assert!(error(&new, name) <= error(&file, name) * (1.0 + 1e-9), "{name}");
+        }
+    }
 }
 
 #[test]
@@ -174,7 +255,7 @@ fn the_file_keeps_what_was_held_and_carries_the_errors() {
     let old = rig_like();
     let mut file = ModelFile::from_model(&old, SignalUnits::default());
     file.hysteresis.parameters.get_mut("linear").unwrap().std_error = Some(0.0676);
-    assert_eq!(Prior::of(&file), Prior { gain: Some(0.0676 / 6.76), delay_s: None });
+    assert_eq!(Prior::of(&file), Prior { gain: Some(0.0676 / 6.76), delay_s: None, correlation: 0.0 });
     let record =
         recording(&changed(&old, 1.05, 0.0), 2000.0, Start::Rest { voltage_v: 0.0 }, noise(2000, 5, 0.005));
     let found = recalibrate(&old, Prior::of(&file), &[record], 75.0).unwrap();

@@ -312,6 +312,18 @@ pub(super) struct Training {
     pub(super) information: f64,
 }
 
+impl Training {
+    /// N ln(Σ(e/σ)²/N) over N independent samples.
+    pub(super) fn fit(&self, independent: f64) -> f64 {
+        independent * self.mean_square.max(f64::MIN_POSITIVE).ln()
+    }
+
+    /// [`super::Entry::bic`].
+    pub(super) fn bic(&self, independent: f64, parameters: usize) -> f64 {
+        self.fit(independent) + parameters as f64 * independent.ln()
+    }
+}
+
 /// The record with `ranges` masked, or with all but them masked.
 fn left(data: &InputOutput, ranges: &[Range<usize>], without: bool) -> InputOutput {
     let mut mask = vec![without; data.u.len()];

@@ -10,6 +10,7 @@ mod candidate;
 mod content;
 mod fit;
 mod folds;
+mod neighbours;
 mod prospect;
 mod ranking;
 
@@ -20,6 +21,7 @@ use rayon::prelude::*;
 pub use candidate::{Block, Candidate, UnknownCandidate};
 pub use content::Content;
 pub use folds::Fold;
+pub use neighbours::{Neighbour, Neighbours, neighbours};
 pub use prospect::{Prospect, Prospects, prospects};
 pub use ranking::{Ranking, Standing, rank};
 
@@ -259,9 +261,8 @@ impl Run<'_> {
             .into_iter()
             .map(|Finished { mut entry, training, .. }| {
                 let parameters = entry.parameters as f64;
-                let fit = training.map(|t| information * t.mean_square.max(f64::MIN_POSITIVE).ln());
-                entry.aic = fit.map(|f| f + 2.0 * parameters);
-                entry.bic = fit.map(|f| f + parameters * information.ln());
+                entry.aic = training.map(|t| t.fit(information) + 2.0 * parameters);
+                entry.bic = training.map(|t| t.bic(information, entry.parameters));
                 entry
             })
             .collect();

@@ -140,6 +140,31 @@ fn an_arx_candidate_is_compared_beside_the_others() {
 }
 
 #[test]
+fn the_neighbours_of_what_was_identified_are_told_apart() {
+    let options = Options {
+        dynamics: crate::identify::DynamicsChoice::Integer,
+        degree: crate::identify::Choice::Given(2),
+        ..Options::default()
+    };
+    let campaign = campaign();
+    let found = crate::identify::identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let list = neighbours(&campaign, &options, &found, &|| false).unwrap();
+    let names: Vec<String> = list.entries.iter().map(|e| e.candidate.to_string()).collect();
+    assert_eq!(names[0], "integer2+degree2");
+    let entry = |name: &str| &list.entries[names.iter().position(|n| n == name).unwrap()];
+    let own = entry("integer2+degree2");
+    assert!((own.rmse / NOISE - 1.0).abs() < 0.05 && own.parameters == 8, "{own:?}");
+    // What is missing shows in the error, what is needless in BIC alone.
+    assert!(entry("none+degree2").rmse > 10.0 * own.rmse && entry("integer2+degree1").rmse > 2.0 * own.rmse);
+    for name in ["integer2", "integer2+creep+degree2", "fractional+degree2", "integer2+degree2+n-free"] {
+        let richer = entry(name);
+        assert!(richer.rmse < 1.001 * own.rmse && richer.bic > own.bic, "{richer:?} {own:?}");
+    }
+    let once = [campaign[0].clone()];
+    assert!(matches!(neighbours(&once, &options, &found, &|| false), Err(StructureError::CannotRank { .. })));
+}
+
+#[test]
 fn parts_of_a_sweep_are_predicted_from_the_others() {
     let records = [measured("sweep", 4.0, |t| 2.0 * (1.0 - (TAU * (t + 6.0 * t * t)).cos()))];
     let list = candidates(&["none+degree2", "integer2+degree2"]);

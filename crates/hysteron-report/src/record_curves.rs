@@ -1,0 +1,198 @@
+//! One record with the model's simulation of it: loop, time curves with their bands, residual.
+
+use crate::figure::{
+    Axis, Colour, Dash, Figure, Panel, Series, Style, correlogram, measured_and_model, residual,
+};
+use crate::number::significant;
+use hysteron::validate::Correlogram;
+
+/// One record with the model's simulation, all of the same length.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RecordCurves {
+    /// Name, e.g. the file.
+    pub name: String,
+    /// `fitted` or `held out`.
+    pub role: String,
+    /// Time \[s\].
+    pub time_s: Vec<f64>,
+    /// Name and unit of the input, e.g. `("voltage", "V")`.
+    pub input: (String, String),
+    /// Input values.
+    pub u: Vec<f64>,
+    /// Name and unit of the output, e.g. `("displacement", "µm")`.
+    pub output: (String, String),
+    /// Measured output.
+    pub measured: Vec<f64>,
+    /// Simulated output.
+    pub model: Vec<f64>,
+    /// Whether a sample was used; empty means all. Unused samples are not drawn.
+    pub valid: Vec<bool>,
+    /// Half the widths of the 95 % bands; `None` where they are not known.
+    pub band: Option<BandWidths>,
+    /// Time up to which samples were skipped in the scores \[s\]; 0 for none.
+    pub skipped_until_s: f64,
+    /// Autocorrelation of the residual; `None` for a record too short for it.
+    pub autocorrelation: Option<Correlogram>,
+    /// Correlation of the residual with the input.
+    pub input_correlation: Option<Correlogram>,
+}
+
+/// Half the widths of 95 % bands at every sample, in the unit of the output.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BandWidths {
+    /// Of the model's output, from the uncertainty of the parameters.
+    pub model: Vec<f64>,
+    /// Of a new measurement, the scatter of the residual beside that.
+    pub measurement: Vec<f64>,
+}
+
+impl RecordCurves {
+    /// The values of valid samples, NaN elsewhere.
+    fn masked(&self, values: &[f64]) -> Vec<f64> {
+        let used = |k: usize| self.valid.is_empty() || self.valid.get(k).copied().unwrap_or(false);
+        values.iter().enumerate().map(|(k, v)| if used(k) { *v } else { f64::NAN }).collect()
+    }
+
+    fn x_axis(&self) -> Axis {
+        Axis::linear(&self.input.0, &self.input.1)
+    }
+
+    fn y_axis(&self) -> Axis {
+        Axis::linear(&self.output.0, &self.output.1)
+    }
+
+    /// The loop, measured and model.
+    pub fn loop_figure(&self) -> Figure {
+        let (measured, model) = (self.masked(&self.measured), self.masked(&self.model));
+        Figure::new(format!("Hysteresis loop: {}", self.name))
+            .panel(measured_and_model(self.x_axis(), self.y_axis(), &self.u, &measured, &model))
+            .panel_height(310.0)
+            .captioned(format!(
+                "Measured and simulated {} over {} of record {}.",
+                self.output.0, self.input.0, self.name
+            ))
+    }
+
+    /// Input, output and residual over time, on one time axis.
+    pub fn time_figure(&self) -> Figure {
+        self.curves_over_time(self.time_s.len()).titled(format!("Time curves: {}", self.name)).captioned(
+            format!(
+                "Input, measured and simulated output, and residual (measured − model) of record {}.{}",
+                self.name,
+                self.about_bands()
+            ),
+        )
+    }
+
+    /// What the bands hold, in words; empty without bands.
+    fn about_bands(&self) -> String {
+        let Some(band) = &self.band else { return String::new() };
+        let used = |k: &usize| self.valid.is_empty() || self.valid.get(*k).copied().unwrap_or(false);
+        let all: Vec<usize> = (0..self.measured.len().min(band.measurement.len())).filter(used).collect();
+        let inside = |k: &&usize| (self.measured[**k] - self.model[**k]).abs() <= band.measurement[**k];
+        let share = 100.0 * all.iter().filter(inside).count() as f64 / all.len().max(1) as f64;
+        let largest = band.model.iter().copied().fold(0.0, f64::max);
+        format!(
+            " Bands around the model: the dark one (± {} {} at its widest) holds the output of the model with the true parameters in 95 of \
+             100 campaigns, the pale one 95 % of new measurements; it holds {} % of these. Both take the model class for true: what it misses is \
+             in the scatter of the residual, not in the dark band.",
+            significant(largest, 2),
+            self.output.1,
+            significant(share, 3)
+        )
+    }
+
+    /// The first periods of a record that has more than [`CROWDED`], over time; `None` for other records.
+    pub fn start_figure(&self) -> Option<Figure> {
+        let starts = self.period_starts();
+        if starts.len() <= CROWDED {
+            return None;
+        }
+        // The record may begin within a period, so its end is counted from the record's first sample.
+        let end = starts.get(PERIODS_SHOWN)?.checked_sub(*starts.first()?)?;
+        let figure = self.curves_over_time(end.min(self.time_s.len()));
+        Some(figure.titled(format!("Start of the record: {}", self.name)).captioned(format!(
+            "The first {PERIODS_SHOWN} of {} periods of record {}.",
+            starts.len(),
+            self.name
+        )))
+    }
+
+    /// Samples at which the input rises through the middle of its range, after having been below a tenth
+    /// of the range under it.
+    fn period_starts(&self) -> Vec<usize> {
+        let values = || self.u.iter().copied().filter(|u| u.is_finite());
+        let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| (a.min(u), b.max(u)));
+        let (middle, armed_below) = (0.5 * (low + high), 0.4 * high + 0.6 * low);
+        let (mut armed, mut starts) = (false, Vec::new());
+        for (k, u) in self.u.iter().enumerate() {
+            armed |= *u < armed_below;
+            if armed && *u >= middle {
+                armed = false;
+                starts.push(k);
+            }
+        }
+        starts
+    }
+
+    /// Correlation of the residual with itself and with the input; `None` for a record too short for it.
+    pub fn residual_figure(&self) -> Option<Figure> {
+        let tests = [
+            ("with itself", self.autocorrelation.as_ref()?),
+            ("with the input", self.input_correlation.as_ref()?),
+        ];
+        let mut figure = Figure::new(format!("Residual: {}", self.name)).in_columns(2).panel_height(150.0);
+        let mut outside = Vec::new();
+        for (title, c) in tests {
+            figure = figure.panel(correlogram(title, c.first_lag, &c.coefficients, c.bound));
+            let test = c.test();
+            outside.push(format!("{} of {} lags {title}", test.outside, test.lags));
+        }
+        Some(figure.captioned(format!(
+            "Correlation of the residual of record {}. Noise alone would stay within the 99 % bounds (dashed) at all but about one \
+             lag in a hundred; outside are {}. What is outside is structure that the model does not describe: creep, minor loops, \
+             dynamics (positive lags of the input), or a delay that is too long (negative lags).",
+            self.name,
+            outside.join(" and ")
+        )))
+    }
+
+    /// Input, output and residual of the first `samples` samples.
+    fn curves_over_time(&self, samples: usize) -> Figure {
+        let first = |values: &[f64]| values.iter().take(samples).copied().collect::<Vec<f64>>();
+        let time_s = first(&self.time_s);
+        let (measured, model) = (first(&self.masked(&self.measured)), first(&self.masked(&self.model)));
+        let time = || Axis::linear("time", "s");
+        let grey = Style::line(Colour::Grey).with_width(1.2);
+        let input =
+            Panel::new(time(), self.x_axis()).series(Series::line("", time_s.clone(), first(&self.u), grey));
+        let mut output = measured_and_model(time(), self.y_axis(), &time_s, &measured, &model);
+        let mut error = residual(time(), &self.output.1, &time_s, &measured, &model);
+        if let Some(band) = &self.band {
+            let around_zero = |label: &str, colour: Colour, half: &[f64]| {
+                let half = first(half);
+                let zero = vec![0.0; half.len()];
+                let lower = half.iter().map(|h| -h).collect();
+                let style = Style::line(colour).with_dash(Dash::None);
+                Series::line(label, time_s.clone(), zero, style).with_band(lower, half)
+            };
+            let bands = [
+                around_zero("95 % of new measurements", Colour::Sky, &band.measurement),
+                around_zero("95 % band of the model", Colour::Blue, &band.model),
+            ];
+            // Behind the residual.
+            error.series.splice(0..0, bands);
+        }
+        if let (Some(start), true) = (time_s.first(), self.skipped_until_s > 0.0) {
+            output = output.span(*start, self.skipped_until_s, "not scored");
+            error = error.span(*start, self.skipped_until_s, "");
+        }
+        Figure::new("").panel(input).panel(output).panel(error).panel_height(112.0).link_x()
+    }
+}
+
+/// A time curve with more periods than this shows little: its start is drawn as well.
+pub const CROWDED: usize = 12;
+
+/// Periods in the figure of the start of a record.
+const PERIODS_SHOWN: usize = 4;
