@@ -24,6 +24,7 @@ mod optimizers;
 mod output;
 mod progress;
 mod recalibrate;
+mod result_flags;
 mod rig;
 mod scale;
 mod schema;

@@ -1,7 +1,6 @@
 //! `hysteron optimizers`: the optimisers compared.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
@@ -11,15 +10,14 @@ use hysteron::identify::optimizer_study::{
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
 use hysteron_report::number::significant;
 use hysteron_report::page::{Block, Column, Page, Section, Table};
-use hysteron_report::write_page;
 use serde::de::DeserializeOwned;
 
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::numbers::whole;
-use crate::output;
 use crate::progress::Progress;
+use crate::result_flags::ResultFlags;
 
 /// Compare the optimisers on the article's two identification problems, over many seeds with one budget.
 #[derive(Args)]
@@ -53,26 +51,16 @@ pub struct Optimizers {
     #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true)]
     threads: Option<usize>,
 
-    /// Write a self-contained HTML page with tables and convergence
-    #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
-
-    /// Print everything that was found as one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    result: ResultFlags,
 }
 
 impl Optimizers {
     pub fn run(&self) -> Result<(), Failure> {
-        if let Some(path) = &self.report {
-            output::check_file("the report", path)?;
-        }
+        self.result.check()?;
         let study = self.study()?;
-        if let Some(path) = &self.report {
-            write_page(path, &page(&study)).map_err(|e| output::cannot_write("the report", path, e))?;
-            console::message(&format!("report written to {}", path.display()));
-        }
-        if self.json { console::json(&study) } else { console::result(&text(&study)) }
+        self.result.write(|| page(&study))?;
+        if self.result.json { console::json(&study) } else { console::result(&text(&study)) }
     }
 
     fn study(&self) -> Result<Study, Failure> {

@@ -116,6 +116,7 @@ fn identification(record: RecordCurves) -> Page {
         unit: unit.into(),
         std_error,
         interval: None,
+        is_profiled: false,
         note: if std_error.is_some() { String::new() } else { "fixed".into() },
     };
     let mut single = runs("least squares", 0.08, 0.05);

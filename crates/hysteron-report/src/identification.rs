@@ -93,7 +93,9 @@ pub struct ParameterRow {
     pub std_error: Option<f64>,
     /// Ends of its 95 % interval; the column is left out where no parameter has one.
     pub interval: Option<(f64, f64)>,
-    /// How it came about when it was not estimated (`fixed`, `at its bound` …); may be empty.
+    /// The interval comes from a profile of the fit instead of the standard error.
+    pub is_profiled: bool,
+    /// How it came about when it was not estimated (`fixed`, `at its bound` …), behind the meaning; may be empty.
     pub note: String,
 }
 
@@ -238,7 +240,6 @@ fn model(data: &IdentificationReportData) -> Section {
             Column::number("value", ""),
             Column::number("std. error", ""),
             Column::text("unit"),
-            Column::text("remark"),
         ];
         let intervals = data.parameters.iter().any(|p| p.interval.is_some());
         if intervals {
@@ -250,21 +251,22 @@ fn model(data: &IdentificationReportData) -> Section {
             let (value, error) = with_std_error(p.value, p.std_error);
             let shown = if p.block == block { String::new() } else { p.block.clone() };
             block = &p.block;
-            let mut cells = vec![
-                shown,
-                p.symbol.clone(),
-                p.meaning.clone(),
-                value,
-                error,
-                p.unit.clone(),
-                p.note.clone(),
-            ];
+            let meaning = match p.note.as_str() {
+                "" => p.meaning.clone(),
+                note => format!("{} ({note})", p.meaning),
+            };
+            let mut cells = vec![shown, p.symbol.clone(), meaning, value, error, p.unit.clone()];
             if intervals {
                 let end = |x: f64| with_std_error(x, p.std_error).0;
-                let both = |(low, high): (f64, f64)| format!("{} … {}", end(low), end(high));
-                cells.insert(5, p.interval.map(both).unwrap_or_default());
+                let mark = if p.is_profiled { " *" } else { "" };
+                let both = |(low, high): (f64, f64)| format!("{} … {}{mark}", end(low), end(high));
+                // On one line.
+                cells.insert(5, p.interval.map(both).unwrap_or_default().replace(' ', "\u{a0}"));
             }
             table = table.row(cells);
+        }
+        if data.parameters.iter().any(|p| p.is_profiled) {
+            table = table.note("* by profile likelihood: the fit is not linear enough in this parameter for its standard error.");
         }
         section = section.block(table);
     }
@@ -334,8 +336,8 @@ fn dynamics(data: &IdentificationReportData) -> Section {
         let mut figure =
             frequency_response("Frequency response", &data.magnitude_unit, &data.frequency_response);
         if let Some((from, to)) = data.excited_hz.filter(|(from, to)| from < to) {
-            for (panel, label) in figure.panels.iter_mut().zip(["excited by the records", ""]) {
-                *panel = std::mem::take(panel).span(from, to, label);
+            for panel in &mut figure.panels {
+                *panel = std::mem::take(panel).span(from, to, "excited by the records");
             }
         }
         if let Some((at, _)) = data.excited_hz.filter(|(from, to)| from == to) {

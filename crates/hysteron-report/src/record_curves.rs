@@ -178,7 +178,7 @@ impl RecordCurves {
             };
             let bands = [
                 around_zero("95 % of new measurements", Colour::Sky, &band.measurement),
-                around_zero("95 % band of the model", Colour::Blue, &band.model),
+                around_zero("95 % band of the model", Colour::Ink, &band.model),
             ];
             // Behind the residual.
             error.series.splice(0..0, bands);

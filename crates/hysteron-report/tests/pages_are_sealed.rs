@@ -35,6 +35,7 @@ fn report(text: &str) -> Page {
             value: 1.0,
             unit: t(),
             interval: Some((0.5, 1.5)),
+            is_profiled: true,
             std_error: Some(0.1),
             note: t(),
         }],

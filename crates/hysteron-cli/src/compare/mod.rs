@@ -12,7 +12,6 @@ use hysteron::identify::structure::{
     Candidate, CompareWatcher, Comparison, StructureError, UnknownCandidate, compare,
 };
 use hysteron::identify::{CampaignRecord, Options, Unwatched, identify};
-use hysteron_report::write_page;
 
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -21,6 +20,7 @@ use crate::identify::written;
 use crate::interrupt;
 use crate::output;
 use crate::progress::Progress;
+use crate::result_flags::ResultFlags;
 
 /// Compare structures by their simulated error on data they were not fitted to, and say which the records support.
 #[derive(Args)]
@@ -48,13 +48,8 @@ pub struct Compare {
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: Option<PathBuf>,
 
-    /// Report to write, one HTML file
-    #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
-
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    result: ResultFlags,
 
     #[command(flatten)]
     columns: ColumnFlags,
@@ -78,9 +73,7 @@ impl Compare {
         if let Some(path) = &self.out {
             output::check_file("the model", path)?;
         }
-        if let Some(path) = &self.report {
-            output::check_file("the report", path)?;
-        }
+        self.result.check()?;
         let campaign = self
             .records
             .iter()
@@ -97,12 +90,8 @@ impl Compare {
             records: campaign.iter().map(|r| r.data.name.clone()).collect(),
             unit: campaign.first().map_or(String::new(), |r| r.data.y_unit.to_string()),
         };
-        if let Some(path) = &self.report {
-            write_page(path, &report::page(&found))
-                .map_err(|e| output::cannot_write("the report", path, e))?;
-            console::message(&format!("report written to {}", path.display()));
-        }
-        if self.json {
+        self.result.write(|| report::page(&found))?;
+        if self.result.json {
             console::json(&json::Summary::new(&found))?;
         } else {
             console::result(&text::text(&found))?;

@@ -11,13 +11,13 @@ use clap::{Args, ValueEnum};
 use hysteron::frequency_response::empirical::{EmpiricalOptions, EmpiricalResponse, empirical_response};
 use hysteron::frequency_response::{Candidate, Family, FrequencyResponse, Weighting, compare};
 use hysteron_io::{IoError, ResponseOptions, read_csv, read_frequency_response};
-use hysteron_report::write_page;
 
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::numbers::positive;
 use crate::output;
+use crate::result_flags::ResultFlags;
 
 /// Fit structures to a measured frequency response, or to records of periodic multisines, and say what each explains.
 #[derive(Args)]
@@ -69,13 +69,8 @@ pub struct FrequencyResponseCommand {
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: Option<PathBuf>,
 
-    /// Write a self-contained HTML report
-    #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
-
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    result: ResultFlags,
 
     #[command(flatten)]
     columns: ColumnFlags,
@@ -109,9 +104,7 @@ impl FrequencyResponseCommand {
         if let Some(path) = &self.out {
             output::check_file("the model", path)?;
         }
-        if let Some(path) = &self.report {
-            output::check_file("the report", path)?;
-        }
+        self.result.check()?;
         let (measured, empirical) = self.measured()?;
         let response = self.prepared(measured)?;
         let weighting = Weighting::of(&response);
@@ -120,15 +113,15 @@ impl FrequencyResponseCommand {
             .map_err(|e| Failure::new("cannot fit the frequency response").because(e))?;
         let found = Found { response, empirical, candidates };
         let written = self.out.as_deref().map(|path| model::write(path, &found)).transpose()?;
-        if let Some(path) = &self.report {
-            write_page(path, &report::page(&found))
-                .map_err(|e| output::cannot_write("the report", path, e))?;
-            console::message(&format!("report written to {}", path.display()));
-        }
+        self.result.write(|| report::page(&found))?;
         if let Some(text) = written {
             console::message(&text);
         }
-        if self.json { console::json(&text::summary(&found)) } else { console::result(&text::text(&found)) }
+        if self.result.json {
+            console::json(&text::summary(&found))
+        } else {
+            console::result(&text::text(&found))
+        }
     }
 
     fn families(&self, response: &FrequencyResponse) -> Vec<Family> {

@@ -98,10 +98,11 @@ fn parameters(found: &Found) -> Table {
     ];
     let mut table = Table::new(columns);
     for candidate in &found.candidates {
-        for p in &candidate.fit.parameters {
+        for (place, p) in candidate.fit.parameters.iter().enumerate() {
+            let structure = if place == 0 { candidate.name.clone() } else { String::new() };
             let (value, error) = with_std_error(p.value, p.std_error);
             let error = if p.on_edge { "on the edge".to_owned() } else { error };
-            table = table.row([candidate.name.clone(), p.name.clone(), value, error, shown(&p.unit)]);
+            table = table.row([structure, p.name.clone(), value, error, shown(&p.unit)]);
         }
     }
     table

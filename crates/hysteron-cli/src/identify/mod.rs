@@ -27,7 +27,7 @@ use hysteron::optimize::{
 };
 use hysteron::record::InterSample;
 use hysteron_report::identification::{IdentificationReportData, identification_report};
-use hysteron_report::{write_figures, write_page};
+use hysteron_report::write_figures;
 
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -36,6 +36,7 @@ use crate::interrupt;
 use crate::numbers::{count, number, whole};
 use crate::output;
 use crate::progress::Progress;
+use crate::result_flags::ResultFlags;
 
 /// Largest file of interrupted searches read \[bytes\].
 const MAX_RESUME_BYTES: u64 = 256 << 20;
@@ -163,17 +164,12 @@ pub struct Identify {
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
     least_fit: f64,
 
-    /// Report to write, one HTML file
-    #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    result: ResultFlags,
 
     /// Folder to write every figure of the report to, as SVG
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
-
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
 
     #[command(flatten)]
     columns: ColumnFlags,
@@ -323,32 +319,27 @@ impl Identify {
         if found.cancelled {
             self.write_searches(&found.resume)?;
         }
-        if self.report.is_some() || self.figures.is_some() {
+        if self.result.has_report() || self.figures.is_some() {
             let stop = || stop.load(Ordering::Relaxed);
             let others = neighbours(&campaign, &options, &found, &stop);
             self.write_report(&report::data(&self.out, &found, &file, &others))?;
         }
         // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
-        if self.json || !std::io::stdout().is_terminal() {
+        if self.result.json || !std::io::stdout().is_terminal() {
             let warnings = found.findings.iter().filter(|f| f.kind == FindingKind::Warning);
             warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&f.text));
         }
-        if self.json {
+        if self.result.json {
             return console::json(&outcome::Outcome::new(&self.out, &found, &file));
         }
         console::result(&outcome::text(&found, &file))?;
         console::message(&format!("model written to {}", self.out.display()));
-        if let Some(report) = &self.report {
-            console::message(&format!("report written to {}", report.display()));
-        }
         Ok(())
     }
 
     fn check_outputs(&self) -> Result<(), Failure> {
         output::check_file("the model", &self.out)?;
-        if let Some(path) = &self.report {
-            output::check_file("the report", path)?;
-        }
+        self.result.check()?;
         if let Some(folder) = &self.figures {
             output::check_folder("the figures", folder)?;
         }
@@ -460,9 +451,7 @@ impl Identify {
 
     fn write_report(&self, data: &IdentificationReportData) -> Result<(), Failure> {
         let page = identification_report(data);
-        if let Some(path) = &self.report {
-            write_page(path, &page).map_err(|e| output::cannot_write("the report", path, e))?;
-        }
+        self.result.write(|| &page)?;
         if let Some(folder) = &self.figures {
             let failure = || Failure::new(format!("cannot write the figures to {}", folder.display()));
             std::fs::create_dir_all(folder).map_err(|e| failure().because(e))?;

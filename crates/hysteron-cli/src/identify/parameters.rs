@@ -38,7 +38,7 @@ fn record_of_memory<'a>(name: &str, found: &'a Identification) -> Option<&'a str
 
 fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> ParameterRow {
     let memory = record_of_memory(&p.name, found)
-        .map(|record| format!("hysteretic displacement z at the first sample of {record}"));
+        .map(|record| format!("hysteretic part z at the first sample of {record}"));
     let (symbol, meaning) = match p.name.as_str() {
         "linear" => ("l₁", "coefficient of u"),
         "quadratic" => ("l₂", "coefficient of u²"),
@@ -77,11 +77,9 @@ fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> Par
         unit: unit_of(p, file),
         std_error: p.std_error,
         interval: p.interval.map(|i| (i.low, i.high)),
+        is_profiled: p.interval.is_some_and(|i| i.method == IntervalMethod::Profile),
         note: match (p.held, p.std_error) {
             (true, _) => "held at this value".into(),
-            (false, Some(_)) if p.interval.is_some_and(|i| i.method == IntervalMethod::Profile) => {
-                "interval by profile likelihood".into()
-            }
             (false, Some(_)) => String::new(),
             (false, None) => "not determined by these records".into(),
         },
@@ -102,6 +100,7 @@ pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
         unit: first.data.y_unit.to_string(),
         std_error: None,
         interval: None,
+        is_profiled: false,
         note: if held {
             "held at this value".into()
         } else {
@@ -127,6 +126,7 @@ pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
             unit,
             std_error: None,
             interval: None,
+            is_profiled: false,
             note: format!("of {}", fit.data.name),
         });
     }

@@ -155,14 +155,14 @@ fn highlights(found: &Identification) -> Vec<Highlight> {
     let unit = worst.data.y_unit.to_string();
     let scores = &worst.scores;
     let mut list = vec![
-        Highlight::new("RMSE (training)", format!("{:.3}", scores.rmse), unit.clone()),
-        Highlight::new("largest error", format!("{:.3}", scores.max_abs_error), unit),
+        Highlight::new("RMSE (training)", significant(scores.rmse, 3), unit.clone()),
+        Highlight::new("largest error", significant(scores.max_abs_error, 3), unit),
     ];
     if let Some(percent) = scores.rmse_percent_of_stroke {
-        list.push(Highlight::new("RMSE over stroke", format!("{percent:.2}"), "%"));
+        list.push(Highlight::new("RMSE over stroke", significant(percent, 2), "%"));
     }
     if found.model.delay_s > 0.0 {
-        list.push(Highlight::new("delay", format!("{:.2}", 1e3 * found.model.delay_s), "ms"));
+        list.push(Highlight::new("delay", significant(1e3 * found.model.delay_s, 3), "ms"));
     }
     list
 }

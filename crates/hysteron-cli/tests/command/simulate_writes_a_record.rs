@@ -3,7 +3,8 @@
 use crate::bench::{Bench, good_record, static_model};
 use hysteron::dynamics::{Arx, Dynamics, Scheme, Term, TransferFunction};
 use hysteron::hammerstein::Model;
-use hysteron::model_file::SignalUnits;
+use hysteron::model_file::{ModelFile, ScoreEntry, ScoreRole, SignalUnits};
+use nalgebra::DMatrix;
 
 #[test]
 fn what_was_simulated_validates_without_any_error() {
@@ -28,6 +29,82 @@ fn a_drive_alone_is_enough_and_its_voltage_is_converted() {
     let out = std::fs::read_to_string(bench.path("out.csv")).unwrap();
     let u: Vec<&str> = out.lines().map(|l| l.split(',').next().unwrap()).collect();
     assert_eq!(u, ["u_V", "0", "1", "2", "1"]);
+}
+
+#[test]
+fn a_band_holds_what_the_errors_in_the_file_mean() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    let run = bench.run("simulate model.json run.csv -o out.csv --band model");
+    assert_eq!(run.exit_code, 1, "{run:?}");
+    assert!(run.stderr.contains("holds no correlation") && run.stderr.contains("\ntry: "), "{}", run.stderr);
+
+    // The error of the linear coefficient alone: half the width is 1.96 σ |u − ū|.
+    let mut file = ModelFile::from_model(&static_model(), SignalUnits::default());
+    file.set_covariance(&["linear".to_owned()], &DMatrix::from_element(1, 1, 1e-4));
+    bench.write("model.json", file.to_json().unwrap());
+    let refused = bench.run("simulate model.json run.csv -o out.csv --band measurement");
+    assert!(refused.exit_code == 1 && refused.stderr.contains("holds no scores"), "{refused:?}");
+    let run = bench.run("simulate model.json run.csv -o out.csv --band model");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let out = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+    assert!(out.starts_with("t_s,u_V,y_um,y_low_um,y_high_um\n"), "{}", &out[..40]);
+    let rows: Vec<Vec<f64>> =
+        out.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    let mean = rows.iter().map(|r| r[1]).sum::<f64>() / rows.len() as f64;
+    for r in &rows {
+        let half = 1.959_964 * 1e-2 * (r[1] - mean).abs();
+        assert!((r[4] - r[2] - half).abs() < 1e-6 && (r[2] - r[3] - half).abs() < 1e-6, "{r:?} {half}");
+    }
+    // It is still a record with one output.
+    let run = bench.run("validate model.json out.csv --json");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+}
+
+#[test]
+fn a_band_is_held_against_a_record() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    let mut file = ModelFile::from_model(&static_model(), SignalUnits::default());
+    file.set_covariance(&["linear".to_owned()], &DMatrix::from_element(1, 1, 1e-10));
+    let clean = bench.run("simulate model.json run.csv -o out.csv");
+    assert_eq!(clean.exit_code, 0, "{clean:?}");
+    // A triangle of ± 1 beside the model, whose scatter about it was 0.5: 98 % of it lie within ± 0.98.
+    let text = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+    let mut lines = text.lines();
+    let mut noisy = lines.next().unwrap().to_owned() + "\n";
+    for (k, line) in lines.enumerate() {
+        let (rest, y) = line.rsplit_once(',').unwrap();
+        let error = (k % 101) as f64 / 50.0 - 1.0;
+        noisy += &format!("{rest},{}\n", y.parse::<f64>().unwrap() + error);
+    }
+    bench.write("noisy.csv", noisy);
+    file.scores = vec![ScoreEntry {
+        record: "r".into(),
+        role: ScoreRole::Training,
+        unit: "um".into(),
+        samples: 100,
+        skipped_samples: 0,
+        offset: 0.0,
+        rmse: 0.5,
+        max_abs_error: 1.0,
+        rmse_percent_of_stroke: None,
+        max_percent_of_stroke: None,
+        fit_percent: None,
+        relative_error: None,
+        loop_width_error_percent: None,
+    }];
+    bench.write("model.json", file.to_json().unwrap());
+    let run = bench.run("validate model.json noisy.csv --rest-voltage 0 --band --json");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let json: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let record = &json["records"][0];
+    let share = record["within_band_percent"].as_f64().unwrap();
+    assert!((97.0..99.0).contains(&share), "{record}");
+    assert!((record["band_of_measurement_um"].as_f64().unwrap() - 0.98).abs() < 1e-3, "{record}");
+    assert!(record["band_of_model_um"].as_f64().unwrap() < 1e-2, "{record}");
+    let run = bench.run("validate model.json noisy.csv --rest-voltage 0 --band");
+    assert!(run.stdout.contains("% of the samples lie within the 95 % band"), "{}", run.stdout);
 }
 
 fn with(dynamics: Dynamics, scheme: Scheme) -> Model {

@@ -194,9 +194,16 @@ fn range(panel: &Panel, axis: &Axis, horizontal: bool) -> (f64, f64, bool) {
     )
 }
 
-/// The axis over `length` px.
-fn place_axis(panel: &Panel, axis: &Axis, horizontal: bool, length: f64) -> (PlacedAxis, bool) {
+/// The axis over `length` px, from the first to the last of its data, or of all that share it.
+fn place_axis(
+    panel: &Panel,
+    axis: &Axis,
+    horizontal: bool,
+    length: f64,
+    shared: Option<(f64, f64)>,
+) -> (PlacedAxis, bool) {
     let (low, high, any) = range(panel, axis, horizontal);
+    let (low, high) = if any { shared.unwrap_or((low, high)) } else { (low, high) };
     let limit = (length / if horizontal { 64.0 } else { 28.0 }).floor().clamp(3.0, 10.0) as usize;
     let marks = if !axis.categories.is_empty() {
         let slot = length / axis.categories.len() as f64;
@@ -224,6 +231,16 @@ fn place_axis(panel: &Panel, axis: &Axis, horizontal: bool, length: f64) -> (Pla
     };
     let categorical = !axis.categories.is_empty();
     (PlacedAxis { scale: axis.scale, low, high, ticks: marks, limit, title, categorical }, any)
+}
+
+/// The range that holds the data of every panel, where all of them have the x axis in common.
+fn shared_range(figure: &Figure) -> Option<(f64, f64)> {
+    let scale = figure.panels.first()?.x.scale;
+    if !figure.linked_x || figure.panels.iter().any(|p| p.x.scale != scale || !p.x.categories.is_empty()) {
+        return None;
+    }
+    let ranges = figure.panels.iter().map(|panel| range(panel, &panel.x, true)).filter(|r| r.2);
+    ranges.map(|(low, high, _)| (low, high)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 /// Entries of a panel's legend: labelled series and stretches, equal ones once.
@@ -280,13 +297,16 @@ pub(crate) fn layout(figure: &Figure) -> Layout {
     // Left margins: the widest tick label of each column, so that frames line up.
     let mut left = vec![0f64; columns];
     for (i, panel) in figure.panels.iter().enumerate() {
-        let (axis, _) = place_axis(panel, &panel.y, false, frame_h);
+        let (axis, _) = place_axis(panel, &panel.y, false, frame_h, None);
         let widest = axis.ticks.labels.iter().map(|t| width(t, SMALL)).fold(0.0, f64::max);
         left[i % columns] = left[i % columns].max(widest.max(30.0) + 34.0);
     }
 
     let lists: Vec<_> = figure.panels.iter().map(entries).collect();
-    let shared = lists.len() > 1 && lists.windows(2).all(|w| w[0] == w[1]);
+    // One legend above all, where it explains every panel.
+    let explains = |list: &Vec<(String, Sample)>| list.iter().all(|entry| lists[0].contains(entry));
+    let shared = lists.len() > 1 && lists[1..].iter().all(explains);
+    let x_range = shared_range(figure);
     let first_left = left.first().copied().unwrap_or(0.0);
     let (legend, legend_rows) = match lists.first() {
         Some(list) if shared => place_legend(list.clone(), first_left, total - 12.0, y + 14.0),
@@ -317,8 +337,8 @@ pub(crate) fn layout(figure: &Figure) -> Layout {
             let x0 = column as f64 * column_width;
             let w = (column_width - left[column] - 20.0).max(40.0);
             let frame = Rect { x: x0 + left[column], y: top, w, h: frame_h };
-            let (x, any_x) = place_axis(panel, &panel.x, true, w);
-            let (y_axis, any_y) = place_axis(panel, &panel.y, false, frame_h);
+            let (x, any_x) = place_axis(panel, &panel.x, true, w, x_range);
+            let (y_axis, any_y) = place_axis(panel, &panel.y, false, frame_h, None);
             panels.push(PlacedPanel {
                 frame,
                 x,

@@ -1,0 +1,50 @@
+//! Flags of the commands whose result is also a page, and also an object.
+
+use std::borrow::Borrow;
+use std::path::PathBuf;
+
+use clap::Args;
+use hysteron_report::page::Page;
+use hysteron_report::write_page;
+
+use crate::console;
+use crate::failure::Failure;
+use crate::output;
+
+/// How the result is handed out.
+#[derive(Args, Clone, Debug)]
+pub struct ResultFlags {
+    /// Report to write, one self-contained HTML file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl ResultFlags {
+    /// Whether a report is wanted.
+    pub fn has_report(&self) -> bool {
+        self.report.is_some()
+    }
+
+    /// Checks that the report can be written.
+    ///
+    /// # Errors
+    /// If it cannot.
+    pub fn check(&self) -> Result<(), Failure> {
+        self.report.as_deref().map_or(Ok(()), |path| output::check_file("the report", path))
+    }
+
+    /// Writes the report, if one is wanted, and says so.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write<P: Borrow<Page>>(&self, page: impl FnOnce() -> P) -> Result<(), Failure> {
+        let Some(path) = &self.report else { return Ok(()) };
+        write_page(path, page().borrow()).map_err(|e| output::cannot_write("the report", path, e))?;
+        console::message(&format!("report written to {}", path.display()));
+        Ok(())
+    }
+}
