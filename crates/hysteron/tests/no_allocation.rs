@@ -54,7 +54,7 @@ fn a_candidate_allocates_nothing() {
     let mut tf = TransferFunction::article_eq13();
     let unstable =
         SecondOrder { damping: -0.5, ..tf.second_order().unwrap() }.to_transfer_function().unwrap();
-    for samples in [1_000, 1_009] {
+    for samples in [1_000, 1_009, 10_000] {
         let input: Vec<f64> = (0..samples).map(|k| (f64::from(k) * 0.01).sin()).collect();
         let mut output = vec![0.0; input.len()];
         for scheme in Scheme::ALL {
@@ -112,7 +112,7 @@ fn a_response_and_its_derivatives_allocate_nothing() {
     let mut tf = form.transfer_function(&p).unwrap();
     let mut linearised = Linearised::new();
     form.linearise(&p, &mut linearised).unwrap();
-    let input: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 0.01).sin()).collect();
+    let input: Vec<f64> = (0..4000).map(|k| (f64::from(k) * 0.01).sin()).collect();
     let mut output = vec![0.0; input.len()];
     for scheme in Scheme::ALL {
         for (delay, reconstruction) in

@@ -5,6 +5,8 @@ use std::sync::OnceLock;
 
 use super::blocks::{BLOCK, Exponential, Polynomial, frequencies};
 use super::error::{check_finite, check_length, check_sample_rate};
+use super::frequencies::Frequencies;
+use super::sums::Candidate;
 use super::{DynamicsError, InitialCondition, Scheme, Stability, Term, TransferFunction, stability};
 use crate::numeric::fft::{RealFft, fast_length};
 use crate::numeric::{Complex64, InstructionSet, half_turns, multiply_quotient};
@@ -20,9 +22,9 @@ const SHORTEST: usize = 256;
 /// threads, used for any number of transfer functions.
 ///
 /// y = r^−k · IFFT( G(s) · FFT(r^k u_k) ), s = δ(r e^(−iθ))/h, L ≥ 2N, r^L = 1e-10 (Lubich's convolution
-/// quadrature; for `BandLimited` s = σ + iω with r = e^(−σh)). Holds FFT plans and ln s for each frequency, so a
-/// candidate costs one exponential per term of non-zero order and frequency. With
-/// [`InitialCondition::Periodic`] r = 1 and L = N: the exact steady state.
+/// quadrature; for `BandLimited` s = σ + iω with r = e^(−σh)). Holds FFT plans and ln s, point by point at the
+/// lowest frequencies and as power series over runs of the others, so that there a candidate costs one polynomial a
+/// frequency, whatever its orders. With [`InitialCondition::Periodic`] r = 1 and L = N: the exact steady state.
 ///
 /// Error against the O(N²) recursion: below 1e-9 of the largest output on article Eq. 13 up to N = 1e5
 /// (`tests/quadrature_matches_recursion.rs`).
@@ -35,11 +37,8 @@ pub struct SimulationPlan {
     fft: RealFft,
     /// −ln r.
     pub(super) damping: f64,
-    /// ln |s| and arg s of each frequency.
-    pub(super) log_abs: Vec<f64>,
-    pub(super) angle: Vec<f64>,
-    /// Largest ln |s|.
-    top: f64,
+    /// ln s of each frequency.
+    pub(super) frequencies: Frequencies,
     /// r^k for the samples of the input.
     decay: Exponential,
     /// What its continuation is multiplied by, `BandLimited` only: fading times r^k, from one past the last sample.
@@ -89,8 +88,7 @@ impl SimulationPlan {
         let periodic = initial == InitialCondition::Periodic;
         let length = if periodic { samples } else { fast_length((2 * samples).max(SHORTEST)) };
         let damping = if periodic { 0.0 } else { -ALIASING.ln() / length as f64 };
-        let (log_abs, angle) = frequencies(scheme, length, damping, sample_rate_hz);
-        let top = log_abs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let grid = Frequencies::new(scheme, length, damping, sample_rate_hz);
         let decay = Exponential::new(-damping, 1.0, samples);
         let fade = if scheme == Scheme::BandLimited { fading(samples, length, damping) } else { Vec::new() };
         let growth = Exponential::new(damping, 1.0 / length as f64, samples);
@@ -103,9 +101,7 @@ impl SimulationPlan {
             initial,
             fft,
             damping,
-            log_abs,
-            angle,
-            top,
+            frequencies: grid,
             decay,
             fade,
             growth,
@@ -131,6 +127,11 @@ impl SimulationPlan {
         self.scheme
     }
 
+    /// Frequencies: half the length of the transforms, and zero.
+    pub(super) fn bins(&self) -> usize {
+        self.frequencies.bins
+    }
+
     /// The initial condition.
     pub fn initial_condition(&self) -> InitialCondition {
         self.initial
@@ -146,7 +147,7 @@ impl SimulationPlan {
         let scratch = self.fft.forward.get_scratch_len().max(self.fft.inverse.get_scratch_len());
         Workspace {
             time: vec![0.0; self.fft.len()],
-            spectrum: vec![Complex64::ZERO; self.log_abs.len()],
+            spectrum: vec![Complex64::ZERO; self.bins()],
             scratch: vec![Complex64::ZERO; scratch],
             input: self.empty_spectrum(),
         }
@@ -194,13 +195,13 @@ impl SimulationPlan {
     ) -> Result<(), DynamicsError> {
         check_length("input", input.len(), self.samples)?;
         self.check_workspace(workspace)?;
-        check_length("input spectrum", spectrum.bins.len(), self.log_abs.len())?;
+        check_length("input spectrum", spectrum.bins.len(), self.bins())?;
         spectrum.level = match self.initial {
             InitialCondition::Rest => input[0],
             InitialCondition::Periodic | InitialCondition::Zero => 0.0,
         };
         let time = &mut workspace.time;
-        if !self.decay.multiply(input, -spectrum.level, 0.0, &mut time[..self.samples]) {
+        if !self.decay.multiply(self.set, input, -spectrum.level, 0.0, &mut time[..self.samples]) {
             check_finite("input", input)?;
             return Err(DynamicsError::OutputNotFinite);
         }
@@ -231,7 +232,7 @@ impl SimulationPlan {
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
         check_length("output", output.len(), self.samples)?;
-        check_length("input spectrum", input.bins.len(), self.log_abs.len())?;
+        check_length("input spectrum", input.bins.len(), self.bins())?;
         self.check_workspace(workspace)?;
         self.check_candidate(tf)?;
         let offset = match self.initial {
@@ -251,7 +252,7 @@ impl SimulationPlan {
     ) -> Result<(), DynamicsError> {
         let (time, scratch) = (&mut workspace.time, &mut workspace.scratch);
         let _ = self.fft.inverse.process_with_scratch(&mut workspace.spectrum, time, scratch);
-        if self.growth.multiply(time, 0.0, offset, output) {
+        if self.growth.multiply(self.set, time, 0.0, offset, output) {
             Ok(())
         } else {
             Err(DynamicsError::OutputNotFinite)
@@ -260,7 +261,7 @@ impl SimulationPlan {
 
     /// The spectrum of silence, to be written by [`SimulationPlan::transform_into`] or added to.
     pub fn empty_spectrum(&self) -> InputSpectrum {
-        InputSpectrum { bins: vec![Complex64::ZERO; self.log_abs.len()], level: 0.0 }
+        InputSpectrum { bins: vec![Complex64::ZERO; self.bins()], level: 0.0 }
     }
 
     pub(super) fn check_workspace(&self, workspace: &Workspace) -> Result<(), DynamicsError> {
@@ -271,7 +272,7 @@ impl SimulationPlan {
     pub(super) fn check_candidate(&self, tf: &TransferFunction) -> Result<(), DynamicsError> {
         tf.validate()?;
         // Squares of the polynomials must stay in range, or a quotient would quietly become zero.
-        let size = |term: &Term| term.coefficient.abs().ln() + term.order * self.top;
+        let size = |term: &Term| term.coefficient.abs().ln() + term.order * self.frequencies.top;
         if tf.numerator.iter().chain(&tf.denominator).any(|term| size(term) > 345.0) {
             return Err(DynamicsError::OutputNotFinite);
         }
@@ -301,7 +302,8 @@ impl SimulationPlan {
     fn sampled_poles(&self, tf: &TransferFunction) -> usize {
         let (log_abs, angle) = self.unit_circle.get_or_init(|| {
             // Just inside, where z = 1 and s = 0 is left out: growth by e^0.01 is what is tolerated.
-            frequencies(self.scheme, self.fft.len(), 0.01 / self.fft.len() as f64, self.sample_rate_hz)
+            let (length, bins) = (self.fft.len(), self.bins());
+            frequencies(self.scheme, length, 0.01 / length as f64, self.sample_rate_hz, 0, bins)
         });
         let mut denominator = Polynomial::new();
         let (mut turns, mut start) = (0.0, None);
@@ -323,15 +325,12 @@ impl SimulationPlan {
 
     /// spectrum = G · input at every frequency.
     fn multiply(&self, tf: &TransferFunction, input: &InputSpectrum, spectrum: &mut [Complex64]) {
-        let mut denominator = Polynomial::new();
-        let mut numerator = Polynomial::new();
-        let frequencies = self.log_abs.chunks(BLOCK).zip(self.angle.chunks(BLOCK));
-        let inputs = input.bins.chunks(BLOCK);
-        for (((log_abs, angle), factor), out) in frequencies.zip(inputs).zip(spectrum.chunks_mut(BLOCK)) {
-            denominator.evaluate(self.set, &tf.denominator, log_abs, angle);
-            numerator.evaluate(self.set, &tf.numerator, log_abs, angle);
-            multiply_quotient(self.set, numerator.values(), denominator.values(), factor, out);
-        }
+        let candidate = Candidate { tf, linearised: None, set: self.set };
+        candidate.over(&self.frequencies, &mut [], |bins, sums, _| {
+            let count = bins.len();
+            let (n, d) = (sums.numerator.first(count), sums.denominator.first(count));
+            multiply_quotient(self.set, n, d, &input.bins[bins.clone()], &mut spectrum[bins]);
+        });
         self.edges(tf, input, spectrum);
     }
 

@@ -67,7 +67,7 @@ impl Response {
 impl SimulationPlan {
     /// Buffers for the response of a form with `parameters` parameters and its derivatives.
     pub fn empty_response(&self, parameters: usize) -> Response {
-        let bins = vec![Complex64::ZERO; self.log_abs.len()];
+        let bins = vec![Complex64::ZERO; self.bins()];
         let tangents = vec![Tangent::new(bins.len()); parameters + 1];
         Response { values: bins, tangents, differentiated: false }
     }
@@ -165,8 +165,8 @@ impl SimulationPlan {
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
         check_length("output", output.len(), self.samples)?;
-        check_length("response", bins.len(), self.log_abs.len())?;
-        check_length("input spectrum", input.bins.len(), self.log_abs.len())?;
+        check_length("response", bins.len(), self.bins())?;
+        check_length("input spectrum", input.bins.len(), self.bins())?;
         self.check_workspace(workspace)?;
         multiply(self.set, bins, &input.bins, &mut workspace.spectrum);
         self.invert(workspace, 0.0, output)

@@ -8,6 +8,7 @@
 use super::Complex64;
 use super::elementary::{exp, sin_cos};
 use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
+use super::series::{SeriesPanel, series_evaluate_kernel, series_power_kernel, series_product_kernel};
 
 /// Instruction set a kernel runs with. Results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,6 +138,23 @@ dispatched! {
 }
 
 dispatched! {
+    /// to = (from + before) · (coarse · fine) + after, element by element, on the shortest of the slices; false if any
+    /// result is not finite.
+    scale => scale_kernel(
+        from: &[f64], before: f64, coarse: f64, fine: &[f64], after: f64, to: &mut [f64]) -> bool
+}
+
+dispatched! {
+    /// out = factor · turns, element by element.
+    rotate => rotate_kernel(factor: Complex64, turns: &[Complex64], out: &mut [Complex64])
+}
+
+dispatched! {
+    /// Adds factor · turns to `out`, element by element.
+    rotate_and_add => rotate_and_add_kernel(factor: Complex64, turns: &[Complex64], out: &mut [Complex64])
+}
+
+dispatched! {
     /// Signed half turns about the origin of a polygon of points re + i·im: +1 for each crossing of the
     /// real axis counter-clockwise, −1 clockwise. Points on the real axis count as above it.
     half_turns => half_turns_kernel(re: &[f64], im: &[f64]) -> f64
@@ -151,6 +169,22 @@ dispatched! {
     /// [`Relaxations::compute`] with slopes.
     relaxations_with_slopes => relaxations_with_slopes_kernel(
         up: f64, down: f64, count: usize, row: &mut Relaxations)
+}
+
+dispatched! {
+    /// [`SeriesPanel::power`].
+    series_power => series_power_kernel(order: f64, log: &SeriesPanel, out: &mut SeriesPanel)
+}
+
+dispatched! {
+    /// [`SeriesPanel::product`].
+    series_product => series_product_kernel(a: &SeriesPanel, b: &SeriesPanel, out: &mut SeriesPanel)
+}
+
+dispatched! {
+    /// [`SeriesPanel::evaluate`].
+    series_evaluate => series_evaluate_kernel(
+        coefficients: &[[f64; 2]; SeriesPanel::TERMS], degree: usize, re: &mut [f64], im: &mut [f64])
 }
 
 #[inline(always)]
@@ -268,6 +302,33 @@ fn multiply_kernel(a: &[Complex64], b: &[Complex64], out: &mut [Complex64]) {
     for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
         out.re = a.re * b.re - a.im * b.im;
         out.im = a.re * b.im + a.im * b.re;
+    }
+}
+
+#[inline(always)]
+fn scale_kernel(from: &[f64], before: f64, coarse: f64, fine: &[f64], after: f64, to: &mut [f64]) -> bool {
+    let mut largest = 0u64;
+    for ((to, from), fine) in to.iter_mut().zip(from).zip(fine) {
+        *to = (from + before) * (coarse * fine) + after;
+        // Without its sign, the pattern of what is not finite is the largest there is.
+        largest = largest.max(to.to_bits() & (u64::MAX >> 1));
+    }
+    largest < f64::INFINITY.to_bits()
+}
+
+#[inline(always)]
+fn rotate_kernel(factor: Complex64, turns: &[Complex64], out: &mut [Complex64]) {
+    for (out, turn) in out.iter_mut().zip(turns) {
+        out.re = factor.re * turn.re - factor.im * turn.im;
+        out.im = factor.re * turn.im + factor.im * turn.re;
+    }
+}
+
+#[inline(always)]
+fn rotate_and_add_kernel(factor: Complex64, turns: &[Complex64], out: &mut [Complex64]) {
+    for (out, turn) in out.iter_mut().zip(turns) {
+        out.re += factor.re * turn.re - factor.im * turn.im;
+        out.im += factor.re * turn.im + factor.im * turn.re;
     }
 }
 

@@ -1,4 +1,4 @@
-//! Array kernels under the dynamics: exp(α(a + iθ)), FFT plans, convolution.
+//! Array kernels under the dynamics: exp(α(a + iθ)), power series, FFT plans, convolution.
 //!
 //! Everything here is arithmetic without physics. The kernels give the same bits whichever instruction
 //! set runs them (no fused multiply-add); the FFTs do not promise that across processors.
@@ -8,13 +8,15 @@ mod dispatch;
 mod elementary;
 pub mod fft;
 mod relaxation;
+mod series;
 
 pub use dispatch::{
     InstructionSet, accumulate_power, accumulate_tangent, half_turns, multiply, multiply_quotient,
-    quotient_parts, quotient_tangent,
+    quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
 };
 pub use relaxation::Relaxations;
 pub use rustfft::num_complex::Complex;
+pub use series::SeriesPanel;
 
 /// Complex number in double precision.
 pub type Complex64 = Complex<f64>;
