@@ -8,9 +8,11 @@ use hysteron::bench_rig::{
 };
 use hysteron::hammerstein::Start;
 use hysteron::identify::{
-    CampaignRecord, Choice, Demands, Identification, Options, PredictionBand, RecordRole, Unwatched, identify,
+    CampaignRecord, Choice, Demands, Identification, JointObjective, Options, PredictionBand, RecordRole,
+    Unwatched, identify,
 };
 use hysteron::model_file::{ModelFile, SignalUnits};
+use hysteron::optimize::{Derivative, LeastSquaresProblem, Problem};
 use hysteron::record::{ChannelChoice, InputOutput};
 
 /// (polynomial, α, β, γ), (c₀, c₁, α₁, α₂), delay.
@@ -241,4 +243,31 @@ fn threads_change_nothing() {
     let (one, two) = (fit(&runs, 2, Some(1)), fit(&runs, 2, Some(2)));
     assert_eq!(one.model, two.model);
     assert_eq!(one.parameters, two.parameters);
+}
+
+/// What is handed out as the problem of the joint fit is what it minimised.
+#[test]
+fn the_objective_has_its_minimum_where_the_fit_ended() {
+    let runs = cases()[0].campaign(2000.0, 5);
+    let found = fit(&runs, 2, None);
+    let campaign: Vec<CampaignRecord> =
+        found.records.iter().map(|r| CampaignRecord { data: r.data.clone(), role: Some(r.role) }).collect();
+    let options = Options { degree: Choice::Given(2), ..Options::default() };
+    let objective = JointObjective::new(&campaign, &options, false).unwrap();
+    let (best, cost) = (&found.searches[0].outcome.best, found.searches[0].outcome.cost);
+    assert_eq!(objective.bounds(), &found.bounds[0]);
+    let mut ws = objective.workspace();
+    assert!((objective.cost(best, &mut ws) / cost - 1.0).abs() < 1e-12);
+    assert!(objective.starts().iter().all(|start| objective.cost(start, &mut ws) > 2.0 * cost));
+    let count = objective.residual_count();
+    assert_eq!((0..campaign.len()).map(|r| objective.weights(r).len()).sum::<usize>(), count);
+    let (mut residuals, mut jacobian) = (vec![0.0; count], vec![0.0; count * best.len()]);
+    assert!(objective.residuals(best, &mut ws, &mut residuals));
+    assert_eq!(objective.jacobian(best, &mut ws, &mut jacobian), Derivative::Written);
+    let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    for (range, column) in objective.bounds().ranges.iter().zip(jacobian.chunks_exact(count)) {
+        let cosine =
+            column.iter().zip(&residuals).map(|(d, r)| d * r).sum::<f64>() / norm(column) / norm(&residuals);
+        assert!(cosine.abs() < 1e-4, "{}: {cosine:e}", range.name);
+    }
 }

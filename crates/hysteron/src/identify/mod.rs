@@ -29,7 +29,9 @@ mod uncertainty;
 
 pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
 pub use error::IdentifyError;
-pub use joint::{Covariance, Interval, IntervalMethod, OutputUncertainty, PredictionBand};
+pub use joint::{
+    Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,
+};
 pub use layout::Demands;
 pub use options::{
     CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,

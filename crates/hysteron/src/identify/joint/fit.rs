@@ -12,9 +12,8 @@ use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
 use super::parameters;
 use super::problem::{JointProblem, JointSolution};
-use super::record::Before;
 use super::setup::{self, JointSetup, memory_name};
-use crate::dynamics::{DynamicForm, Dynamics, Modes, Scheme};
+use crate::dynamics::{DynamicForm, Dynamics, Modes};
 use crate::hammerstein::Model;
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
@@ -22,7 +21,7 @@ use crate::optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeErro
 use crate::validate::{Scoring, score};
 
 /// Degree that the starts are tried with where it is chosen from the data.
-const DEGREE_OF_STARTS: usize = 3;
+pub(super) const DEGREE_OF_STARTS: usize = 3;
 /// Residuals worth less than this share of their samples are far from white.
 const WHITE: f64 = 0.5;
 /// Starts that must end in the same optimum.
@@ -39,13 +38,7 @@ pub(in super::super) fn identify(
     check_demands(options, &form, facts.len())?;
     let members: Vec<JointMember<'_>> =
         facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
-    let scheme = match options.scheme {
-        Choice::Given(scheme) => scheme,
-        // A jump is not band-limited.
-        Choice::Auto if members.iter().any(|m| matches!(m.before, Before::Rest { .. })) => Scheme::Tustin,
-        Choice::Auto => Scheme::BandLimited,
-    };
-    let options = &Options { scheme: Choice::Given(scheme), ..options.clone() };
+    let options = &Options { scheme: Choice::Given(setup::scheme(options, &members)), ..options.clone() };
     let mut setup = JointSetup::new(&members, form, options);
     let reduced = members.iter().any(|member| member.factor > 1);
 

@@ -8,7 +8,7 @@ use super::super::{IdentifyError, RecordFacts, fingerprint};
 use super::campaign::JointMember;
 use super::problem::{JointLayout, JointProblem};
 use super::record::Before;
-use crate::dynamics::{DynamicForm, Dynamics, Modes};
+use crate::dynamics::{DynamicForm, Dynamics, Modes, Scheme};
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Range};
@@ -232,4 +232,14 @@ pub(in super::super) fn form(options: &Options) -> DynamicForm {
         DynamicsChoice::Auto | DynamicsChoice::Fractional | DynamicsChoice::Arx => Modes::Fractional,
     };
     DynamicForm { modes, creep: options.creep }
+}
+
+/// The scheme that the user asked for, or what the records support.
+pub(in super::super) fn scheme(options: &Options, members: &[JointMember<'_>]) -> Scheme {
+    match options.scheme {
+        Choice::Given(scheme) => scheme,
+        // A jump is not band-limited.
+        Choice::Auto if members.iter().any(|m| matches!(m.before, Before::Rest { .. })) => Scheme::Tustin,
+        Choice::Auto => Scheme::BandLimited,
+    }
 }
