@@ -1,7 +1,7 @@
 """`make bench`: hysteron beside numpy, scipy and numba on the same inputs, taking turns within one run.
 
 Times of short work are minima (and medians) of wall-clock time over repetitions, one thread; times of long work are
-processor time. Writes bench/results.json and bench/results.md, and the tables of docs/benchmarks.md.
+processor time. The joint fit is in joint.py. Writes bench/results.json and bench/results.md, and the tables of docs/benchmarks.md.
 """
 
 import argparse
@@ -25,6 +25,7 @@ try:
 except ImportError as missing:
     sys.exit(f"error: {missing.name} is not installed\n  try: make bench, which installs the peers into bench/.venv")
 
+import joint
 import tables
 from peers import bouc_wen, fractional, identification
 from rust_side import ROOT, RustSide
@@ -272,6 +273,11 @@ def main():
         ]
         say("Bouc-Wen operator")
         result["bouc_wen"] = bench_bouc_wen(rust, folder, 20_000, 3 if quick else 40)
+        say("joint fit, from CSV files to a model file")
+        (folder / "joint").mkdir()
+        result["joint"] = joint.bench(rust, folder / "joint", quick)
+        say("joint fit, a thousand to ten million samples")
+        result["joint_scaling"] = joint.scaling(rust, quick)
         say("identification")
         result["identification"] = bench_identification(rust, folder, 5 if quick else 150, 1 if quick else 2)
     result["load_after"] = os.getloadavg()[0]

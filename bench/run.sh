@@ -19,5 +19,5 @@ if ! cmp -s bench/requirements.txt "$venv/installed.txt"; then
   cp bench/requirements.txt "$venv/installed.txt"
 fi
 
-cargo build --release --locked -p hysteron-bench
+cargo build --release --locked -p hysteron-bench -p hysteron-cli
 exec "$venv/bin/python" bench/bench.py "$@"

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use hysteron::optimize::Range;
 use serde::Serialize;
 
 use crate::stopwatch::Timing;
@@ -26,6 +27,20 @@ pub enum Answer {
     },
     /// Columns of a fit were worked out.
     Columns(ColumnTimes),
+    /// The problem of a joint fit.
+    JointProblem(JointProblem),
+    /// A cost.
+    Cost {
+        /// Root mean square of the weighted residuals.
+        cost: f64,
+    },
+    /// Evaluations of joint fits were timed.
+    JointTimes {
+        /// For each number of threads.
+        times: Vec<JointTimes>,
+        /// The pass of the hysteresis over one record \[s\].
+        hysteresis_s: f64,
+    },
     /// A model was identified.
     Identified {
         /// Wall-clock time \[s\].
@@ -80,6 +95,32 @@ impl ColumnTimes {
             allocations: 0,
         }
     }
+}
+
+/// What a peer needs to solve the same problem.
+#[derive(Debug, Serialize)]
+pub struct JointProblem {
+    /// The box.
+    pub ranges: Vec<Range>,
+    /// Starts read off the data.
+    pub starts: Vec<Vec<f64>>,
+    /// Samples of each record.
+    pub samples: Vec<usize>,
+    /// Weight of every sample of each record \[1/µm of all records alike\].
+    pub weights: Vec<f64>,
+}
+
+/// Shortest wall-clock times \[s\] of an evaluation of a joint fit.
+#[derive(Debug, Serialize)]
+pub struct JointTimes {
+    /// Threads.
+    pub threads: usize,
+    /// Residuals.
+    pub objective_s: f64,
+    /// Residuals' derivatives, if asked for.
+    pub jacobian_s: Option<f64>,
+    /// Allocations of the residuals, all repetitions together.
+    pub allocations: usize,
 }
 
 /// One search of an identification.

@@ -53,4 +53,10 @@ pub enum BenchError {
     /// An identification.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
+    /// Records to time on.
+    #[error("the records to time on could not be made: {0}")]
+    Synthetic(Box<dyn std::error::Error + Send + Sync>),
+    /// Threads.
+    #[error(transparent)]
+    Threads(#[from] rayon::ThreadPoolBuildError),
 }

@@ -8,8 +8,10 @@ mod columns;
 mod error;
 mod fractional;
 mod identification;
+mod joint;
 mod signal_file;
 mod stopwatch;
+mod synthetic;
 
 use std::io::{BufRead, Write, stdin, stdout};
 use std::path::PathBuf;
@@ -40,6 +42,12 @@ enum Request {
     Campaign { directory: PathBuf, seed: u64 },
     /// Identifies from the records of a campaign.
     Identify(identification::Request),
+    /// Describes the problem of a joint fit.
+    JointProblem(joint::ProblemRequest),
+    /// Its cost at a point.
+    JointCost(joint::CostRequest),
+    /// Times evaluations of joint fits of any size.
+    JointTimes(joint::TimesRequest),
 }
 
 fn serve(request: Request, fractional: &mut Option<Fractional>) -> Result<Answer, BenchError> {
@@ -60,6 +68,9 @@ fn serve(request: Request, fractional: &mut Option<Fractional>) -> Result<Answer
         Request::BoucWen(request) => request.run(),
         Request::Campaign { directory, seed } => identification::write_campaign(&directory, seed),
         Request::Identify(request) => request.run(),
+        Request::JointProblem(request) => request.describe(),
+        Request::JointCost(request) => request.run(),
+        Request::JointTimes(request) => request.run(),
     }
 }
 

@@ -1,6 +1,9 @@
 //! The hot paths whose instructions `bench/instructions.sh` counts: `hysteron-instructions PATH REPETITIONS` does one of
 //! them so many times, and without arguments lists them. A new path is a line in `PATHS` and a function.
 
+#[path = "../synthetic.rs"]
+mod synthetic;
+
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -14,7 +17,7 @@ use hysteron::optimize::{
     Unobserved, minimize, root_mean_square,
 };
 
-type Outcome = Result<(), Box<dyn Error>>;
+type Outcome = Result<(), Box<dyn Error + Send + Sync>>;
 
 /// Samples of the records simulated.
 const SAMPLES: usize = 100_000;
@@ -22,9 +25,10 @@ const SAMPLES: usize = 100_000;
 /// Name, and the work so many times.
 type HotPath = (&'static str, fn(usize) -> Outcome);
 
-const PATHS: [HotPath; 3] = [
+const PATHS: [HotPath; 4] = [
     ("hysteresis-pass", hysteresis_pass),
     ("dynamics-column", dynamics_column),
+    ("joint-objective", joint_objective),
     ("least-squares", least_squares),
 ];
 
@@ -57,6 +61,25 @@ fn dynamics_column(repetitions: usize) -> Outcome {
         plan.apply(&response, &spectrum, &mut workspace, &mut output)?;
     }
     Ok(())
+}
+
+/// Residuals and Jacobian of a joint fit of two records, one thread.
+fn joint_objective(repetitions: usize) -> Outcome {
+    let (objective, x) = synthetic::objective(SAMPLES / 10, 2)?;
+    let count = objective.residual_count();
+    let mut workspace = objective.workspace();
+    let (mut residuals, mut jacobian) = (vec![0.0; count], vec![0.0; count * x.len()]);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    pool.install(|| {
+        for _ in 0..repetitions {
+            let feasible = objective.residuals(black_box(&x), &mut workspace, &mut residuals);
+            let written = objective.jacobian(black_box(&x), &mut workspace, &mut jacobian);
+            if !feasible || written != Derivative::Written {
+                return Err("the joint objective cannot be evaluated".into());
+            }
+        }
+        Ok(())
+    })
 }
 
 /// A sum of two decays fitted to 20 000 samples of another, with exact derivatives: what is left is the optimiser.
