@@ -5,8 +5,8 @@
 
 use hysteron::numeric::fft::{RealFft, fast_length};
 use hysteron::numeric::{
-    Complex64, InstructionSet, accumulate_power, accumulate_tangent, half_turns, multiply, multiply_quotient,
-    quotient_parts, quotient_tangent,
+    Complex64, InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
+    multiply_quotient, quotient_parts, quotient_tangent,
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -103,11 +103,25 @@ fn every_instruction_set_gives_the_same_bits() {
         multiply(set, &tangent, &product, &mut last);
         quotient.extend(last);
         let bits: Vec<u64> = quotient.iter().flat_map(|q| [q.re.to_bits(), q.im.to_bits()]).collect();
-        (bits, re, im, turns)
+        let mut filtered = vec![0.0; 321];
+        filter_every(set, &angle[..51], 3, &log_abs, &mut filtered);
+        (bits, re, im, turns, filtered)
     };
     let baseline = run(InstructionSet::baseline());
     for set in InstructionSet::available() {
         assert_eq!(run(set), baseline, "{set:?}");
+    }
+}
+
+#[test]
+fn a_thinned_filter_is_a_row_of_sums() {
+    let (kernel, x) = (uniform(51, -1.0, 1.0, 5), uniform(1013, -1.0, 1.0, 6));
+    // 321 windows of 51 samples, three apart, end at the last of 1013 samples but two.
+    let mut out = vec![f64::NAN; 321];
+    filter_every(InstructionSet::detected(), &kernel, 3, &x, &mut out);
+    for (i, out) in out.iter().enumerate() {
+        let sum: f64 = kernel.iter().zip(&x[3 * i..]).map(|(h, x)| h * x).sum();
+        assert!((out - sum).abs() < 1e-14 * 51.0, "{i}");
     }
 }
 

@@ -145,6 +145,10 @@ fn parameters_come_back_within_three_standard_errors() {
         let found = fit(&runs, case.polynomial.len(), None);
         let off = deviations(case, &found);
         assert!(off.len() >= 12, "{off:?}");
+        // The search on a part of the samples ends where that on all of them does.
+        let reduction = found.reduction.unwrap();
+        assert!(2 * reduction.searched < reduction.samples, "case {index}: {reduction:?}");
+        assert!(reduction.moved < 0.1, "case {index}: {reduction:?}");
         // Of forty-odd numbers one or two may pass two; past three, chance is 0.27 % each.
         for (name, z) in &off {
             assert!(z.abs() < 3.0, "case {index}, {name}: {z:.2} standard errors; {off:?}");

@@ -20,6 +20,7 @@ pub struct Outcome<'a> {
     delay: &'a hysteron::model_file::Quantity,
     parameters: Vec<ParameterEntry<'a>>,
     searches: Vec<SearchEntry>,
+    reduction: Option<ReductionEntry>,
     findings: Vec<FindingEntry<'a>>,
     interrupted: bool,
 }
@@ -49,6 +50,14 @@ struct SearchEntry {
     cost: f64,
     evaluations: usize,
     generations: usize,
+}
+
+/// The search on thinned records: what the fit of all samples then changed.
+#[derive(Serialize)]
+struct ReductionEntry {
+    samples: usize,
+    searched: usize,
+    moved_std_errors: f64,
 }
 
 #[derive(Serialize)]
@@ -97,6 +106,11 @@ impl<'a> Outcome<'a> {
                     generations: s.outcome.generations,
                 })
                 .collect(),
+            reduction: found.reduction.map(|r| ReductionEntry {
+                samples: r.samples,
+                searched: r.searched,
+                moved_std_errors: r.moved,
+            }),
             findings: found
                 .findings
                 .iter()

@@ -216,12 +216,9 @@ fn convergence_note(found: &Identification, unit: &str) -> String {
     };
     if let Some(reduction) = found.reduction {
         return format!(
-            "The search worked on {} of {} samples, filtered and thinned; each record is weighted by its noise. The model comes \
-             from a last fit of all samples, which ends at {} {unit} and moved no parameter by more than {:.2} standard errors.",
-            reduction.searched,
-            reduction.samples,
-            significant(search.outcome.cost, 4),
-            reduction.moved
+            "{} The last fit ends at {} {unit}; each record is weighted by its noise.",
+            reduction.describe(),
+            significant(search.outcome.cost, 4)
         );
     }
     if found.structure.creeps.iter().all(|creep| *creep == 0.0) {

@@ -50,6 +50,8 @@ pub struct SimulationPlan {
     /// Factors of a held and of a straight reconstruction, made when first needed.
     pub(super) held: OnceLock<Vec<Complex64>>,
     pub(super) straight: OnceLock<Vec<Complex64>>,
+    /// Sample period of the drive, in sample periods of the plan.
+    pub(super) drive_period: f64,
     pub(super) set: InstructionSet,
 }
 
@@ -108,6 +110,7 @@ impl SimulationPlan {
             unit_circle: OnceLock::new(),
             held: OnceLock::new(),
             straight: OnceLock::new(),
+            drive_period: 1.0,
             set,
         })
     }

@@ -58,6 +58,17 @@ impl Shift {
     }
 }
 
+impl SimulationPlan {
+    /// The plan for inputs that were low-passed and of which every `factor`-th sample was kept: what they do between their
+    /// samples by [`Sampling::reconstruction`], they do between those they had before, a `factor`-th of a period apart.
+    #[must_use]
+    pub fn of_thinned_inputs(mut self, factor: usize) -> Self {
+        self.drive_period = 1.0 / factor.max(1) as f64;
+        (self.held, self.straight) = Default::default();
+        self
+    }
+}
+
 /// E: the factor of delay and reconstruction, and its derivative in the delay.
 ///
 /// With a delay of m + f samples, m whole: z^⌈m + f⌉ held, (1 − f) z^m + f z^(m + 1) on straight lines,
@@ -101,7 +112,8 @@ impl<'a> InputFactor<'a> {
             _ => None,
         };
         let reconstruction = reconstruction.map(|table| {
-            table.get_or_init(|| reconstruction_table(sampling.reconstruction, damping, length)).as_slice()
+            let make = || reconstruction_table(sampling.reconstruction, damping, length, plan.drive_period);
+            table.get_or_init(make).as_slice()
         });
         let (step, sample_rate_hz, set) = (TAU / length as f64, plan.sample_rate_hz, plan.set);
         Ok(Self { rule, shift, next, fraction, damping, step, sample_rate_hz, reconstruction, set })
@@ -153,11 +165,11 @@ impl<'a> InputFactor<'a> {
 
 /// What a signal does between its samples, as a factor on the spectrum of the samples:
 /// (1 − e^(−sh))/(sh) held, ((e^(sh/2) − e^(−sh/2))/(sh))² on straight lines. First image only: what a staircase or
-/// a polygon holds above half the sample rate is left out.
-fn reconstruction_table(rule: InterSample, damping: f64, length: usize) -> Vec<Complex64> {
+/// a polygon holds above half the sample rate is left out. `period`: h in sample periods of the plan.
+fn reconstruction_table(rule: InterSample, damping: f64, length: usize, period: f64) -> Vec<Complex64> {
     let at = |bin: usize| {
         let theta = if 2 * bin == length { PI } else { TAU * bin as f64 / length as f64 };
-        let half = Complex64::new(0.5 * damping, 0.5 * theta);
+        let half = Complex64::new(0.5 * damping, 0.5 * theta) * period;
         // By its parts, sinh keeps its relative accuracy near 0.
         let (sin, cos) = half.im.sin_cos();
         let sinh = Complex64::new(half.re.sinh() * cos, half.re.cosh() * sin);

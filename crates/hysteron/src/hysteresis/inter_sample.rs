@@ -105,15 +105,25 @@ fn trigonometric(u: &[f64], factor: usize) -> Result<Vec<f64>, HysteresisError> 
 /// A hysteresis operator driven along straight lines puts out curves between the samples. Linear dynamics much slower than
 /// a sample period see the means of these, so x̃ is what is to be joined by straight lines.
 pub(crate) fn polygon_of_means(fine: &[f64], out: &mut [f64]) {
-    let mut before = 0.0;
-    for (k, x) in out.iter_mut().enumerate() {
+    // ½ (b_{k−1} + b_k) from five neighbours; beyond the ends nothing is left out.
+    let bulge = |from: f64, middle: f64, to: f64| middle - 0.5 * (from + to);
+    let end = |k: usize| {
         let here = fine.get(2 * k).copied().unwrap_or(0.0);
-        let bulge = match (fine.get(2 * k + 1), fine.get(2 * k + 2)) {
-            (Some(middle), Some(next)) => (middle - 0.5 * (here + next)) / 1.5,
+        let beside = |middle: usize| match (fine.get(middle - 1), fine.get(middle), fine.get(middle + 1)) {
+            (Some(from), Some(middle), Some(to)) => bulge(*from, *middle, *to),
             _ => 0.0,
         };
-        *x = here + 0.5 * (before + bulge);
-        before = bulge;
+        let before = if k > 0 { beside(2 * k - 1) } else { 0.0 };
+        here + (before + beside(2 * k + 1)) / 3.0
+    };
+    let inner = fine.windows(5).step_by(2);
+    let inside = inner.len().min(out.len().saturating_sub(1));
+    for (x, w) in out.iter_mut().skip(1).zip(inner) {
+        *x = w[2] + (bulge(w[0], w[1], w[2]) + bulge(w[2], w[3], w[4])) / 3.0;
+    }
+    let count = out.len();
+    for k in (0..count.min(1)).chain(inside + 1..count) {
+        out[k] = end(k);
     }
 }
 

@@ -269,11 +269,7 @@ fn still_improving(search: &Search) -> Option<String> {
 fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) -> Vec<String> {
     let mut list = Vec::new();
     if let Some(reduction) = result.reduction {
-        list.push(format!(
-            "The search worked on {} of {} samples (filtered and thinned where a record was oversampled); the estimates come \
-             from a fit of all samples, which moved no parameter by more than {:.2} standard errors.",
-            reduction.searched, reduction.samples, reduction.moved
-        ));
+        list.push(reduction.describe());
     }
     let mut quasi_static = 0;
     for (facts, fit) in facts.iter().zip(&result.records) {

@@ -96,6 +96,29 @@ pub struct Reduction {
     pub moved: f64,
 }
 
+impl Reduction {
+    /// Moves up to this many standard errors are nothing to speak of.
+    pub const SMALL: f64 = 0.1;
+
+    /// What the search worked on and what the fit of all samples changed, in a sentence or two.
+    pub fn describe(&self) -> String {
+        let Self { samples, searched, moved } = self;
+        let change = if *moved <= Self::SMALL {
+            format!("moved no parameter by more than {moved:.2} standard errors.")
+        } else {
+            format!(
+                "moved a parameter by {moved:.2} standard errors: what thinning leaves out (fast motion, the ends of the records) \
+                 has a say in it, or the scheme has. Intervals by profile have their place and scale from all samples, their \
+                 shape from the thinned ones."
+            )
+        };
+        format!(
+            "The search worked on {searched} of {samples} samples, low-passed and thinned where a record was oversampled. The \
+             estimates come from a last fit of all samples, which {change}"
+        )
+    }
+}
+
 /// One record and the model's simulation of it.
 #[derive(Clone, Debug)]
 pub struct RecordFit {

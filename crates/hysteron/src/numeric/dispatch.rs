@@ -155,6 +155,12 @@ dispatched! {
 }
 
 dispatched! {
+    /// `out[i]` = Σ_j kernel\[j\] · x\[i · step + j\], for as many as `x` reaches: a filter of which every `step`-th output
+    /// is worked out. In eight interleaved sums each.
+    filter_every => filter_every_kernel(kernel: &[f64], step: usize, x: &[f64], out: &mut [f64])
+}
+
+dispatched! {
     /// Signed half turns about the origin of a polygon of points re + i·im: +1 for each crossing of the
     /// real axis counter-clockwise, −1 clockwise. Points on the real axis count as above it.
     half_turns => half_turns_kernel(re: &[f64], im: &[f64]) -> f64
@@ -302,6 +308,39 @@ fn multiply_kernel(a: &[Complex64], b: &[Complex64], out: &mut [Complex64]) {
     for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
         out.re = a.re * b.re - a.im * b.im;
         out.im = a.re * b.im + a.im * b.re;
+    }
+}
+
+/// Four outputs at a time, so that additions need not wait for one another.
+#[inline(always)]
+fn filter_every_kernel(kernel: &[f64], step: usize, x: &[f64], out: &mut [f64]) {
+    let taps = kernel.len();
+    let mut at = 0;
+    for out in out.chunks_mut(4) {
+        // A last group of fewer repeats its last window.
+        let windows: [Option<&[f64]>; 4] = std::array::from_fn(|i| {
+            let first = at + i.min(out.len() - 1) * step;
+            x.get(first..first + taps)
+        });
+        let [Some(a), Some(b), Some(c), Some(d)] = windows else { return };
+        let mut sums = [[0.0; 8]; 4];
+        let mut last = [0.0; 4];
+        let eights = a.chunks_exact(8).zip(b.chunks_exact(8)).zip(c.chunks_exact(8).zip(d.chunks_exact(8)));
+        for (h, ((a, b), (c, d))) in kernel.chunks_exact(8).zip(eights) {
+            for (sum, x) in sums.iter_mut().zip([a, b, c, d]) {
+                for i in 0..8 {
+                    sum[i] += h[i] * x[i];
+                }
+            }
+        }
+        let rest = taps - taps % 8;
+        for (last, x) in last.iter_mut().zip([a, b, c, d]) {
+            *last = kernel[rest..].iter().zip(&x[rest..]).map(|(h, x)| h * x).sum();
+        }
+        for ((out, sums), last) in out.iter_mut().zip(&sums).zip(&last) {
+            *out = sums.iter().sum::<f64>() + last;
+        }
+        at += 4 * step;
     }
 }
 

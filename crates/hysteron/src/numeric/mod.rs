@@ -11,8 +11,8 @@ mod relaxation;
 mod series;
 
 pub use dispatch::{
-    InstructionSet, accumulate_power, accumulate_tangent, half_turns, multiply, multiply_quotient,
-    quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
+    InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
+    multiply_quotient, quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
 };
 pub use relaxation::Relaxations;
 pub use rustfft::num_complex::Complex;

@@ -38,7 +38,7 @@ pub use loop_shape::{LoopSense, LoopShape, loop_shape};
 pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};
 pub use periods::{Periods, find_periods};
 pub use plausibility::implausible_units;
-pub(crate) use resample::thinned;
+pub(crate) use resample::low_pass;
 pub use selection::{ChannelChoice, Drive, Selection};
 pub use sensor::{Clipping, clipping, quantisation_step};
 pub use start_up::{StartUp, fit_start_up};

@@ -118,49 +118,19 @@ impl InputOutput {
     }
 }
 
-/// Every `factor`-th sample of `x`, the first one included, after a low-pass that keeps content below an eighth of the new
-/// sample rate to 1e-4 and stops what would alias onto it: a Kaiser-windowed sinc of 2 · 8 zero crossings, cut off at 0.3 of
-/// the new rate, its gain at zero frequency 1. Beyond its ends the signal is continued by point reflection, which keeps
-/// value and slope.
-pub(crate) fn thinned(x: &[f64], factor: usize) -> Vec<f64> {
-    const ZERO_CROSSINGS: f64 = 8.0;
-    const CUTOFF: f64 = 0.6;
-    let (Some(&first), Some(&last)) = (x.first(), x.last()) else { return Vec::new() };
-    if factor <= 1 {
-        return x.to_vec();
-    }
-    let cutoff = CUTOFF / factor as f64;
-    let reach = ZERO_CROSSINGS / cutoff;
-    let half = reach.floor() as usize;
-    // One side; the kernel is even.
-    let mut kernel: Vec<f64> = (0..=half)
-        .map(|j| {
-            let a = PI * cutoff * j as f64;
-            let sinc = if j == 0 { 1.0 } else { a.sin() / a };
-            sinc * bessel_i0(KAISER_BETA * (1.0 - (j as f64 / reach).powi(2)).max(0.0).sqrt())
-        })
-        .collect();
-    let gain = kernel[0] + 2.0 * kernel[1..].iter().sum::<f64>();
+/// A low-pass ahead of taking every `factor`-th sample: a Kaiser-windowed sinc that reaches `reach` new samples to either
+/// side, an odd number of values with the sum 1. What lies above half the new rate is stopped to −90 dB; the pass band
+/// ends as far below as the reach allows, at 0.5 − 2.87/reach of the new rate.
+pub(crate) fn low_pass(factor: usize, reach: usize) -> Vec<f64> {
+    // Kaiser's rule for the width of the transition, A = 90 dB: (A − 7.95)/14.36 over the length.
+    let transition = (90.0 - 7.95) / 14.36 / (2 * reach) as f64;
+    let cutoff = (1.0 - transition) / factor as f64;
+    let half = (reach * factor) as i32;
+    let mut kernel: Vec<f64> =
+        (-half..=half).map(|j| windowed_sinc(f64::from(j), cutoff, f64::from(half))).collect();
+    let gain: f64 = kernel.iter().sum();
     kernel.iter_mut().for_each(|h| *h /= gain);
-    let end = x.len() - 1;
-    let before = |j: usize| 2.0 * first - x[j.min(end)];
-    let after = |j: usize| 2.0 * last - x[end - j.min(end)];
-    (0..x.len())
-        .step_by(factor)
-        .map(|k| {
-            let inside = half.min(k).min(end - k);
-            let mut sum = kernel[0] * x[k];
-            for (j, h) in kernel.iter().enumerate().take(inside + 1).skip(1) {
-                sum += h * (x[k - j] + x[k + j]);
-            }
-            for (j, h) in kernel.iter().enumerate().skip(inside + 1) {
-                let left = if j <= k { x[k - j] } else { before(j - k) };
-                let right = if k + j <= end { x[k + j] } else { after(k + j - end) };
-                sum += h * (left + right);
-            }
-            sum
-        })
-        .collect()
+    kernel
 }
 
 /// Value between samples on a straight line.
@@ -177,14 +147,18 @@ fn by_sinc(x: &[f64], place: f64, cutoff: f64) -> f64 {
     let last = ((place + reach).floor() as usize).min(x.len() - 1);
     let (mut sum, mut weight) = (0.0, 0.0);
     for (k, x) in x.iter().enumerate().take(last + 1).skip(first) {
-        let d = place - k as f64;
-        let a = PI * cutoff * d;
-        let sinc = if a == 0.0 { 1.0 } else { a.sin() / a };
-        let h = sinc * bessel_i0(KAISER_BETA * (1.0 - (d / reach).powi(2)).max(0.0).sqrt());
+        let h = windowed_sinc(place - k as f64, cutoff, reach);
         sum += h * x;
         weight += h;
     }
     sum / weight
+}
+
+/// The sinc with cut-off `cutoff` (1: the Nyquist frequency) at `d` samples, times Kaiser's window.
+fn windowed_sinc(d: f64, cutoff: f64, reach: f64) -> f64 {
+    let a = PI * cutoff * d;
+    let sinc = if a == 0.0 { 1.0 } else { a.sin() / a };
+    sinc * bessel_i0(KAISER_BETA * (1.0 - (d / reach).powi(2)).max(0.0).sqrt())
 }
 
 /// Modified Bessel function I₀ by its power series (all terms positive; 40 of them suffice to 1e-15 below 10).
@@ -217,22 +191,24 @@ mod tests {
     }
 
     #[test]
-    fn thinning_keeps_what_is_slow_up_to_the_ends_and_stops_what_is_fast() {
-        let wave =
-            |period: f64| -> Vec<f64> { (0..4000).map(|k| (TAU * f64::from(k) / period).sin()).collect() };
-        let factor = 10;
-        // Eight new samples a period, and forty: also where the kernel hangs over the end.
-        for (period, tolerance, ends) in [(80.0, 1e-4, 20), (400.0, 2e-4, 0)] {
-            let thin = thinned(&wave(period), factor);
-            assert_eq!(thin.len(), 400);
-            for (k, x) in thin.iter().enumerate().take(400 - ends).skip(ends) {
-                let exact = (TAU * (k * factor) as f64 / period).sin();
-                assert!((x - exact).abs() < tolerance, "{period} {k}: {x} {exact}");
+    fn the_low_pass_passes_and_stops_what_it_says() {
+        for (factor, reach) in [(2, 8), (5, 16), (16, 24)] {
+            let kernel = low_pass(factor, reach);
+            let half = (kernel.len() / 2) as f64;
+            assert!((kernel.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+            // Gain at a frequency in parts of the new rate.
+            let gain = |frequency: f64| -> f64 {
+                let step = TAU * frequency / factor as f64;
+                kernel.iter().enumerate().map(|(k, h)| h * (step * (k as f64 - half)).cos()).sum()
+            };
+            let pass = 0.5 - 2.87 / reach as f64;
+            for i in 0..=50 {
+                let share = f64::from(i) / 50.0;
+                let (passed, stopped) = (gain(share * pass), gain(0.5 + share * 0.5 * (factor - 1) as f64));
+                assert!((passed - 1.0).abs() < 4e-5, "{factor} {reach} {share}: {passed}");
+                assert!(stopped.abs() < 4e-5, "{factor} {reach} {share}: {stopped}");
             }
         }
-        assert!(thinned(&wave(11.0), factor)[20..380].iter().all(|x| x.abs() < 1e-4));
-        assert_eq!(thinned(&[1.0, 2.0, 4.0], 1), [1.0, 2.0, 4.0]);
-        assert!((thinned(&[7.0], 3)[0] - 7.0).abs() < 1e-14);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::super::IdentifyError;
 use super::super::layout::Role;
-use super::campaign::fine_drive;
+use super::drive::fine_drive;
 use super::intervals::NORMAL_975;
 use super::knowledge::{Covariance, Knowledge};
 use super::problem::{JointLayout, JointProblem};
@@ -116,20 +116,21 @@ impl OutputUncertainty {
             }
         };
         let ends = if before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
-        let (fine, thinning) = fine_drive(drive, 1, self.scheme, self.inter_sample, ends)?;
-        let mut sampling = Sampling::of(self.scheme);
-        sampling.reconstruction = self.inter_sample;
+        let (fine, thinning) = fine_drive(drive, self.scheme, self.inter_sample, ends)?;
         let record = JointRecord::new(Ingredients {
             drive: fine.as_deref().unwrap_or(drive),
             thinning,
-            output: &vec![0.0; drive.len()],
+            factor: 1,
+            output: vec![0.0; drive.len()],
             weight: vec![1.0; drive.len()],
             before,
             transients: false,
             offset_is_held: false,
             nuisance: Vec::new(),
             degree: self.layout.polynomial.len(),
-            dynamics: Some((sample_rate_hz, self.scheme, sampling)),
+            sample_rate_hz,
+            scheme: self.scheme,
+            sampling: Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) },
         })?;
         let layout = JointLayout { memory: vec![Role::Fixed(memory)], ..self.layout.clone() };
         let problem = JointProblem::new(vec![record], self.form, layout, self.bounds.clone(), String::new());

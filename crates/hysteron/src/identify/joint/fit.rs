@@ -66,8 +66,7 @@ pub(in super::super) fn identify(
     let (problem, x, mut reduction) = if let Some(small) = &small {
         let whole = setup.problem(degree, false)?;
         let polished = engine.quick_fit("all samples", &whole, vec![best.clone()])?;
-        let reduction =
-            Reduction { samples: whole.residual_count(), searched: small.residual_count(), moved: 0.0 };
+        let reduction = Reduction { samples: whole.residual_count(), searched: small.valid(), moved: 0.0 };
         search.outcome.cost = polished.outcome.cost;
         search.outcome.best.clone_from(&polished.outcome.best);
         (whole, polished.outcome.best, Some(reduction))
@@ -80,35 +79,8 @@ pub(in super::super) fn identify(
         .ok_or(OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
     let mut model = assemble(&solution, &form, &members, options)?;
 
-    let mut fits = Vec::new();
-    for (index, (member, role)) in members.iter().zip(roles).enumerate() {
-        let data = &member.facts.data;
-        let start = member.start(solution.hysteresis.alpha * solution.memory[index]);
-        let simulated = model.simulate(&data.u, data.sample_rate_hz(), &start)?;
-        let scores = score(data, &simulated, &Scoring::default())?;
-        fits.push(RecordFit { data: data.clone(), role: *role, start, scores, simulated, band: None });
-    }
-    if options.demands.fixed(OFFSET).is_none() {
-        // The model's own offset is that of its first record.
-        model.offset = fits[0].scores.offset;
-        for fit in &mut fits {
-            fit.simulated.iter_mut().for_each(|y| *y += model.offset);
-            fit.scores = score(&fit.data, &fit.simulated, &Scoring::default())?;
-        }
-    }
-    if let Some(worst) = fits
-        .iter()
-        .min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()))
-        .filter(|w| w.fit_percent() < options.least_fit_percent)
-    {
-        let because = facts.iter().find(|f| f.data.name == worst.data.name).map(findings::why_no_fit);
-        return Err(IdentifyError::ModelClass {
-            record: worst.data.name.clone(),
-            fit_percent: worst.fit_percent(),
-            need: options.least_fit_percent,
-            because: because.unwrap_or_default(),
-        });
-    }
+    let mut fits = simulated(&mut model, &solution, &members, roles, options)?;
+    require_fit(&fits, facts, options)?;
     let known = knowledge::knowledge(&problem, &x);
     let own = known.as_ref().map(|known| &known.covariance);
     if let (Some(reduction), Some(own)) = (&mut reduction, own) {
@@ -164,6 +136,49 @@ pub(in super::super) fn identify(
     };
     findings::write(facts, options, &mut identification);
     Ok(identification)
+}
+
+/// The model's simulation of every record. Where the offset is free, the model's own is that of its first record.
+fn simulated(
+    model: &mut Model,
+    solution: &JointSolution,
+    members: &[JointMember<'_>],
+    roles: &[RecordRole],
+    options: &Options,
+) -> Result<Vec<RecordFit>, IdentifyError> {
+    let mut fits = Vec::new();
+    for (index, (member, role)) in members.iter().zip(roles).enumerate() {
+        let data = &member.facts.data;
+        let start = member.start(solution.hysteresis.alpha * solution.memory[index]);
+        let simulated = model.simulate(&data.u, data.sample_rate_hz(), &start)?;
+        let scores = score(data, &simulated, &Scoring::default())?;
+        fits.push(RecordFit { data: data.clone(), role: *role, start, scores, simulated, band: None });
+    }
+    if options.demands.fixed(OFFSET).is_none() {
+        model.offset = fits[0].scores.offset;
+        for fit in &mut fits {
+            fit.simulated.iter_mut().for_each(|y| *y += model.offset);
+            fit.scores = score(&fit.data, &fit.simulated, &Scoring::default())?;
+        }
+    }
+    Ok(fits)
+}
+
+/// # Errors
+/// [`IdentifyError::ModelClass`] where a record is explained worse than `options` demand.
+fn require_fit(fits: &[RecordFit], facts: &[RecordFacts], options: &Options) -> Result<(), IdentifyError> {
+    let worst = fits
+        .iter()
+        .min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()))
+        .filter(|worst| worst.fit_percent() < options.least_fit_percent);
+    let Some(worst) = worst else { return Ok(()) };
+    let because = facts.iter().find(|f| f.data.name == worst.data.name).map(findings::why_no_fit);
+    Err(IdentifyError::ModelClass {
+        record: worst.data.name.clone(),
+        fit_percent: worst.fit_percent(),
+        need: options.least_fit_percent,
+        because: because.unwrap_or_default(),
+    })
 }
 
 /// Many starts, and where they disagree a population search on a twentieth of its usual budget, polished.

@@ -180,9 +180,10 @@ impl Fit for Whole<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::drive::Thinning;
     use super::super::knowledge::knowledge;
     use super::super::problem::JointLayout;
-    use super::super::record::{Before, Ingredients, JointRecord, Thinning};
+    use super::super::record::{Before, Ingredients, JointRecord};
     use super::*;
     use crate::dynamics::{DynamicForm, Modes, Sampling, Scheme};
     use crate::optimize::Bounds;
@@ -202,14 +203,17 @@ mod tests {
         let record = JointRecord::new(Ingredients {
             drive: &drive,
             thinning: Thinning::Pick(1),
-            output: &output,
+            factor: 1,
+            output: output.clone(),
             weight: vec![1.0; drive.len()],
             before: Before::Remembering,
             transients: false,
             offset_is_held: false,
             nuisance: Vec::new(),
             degree: 1,
-            dynamics: Some((1000.0, Scheme::Tustin, Sampling::of(Scheme::Tustin))),
+            sample_rate_hz: 1000.0,
+            scheme: Scheme::Tustin,
+            sampling: Sampling::of(Scheme::Tustin),
         })
         .unwrap();
         let layout = JointLayout {

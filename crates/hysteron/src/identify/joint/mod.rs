@@ -2,6 +2,7 @@
 
 mod band;
 mod campaign;
+mod drive;
 mod fit;
 mod intervals;
 mod knowledge;
@@ -10,6 +11,7 @@ mod parameters;
 mod problem;
 mod profile;
 mod record;
+mod reduction;
 mod setup;
 #[cfg(test)]
 mod tests;

@@ -156,9 +156,7 @@ impl JointProblem {
             .par_iter()
             .zip(&mut ws.records)
             .zip(&candidate.memory)
-            .map(|((record, ws), &memory)| {
-                record.respond(&candidate, memory, Some(dynamics), derivatives, ws)
-            })
+            .map(|((record, ws), &memory)| record.respond(&candidate, memory, dynamics, derivatives, ws))
             // No short cut: which records are visited must not depend on the threads.
             .reduce(|| true, |a, b| a & b)
     }

@@ -56,19 +56,16 @@ impl<'a> JointSetup<'a> {
     ) -> Result<JointProblem, IdentifyError> {
         let (layout, bounds) = self.layout(degree);
         // Weights such that the cost reads as RMSE in the output's unit where all records are equally noisy.
-        let (mut counted, mut information, mut samples) = (0.0, 0.0, 0.0);
+        let (mut information, mut samples) = (0.0, 0);
         for member in self.members {
-            let factor = if reduced { member.factor } else { 1 };
-            let scored = member.facts.scored(0).len() as f64 / factor as f64;
-            counted += scored;
-            information += scored * factor as f64 / (member.noise * member.noise);
-            samples += (member.facts.data.u.len().div_ceil(factor)) as f64;
+            information += member.facts.scored(0).len() as f64 / (member.noise * member.noise);
+            samples += member.facts.data.u.len().div_ceil(if reduced { member.factor } else { 1 });
         }
-        let scale = (counted / information).sqrt() * (samples / counted).sqrt();
+        let scale = (samples as f64 / information).sqrt();
         let records = self
             .members
             .iter()
-            .map(|member| member.prepare(reduced, scale, degree, self.options.scheme(), self.options))
+            .map(|member| member.prepare(reduced, scale, degree, self.options))
             .collect::<Result<Vec<_>, _>>()?;
         let values = self
             .members
