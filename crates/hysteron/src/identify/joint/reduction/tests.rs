@@ -97,10 +97,9 @@ fn a_reduced_record_is_the_whole_one_filtered_and_thinned() {
     for rule in InterSample::ALL {
         for n in [1.0, 2.0] {
             for (column, off) in differences(&drive, rule, Before::Remembering, 8, n).iter().enumerate() {
-                // A band-limited response begins a little before its cause; the whole record leaves that out. Beyond the end
-                // inputs have a corner, and the output between reduced samples is known to that.
-                let tolerance = [1e-6, 1e-5, 2e-3];
-                println!("{rule:?} {n}, column {column}: {off:?}");
+                // Derivatives hold more of what is fast. The whole record leaves out what a band-limited response has before its
+                // cause; beyond the end inputs have a corner, which the output between reduced samples is known without.
+                let tolerance = [if column < 3 { 1e-6 } else { 1e-5 }, 1e-7, 2e-3];
                 assert!(
                     off.iter().zip(tolerance).all(|(off, t)| *off < t),
                     "{rule:?} {n}, {column}: {off:?}"
@@ -153,7 +152,7 @@ proptest! {
         let mut out = vec![0.0; reduction.rows()];
         reduction.output(&x, &mut out);
         for (k, out) in out.iter().enumerate().take(4 * REACH).skip(2 * REACH) {
-            prop_assert!((out - wave(k as f64 - REACH as f64)).abs() < 4e-5);
+            prop_assert!((out - wave(k as f64 - REACH as f64)).abs() < 5e-5);
         }
         // And around the end of a periodic one.
         let samples = factor * 100;
@@ -162,7 +161,7 @@ proptest! {
         let mut out = vec![0.0; 100];
         Reduction::new(factor, samples, true).output(&x, &mut out);
         for (k, out) in out.iter().enumerate() {
-            prop_assert!((out - wave(k * factor)).abs() < 4e-5);
+            prop_assert!((out - wave(k * factor)).abs() < 5e-5);
         }
     }
 }
