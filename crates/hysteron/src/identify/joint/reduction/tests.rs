@@ -152,7 +152,7 @@ proptest! {
         let mut out = vec![0.0; reduction.rows()];
         reduction.output(&x, &mut out);
         for (k, out) in out.iter().enumerate().take(4 * REACH).skip(2 * REACH) {
-            prop_assert!((out - wave(k as f64 - REACH as f64)).abs() < 6e-5);
+            prop_assert!((out - wave(k as f64 - REACH as f64)).abs() < 5e-5);
         }
         // And around the end of a periodic one.
         let samples = factor * 100;
@@ -161,7 +161,7 @@ proptest! {
         let mut out = vec![0.0; 100];
         Reduction::new(factor, samples, true).output(&x, &mut out);
         for (k, out) in out.iter().enumerate() {
-            prop_assert!((out - wave(k * factor)).abs() < 6e-5);
+            prop_assert!((out - wave(k * factor)).abs() < 5e-5);
         }
     }
 }
