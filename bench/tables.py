@@ -195,7 +195,9 @@ def markdown(result):
         columns(result["columns"]),
         "### Bouc–Wen simulation",
         bouc_wen(result["bouc_wen"]),
-        "### Joint fit: 3 s loop and 10 s sweep at 10 kHz, truth of the model's class, 5 nm of noise",
+        "### Joint fit: {:g} s loop and {:g} s sweep at 10 kHz, truth of the model's class, 5 nm of noise".format(
+            *(n / 10_000 for n in result["joint"]["samples"])
+        ),
         joint(result["joint"]),
         "### Growth of the joint fit",
         joint_scaling(result["joint_scaling"]),
