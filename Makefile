@@ -48,8 +48,10 @@ bench: check-toolchain ## speed, side by side with the peers, which this install
 	bench/instructions.sh
 	bench/run.sh
 
-study: check-toolchain ## coverage: how often the 95 % intervals hold the truth, over 1000 simulated campaigns
-	cargo run --release --locked -p hysteron-bench --bin hysteron-coverage -- 1000
+STUDIES := optimum full-size seeds parameters rates blocks coverage
+study: check-toolchain ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)
+	cargo build --release --locked -p hysteron-bench --bin hysteron-study
+	@for study in $(STUDIES); do echo "== $$study"; target/release/hysteron-study $$study $(if $(QUICK),2); done
 
 figures: $(HYSTERON) ## the pictures of README and docs, made by the program
 	@mkdir -p $(OUT) docs/figures

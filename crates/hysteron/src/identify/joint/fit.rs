@@ -71,8 +71,10 @@ pub(in super::super) fn identify(
         search.outcome.best.clone_from(&polished.outcome.best);
         (whole, polished.outcome.best, Some(reduction))
     } else {
+        let whole = setup.problem(degree, false)?;
+        search.outcome.cost = whole.cost(&best, &mut whole.workspace());
         search.outcome.best.clone_from(&best);
-        (setup.problem(degree, false)?, best, None)
+        (whole, best, None)
     };
     let solution = problem
         .solve(&x)
@@ -187,8 +189,9 @@ fn search_globally(
     setup: &JointSetup<'_>,
     engine: &mut Engine<'_>,
 ) -> Result<Search, IdentifyError> {
-    let guesses = setup.guesses(problem.bounds());
-    let mut search = engine.search("joint fit", problem, guesses)?;
+    let starts = setup.starts(problem, engine)?;
+    let mut search = engine.search("joint fit", problem, starts.points)?;
+    search.outcome.evaluations += starts.evaluations;
     if setup.options.algorithm.is_some() || agreeing(&search) >= AGREEMENT || engine.cancelled {
         if setup.options.algorithm.as_ref().is_some_and(|a| a.name() != "least-squares") && !engine.cancelled
         {
@@ -228,7 +231,7 @@ fn try_creep(
         return Ok(None);
     }
     let problem = setup.problem(degree, reduced)?;
-    let mut guesses = setup.guesses(problem.bounds());
+    let mut guesses = setup.guesses(&problem)?;
     let place = |name: &str| plain.bounds().ranges.iter().position(|range| range.name == name);
     let from_plain = problem
         .bounds()

@@ -13,6 +13,7 @@ mod profile;
 mod record;
 mod reduction;
 mod setup;
+mod starts;
 #[cfg(test)]
 mod tests;
 

@@ -43,7 +43,7 @@ impl JointObjective {
             Choice::Auto => DEGREE_OF_STARTS,
         };
         let problem = setup.problem(degree, reduced)?;
-        let starts = setup.guesses(problem.bounds());
+        let starts = setup.guesses(&problem)?;
         Ok(Self { problem, starts })
     }
 

@@ -130,7 +130,7 @@ impl JointProblem {
         self.records.iter().map(|record| record.valid).sum()
     }
 
-    fn degree(&self) -> usize {
+    pub(in super::super) fn degree(&self) -> usize {
         self.layout.polynomial.len()
     }
 

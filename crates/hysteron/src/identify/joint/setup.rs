@@ -1,15 +1,14 @@
-//! Search box and starts of a joint fit.
+//! Search box of a joint fit.
 
 use super::super::dynamic_step::{LONGEST_DELAY_PERIODS, LONGEST_DELAY_SAMPLES};
-use super::super::layout::{BoxBuilder, Role, pick};
+use super::super::layout::{BoxBuilder, Role};
 use super::super::options::{Choice, Options};
 use super::super::static_step::Scales;
 use super::super::{IdentifyError, RecordFacts, fingerprint};
 use super::campaign::JointMember;
 use super::problem::{JointLayout, JointProblem};
 use super::record::Before;
-use crate::dynamics::{DynamicForm, Dynamics, Modes, Scheme};
-use crate::hysteresis::Hysteresis;
+use crate::dynamics::{DynamicForm, Modes, Scheme};
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Range};
 
@@ -159,62 +158,6 @@ impl<'a> JointSetup<'a> {
             "share" => Range::linear(name, 0.0, 1.0),
             _ => Range::linear(name, 0.0, 1.0),
         }
-    }
-
-    /// Data-driven starts: loops of moderate and of greater width, resonances well above and near the drive; before them
-    /// the model to start from.
-    pub(in super::super) fn guesses(&self, bounds: &Bounds) -> Vec<Vec<f64>> {
-        let mut guesses = Vec::new();
-        if let Some(model) = &self.options.start {
-            let Hysteresis::BoucWen(b) = &model.hysteresis;
-            let unit = b.unit_shape();
-            let form = match &model.dynamics {
-                Dynamics::Fractional(g) | Dynamics::Integer(g) => g.second_order().ok(),
-                _ => None,
-            };
-            guesses.push(pick(bounds, |name| match name {
-                "alpha" => Some(b.alpha),
-                "beta" => Some(unit.beta),
-                "gamma" => Some(unit.gamma),
-                "n" => Some(b.n),
-                "delay" => Some(model.delay_s),
-                "natural_frequency" => form.map(|f| f.natural_frequency_hz),
-                "damping" => form.map(|f| f.damping),
-                "order2" => form.map(|f| f.alpha2),
-                "order1" => form.map(|f| f.alpha1),
-                name => (1..=b.polynomial.len())
-                    .find(|&i| polynomial_name(i) == name)
-                    .map(|i| b.polynomial[i - 1]),
-            }));
-        }
-        let steepest = 20.0 / self.scales.range_v;
-        for (width, place, damping, order1) in
-            [(1.0, 0.7, 0.3, 1.0), (3.0, 0.7, 0.1, 0.3), (2.0, 0.4, 0.7, 1.0), (1.0, 0.85, 0.1, 1.0)]
-        {
-            let second = place + 0.5 * (1.0 - place);
-            guesses.push(pick(bounds, |name| {
-                let at = |t: f64| bounds.ranges.iter().find(|r| r.name == name).map(|r| r.from_unit(t));
-                match name {
-                    "alpha" => Some(0.3 * self.scales.slope),
-                    "beta" => Some(width * steepest / 20.0),
-                    "gamma" => Some(0.2 * width * steepest / 20.0),
-                    "n" => Some(1.2),
-                    "delay" => Some(0.0),
-                    "natural_frequency" => at(place),
-                    "natural_frequency_2" => at(second),
-                    "damping" | "damping_2" => Some(damping),
-                    "order2" | "order2_2" => Some(2.0),
-                    "order1" | "order1_2" => Some(order1),
-                    "order0" => Some(0.02),
-                    "share" => Some(0.9),
-                    "creep" => Some(0.05),
-                    "creep_order" => Some(0.15),
-                    name if name.starts_with("memory_") => Some(0.0),
-                    _ => None,
-                }
-            }));
-        }
-        guesses
     }
 }
 

@@ -73,7 +73,7 @@ impl Campaign<'_> {
         }
         let setup = JointSetup::new(self.members, form(&options), &options);
         let problem = setup.problem(candidate.degree, true)?;
-        let guesses = setup.guesses(problem.bounds());
+        let guesses = setup.guesses(&problem)?;
         let base = guesses.first().cloned().unwrap_or_default();
         let mut starts: Vec<Vec<f64>> = others.iter().map(|named| overlay(&problem, &base, named)).collect();
         starts.extend(guesses);

@@ -1,0 +1,132 @@
+//! Do the estimates depend on the sample rate? One device in continuous time, recorded at several rates and identified
+//! by the default scheme and by `grunwald-letnikov`.
+
+use std::io::{Write, stdout};
+
+use hysteron::dynamics::Scheme;
+use hysteron::identify::{CampaignRecord, Choice, Options, Unwatched, identify};
+use rayon::prelude::*;
+
+use crate::Outcome;
+use crate::campaign::{NOISE_UM, cold, nested_loops, play, sweep};
+use crate::device::Device;
+use crate::table;
+
+const RATES_HZ: [f64; 4] = [2_000.0, 5_000.0, 10_000.0, 25_000.0];
+const NAMES: [&str; 10] = [
+    "linear",
+    "quadratic",
+    "alpha",
+    "beta",
+    "gamma",
+    "natural_frequency",
+    "damping",
+    "order2",
+    "order1",
+    "delay",
+];
+
+/// An estimate with its standard error.
+type Estimate = (f64, f64);
+
+/// The estimates of [`NAMES`] from a campaign.
+fn estimates(records: &[CampaignRecord], scheme: Scheme) -> Outcome<Vec<Estimate>> {
+    let options = Options { scheme: Choice::Given(scheme), degree: Choice::Given(2), ..cold() };
+    let found = identify(records, &options, &mut Unwatched, None)?;
+    NAMES
+        .iter()
+        .map(|name| {
+            let p = found.parameters.iter().find(|p| p.name == *name);
+            let estimate = p.and_then(|p| Some((p.value, p.std_error?)));
+            estimate.ok_or_else(|| format!("{name} was not determined").into())
+        })
+        .collect()
+}
+
+/// `campaigns` of each rate, those of a rate beside each other.
+fn all(device: &Device, campaigns: usize, scheme: Scheme) -> Outcome<Vec<Vec<Vec<Estimate>>>> {
+    let truth = device.bench(NOISE_UM)?;
+    RATES_HZ
+        .iter()
+        .enumerate()
+        .map(|(index, &rate_hz)| {
+            let drives = [nested_loops(rate_hz)?, sweep(rate_hz, 1.0, 100.0, 4.0)?];
+            (0..campaigns)
+                .into_par_iter()
+                .map(|campaign| {
+                    // Noise of its own for every rate.
+                    let records = play(&truth, &drives, (campaign * RATES_HZ.len() + index) as u64)?;
+                    estimates(&records, scheme)
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// Values of the first campaign of each rate, and the mean error of all.
+fn print(device: &Device, found: &[Vec<Vec<Estimate>>]) -> Outcome<()> {
+    let truth = device.values()?;
+    let mut values = Vec::new();
+    let mut biases = Vec::new();
+    for (index, name) in NAMES.iter().enumerate() {
+        let Some((_, truth)) = truth.iter().find(|(known, _)| known == name) else { continue };
+        let mut value = vec![(*name).to_owned(), number(*truth)];
+        let mut bias = vec![(*name).to_owned()];
+        for campaigns in found {
+            let (first, error) = campaigns[0][index];
+            value.push(with_error(first, error));
+            let of = |f: &dyn Fn(&Estimate) -> f64| -> f64 {
+                campaigns.iter().map(|campaign| f(&campaign[index])).sum::<f64>() / campaigns.len() as f64
+            };
+            let (mean, error) = (of(&|e| e.0 - truth), of(&|e| e.1));
+            bias.push(format!("{:+.2} ({:+.3} %)", mean / error, 100.0 * mean / truth));
+        }
+        // Largest distance of two rates.
+        let pairs = found.iter().enumerate().flat_map(|(i, a)| found[..i].iter().map(move |b| (a, b)));
+        let apart = pairs.map(|(a, b)| {
+            let ((a, ea), (b, eb)) = (a[0][index], b[0][index]);
+            (a - b).abs() / ea.hypot(eb)
+        });
+        value.push(format!("{:.1}", apart.fold(0.0, f64::max)));
+        values.push(value);
+        biases.push(bias);
+    }
+    let rates: Vec<String> = RATES_HZ.iter().map(|rate| format!("{} kHz", rate / 1e3)).collect();
+    let rates = rates.iter().map(String::as_str);
+    let header: Vec<&str> =
+        ["parameter", "truth"].into_iter().chain(rates.clone()).chain(["most apart [s.e.]"]).collect();
+    table::print(&header, &values)?;
+    writeln!(
+        stdout(),
+        "Mean error of all campaigns, in standard errors of one (in per cent of the truth):\n"
+    )?;
+    table::print(&["parameter"].into_iter().chain(rates).collect::<Vec<_>>(), &biases)
+}
+
+/// Six significant figures.
+fn number(value: f64) -> String {
+    let figures = (5 - value.abs().max(f64::MIN_POSITIVE).log10().floor() as i32).clamp(0, 9) as usize;
+    format!("{value:.figures$}")
+}
+
+/// A value to two figures of its error.
+fn with_error(value: f64, error: f64) -> String {
+    let figures = (1 - error.max(f64::MIN_POSITIVE).log10().floor() as i32).clamp(0, 9) as usize;
+    format!("{value:.figures$} ± {error:.figures$}")
+}
+
+pub fn study(campaigns: usize) -> Outcome<()> {
+    let device = Device::article()?;
+    for scheme in [Scheme::BandLimited, Scheme::GrunwaldLetnikov] {
+        // What a scheme is off by does not need many campaigns to show.
+        let campaigns = if scheme == Scheme::BandLimited { campaigns } else { campaigns.min(4) };
+        let found = all(&device, campaigns, scheme)?;
+        writeln!(
+            stdout(),
+            "Scheme `{}`, {campaigns} campaigns a rate; values of the first.\n",
+            scheme.name()
+        )?;
+        print(&device, &found)?;
+    }
+    Ok(())
+}

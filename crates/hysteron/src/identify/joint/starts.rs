@@ -1,0 +1,317 @@
+//! Where the search of a joint fit begins.
+//!
+//! A simulation costs a fraction of an iteration, so the starts begin as the best points of coarse lattices. The loop
+//! comes first, from the record in which the dynamics matter least, once as of a device without memory and once as of one
+//! that comes from loops like those of the record (sharp loops have a second optimum with a memory that was not there, and
+//! dynamics that are far off lead there). Then the dynamics, on all records with that loop held.
+
+use super::super::layout::pick;
+use super::super::options::{Choice, Options};
+use super::super::{Engine, IdentifyError};
+use super::problem::JointProblem;
+use super::setup::{JointSetup, memory_name};
+use crate::dynamics::{Dynamics, Modes};
+use crate::hammerstein::Model;
+use crate::hysteresis::{Hysteresis, UnitShape};
+use crate::model_file::polynomial_name;
+use crate::optimize::{Bounds, Problem};
+use crate::record::range_of;
+use rayon::prelude::*;
+
+/// Ranges of the drive in which ζ relaxes once: (β')^(1/n) times the range.
+const SHARPNESSES: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+/// γ'/β'.
+const SKEWS: [f64; 3] = [-0.7, 0.0, 0.7];
+/// Places of the natural frequency in its range.
+const PLACES: [f64; 4] = [0.3, 0.5, 0.7, 0.9];
+const DAMPINGS: [f64; 3] = [0.03, 0.2, 1.0];
+/// Orders of the damping term.
+const ORDERS: [f64; 3] = [1.0, 0.6, 0.3];
+/// Exponent where it is searched.
+const EXPONENT: f64 = 1.2;
+/// Costs that differ by more than this share belong to different optima.
+const ANOTHER: f64 = 1e-3;
+/// First samples that differ by less than this share of the range are the same voltage.
+const SAME_VOLTAGE: f64 = 0.01;
+/// Dynamics that hardly show in a slow record.
+const FAST: Motion = Motion { place: 0.9, damping: 0.2, order1: 1.0 };
+
+/// A loop shape to start from.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    sharpness: f64,
+    skew: f64,
+    /// The device comes from loops like those of the record.
+    settled: bool,
+}
+
+/// Dynamics to start from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Motion {
+    place: f64,
+    damping: f64,
+    order1: f64,
+}
+
+/// What the slowest record says of the loop, in the search's own numbers.
+struct Loop {
+    beta: f64,
+    gamma: f64,
+    n: f64,
+    /// ζ(0) of the slowest record.
+    memory: f64,
+}
+
+/// Starts of a search, and what it took to find them.
+pub(super) struct Starts {
+    pub(super) points: Vec<Vec<f64>>,
+    pub(super) evaluations: usize,
+}
+
+impl JointSetup<'_> {
+    /// Starts from lattices alone, the model to start from first.
+    pub(in super::super) fn guesses(&self, problem: &JointProblem) -> Result<Vec<Vec<f64>>, IdentifyError> {
+        let mut guesses: Vec<Vec<f64>> =
+            self.options.start.iter().map(|model| of_model(model, problem.bounds())).collect();
+        let (_, shapes) = self.slow(&self.fast(problem.bounds()), problem.degree())?;
+        let best = shapes[0].0;
+        let other = shapes.iter().find(|(shape, _)| shape.settled != best.settled).map_or(best, |(s, _)| *s);
+        let motions = self.motions(problem, |motion| self.point(problem.bounds(), best, motion));
+        for (motion, shape) in motions.iter().zip([best, other].iter().cycle()) {
+            guesses.push(self.point(problem.bounds(), *shape, *motion));
+        }
+        Ok(guesses)
+    }
+
+    /// Starts fitted in two steps: the loop on the slowest record, then the dynamics on all with that loop held. Those of
+    /// [`Self::guesses`] where the user gave the algorithm or a model to start from.
+    pub(super) fn starts(
+        &self,
+        problem: &JointProblem,
+        engine: &mut Engine<'_>,
+    ) -> Result<Starts, IdentifyError> {
+        if self.options.algorithm.is_some() || self.options.start.is_some() {
+            return Ok(Starts { points: self.guesses(problem)?, evaluations: 0 });
+        }
+        let mut starts = Starts { points: Vec::new(), evaluations: 0 };
+        let loops = self.loops(problem, engine, &mut starts.evaluations)?;
+        let motions = self.motions(problem, |motion| self.looping(problem.bounds(), &loops[0], motion));
+        // Alternately, so that starts which agree on an optimum came from unlike places.
+        for (number, (motion, found)) in motions.iter().zip(loops.iter().cycle()).enumerate() {
+            let options = self.holding(found);
+            let held = JointSetup::new(self.members, self.form, &options).problem(problem.degree(), true)?;
+            let mut point = self.looping(problem.bounds(), found, *motion);
+            if held.bounds().dimension() > 0 {
+                let start = self.looping(held.bounds(), found, *motion);
+                let fit = engine.quick_fit(&format!("dynamics, start {}", number + 1), &held, vec![start])?;
+                starts.evaluations += fit.outcome.evaluations;
+                let place = |name: &str| held.bounds().ranges.iter().position(|range| range.name == name);
+                for (range, value) in problem.bounds().ranges.iter().zip(&mut point) {
+                    *value = place(&range.name).map_or(*value, |at| fit.outcome.best[at]);
+                }
+            }
+            starts.points.push(point);
+        }
+        Ok(starts)
+    }
+
+    fn slowest(&self) -> usize {
+        let slowness = |index: &usize| self.members[*index].facts.highest_frequency_hz();
+        (0..self.members.len()).min_by(|a, b| slowness(a).total_cmp(&slowness(b))).unwrap_or_default()
+    }
+
+    /// The options with the dynamics held where they hardly show in the slowest record: left free they would take the place
+    /// of the loop there.
+    fn fast(&self, bounds: &Bounds) -> Options {
+        let mut options = self.options.clone();
+        let point = self.start(bounds, [0.0, 0.0, 1.0], FAST, |_| 0.0);
+        let own = self.form.parameters();
+        let held =
+            bounds.ranges.iter().zip(point).filter(|(range, _)| own.iter().any(|p| p.name == range.name));
+        options.demands.fixed.extend(held.map(|(range, value)| (range.name.clone(), value)));
+        options
+    }
+
+    /// The problem of the slowest record alone, with `options`, and the starts at each shape in the order of their cost.
+    fn slow(
+        &self,
+        options: &Options,
+        degree: usize,
+    ) -> Result<(JointProblem, Vec<(Shape, Vec<f64>)>), IdentifyError> {
+        let index = self.slowest();
+        let members = self.members.get(index..=index).unwrap_or_default();
+        let setup = JointSetup::new(members, self.form, options);
+        let problem = setup.problem(degree, true)?;
+        let lattice = SHARPNESSES.iter().flat_map(|&sharpness| {
+            SKEWS
+                .iter()
+                .flat_map(move |&skew| [false, true].map(|settled| Shape { sharpness, skew, settled }))
+        });
+        let point = |shape: Shape| setup.point(problem.bounds(), shape, FAST);
+        let ordered = by_cost(&problem, lattice.collect(), |shape| point(*shape));
+        let starts = ordered.into_iter().map(|shape| (shape, point(shape))).collect();
+        Ok((problem, starts))
+    }
+
+    /// The loop that fits the slowest record best, and the best one of another optimum, if there is one.
+    fn loops(
+        &self,
+        whole: &JointProblem,
+        engine: &mut Engine<'_>,
+        evaluations: &mut usize,
+    ) -> Result<Vec<Loop>, IdentifyError> {
+        let options = self.fast(whole.bounds());
+        let (problem, shapes) = self.slow(&options, whole.degree())?;
+        let found = |x: &[f64]| -> Option<Loop> {
+            let candidate = problem.candidate(x)?;
+            let UnitShape { beta, gamma, n } = candidate.shape;
+            Some(Loop { beta, gamma, n, memory: *candidate.memory.first()? })
+        };
+        if problem.bounds().dimension() == 0 {
+            return Ok(found(&[]).into_iter().collect());
+        }
+        let of = |settled| shapes.iter().filter(move |(shape, _)| shape.settled == settled).take(2);
+        let starts = of(false).chain(of(true)).map(|(_, start)| start.clone()).collect();
+        let mut fit = engine.quick_fit("slowest record", &problem, starts)?.outcome;
+        *evaluations += fit.evaluations;
+        fit.starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let other = fit.starts.iter().find(|start| start.cost > fit.cost * (1.0 + ANOTHER));
+        Ok([Some(&fit.best), other.map(|start| &start.best)]
+            .into_iter()
+            .flatten()
+            .filter_map(|x| found(x))
+            .collect())
+    }
+
+    /// The options with this loop held.
+    fn holding(&self, found: &Loop) -> Options {
+        let mut options = self.options.clone();
+        let shape = [("beta", found.beta), ("gamma", found.gamma), ("n", found.n)];
+        options.demands.fixed.extend(shape.map(|(name, value)| (name.to_owned(), value)));
+        let memory = (0..self.members.len()).map(|record| (memory_name(record), self.memory(found, record)));
+        options.demands.fixed.extend(memory);
+        options
+    }
+
+    /// ζ(0) of a record: that of the slowest one where both start from the same voltage.
+    fn memory(&self, found: &Loop, record: usize) -> f64 {
+        let first = |record: usize| self.members[record].facts.data.u[0];
+        let apart = (first(record) - first(self.slowest())).abs();
+        if apart <= SAME_VOLTAGE * self.scales.range_v { found.memory } else { 0.0 }
+    }
+
+    /// The best dynamics at a loop, then others of unlike order (of unlike frequency where orders are whole).
+    fn motions(&self, problem: &JointProblem, point: impl Fn(Motion) -> Vec<f64> + Sync) -> Vec<Motion> {
+        if self.form.modes == Modes::None {
+            return vec![FAST, FAST];
+        }
+        let orders = if problem.bounds().ranges.iter().any(|r| r.name == "order1") {
+            &ORDERS[..]
+        } else {
+            &ORDERS[..1]
+        };
+        let lattice = orders.iter().flat_map(|&order1| {
+            PLACES.iter().flat_map(move |&place| DAMPINGS.map(|damping| Motion { place, damping, order1 }))
+        });
+        let ordered = by_cost(problem, lattice.collect(), |motion| point(*motion));
+        let mut picked: Vec<Motion> = Vec::new();
+        for motion in ordered {
+            let alike = |other: &Motion| {
+                if orders.len() > 1 { other.order1 == motion.order1 } else { other.place == motion.place }
+            };
+            if !picked.iter().any(alike) {
+                picked.push(motion);
+            }
+        }
+        picked
+    }
+
+    /// The start with this loop and these dynamics.
+    fn looping(&self, bounds: &Bounds, found: &Loop, motion: Motion) -> Vec<f64> {
+        self.start(bounds, [found.beta, found.gamma, found.n], motion, |record| self.memory(found, record))
+    }
+
+    /// The start with this shape and these dynamics.
+    fn point(&self, bounds: &Bounds, shape: Shape, motion: Motion) -> Vec<f64> {
+        let range_v = self.scales.range_v;
+        let n = match self.options.n {
+            Choice::Given(n) => self.options.demands.fixed("n").unwrap_or(n),
+            Choice::Auto => EXPONENT,
+        };
+        let beta = (shape.sharpness / range_v).powf(n);
+        let gamma = shape.skew * beta;
+        // Where a loop over the whole range turns, ζ is at most here.
+        let saturated = (beta + gamma).powf(-1.0 / n).min(range_v);
+        self.start(bounds, [beta, gamma, n], motion, |record| {
+            let u = &self.members[record].facts.data.u;
+            let (low, high) = range_of(u);
+            if shape.settled { saturated * (2.0 * (u[0] - low) / (high - low) - 1.0) } else { 0.0 }
+        })
+    }
+
+    fn start(
+        &self,
+        bounds: &Bounds,
+        [beta, gamma, n]: [f64; 3],
+        motion: Motion,
+        memory: impl Fn(usize) -> f64,
+    ) -> Vec<f64> {
+        pick(bounds, |name| {
+            let at = |t: f64| bounds.ranges.iter().find(|r| r.name == name).map(|r| r.from_unit(t));
+            match name {
+                "alpha" => Some(0.3 * self.scales.slope),
+                "beta" => Some(beta),
+                "gamma" => Some(gamma),
+                "n" => Some(n),
+                "delay" => Some(0.0),
+                "natural_frequency" => at(motion.place),
+                "natural_frequency_2" => at(motion.place + 0.5 * (1.0 - motion.place)),
+                "lag" => at(1.0 - motion.place),
+                "damping" | "damping_2" => Some(motion.damping),
+                "order2" | "order2_2" => Some(2.0),
+                "order1" | "order1_2" => Some(motion.order1),
+                "order0" => Some(0.02),
+                "share" => Some(0.9),
+                "creep" => Some(0.05),
+                "creep_order" => Some(0.15),
+                name => (0..self.members.len()).find(|&r| memory_name(r) == name).map(&memory),
+            }
+        })
+    }
+}
+
+/// The candidates in the order of their cost; those that cannot be simulated last.
+fn by_cost<T: Sync + Copy + Send>(
+    problem: &JointProblem,
+    candidates: Vec<T>,
+    point: impl Fn(&T) -> Vec<f64> + Sync,
+) -> Vec<T> {
+    let mut costs: Vec<(f64, T)> = candidates
+        .par_iter()
+        .map_init(|| problem.workspace(), |ws, candidate| (problem.cost(&point(candidate), ws), *candidate))
+        .collect();
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    costs.into_iter().map(|(_, candidate)| candidate).collect()
+}
+
+/// A model as a start.
+fn of_model(model: &Model, bounds: &Bounds) -> Vec<f64> {
+    let Hysteresis::BoucWen(b) = &model.hysteresis;
+    let unit = b.unit_shape();
+    let form = match &model.dynamics {
+        Dynamics::Fractional(g) | Dynamics::Integer(g) => g.second_order().ok(),
+        Dynamics::None | Dynamics::Arx(_) => None,
+    };
+    pick(bounds, |name| match name {
+        "alpha" => Some(b.alpha),
+        "beta" => Some(unit.beta),
+        "gamma" => Some(unit.gamma),
+        "n" => Some(b.n),
+        "delay" => Some(model.delay_s),
+        "natural_frequency" => form.map(|f| f.natural_frequency_hz),
+        "damping" => form.map(|f| f.damping),
+        "order2" => form.map(|f| f.alpha2),
+        "order1" => form.map(|f| f.alpha1),
+        name => (1..=b.polynomial.len()).find(|&i| polynomial_name(i) == name).map(|i| b.polynomial[i - 1]),
+    })
+}
