@@ -85,8 +85,8 @@ impl Trial {
 }
 
 pub fn study(campaigns: usize) -> Outcome<()> {
-    let drives = [nested_loops(1_000.0)?, sweep(5_000.0, 1.0, 200.0, 2.5)?];
-    let unseen = random_reference(5_000.0, 2.0, 1)?;
+    let drives = [nested_loops(5_000.0)?, sweep(10_000.0, 1.0, 200.0, 2.5)?];
+    let unseen = random_reference(10_000.0, 2.0, 1)?;
     let mut rows = Vec::new();
     for (name, device) in devices()? {
         let trials: Vec<Trial> = (0..campaigns as u64)

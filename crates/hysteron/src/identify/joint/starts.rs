@@ -45,6 +45,9 @@ struct Shape {
     settled: bool,
 }
 
+/// A shape, and the point of the search that it is.
+type Placed = (Shape, Vec<f64>);
+
 /// Dynamics to start from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Motion {
@@ -133,11 +136,7 @@ impl JointSetup<'_> {
     }
 
     /// The problem of the slowest record alone, with `options`, and the starts at each shape in the order of their cost.
-    fn slow(
-        &self,
-        options: &Options,
-        degree: usize,
-    ) -> Result<(JointProblem, Vec<(Shape, Vec<f64>)>), IdentifyError> {
+    fn slow(&self, options: &Options, degree: usize) -> Result<(JointProblem, Vec<Placed>), IdentifyError> {
         let index = self.slowest();
         let members = self.members.get(index..=index).unwrap_or_default();
         let setup = JointSetup::new(members, self.form, options);
