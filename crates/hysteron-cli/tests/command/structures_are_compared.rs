@@ -129,3 +129,28 @@ fn a_slow_loop_does_not_pass_its_width_off_as_a_delay() {
     let milliseconds: f64 = delay["text"].as_str().unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((0.1..0.5).contains(&milliseconds), "{delay}");
 }
+
+#[test]
+fn the_report_of_an_identification_shows_its_neighbours_and_its_bands() {
+    let bench = measured();
+    let run = bench.run(&format!("identify {LOOP} {SWEEP} -o new.json --report report.html"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let page = std::fs::read_to_string(bench.path("report.html")).unwrap();
+    for part in [
+        "Other structures on the same records",
+        "<td>integer2",
+        "BIC above the lowest",
+        "95 % of new measurements",
+        "95 % band of the model",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    // The file carries what the bands come from.
+    let file = ModelFile::read(&bench.path("new.json")).unwrap();
+    let (names, _) = file.covariance().unwrap();
+    assert!(names.iter().any(|n| n == "denominator[0].coefficient"), "{names:?}");
+    let run = bench.run(&format!("validate new.json {SINES} --band --json"));
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    let share = found["records"][0]["within_band_percent"].as_f64().unwrap();
+    assert!((0.0..=100.0).contains(&share), "{found}");
+}
