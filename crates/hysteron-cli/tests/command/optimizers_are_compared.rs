@@ -50,7 +50,7 @@ fn unknown_names_and_impossible_budgets_are_wrong_usage() {
     let bench = Bench::new();
     for (flags, part) in [
         ("--problem static-block --problem knapsack", "unknown variant `knapsack`"),
-        ("--optimizer cma-es", "unknown variant `cma-es`"),
+        ("--optimizer harmony-search", "unknown variant `harmony-search`"),
         ("--seeds 0", "option seeds of the optimiser study is 0"),
         ("--budget 10", "option budget of the optimiser study is 10"),
         ("--threads 0", "option threads of the optimiser study is 0"),
