@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Speed and accuracy beside the peers, in one run: installs them into bench/.venv, builds, measures, writes results.
-#   bench/run.sh          everything (about six minutes on two idle cores)
+#   bench/run.sh          everything (about eight minutes on two idle cores)
 #   bench/run.sh --quick  fewer repetitions and shorter records, to see that it works
 set -euo pipefail
 cd "$(dirname "$0")/.."

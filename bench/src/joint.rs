@@ -52,7 +52,8 @@ impl ProblemRequest {
             ranges: objective.bounds().ranges.clone(),
             starts: objective.starts().to_vec(),
             samples: weights.iter().map(|w| w.len()).collect(),
-            weights: weights.iter().map(|w| w[0]).collect(),
+            // A reduced record begins and ends with samples that do not count.
+            weights: weights.iter().map(|w| w.iter().copied().fold(0.0, f64::max)).collect(),
         }))
     }
 }
