@@ -24,5 +24,4 @@ pub use intervals::{Interval, IntervalMethod};
 pub use knowledge::Covariance;
 pub use objective::{JointObjective, JointScratch};
 pub(super) use problem::JointProblem;
-pub(super) use record::Before;
-pub(super) use setup::{JointSetup, form, memory_name};
+pub(super) use setup::{JointSetup, form, memory_name, scheme};

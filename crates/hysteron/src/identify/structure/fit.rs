@@ -2,14 +2,14 @@
 
 use std::ops::{ControlFlow, Range};
 
-use super::super::joint::{Before, JointMember, JointProblem, JointSetup, assemble, form, memory_name};
+use super::super::joint::{JointMember, JointProblem, JointSetup, assemble, form, memory_name, scheme};
 use super::super::layout::Role;
 use super::super::options::{CampaignRecord, Choice, Options};
 use super::super::uncertainty::correlation_time;
 use super::super::{IdentifyError, RecordFacts, Unwatched, identify};
 use super::candidate::{Block, Candidate};
 use super::folds::Fold;
-use crate::dynamics::{Dynamics, Scheme};
+use crate::dynamics::Dynamics;
 use crate::hammerstein::{Model, Start};
 use crate::optimize::{
     Algorithm, LeastSquaresOptions, OptimizeError, Problem, Progress, Settings, StopReason, minimize,
@@ -142,13 +142,7 @@ impl Campaign<'_> {
 
     fn candidate_options(&self, candidate: Candidate, members: &[JointMember<'_>]) -> Options {
         let options = candidate.options(self.options);
-        let scheme = match options.scheme {
-            Choice::Given(scheme) => scheme,
-            // As the identification: a jump is not band-limited.
-            Choice::Auto if members.iter().any(|m| matches!(m.before, Before::Rest { .. })) => Scheme::Tustin,
-            Choice::Auto => Scheme::BandLimited,
-        };
-        Options { scheme: Choice::Given(scheme), ..options }
+        Options { scheme: Choice::Given(scheme(&options, members)), ..options }
     }
 
     fn minimise(
