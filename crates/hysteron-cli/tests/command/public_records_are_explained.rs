@@ -62,7 +62,8 @@ fn fractional_process_with_a_dead_band_is_fitted_to_its_noise() {
     assert!((order - 0.671).abs() < 0.015, "{order}");
 }
 
-/// A soft electrostatic actuator, whose force grows with the square of the voltage: another thing than a piezo stack.
+/// A soft electrostatic actuator, whose force grows with the square of the voltage: another thing than a piezo stack. The
+/// joint optimum, which CMA-ES reaches too, leaves a third of the fastest record.
 #[test]
 fn soft_actuator_is_said_to_be_described_poorly() {
     let Some(file) = public("hasel-multifreq/sine_0p5Hz.csv") else { return };
@@ -70,12 +71,20 @@ fn soft_actuator_is_said_to_be_described_poorly() {
     for name in ["sine_0p5Hz.csv", "sine_1p5Hz.csv", "sine_3p5Hz.csv"] {
         std::fs::copy(file.with_file_name(name), bench.path(name)).unwrap();
     }
-    let run = bench.run(
-        "identify sine_0p5Hz.csv sine_1p5Hz.csv sine_3p5Hz.csv --input u_meas_V --dynamics fractional --degree 3 \
-         -o soft.json --json",
-    );
+    let command = "identify sine_0p5Hz.csv sine_1p5Hz.csv sine_3p5Hz.csv --input u_meas_V --dynamics fractional \
+                   --degree 3 -o soft.json --json";
+    let refused = bench.run(command);
+    assert_eq!(refused.exit_code, 1, "{}", refused.stderr);
+    for part in
+        ["does not describe record 'sine_3p5Hz.csv'", "--least-fit 0", "implausible for a piezo actuator"]
+    {
+        assert!(refused.stderr.contains(part), "{part} in {}", refused.stderr);
+    }
+    assert!(!bench.path("soft.json").exists());
+    let run = bench.run(&format!("{command} --least-fit 0"));
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
-    for part in ["the model class misses something", "implausible for a piezo actuator"] {
-        assert!(run.stdout.contains(part), "{part} in {}", run.stdout);
+    for name in ["sine_0p5Hz.csv", "sine_1p5Hz.csv", "sine_3p5Hz.csv"] {
+        let part = format!("Record '{name}' is described poorly");
+        assert!(run.stdout.contains(&part), "{part} in {}", run.stdout);
     }
 }
