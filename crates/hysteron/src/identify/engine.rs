@@ -102,12 +102,44 @@ impl<'a> Engine<'a> {
         problem: &P,
         starts: Vec<Vec<f64>>,
     ) -> Result<Search, IdentifyError> {
-        let options = LeastSquaresOptions {
-            starts: starts.len().max(1),
-            // Structures are told apart by far larger differences.
-            cost_tolerance: 1e-8,
-            ..Default::default()
-        };
+        // Structures are told apart by far larger differences.
+        self.local_fits(
+            step,
+            problem,
+            starts,
+            LeastSquaresOptions { cost_tolerance: 1e-8, ..Default::default() },
+        )
+    }
+
+    /// Least squares from the given starts only, to the end.
+    pub(super) fn fit_from<P: LeastSquaresProblem>(
+        &mut self,
+        step: &str,
+        problem: &P,
+        starts: Vec<Vec<f64>>,
+    ) -> Result<Search, IdentifyError> {
+        self.local_fits(step, problem, starts, LeastSquaresOptions::default())
+    }
+
+    /// A few iterations of least squares from each start: where other fits begin.
+    pub(super) fn rough_fit<P: LeastSquaresProblem>(
+        &mut self,
+        step: &str,
+        problem: &P,
+        starts: Vec<Vec<f64>>,
+    ) -> Result<Search, IdentifyError> {
+        let options = LeastSquaresOptions { iterations: 12, cost_tolerance: 1e-4, ..Default::default() };
+        self.local_fits(step, problem, starts, options)
+    }
+
+    fn local_fits<P: LeastSquaresProblem>(
+        &mut self,
+        step: &str,
+        problem: &P,
+        starts: Vec<Vec<f64>>,
+        options: LeastSquaresOptions,
+    ) -> Result<Search, IdentifyError> {
+        let options = LeastSquaresOptions { starts: starts.len().max(1), ..options };
         self.run(step, problem, &Algorithm::LeastSquares(options), starts)
     }
 

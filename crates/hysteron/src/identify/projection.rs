@@ -3,6 +3,8 @@
 //! Golub, Pereyra, "The differentiation of pseudo-inverses and nonlinear least squares problems whose variables
 //! separate", SIAM J. Numer. Anal. 10 (1973), doi:10.1137/0710036.
 
+use crate::numeric::dot;
+
 /// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt done twice, which is orthogonal to working
 /// accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is allocated once.
 #[derive(Clone, Debug)]
@@ -106,19 +108,6 @@ impl Projection {
     fn basis(&self) -> impl Iterator<Item = &[f64]> {
         self.q.chunks_exact(self.rows.max(1)).take(self.columns)
     }
-}
-
-/// Inner product in eight interleaved sums, which the compiler vectorises; the order of summation is fixed.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a8.zip(b8) {
-        for i in 0..8 {
-            sums[i] += x[i] * y[i];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 /// Takes its mean off `x`.

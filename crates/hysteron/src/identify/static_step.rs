@@ -42,6 +42,7 @@ pub(super) struct StaticStep {
 }
 
 /// Scales of the data that the search box is made from.
+#[derive(Clone, Copy)]
 pub(super) struct Scales {
     pub(super) range_v: f64,
     pub(super) largest_v: f64,

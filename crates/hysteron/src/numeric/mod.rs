@@ -7,6 +7,7 @@ pub mod convolution;
 mod dispatch;
 mod elementary;
 pub mod fft;
+mod inner_product;
 mod relaxation;
 mod series;
 
@@ -14,6 +15,7 @@ pub use dispatch::{
     InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
     multiply_quotient, quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
 };
+pub use inner_product::dot;
 pub use relaxation::Relaxations;
 pub use rustfft::num_complex::Complex;
 pub use series::SeriesPanel;

@@ -20,7 +20,8 @@ pub(super) trait EvaluateResiduals {
     fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative;
 }
 
-/// Evaluates over threads; each thread keeps its workspace for the whole run, and an evaluation allocates nothing.
+/// Evaluates over threads; each thread keeps its workspace, made when it first works, for the whole run, and an evaluation
+/// allocates nothing.
 pub(super) struct Evaluator<'p, P: Problem> {
     problem: &'p P,
     pool: Option<rayon::ThreadPool>,
@@ -29,7 +30,7 @@ pub(super) struct Evaluator<'p, P: Problem> {
 
 /// What one evaluating thread owns.
 struct Slot<W> {
-    workspace: W,
+    workspace: Option<W>,
     x: Vec<f64>,
     done: Vec<(usize, f64)>,
 }
@@ -47,11 +48,7 @@ impl<'p, P: Problem> Evaluator<'p, P> {
             _ => None,
         };
         let slots = (0..threads.unwrap_or_else(rayon::current_num_threads))
-            .map(|_| Slot {
-                workspace: problem.workspace(),
-                x: vec![0.0; problem.bounds().dimension()],
-                done: Vec::new(),
-            })
+            .map(|_| Slot { workspace: None, x: vec![0.0; problem.bounds().dimension()], done: Vec::new() })
             .collect();
         Ok(Self { problem, pool, slots })
     }
@@ -68,7 +65,8 @@ type Columns<'a> = (&'a mut [f64], &'a mut [bool]);
 impl<W> Slot<W> {
     fn cost<P: Problem<Workspace = W>>(&mut self, problem: &P, point: &[f64]) -> f64 {
         problem.bounds().from_unit(point, &mut self.x);
-        let cost = problem.cost(&self.x, &mut self.workspace);
+        let workspace = self.workspace.get_or_insert_with(|| problem.workspace());
+        let cost = problem.cost(&self.x, workspace);
         if cost.is_finite() { cost } else { f64::INFINITY }
     }
 
@@ -77,7 +75,8 @@ impl<W> Slot<W> {
         P: LeastSquaresProblem<Workspace = W>,
     {
         problem.bounds().from_unit(point, &mut self.x);
-        problem.residuals(&self.x, &mut self.workspace, out) && out.iter().all(|r| r.is_finite())
+        let workspace = self.workspace.get_or_insert_with(|| problem.workspace());
+        problem.residuals(&self.x, workspace, out) && out.iter().all(|r| r.is_finite())
     }
 }
 
@@ -141,7 +140,8 @@ impl<P: LeastSquaresProblem> EvaluateResiduals for Evaluator<'_, P> {
     fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative {
         let Some(slot) = self.slots.first_mut() else { return Derivative::Infeasible };
         self.problem.bounds().from_unit(point, &mut slot.x);
-        match self.problem.jacobian(&slot.x, &mut slot.workspace, columns) {
+        let workspace = slot.workspace.get_or_insert_with(|| self.problem.workspace());
+        match self.problem.jacobian(&slot.x, workspace, columns) {
             Derivative::Written if columns.iter().any(|d| !d.is_finite()) => Derivative::Infeasible,
             derivative => derivative,
         }

@@ -9,7 +9,9 @@
 
 use super::jacobian::UnitResiduals;
 use super::ledger::Ledger;
+use super::triangular::triangular;
 use super::{LeastSquaresOptions, LocalStatus, Settings, bounded_linear};
+use crate::numeric::dot;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -111,9 +113,11 @@ impl LocalFit {
                 self.point.iter().zip(step.iter()).map(|(t, p)| (t + p).clamp(0.0, 1.0)).collect();
             let cost = residuals.try_point(&trial, ledger);
             let predicted = model.predicted_fall(&step);
-            let fall = model.fall(residuals.trial(), cost);
+            let fall = fall(residuals, cost);
             let negligible = options.cost_tolerance * model.half_square;
-            let settled = predicted <= negligible && fall.abs() <= negligible;
+            // Where the model is trusted its word is enough: what the cost does then may be rounding.
+            let settled =
+                predicted <= negligible && (fall.abs() <= negligible || self.damping <= FIRST_DAMPING);
             if fall > LEAST_GAIN * predicted && fall > 0.0 {
                 let gain = fall / predicted;
                 self.damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 2.0);
@@ -157,24 +161,18 @@ struct Linearised {
     /// Jᵀ r.
     gradient: DVector<f64>,
     column_norms: Vec<f64>,
-    residuals: Vec<f64>,
     /// ½‖r‖².
     half_square: f64,
 }
 
 impl Linearised {
     fn at(point: &[f64], residuals: &UnitResiduals<'_>) -> Self {
-        let jacobian = DMatrix::from_column_slice(residuals.count(), point.len(), residuals.columns());
-        let current = DVector::from_column_slice(residuals.current());
-        let column_norms = jacobian.column_iter().map(|column| column.norm()).collect();
-        let gradient = jacobian.tr_mul(&current);
-        let qr = jacobian.qr();
-        let mut target = -&current;
-        qr.q_tr_mul(&mut target);
-        let r = qr.r();
-        let target = target.rows(0, r.nrows()).into_owned();
-        let half_square = 0.5 * current.norm_squared();
-        Self { r, target, gradient, column_norms, residuals: current.as_slice().to_vec(), half_square }
+        let (columns, current) = (residuals.columns(), residuals.current());
+        let (r, target) = triangular(columns, current, point.len());
+        let column_norms = r.column_iter().map(|column| column.norm()).collect();
+        let column = |j: usize| &columns[j * current.len()..(j + 1) * current.len()];
+        let gradient = DVector::from_fn(point.len(), |j, _| dot(column(j), current));
+        Self { r, target: -target, gradient, column_norms, half_square: 0.5 * dot(current, current) }
     }
 
     /// Largest |cosine| between r and a column of J along which the box lets the cost fall.
@@ -208,14 +206,15 @@ impl Linearised {
         let moved = &self.r * step;
         (moved.dot(&self.target) - 0.5 * moved.norm_squared()).max(0.0)
     }
+}
 
-    /// ½‖r‖² − ½‖r_new‖² without cancellation; −∞ where the new point cannot be simulated.
-    fn fall(&self, new: &[f64], cost: f64) -> f64 {
-        if !cost.is_finite() {
-            return f64::NEG_INFINITY;
-        }
-        0.5 * self.residuals.iter().zip(new).map(|(old, new)| (old - new) * (old + new)).sum::<f64>()
+/// ½‖r‖² − ½‖r_new‖² of the last tried point without cancellation; −∞ where it cannot be simulated.
+fn fall(residuals: &UnitResiduals<'_>, cost: f64) -> f64 {
+    if !cost.is_finite() {
+        return f64::NEG_INFINITY;
     }
+    let pairs = residuals.current().iter().zip(residuals.trial());
+    0.5 * pairs.map(|(old, new)| (old - new) * (old + new)).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -70,6 +70,7 @@ mod pso;
 mod settings;
 mod starts;
 mod stream;
+mod triangular;
 
 pub use abc::AbcOptions;
 pub use algorithm::Algorithm;

@@ -133,7 +133,8 @@ impl OutputUncertainty {
             sampling: Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) },
         })?;
         let layout = JointLayout { memory: vec![Role::Fixed(memory)], ..self.layout.clone() };
-        let problem = JointProblem::new(vec![record], self.form, layout, self.bounds.clone(), String::new());
+        let problem =
+            JointProblem::new(vec![record].into(), self.form, layout, self.bounds.clone(), String::new());
         let std_dev = problem.linearise_at(&self.x, &self.coefficients).map_or_else(
             || vec![f64::NAN; drive.len()],
             |at| deviations(&[&at.linear, &at.searched], drive.len(), 0..drive.len(), &self.covariance),

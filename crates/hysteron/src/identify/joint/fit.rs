@@ -13,6 +13,7 @@ use super::knowledge::{self, Covariance};
 use super::parameters;
 use super::problem::{JointProblem, JointSolution};
 use super::setup::{self, JointSetup, memory_name};
+use super::starts::Starts;
 use crate::dynamics::{DynamicForm, Dynamics, Modes};
 use crate::hammerstein::Model;
 use crate::hysteresis::Hysteresis;
@@ -26,6 +27,8 @@ pub(super) const DEGREE_OF_STARTS: usize = 3;
 const WHITE: f64 = 0.5;
 /// Starts that must end in the same optimum.
 const AGREEMENT: usize = 3;
+/// Starts with fitted dynamics, beside the best one as it is, before any other.
+const FIRST_STARTS: usize = 2;
 
 /// Identifies both blocks from all records at once.
 pub(in super::super) fn identify(
@@ -49,7 +52,7 @@ pub(in super::super) fn identify(
     let problem = setup.problem(first_degree, reduced)?;
     let mut search = search_globally(&problem, &setup, &mut engine)?;
     if options.dynamics == DynamicsChoice::Auto && !options.creep {
-        let creeping = JointSetup::new(&members, DynamicForm { creep: true, ..form }, options);
+        let creeping = setup.with(DynamicForm { creep: true, ..form }, options);
         if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, &mut engine)? {
             (setup, search) = (creeping, better);
         }
@@ -59,7 +62,7 @@ pub(in super::super) fn identify(
     let mut degree = first_degree;
     let mut best = search.outcome.best.clone();
     if options.degree == Choice::Auto {
-        (degree, best) = choose_degree(&setup, reduced, &best, &mut engine, &mut degrees)?;
+        (degree, best) = choose_degree(&setup, reduced, &search, &mut engine, &mut degrees)?;
     }
     let small = if reduced { Some(setup.problem(degree, true)?) } else { None };
     let at_small = best.clone();
@@ -183,38 +186,68 @@ fn require_fit(fits: &[RecordFit], facts: &[RecordFacts], options: &Options) -> 
     })
 }
 
-/// Many starts, and where they disagree a population search on a twentieth of its usual budget, polished.
+/// A few good starts; where they disagree all others, and where these disagree a population search on a twentieth of its
+/// usual budget, polished.
 fn search_globally(
     problem: &JointProblem,
     setup: &JointSetup<'_>,
     engine: &mut Engine<'_>,
 ) -> Result<Search, IdentifyError> {
-    let starts = setup.starts(problem, engine)?;
-    let mut search = engine.search("joint fit", problem, starts.points)?;
-    search.outcome.evaluations += starts.evaluations;
-    if setup.options.algorithm.is_some() || agreeing(&search) >= AGREEMENT || engine.cancelled {
-        if setup.options.algorithm.as_ref().is_some_and(|a| a.name() != "least-squares") && !engine.cancelled
-        {
-            let polished =
-                engine.quick_fit("joint fit, polished", problem, vec![search.outcome.best.clone()])?;
-            search.outcome.best.clone_from(&polished.outcome.best);
-            search.outcome.cost = polished.outcome.cost;
+    if let Some(algorithm) = &setup.options.algorithm {
+        let mut search = engine.search("joint fit", problem, setup.guesses(problem)?)?;
+        if algorithm.name() != "least-squares" && !engine.cancelled {
+            let best = search.outcome.best.clone();
+            let polished = engine.quick_fit("joint fit, polished", problem, vec![best])?.outcome;
+            (search.outcome.best, search.outcome.cost) = (polished.best, polished.cost);
         }
+        return Ok(search);
+    }
+    let mut search = if setup.options.start.is_some() {
+        engine.search("joint fit", problem, setup.guesses(problem)?)?
+    } else {
+        search_from_places(problem, setup, engine)?
+    };
+    if agreeing(&search) >= AGREEMENT || engine.cancelled {
         return Ok(search);
     }
     let population = Algorithm::DeAbc(DeAbcOptions::default());
     let generations = (setup.options.generations / 20).max(5);
     let starts = vec![search.outcome.best.clone()];
     let wide = engine.run_for("joint fit, population", problem, &population, starts, generations)?;
-    let polished =
-        engine.quick_fit("joint fit, population polished", problem, vec![wide.outcome.best.clone()])?;
-    if polished.outcome.cost < search.outcome.cost {
-        search.outcome.best.clone_from(&polished.outcome.best);
-        search.outcome.cost = polished.outcome.cost;
-    }
-    search.outcome.evaluations += wide.outcome.evaluations + polished.outcome.evaluations;
-    search.outcome.starts.extend(polished.outcome.starts);
+    search.outcome.evaluations += wide.outcome.evaluations;
+    let starts = vec![wide.outcome.best];
+    take_better(&mut search, engine.quick_fit("joint fit, population polished", problem, starts)?);
     Ok(search)
+}
+
+/// Fits from the first few places; from all others where these disagree.
+fn search_from_places(
+    problem: &JointProblem,
+    setup: &JointSetup<'_>,
+    engine: &mut Engine<'_>,
+) -> Result<Search, IdentifyError> {
+    let places = setup.places(problem, engine)?;
+    let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
+    points.extend(setup.unfitted(problem, &places));
+    let mut search = engine.fit_from("joint fit", problem, points)?;
+    search.outcome.evaluations += places.evaluations + evaluations;
+    if agreeing(&search) >= AGREEMENT || engine.cancelled {
+        return Ok(search);
+    }
+    let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
+    search.outcome.evaluations += others.evaluations;
+    take_better(&mut search, engine.search("joint fit, other starts", problem, others.points)?);
+    Ok(search)
+}
+
+/// Takes what `other` found where it is better, and its starts beside those of `search`.
+fn take_better(search: &mut Search, other: Search) {
+    search.outcome.evaluations += other.outcome.evaluations;
+    search.outcome.generations += other.outcome.generations;
+    search.outcome.starts.extend(other.outcome.starts);
+    if other.outcome.cost < search.outcome.cost {
+        (search.outcome.best, search.outcome.cost) = (other.outcome.best, other.outcome.cost);
+    }
 }
 
 /// The same dynamics with a creep factor, where the residuals are far from white and the evidence for it is very strong.
@@ -272,7 +305,7 @@ fn agreeing(search: &Search) -> usize {
 fn choose_degree(
     setup: &JointSetup<'_>,
     reduced: bool,
-    start: &[f64],
+    found: &Search,
     engine: &mut Engine<'_>,
     tried: &mut Vec<(usize, f64, f64)>,
 ) -> Result<(usize, Vec<f64>), IdentifyError> {
@@ -282,13 +315,22 @@ fn choose_degree(
         .unwrap_or(1);
     let mut fits = Vec::new();
     let mut information = 2.0;
-    for degree in 1..=HIGHEST_AUTOMATIC_DEGREE.max(demanded) {
+    let highest = HIGHEST_AUTOMATIC_DEGREE.max(demanded);
+    for degree in 1..=highest {
         let problem = setup.problem(degree, reduced)?;
-        let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start.to_vec()])?;
-        // That of the richest fit counts: its residual is the least structured.
-        information = self::information(&problem, &fit.outcome.best);
         let parameters = problem.bounds().dimension() + degree + 1;
-        fits.push((degree, fit.outcome.cost, parameters, fit.outcome.best));
+        let (cost, best) = if degree == DEGREE_OF_STARTS {
+            (found.outcome.cost, found.outcome.best.clone())
+        } else {
+            let start = found.outcome.best.clone();
+            let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start])?.outcome;
+            (fit.cost, fit.best)
+        };
+        if degree == highest {
+            // That of the richest fit counts: its residual is the least structured.
+            information = self::information(&problem, &best);
+        }
+        fits.push((degree, cost, parameters, best));
     }
     let mut chosen: Option<(usize, f64, Vec<f64>)> = None;
     for (degree, cost, parameters, best) in fits {
@@ -300,7 +342,7 @@ fn choose_degree(
             chosen = Some((degree, bic, best));
         }
     }
-    Ok(chosen.map_or((demanded, start.to_vec()), |(degree, _, best)| (degree, best)))
+    Ok(chosen.map_or((demanded, found.outcome.best.clone()), |(degree, _, best)| (degree, best)))
 }
 
 /// Largest move of a searched number between reduced and whole records, in standard errors.

@@ -227,8 +227,13 @@ mod tests {
             memory: vec![Role::Fixed(0.0)],
         };
         let form = DynamicForm { modes: Modes::None, creep: false };
-        let problem =
-            JointProblem::new(vec![record], form, layout, Bounds { ranges: Vec::new() }, String::new());
+        let problem = JointProblem::new(
+            vec![record].into(),
+            form,
+            layout,
+            Bounds { ranges: Vec::new() },
+            String::new(),
+        );
         let known = knowledge(&problem, &[]).unwrap();
 
         // By the textbook.

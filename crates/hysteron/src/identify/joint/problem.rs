@@ -8,12 +8,14 @@
 //! gradient Jᵀr is exact.
 
 use rayon::prelude::*;
+use std::sync::Arc;
 
 use super::super::layout::Role;
-use super::super::projection::{Projection, dot};
+use super::super::projection::Projection;
 use super::record::{Candidate, Derivatives, Direction, JointRecord, RecordWorkspace};
 use crate::dynamics::{DynamicForm, Linearised};
 use crate::hysteresis::{BoucWen, UnitShape};
+use crate::numeric::dot;
 use crate::optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
 
 /// Roles of the parameters of a joint fit.
@@ -36,8 +38,6 @@ pub(in super::super) struct JointLayout {
 /// What one searched number is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Searched {
-    /// Coefficient of u^(index + 1), or α for the index one past.
-    Linear(usize),
     /// Something that changes every record.
     Everywhere(Direction),
     /// ζ(0) of one record.
@@ -58,7 +58,7 @@ pub(in super::super) struct JointSolution {
 /// A joint fit as a problem for [`crate::optimize`].
 #[derive(Debug)]
 pub(in super::super) struct JointProblem {
-    records: Vec<JointRecord>,
+    records: Arc<[JointRecord]>,
     /// First residual of each record, and the number of residuals.
     at: Vec<usize>,
     form: DynamicForm,
@@ -76,11 +76,13 @@ pub(in super::super) struct JointWorkspace {
     column: Vec<f64>,
     target: Vec<f64>,
     projection: Projection,
+    /// Where the columns, the sensitivities and the residual of this workspace belong to; empty: nowhere.
+    at: Vec<f64>,
 }
 
 impl JointProblem {
     pub(in super::super) fn new(
-        records: Vec<JointRecord>,
+        records: Arc<[JointRecord]>,
         form: DynamicForm,
         layout: JointLayout,
         bounds: Bounds,
@@ -91,14 +93,14 @@ impl JointProblem {
             *sum += record.samples();
             Some(*sum)
         }));
-        let mut searched = vec![Searched::Linear(0); bounds.dimension()];
+        let mut searched = vec![Searched::Everywhere(Direction::Column(0)); bounds.dimension()];
         let mut place = |role: Role, what: Searched| {
             if let Role::Searched(index) = role {
                 searched[index] = what;
             }
         };
         for (index, role) in layout.polynomial.iter().chain([&layout.alpha]).enumerate() {
-            place(*role, Searched::Linear(index));
+            place(*role, Searched::Everywhere(Direction::Column(index)));
         }
         place(layout.beta, Searched::Everywhere(Direction::Beta));
         place(layout.gamma, Searched::Everywhere(Direction::Gamma));
@@ -147,6 +149,7 @@ impl JointProblem {
 
     /// Columns of every record at `x`, in the records' workspaces.
     fn respond(&self, x: &[f64], derivatives: Derivatives, ws: &mut JointWorkspace) -> bool {
+        ws.at.clear();
         let (Some(candidate), Some(form)) = (self.candidate(x), self.form_values(x)) else { return false };
         if self.form.linearise(&form, &mut ws.dynamics).is_err() {
             return false;
@@ -247,24 +250,13 @@ impl JointProblem {
             }
         }
         self.records.par_iter().zip(records).zip(slices).enumerate().for_each(
-            |(r, ((record, ws), mut slices))| {
+            |(r, ((record, ws), slices))| {
+                let directions = self.searched.iter().map(|what| match *what {
+                    Searched::Everywhere(direction) => Some(direction),
+                    Searched::Memory(owner) => (owner == r).then_some(Direction::Memory),
+                });
                 record.combine(coefficients, ws);
-                let samples = record.samples();
-                for (what, out) in self.searched.iter().zip(&mut slices) {
-                    let written = match *what {
-                        Searched::Linear(index) => {
-                            out.copy_from_slice(&ws.columns[index * samples..(index + 1) * samples]);
-                            true
-                        }
-                        Searched::Everywhere(direction) => record.differentiate(direction, alpha, ws, out),
-                        Searched::Memory(owner) => {
-                            owner == r && record.differentiate(Direction::Memory, alpha, ws, out)
-                        }
-                    };
-                    if !written {
-                        out.fill(0.0);
-                    }
-                }
+                record.differentiate(directions.zip(slices).collect(), alpha, ws);
             },
         );
     }
@@ -364,6 +356,7 @@ impl Problem for JointProblem {
             column: vec![0.0; count],
             target: vec![0.0; count],
             projection: Projection::new(count, degree + 1),
+            at: Vec::with_capacity(self.bounds.dimension()),
         }
     }
 
@@ -382,13 +375,17 @@ impl LeastSquaresProblem for JointProblem {
     }
 
     fn residuals(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> bool {
-        let done = self.eliminate(x, Derivatives::None, ws);
+        // Most trial points are taken and differentiated next.
+        let done = self.eliminate(x, self.derivatives(), ws);
         out.copy_from_slice(&ws.target);
+        if done {
+            ws.at.extend_from_slice(x);
+        }
         done
     }
 
     fn jacobian(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> Derivative {
-        if !self.eliminate(x, self.derivatives(), ws) {
+        if (x.is_empty() || ws.at != x) && !self.eliminate(x, self.derivatives(), ws) {
             return Derivative::Infeasible;
         }
         let coefficients = self.coefficients(x, ws);

@@ -6,7 +6,8 @@
 //! what white residuals would give it, keeps it right for coloured ones (the adjustment of Chandler, Bate 2007,
 //! doi:10.1093/biomet/asm015, for one parameter).
 
-use super::super::projection::{Projection, dot};
+use super::super::projection::Projection;
+use crate::numeric::dot;
 
 /// Values of z within this of the wanted one will do.
 const Z_TOLERANCE: f64 = 0.01;

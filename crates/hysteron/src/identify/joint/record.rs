@@ -14,6 +14,8 @@ use crate::dynamics::{
     InputSpectrum, Linearised, Response, Sampling, SimulationPlan, Workspace as PlanWorkspace,
 };
 use crate::hysteresis::{BoucWenState, Sensitivities, Start, UnitShape};
+use rayon::prelude::*;
+use std::sync::Mutex;
 
 mod preparation;
 
@@ -69,6 +71,8 @@ pub(in super::super) struct Candidate {
 /// A direction in which a record's output is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum Direction {
+    /// Coefficient of u^(index + 1), or α for the index one past.
+    Column(usize),
     Beta,
     Gamma,
     N,
@@ -78,15 +82,18 @@ pub(in super::super) enum Direction {
     Dynamics(usize),
 }
 
+/// Shorter records are worked on by one thread: handing work over would cost more.
+const SHARED: usize = 4096;
+/// Most threads that share the columns of a record.
+const LANES: usize = 8;
+
 /// Scratch of one record.
 #[derive(Debug)]
 pub(in super::super) struct RecordWorkspace {
-    /// First on the grid of the drive, then as the samples that are worked on.
+    /// As the operator puts them out.
     sensitivities: Sensitivities,
-    plan: PlanWorkspace,
     response: Response,
     zeta: InputSpectrum,
-    other: InputSpectrum,
     total: InputSpectrum,
     /// Nuisance, and the transients of the candidate.
     local: Projection,
@@ -97,8 +104,34 @@ pub(in super::super) struct RecordWorkspace {
     transient_columns: Vec<Vec<f64>>,
     /// Coefficients of the local columns in each global column.
     transient_shares: Vec<Vec<f64>>,
-    /// As long as the record at its own rate.
-    signal: Vec<f64>,
+    /// One a thread that works on this record.
+    lanes: Vec<Lane>,
+}
+
+/// Scratch of one column.
+#[derive(Debug)]
+struct Lane {
+    plan: PlanWorkspace,
+    spectrum: InputSpectrum,
+    /// As long as the record at its own rate, where that is not what is worked on.
+    own: Vec<f64>,
+    input: Vec<f64>,
+}
+
+/// What is known of a candidate when its derivatives are worked out.
+struct Known<'a> {
+    sensitivities: &'a Sensitivities,
+    response: &'a Response,
+    total: &'a InputSpectrum,
+    local: &'a Projection,
+    columns: &'a [f64],
+}
+
+impl RecordWorkspace {
+    fn split(&mut self) -> (Known<'_>, &mut [Lane]) {
+        let Self { sensitivities, response, total, local, columns, lanes, .. } = self;
+        (Known { sensitivities, response, total, local, columns }, lanes)
+    }
 }
 
 impl JointRecord {
@@ -116,19 +149,28 @@ impl JointRecord {
     pub(super) fn workspace(&self, degree: usize, parameters: usize) -> RecordWorkspace {
         let samples = self.samples();
         let transients = self.transients.len();
+        let own = match (&self.reduction, self.thinning) {
+            (Some(_), Thinning::Means) => self.thinning.samples(self.drive.len()),
+            _ => 0,
+        };
+        let lane = || Lane {
+            plan: self.plan.workspace(),
+            spectrum: self.plan.empty_spectrum(),
+            own: vec![0.0; own],
+            input: vec![0.0; samples],
+        };
+        let lanes = if samples < SHARED { 1 } else { rayon::current_num_threads().min(LANES) };
         RecordWorkspace {
             sensitivities: Sensitivities::default(),
-            plan: self.plan.workspace(),
             response: self.plan.empty_response(parameters),
             zeta: self.plan.empty_spectrum(),
-            other: self.plan.empty_spectrum(),
             total: self.plan.empty_spectrum(),
             local: self.nuisance.with_capacity(self.nuisance.capacity() + transients),
             columns: vec![0.0; samples * (degree + 1)],
             target: vec![0.0; samples],
             transient_columns: vec![vec![0.0; samples]; transients],
             transient_shares: Vec::new(),
-            signal: vec![0.0; samples.max(self.thinning.samples(self.drive.len()))],
+            lanes: (0..lanes).map(|_| lane()).collect(),
         }
     }
 
@@ -138,14 +180,13 @@ impl JointRecord {
     }
 
     /// Runs the hysteresis. `false` where the candidate cannot be simulated.
-    fn run(&self, shape: UnitShape, memory: f64, wanted: Derivatives, ws: &mut RecordWorkspace) -> bool {
+    fn run(&self, shape: UnitShape, memory: f64, wanted: Derivatives, out: &mut Sensitivities) -> bool {
         let every = self.thinning.every();
         let start = match self.before {
             Before::Rest { voltage_v } => Start::Rest { u: voltage_v },
             Before::Remembering => Start::State(BoucWenState { u: self.drive[0], z: memory }),
             Before::Periodic => Start::Periodic,
         };
-        let out = &mut ws.sensitivities;
         let simulated = match wanted {
             Derivatives::None => {
                 out.zeta.resize(self.drive.len().div_ceil(every), 0.0);
@@ -155,42 +196,23 @@ impl JointRecord {
                 shape.simulate_with_sensitivities(every, &self.drive, start, exponent, out)
             }
         };
-        if simulated.is_err() {
-            return false;
-        }
-        self.sample(&mut out.zeta, self.memory_before(memory), &mut ws.signal);
-        if wanted != Derivatives::None {
-            for x in [&mut out.d_beta, &mut out.d_gamma, &mut out.d_n] {
-                self.sample(x, 0.0, &mut ws.signal);
-            }
-            self.sample(&mut out.d_start, self.memory_before(1.0), &mut ws.signal);
-        }
-        true
+        simulated.is_ok()
     }
 
-    /// From the operator's output `x`, which is `before` ahead of the first sample, to the samples that are worked on, which
-    /// are then the first ones of `x`.
-    fn sample(&self, x: &mut [f64], before: f64, signal: &mut [f64]) {
-        if x.is_empty() {
-            return;
-        }
-        let samples = self.samples();
+    /// Spectrum of `scale` times what an output `x` of the operator takes off its value `before` the first sample.
+    fn input_spectrum(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
+        let Lane { plan, spectrum, own, input } = lane;
         match (&self.reduction, self.thinning) {
-            (None, Thinning::Pick(_)) => {}
-            (None, Thinning::Means) => {
-                self.thinning.apply(x, &mut signal[..samples]);
-                x[..samples].copy_from_slice(&signal[..samples]);
-            }
-            (Some(reduction), Thinning::Pick(_)) => {
-                reduction.input(x, before, &mut signal[..samples]);
-                x[..samples].copy_from_slice(&signal[..samples]);
-            }
+            (None, Thinning::Pick(_)) => input.copy_from_slice(x),
+            (None, Thinning::Means) => self.thinning.apply(x, input),
+            (Some(reduction), Thinning::Pick(_)) => reduction.input(x, before, input),
             (Some(reduction), Thinning::Means) => {
-                let own = &mut signal[..self.thinning.samples(self.drive.len())];
                 self.thinning.apply(x, own);
-                reduction.input(own, before, &mut x[..samples]);
+                reduction.input(own, before, input);
             }
         }
+        input.iter_mut().for_each(|x| *x = scale * (before - *x));
+        self.plan.transform_into(input, plan, spectrum).is_ok()
     }
 
     /// Columns of the candidate into `ws.columns` and the target without transients into `ws.target`; with
@@ -203,34 +225,37 @@ impl JointRecord {
         derivatives: Derivatives,
         ws: &mut RecordWorkspace,
     ) -> bool {
-        if !self.run(candidate.shape, memory, derivatives, ws) {
-            return false;
-        }
+        let rest = self.memory_before(memory);
+        let RecordWorkspace { sensitivities, response, zeta, lanes, .. } = &mut *ws;
+        let Some(lane) = lanes.first_mut() else { return false };
+        let mut hysteresis = || {
+            self.run(candidate.shape, memory, derivatives, sensitivities)
+                && self.input_spectrum(&sensitivities.zeta, rest, 1.0, lane)
+        };
         let (plan, delay_s) = (&self.plan, candidate.delay_s);
-        let responded = match derivatives {
-            Derivatives::None => {
-                plan.response(&dynamics.transfer_function, delay_s, self.sampling, &mut ws.response)
-            }
+        let mut linear = || match derivatives {
+            Derivatives::None => plan.response(&dynamics.transfer_function, delay_s, self.sampling, response),
             Derivatives::Shape { .. } => {
-                plan.response_with_tangents(dynamics, delay_s, self.sampling, &mut ws.response)
+                plan.response_with_tangents(dynamics, delay_s, self.sampling, response)
             }
         };
-        if responded.is_err() {
-            return false;
-        }
         let samples = self.samples();
-        let rest = self.memory_before(memory);
-        let input = &mut ws.signal[..samples];
-        input.iter_mut().zip(&ws.sensitivities.zeta).for_each(|(w, zeta)| *w = rest - zeta);
-        if plan.transform_into(input, &mut ws.plan, &mut ws.zeta).is_err() {
+        let (hysteretic, responded) =
+            if samples < SHARED { (hysteresis(), linear()) } else { rayon::join(hysteresis, linear) };
+        if !hysteretic || responded.is_err() {
             return false;
         }
-        let mut done = self.respond_to_transients(ws);
-        let degree = ws.columns.len() / samples - 1;
-        let inputs = self.powers.iter().take(degree).chain([&ws.zeta]);
-        ws.transient_shares.clear();
-        for (index, (column, input)) in ws.columns.chunks_exact_mut(samples).zip(inputs).enumerate() {
-            done &= plan.apply(&ws.response, input, &mut ws.plan, column).is_ok();
+        if let Some(lane) = lanes.first_mut() {
+            std::mem::swap(&mut lane.spectrum, zeta);
+        }
+        if !self.respond_to_transients(ws) {
+            return false;
+        }
+        let RecordWorkspace { response, zeta, local, columns, transient_shares, lanes, .. } = ws;
+        let degree = columns.len() / samples - 1;
+        let column = |index: usize, column: &mut [f64], lane: &mut Lane| {
+            let input = if index < degree { &self.powers[index] } else { &*zeta };
+            let done = plan.apply(response, input, &mut lane.plan, column).is_ok();
             self.end(column);
             if let Some(unit) = &self.rest {
                 let rest_v = rest_voltage(self.before, &self.drive);
@@ -238,11 +263,23 @@ impl JointRecord {
                 column.iter_mut().zip(unit).for_each(|(c, unit)| *c += at_rest * unit);
             }
             column.iter_mut().zip(&self.weight).for_each(|(c, w)| *c *= w);
-            if !self.transients.is_empty() && derivatives != Derivatives::None {
-                ws.transient_shares.push(ws.local.coefficients(column));
-            }
-            ws.local.project(column);
+            done
+        };
+        let share = (degree + 1).div_ceil(lanes.len());
+        let done = columns
+            .par_chunks_mut(share * samples)
+            .zip(&mut *lanes)
+            .enumerate()
+            .map(|(at, (columns, lane))| {
+                let columns = columns.chunks_exact_mut(samples).enumerate();
+                columns.map(|(index, own)| column(at * share + index, own, lane)).fold(true, |a, b| a & b)
+            })
+            .reduce(|| true, |a, b| a & b);
+        transient_shares.clear();
+        if !self.transients.is_empty() && derivatives != Derivatives::None {
+            transient_shares.extend(columns.chunks_exact(samples).map(|column| local.coefficients(column)));
         }
+        columns.par_chunks_exact_mut(samples).for_each(|column| local.project(column));
         done
     }
 
@@ -250,8 +287,9 @@ impl JointRecord {
     fn respond_to_transients(&self, ws: &mut RecordWorkspace) -> bool {
         ws.target.copy_from_slice(&self.target);
         ws.local.truncate(self.nuisance.len());
+        let Some(lane) = ws.lanes.first_mut() else { return false };
         for (column, input) in ws.transient_columns.iter_mut().zip(&self.transients) {
-            if self.plan.apply(&ws.response, input, &mut ws.plan, column).is_err() {
+            if self.plan.apply(&ws.response, input, &mut lane.plan, column).is_err() {
                 return false;
             }
             self.end(column);
@@ -283,33 +321,58 @@ impl JointRecord {
         }
     }
 
-    /// ∂(Σ cᵢ Φᵢ + α Φ_ζ)/∂direction at fixed coefficients, weighted and without local columns, into `out`. `false`
-    /// where it cannot be worked out. After [`Self::respond`] with derivatives and [`Self::combine`].
+    /// ∂(Σ cᵢ Φᵢ + α Φ_ζ)/∂direction at fixed coefficients, weighted and without local columns, into the slice beside each
+    /// direction; zero where there is no direction or no derivative. After [`Self::respond`] with derivatives and
+    /// [`Self::combine`].
     pub(super) fn differentiate(
+        &self,
+        wanted: Vec<(Option<Direction>, &mut [f64])>,
+        alpha: f64,
+        ws: &mut RecordWorkspace,
+    ) {
+        let (known, lanes) = ws.split();
+        // Dealt out one by one, since some take three times as long as others.
+        let deal = Mutex::new(wanted.into_iter());
+        lanes.par_iter_mut().for_each(|lane| {
+            while let Some((direction, out)) = deal.lock().ok().and_then(|mut deal| deal.next()) {
+                let written = direction.is_some_and(|d| self.derivative(d, alpha, &known, lane, out));
+                if !written {
+                    out.fill(0.0);
+                }
+            }
+        });
+    }
+
+    /// The derivative in one direction. `false` where it cannot be worked out.
+    fn derivative(
         &self,
         direction: Direction,
         alpha: f64,
-        ws: &mut RecordWorkspace,
+        known: &Known<'_>,
+        lane: &mut Lane,
         out: &mut [f64],
     ) -> bool {
-        let s = &ws.sensitivities;
+        let samples = self.samples();
         let (source, rest) = match direction {
-            Direction::Beta => (&s.d_beta, 0.0),
-            Direction::Gamma => (&s.d_gamma, 0.0),
-            Direction::N => (&s.d_n, 0.0),
-            Direction::Memory => (&s.d_start, self.memory_before(1.0)),
+            Direction::Column(index) => {
+                out.copy_from_slice(&known.columns[index * samples..(index + 1) * samples]);
+                return true;
+            }
+            Direction::Beta => (&known.sensitivities.d_beta, 0.0),
+            Direction::Gamma => (&known.sensitivities.d_gamma, 0.0),
+            Direction::N => (&known.sensitivities.d_n, 0.0),
+            Direction::Memory => (&known.sensitivities.d_start, self.memory_before(1.0)),
             Direction::Dynamics(which) => {
-                if self.plan.apply_tangent(&ws.response, which, &ws.total, &mut ws.plan, out).is_err() {
+                if self.plan.apply_tangent(known.response, which, known.total, &mut lane.plan, out).is_err() {
                     return false;
                 }
                 self.end(out);
-                return self.finish(ws, out);
+                self.finish(known, out);
+                return true;
             }
         };
-        let input = &mut ws.signal[..self.samples()];
-        input.iter_mut().zip(source).for_each(|(w, d)| *w = alpha * (rest - d));
-        if self.plan.transform_into(input, &mut ws.plan, &mut ws.other).is_err()
-            || self.plan.apply(&ws.response, &ws.other, &mut ws.plan, out).is_err()
+        if !self.input_spectrum(source, rest, alpha, lane)
+            || self.plan.apply(known.response, &lane.spectrum, &mut lane.plan, out).is_err()
         {
             return false;
         }
@@ -317,7 +380,14 @@ impl JointRecord {
         if let Some(unit) = &self.rest {
             out.iter_mut().zip(unit).for_each(|(o, unit)| *o -= alpha * rest * unit);
         }
-        self.finish(ws, out)
+        self.finish(known, out);
+        true
+    }
+
+    /// Weights a derivative and takes its part in the local columns off.
+    fn finish(&self, known: &Known<'_>, out: &mut [f64]) {
+        out.iter_mut().zip(&self.weight).for_each(|(o, w)| *o *= w);
+        known.local.project(out);
     }
 
     /// Takes off a response what belongs beyond the end of the record.
@@ -325,13 +395,6 @@ impl JointRecord {
         if let Some(reduction) = &self.reduction {
             reduction.end(column);
         }
-    }
-
-    /// Weights a column and takes its part in the local columns off.
-    fn finish(&self, ws: &RecordWorkspace, column: &mut [f64]) -> bool {
-        column.iter_mut().zip(&self.weight).for_each(|(c, w)| *c *= w);
-        ws.local.project(column);
-        true
     }
 }
 

@@ -10,8 +10,7 @@
 //! and offset and drift count as 0 as well). Beyond the last one, whatever the inputs are taken to do there, it follows
 //! from the reduced output between its samples, and F of that is taken off.
 
-use super::super::projection::dot;
-use crate::numeric::{InstructionSet, filter_every};
+use crate::numeric::{InstructionSet, dot, filter_every};
 use crate::record::low_pass;
 
 /// Reach of the low-pass to either side, in reduced samples.

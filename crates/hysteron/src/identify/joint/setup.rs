@@ -3,19 +3,22 @@
 use super::super::dynamic_step::{LONGEST_DELAY_PERIODS, LONGEST_DELAY_SAMPLES};
 use super::super::layout::{BoxBuilder, Role};
 use super::super::options::{Choice, Options};
-use super::super::static_step::Scales;
+use super::super::static_step::{HIGHEST_AUTOMATIC_DEGREE, Scales};
 use super::super::{IdentifyError, RecordFacts, fingerprint};
 use super::campaign::JointMember;
 use super::problem::{JointLayout, JointProblem};
-use super::record::Before;
+use super::record::{Before, JointRecord};
 use crate::dynamics::{DynamicForm, Modes, Scheme};
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Range};
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Least bend β' (range of the drive)ⁿ of a loop that is searched for.
 const LEAST_BEND: f64 = 1e-3;
 
 /// Everything that a joint problem of any degree is made from.
+#[derive(Clone)]
 pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) members: &'a [JointMember<'a>],
     pub(in super::super) scales: Scales,
@@ -23,6 +26,17 @@ pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) options: &'a Options,
     pub(in super::super) fastest_hz: f64,
     pub(in super::super) rate_hz: f64,
+    /// Whole and reduced records, prepared when first needed.
+    prepared: Arc<[Mutex<Option<Prepared>>; 2]>,
+}
+
+/// The records as a fit sees them, whatever of it is held.
+#[derive(Clone)]
+struct Prepared {
+    /// Highest degree that they serve.
+    degree: usize,
+    records: Arc<[JointRecord]>,
+    fingerprint: u64,
 }
 
 /// Name of ζ(0) of a record in the search.
@@ -44,7 +58,16 @@ impl<'a> JointSetup<'a> {
             fastest_hz: facts.iter().map(|f| f.highest_frequency_hz()).fold(0.0, f64::max),
             rate_hz: members.iter().map(|m| m.rate_hz).fold(0.0, f64::max),
             members,
+            prepared: Arc::default(),
         }
+    }
+
+    /// The same records with another form of the dynamics, or other parameters held.
+    pub(super) fn with<'b>(&self, form: DynamicForm, options: &'b Options) -> JointSetup<'b>
+    where
+        'a: 'b,
+    {
+        JointSetup { form, options, ..self.clone() }
     }
 
     /// The problem of this polynomial degree, on reduced or on whole records.
@@ -54,6 +77,24 @@ impl<'a> JointSetup<'a> {
         reduced: bool,
     ) -> Result<JointProblem, IdentifyError> {
         let (layout, bounds) = self.layout(degree);
+        let Prepared { records, fingerprint, .. } = self.prepared(degree, reduced)?;
+        let identity = format!(
+            "joint {degree} {reduced} {:?} {layout:?} {:?} {fingerprint:x}",
+            self.form,
+            self.options.scheme(),
+        );
+        Ok(JointProblem::new(records, self.form, layout, bounds, identity))
+    }
+
+    fn prepared(&self, degree: usize, reduced: bool) -> Result<Prepared, IdentifyError> {
+        let mut kept = self.prepared[usize::from(reduced)].lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(prepared) = kept.as_ref().filter(|prepared| prepared.degree >= degree) {
+            return Ok(prepared.clone());
+        }
+        let degree = match self.options.degree {
+            Choice::Given(given) => degree.max(given),
+            Choice::Auto => degree.max(HIGHEST_AUTOMATIC_DEGREE),
+        };
         // Weights such that the cost reads as RMSE in the output's unit where all records are equally noisy.
         let (mut information, mut samples) = (0.0, 0);
         for member in self.members {
@@ -63,20 +104,16 @@ impl<'a> JointSetup<'a> {
         let scale = (samples as f64 / information).sqrt();
         let records = self
             .members
-            .iter()
+            .par_iter()
             .map(|member| member.prepare(reduced, scale, degree, self.options))
             .collect::<Result<Vec<_>, _>>()?;
         let values = self
             .members
             .iter()
             .flat_map(|m| m.facts.data.u.iter().chain(&m.facts.data.y).map(|x| x.to_bits()));
-        let identity = format!(
-            "joint {degree} {reduced} {:?} {layout:?} {:?} {:x}",
-            self.form,
-            self.options.scheme(),
-            fingerprint(values)
-        );
-        Ok(JointProblem::new(records, self.form, layout, bounds, identity))
+        let prepared = Prepared { degree, records: records.into(), fingerprint: fingerprint(values) };
+        *kept = Some(prepared.clone());
+        Ok(prepared)
     }
 
     fn layout(&self, degree: usize) -> (JointLayout, Bounds) {

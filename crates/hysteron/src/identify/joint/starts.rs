@@ -16,7 +16,7 @@ use crate::hysteresis::{Hysteresis, UnitShape};
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Problem};
 use crate::record::range_of;
-use rayon::prelude::*;
+use std::ops::Range;
 
 /// Ranges of the drive in which ζ relaxes once: (β')^(1/n) times the range.
 const SHARPNESSES: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
@@ -66,8 +66,17 @@ struct Loop {
 }
 
 /// Starts of a search, and what it took to find them.
+#[derive(Debug, Default)]
 pub(super) struct Starts {
     pub(super) points: Vec<Vec<f64>>,
+    pub(super) evaluations: usize,
+}
+
+/// Where a search can begin: loops of the slowest record and lattice points of the dynamics, the best first.
+pub(super) struct Places {
+    loops: Vec<Loop>,
+    motions: Vec<Motion>,
+    /// Evaluations that it took to find the loops.
     pub(super) evaluations: usize,
 }
 
@@ -86,27 +95,36 @@ impl JointSetup<'_> {
         Ok(guesses)
     }
 
-    /// Starts fitted in two steps: the loop on the slowest record, then the dynamics on all with that loop held. Those of
-    /// [`Self::guesses`] where the user gave the algorithm or a model to start from.
-    pub(super) fn starts(
+    /// The loop fitted to the slowest record, and dynamics that go with it.
+    pub(super) fn places(
         &self,
         problem: &JointProblem,
         engine: &mut Engine<'_>,
-    ) -> Result<Starts, IdentifyError> {
-        if self.options.algorithm.is_some() || self.options.start.is_some() {
-            return Ok(Starts { points: self.guesses(problem)?, evaluations: 0 });
-        }
-        let mut starts = Starts { points: Vec::new(), evaluations: 0 };
-        let loops = self.loops(problem, engine, &mut starts.evaluations)?;
+    ) -> Result<Places, IdentifyError> {
+        let mut evaluations = 0;
+        let loops = self.loops(problem, engine, &mut evaluations)?;
         let motions = self.motions(problem, |motion| self.looping(problem.bounds(), &loops[0], motion));
-        // Alternately, so that starts which agree on an optimum came from unlike places.
-        for (number, (motion, found)) in motions.iter().zip(loops.iter().cycle()).enumerate() {
+        Ok(Places { loops, motions, evaluations })
+    }
+
+    /// Starts at some of the places, the dynamics fitted to all records with the loop held. Loops take turns, so that starts
+    /// which agree on an optimum came from unlike places.
+    pub(super) fn fitted(
+        &self,
+        problem: &JointProblem,
+        places: &Places,
+        which: Range<usize>,
+        engine: &mut Engine<'_>,
+    ) -> Result<Starts, IdentifyError> {
+        let mut starts = Starts::default();
+        let pairs = places.motions.iter().zip(places.loops.iter().cycle()).enumerate();
+        for (number, (motion, found)) in pairs.take(which.end).skip(which.start) {
             let options = self.holding(found);
-            let held = JointSetup::new(self.members, self.form, &options).problem(problem.degree(), true)?;
+            let held = self.with(self.form, &options).problem(problem.degree(), true)?;
             let mut point = self.looping(problem.bounds(), found, *motion);
             if held.bounds().dimension() > 0 {
                 let start = self.looping(held.bounds(), found, *motion);
-                let fit = engine.quick_fit(&format!("dynamics, start {}", number + 1), &held, vec![start])?;
+                let fit = engine.rough_fit(&format!("dynamics, start {}", number + 1), &held, vec![start])?;
                 starts.evaluations += fit.outcome.evaluations;
                 let place = |name: &str| held.bounds().ranges.iter().position(|range| range.name == name);
                 for (range, value) in problem.bounds().ranges.iter().zip(&mut point) {
@@ -116,6 +134,12 @@ impl JointSetup<'_> {
             starts.points.push(point);
         }
         Ok(starts)
+    }
+
+    /// The start at the best place itself.
+    pub(super) fn unfitted(&self, problem: &JointProblem, places: &Places) -> Vec<Vec<f64>> {
+        let best = places.loops.first().zip(places.motions.first());
+        best.map(|(found, motion)| self.looping(problem.bounds(), found, *motion)).into_iter().collect()
     }
 
     fn slowest(&self) -> usize {
@@ -171,7 +195,7 @@ impl JointSetup<'_> {
         }
         let of = |settled| shapes.iter().filter(move |(shape, _)| shape.settled == settled).take(2);
         let starts = of(false).chain(of(true)).map(|(_, start)| start.clone()).collect();
-        let mut fit = engine.quick_fit("slowest record", &problem, starts)?.outcome;
+        let mut fit = engine.rough_fit("slowest record", &problem, starts)?.outcome;
         *evaluations += fit.evaluations;
         fit.starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let other = fit.starts.iter().find(|start| start.cost > fit.cost * (1.0 + ANOTHER));
@@ -200,7 +224,7 @@ impl JointSetup<'_> {
     }
 
     /// The best dynamics at a loop, then others of unlike order (of unlike frequency where orders are whole).
-    fn motions(&self, problem: &JointProblem, point: impl Fn(Motion) -> Vec<f64> + Sync) -> Vec<Motion> {
+    fn motions(&self, problem: &JointProblem, point: impl Fn(Motion) -> Vec<f64>) -> Vec<Motion> {
         if self.form.modes == Modes::None {
             return vec![FAST, FAST];
         }
@@ -280,14 +304,11 @@ impl JointSetup<'_> {
 }
 
 /// The candidates in the order of their cost; those that cannot be simulated last.
-fn by_cost<T: Sync + Copy + Send>(
-    problem: &JointProblem,
-    candidates: Vec<T>,
-    point: impl Fn(&T) -> Vec<f64> + Sync,
-) -> Vec<T> {
+fn by_cost<T>(problem: &JointProblem, candidates: Vec<T>, point: impl Fn(&T) -> Vec<f64>) -> Vec<T> {
+    let mut ws = problem.workspace();
     let mut costs: Vec<(f64, T)> = candidates
-        .par_iter()
-        .map_init(|| problem.workspace(), |ws, candidate| (problem.cost(&point(candidate), ws), *candidate))
+        .into_iter()
+        .map(|candidate| (problem.cost(&point(&candidate), &mut ws), candidate))
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     costs.into_iter().map(|(_, candidate)| candidate).collect()

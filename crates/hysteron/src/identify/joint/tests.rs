@@ -93,7 +93,7 @@ fn problem(form: DynamicForm, n: Option<f64>, records: Vec<JointRecord>, memory:
         delay,
         memory,
     };
-    JointProblem::new(records, form, layout, Bounds { ranges }, String::new())
+    JointProblem::new(records.into(), form, layout, Bounds { ranges }, String::new())
 }
 
 /// Sixth-order central difference of `f` at 0 with the step `h`.

@@ -1,0 +1,107 @@
+//! The triangular factor of a tall matrix.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use crate::numeric::dot;
+
+/// Rows that one reduction takes in: with its columns they stay in the cache.
+const BLOCK: usize = 256;
+/// Rows that one thread takes at a time.
+const SHARE: usize = 16 * BLOCK;
+
+/// R and Qᵀb of the QR factorisation J = Q R.
+///
+/// Householder reflections of \[J b\] over blocks of rows, the factor of the blocks before on top of each; then of the factors
+/// of all shares (Demmel, Grigori, Hoemmen and Langou 2012, doi:10.1137/080731992). Which rows come together does not depend
+/// on the threads.
+pub(super) fn triangular(columns: &[f64], b: &[f64], n: usize) -> (DMatrix<f64>, DVector<f64>) {
+    let (rows, width) = (b.len(), n + 1);
+    let column = |j: usize| if j < n { &columns[j * rows..(j + 1) * rows] } else { b };
+    let mut factors = vec![0.0; rows.div_ceil(SHARE) * width * width];
+    factors.par_chunks_exact_mut(width * width).enumerate().for_each(|(share, factor)| {
+        let mut work = vec![0.0; (width + BLOCK) * width];
+        let end = rows.min((share + 1) * SHARE);
+        for first in (share * SHARE..end).step_by(BLOCK) {
+            let count = BLOCK.min(end - first);
+            let height = width + count;
+            let work = &mut work[..height * width];
+            for (j, own) in work.chunks_exact_mut(height).enumerate() {
+                own[..width].copy_from_slice(&factor[j * width..(j + 1) * width]);
+                own[width..].copy_from_slice(&column(j)[first..first + count]);
+            }
+            reduce(work, height, factor);
+        }
+    });
+    let mut factor = vec![0.0; width * width];
+    let height = factors.len() / width;
+    let mut stacked = vec![0.0; height * width];
+    for (share, part) in factors.chunks_exact(width * width).enumerate() {
+        for (j, own) in stacked.chunks_exact_mut(height.max(1)).enumerate() {
+            own[share * width..(share + 1) * width].copy_from_slice(&part[j * width..(j + 1) * width]);
+        }
+    }
+    reduce(&mut stacked, height, &mut factor);
+    let r = DMatrix::from_fn(n, n, |i, j| factor[j * width + i]);
+    (r, DVector::from_fn(n, |i, _| factor[n * width + i]))
+}
+
+/// Reflects the columns of `work`, `height` rows each, to an upper triangle, and writes that to `factor`.
+fn reduce(work: &mut [f64], height: usize, factor: &mut [f64]) {
+    let width = work.len() / height.max(1);
+    factor.fill(0.0);
+    for k in 0..width.min(height) {
+        let (head, tail) = work.split_at_mut((k + 1) * height);
+        let v = &mut head[k * height + k..];
+        let norm = dot(v, v).sqrt();
+        if norm > 0.0 {
+            let diagonal = -norm.copysign(v[0]);
+            v[0] -= diagonal;
+            let scale = 2.0 / dot(v, v);
+            for other in tail.chunks_exact_mut(height) {
+                let share = scale * dot(v, &other[k..]);
+                other[k..].iter_mut().zip(&*v).for_each(|(x, v)| *x -= share * v);
+            }
+            v[0] = diagonal;
+        }
+        let own = &work[k * height..k * height + k + 1];
+        factor[k * width..k * width + k + 1].copy_from_slice(own);
+    }
+    for k in height..width {
+        factor[k * width..k * width + height].copy_from_slice(&work[k * height..(k + 1) * height]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(k: usize, j: usize) -> f64 {
+        ((k * (2 * j + 3)) as f64 * 0.37).sin() + 0.1 * j as f64
+    }
+
+    /// RᵀR = JᵀJ and Rᵀ Qᵀb = Jᵀb, which with an upper R say all; and what is left of b keeps its length.
+    #[test]
+    fn is_the_factor_of_matrices_of_any_height() {
+        for rows in [0, 1, 3, 6, 255, 256, 257, 5000] {
+            let n = 6;
+            let columns: Vec<f64> = (0..n).flat_map(|j| (0..rows).map(move |k| wave(k, j))).collect();
+            let b: Vec<f64> = (0..rows).map(|k| (k as f64 * 0.11).cos()).collect();
+            let (r, target) = triangular(&columns, &b, n);
+            let j = DMatrix::from_column_slice(rows, n, &columns);
+            let size = rows.max(1) as f64;
+            assert!((r.transpose() * &r - j.transpose() * &j).amax() < 1e-13 * size, "{rows}");
+            let own = j.transpose() * DVector::from_column_slice(&b);
+            assert!((r.transpose() * &target - own).amax() < 1e-13 * size, "{rows}");
+            assert!((0..n).all(|i| (0..i).all(|j| r[(i, j)] == 0.0)));
+        }
+    }
+
+    #[test]
+    fn a_column_without_effect_stays_without() {
+        let columns: Vec<f64> = (0..900).map(|k| if k < 300 { 0.0 } else { wave(k, 1) }).collect();
+        let (r, _) = triangular(&columns, &[1.0; 300], 3);
+        assert_eq!(r.column(0).amax(), 0.0);
+        assert!(r[(1, 1)].abs() > 1.0);
+    }
+}
