@@ -78,18 +78,22 @@ pub(super) fn correlation(step: &str, names: Vec<String>, covariance: &DMatrix<f
 /// 1 + 2 Σ ρ_k of a series, summed up to the first ρ_k ≤ 0 or a tenth of the series (Geyer's initial positive sequence, doi:10.1214/ss/1177011137,
 /// in its simplest form): the number of samples that carry the information of one independent sample. At least 1.
 pub(super) fn correlation_time(e: &[f64]) -> f64 {
-    let products = autocorrelation(e);
+    initial_positive_sum(&autocorrelation(e)[..e.len()])
+}
+
+/// [`correlation_time`] of a series with the inner products `products` at lags 0 … N − 1.
+pub(super) fn initial_positive_sum(products: &[f64]) -> f64 {
     let power = products.first().copied().unwrap_or(0.0);
     if power <= 0.0 {
         return 1.0;
     }
-    let lags = products.iter().take(e.len() / 10).skip(1);
+    let lags = products.iter().take(products.len() / 10).skip(1);
     1.0 + lags.map(|product| 2.0 * product / power).take_while(|&share| share > 0.0).sum::<f64>()
 }
 
-/// Σ_i e_i e_{i+k} for k = 0 … N − 1, by the power spectrum of the series
+/// Σ_i e_i e_{i+k} for k = 0 … N − 1 first of all, by the power spectrum of the series
 /// followed by as many zeros.
-fn autocorrelation(e: &[f64]) -> Vec<f64> {
+pub(super) fn autocorrelation(e: &[f64]) -> Vec<f64> {
     let fft = RealFft::new(fast_length(2 * e.len()));
     let mut time = fft.forward.make_input_vec();
     let mut spectrum = fft.forward.make_output_vec();

@@ -139,26 +139,8 @@ const NEED_SAMPLES: usize = 2;
 /// # Errors
 /// [`ScoreError`] if lengths differ, a scored sample is not finite, or fewer than two samples are left to score.
 pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Result<Scores, ScoreError> {
-    let total = record.y.len();
-    for length in [simulated.len(), record.u.len()] {
-        if length != total {
-            return Err(ScoreError::LengthMismatch { measured: total, simulated: length });
-        }
-    }
-    let scored = scored_samples(record, scoring.skip_s)?;
-    let samples = scored.iter().filter(|&&s| s).count();
-    if samples < NEED_SAMPLES {
-        let masked = record.valid.as_ref().map_or(0, |v| v.iter().filter(|&&ok| !ok).count());
-        return Err(ScoreError::TooFewSamples { scored: samples, total, masked, need: NEED_SAMPLES });
-    }
-    finite("the input", &record.u, &scored)?;
-    finite("the measured output", &record.y, &scored)?;
-    finite("the simulated output", simulated, &scored)?;
-
-    let pick =
-        |x: &[f64]| -> Vec<f64> { x.iter().zip(&scored).filter(|(_, s)| **s).map(|(x, _)| *x).collect() };
-    let y = pick(&record.y);
-    let mut e: Vec<f64> = y.iter().zip(pick(simulated)).map(|(y, s)| y - s).collect();
+    let Compared { scored, y, mut e } = compared(record, simulated, scoring.skip_s)?;
+    let (total, samples) = (record.y.len(), y.len());
     let offset_estimated = scoring.offset == OffsetTreatment::Estimated;
     let offset = if offset_estimated { mean(&e) } else { 0.0 };
     e.iter_mut().for_each(|e| *e -= offset);
@@ -198,6 +180,48 @@ pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Resu
         input_correlation: residual_input_correlation(&residuals, &record.u, &scored).map(|c| c.test()),
     }
     .checked(&y, simulated)
+}
+
+/// The mean residual y − ŷ over all valid samples: the offset that [`score`] estimates.
+///
+/// # Errors
+/// As [`score`].
+pub(crate) fn mean_residual(record: &InputOutput, simulated: &[f64]) -> Result<f64, ScoreError> {
+    Ok(mean(&compared(record, simulated, 0.0)?.e))
+}
+
+/// What is scored of a record.
+struct Compared {
+    /// Which samples.
+    scored: Vec<bool>,
+    /// Measured output there.
+    y: Vec<f64>,
+    /// … less the simulated one.
+    e: Vec<f64>,
+}
+
+fn compared(record: &InputOutput, simulated: &[f64], skip_s: f64) -> Result<Compared, ScoreError> {
+    let total = record.y.len();
+    for length in [simulated.len(), record.u.len()] {
+        if length != total {
+            return Err(ScoreError::LengthMismatch { measured: total, simulated: length });
+        }
+    }
+    let scored = scored_samples(record, skip_s)?;
+    let samples = scored.iter().filter(|&&s| s).count();
+    if samples < NEED_SAMPLES {
+        let masked = record.valid.as_ref().map_or(0, |v| v.iter().filter(|&&ok| !ok).count());
+        return Err(ScoreError::TooFewSamples { scored: samples, total, masked, need: NEED_SAMPLES });
+    }
+    finite("the input", &record.u, &scored)?;
+    finite("the measured output", &record.y, &scored)?;
+    finite("the simulated output", simulated, &scored)?;
+
+    let pick =
+        |x: &[f64]| -> Vec<f64> { x.iter().zip(&scored).filter(|(_, s)| **s).map(|(x, _)| *x).collect() };
+    let y = pick(&record.y);
+    let e = y.iter().zip(pick(simulated)).map(|(y, s)| y - s).collect();
+    Ok(Compared { scored, y, e })
 }
 
 impl Scores {

@@ -2,6 +2,8 @@
 //!
 //! L. Ljung, *System Identification: Theory for the User*, 2nd ed., Prentice Hall 1999, §16.6.
 
+use crate::numeric::dot;
+
 /// Largest lag tested \[samples\].
 const LAGS: usize = 25;
 /// 99 % two-sided quantile of the standard normal distribution.
@@ -87,14 +89,12 @@ fn correlogram(e: &[f64], x: &[f64], scored: &[bool], first_lag: i64) -> Option<
         x.iter().zip(scored).map(|(x, s)| if *s { x / scale } else { 0.0 }).collect()
     };
     let (e, x) = (prepare(e, e_scale), prepare(x, x_scale));
-    let energy = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-    let norm = (energy(&e) * energy(&x)).sqrt();
+    let norm = (dot(&e, &e) * dot(&x, &x)).sqrt();
     let bound = QUANTILE_99 / (n as f64).sqrt();
     let coefficient = |lag: i64| {
         let shift = lag.unsigned_abs() as usize;
         let (late, early) = if lag >= 0 { (&e, &x) } else { (&x, &e) };
-        let sum: f64 = late.iter().skip(shift).zip(early).map(|(a, b)| a * b).sum();
-        sum / norm
+        dot(&late[shift..], &early[..early.len() - shift]) / norm
     };
     Some(Correlogram { first_lag, coefficients: (first_lag..=LAGS as i64).map(coefficient).collect(), bound })
 }

@@ -19,6 +19,10 @@ use crate::hysteresis::RecordEnds;
 use crate::optimize::{Bounds, Problem};
 use crate::record::InterSample;
 use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Rows worked on at a time.
+const ROWS: usize = 1024;
 
 /// How well the output for a drive is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -169,19 +173,25 @@ pub(super) fn of_records(problem: &JointProblem, known: &Knowledge, noise: &[f64
 fn deviations(blocks: &[&[f64]], total: usize, rows: Range<usize>, covariance: &DMatrix<f64>) -> Vec<f64> {
     let columns: Vec<&[f64]> =
         blocks.iter().flat_map(|b| b.chunks_exact(total)).map(|c| &c[rows.clone()]).collect();
-    let mut variance = vec![0.0; rows.len()];
-    let mut image = vec![0.0; rows.len()];
-    for (i, column) in columns.iter().enumerate() {
-        image.fill(0.0);
-        for (j, other) in columns.iter().enumerate() {
-            let c = covariance[(i, j)];
-            if c != 0.0 {
-                image.iter_mut().zip(*other).for_each(|(to, x)| *to += c * x);
+    let mut deviations = vec![0.0; rows.len()];
+    deviations.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, variance)| {
+        let part = |j: usize| &columns[j][chunk * ROWS..][..variance.len()];
+        let mut image = vec![0.0; variance.len()];
+        let mut sum = vec![0.0; variance.len()];
+        for i in 0..columns.len() {
+            // C is symmetric: what is beside its diagonal counts twice.
+            image.fill(0.0);
+            for j in 0..=i {
+                let c = covariance[(i, j)] * if i == j { 1.0 } else { 2.0 };
+                if c != 0.0 {
+                    image.iter_mut().zip(part(j)).for_each(|(to, x)| *to += c * x);
+                }
             }
+            sum.iter_mut().zip(part(i)).zip(&image).for_each(|((v, x), y)| *v += x * y);
         }
-        variance.iter_mut().zip(*column).zip(&image).for_each(|((v, x), y)| *v += x * y);
-    }
-    variance.iter().map(|v: &f64| v.max(0.0).sqrt()).collect()
+        variance.iter_mut().zip(sum).for_each(|(sd, v)| *sd = v.max(0.0).sqrt());
+    });
+    deviations
 }
 
 #[cfg(test)]

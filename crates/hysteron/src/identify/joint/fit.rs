@@ -19,7 +19,8 @@ use crate::hammerstein::Model;
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
-use crate::validate::{Scoring, score};
+use crate::validate::{Scoring, mean_residual, score};
+use rayon::prelude::*;
 
 /// Degree that the starts are tried with where it is chosen from the data.
 pub(super) const DEGREE_OF_STARTS: usize = 3;
@@ -79,14 +80,23 @@ pub(in super::super) fn identify(
         search.outcome.best.clone_from(&best);
         (whole, best, None)
     };
-    let solution = problem
-        .solve(&x)
-        .ok_or(OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
+    let (linearisation, known_small) = rayon::join(
+        || problem.linearise(&x),
+        || small.as_ref().and_then(|small| knowledge::knowledge(small, &at_small)),
+    );
+    let solution = match &linearisation {
+        Some(linearisation) => problem.solution(&x, &linearisation.coefficients),
+        None => problem.solve(&x),
+    }
+    .ok_or(OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
     let mut model = assemble(&solution, &form, &members, options)?;
 
-    let mut fits = simulated(&mut model, &solution, &members, roles, options)?;
+    let (fits, known) = rayon::join(
+        || simulated(&mut model, &solution, &members, roles, options),
+        || linearisation.and_then(|linearisation| knowledge::knowledge_of(&problem, &x, linearisation)),
+    );
+    let mut fits = fits?;
     require_fit(&fits, facts, options)?;
-    let known = knowledge::knowledge(&problem, &x);
     let own = known.as_ref().map(|known| &known.covariance);
     if let (Some(reduction), Some(own)) = (&mut reduction, own) {
         reduction.moved = moved(own, &x, &at_small);
@@ -106,10 +116,10 @@ pub(in super::super) fn identify(
     let covariances = (covariance.as_ref(), of_numbers.as_ref());
     let mut parameters = parameters::parameters(&solution, &form, &problem, covariances, &model);
     if let Some(known) = &known {
-        let found = match &small {
-            Some(small) => knowledge::knowledge(small, &at_small)
-                .map_or(Vec::new(), |at_small| intervals(small, &at_small, &known.covariance)),
-            None => intervals(&problem, known, &known.covariance),
+        let found = match (&small, &known_small) {
+            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance),
+            (Some(_), None) => Vec::new(),
+            (None, _) => intervals(&problem, known, &known.covariance),
         };
         parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
     }
@@ -151,22 +161,29 @@ fn simulated(
     roles: &[RecordRole],
     options: &Options,
 ) -> Result<Vec<RecordFit>, IdentifyError> {
-    let mut fits = Vec::new();
-    for (index, (member, role)) in members.iter().zip(roles).enumerate() {
+    let simulate = |(index, member): (usize, &JointMember<'_>)| {
         let data = &member.facts.data;
         let start = member.start(solution.hysteresis.alpha * solution.memory[index]);
-        let simulated = model.simulate(&data.u, data.sample_rate_hz(), &start)?;
-        let scores = score(data, &simulated, &Scoring::default())?;
-        fits.push(RecordFit { data: data.clone(), role: *role, start, scores, simulated, band: None });
-    }
+        model.simulate(&data.u, data.sample_rate_hz(), &start).map(|simulated| (start, simulated))
+    };
+    // The first error in the order of the records, whatever the threads.
+    let outputs: Vec<_> = members.par_iter().enumerate().map(simulate).collect();
+    let mut outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     if options.demands.fixed(OFFSET).is_none() {
-        model.offset = fits[0].scores.offset;
-        for fit in &mut fits {
-            fit.simulated.iter_mut().for_each(|y| *y += model.offset);
-            fit.scores = score(&fit.data, &fit.simulated, &Scoring::default())?;
-        }
+        model.offset = mean_residual(&members[0].facts.data, &outputs[0].1)?;
+        outputs.iter_mut().flat_map(|(_, simulated)| simulated).for_each(|y| *y += model.offset);
     }
-    Ok(fits)
+    let fits: Vec<_> = members
+        .par_iter()
+        .zip(roles)
+        .zip(outputs)
+        .map(|((member, role), (start, simulated))| {
+            let data = member.facts.data.clone();
+            let scores = score(&data, &simulated, &Scoring::default())?;
+            Ok(RecordFit { data, role: *role, start, scores, simulated, band: None })
+        })
+        .collect();
+    fits.into_iter().collect()
 }
 
 /// # Errors

@@ -6,6 +6,7 @@ use super::knowledge::{Covariance, Knowledge};
 use super::problem::{JointProblem, JointWorkspace};
 use super::profile::{Fit, Optimum, Profiled};
 use crate::optimize::{LeastSquaresProblem, Problem};
+use rayon::prelude::*;
 
 /// Quantile of the normal distribution that leaves 2.5 % above it.
 pub(in super::super) const NORMAL_975: f64 = 1.959_963_984_540_054;
@@ -87,9 +88,10 @@ pub(in super::super) fn intervals(
         let unit = known.variance * ratio;
         (unit > 0.0).then_some(Profiled { parameter: j, std_error, unit, direction: &directions[j] })
     };
-    let mut fit = Whole { problem, eliminated: &known.linearisation.eliminated, ws: problem.workspace() };
+    let whole_fit =
+        || Whole { problem, eliminated: &known.linearisation.eliminated, ws: problem.workspace() };
     let linearisation = problem.residual_count() * at.len();
-    let mut left = WORK as f64 / linearisation.max(1) as f64;
+    let left = WORK as f64 / linearisation.max(1) as f64;
     let mut found: Vec<Option<Interval>> = (0..at.len())
         .map(|j| {
             whole
@@ -98,35 +100,45 @@ pub(in super::super) fn intervals(
         })
         .collect();
     let mut curved: Vec<(f64, usize)> = Vec::new();
-    for (j, found) in found.iter_mut().enumerate() {
-        let (Some(found), Some(profiled)) = (found, profiled(j)) else { continue };
-        if left < 2.0 * SIMULATION {
-            break;
-        }
-        left -= 2.0 * SIMULATION;
-        let departure = [-LOOK_AT, LOOK_AT]
-            .map(|steps| (profiled.along_valley(&mut fit, &optimum, steps) / steps - 1.0).abs());
-        let departure = departure[0].max(departure[1]);
+    let mut looked_at: Vec<(usize, Profiled<'_>)> =
+        (0..at.len()).filter_map(|j| found[j].and(profiled(j)).map(|profiled| (j, profiled))).collect();
+    looked_at.truncate((left / (2.0 * SIMULATION)) as usize);
+    let left = left - 2.0 * SIMULATION * looked_at.len() as f64;
+    let a_thread = looked_at.len().div_ceil(rayon::current_num_threads()).max(1);
+    let departures: Vec<f64> = looked_at
+        .par_chunks(a_thread)
+        .flat_map_iter(|some| {
+            let mut fit = whole_fit();
+            let departure = |(_, profiled): &(usize, Profiled<'_>)| {
+                [-LOOK_AT, LOOK_AT]
+                    .map(|steps| (profiled.along_valley(&mut fit, &optimum, steps) / steps - 1.0).abs())
+            };
+            some.iter().map(departure).map(|sides| sides[0].max(sides[1])).collect::<Vec<f64>>()
+        })
+        .collect();
+    for (&(j, _), departure) in looked_at.iter().zip(departures) {
         if departure > DEPARTURE {
             curved.push((departure, j));
-        } else {
+        } else if let Some(found) = &mut found[j] {
             found.method = IntervalMethod::Quadratic;
         }
     }
     // The most curved first, as far as the work goes.
     curved.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    for (_, j) in curved {
-        let (Some(profiled), Some(error)) = (profiled(j), whole.std_error(j)) else { continue };
-        if left < PROFILE {
-            break;
-        }
-        left -= PROFILE;
-        let ends = [-1.0, 1.0].map(|side| profiled.end(&mut fit, &optimum, side, NORMAL_975));
-        if let [Some(low), Some(high)] = ends {
+    curved.truncate((left / PROFILE) as usize);
+    let profiles: Vec<Option<Interval>> = curved
+        .par_iter()
+        .map(|&(_, j)| {
+            let (profiled, error) = (profiled(j)?, whole.std_error(j)?);
+            let end = |side| profiled.end(&mut whole_fit(), &optimum, side, NORMAL_975);
+            let (low, high) = rayon::join(|| end(-1.0), || end(1.0));
             // From the reduced records' own optimum and errors to those of all samples.
             let moved = |end: f64| whole.values[j] + (end - at[j]) * error / profiled.std_error;
-            found[j] = Some(Interval { low: moved(low), high: moved(high), method: IntervalMethod::Profile });
-        }
+            Some(Interval { low: moved(low?), high: moved(high?), method: IntervalMethod::Profile })
+        })
+        .collect();
+    for (&(_, j), profile) in curved.iter().zip(profiles) {
+        found[j] = profile.or(found[j]);
     }
     found
 }

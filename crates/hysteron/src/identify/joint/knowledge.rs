@@ -9,11 +9,11 @@
 //! samples of a record, h the record's leverage and τ its correlation time, whence the factor 1/(1 − hτ/n).
 
 use super::super::result::Correlation;
-use super::super::uncertainty::{correlation, correlation_time};
+use super::super::uncertainty::{autocorrelation, correlation, correlation_time, initial_positive_sum};
 use super::problem::{JointProblem, Linearisation};
 use super::record::JointRecord;
-use crate::numeric::Complex64;
 use crate::numeric::fft::{RealFft, fast_length};
+use crate::numeric::{Complex64, dot};
 use crate::optimize::{LeastSquaresProblem, Problem};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -26,6 +26,8 @@ const MOST_USED: f64 = 0.75;
 /// Lags of the window as a multiple of the whitened residual's correlation time, and fewest.
 const WINDOW: f64 = 6.0;
 const FEWEST_LAGS: usize = 12;
+/// Rows worked on at a time: all columns of so many stay in the processor's cache.
+const ROWS: usize = 1024;
 
 /// Covariance of everything estimated.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,7 +97,15 @@ pub(in super::super) struct Knowledge {
 
 /// Knowledge at the optimum `x`. `None` where nothing can be said.
 pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<Knowledge> {
-    let linearisation = problem.linearise(x)?;
+    knowledge_of(problem, x, problem.linearise(x)?)
+}
+
+/// [`knowledge`] out of the linearisation at `x`.
+pub(in super::super) fn knowledge_of(
+    problem: &JointProblem,
+    x: &[f64],
+    linearisation: Linearisation,
+) -> Option<Knowledge> {
     let Linearisation { linear, eliminated, searched, residuals, coefficients } = &linearisation;
     let rows = problem.residual_count();
     let degree = problem.layout().polynomial.len();
@@ -121,7 +131,7 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
         }))
         .collect();
     let columns: Vec<&[f64]> = linear.chunks_exact(rows).chain(searched.chunks_exact(rows)).collect();
-    let norms: Vec<f64> = columns.iter().map(|c| c.iter().map(|x| x * x).sum::<f64>().sqrt()).collect();
+    let norms: Vec<f64> = columns.par_iter().map(|c| dot(c, c).sqrt()).collect();
     let free: Vec<usize> =
         (0..columns.len()).filter(|&j| !on_bound[j] && norms[j] > 0.0 && norms[j].is_finite()).collect();
     let local: usize = problem.records().iter().map(JointRecord::local_columns).sum();
@@ -129,13 +139,11 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
         return None;
     }
     let p = free.len();
-    let mut jacobian = DMatrix::zeros(rows, p);
-    for (mut to, &j) in jacobian.column_iter_mut().zip(&free) {
-        for (to, from) in to.iter_mut().zip(columns[j]) {
-            *to = from / norms[j];
-        }
-    }
-    let r = jacobian.clone().qr().r();
+    let free_columns: Vec<&[f64]> = free.iter().map(|&j| columns[j]).collect();
+    let free_norms: Vec<f64> = free.iter().map(|&j| norms[j]).collect();
+    let of_unit_columns =
+        |matrix: DMatrix<f64>| matrix.map_with_location(|i, j, x| x / (free_norms[i] * free_norms[j]));
+    let r = triangle(&free_columns, &free_norms);
     let singular = r.clone().svd(false, false).singular_values;
     let condition_number = singular.max() / singular.min();
     let inverse = r.try_inverse()?;
@@ -144,13 +152,13 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
         .into_par_iter()
         .map(|record| {
             let rows = problem.rows(record);
-            let own = jacobian.rows(rows.start, rows.len()).into_owned();
+            let own: Vec<&[f64]> = free_columns.iter().map(|column| &column[rows.clone()]).collect();
             let residual = &residuals[rows];
-            let leverage =
-                (&bread * own.tr_mul(&own)).trace() + problem.records()[record].local_columns() as f64;
+            let leverage = (&bread * of_unit_columns(gram(&own))).trace()
+                + problem.records()[record].local_columns() as f64;
             let independent = problem.records()[record].valid as f64 / correlation_time(residual);
             let used = (leverage / independent).min(MOST_USED);
-            coloured_square(&own, residual) / (1.0 - used)
+            of_unit_columns(coloured_square(&own, residual)) / (1.0 - used)
         })
         // Summed in the order of the records, whatever the threads.
         .collect::<Vec<_>>()
@@ -176,33 +184,91 @@ pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<K
     })
 }
 
+/// R of the QR factorisation of `columns`, each over its norm: of blocks of rows, then of what these leave (Demmel et al. 2012,
+/// doi:10.1137/080731992).
+fn triangle(columns: &[&[f64]], norms: &[f64]) -> DMatrix<f64> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let blocks: Vec<DMatrix<f64>> = (0..rows.div_ceil(ROWS))
+        .into_par_iter()
+        .map(|block| {
+            let rows = block * ROWS..rows.min((block + 1) * ROWS);
+            let unit = |(column, norm): (&&[f64], &f64)| {
+                column[rows.clone()].iter().map(|x| x / norm).collect::<Vec<f64>>()
+            };
+            let values = columns.iter().zip(norms).flat_map(unit).collect();
+            DMatrix::from_vec(rows.len(), columns.len(), values).qr().r()
+        })
+        .collect();
+    let mut stack = DMatrix::zeros(blocks.iter().map(DMatrix::nrows).sum(), columns.len());
+    let mut at = 0;
+    for block in &blocks {
+        stack.rows_mut(at, block.nrows()).copy_from(block);
+        at += block.nrows();
+    }
+    stack.qr().r()
+}
+
+/// Inner products of all pairs of columns, block of rows by block; the order of summation is fixed.
+fn gram<C: AsRef<[f64]> + Sync>(columns: &[C]) -> DMatrix<f64> {
+    let p = columns.len();
+    let rows = columns.first().map_or(0, |column| column.as_ref().len());
+    let blocks: Vec<DMatrix<f64>> = (0..rows.div_ceil(ROWS))
+        .into_par_iter()
+        .map(|block| {
+            let part = |j: usize| &columns[j].as_ref()[block * ROWS..rows.min((block + 1) * ROWS)];
+            let mut products = DMatrix::zeros(p, p);
+            for i in 0..p {
+                for j in 0..=i {
+                    products[(i, j)] = dot(part(i), part(j));
+                    products[(j, i)] = products[(i, j)];
+                }
+            }
+            products
+        })
+        .collect();
+    blocks.into_iter().fold(DMatrix::zeros(p, p), |sum, block| sum + block)
+}
+
 /// Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ over one record, in the frequency domain.
-fn coloured_square(jacobian: &DMatrix<f64>, residual: &[f64]) -> DMatrix<f64> {
+fn coloured_square(columns: &[&[f64]], residual: &[f64]) -> DMatrix<f64> {
     let n = residual.len();
-    let p = jacobian.ncols();
-    let (memory, white) = whitened(residual);
-    let lags =
-        ((WINDOW * correlation_time(&white)).ceil() as usize).max(FEWEST_LAGS).min(n.saturating_sub(1));
+    // Twice the length, so that nothing wraps.
     let fft = RealFft::new(fast_length(2 * n));
-    let bins = fft.forward.make_output_vec().len();
-    let transform = |x: &[f64]| -> Vec<Complex64> {
-        let mut time = fft.forward.make_input_vec();
-        time[..n].copy_from_slice(x);
-        let mut spectrum = fft.forward.make_output_vec();
-        // All lengths come from the plan, so the transform cannot refuse them.
-        let _ = fft.forward.process(&mut time, &mut spectrum);
-        spectrum
+    let root = root_power(residual, &fft);
+    let buffers = || {
+        let forward = &fft.forward;
+        (forward.make_input_vec(), forward.make_output_vec(), forward.make_scratch_vec())
     };
-    // Autocovariance, window, back: the smoothed power spectrum, twice the length so that nothing wraps.
-    let mut power: Vec<Complex64> = transform(&white).iter().map(|x| x.norm_sqr().into()).collect();
-    let mut covariance = fft.inverse.make_output_vec();
-    let _ = fft.inverse.process(&mut power, &mut covariance);
-    let valid = residual.iter().filter(|r| **r != 0.0).count().max(1) as f64;
-    let scale = 1.0 / (fft.len() as f64 * valid);
+    let coloured: Vec<Vec<f64>> = columns
+        .par_iter()
+        .map_init(buffers, |(time, spectrum, scratch), column| {
+            time[..n].copy_from_slice(column);
+            time[n..].fill(0.0);
+            // All lengths come from the plan, so the transform cannot refuse them.
+            let _ = fft.forward.process_with_scratch(time, spectrum, scratch);
+            let mut coloured = vec![0.0; 2 * spectrum.len()];
+            for ((pair, x), root) in coloured.chunks_exact_mut(2).zip(&*spectrum).zip(&root) {
+                (pair[0], pair[1]) = (root * x.re, root * x.im);
+            }
+            coloured
+        })
+        .collect();
+    gram(&coloured)
+}
+
+/// Root of the residual's smoothed power at each frequency of `fft`, such that the sum of squares of what it multiplies is that
+/// over time.
+fn root_power(residual: &[f64], fft: &RealFft) -> Vec<f64> {
+    let n = residual.len();
+    let (memory, white) = whitened(residual);
+    let products = autocorrelation(&white);
+    let time = initial_positive_sum(&products[..n]);
+    let lags = ((WINDOW * time).ceil() as usize).max(FEWEST_LAGS).min(n.saturating_sub(1));
     let length = fft.len();
+    let valid = residual.iter().filter(|r| **r != 0.0).count().max(1) as f64;
     let mut windowed = fft.forward.make_input_vec();
     for k in 0..=lags {
-        let value = covariance[k] * scale * parzen(k as f64 / (lags + 1) as f64);
+        let value = products[k] / valid * parzen(k as f64 / (lags + 1) as f64);
         windowed[k] = value;
         if k > 0 {
             windowed[length - k] = value;
@@ -210,25 +276,14 @@ fn coloured_square(jacobian: &DMatrix<f64>, residual: &[f64]) -> DMatrix<f64> {
     }
     let mut spectrum = fft.forward.make_output_vec();
     let _ = fft.forward.process(&mut windowed, &mut spectrum);
-    for (bin, power) in spectrum.iter_mut().enumerate() {
+    let root = |(bin, power): (usize, &Complex64)| {
         let angle = TAU * bin as f64 / length as f64;
-        *power /= 1.0 - 2.0 * memory * angle.cos() + memory * memory;
-    }
-    let columns: Vec<Vec<Complex64>> = (0..p).map(|j| transform(jacobian.column(j).as_slice())).collect();
-    let mut square = DMatrix::zeros(p, p);
-    for i in 0..p {
-        for j in 0..=i {
-            let mut sum = 0.0;
-            for bin in 0..bins {
-                let twice = if bin == 0 || 2 * bin == length { 1.0 } else { 2.0 };
-                let (a, b) = (columns[i][bin], columns[j][bin]);
-                sum += twice * spectrum[bin].re.max(0.0) * (a.re * b.re + a.im * b.im);
-            }
-            square[(i, j)] = sum / length as f64;
-            square[(j, i)] = square[(i, j)];
-        }
-    }
-    square
+        let coloured = power.re / (1.0 - 2.0 * memory * angle.cos() + memory * memory);
+        // Every frequency but the first and the last stands for its negative too.
+        let twice = if bin == 0 || 2 * bin == length { 1.0 } else { 2.0 };
+        (twice * coloured.max(0.0) / length as f64).sqrt()
+    };
+    spectrum.iter().enumerate().map(root).collect()
 }
 
 /// First-order autoregression a of a series, and e_k − a e_{k−1}.
@@ -256,7 +311,7 @@ mod tests {
         let e: Vec<f64> =
             (0..n).map(|k| ((k * k) as f64 * 0.7).sin() + 0.5 * (k as f64 * 0.2).cos()).collect();
         let j = DMatrix::from_fn(n, 2, |k, c| ((k + 1) as f64 * (0.05 + 0.11 * c as f64)).cos());
-        let found = coloured_square(&j, &e);
+        let found = coloured_square(&[j.column(0).as_slice(), j.column(1).as_slice()], &e);
         let (memory, white) = whitened(&e);
         assert!(memory > 0.1, "{memory}");
         let lags = ((WINDOW * correlation_time(&white)).ceil() as usize).max(FEWEST_LAGS).min(n - 1);

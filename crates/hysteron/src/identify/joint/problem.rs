@@ -216,11 +216,16 @@ impl JointProblem {
     /// All parameter values at `x`, the eliminated ones by linear least squares.
     pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
         let mut ws = self.workspace();
-        let candidate = self.candidate(x)?;
         if !self.eliminate(x, Derivatives::None, &mut ws) {
             return None;
         }
         let coefficients = self.coefficients(x, &mut ws);
+        self.solution(x, &coefficients)
+    }
+
+    /// All parameter values at `x` with the coefficients of u, u², … and α.
+    pub(in super::super) fn solution(&self, x: &[f64], coefficients: &[f64]) -> Option<JointSolution> {
+        let candidate = self.candidate(x)?;
         let (alpha, polynomial) = coefficients.split_last()?;
         Some(JointSolution {
             hysteresis: BoucWen::from_unit(polynomial.to_vec(), *alpha, candidate.shape).ok()?,
