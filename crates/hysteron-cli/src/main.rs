@@ -35,6 +35,10 @@ mod validate;
 
 use failure::Failure;
 
+/// Gives memory that was used back to the next search, where the system's allocator would have it cleared anew.
+#[global_allocator]
+static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// Models of piezo actuators from measured records: Bouc–Wen hysteresis followed by fractional-order dynamics.
 #[derive(Parser)]
 #[command(name = "hysteron", version, propagate_version = true, arg_required_else_help = true)]
