@@ -1,10 +1,11 @@
 //! Flags that say what the columns of a record are, the same for every command that reads records.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron::record::{ChannelChoice, Drive, InputOutput, Record, inspect};
 use hysteron_io::{ReadOptions, read_csv, read_input_output};
+use rayon::prelude::*;
 
 use crate::console;
 use crate::failure::Failure;
@@ -81,15 +82,17 @@ impl InputFlags {
         let record =
             self.scaled(read_csv(path, &options).map_err(|e| unreadable(&e))?).map_err(|e| unreadable(&e))?;
         let drive = record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?;
-        notes(path, &drive.notes);
-        Ok(Drive { u: self.beyond_dead_band(path, drive.u), ..drive })
+        let mut told = drive.notes.clone();
+        let u = self.beyond_dead_band(drive.u, &mut told);
+        notes(path, &told);
+        Ok(Drive { u, ..drive })
     }
 
-    fn beyond_dead_band(&self, path: &Path, mut u: Vec<f64>) -> Vec<f64> {
+    fn beyond_dead_band(&self, mut u: Vec<f64>, told: &mut Vec<String>) -> Vec<f64> {
         if let Some(threshold) = self.dead_band {
             let within = u.iter_mut().filter(|u| u.abs() < threshold);
             let count = within.map(|u| *u = 0.0).count();
-            notes(path, &[format!("the drive of {count} samples is below {threshold} and counts as 0")]);
+            told.push(format!("the drive of {count} samples is below {threshold} and counts as 0"));
         }
         u
     }
@@ -115,9 +118,33 @@ impl ColumnFlags {
     /// # Errors
     /// As [`ColumnFlags::read_silently`].
     pub fn read(&self, path: &Path) -> Result<InputOutput, Failure> {
-        let data = self.read_silently(path)?;
-        let warnings = inspect(&data).findings.into_iter().filter(|f| f.is_warning).map(|f| f.text);
-        notes(path, &warnings.collect::<Vec<_>>());
+        let mut told = Vec::new();
+        let data = self.read_inspected(path, &mut told);
+        notes(path, &told);
+        data
+    }
+
+    /// [`ColumnFlags::read`] of several records at once. What is printed is in their order, up to the first that fails.
+    ///
+    /// # Errors
+    /// As [`ColumnFlags::read`].
+    pub fn read_all(&self, paths: &[PathBuf]) -> Result<Vec<InputOutput>, Failure> {
+        let read = |path: &PathBuf| {
+            let mut told = Vec::new();
+            let data = self.read_inspected(path, &mut told);
+            (told, data)
+        };
+        let records: Vec<_> = paths.par_iter().map(read).collect();
+        let print = |(path, (told, data)): (&PathBuf, (Vec<String>, _))| {
+            notes(path, &told);
+            data
+        };
+        paths.iter().zip(records).map(print).collect()
+    }
+
+    fn read_inspected(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
+        let data = self.read_told(path, told)?;
+        told.extend(inspect(&data).findings.into_iter().filter(|f| f.is_warning).map(|f| f.text));
         Ok(data)
     }
 
@@ -126,21 +153,29 @@ impl ColumnFlags {
     /// # Errors
     /// If the file is not a readable record or its columns cannot be decided.
     pub fn read_silently(&self, path: &Path) -> Result<InputOutput, Failure> {
-        let data = if self.drive.scales.is_empty() {
-            let outcome = read_input_output(path, &self.options()).map_err(|e| cannot_read(path, &e))?;
-            notes(path, &outcome.notes);
-            outcome.data
-        } else {
-            self.read_scaled(path).map_err(|e| cannot_read(path, &e))?
-        };
-        Ok(InputOutput { u: self.drive.beyond_dead_band(path, data.u), ..data })
+        let mut told = Vec::new();
+        let data = self.read_told(path, &mut told);
+        notes(path, &told);
+        data
     }
 
-    fn read_scaled(&self, path: &Path) -> Result<InputOutput, String> {
+    /// Input and output of a record; what was decided without being told goes to `told`.
+    fn read_told(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
+        let data = if self.drive.scales.is_empty() {
+            let outcome = read_input_output(path, &self.options()).map_err(|e| cannot_read(path, &e))?;
+            told.extend(outcome.notes);
+            outcome.data
+        } else {
+            self.read_scaled(path, told).map_err(|e| cannot_read(path, &e))?
+        };
+        Ok(InputOutput { u: self.drive.beyond_dead_band(data.u, told), ..data })
+    }
+
+    fn read_scaled(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, String> {
         let record = read_csv(path, &self.options()).map_err(|e| e.to_string())?;
         let record = self.drive.scaled(record)?;
         let choice = ChannelChoice { input: self.drive.input.clone(), output: self.output.clone() };
-        notes(path, &record.select(&choice).map_err(|e| e.to_string())?.notes);
+        told.extend(record.select(&choice).map_err(|e| e.to_string())?.notes);
         record.input_output(&choice).map_err(|e| e.to_string())
     }
 }

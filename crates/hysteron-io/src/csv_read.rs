@@ -133,12 +133,25 @@ pub(crate) fn read_table(
     };
     let mut table = Table::new(file, header, delimiter, options.max_values);
     table.push_row(first_row.line())?;
-    while let Some(line) = lines.next_line()? {
-        if !is_skipped(line.bytes) {
-            table.push_row(line)?;
+    loop {
+        let before = lines.line();
+        let block = lines.ahead();
+        let bytes = block.len();
+        if let Some(rows) = table.push_block(block, before) {
+            lines.skip(bytes, rows);
+            continue;
+        }
+        let end = lines.position() + bytes as u64;
+        loop {
+            let Some(line) = lines.next_line()? else { return Ok((table, lines.sha256())) };
+            if !is_skipped(line.bytes) {
+                table.push_row(line)?;
+            }
+            if lines.position() >= end {
+                break;
+            }
         }
     }
-    Ok((table, lines.sha256()))
 }
 
 /// Next line that has fields, and the comment line last seen on the way. A `sep=` line sets the delimiter.

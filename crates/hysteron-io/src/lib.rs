@@ -29,6 +29,7 @@ mod hash;
 mod header;
 mod lines;
 mod options;
+mod plain;
 mod table;
 
 pub use csv_read::{ReadOutcome, read_csv, read_csv_bytes, read_input_output, read_input_output_bytes};

@@ -34,6 +34,8 @@ pub(crate) struct Lines<R> {
     file: String,
     /// Number of the line last read, from 1.
     line: u64,
+    /// Bytes of the lines read.
+    position: u64,
 }
 
 /// One line, without its line end.
@@ -51,10 +53,11 @@ impl<R: Read> Lines<R> {
         let limit = limit.min(u64::MAX - 1);
         let hashed = Hashed { inner, hash: Sha256::new(), bytes: 0, limit };
         Lines {
-            reader: BufReader::with_capacity(1 << 18, hashed),
+            reader: BufReader::with_capacity(1 << 20, hashed),
             buffer: Vec::new(),
             file: file.to_string(),
             line: 0,
+            position: 0,
         }
     }
 
@@ -77,6 +80,7 @@ impl<R: Read> Lines<R> {
             return Ok(None);
         }
         self.line += 1;
+        self.position += self.buffer.len() as u64;
         let ended = self.buffer.last() == Some(&b'\n');
         if self.buffer.len() > MAX_LINE_BYTES {
             return Err(IoError::LineTooLong {
@@ -106,6 +110,35 @@ impl<R: Read> Lines<R> {
             line = rest;
         }
         Ok(Some(Line { number: self.line, bytes: line, ended }))
+    }
+
+    /// The whole lines that lie ahead in memory, line ends included: none where one has to be read by
+    /// [`Self::next_line`], which also says what is wrong.
+    pub fn ahead(&mut self) -> &[u8] {
+        let hashed = self.reader.get_ref();
+        if hashed.bytes > hashed.limit {
+            return &[];
+        }
+        let bytes = self.reader.fill_buf().unwrap_or_default();
+        let whole = bytes.iter().rposition(|&b| b == b'\n').map_or(0, |last| last + 1);
+        &bytes[..whole]
+    }
+
+    /// Passes over the first `bytes` of [`Self::ahead`], which are `lines` lines.
+    pub fn skip(&mut self, bytes: usize, lines: u64) {
+        self.reader.consume(bytes);
+        self.position += bytes as u64;
+        self.line += lines;
+    }
+
+    /// Number of the line last read, from 1.
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
+    /// Bytes of the lines read.
+    pub fn position(&self) -> u64 {
+        self.position
     }
 
     /// SHA-256 of all bytes read so far, lower-case hexadecimal: of the whole file after its last line.

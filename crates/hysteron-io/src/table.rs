@@ -9,6 +9,7 @@ use crate::dialect::{loosely_number, split_fields};
 use crate::header::{ColumnRole, Header};
 use crate::lines::{Line, is_spreadsheet_error};
 use crate::options::MAX_NUMBER_BYTES;
+use crate::plain::plain_columns;
 
 /// The columns read so far.
 pub(crate) struct Table {
@@ -38,6 +39,43 @@ impl Table {
             point_line: None,
             comma_line: None,
         }
+    }
+
+    /// Adds a block of whole lines below line `before`, if they hold plain numbers and nothing is wrong with them; returns
+    /// their number. `None`: they have to go through [`Self::push_row`].
+    pub fn push_block(&mut self, block: &[u8], before: u64) -> Option<u64> {
+        if block.is_empty()
+            || self.comma_line.is_some()
+            || (self.point_line.is_none() && block.contains(&b'.'))
+        {
+            return None;
+        }
+        let read: Vec<bool> = self.header.columns.iter().map(|c| c.role != ColumnRole::Skipped).collect();
+        let (rows, mut columns) = plain_columns(block, self.delimiter, &read)?;
+        let values_left = self.values_left.checked_sub(columns.iter().map(Vec::len).sum())?;
+        for ((column, values), earlier) in self.header.columns.iter().zip(&mut columns).zip(&self.columns) {
+            let (ColumnRole::Time(factor) | ColumnRole::Frequency(factor)) = column.role else { continue };
+            values.iter_mut().for_each(|value| *value *= factor);
+            let right = match column.role {
+                ColumnRole::Time(_) => earlier.last().into_iter().chain(values.iter()).is_sorted(),
+                _ => values.iter().all(|&value| value > 0.0),
+            };
+            if !right || !values.iter().all(|value| value.is_finite()) {
+                return None;
+            }
+        }
+        let is_mask = |role| role == ColumnRole::Mask;
+        let masks = self.header.columns.iter().zip(&columns).filter(|(column, _)| is_mask(column.role));
+        if masks.flat_map(|(_, values)| values).any(|&value| value != 0.0 && value != 1.0) {
+            return None;
+        }
+        for (to, values) in self.columns.iter_mut().zip(columns) {
+            to.extend(values);
+        }
+        self.values_left = values_left;
+        self.rows += rows;
+        self.last_line = before + rows as u64;
+        Some(rows as u64)
     }
 
     /// Adds one line of data.

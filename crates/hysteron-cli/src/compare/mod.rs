@@ -74,11 +74,8 @@ impl Compare {
             output::check_file("the model", path)?;
         }
         self.result.check()?;
-        let campaign = self
-            .records
-            .iter()
-            .map(|path| Ok(CampaignRecord { data: self.columns.read(path)?, role: None }))
-            .collect::<Result<Vec<_>, Failure>>()?;
+        let records = self.columns.read_all(&self.records)?.into_iter();
+        let campaign: Vec<_> = records.map(|data| CampaignRecord { data, role: None }).collect();
         let stop = interrupt::stop_flag("what is finished is printed")?;
         let watcher = Console { stop: &stop, bar: Progress::new("comparing", 1) };
         let candidates = (!self.candidates.is_empty()).then_some(self.candidates.as_slice());

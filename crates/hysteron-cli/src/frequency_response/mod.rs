@@ -162,7 +162,7 @@ impl FrequencyResponseCommand {
                 "--response and --over choose among the columns of one file with a frequency response; these files are records",
             ));
         }
-        let records = self.files.iter().map(|path| self.columns.read(path)).collect::<Result<Vec<_>, _>>()?;
+        let records = self.columns.read_all(&self.files)?;
         let options = EmpiricalOptions { period_s: self.period, settling_periods: self.settling };
         let found = empirical_response(&records, &options).map_err(|e| {
             Failure::new("cannot take a frequency response from the records").because(e).hint(

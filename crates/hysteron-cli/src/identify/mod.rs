@@ -430,14 +430,16 @@ impl Identify {
     }
 
     fn campaign(&self) -> Result<Vec<CampaignRecord>, Failure> {
-        let given =
-            |paths: &'_ [PathBuf], role: Option<RecordRole>| -> Result<Vec<CampaignRecord>, Failure> {
-                paths.iter().map(|path| Ok(CampaignRecord { data: self.columns.read(path)?, role })).collect()
-            };
-        let mut campaign = given(&self.records, None)?;
-        campaign.extend(given(&self.static_records, Some(RecordRole::QuasiStatic))?);
-        campaign.extend(given(&self.dynamic_records, Some(RecordRole::Dynamic))?);
-        Ok(campaign)
+        let given = |paths: &[PathBuf], role: Option<RecordRole>| {
+            paths.iter().map(|path| (path.clone(), role)).collect::<Vec<_>>()
+        };
+        let (paths, roles): (Vec<PathBuf>, Vec<_>) = given(&self.records, None)
+            .into_iter()
+            .chain(given(&self.static_records, Some(RecordRole::QuasiStatic)))
+            .chain(given(&self.dynamic_records, Some(RecordRole::Dynamic)))
+            .unzip();
+        let records = self.columns.read_all(&paths)?.into_iter().zip(roles);
+        Ok(records.map(|(data, role)| CampaignRecord { data, role }).collect())
     }
 
     fn write_searches(&self, searches: &Searches) -> Result<(), Failure> {

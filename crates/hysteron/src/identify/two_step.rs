@@ -16,6 +16,7 @@ use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Problem, Settings};
 use crate::validate::{Scoring, score};
+use rayon::prelude::*;
 
 /// Fewest valid samples of a usable record.
 const FEWEST_SAMPLES: usize = 20;
@@ -192,8 +193,8 @@ pub(super) fn excited(facts: &[RecordFacts]) -> Option<(f64, f64)> {
 pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
     let first = campaign.first().ok_or(IdentifyError::NoRecords)?;
     let units = |r: &CampaignRecord| format!("{} → {}", r.data.u_unit, r.data.y_unit);
-    campaign
-        .iter()
+    let facts: Vec<_> = campaign
+        .par_iter()
         .map(|record| {
             if units(record) != units(first) {
                 return Err(IdentifyError::Units {
@@ -216,7 +217,9 @@ pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, Id
             }
             Ok(facts)
         })
-        .collect()
+        .collect();
+    // The first error in the order of the records, whatever the threads.
+    facts.into_iter().collect()
 }
 
 /// Roles as given, else recognised: the slowest kind of excitation is quasi-static unless it is broad, the rest is dynamic.

@@ -5,11 +5,11 @@
 
 use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use super::start_up::{StartUp, fit_start_up};
 use super::{ExcitationKind, InputOutput, Periods};
+use crate::numeric::fft::RealFft;
 
 /// Gains within this factor of that at the lowest frequency: below the flank of a resonance.
 const SPREAD: f64 = 1.4;
@@ -213,18 +213,12 @@ struct CrossSpectra {
 
 impl CrossSpectra {
     fn average(u: &[f64], y: &[f64], length: usize, hop: usize, windowed: bool) -> Option<Self> {
-        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(length);
+        let plan = RealFft::new(length).forward;
+        let hann = |k: usize| (0.5 * TAU * k as f64 / length as f64).sin().powi(2);
+        let window: Vec<f64> = (0..length).map(|k| if windowed { hann(k) } else { 1.0 }).collect();
         let transform = |x: &[f64]| -> Option<Vec<Complex<f64>>> {
             let mean = x.iter().sum::<f64>() / length as f64;
-            let mut centred: Vec<f64> = x
-                .iter()
-                .enumerate()
-                .map(|(k, x)| {
-                    let hann =
-                        if windowed { (0.5 * TAU * k as f64 / length as f64).sin().powi(2) } else { 1.0 };
-                    (x - mean) * hann
-                })
-                .collect();
+            let mut centred: Vec<f64> = x.iter().zip(&window).map(|(x, w)| (x - mean) * w).collect();
             let mut spectrum = plan.make_output_vec();
             plan.process(&mut centred, &mut spectrum).ok()?;
             Some(spectrum)

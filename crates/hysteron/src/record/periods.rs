@@ -1,9 +1,8 @@
 //! The period of a repeating record, and from where on it repeats.
 
-use realfft::RealFftPlanner;
-
 use super::turning_points::median;
 use super::{InputOutput, RecordError};
+use crate::numeric::fft::{RealFft, fast_length};
 
 /// Similarity of the drive with itself one period later above which it counts as repeating (1: exactly).
 const REPEATS: f64 = 0.98;
@@ -142,9 +141,8 @@ fn self_similarity(x: &[f64]) -> Vec<f64> {
     let mean = x.iter().sum::<f64>() / n as f64;
     // Scaled to its largest deviation, no square overflows.
     let largest = x.iter().map(|v| (v - mean).abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let length = (2 * n).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+    let length = fast_length(2 * n);
+    let RealFft { forward, inverse } = RealFft::new(length);
     let mut padded = vec![0.0; length];
     for (p, v) in padded.iter_mut().zip(x) {
         *p = (v - mean) / largest;

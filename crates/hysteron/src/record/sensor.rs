@@ -50,13 +50,15 @@ pub fn clipping(samples: &[f64], longest_run: usize) -> Clipping {
     if high <= low {
         return Clipping::default();
     }
-    let step = quantisation_step(samples).unwrap_or(0.0);
-    let held = |end: f64| {
+    // Worked out at the first run, which most signals do not have.
+    let mut step = None;
+    let mut held = |end: f64| {
         let (mut total, mut k) = (0, 0);
         while k < samples.len() {
             let run = samples[k..].iter().take_while(|x| **x == end).count();
             if (4..=longest_run).contains(&run) {
                 let reach = run.div_ceil(2);
+                let step = *step.get_or_insert_with(|| quantisation_step(samples).unwrap_or(0.0));
                 let far = |i: Option<usize>| {
                     i.and_then(|i| samples.get(i))
                         .map(|x| (x - end).abs() > (12.0 * step).max(1e-3 * (high - low)))

@@ -284,6 +284,21 @@ mod tests {
     }
 
     #[test]
+    fn deviations_are_the_quadratic_form_of_each_row() {
+        let rows = 2 * ROWS + 37;
+        let j = DMatrix::from_fn(rows, 3, |k, c| (k as f64 * (0.03 + 0.1 * c as f64)).cos());
+        let root = DMatrix::from_fn(3, 3, |a, b| 0.3 * a as f64 - 0.7 * b as f64 + f64::from(a == b));
+        let covariance = &root * root.transpose();
+        let within = 5..rows - 7;
+        let (first, others) = j.as_slice().split_at(rows);
+        let found = deviations(&[first, others], rows, within.clone(), &covariance);
+        for (k, sd) in within.zip(found) {
+            let variance = (j.row(k) * &covariance * j.row(k).transpose())[(0, 0)];
+            assert!((sd * sd - variance).abs() < 1e-13 * (1.0 + variance), "{k}: {sd}");
+        }
+    }
+
+    #[test]
     fn refuses_a_settled_start_of_broken_periods() {
         let known = OutputUncertainty {
             form: DynamicForm { modes: Modes::None, creep: false },

@@ -340,6 +340,25 @@ mod tests {
     }
 
     #[test]
+    fn blocks_of_rows_add_up_to_the_whole_matrix() {
+        let rows = 2 * ROWS + 37;
+        let j = DMatrix::from_fn(rows, 3, |k, c| ((k + 1) as f64 * (0.05 + 0.11 * c as f64)).cos() + 0.1);
+        let columns: Vec<&[f64]> = j.as_slice().chunks_exact(rows).collect();
+        let norms: Vec<f64> = j.column_iter().map(|c| c.norm()).collect();
+        let (gram, r) = (gram(&columns), triangle(&columns, &norms));
+        let whole = j.tr_mul(&j);
+        let square = r.tr_mul(&r);
+        assert_eq!(r.shape(), (3, 3));
+        for a in 0..3 {
+            for b in 0..3 {
+                let size = norms[a] * norms[b];
+                assert!((gram[(a, b)] - whole[(a, b)]).abs() < 1e-13 * size);
+                assert!((square[(a, b)] - whole[(a, b)] / size).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
     fn whitening_takes_an_autoregression_out() {
         // The impulse response of the autoregression itself.
         let e: Vec<f64> = (0..400).map(|k| 0.8f64.powi(k)).collect();
