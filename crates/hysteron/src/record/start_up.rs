@@ -44,14 +44,15 @@ pub fn fit_start_up(data: &InputOutput, periods: Option<&Periods>) -> Option<Sta
     let (low, high) = range_of(y);
     let mut fits: Vec<(f64, f64, f64)> = Vec::new();
     let mut branch = Branch::new(u);
-    for delay_steps in 0..=8 * SUB_STEPS {
-        for i in 0..48 {
-            let lag_samples = 0.1 * 1.12f64.powi(i);
-            let misfit = branch.misfit(y, delay_steps, lag_samples);
-            fits.push((misfit, delay_steps as f64 / SUB_STEPS as f64, lag_samples));
+    for i in 0..48 {
+        let lag_samples = 0.1 * 1.12f64.powi(i);
+        branch.follow(lag_samples);
+        for delay_steps in 0..=8 * SUB_STEPS {
+            fits.push((branch.misfit(y, delay_steps), delay_steps as f64 / SUB_STEPS as f64, lag_samples));
         }
     }
-    let best = fits.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0))?;
+    // Of equals the shortest delay.
+    let best = fits.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
     let misfit_percent = 100.0 * best.0 / (high - low);
     if misfit_percent.is_nan() || misfit_percent >= 10.0 {
         return None;
@@ -81,9 +82,11 @@ fn start_index(data: &InputOutput, periods: Option<&Periods>) -> Option<(usize, 
     (outside > 0.01 * (y_high - y_low)).then_some((0, false))
 }
 
-/// The drive's first branch between samples, and room for its lagged copies.
+/// The drive's first branch at every sub-step, what a lag makes of it and of a step, and room for their delayed samples.
 struct Branch {
     fine: Vec<f64>,
+    fine_lagged: Vec<f64>,
+    fine_step: Vec<f64>,
     lagged: Vec<f64>,
     step: Vec<f64>,
 }
@@ -97,28 +100,35 @@ impl Branch {
                 u[k] + t * (u.get(k + 1).unwrap_or(&u[k]) - u[k]) - u[0]
             })
             .collect();
-        Branch { fine, lagged: vec![0.0; u.len()], step: vec![0.0; u.len()] }
+        let (of_steps, of_samples) = (vec![0.0; n], vec![0.0; u.len()]);
+        Branch {
+            fine,
+            fine_lagged: of_steps.clone(),
+            fine_step: of_steps,
+            lagged: of_samples.clone(),
+            step: of_samples,
+        }
     }
 
-    /// Rms of `y` about the best a + b·lagged + c·step. The drive is straight between sub-steps, so the lag is exact:
+    /// Lags the branch and a step. The drive is straight between sub-steps, so the lag is exact:
     /// x₁ = w₁ − sT + (x₀ − w₀ + sT) e^(−h/T), s = (w₁ − w₀)/h.
-    fn misfit(&mut self, y: &[f64], delay_steps: usize, lag_samples: f64) -> f64 {
+    fn follow(&mut self, lag_samples: f64) {
         let h = 1.0 / SUB_STEPS as f64;
         let decay = (-h / lag_samples).exp();
-        let mut x = 0.0;
-        for i in 0..self.fine.len() {
-            let at = |i: usize| i.checked_sub(delay_steps).map_or(0.0, |i| self.fine[i]);
-            if i > 0 {
-                let (w0, w1) = (at(i - 1), at(i));
-                let rise = (w1 - w0) / h * lag_samples;
-                x = w1 - rise + (x - w0 + rise) * decay;
-            }
-            if i % SUB_STEPS == 0 {
-                let k = i / SUB_STEPS;
-                let since = i as f64 - delay_steps as f64;
-                self.lagged[k] = x;
-                self.step[k] = if since > 0.0 { 1.0 - (-since * h / lag_samples).exp() } else { 0.0 };
-            }
+        for i in 1..self.fine.len() {
+            let (w0, w1) = (self.fine[i - 1], self.fine[i]);
+            let rise = (w1 - w0) / h * lag_samples;
+            self.fine_lagged[i] = w1 - rise + (self.fine_lagged[i - 1] - w0 + rise) * decay;
+            self.fine_step[i] = 1.0 - (-(i as f64) * h / lag_samples).exp();
+        }
+    }
+
+    /// Rms of `y` about the best a + b·lagged + c·step, both delayed: they are 0 until then.
+    fn misfit(&mut self, y: &[f64], delay_steps: usize) -> f64 {
+        for k in 0..self.lagged.len() {
+            let since = (k * SUB_STEPS).checked_sub(delay_steps);
+            self.lagged[k] = since.map_or(0.0, |i| self.fine_lagged[i]);
+            self.step[k] = since.map_or(0.0, |i| self.fine_step[i]);
         }
         residual_rms(y, &self.lagged, &self.step)
     }

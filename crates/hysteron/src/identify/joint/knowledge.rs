@@ -192,10 +192,10 @@ fn triangle(columns: &[&[f64]], norms: &[f64]) -> DMatrix<f64> {
         .into_par_iter()
         .map(|block| {
             let rows = block * ROWS..rows.min((block + 1) * ROWS);
-            let unit = |(column, norm): (&&[f64], &f64)| {
-                column[rows.clone()].iter().map(|x| x / norm).collect::<Vec<f64>>()
-            };
-            let values = columns.iter().zip(norms).flat_map(unit).collect();
+            let mut values = Vec::with_capacity(rows.len() * columns.len());
+            for (column, norm) in columns.iter().zip(norms) {
+                values.extend(column[rows.clone()].iter().map(|x| x / norm));
+            }
             DMatrix::from_vec(rows.len(), columns.len(), values).qr().r()
         })
         .collect();
