@@ -67,16 +67,19 @@ pub struct Finding {
 
 /// Inspects a record. Everything is computed on the record as it is; masked samples are left out of the output's range and clipping alone.
 pub fn inspect(data: &InputOutput) -> Inspection {
-    let kind = excitation_kind(&data.u);
-    let periods = find_periods(data).ok();
     let rate = data.sample_rate_hz();
-    let settled = periods.map_or(0, |p| p.steady_start());
-    let makes_loop = matches!(kind, ExcitationKind::Wave { .. } | ExcitationKind::Ramps { .. });
     let valid_output: Vec<f64> = match &data.valid {
         Some(valid) => data.y.iter().zip(valid).filter(|(_, v)| **v).map(|(y, _)| *y).collect(),
         None => data.y.clone(),
     };
-    let delay = find_delay(data, &kind, periods.as_ref());
+    let ((kind, output_step), periods) = rayon::join(
+        || (excitation_kind(&data.u), quantisation_step(&valid_output)),
+        || find_periods(data).ok(),
+    );
+    let (delay, noise_floor) =
+        rayon::join(|| find_delay(data, &kind, periods.as_ref()), || noise_floor(data, periods.as_ref()));
+    let settled = periods.map_or(0, |p| p.steady_start());
+    let makes_loop = matches!(kind, ExcitationKind::Wave { .. } | ExcitationKind::Ramps { .. });
     let held = matches!(kind, ExcitationKind::Steps { .. } | ExcitationKind::Constant);
     let mut found = Inspection {
         samples: data.len(),
@@ -95,7 +98,7 @@ pub fn inspect(data: &InputOutput) -> Inspection {
         output_range: range_of(&valid_output),
         frequency_span_hz: rate.and_then(|rate| span_of(&kind).map(|(a, b)| (a * rate, b * rate))),
         period_change_rms: periods.as_ref().and_then(|p| period_change(data, p)),
-        noise_floor: noise_floor(data, periods.as_ref()),
+        noise_floor,
         drift: periods.as_ref().and_then(|p| linear_drift(data, Some(p)).ok()),
         loop_shape: match (makes_loop, data.u.get(settled..), data.y.get(settled..)) {
             (true, Some(u), Some(y)) => loop_shape(u, y),
@@ -105,7 +108,7 @@ pub fn inspect(data: &InputOutput) -> Inspection {
         input_clipping: span_of(&kind)
             .map_or(Clipping::default(), |(lowest, _)| clipping(&data.u, (0.5 / lowest.max(1e-9)) as usize)),
         output_clipping: if held { Clipping::default() } else { clipping(&valid_output, usize::MAX) },
-        output_step: quantisation_step(&valid_output),
+        output_step,
         start_up: match delay {
             Some(DelayFinding::FromStartUp(start_up)) => Some(start_up),
             _ => None,
