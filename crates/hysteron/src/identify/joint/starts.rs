@@ -16,6 +16,7 @@ use crate::hysteresis::{Hysteresis, UnitShape};
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Problem};
 use crate::record::range_of;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Ranges of the drive in which ζ relaxes once: (β')^(1/n) times the range.
@@ -171,7 +172,7 @@ impl JointSetup<'_> {
                 .flat_map(move |&skew| [false, true].map(|settled| Shape { sharpness, skew, settled }))
         });
         let point = |shape: Shape| setup.point(problem.bounds(), shape, FAST);
-        let ordered = by_cost(&problem, lattice.collect(), |shape| point(*shape));
+        let ordered = by_cost(&problem, &lattice.collect::<Vec<_>>(), point);
         let starts = ordered.into_iter().map(|shape| (shape, point(shape))).collect();
         Ok((problem, starts))
     }
@@ -224,7 +225,7 @@ impl JointSetup<'_> {
     }
 
     /// The best dynamics at a loop, then others of unlike order (of unlike frequency where orders are whole).
-    fn motions(&self, problem: &JointProblem, point: impl Fn(Motion) -> Vec<f64>) -> Vec<Motion> {
+    fn motions(&self, problem: &JointProblem, point: impl Fn(Motion) -> Vec<f64> + Sync) -> Vec<Motion> {
         if self.form.modes == Modes::None {
             return vec![FAST, FAST];
         }
@@ -236,7 +237,7 @@ impl JointSetup<'_> {
         let lattice = orders.iter().flat_map(|&order1| {
             PLACES.iter().flat_map(move |&place| DAMPINGS.map(|damping| Motion { place, damping, order1 }))
         });
-        let ordered = by_cost(problem, lattice.collect(), |motion| point(*motion));
+        let ordered = by_cost(problem, &lattice.collect::<Vec<_>>(), point);
         let mut picked: Vec<Motion> = Vec::new();
         for motion in ordered {
             let alike = |other: &Motion| {
@@ -304,12 +305,18 @@ impl JointSetup<'_> {
 }
 
 /// The candidates in the order of their cost; those that cannot be simulated last.
-fn by_cost<T>(problem: &JointProblem, candidates: Vec<T>, point: impl Fn(&T) -> Vec<f64>) -> Vec<T> {
-    let mut ws = problem.workspace();
-    let mut costs: Vec<(f64, T)> = candidates
-        .into_iter()
-        .map(|candidate| (problem.cost(&point(&candidate), &mut ws), candidate))
-        .collect();
+fn by_cost<T: Copy + Send + Sync>(
+    problem: &JointProblem,
+    candidates: &[T],
+    point: impl Fn(T) -> Vec<f64> + Sync,
+) -> Vec<T> {
+    let share = candidates.len().div_ceil(rayon::current_num_threads()).max(1);
+    let shares = candidates.par_chunks(share).flat_map_iter(|share| {
+        let mut ws = problem.workspace();
+        let point = &point;
+        share.iter().map(move |candidate| (problem.cost(&point(*candidate), &mut ws), *candidate))
+    });
+    let mut costs: Vec<(f64, T)> = shares.collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     costs.into_iter().map(|(_, candidate)| candidate).collect()
 }
