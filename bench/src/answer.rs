@@ -115,11 +115,11 @@ pub struct JointProblem {
 pub struct JointTimes {
     /// Threads.
     pub threads: usize,
-    /// Residuals.
+    /// Cost.
     pub objective_s: f64,
-    /// Residuals' derivatives, if asked for.
+    /// Residuals and their derivatives, if asked for.
     pub jacobian_s: Option<f64>,
-    /// Allocations of the residuals, all repetitions together.
+    /// Allocations of the objective, all repetitions together.
     pub allocations: usize,
 }
 

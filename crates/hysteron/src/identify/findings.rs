@@ -2,8 +2,8 @@
 
 use super::engine::Search;
 use super::options::{Choice, Method, Options, RecordRole};
-use super::result::{Finding, FindingKind, Identification};
-use super::{RecordFacts, identifiability};
+use super::result::{Finding, FindingKind, Identification, RecordFit};
+use super::{IdentifyError, RecordFacts, identifiability};
 use crate::display::short;
 use crate::dynamics::{Dynamics, Stability, stability};
 use crate::hammerstein::Start;
@@ -21,6 +21,29 @@ const STILL_IMPROVING: f64 = 0.01;
 const LAST_GENERATIONS: usize = 5;
 /// Swings below this share of the range are noise rather than loops.
 const SMALLEST_LOOP: f64 = 0.1;
+
+/// Every record must be explained as well as `options` demand.
+///
+/// # Errors
+/// [`IdentifyError::ModelClass`] where a record is explained worse than `options` demand.
+pub(super) fn require_fit(
+    fits: &[RecordFit],
+    facts: &[RecordFacts],
+    options: &Options,
+) -> Result<(), IdentifyError> {
+    let worst = fits
+        .iter()
+        .min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()))
+        .filter(|worst| worst.fit_percent() < options.least_fit_percent);
+    let Some(worst) = worst else { return Ok(()) };
+    let because = facts.iter().find(|f| f.data.name == worst.data.name).map(why_no_fit);
+    Err(IdentifyError::ModelClass {
+        record: worst.data.name.clone(),
+        fit_percent: worst.fit_percent(),
+        need: options.least_fit_percent,
+        because: because.unwrap_or_default(),
+    })
+}
 
 /// Why a record that the model class cannot describe may be what it is.
 pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
@@ -53,7 +76,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     let mut findings = Vec::new();
     let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
     let Hysteresis::BoucWen(operator) = &result.model.hysteresis;
-    let fitted_statically: Vec<(&RecordFacts, &super::RecordFit)> =
+    let fitted_statically: Vec<(&RecordFacts, &RecordFit)> =
         facts.iter().zip(&result.records).filter(|(_, r)| r.role == RecordRole::QuasiStatic).collect();
 
     if let Some((_, fit)) = fitted_statically.first() {

@@ -5,6 +5,7 @@
 //! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain words what
 //! the records do not determine. [`optimizer_study`] compares the optimisers on the article's two problems.
 
+mod campaign;
 mod dynamic_problem;
 mod dynamic_step;
 mod engine;
@@ -41,10 +42,57 @@ pub use result::{
     Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, Reduction, StructureChoice,
 };
 pub use static_fit::StaticFit;
-pub use two_step::identify;
 
+use crate::optimize::Settings;
 use engine::Engine;
 use facts::RecordFacts;
+use static_step::OFFSET;
+
+/// Identifies a Hammerstein model from a campaign: by one joint fit, or by the article's two-step procedure
+/// ([`Options::method`]), which also takes campaigns of quasi-static records alone, and an ARX block: that belongs to one
+/// sample rate.
+///
+/// # Errors
+/// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not describe the
+/// records.
+pub fn identify(
+    records: &[CampaignRecord],
+    options: &Options,
+    watcher: &mut dyn Watcher,
+    resume: Option<Searches>,
+) -> Result<Identification, IdentifyError> {
+    options.validate()?;
+    let facts = campaign::usable(records)?;
+    let roles = campaign::roles(records, &facts);
+    let settings = Settings {
+        seed: options.seed,
+        generations: options.generations,
+        threads: options.threads,
+        ..Settings::default()
+    };
+    let engine = Engine::new(options.algorithm.as_ref(), settings, watcher, resume);
+    let joint = options.method == Method::Joint && options.dynamics != DynamicsChoice::Arx;
+    if joint && campaign::has_second_step(&roles, options) {
+        joint::identify(&facts, &roles, options, engine)
+    } else {
+        two_step::identify(&facts, &roles, options, engine)
+    }
+}
+
+/// Demands on the offset and on n.
+fn check_common_demands(options: &Options) -> Result<(), IdentifyError> {
+    if options.demands.bounded(OFFSET).is_some() {
+        return Err(IdentifyError::Demand {
+            name: OFFSET.into(),
+            wanted: "a fixed value (it is eliminated, not searched)",
+        });
+    }
+    let n = options.demands.bounded("n").map_or(options.demands.fixed("n"), |(low, _)| Some(low));
+    if n.is_some_and(|n| !(1.0..=10.0).contains(&n)) {
+        return Err(IdentifyError::Demand { name: "n".into(), wanted: "1 ≤ n ≤ 10" });
+    }
+    Ok(())
+}
 
 /// FNV-1a over 64-bit words: tells the checkpoint of another problem.
 fn fingerprint(values: impl Iterator<Item = u64>) -> u64 {

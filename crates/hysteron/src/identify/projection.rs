@@ -86,7 +86,12 @@ impl Projection {
 
     /// Takes off `x` its part in the span of the columns.
     pub(super) fn project(&self, x: &mut [f64]) {
-        for q in self.basis() {
+        // Four at a time, which takes less than half of the memory traffic; among them the order does not matter.
+        let (fours, rest) = self.q[..self.columns * self.rows].split_at(self.columns / 4 * 4 * self.rows);
+        for four in fours.chunks_exact((4 * self.rows).max(1)) {
+            subtract_four(four, x);
+        }
+        for q in rest.chunks_exact(self.rows.max(1)) {
             let share = dot(q, x);
             subtract(x, share, q);
         }
@@ -130,6 +135,30 @@ fn subtract(x: &mut [f64], share: f64, q: &[f64]) {
     }
 }
 
+/// Takes off `x` its part in four orthonormal columns, one after the other in `q`.
+fn subtract_four(q: &[f64], x: &mut [f64]) {
+    let rows = x.len();
+    let (ab, cd) = q.split_at(2 * rows);
+    let ((a, b), (c, d)) = (ab.split_at(rows), cd.split_at(rows));
+    let mut sums = [[0.0; 4]; 4];
+    let whole = rows / 4 * 4;
+    for k in (0..whole).step_by(4) {
+        let x = &x[k..k + 4];
+        for (sums, q) in sums.iter_mut().zip([&a[k..k + 4], &b[k..k + 4], &c[k..k + 4], &d[k..k + 4]]) {
+            for i in 0..4 {
+                sums[i] += q[i] * x[i];
+            }
+        }
+    }
+    let mut shares = sums.map(|sums| sums.iter().sum::<f64>());
+    for (share, q) in shares.iter_mut().zip([a, b, c, d]) {
+        *share += dot(&q[whole..], &x[whole..]);
+    }
+    for ((((x, a), b), c), d) in x.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        *x -= (shares[0] * a + shares[1] * b) + (shares[2] * c + shares[3] * d);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -148,6 +177,28 @@ mod tests {
         }
         projection.project(&mut y);
         assert!(y.iter().all(|r| r.abs() < 1e-13));
+    }
+
+    #[test]
+    fn what_is_left_is_orthogonal_to_any_number_of_columns() {
+        let rows = 1003;
+        let wave = |k: usize, j: usize| ((k * (j + 1)) as f64 * 0.013).sin() + 0.2 * j as f64;
+        for columns in 0..10 {
+            let mut projection = Projection::new(rows, columns);
+            for j in 0..columns {
+                projection.push(|c| c.iter_mut().enumerate().for_each(|(k, c)| *c = wave(k, j)));
+            }
+            let mut x: Vec<f64> = (0..rows).map(|k| (k as f64 * 0.37).cos() + wave(k, 2)).collect();
+            let mut one_by_one = x.clone();
+            for q in projection.basis() {
+                let share: f64 = q.iter().zip(&one_by_one).map(|(q, x)| q * x).sum();
+                subtract(&mut one_by_one, share, q);
+            }
+            projection.project(&mut x);
+            for (x, slow) in x.iter().zip(&one_by_one) {
+                assert!((x - slow).abs() < 1e-13, "{columns}: {x} {slow}");
+            }
+        }
     }
 
     #[test]

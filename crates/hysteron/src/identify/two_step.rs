@@ -1,60 +1,34 @@
 //! The article's two-step identification (§4.3): (1) hysteresis block from the quasi-static records, (2) its output
 //! drives the dynamic block, identified on the dynamic records, orders and coefficients at once.
 
+use super::campaign::{excited, has_second_step, of_role};
 use super::dynamic_step::{self, DynamicStep, HysteresisOutput};
-use super::engine::{Engine, Search, Searches, Watcher};
-use super::options::{CampaignRecord, Choice, DynamicsChoice, Method, Options, RecordRole};
+use super::engine::{Engine, Search};
+use super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
 use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{correlation, covariance, standard_error};
-use super::{Covariance, findings, joint};
-use super::{IdentifyError, RecordFacts};
+use super::{Covariance, IdentifyError, RecordFacts, findings};
 use crate::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::{Model, Start};
 use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
-use crate::optimize::{Bounds, Problem, Settings};
+use crate::optimize::{Bounds, Problem};
 use crate::validate::{Scoring, score};
-use rayon::prelude::*;
 
-/// Fewest valid samples of a usable record.
-const FEWEST_SAMPLES: usize = 20;
-
-/// Identifies a Hammerstein model from a campaign: by one joint fit, or by the article's two-step procedure
-/// ([`Options::method`]). A campaign of quasi-static records alone has no second step, and its first is a joint fit of all
-/// that such records determine.
-///
-/// # Errors
-/// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not describe the
-/// records.
-pub fn identify(
-    campaign: &[CampaignRecord],
+/// Identifies one block after the other. A campaign of quasi-static records alone has no second step, and its first is a joint
+/// fit of all that such records determine.
+pub(super) fn identify(
+    facts: &[RecordFacts],
+    roles: &[RecordRole],
     options: &Options,
-    watcher: &mut dyn Watcher,
-    resume: Option<Searches>,
+    mut engine: Engine<'_>,
 ) -> Result<Identification, IdentifyError> {
-    options.validate()?;
-    let facts = usable(campaign)?;
-    let roles = roles(campaign, &facts);
-    let by_role = |role| -> Vec<&RecordFacts> {
-        facts.iter().zip(&roles).filter(|(_, r)| **r == role).map(|(f, _)| f).collect()
-    };
-    let (quasi_static, dynamic) = (by_role(RecordRole::QuasiStatic), by_role(RecordRole::Dynamic));
+    let dynamic = of_role(facts, roles, RecordRole::Dynamic);
+    let quasi_static = of_role(facts, roles, RecordRole::QuasiStatic);
     let static_records = if quasi_static.is_empty() { dynamic.clone() } else { quasi_static };
-    let follow = !dynamic.is_empty() && options.dynamics != DynamicsChoice::None;
-
-    let settings = Settings {
-        seed: options.seed,
-        generations: options.generations,
-        threads: options.threads,
-        ..Settings::default()
-    };
-    let mut engine = Engine::new(options.algorithm.as_ref(), settings, watcher, resume);
-    // An ARX block belongs to one sample rate and to the article's way.
-    if follow && options.method == Method::Joint && options.dynamics != DynamicsChoice::Arx {
-        return joint::identify(&facts, &roles, options, engine);
-    }
+    let follow = has_second_step(roles, options);
     check_demands(options, follow)?;
     let step1 = static_step::identify_static(&static_records, options, follow, &mut engine)?;
     let mut dynamic_starts = Vec::new();
@@ -90,7 +64,7 @@ pub fn identify(
     let Known { parameters, correlations, of_numbers } =
         parameters(&step1, &step2, &static_records, &outputs, options)?;
     let mut fits = Vec::new();
-    for (facts, role) in facts.iter().zip(&roles) {
+    for (facts, role) in facts.iter().zip(roles) {
         let start = start_of(facts, &static_records, &step1, &dynamic, &dynamic_starts);
         let simulated = model.simulate_at_own_rate(&facts.data.u, facts.data.sample_rate_hz(), &start)?;
         let left_out =
@@ -105,16 +79,7 @@ pub fn identify(
             band: None,
         });
     }
-    let worst = fits.iter().min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()));
-    if let Some(worst) = worst.filter(|w| w.fit_percent() < options.least_fit_percent) {
-        let because = facts.iter().find(|f| f.data.name == worst.data.name).map(findings::why_no_fit);
-        return Err(IdentifyError::ModelClass {
-            record: worst.data.name.clone(),
-            fit_percent: worst.fit_percent(),
-            need: options.least_fit_percent,
-            because: because.unwrap_or_default(),
-        });
-    }
+    findings::require_fit(&fits, facts, options)?;
     let structure = StructureChoice {
         degrees: step1.degrees.clone(),
         degree: step1.solution.hysteresis.polynomial.len(),
@@ -143,11 +108,11 @@ pub fn identify(
         reduction: None,
         findings: Vec::new(),
         treatment: Vec::new(),
-        excited_hz: excited(&facts),
+        excited_hz: excited(facts),
         cancelled,
         resume,
     };
-    findings::write(&facts, options, &mut identification);
+    findings::write(facts, options, &mut identification);
     Ok(identification)
 }
 
@@ -182,62 +147,6 @@ impl Step2 {
     }
 }
 
-/// Lowest and highest frequency of the drives \[Hz\].
-pub(super) fn excited(facts: &[RecordFacts]) -> Option<(f64, f64)> {
-    let timed = facts.iter().filter(|f| f.data.sample_rate_hz().is_some());
-    let low = timed.clone().map(|f| f.period_s().recip()).fold(f64::INFINITY, f64::min);
-    let high = timed.map(RecordFacts::highest_frequency_hz).fold(0.0, f64::max);
-    (low <= high).then_some((low, high))
-}
-
-pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
-    let first = campaign.first().ok_or(IdentifyError::NoRecords)?;
-    let units = |r: &CampaignRecord| format!("{} → {}", r.data.u_unit, r.data.y_unit);
-    let facts: Vec<_> = campaign
-        .par_iter()
-        .map(|record| {
-            if units(record) != units(first) {
-                return Err(IdentifyError::Units {
-                    record: record.data.name.clone(),
-                    found: units(record),
-                    expected: units(first),
-                });
-            }
-            let facts = RecordFacts::new(record.data.clone());
-            let valid = facts.scored(0).len();
-            if valid < FEWEST_SAMPLES {
-                let record = record.data.name.clone();
-                return Err(IdentifyError::TooFewSamples { record, need: FEWEST_SAMPLES, found: valid });
-            }
-            for (signal, samples) in [("input", &record.data.u), ("output", &record.data.y)] {
-                if samples.iter().all(|&x| x == samples[0]) {
-                    let record = record.data.name.clone();
-                    return Err(IdentifyError::Constant { record, signal, value: samples[0] });
-                }
-            }
-            Ok(facts)
-        })
-        .collect();
-    // The first error in the order of the records, whatever the threads.
-    facts.into_iter().collect()
-}
-
-/// Roles as given, else recognised: the slowest kind of excitation is quasi-static unless it is broad, the rest is dynamic.
-fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> {
-    let slowest = facts.iter().map(RecordFacts::highest_frequency_hz).fold(f64::INFINITY, f64::min);
-    campaign
-        .iter()
-        .zip(facts)
-        .map(|(record, facts)| {
-            record.role.unwrap_or(if facts.is_dynamic(slowest) || facts.is_broad() {
-                RecordRole::Dynamic
-            } else {
-                RecordRole::QuasiStatic
-            })
-        })
-        .collect()
-}
-
 /// Every demand must be one that this fit can meet: none is passed over in silence.
 fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError> {
     let highest = match options.degree {
@@ -261,22 +170,7 @@ fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError>
         _ => {}
     }
     options.demands.check(&known)?;
-    check_common_demands(options)
-}
-
-/// Demands on the offset and on n.
-pub(super) fn check_common_demands(options: &Options) -> Result<(), IdentifyError> {
-    if options.demands.bounded(OFFSET).is_some() {
-        return Err(IdentifyError::Demand {
-            name: OFFSET.into(),
-            wanted: "a fixed value (it is eliminated, not searched)",
-        });
-    }
-    let n = options.demands.bounded("n").map_or(options.demands.fixed("n"), |(low, _)| Some(low));
-    if n.is_some_and(|n| !(1.0..=10.0).contains(&n)) {
-        return Err(IdentifyError::Demand { name: "n".into(), wanted: "1 ≤ n ≤ 10" });
-    }
-    Ok(())
+    super::check_common_demands(options)
 }
 
 fn start_of(

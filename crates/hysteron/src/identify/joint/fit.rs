@@ -96,7 +96,7 @@ pub(in super::super) fn identify(
         || linearisation.and_then(|linearisation| knowledge::knowledge_of(&problem, &x, linearisation)),
     );
     let mut fits = fits?;
-    require_fit(&fits, facts, options)?;
+    findings::require_fit(&fits, facts, options)?;
     let own = known.as_ref().map(|known| &known.covariance);
     if let (Some(reduction), Some(own)) = (&mut reduction, own) {
         reduction.moved = moved(own, &x, &at_small);
@@ -145,7 +145,7 @@ pub(in super::super) fn identify(
         reduction,
         findings: Vec::new(),
         treatment: Vec::new(),
-        excited_hz: super::super::two_step::excited(facts),
+        excited_hz: super::super::campaign::excited(facts),
         cancelled: engine.cancelled,
         resume: engine.searches(),
     };
@@ -184,23 +184,6 @@ fn simulated(
         })
         .collect();
     fits.into_iter().collect()
-}
-
-/// # Errors
-/// [`IdentifyError::ModelClass`] where a record is explained worse than `options` demand.
-fn require_fit(fits: &[RecordFit], facts: &[RecordFacts], options: &Options) -> Result<(), IdentifyError> {
-    let worst = fits
-        .iter()
-        .min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()))
-        .filter(|worst| worst.fit_percent() < options.least_fit_percent);
-    let Some(worst) = worst else { return Ok(()) };
-    let because = facts.iter().find(|f| f.data.name == worst.data.name).map(findings::why_no_fit);
-    Err(IdentifyError::ModelClass {
-        record: worst.data.name.clone(),
-        fit_percent: worst.fit_percent(),
-        need: options.least_fit_percent,
-        because: because.unwrap_or_default(),
-    })
 }
 
 /// A few good starts; where they disagree all others, and where these disagree a population search on a twentieth of its
@@ -413,5 +396,5 @@ fn check_demands(options: &Options, form: &DynamicForm, records: usize) -> Resul
     known.extend(form.iter().map(|p| p.name));
     known.extend(memory.iter().map(String::as_str));
     options.demands.check(&known)?;
-    super::super::two_step::check_common_demands(options)
+    super::super::check_common_demands(options)
 }

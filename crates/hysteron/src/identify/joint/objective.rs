@@ -1,6 +1,6 @@
 //! The joint fit as a problem of its own: to study its cost, or to hand it to another optimiser.
 
-use super::super::two_step::usable;
+use super::super::campaign::usable;
 use super::super::{CampaignRecord, Choice, Engine, IdentifyError, Options, Unwatched};
 use super::campaign::JointMember;
 use super::fit::DEGREE_OF_STARTS;

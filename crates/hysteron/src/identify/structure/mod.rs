@@ -25,10 +25,11 @@ pub use neighbours::{Neighbour, Neighbours, neighbours};
 pub use prospect::{Prospect, Prospects, prospects};
 pub use ranking::{Ranking, Standing, rank};
 
+use super::campaign::usable;
 use super::engine::Engine;
 use super::joint::JointMember;
 use super::options::{CampaignRecord, Options};
-use super::{IdentifyError, Unwatched, two_step};
+use super::{IdentifyError, Unwatched};
 use crate::hammerstein::Model;
 use crate::optimize::Settings;
 use fit::{Campaign, Named, NoFit, Training, WholeFit};
@@ -122,7 +123,7 @@ pub fn compare(
     watcher: &dyn CompareWatcher,
 ) -> Result<Comparison, StructureError> {
     options.validate()?;
-    let facts = two_step::usable(campaign)?;
+    let facts = usable(campaign)?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     let folds = folds::plan(&facts, &contents)?;
     let options = &Options { demands: Default::default(), algorithm: None, start: None, ..options.clone() };

@@ -5,10 +5,11 @@
 
 use rayon::prelude::*;
 
+use super::super::campaign::usable;
 use super::super::engine::Engine;
 use super::super::joint::JointMember;
 use super::super::options::{CampaignRecord, Choice, DynamicsChoice, Options};
-use super::super::{Identification, Unwatched, two_step};
+use super::super::{Identification, Unwatched};
 use super::candidate::{Block, Candidate};
 use super::content::Content;
 use super::fit::{Campaign, Named, NoFit, Training};
@@ -54,7 +55,7 @@ pub fn neighbours(
     found: &Identification,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Neighbours, StructureError> {
-    let facts = two_step::usable(campaign)?;
+    let facts = usable(campaign)?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     folds::plan(&facts, &contents)?;
     let options = &Options { algorithm: None, start: Some(found.model.clone()), ..options.clone() };

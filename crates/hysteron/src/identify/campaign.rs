@@ -1,0 +1,82 @@
+//! What the records of a campaign are good for.
+
+use super::options::{CampaignRecord, DynamicsChoice, Options, RecordRole};
+use super::{IdentifyError, RecordFacts};
+use rayon::prelude::*;
+
+/// Fewest valid samples of a usable record.
+const FEWEST_SAMPLES: usize = 20;
+
+/// The facts of every record.
+///
+/// # Errors
+/// For the first record that cannot be used: another unit, too few samples, a signal that does not move.
+pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, IdentifyError> {
+    let first = campaign.first().ok_or(IdentifyError::NoRecords)?;
+    let units = |r: &CampaignRecord| format!("{} → {}", r.data.u_unit, r.data.y_unit);
+    let facts: Vec<_> = campaign
+        .par_iter()
+        .map(|record| {
+            if units(record) != units(first) {
+                return Err(IdentifyError::Units {
+                    record: record.data.name.clone(),
+                    found: units(record),
+                    expected: units(first),
+                });
+            }
+            let facts = RecordFacts::new(record.data.clone());
+            let valid = facts.scored(0).len();
+            if valid < FEWEST_SAMPLES {
+                let record = record.data.name.clone();
+                return Err(IdentifyError::TooFewSamples { record, need: FEWEST_SAMPLES, found: valid });
+            }
+            for (signal, samples) in [("input", &record.data.u), ("output", &record.data.y)] {
+                if samples.iter().all(|&x| x == samples[0]) {
+                    let record = record.data.name.clone();
+                    return Err(IdentifyError::Constant { record, signal, value: samples[0] });
+                }
+            }
+            Ok(facts)
+        })
+        .collect();
+    // The first error in the order of the records, whatever the threads.
+    facts.into_iter().collect()
+}
+
+/// Roles as given, else recognised: the slowest kind of excitation is quasi-static unless it is broad, the rest is dynamic.
+pub(super) fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> {
+    let slowest = facts.iter().map(RecordFacts::highest_frequency_hz).fold(f64::INFINITY, f64::min);
+    campaign
+        .iter()
+        .zip(facts)
+        .map(|(record, facts)| {
+            record.role.unwrap_or(if facts.is_dynamic(slowest) || facts.is_broad() {
+                RecordRole::Dynamic
+            } else {
+                RecordRole::QuasiStatic
+            })
+        })
+        .collect()
+}
+
+/// The records of one role.
+pub(super) fn of_role<'a>(
+    facts: &'a [RecordFacts],
+    roles: &[RecordRole],
+    wanted: RecordRole,
+) -> Vec<&'a RecordFacts> {
+    facts.iter().zip(roles).filter(|(_, role)| **role == wanted).map(|(facts, _)| facts).collect()
+}
+
+/// Whether there is a dynamic block to identify from dynamic records.
+pub(super) fn has_second_step(roles: &[RecordRole], options: &Options) -> bool {
+    roles.contains(&RecordRole::Dynamic) && options.dynamics != DynamicsChoice::None
+}
+
+/// Lowest and highest frequency of the drives \[Hz\].
+pub(super) fn excited(facts: &[RecordFacts]) -> Option<(f64, f64)> {
+    let timed = facts.iter().filter(|f| f.data.sample_rate_hz().is_some());
+    let low = timed.clone().map(|f| f.period_s().recip()).fold(f64::INFINITY, f64::min);
+    let high = timed.map(RecordFacts::highest_frequency_hz).fold(0.0, f64::max);
+    (low <= high).then_some((low, high))
+}
