@@ -6,7 +6,7 @@
 
 use core::panic::PanicInfo;
 
-use hysteron_rt::{BoucWen, BoucWenState, Dual, Real};
+use hysteron_rt::{BoucWen, BoucWenState, Dual, PlayBank, Real};
 
 unsafe extern "C" {
     /// Defined nowhere.
@@ -69,8 +69,20 @@ fn sensitivities<T: Real, const N: usize>(
     record.is_ok() && operator.simulate_with_sensitivities((first, *all), u, |z| *all = z).is_ok()
 }
 
+/// A bank of any number of plays: one move, and the voltage that the next one has to reach for an output.
+#[inline(always)]
+fn plays<T: Real>(thresholds: &[T], weights: &[T], states: &mut [T], slope: T, u: &mut T) -> bool {
+    let Ok(bank) = PlayBank::new(thresholds, weights) else { return false };
+    let Ok(sum) = bank.step(states, *u) else { return false };
+    match bank.inverse(slope, states, sum) {
+        Ok(next) => *u = next,
+        Err(_) => return false,
+    }
+    bank.piece(states, sum, |u| slope * u * u).is_ok_and(|piece| piece.low.is_some())
+}
+
 macro_rules! entries {
-    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident) => {
+    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident) => {
         #[unsafe(no_mangle)]
         #[allow(improper_ctypes_definitions)]
         pub extern "C" fn $step(parameters: &Parameters<$t>, state: &mut BoucWenState<$t>, u: $t) -> bool {
@@ -99,11 +111,23 @@ macro_rules! entries {
         ) -> bool {
             sensitivities(*parameters, partials, u, out)
         }
+
+        #[unsafe(no_mangle)]
+        #[allow(improper_ctypes_definitions)]
+        pub extern "C" fn $plays(
+            thresholds: &[$t],
+            weights: &[$t],
+            states: &mut [$t],
+            slope: $t,
+            u: &mut $t,
+        ) -> bool {
+            plays(thresholds, weights, states, slope, u)
+        }
     };
 }
 
-entries!(f32, proof_step_f32, proof_simulate_f32, proof_sensitivities_f32);
-entries!(f64, proof_step_f64, proof_simulate_f64, proof_sensitivities_f64);
+entries!(f32, proof_step_f32, proof_simulate_f32, proof_sensitivities_f32, proof_plays_f32);
+entries!(f64, proof_step_f64, proof_simulate_f64, proof_sensitivities_f64, proof_plays_f64);
 
 /// Negative control: an index that may be out of range.
 #[cfg(feature = "panicking")]

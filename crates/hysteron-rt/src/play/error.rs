@@ -1,0 +1,103 @@
+//! What a bank of plays can fail with.
+
+use core::error::Error;
+use core::fmt::{Debug, Display, Formatter, Result};
+
+/// Numbers a bank of plays cannot be built with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PlayBankError<T> {
+    /// Not one weight a threshold.
+    Lengths {
+        /// Number of thresholds.
+        thresholds: usize,
+        /// Number of weights.
+        weights: usize,
+    },
+    /// A threshold is not finite or not above the one before it (0 before the first).
+    Threshold {
+        /// Its number, from 0.
+        index: usize,
+        /// Its value.
+        value: T,
+        /// What it must exceed.
+        above: T,
+    },
+    /// A weight is infinite or not a number.
+    Weight {
+        /// Its number, from 0.
+        index: usize,
+        /// Its value.
+        value: T,
+    },
+}
+
+/// A move, or the inverse of one, without a result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PlayError<T> {
+    /// Not one state a play.
+    Lengths {
+        /// Number of plays.
+        expected: usize,
+        /// States handed in.
+        found: usize,
+    },
+    /// The voltage, the output or a state handed in is infinite or not a number.
+    NotFinite,
+    /// The result leaves the range of the number type.
+    Overflow,
+    /// States that no common history of the voltage leaves behind: play `index` is further from the one before it than
+    /// their thresholds differ.
+    History {
+        /// Number of the play, from 0.
+        index: usize,
+    },
+    /// The sum does not increase with the voltage: no inverse.
+    Slope {
+        /// The least partial slope.
+        least: T,
+    },
+}
+
+impl<T: Display> Display for PlayBankError<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Lengths { thresholds, weights } => {
+                write!(f, "{thresholds} thresholds but {weights} weights: give one weight a threshold")
+            }
+            Self::Threshold { index, value, above } => write!(
+                f,
+                "threshold {index} (from 0) is {value}: it must be finite and above {above}; thresholds are positive \
+                 and increase"
+            ),
+            Self::Weight { index, value } => {
+                write!(f, "weight {index} (from 0) is {value}: it must be finite")
+            }
+        }
+    }
+}
+
+impl<T: Display> Display for PlayError<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Lengths { expected, found } => {
+                write!(f, "{found} states for {expected} plays: give one a play")
+            }
+            Self::NotFinite => write!(f, "the voltage, the output or a state is not finite"),
+            Self::Overflow => write!(f, "the result leaves the range of the number type"),
+            Self::History { index } => write!(
+                f,
+                "the states have no common history: play {index} (from 0) is further from the one before it than \
+                 their thresholds differ"
+            ),
+            Self::Slope { least } => write!(
+                f,
+                "the sum of plays has no inverse: its least partial slope is {least} and must be positive"
+            ),
+        }
+    }
+}
+
+impl<T: Display + Debug> Error for PlayBankError<T> {}
+impl<T: Display + Debug> Error for PlayError<T> {}
