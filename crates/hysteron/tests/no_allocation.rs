@@ -13,7 +13,7 @@ use hysteron::dynamics::{
     SecondOrder, SimulationPlan, TransferFunction, stability,
 };
 
-use hysteron::hysteresis::{Sensitivities, Start, UnitShape};
+use hysteron::hysteresis::{PlayStart, PrandtlIshlinskii, Sensitivities, Start, UnitShape};
 
 struct Counting;
 
@@ -102,6 +102,23 @@ fn a_hysteresis_pass_allocates_nothing() {
                 assert_eq!(count, 0, "n {n}, {start:?}");
             }
         }
+    }
+}
+
+#[test]
+fn a_pass_of_plays_and_its_inverse_allocate_nothing() {
+    let u: Vec<f64> = (0..1_000).map(|k| 5.0 * (f64::from(k) * 0.01).sin()).collect();
+    let (mut v, mut back, mut plays) = (vec![0.0; 1_000], vec![0.0; 1_000], vec![0.0; 3]);
+    let model = PrandtlIshlinskii::new(vec![1.0, 0.02], vec![0.5, 1.0, 2.0], vec![0.4, 0.3, -0.2]).unwrap();
+    let inverse = model.step_inverse([-6.0, 6.0]).unwrap();
+    for start in [PlayStart::Rest { u: 0.0 }, PlayStart::Periodic, PlayStart::State] {
+        let count = allocations(|| {
+            model.simulate_every(2, &u, start, &mut plays, &mut v[..500]).unwrap();
+            model.simulate(&u, PlayStart::Rest { u: 0.0 }, &mut plays, &mut v).unwrap();
+            plays.fill(0.0);
+            inverse.follow(&v, &mut plays, &mut back).unwrap();
+        });
+        assert_eq!(count, 0, "{start:?}");
     }
 }
 

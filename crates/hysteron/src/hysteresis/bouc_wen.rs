@@ -6,7 +6,7 @@
 use hysteron_rt::Dual;
 
 use super::pass::{Every, pass};
-use super::{Admissibility, HysteresisError, Start};
+use super::{Admissibility, HysteresisError, Start, polynomial};
 
 /// Where a Bouc–Wen operator stands: present voltage u \[V\] and hysteretic displacement z \[µm\].
 pub type BoucWenState = hysteron_rt::BoucWenState<f64>;
@@ -81,14 +81,7 @@ impl BoucWen {
     /// # Errors
     /// The first [`HysteresisError`] found.
     pub fn validate(&self) -> Result<(), HysteresisError> {
-        if self.polynomial.is_empty() {
-            return Err(HysteresisError::EmptyPolynomial);
-        }
-        for (index, &value) in self.polynomial.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(HysteresisError::Coefficient { power: index + 1, value });
-            }
-        }
+        polynomial::check(&self.polynomial)?;
         self.operator().map(|_| ())
     }
 
@@ -107,7 +100,7 @@ impl BoucWen {
 
     /// The anhysteretic polynomial l\[u\] = Σ polynomial\[i−1\] uⁱ \[µm\] at `u` \[V\].
     pub fn polynomial_at(&self, u: f64) -> f64 {
-        self.polynomial.iter().rev().fold(0.0, |sum, c| (sum + c) * u)
+        polynomial::value(&self.polynomial, u)
     }
 
     /// v = l\[u\] − z \[µm\] for the voltages `u` \[V\] into `out` (same length); returns the state at the last sample.

@@ -1,6 +1,6 @@
 //! What can be wrong with a hysteresis block or its simulation.
 
-use hysteron_rt::{ParameterError, SimulateError, StepError};
+use hysteron_rt::{ParameterError, PlayBankError, SimulateError, StepError};
 use thiserror::Error;
 
 /// A hysteresis block that cannot be built or simulated.
@@ -77,6 +77,111 @@ pub enum HysteresisError {
         /// ∂ζ(end of the period)/∂ζ(its start).
         slope: f64,
     },
+    /// Not one weight a threshold.
+    #[error("there are {thresholds} play thresholds but {weights} weights: give one weight a threshold")]
+    PlayCount {
+        /// Number of thresholds.
+        thresholds: usize,
+        /// Number of weights.
+        weights: usize,
+    },
+    /// Thresholds of plays must be finite, positive and increasing.
+    #[error("play threshold {index} (from 0) is {value} V: it must be finite and above {above} V")]
+    Threshold {
+        /// Number of the play, from 0.
+        index: usize,
+        /// Its threshold \[V\].
+        value: f64,
+        /// The threshold before it \[V\], 0 before the first.
+        above: f64,
+    },
+    /// The weight of a play is infinite or not a number.
+    #[error("the weight of play {index} (from 0) is {value}: it must be finite")]
+    Weight {
+        /// Number of the play, from 0.
+        index: usize,
+        /// Its weight.
+        value: f64,
+    },
+    /// Not one state a play.
+    #[error("there are {found} play states but {expected} plays: give one state a play")]
+    PlayStates {
+        /// Number of plays.
+        expected: usize,
+        /// States handed in.
+        found: usize,
+    },
+    /// States that no common history of the voltage leaves behind.
+    #[error(
+        "the play states have no common history: play {index} (from 0) is further from the one before it than their \
+         thresholds differ; start from rest or from the states that a simulation left behind"
+    )]
+    PlayHistory {
+        /// Number of the play, from 0.
+        index: usize,
+    },
+    /// The output leaves the range of the numbers.
+    #[error(
+        "the output is not finite at drive sample {index}: the drive is far beyond any voltage of an actuator"
+    )]
+    Overflow {
+        /// Number of the sample, from 0.
+        index: usize,
+    },
+    /// The closed-form inverse exists for a linear polynomial only.
+    #[error(
+        "the polynomial is of degree {degree}: the inverse has a closed form for a linear polynomial only; invert move \
+         by move over the range of voltages needed"
+    )]
+    NotLinear {
+        /// Its degree.
+        degree: usize,
+    },
+    /// A branch of a model with a linear polynomial does not increase.
+    #[error(
+        "the model has no inverse: with its {plays} narrowest plays moving, the output changes by {slope} µm/V, which \
+         must be positive"
+    )]
+    PartialSlope {
+        /// How many plays move, from the narrowest.
+        plays: usize,
+        /// Slope of the branch \[µm/V\].
+        slope: f64,
+    },
+    /// A branch of the model does not increase within the range of its inverse.
+    #[error(
+        "the model has no inverse over this range: at {u} V a branch has the slope {slope} µm/V, which must be positive \
+         beyond rounding; choose a range without this voltage or a polynomial and weights that increase there"
+    )]
+    NotSteep {
+        /// Voltage \[V\].
+        u: f64,
+        /// Least slope of a branch there \[µm/V\].
+        slope: f64,
+    },
+    /// A range of voltages without inside.
+    #[error("the range from {low} V to {high} V is empty or not finite: give its lower end first")]
+    Range {
+        /// Lower end \[V\].
+        low: f64,
+        /// Upper end \[V\].
+        high: f64,
+    },
+    /// No voltage of the range gives the output.
+    #[error(
+        "no voltage of the range gives the output {v} µm of sample {index}: from where the plays stand it gives {from} to \
+         {to} µm; ask for an output between these or allow a wider range"
+    )]
+    OutOfReach {
+        /// Number of the sample, from 0.
+        index: usize,
+        /// The output asked for \[µm\].
+        v: f64,
+        /// Output at the lower end of the range \[µm\].
+        from: f64,
+        /// Output at its upper end \[µm\].
+        to: f64,
+    },
     /// Up-sampling by 0.
     #[error("the up-sampling factor is 0: it must be at least 1")]
     Factor,
@@ -107,6 +212,17 @@ impl From<SimulateError<f64>> for HysteresisError {
             SimulateError::Step { index, cause: StepError::NotFinite } => Self::Drive { index },
             SimulateError::Step { index, cause } => Self::RunsAway { index, cause },
             _ => Self::Drive { index: 0 },
+        }
+    }
+}
+
+impl From<PlayBankError<f64>> for HysteresisError {
+    fn from(error: PlayBankError<f64>) -> Self {
+        match error {
+            PlayBankError::Lengths { thresholds, weights } => Self::PlayCount { thresholds, weights },
+            PlayBankError::Threshold { index, value, above } => Self::Threshold { index, value, above },
+            PlayBankError::Weight { index, value } => Self::Weight { index, value },
+            _ => Self::Weight { index: 0, value: f64::NAN },
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Static hysteresis block: rate-independent operators, one file a model behind one enum.
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
+//! * [`PrandtlIshlinskii`] (plays) with its inverses, a model of its own beside the enum, and [`PlayStart`].
 //! * [`Sensitivities`]: ζ with its derivatives, in one pass.
 //! * [`Start`]: where an operator stands before the first sample.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
@@ -11,6 +12,8 @@ pub mod bouc_wen;
 mod error;
 mod inter_sample;
 mod pass;
+mod polynomial;
+mod prandtl_ishlinskii;
 mod sensitivities;
 
 pub use crate::record::InterSample;
@@ -19,6 +22,7 @@ pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use error::HysteresisError;
 pub use inter_sample::RecordEnds;
 pub(crate) use inter_sample::polygon_of_means;
+pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};
 pub use sensitivities::Sensitivities;
 
 /// A rate-independent hysteresis operator.
