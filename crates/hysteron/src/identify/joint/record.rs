@@ -210,23 +210,25 @@ impl JointRecord {
                 plan.response_with_tangents(dynamics, delay_s, self.sampling, response)
             }
         };
-        let samples = self.samples();
         let (hysteretic, responded) =
-            if samples < SHARED { (hysteresis(), linear()) } else { rayon::join(hysteresis, linear) };
+            if self.samples() < SHARED { (hysteresis(), linear()) } else { rayon::join(hysteresis, linear) };
         if !hysteretic || responded.is_err() {
             return false;
         }
         if let Some(lane) = lanes.first_mut() {
             std::mem::swap(&mut lane.spectrum, zeta);
         }
-        if !self.respond_to_transients(ws) {
-            return false;
-        }
+        self.respond_to_transients(ws) && self.respond_to_inputs(rest, derivatives, ws)
+    }
+
+    /// The columns of u, u², …, −ζ, which is `rest` ahead of the first sample, from their spectra.
+    fn respond_to_inputs(&self, rest: f64, derivatives: Derivatives, ws: &mut RecordWorkspace) -> bool {
         let RecordWorkspace { response, zeta, local, columns, transient_shares, lanes, .. } = ws;
+        let samples = self.samples();
         let degree = columns.len() / samples - 1;
         let column = |index: usize, column: &mut [f64], lane: &mut Lane| {
             let input = if index < degree { &self.powers[index] } else { &*zeta };
-            let done = plan.apply(response, input, &mut lane.plan, column).is_ok();
+            let done = self.plan.apply(response, input, &mut lane.plan, column).is_ok();
             self.end(column);
             if let Some(unit) = &self.rest {
                 let rest_v = rest_voltage(self.before, &self.drive);
