@@ -125,6 +125,18 @@ fn outputs_out_of_reach_are_refused_with_what_can_be_reached() {
     );
 }
 
+#[test]
+fn a_polynomial_that_turns_beyond_the_range_does_not_matter() {
+    // u − 0.1 u² is −120 µm at 40 V, where the second play would take hold.
+    let model = PrandtlIshlinskii::new(vec![1.0, -0.1], vec![1.0, 40.0], vec![0.5, 3.0]).unwrap();
+    let inverse = model.step_inverse([-4.9, 4.9]).unwrap();
+    let u: Vec<f64> = (0..99).map(|k| 0.1 * f64::from(k) - 4.9).collect();
+    let (v, _) = simulate(&model, &u, PlayStart::Rest { u: 0.0 });
+    let mut back = vec![0.0; 99];
+    inverse.follow(&v, &mut [0.0; 2], &mut back).unwrap();
+    assert!(u.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(300) })]
 
