@@ -255,6 +255,8 @@ fn model(data: &IdentificationReportData) -> Section {
                 "" => p.meaning.clone(),
                 note => format!("{} ({note})", p.meaning),
             };
+            // A file's name may break after an underscore, or it would push the units off the page.
+            let meaning = meaning.replace('_', "_\u{200b}");
             let mut cells = vec![shown, p.symbol.clone(), meaning, value, error, p.unit.clone()];
             if intervals {
                 let end = |x: f64| with_std_error(x, p.std_error).0;
