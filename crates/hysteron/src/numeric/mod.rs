@@ -10,6 +10,7 @@ pub mod fft;
 mod inner_product;
 mod relaxation;
 mod series;
+mod triangular;
 
 pub use dispatch::{
     InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
@@ -19,6 +20,7 @@ pub use inner_product::dot;
 pub use relaxation::Relaxations;
 pub use rustfft::num_complex::Complex;
 pub use series::SeriesPanel;
+pub use triangular::triangular;
 
 /// Complex number in double precision.
 pub type Complex64 = Complex<f64>;

@@ -9,9 +9,8 @@
 
 use super::jacobian::UnitResiduals;
 use super::ledger::Ledger;
-use super::triangular::triangular;
 use super::{LeastSquaresOptions, LocalStatus, Settings, bounded_linear};
-use crate::numeric::dot;
+use crate::numeric::{dot, triangular};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -168,11 +167,16 @@ struct Linearised {
 impl Linearised {
     fn at(point: &[f64], residuals: &UnitResiduals<'_>) -> Self {
         let (columns, current) = (residuals.columns(), residuals.current());
-        let (r, target) = triangular(columns, current, point.len());
+        let (count, n) = (current.len(), point.len());
+        let column = |j: usize| &columns[j * count..(j + 1) * count];
+        let all: Vec<&[f64]> = (0..n).map(column).chain([current]).collect();
+        let whole = triangular(&all);
+        let r = whole.view((0, 0), (n, n)).into_owned();
+        // Qᵀ r stands beside R.
+        let target = -whole.view((0, n), (n, 1)).column(0);
         let column_norms = r.column_iter().map(|column| column.norm()).collect();
-        let column = |j: usize| &columns[j * current.len()..(j + 1) * current.len()];
-        let gradient = DVector::from_fn(point.len(), |j, _| dot(column(j), current));
-        Self { r, target: -target, gradient, column_norms, half_square: 0.5 * dot(current, current) }
+        let gradient = DVector::from_fn(n, |j, _| dot(column(j), current));
+        Self { r, target, gradient, column_norms, half_square: 0.5 * dot(current, current) }
     }
 
     /// Largest |cosine| between r and a column of J along which the box lets the cost fall.

@@ -70,7 +70,6 @@ mod pso;
 mod settings;
 mod starts;
 mod stream;
-mod triangular;
 
 pub use abc::AbcOptions;
 pub use algorithm::Algorithm;
