@@ -104,18 +104,7 @@ impl Rig {
             return Err(failure().because(format!("its unit is {}, the bench is driven in V", drive.unit)));
         }
         let name = path.file_stem().map_or("drive".into(), |s| s.to_string_lossy().into_owned());
-        Ok(Excitation {
-            name,
-            description: format!("drive of {}", path.display()),
-            samples_v: drive.u,
-            sample_rate_hz,
-            lead_in_samples: 0,
-            lead_out_samples: 0,
-            period_samples: None,
-            excited_hz: Vec::new(),
-            odd_detection_hz: Vec::new(),
-            even_detection_hz: Vec::new(),
-        })
+        Ok(Excitation::of_samples(name, format!("drive of {}", path.display()), drive.u, sample_rate_hz))
     }
 
     fn write(&self, run: &RigRun) -> Result<(), Failure> {

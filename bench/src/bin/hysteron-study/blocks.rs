@@ -85,18 +85,7 @@ fn true_dynamics() -> Outcome<Truth> {
 }
 
 fn through_true_dynamics(v: Vec<f64>, rate_hz: f64) -> Outcome<Vec<f64>> {
-    let drive = Excitation {
-        name: "v".into(),
-        description: "output of a hysteresis block".into(),
-        samples_v: v,
-        sample_rate_hz: rate_hz,
-        lead_in_samples: 0,
-        lead_out_samples: 0,
-        period_samples: None,
-        excited_hz: Vec::new(),
-        odd_detection_hz: Vec::new(),
-        even_detection_hz: Vec::new(),
-    };
+    let drive = Excitation::of_samples("v".into(), "output of a hysteresis block".into(), v, rate_hz);
     Ok(measure(&true_dynamics()?, &drive, 0, 0)?.y_true_um)
 }
 

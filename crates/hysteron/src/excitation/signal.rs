@@ -28,6 +28,22 @@ pub struct Excitation {
 }
 
 impl Excitation {
+    /// A drive of which nothing is known but its samples \[V\] at `sample_rate_hz`.
+    pub fn of_samples(name: String, description: String, samples_v: Vec<f64>, sample_rate_hz: f64) -> Self {
+        Self {
+            name,
+            description,
+            samples_v,
+            sample_rate_hz,
+            lead_in_samples: 0,
+            lead_out_samples: 0,
+            period_samples: None,
+            excited_hz: Vec::new(),
+            odd_detection_hz: Vec::new(),
+            even_detection_hz: Vec::new(),
+        }
+    }
+
     /// Duration `samples / sample rate` \[s\].
     pub fn duration_s(&self) -> f64 {
         self.samples_v.len() as f64 / self.sample_rate_hz
