@@ -51,7 +51,7 @@
 //!    what is in it.
 //! 3. The model has two blocks. [`hysteresis`] is rate independent (Eq. 1), stepped exactly by `hysteron-rt`. [`dynamics`] is
 //!    a transfer function with real orders (Eqs. 2–6), on [`fractional`] calculus and the kernels of [`numeric`].
-//!    [`hammerstein`] joins them: [`hammerstein::Model::simulate`].
+//!    [`hammerstein`] joins them: [`hammerstein::Model::simulate`]. [`oscillator`] has its hysteresis in feedback instead.
 //! 4. [`optimize`] searches: bounded least squares, the article's DE-ABC (Eqs. 8–12), ABC, DE, PSO, all seeded and identical
 //!    for any number of threads.
 //! 5. [`identify`] is the article's two-step procedure: [`identify::identify`] hands out model, standard errors, scores
@@ -75,5 +75,6 @@ pub mod identify;
 pub mod model_file;
 pub mod numeric;
 pub mod optimize;
+pub mod oscillator;
 pub mod record;
 pub mod validate;

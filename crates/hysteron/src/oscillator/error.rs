@@ -1,0 +1,90 @@
+//! What can be wrong with an oscillator or its simulation.
+
+use crate::hysteresis::HysteresisError;
+
+/// An oscillator that cannot be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OscillatorError {
+    /// A parameter is out of range.
+    #[error("oscillator parameter {name} is {value}: expected {expected}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// A state to start from is infinite or not a number.
+    #[error("the state to start from (y = {y}, velocity {velocity}, z = {z}) is not finite")]
+    State {
+        /// Displacement.
+        y: f64,
+        /// Velocity.
+        velocity: f64,
+        /// Hysteretic force.
+        z: f64,
+    },
+    /// Too few samples of the force.
+    #[error("the force has {samples} samples: at least 2 are needed")]
+    TooShort {
+        /// Samples there are.
+        samples: usize,
+    },
+    /// A sample of the force is infinite or not a number.
+    #[error("sample {index} of the force is {value}: it must be finite")]
+    Force {
+        /// Number of the sample, from 0.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A sample rate that is none.
+    #[error("the sample rate is {value} Hz: it must be finite and above 0")]
+    SampleRate {
+        /// The rate given.
+        value: f64,
+    },
+    /// No steps between samples.
+    #[error("0 steps a sample: at least 1 is needed")]
+    Steps,
+    /// The output does not have the length of the drive.
+    #[error("the output has {found} samples but the force has {expected}")]
+    Lengths {
+        /// Samples of the force.
+        expected: usize,
+        /// Samples of the output.
+        found: usize,
+    },
+    /// A steady state was asked for under a force that ends.
+    #[error("a periodic start needs a force that repeats, but this one was made with open ends")]
+    NotPeriodic,
+    /// The motion leaves the range of numbers.
+    #[error(
+        "the motion runs away before sample {index}: the parameters let z grow without limit (for α > 0 keep β + γ > 0 \
+         and β − γ ≥ 0) or the motion is not damped"
+    )]
+    RunsAway {
+        /// Number of the sample, from 0.
+        index: usize,
+    },
+    /// No periodic steady state was found.
+    #[error(
+        "no steady state after {periods} periods: the state still changes by {change:e} of its size in a period"
+    )]
+    NotSettled {
+        /// Periods simulated.
+        periods: usize,
+        /// Change over the last one, as a share of the largest value.
+        change: f64,
+    },
+    /// The steady state does not determine its own derivatives.
+    #[error(
+        "the steady state has no derivatives: what a period leaves of a difference of states does not decay"
+    )]
+    NotContracting,
+    /// The force could not be interpolated.
+    #[error("the force between its samples: {0}")]
+    Interpolation(#[from] HysteresisError),
+}

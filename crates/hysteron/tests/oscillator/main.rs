@@ -1,0 +1,9 @@
+//! Promises about hysteresis in feedback: simulation, derivatives, the public benchmark, identification.
+#![allow(clippy::unwrap_used)] // A failure is a failed test.
+#![allow(clippy::print_stdout)] // What is skipped is said.
+
+mod benchmark;
+mod derivatives;
+mod laws;
+mod oracles;
+mod simulation;
