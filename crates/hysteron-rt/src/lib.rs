@@ -37,3 +37,4 @@ pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepErr
 pub use dual::Dual;
 pub use play::{Piece, PlayBank, PlayBankError, PlayError, play};
 pub use real::{Real, Scalar};
+pub use series::log_distance;

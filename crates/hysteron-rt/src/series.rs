@@ -92,9 +92,9 @@ fn pair<S: Scalar>(x: S, i: usize) -> S {
     }
 }
 
-/// ln(1 + κ r)/κ; r where κ = 0.
+/// ln(1 + κ r)/κ, accurate through κ = 0, where it is r.
 #[inline]
-pub(crate) fn log_distance<S: Scalar>(kappa: S, r: S) -> S {
+pub fn log_distance<S: Scalar>(kappa: S, r: S) -> S {
     let y = kappa * r;
     if y.value().abs() <= S::Real::of(1e-3) {
         // ln(1 + y)/y = 1 − y/2 + y²/3 − … , truncation y⁶/7.

@@ -185,6 +185,40 @@ pub enum HysteresisError {
     /// Up-sampling by 0.
     #[error("the up-sampling factor is 0: it must be at least 1")]
     Factor,
+    /// Not one number a shape parameter.
+    #[error("the shape has {found} parameters but this family has {expected}")]
+    ShapeCount {
+        /// Parameters of the family.
+        expected: usize,
+        /// Numbers handed in.
+        found: usize,
+    },
+    /// A shape parameter or a number of the structure out of its range.
+    #[error("{name} is {value}: it must be {must}")]
+    ShapeParameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// Not one weight a column.
+    #[error("there are {columns} columns but {weights} weights: give one weight a column")]
+    WeightCount {
+        /// Columns of the family.
+        columns: usize,
+        /// Number of weights.
+        weights: usize,
+    },
+    /// The weight of a column is infinite or not a number.
+    #[error("the weight of column {index} (from 0) is {value}: it must be finite")]
+    ColumnWeight {
+        /// Number of the column, from 0.
+        index: usize,
+        /// Its weight.
+        value: f64,
+    },
     /// The Fourier transform of the drive failed.
     #[error("band-limited interpolation of {samples} samples failed: {message}")]
     Fourier {
@@ -193,6 +227,18 @@ pub enum HysteresisError {
         /// What the transform said.
         message: String,
     },
+}
+
+impl HysteresisError {
+    /// The same error, met at drive sample `index`.
+    pub(super) fn at_sample(self, index: usize) -> Self {
+        match self {
+            Self::Drive { .. } => Self::Drive { index },
+            Self::Overflow { .. } => Self::Overflow { index },
+            Self::RunsAway { cause, .. } => Self::RunsAway { index, cause },
+            other => other,
+        }
+    }
 }
 
 impl From<ParameterError<f64>> for HysteresisError {

@@ -2,6 +2,8 @@
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
 //! * [`PrandtlIshlinskii`] (plays) with its inverses, a model of its own beside the enum, and [`PlayStart`].
+//! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
+//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`].
 //! * [`Sensitivities`]: ζ with its derivatives, in one pass.
 //! * [`Start`]: where an operator stands before the first sample.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
@@ -9,9 +11,14 @@
 
 mod admissibility;
 pub mod bouc_wen;
+mod columns;
+mod dahl;
+mod duhem;
 mod error;
 mod inter_sample;
+mod maxwell_slip;
 mod pass;
+mod plays;
 mod polynomial;
 mod prandtl_ishlinskii;
 mod sensitivities;
@@ -19,9 +26,14 @@ mod sensitivities;
 pub use crate::record::InterSample;
 pub use admissibility::Admissibility;
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
+pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities, ColumnStart, MOST_SHAPE_PARAMETERS};
+pub use dahl::Dahl;
+pub use duhem::Duhem;
 pub use error::HysteresisError;
 pub use inter_sample::RecordEnds;
 pub(crate) use inter_sample::polygon_of_means;
+pub use maxwell_slip::MaxwellSlip;
+pub use plays::{OneSidedPlays, Plays};
 pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};
 pub use sensitivities::Sensitivities;
 

@@ -1,0 +1,192 @@
+//! Families of hysteresis that are linear in weights: v = Σ cᵢ uⁱ + Σⱼ wⱼ Hⱼ\[u; θ\].
+//!
+//! A [`ColumnKernel`] is the operators Hⱼ of one family, its *columns*: how they move with the voltage, in numbers that
+//! carry derivatives along where these are asked for. A fit needs no more of a family than this: the columns enter
+//! linearly, the few numbers θ (its *shape*) do not. [`ColumnModel`] is a family with its weights.
+
+mod model;
+mod pass;
+
+pub use model::ColumnModel;
+pub use pass::ColumnSensitivities;
+
+use hysteron_rt::Scalar;
+
+use super::HysteresisError;
+
+/// Most shape parameters of a family.
+pub const MOST_SHAPE_PARAMETERS: usize = 6;
+
+/// Where the columns stand before the first sample of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ColumnStart {
+    /// Virgin (without memory) at the voltage `u` \[V\], from which the first sample is reached by a monotone move.
+    ///
+    /// With the voltage at rest before the record this is a start from rest; with any other it is the one-parameter family of
+    /// memories that a fit can search, and the columns are differentiated with respect to it.
+    Virgin {
+        /// Voltage \[V\], in general not the first sample.
+        u: f64,
+    },
+    /// Steady state of the record repeated for ever; the record must be a whole number of periods.
+    ///
+    /// Operators that wipe out (plays, relays) are in it after one period; what the record never moves stands where a
+    /// virgin device at the middle of the drive's range leaves it. Operators that forget (relaxation) are led there by the
+    /// secant method.
+    Periodic,
+}
+
+/// The operators of one family: fixed structure in the type, shape θ beside it.
+///
+/// A move is monotone from the present voltage to the next and exact whatever its length, so that the sample rate does
+/// not matter as long as every turning point of u is a sample. Numbers are `f64`, or duals that carry the derivatives of
+/// everything with respect to θ and the start.
+///
+/// `virgin`, `advance` and `read` are the arithmetic of one sample and take a checked shape; the methods over records
+/// check it.
+pub trait ColumnKernel {
+    /// Present voltage and memory.
+    type State<S: Scalar<Real = f64>>: Clone;
+
+    /// Names of the shape parameters θ, at most [`MOST_SHAPE_PARAMETERS`].
+    fn shape_names(&self) -> &'static [&'static str];
+
+    /// Checks the structure and the values of a shape that has one number a name.
+    ///
+    /// # Errors
+    /// The first [`HysteresisError`] found.
+    fn check(&self, shape: &[f64]) -> Result<(), HysteresisError>;
+
+    /// Number of columns K.
+    fn columns(&self) -> usize;
+
+    /// The virgin state at the voltage `u` \[V\].
+    fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> Self::State<S>;
+
+    /// Moves monotonically to the voltage `u` \[V\].
+    ///
+    /// # Errors
+    /// [`HysteresisError`] with sample 0 where the move has no result; the state is then void.
+    fn advance<S: Scalar<Real = f64>>(
+        &self,
+        shape: &[S],
+        state: &mut Self::State<S>,
+        u: f64,
+    ) -> Result<(), HysteresisError>;
+
+    /// The K columns at the present voltage into `out`.
+    fn read<S: Scalar<Real = f64>>(&self, shape: &[S], state: &Self::State<S>, out: &mut [S]);
+
+    /// The part of the memory that forgets by relaxation: numbers that do not act on each other, each drawn to its
+    /// steady state by an increasing map. Empty where memory is wiped out instead.
+    fn relaxing<S: Scalar<Real = f64>>(state: &mut Self::State<S>) -> &mut [S] {
+        let _ = state;
+        &mut []
+    }
+
+    /// [`Self::advance`] and [`Self::read`].
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    fn step<S: Scalar<Real = f64>>(
+        &self,
+        shape: &[S],
+        state: &mut Self::State<S>,
+        u: f64,
+        out: &mut [S],
+    ) -> Result<(), HysteresisError> {
+        self.advance(shape, state, u)?;
+        self.read(shape, state, out);
+        Ok(())
+    }
+
+    /// The columns for the voltages `u` \[V\] given on a time base finer by `factor`, one after the other into `out`: value
+    /// k of column j is `out[j * n + k]` and belongs to `u[k * factor]`, n = ⌈len u / factor⌉. Returns the state at the
+    /// last sample of u. Allocates a state and a row of K numbers, nothing a sample.
+    ///
+    /// # Errors
+    /// [`HysteresisError::ShapeCount`] and as [`Self::check`]; [`HysteresisError::Factor`]; [`HysteresisError::Lengths`];
+    /// [`HysteresisError::Drive`] where u is not finite; [`HysteresisError::NotSettled`] for a periodic start;
+    /// [`HysteresisError::Overflow`] where a column is not finite; and as [`Self::advance`], with the sample.
+    fn simulate_every(
+        &self,
+        shape: &[f64],
+        factor: usize,
+        u: &[f64],
+        start: ColumnStart,
+        out: &mut [f64],
+    ) -> Result<Self::State<f64>, HysteresisError>
+    where
+        Self: Sized,
+    {
+        pass::simulate(self, shape, factor, u, start, out)
+    }
+
+    /// As [`Self::simulate_every`] from a known `state`, which ends at the last sample of u.
+    ///
+    /// # Errors
+    /// As [`Self::simulate_every`]; `state` is then void.
+    fn continue_every(
+        &self,
+        shape: &[f64],
+        state: &mut Self::State<f64>,
+        factor: usize,
+        u: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError>
+    where
+        Self: Sized,
+    {
+        pass::continue_from(self, shape, state, factor, u, out)
+    }
+
+    /// As [`Self::simulate_every`], with the derivatives of every column with respect to θ and the start. Those of a
+    /// periodic start are total: the steady state moves with θ.
+    ///
+    /// # Errors
+    /// As [`Self::simulate_every`]; [`HysteresisError::NotContracting`] where a steady state does not determine its
+    /// derivatives.
+    fn simulate_with_sensitivities(
+        &self,
+        shape: &[f64],
+        factor: usize,
+        u: &[f64],
+        start: ColumnStart,
+        out: &mut ColumnSensitivities,
+    ) -> Result<(), HysteresisError>
+    where
+        Self: Sized,
+    {
+        match shape.len() {
+            0 => pass::differentiate::<1, _>(self, shape, factor, u, start, out),
+            1 => pass::differentiate::<2, _>(self, shape, factor, u, start, out),
+            2 => pass::differentiate::<3, _>(self, shape, factor, u, start, out),
+            3 => pass::differentiate::<4, _>(self, shape, factor, u, start, out),
+            4 => pass::differentiate::<5, _>(self, shape, factor, u, start, out),
+            5 => pass::differentiate::<6, _>(self, shape, factor, u, start, out),
+            _ => pass::differentiate::<{ MOST_SHAPE_PARAMETERS + 1 }, _>(self, shape, factor, u, start, out),
+        }
+    }
+}
+
+/// Shape parameter number `index`.
+#[inline(always)]
+pub(super) fn parameter<S: Scalar<Real = f64>>(shape: &[S], index: usize) -> S {
+    shape.get(index).copied().unwrap_or(S::constant(f64::NAN))
+}
+
+/// The play between `low` and `high`: `state`, pushed as far as they push it. With low > high it stands at `low`.
+#[inline(always)]
+pub(super) fn between<S: Scalar<Real = f64>>(low: S, state: S, high: S) -> S {
+    let held = if state.value() > high.value() { high } else { state };
+    if held.value() < low.value() { low } else { held }
+}
+
+/// Finite and above 0.
+pub(super) fn positive(name: &'static str, value: f64) -> Result<(), HysteresisError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(HysteresisError::ShapeParameter { name, value, must: "positive and finite" })
+    }
+}

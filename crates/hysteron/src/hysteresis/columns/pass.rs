@@ -1,0 +1,298 @@
+//! Columns over a record: plain, in the steady state, and with derivatives.
+
+use hysteron_rt::{Dual, Scalar};
+
+use super::super::HysteresisError;
+use super::super::pass::Every;
+use super::{ColumnKernel, ColumnStart};
+
+/// Columns and their derivatives at every `factor`-th sample of a drive, each K columns one after the other. The
+/// buffers are kept between calls.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ColumnSensitivities {
+    /// The columns.
+    pub columns: Vec<f64>,
+    /// Their derivatives with respect to each shape parameter.
+    pub d_shape: Vec<Vec<f64>>,
+    /// Their derivatives with respect to the voltage of [`ColumnStart::Virgin`]; 0 for a steady state, which has no free
+    /// start.
+    pub d_start: Vec<f64>,
+}
+
+/// Periods simulated at most to find a steady state.
+const PERIODS: usize = 200;
+
+/// Shape and lengths; the number of samples out.
+fn check<K: ColumnKernel>(
+    kernel: &K,
+    shape: &[f64],
+    factor: usize,
+    u: &[f64],
+) -> Result<usize, HysteresisError> {
+    let expected = kernel.shape_names().len();
+    if shape.len() != expected {
+        return Err(HysteresisError::ShapeCount { expected, found: shape.len() });
+    }
+    kernel.check(shape)?;
+    if factor == 0 {
+        return Err(HysteresisError::Factor);
+    }
+    match u.iter().position(|u| !u.is_finite()) {
+        Some(index) => Err(HysteresisError::Drive { index }),
+        None => Ok(u.len().div_ceil(factor)),
+    }
+}
+
+fn check_length(expected: usize, found: usize) -> Result<(), HysteresisError> {
+    if found == expected { Ok(()) } else { Err(HysteresisError::Lengths { expected, found }) }
+}
+
+/// The voltage of the virgin state that a run begins with.
+fn virgin_voltage(u: &[f64], start: ColumnStart) -> Result<f64, HysteresisError> {
+    match start {
+        ColumnStart::Virgin { u } if u.is_finite() => Ok(u),
+        ColumnStart::Virgin { .. } => Err(HysteresisError::Drive { index: 0 }),
+        ColumnStart::Periodic if u.is_empty() => Ok(0.0),
+        ColumnStart::Periodic => {
+            let [low, high] =
+                u.iter().fold([f64::MAX, f64::MIN], |[low, high], &u| [low.min(u), high.max(u)]);
+            Ok(0.5 * low + 0.5 * high)
+        }
+    }
+}
+
+pub(super) fn simulate<K: ColumnKernel>(
+    kernel: &K,
+    shape: &[f64],
+    factor: usize,
+    u: &[f64],
+    start: ColumnStart,
+    out: &mut [f64],
+) -> Result<K::State<f64>, HysteresisError> {
+    let samples = check(kernel, shape, factor, u)?;
+    check_length(samples * kernel.columns(), out.len())?;
+    let mut state = kernel.virgin(shape, virgin_voltage(u, start)?);
+    if start == ColumnStart::Periodic {
+        settle(kernel, shape, u, &mut state)?;
+    }
+    write(kernel, shape, &mut state, Every::new(factor)?, u, samples, out)?;
+    Ok(state)
+}
+
+pub(super) fn continue_from<K: ColumnKernel>(
+    kernel: &K,
+    shape: &[f64],
+    state: &mut K::State<f64>,
+    factor: usize,
+    u: &[f64],
+    out: &mut [f64],
+) -> Result<(), HysteresisError> {
+    let samples = check(kernel, shape, factor, u)?;
+    check_length(samples * kernel.columns(), out.len())?;
+    write(kernel, shape, state, Every::new(factor)?, u, samples, out)
+}
+
+fn write<K: ColumnKernel>(
+    kernel: &K,
+    shape: &[f64],
+    state: &mut K::State<f64>,
+    mut every: Every,
+    u: &[f64],
+    samples: usize,
+    out: &mut [f64],
+) -> Result<(), HysteresisError> {
+    let mut row = vec![0.0; kernel.columns()];
+    let mut at = 0;
+    for (index, &u) in u.iter().enumerate() {
+        kernel.advance(shape, state, u).map_err(|error| error.at_sample(index))?;
+        if every.take() {
+            kernel.read(shape, state, &mut row);
+            for (slot, value) in out.iter_mut().skip(at).step_by(samples).zip(&row) {
+                *slot = *value;
+            }
+            if !row.iter().all(|value| value.is_finite()) {
+                return Err(HysteresisError::Overflow { index });
+            }
+            at += 1;
+        }
+    }
+    Ok(())
+}
+
+/// One period without output.
+fn run<K: ColumnKernel, S: Scalar<Real = f64>>(
+    kernel: &K,
+    shape: &[S],
+    state: &mut K::State<S>,
+    u: &[f64],
+    mut seen: impl FnMut(&[S]),
+) -> Result<(), HysteresisError> {
+    for (index, &u) in u.iter().enumerate() {
+        kernel.advance(shape, state, u).map_err(|error| error.at_sample(index))?;
+        seen(K::relaxing(state));
+    }
+    Ok(())
+}
+
+/// One relaxing number on the way to its steady state.
+#[derive(Clone, Copy, Debug)]
+struct Search {
+    at: f64,
+    /// (number, its change over a period) one period before.
+    before: Option<(f64, f64)>,
+    /// Largest size of the number within the period.
+    size: f64,
+}
+
+/// Leads `state` to the steady state at the last sample of u. Wiping-out memory is there after one period; each relaxing
+/// number follows by the secant method on its change over a period.
+fn settle<K: ColumnKernel>(
+    kernel: &K,
+    shape: &[f64],
+    u: &[f64],
+    state: &mut K::State<f64>,
+) -> Result<(), HysteresisError> {
+    run(kernel, shape, state, u, |_| {})?;
+    let mut searches: Vec<Search> =
+        K::relaxing(state).iter().map(|&at| Search { at, before: None, size: 0.0 }).collect();
+    if searches.is_empty() || u.is_empty() {
+        return Ok(());
+    }
+    let mut worst = f64::INFINITY;
+    for _ in 0..PERIODS {
+        for (number, search) in K::relaxing(state).iter_mut().zip(&mut searches) {
+            *number = search.at;
+            search.size = search.at.abs();
+        }
+        run(kernel, shape, state, u, |numbers| {
+            for (search, number) in searches.iter_mut().zip(numbers) {
+                search.size = search.size.max(number.abs());
+            }
+        })?;
+        worst = 0.0;
+        let mut settled = true;
+        for (&number, search) in K::relaxing(state).iter().zip(&mut searches) {
+            let change = number - search.at;
+            if change.abs() > 1e-13 * search.size || change.is_nan() {
+                settled = false;
+            }
+            worst = change.abs().max(worst);
+            let secant = match search.before {
+                Some((at, before)) if change.abs() < before.abs() => {
+                    search.at - change * (search.at - at) / (change - before)
+                }
+                _ => number,
+            };
+            search.before = Some((search.at, change));
+            search.at = if secant.is_finite() { secant } else { number };
+        }
+        if settled {
+            return Ok(());
+        }
+    }
+    Err(HysteresisError::NotSettled { periods: PERIODS, change: worst })
+}
+
+/// As [`simulate`] in duals: the partials are θ, then the start.
+pub(super) fn differentiate<const P: usize, K: ColumnKernel>(
+    kernel: &K,
+    shape: &[f64],
+    factor: usize,
+    u: &[f64],
+    start: ColumnStart,
+    out: &mut ColumnSensitivities,
+) -> Result<(), HysteresisError> {
+    let samples = check(kernel, shape, factor, u)?;
+    let columns = kernel.columns();
+    out.resize(shape.len(), samples * columns);
+    let duals: [Dual<f64, P>; P] = std::array::from_fn(|index| match shape.get(index) {
+        Some(&value) => Dual::variable(value, index),
+        None => Dual::constant(0.0),
+    });
+    let duals = duals.get(..shape.len()).unwrap_or(&duals);
+    let voltage = virgin_voltage(u, start)?;
+    let mut state = match start {
+        ColumnStart::Virgin { .. } => kernel.virgin(duals, Dual::variable(voltage, shape.len())),
+        ColumnStart::Periodic => kernel.virgin(duals, Dual::constant(voltage)),
+    };
+    if start == ColumnStart::Periodic {
+        run(kernel, duals, &mut state, u, |_| {})?;
+        if !K::relaxing(&mut state).is_empty() {
+            let mut settled = kernel.virgin(shape, voltage);
+            settle(kernel, shape, u, &mut settled)?;
+            close_period(kernel, duals, &mut state, u, K::relaxing(&mut settled))?;
+        }
+    }
+    let mut every = Every::new(factor)?;
+    let mut row = vec![Dual::constant(0.0); columns];
+    let mut at = 0;
+    for (index, &u) in u.iter().enumerate() {
+        kernel.advance(duals, &mut state, u).map_err(|error| error.at_sample(index))?;
+        for number in K::relaxing(&mut state) {
+            *number = number.without_vanished(0);
+        }
+        if every.take() {
+            kernel.read(duals, &state, &mut row);
+            for (column, value) in row.iter().enumerate() {
+                out.put(column * samples + at, value, shape.len());
+            }
+            if !row.iter().all(|value| value.magnitude().is_finite()) {
+                return Err(HysteresisError::Overflow { index });
+            }
+            at += 1;
+        }
+    }
+    Ok(())
+}
+
+/// Gives the relaxing numbers of `state` their steady values and the derivatives of these: with m the derivative of a
+/// number's value after a period with respect to that before it, ∂/∂θ of the fixed point is ∂/∂θ of the map over 1 − m.
+fn close_period<const P: usize, K: ColumnKernel>(
+    kernel: &K,
+    duals: &[Dual<f64, P>],
+    state: &mut K::State<Dual<f64, P>>,
+    u: &[f64],
+    settled: &[f64],
+) -> Result<(), HysteresisError> {
+    let own = duals.len();
+    for (number, &value) in K::relaxing(state).iter_mut().zip(settled) {
+        *number = Dual::variable(value, own);
+    }
+    run(kernel, duals, state, u, |_| {})?;
+    for (number, &value) in K::relaxing(state).iter_mut().zip(settled) {
+        let slope = number.partials.get(own).copied().unwrap_or(f64::NAN);
+        let left = 1.0 - slope;
+        if left.is_nan() || left <= f64::EPSILON * u.len() as f64 {
+            return Err(HysteresisError::NotContracting { slope });
+        }
+        let mut partials = number.partials.map(|p| p / left);
+        if let Some(start) = partials.get_mut(own) {
+            *start = 0.0;
+        }
+        *number = Dual { value, partials };
+    }
+    Ok(())
+}
+
+impl ColumnSensitivities {
+    /// Gives every buffer its length.
+    fn resize(&mut self, parameters: usize, length: usize) {
+        self.d_shape.resize(parameters, Vec::new());
+        for column in self.d_shape.iter_mut().chain([&mut self.columns, &mut self.d_start]) {
+            column.resize(length, 0.0);
+        }
+    }
+
+    fn put<const P: usize>(&mut self, at: usize, value: &Dual<f64, P>, parameters: usize) {
+        let set = |buffer: &mut Vec<f64>, value: f64| {
+            if let Some(slot) = buffer.get_mut(at) {
+                *slot = value;
+            }
+        };
+        set(&mut self.columns, value.value);
+        for (buffer, partial) in self.d_shape.iter_mut().zip(value.partials) {
+            set(buffer, partial);
+        }
+        set(&mut self.d_start, value.partials.get(parameters).copied().unwrap_or(0.0));
+    }
+}
