@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron::hysteresis::{
-    ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, Duhem, HysteresisError, MaxwellSlip, OneSidedPlays,
-    Plays,
+    BrokenLine, ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, DeadZones, Duhem, GeneralisedPlays,
+    HysteresisError, KrasnoselskiiPokrovskii, MaxwellSlip, ModifiedPrandtlIshlinskii, OneSidedPlays,
+    PlayStart, Plays, PrandtlIshlinskii,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -371,5 +372,126 @@ mod plays_and_stops {
     fn one_sided_plays_are_not_odd() {
         let kernel = OneSidedPlays { thresholds: vec![1.0] };
         assert!(odd(&kernel, &[1.0], &[2.0, -2.0], 0.1).is_err());
+    }
+}
+
+mod generalised_plays {
+    use super::*;
+
+    /// Thresholds wide enough for any envelopes of these shapes: |γ_r − γ_l| < 0.6.
+    fn model() -> impl Strategy<Value = (GeneralisedPlays, Vec<f64>)> {
+        let shape = (0.15..0.2_f64, -0.5..0.5_f64, 0.15..0.2_f64, -0.5..0.5_f64);
+        (vec(0.02..0.2_f64, 1..5), shape).prop_map(|(gaps, (a, b, c, d))| {
+            let mut r = 0.3;
+            let mut next = |gap: f64| {
+                r += gap;
+                r
+            };
+            let thresholds = gaps.into_iter().map(&mut next).collect();
+            (GeneralisedPlays { thresholds }, vec![a, b, c, d])
+        })
+    }
+
+    proptest! {
+        #![proptest_config(config(100))]
+
+        #[test]
+        fn laws(
+            (kernel, shape) in model(), u in drive(), moves in moves(), rest in -3.0..3.0_f64,
+            inner in vec(0.0..1.0_f64, 0..8),
+        ) {
+            only_turning_points_count(&kernel, &shape, &u, 7, 0.0)?;
+            the_periodic_start_closes(&kernel, &shape, &u, 0.0)?;
+            continuous(&kernel, &shape, &moves, 0.2)?;
+            return_point_memory(&kernel, &shape, &u, &inner, 0.0)?;
+            congruent(&kernel, &shape, [&u, &[]], (-3.0, 2.0), 1e-14)?;
+            derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
+            derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Periodic, 1e-8)?;
+            // Envelopes that mirror each other.
+            odd(&kernel, &[shape[0], shape[1], shape[0], -shape[1]], &u, 1e-15)?;
+        }
+    }
+
+    #[test]
+    fn envelopes_that_cross_too_far_are_refused_where_they_do() {
+        let kernel = GeneralisedPlays { thresholds: vec![0.1] };
+        let shape = [1.0, -1.0, 1.0, 1.0];
+        let run = kernel.simulate_every(&shape, 1, &[20.0, 0.0], REST, &mut [0.0; 2]);
+        assert!(matches!(run, Err(HysteresisError::Envelopes { u: 0.0, .. })), "{run:?}");
+    }
+}
+
+mod krasnoselskii_pokrovskii {
+    use super::*;
+
+    const KERNEL: KrasnoselskiiPokrovskii = KrasnoselskiiPokrovskii { range: [-4.0, 4.0], lines: 5 };
+
+    proptest! {
+        #![proptest_config(config(60))]
+
+        #[test]
+        fn laws(
+            rise in 0.3..6.0_f64, u in drive(), moves in moves(), rest in -3.0..3.0_f64,
+            inner in vec(0.0..1.0_f64, 0..8),
+        ) {
+            let shape = [rise];
+            only_turning_points_count(&KERNEL, &shape, &u, 7, 0.0)?;
+            the_periodic_start_closes(&KERNEL, &shape, &u, 0.0)?;
+            continuous(&KERNEL, &shape, &moves, 2.0 / rise)?;
+            return_point_memory(&KERNEL, &shape, &u, &inner, 0.0)?;
+            congruent(&KERNEL, &shape, [&u, &[]], (-3.0, 2.0), 1e-14)?;
+            derivatives_are_differences(&KERNEL, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
+            derivatives_are_differences(&KERNEL, &shape, &u, ColumnStart::Periodic, 1e-8)?;
+            // A grid symmetric about 0: the column of (p₁, p₂) mirrored is that of (−p₂, −p₁).
+            let mirrored: Vec<f64> = u.iter().map(|u| -u).collect();
+            let (a, b) = (rows(&KERNEL, &shape, &u, REST), rows(&KERNEL, &shape, &mirrored, REST));
+            let at = |i: usize, j: usize| i * (i + 1) / 2 + j;
+            for (a, b) in a.iter().zip(&b) {
+                for i in 0..5 {
+                    for j in 0..=i {
+                        prop_assert!((a[at(i, j)] + b[at(4 - j, 4 - i)]).abs() <= 1e-15);
+                    }
+                }
+            }
+        }
+    }
+}
+
+mod dead_zones {
+    use super::*;
+
+    proptest! {
+        #![proptest_config(config(60))]
+
+        #[test]
+        fn laws(u in drive(), moves in moves(), rest in -3.0..3.0_f64) {
+            let kernel = DeadZones { thresholds: vec![-2.0, -0.5, 1.0, 3.0] };
+            only_turning_points_count(&kernel, &[], &u, 7, 0.0)?;
+            the_periodic_start_closes(&kernel, &[], &u, 0.0)?;
+            continuous(&kernel, &[], &moves, 1.0)?;
+            // Without memory.
+            derivatives_are_differences(&kernel, &[], &u, ColumnStart::Virgin { u: rest }, 1e-12)?;
+        }
+
+        #[test]
+        fn the_modified_operator_remembers_turning_points_but_its_minor_loops_are_not_congruent(
+            inner in vec(-3.0..5.0_f64, 0..8),
+        ) {
+            let plays = PrandtlIshlinskii::new(vec![0.3], vec![0.5, 2.0], vec![1.0, 0.6]).unwrap();
+            let line = BrokenLine { linear: 1.0, thresholds: vec![-2.0, 3.0], weights: vec![0.4, -0.5] };
+            let model = ModifiedPrandtlIshlinskii::new(plays, line).unwrap();
+            let run = |u: &[f64]| {
+                let mut v = vec![0.0; u.len()];
+                model.simulate_every(1, u, PlayStart::Rest { u: 0.0 }, &mut [0.0; 2], &mut v).unwrap();
+                v
+            };
+            let plain = run(&[7.0, -3.0, -5.0]);
+            let with = run(&[&[7.0, -3.0], &inner[..], &[-3.0, -5.0]].concat());
+            prop_assert_eq!(plain[1], with[with.len() - 2]);
+            prop_assert_eq!(plain[2], with[with.len() - 1]);
+            // −1 … 1 V, after 7 V and after −7 V.
+            let [above, below] = [7.0, -7.0].map(|from| run(&[from, -1.0, 1.0, -1.0]));
+            prop_assert!(((above[2] - above[1]) - (below[2] - below[1])).abs() > 0.1);
+        }
     }
 }

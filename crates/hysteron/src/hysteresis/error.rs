@@ -203,6 +203,19 @@ pub enum HysteresisError {
         /// What it must be.
         must: &'static str,
     },
+    /// Envelopes between which a generalised play has no place.
+    #[error(
+        "at {u} V the right envelope lies {by} above the left one, more than twice the narrowest threshold {narrowest}: \
+         widen the thresholds or bring the envelopes together"
+    )]
+    Envelopes {
+        /// Voltage \[V\].
+        u: f64,
+        /// Right less left envelope.
+        by: f64,
+        /// Narrowest threshold.
+        narrowest: f64,
+    },
     /// Not one weight a column.
     #[error("there are {columns} columns but {weights} weights: give one weight a column")]
     WeightCount {

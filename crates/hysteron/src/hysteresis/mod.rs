@@ -3,7 +3,8 @@
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
 //! * [`PrandtlIshlinskii`] (plays) with its inverses, a model of its own beside the enum, and [`PlayStart`].
 //! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
-//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`].
+//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`],
+//!   [`GeneralisedPlays`], [`DeadZones`], [`KrasnoselskiiPokrovskii`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
 //! * [`Sensitivities`]: ζ with its derivatives, in one pass.
 //! * [`Start`]: where an operator stands before the first sample.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
@@ -13,9 +14,12 @@ mod admissibility;
 pub mod bouc_wen;
 mod columns;
 mod dahl;
+mod dead_zones;
 mod duhem;
 mod error;
+mod generalised_play;
 mod inter_sample;
+mod krasnoselskii_pokrovskii;
 mod maxwell_slip;
 mod pass;
 mod plays;
@@ -28,10 +32,13 @@ pub use admissibility::Admissibility;
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities, ColumnStart, MOST_SHAPE_PARAMETERS};
 pub use dahl::Dahl;
+pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
 pub use duhem::Duhem;
 pub use error::HysteresisError;
+pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
 pub(crate) use inter_sample::polygon_of_means;
+pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
 pub use maxwell_slip::MaxwellSlip;
 pub use plays::{OneSidedPlays, Plays};
 pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};

@@ -1,0 +1,103 @@
+//! Krasnosel'skii–Pokrovskii kernels on a discretised plane: relays with ramps for jumps.
+//!
+//! Sources: M. A. Krasnosel'skii, A. V. Pokrovskii, *Systems with Hysteresis*, Springer 1989,
+//! doi:10.1007/978-3-642-61302-9; H. T. Banks, A. J. Kurdila, G. Webb, "Identification of hysteretic control influence
+//! operators representing smart actuators, part I", *Math. Probl. Eng.* 3 (1997) 287–328,
+//! doi:10.1155/S1024123X97000586.
+
+use hysteron_rt::Scalar;
+
+use super::HysteresisError;
+use super::columns::{ColumnKernel, between, parameter, positive};
+
+/// Columns ξ ← max(ρ(u − p₂), min(ρ(u − p₁), ξ)), ρ(x) = max(−1, min(1, 2x/a)), for every pair p₁ ≤ p₂ of a regular grid.
+///
+/// A column switches from −1 to 1 along a ramp of length a about p₂ where u rises, and back about p₁ where it falls; with
+/// p₁ = p₂ it is that ramp and has no hysteresis. The ramp is centred (the literature lets it begin at p), so that a grid
+/// symmetric about 0 makes an odd family. Shape: `rise` a \[V\]. A virgin column stands at ρ(u − ½ (p₁ + p₂)).
+///
+/// Pairs are in the order (p₁, p₂) = (g₀, g₀), (g₀, g₁), (g₁, g₁), (g₀, g₂), … : column i(i + 1)/2 + j is (gⱼ, gᵢ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KrasnoselskiiPokrovskii {
+    /// Ends of the grid \[V\].
+    pub range: [f64; 2],
+    /// Lines of the grid, 2 to 64; the columns are lines (lines + 1)/2.
+    pub lines: usize,
+}
+
+/// The columns, and the ramps at the present voltage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KrasnoselskiiPokrovskiiState<S> {
+    ramps: Vec<S>,
+    columns: Vec<S>,
+}
+
+impl KrasnoselskiiPokrovskii {
+    /// Line number `index` of the grid \[V\].
+    pub fn line(&self, index: usize) -> f64 {
+        let [low, high] = self.range;
+        low + (high - low) * (index as f64 / (self.lines.max(2) - 1) as f64)
+    }
+}
+
+/// max(−1, min(1, 2x/a)).
+fn ramp<S: Scalar<Real = f64>>(x: S, rise: S) -> S {
+    between(S::constant(-1.0), x.scale(2.0) / rise, S::constant(1.0))
+}
+
+impl ColumnKernel for KrasnoselskiiPokrovskii {
+    type State<S: Scalar<Real = f64>> = KrasnoselskiiPokrovskiiState<S>;
+
+    fn shape_names(&self) -> &'static [&'static str] {
+        &["rise"]
+    }
+
+    fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
+        let [low, high] = self.range;
+        if !(low < high && (high - low).is_finite()) {
+            return Err(HysteresisError::Range { low, high });
+        }
+        if !(2..=64).contains(&self.lines) {
+            let (name, must) = ("number of grid lines", "2 to 64");
+            return Err(HysteresisError::ShapeParameter { name, value: self.lines as f64, must });
+        }
+        positive("rise of the ramps", parameter(shape, 0))
+    }
+
+    fn columns(&self) -> usize {
+        self.lines * (self.lines + 1) / 2
+    }
+
+    fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> KrasnoselskiiPokrovskiiState<S> {
+        let rise = parameter(shape, 0);
+        let pairs = (0..self.lines).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let middle = |(i, j)| 0.5 * self.line(i) + 0.5 * self.line(j);
+        KrasnoselskiiPokrovskiiState {
+            ramps: vec![S::constant(0.0); self.lines],
+            columns: pairs.map(|pair| ramp(u.shift(-middle(pair)), rise)).collect(),
+        }
+    }
+
+    fn advance<S: Scalar<Real = f64>>(
+        &self,
+        shape: &[S],
+        state: &mut KrasnoselskiiPokrovskiiState<S>,
+        u: f64,
+    ) -> Result<(), HysteresisError> {
+        let rise = parameter(shape, 0);
+        for (index, slot) in state.ramps.iter_mut().enumerate() {
+            *slot = ramp(S::constant(u - self.line(index)), rise);
+        }
+        let mut columns = state.columns.iter_mut();
+        for (i, &low) in state.ramps.iter().enumerate() {
+            for (&high, column) in state.ramps.iter().take(i + 1).zip(&mut columns) {
+                *column = between(low, *column, high);
+            }
+        }
+        Ok(())
+    }
+
+    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &KrasnoselskiiPokrovskiiState<S>, out: &mut [S]) {
+        out.iter_mut().zip(&state.columns).for_each(|(out, column)| *out = *column);
+    }
+}
