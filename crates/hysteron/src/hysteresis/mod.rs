@@ -4,7 +4,8 @@
 //! * [`PrandtlIshlinskii`] (plays) with its inverses, a model of its own beside the enum, and [`PlayStart`].
 //! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
 //!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`],
-//!   [`GeneralisedPlays`], [`DeadZones`], [`KrasnoselskiiPokrovskii`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
+//!   [`GeneralisedPlays`], [`DeadZones`], [`KrasnoselskiiPokrovskii`], [`Preisach`],
+//!   [`PreisachDensity`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
 //! * [`Sensitivities`]: ζ with its derivatives, in one pass.
 //! * [`Start`]: where an operator stands before the first sample.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
@@ -25,6 +26,7 @@ mod pass;
 mod plays;
 mod polynomial;
 mod prandtl_ishlinskii;
+mod preisach;
 mod sensitivities;
 
 pub use crate::record::InterSample;
@@ -42,6 +44,7 @@ pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
 pub use maxwell_slip::MaxwellSlip;
 pub use plays::{OneSidedPlays, Plays};
 pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};
+pub use preisach::{DensityLaw, Preisach, PreisachDensity, ReversalCurve};
 pub use sensitivities::Sensitivities;
 
 /// A rate-independent hysteresis operator.

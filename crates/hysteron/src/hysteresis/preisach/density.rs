@@ -1,0 +1,151 @@
+//! A Preisach plane with a density of a few parameters.
+
+use hysteron_rt::Scalar;
+
+use super::super::columns::{ColumnKernel, parameter, positive};
+use super::{HysteresisError, Preisach, PreisachState};
+
+/// Form of a factor of the density over its standardised variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DensityLaw {
+    /// exp(−x²/2).
+    Gaussian,
+    /// 1/(1 + x²).
+    Lorentzian,
+}
+
+impl DensityLaw {
+    fn at<S: Scalar<Real = f64>>(self, x: S) -> S {
+        match self {
+            Self::Gaussian => (x * x).scale(-0.5).exp(),
+            Self::Lorentzian => S::constant(1.0) / (x * x).shift(1.0),
+        }
+    }
+}
+
+/// One column: a Preisach plane whose density is a product over half-width h = (α − β)/2 and bias m = (α + β)/2,
+///
+/// μ ∝ f((h − h₀)/σ_h) f((m − m₀)/σ_m),
+///
+/// integrated over each cell between `levels` (4 × 4 Gauss points) and normalised so that the column runs from −1 to 1.
+/// Shape: `half_width` h₀ ≥ 0, `half_width_spread` σ_h, `bias` m₀, `bias_spread` σ_m \[V\]; the weight is half the height of
+/// the limiting loop \[µm\].
+#[derive(Clone, Debug, PartialEq)]
+pub struct PreisachDensity {
+    /// The plane; relays beyond its levels are left out.
+    pub plane: Preisach,
+    /// Form of both factors.
+    pub law: DensityLaw,
+}
+
+/// The relays, and the weights of their cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PreisachDensityState<S> {
+    relays: PreisachState<S>,
+    weights: Vec<S>,
+}
+
+/// Gauss–Legendre points on \[0, 1\] with their weights.
+const GAUSS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+
+impl PreisachDensity {
+    /// Weights of the cells, Σ = 1.
+    pub fn weights<S: Scalar<Real = f64>>(&self, shape: &[S]) -> Vec<S> {
+        let [h_0, h_spread, m_0, m_spread] = [0, 1, 2, 3].map(|index| parameter(shape, index));
+        let density = |alpha: f64, beta: f64| {
+            let h = (-h_0).shift(0.5 * (alpha - beta)) / h_spread;
+            let m = (-m_0).shift(0.5 * (alpha + beta)) / m_spread;
+            self.law.at(h) * self.law.at(m)
+        };
+        let intervals = self.plane.intervals();
+        let pairs = (0..intervals).flat_map(|i| (0..=i).map(move |j| (i, j)));
+        let mut weights: Vec<S> = pairs
+            .map(|(i, j)| {
+                let ([a, b], [c, d]) = (self.plane.interval(i), self.plane.interval(j));
+                let mut sum = S::constant(0.0);
+                for (x, w_x) in GAUSS {
+                    for (y, w_y) in GAUSS {
+                        let (alpha, beta, area) = if i == j {
+                            // The triangle below the diagonal, over half-width and bias, where it is its own mirror image.
+                            let h = 0.5 * (b - a) * x;
+                            let m = a + h + (b - a - 2.0 * h) * y;
+                            (m + h, m - h, (b - a) * (b - a - 2.0 * h))
+                        } else {
+                            (a + (b - a) * x, c + (d - c) * y, (b - a) * (d - c))
+                        };
+                        sum = sum + density(alpha, beta).scale(w_x * w_y * area);
+                    }
+                }
+                sum
+            })
+            .collect();
+        let total = weights.iter().fold(S::constant(0.0), |sum, w| sum + *w);
+        weights.iter_mut().for_each(|w| *w = *w / total);
+        weights
+    }
+}
+
+impl ColumnKernel for PreisachDensity {
+    type State<S: Scalar<Real = f64>> = PreisachDensityState<S>;
+
+    fn shape_names(&self) -> &'static [&'static str] {
+        &["half_width", "half_width_spread", "bias", "bias_spread"]
+    }
+
+    fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
+        self.plane.check_levels()?;
+        let [h_0, h_spread, m_0, m_spread] = [0, 1, 2, 3].map(|index| parameter::<f64>(shape, index));
+        positive("spread of the half-width", h_spread)?;
+        positive("spread of the bias", m_spread)?;
+        for (name, value) in [("mean half-width", h_0), ("mean bias", m_0)] {
+            if !value.is_finite() {
+                return Err(HysteresisError::ShapeParameter { name, value, must: "finite" });
+            }
+        }
+        // A density that no level sees has no weights.
+        match self.weights(shape).iter().find(|w| !w.is_finite()) {
+            None => Ok(()),
+            Some(_) => {
+                let (name, must) =
+                    ("mean half-width", "so near the levels that the density does not vanish on them");
+                Err(HysteresisError::ShapeParameter { name, value: h_0, must })
+            }
+        }
+    }
+
+    fn columns(&self) -> usize {
+        1
+    }
+
+    fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> PreisachDensityState<S> {
+        PreisachDensityState { relays: self.plane.virgin_state(u), weights: self.weights(shape) }
+    }
+
+    fn advance<S: Scalar<Real = f64>>(
+        &self,
+        _: &[S],
+        state: &mut PreisachDensityState<S>,
+        u: f64,
+    ) -> Result<(), HysteresisError> {
+        self.plane.move_to(&mut state.relays, u);
+        Ok(())
+    }
+
+    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &PreisachDensityState<S>, out: &mut [S]) {
+        let mut sum = S::constant(0.0);
+        let mut weights = state.weights.iter();
+        self.plane.read_cells(&state.relays, |_, cell| {
+            if let Some(&weight) = weights.next() {
+                sum = sum + weight * cell;
+            }
+        });
+        if let Some(slot) = out.first_mut() {
+            *slot = sum;
+        }
+    }
+}

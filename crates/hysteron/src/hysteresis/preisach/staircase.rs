@@ -1,0 +1,93 @@
+//! The memory of a Preisach plane: the turning points that still count.
+
+use hysteron_rt::Scalar;
+
+/// The staircase between relays that are up and relays that are down, as the voltages at which it turns; beyond the
+/// largest of them it is the antidiagonal α + β = 2 · rest of a virgin device.
+///
+/// A move is handed on in pieces. On each, going up from `from` to `to`, the relays with α between these and β from an edge
+/// up to α are switched; a loop that closes ends its piece, and the two turns that made it are forgotten. So the cost of a
+/// move is in proportion to what it changes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Staircase<S> {
+    rest: S,
+    u: S,
+    rising: Option<bool>,
+    /// Turning points, the widest loop first; after the last one the voltage has moved towards `u`.
+    turns: Vec<S>,
+}
+
+/// Where the switched relays of a piece begin, away from the diagonal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Edge<S> {
+    /// At the turn from which the branch set out.
+    Turn(S),
+    /// At the virgin antidiagonal of this rest voltage.
+    Virgin(S),
+}
+
+/// A monotone part of a move between two events of memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece<S> {
+    pub(super) from: S,
+    pub(super) to: S,
+    pub(super) edge: Edge<S>,
+}
+
+impl<S: Scalar<Real = f64>> Piece<S> {
+    /// The piece in the plane mirrored at the antidiagonal through 0, where a fall is a rise.
+    pub(super) fn mirrored(self) -> Self {
+        let edge = match self.edge {
+            Edge::Turn(turn) => Edge::Turn(-turn),
+            Edge::Virgin(rest) => Edge::Virgin(-rest),
+        };
+        Piece { from: -self.from, to: -self.to, edge }
+    }
+}
+
+impl<S: Scalar<Real = f64>> Staircase<S> {
+    pub(super) fn virgin(rest: S) -> Self {
+        Self { rest, u: rest, rising: None, turns: Vec::new() }
+    }
+
+    /// The present voltage.
+    pub(super) fn voltage(&self) -> S {
+        self.u
+    }
+
+    /// Moves monotonically to `u`; `switch` is handed each piece and whether it rises.
+    pub(super) fn advance(&mut self, u: f64, mut switch: impl FnMut(bool, Piece<S>)) {
+        if u == self.u.value() {
+            // Derivatives of the start end here, as in any other move.
+            self.u = S::constant(u);
+            return;
+        }
+        let rising = u > self.u.value();
+        if self.rising.is_some_and(|before| before != rising) {
+            self.turns.push(self.u);
+        }
+        self.rising = Some(rising);
+        let passes = |limit: S| if rising { u >= limit.value() } else { u <= limit.value() };
+        let target = S::constant(u);
+        loop {
+            let from = self.u;
+            let (edge, limit) = match self.turns.as_slice() {
+                [.., before, turn] => (Edge::Turn(*turn), Some(*before)),
+                [turn] => (Edge::Turn(*turn), Some(self.rest.scale(2.0) - *turn)),
+                [] => (Edge::Virgin(self.rest), None),
+            };
+            match limit {
+                Some(limit) if passes(limit) => {
+                    switch(rising, Piece { from, to: limit, edge });
+                    self.turns.truncate(self.turns.len().saturating_sub(2));
+                    self.u = limit;
+                }
+                _ => {
+                    switch(rising, Piece { from, to: target, edge });
+                    self.u = target;
+                    return;
+                }
+            }
+        }
+    }
+}
