@@ -17,6 +17,7 @@ mod joint;
 mod layout;
 pub mod optimizer_study;
 mod options;
+pub mod oscillator;
 mod prediction;
 mod projection;
 pub mod recalibrate;

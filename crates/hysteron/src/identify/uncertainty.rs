@@ -41,6 +41,15 @@ pub(super) fn covariance<P: LeastSquaresProblem>(problem: &P, x: &[f64]) -> Opti
             jacobian[(i, j)] = (u - d) / (2.0 * step);
         }
     }
+    covariance_of(jacobian, &residual)
+}
+
+/// Covariance of parameters with the Jacobian and the residual given; `None` where the data do not determine every one.
+pub(super) fn covariance_of(mut jacobian: DMatrix<f64>, residual: &[f64]) -> Option<DMatrix<f64>> {
+    let (rows, parameters) = jacobian.shape();
+    if parameters == 0 || rows <= parameters {
+        return None;
+    }
     // Columns scaled to unit length: their units differ by many decades.
     let norms: Vec<f64> = jacobian.column_iter().map(|c| c.norm()).collect();
     if norms.iter().any(|&n| !(n > 0.0 && n.is_finite())) {
@@ -52,7 +61,7 @@ pub(super) fn covariance<P: LeastSquaresProblem>(problem: &P, x: &[f64]) -> Opti
     let r = jacobian.qr().r();
     let inverse = r.try_inverse()?;
     let variance = residual.iter().map(|e| e * e).sum::<f64>() / (rows - parameters) as f64;
-    let factor = variance * correlation_time(&residual);
+    let factor = variance * correlation_time(residual);
     let mut covariance = &inverse * inverse.transpose() * factor;
     for i in 0..parameters {
         for j in 0..parameters {

@@ -6,4 +6,5 @@ mod benchmark;
 mod derivatives;
 mod laws;
 mod oracles;
+mod recovery;
 mod simulation;

@@ -8,23 +8,45 @@ use hysteron_rt::Scalar;
 pub const BENCHMARK: Oscillator =
     Oscillator { mass: 2.0, damping: 10.0, stiffness: 5e4, alpha: 5e4, beta: 800.0, gamma: -1100.0, n: 1.0 };
 
-/// A smooth force of 50 N rms or so that repeats after `samples` samples, and excites what a sample rate of 750 Hz carries well.
+/// Random numbers that are the same everywhere (xorshift).
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// From `low` to `high`, uniform in the logarithm.
+    pub fn logarithmic(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.unit())
+    }
+
+    /// Normal with mean 0 and deviation 1 (Box and Muller).
+    pub fn normal(&mut self) -> f64 {
+        let size = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        size * (std::f64::consts::TAU * self.unit()).cos()
+    }
+}
+
+/// A smooth force of 50 N rms that repeats after `samples` samples, with lines up to a fifth of the sample rate.
 pub fn multisine(samples: usize, seed: u64) -> Vec<f64> {
     let lines = samples / 5;
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    let mut phase = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        std::f64::consts::TAU * (state >> 11) as f64 / (1u64 << 53) as f64
-    };
-    let phases: Vec<f64> = (0..lines).map(|_| phase()).collect();
+    let mut random = Random::new(seed);
+    let phases: Vec<f64> = (0..lines).map(|_| std::f64::consts::TAU * random.unit()).collect();
     let amplitude = 50.0 * (2.0 / lines as f64).sqrt();
     let line = |k: usize, (l, phase): (usize, &f64)| {
         let turns = ((l + 1) * k % samples) as f64 / samples as f64;
-        amplitude * (std::f64::consts::TAU * turns + phase).cos()
+        (std::f64::consts::TAU * turns + phase).cos()
     };
-    (0..samples).map(|k| phases.iter().enumerate().map(|p| line(k, p)).sum()).collect()
+    (0..samples).map(|k| amplitude * phases.iter().enumerate().map(|p| line(k, p)).sum::<f64>()).collect()
 }
 
 pub fn rms(x: impl IntoIterator<Item = f64>) -> f64 {
