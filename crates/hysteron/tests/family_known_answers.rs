@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron::hysteresis::{
-    BoucWen, BrokenLine, ColumnKernel, ColumnModel, ColumnStart, Dahl, DeadZones, DensityLaw, Duhem,
-    GeneralisedPlays, HysteresisError, KrasnoselskiiPokrovskii, MaxwellSlip, ModifiedPrandtlIshlinskii,
-    OneSidedPlays, PlayStart, Plays, PrandtlIshlinskii, Preisach, PreisachDensity, ReversalCurve, Start,
+    BoucWen, BrokenLine, ClassicalBoucWen, ColumnKernel, ColumnModel, ColumnStart, Dahl, DeadZones,
+    DensityLaw, Duhem, GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii,
+    MaxwellSlip, ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, NormalisedBoucWen, OneSidedPlays, PlayStart,
+    Plays, PrandtlIshlinskii, Preisach, PreisachDensity, ReversalCurve, SongDerKiureghian, Start, UnitShape,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -558,5 +559,186 @@ proptest! {
             }
         }
         prop_assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+    }
+}
+
+proptest! {
+    #![proptest_config(config(30))]
+
+    #[test]
+    fn jiles_atherton_solves_its_own_equations(
+        a in 0.5..3.0_f64, k in 0.3..3.0_f64, c in 0.0..1.0_f64, part in 0.0..0.8_f64,
+        turns in vec(-6.0..6.0_f64, 1..6),
+    ) {
+        let alpha = part * 3.0 * a;
+        let m = column(&JilesAtherton, &[a, k, c, alpha], &turns, REST);
+        let l = |x: f64| if x.abs() < 1e-3 { x / 3.0 - x.powi(3) / 45.0 } else { 1.0 / x.tanh() - 1.0 / x };
+        let slope = |x: f64| {
+            if x.abs() < 1e-3 { 1.0 / 3.0 - x * x / 15.0 } else { 1.0 / (x * x) - 1.0 / x.sinh().powi(2) }
+        };
+        // (p, m) over u, from the anhysteretic curve at 0.
+        let (mut from, mut p, mut field) = (0.0, 0.0, 0.0);
+        for (&to, got) in turns.iter().zip(&m) {
+            let s = if to < from { -1.0 } else { 1.0 };
+            let rates = |h: f64, p: f64| {
+                let away = l(h / a) - p;
+                let p_h = if s * away > 0.0 { away / (s * k) } else { 0.0 };
+                let m_h = (1.0 - c) * p_h + c * slope(h / a) / a;
+                (1.0 / (1.0 - alpha * m_h), p_h / (1.0 - alpha * m_h))
+            };
+            let step = (to - from) / 20_000.0;
+            for _ in 0..20_000 {
+                let one = rates(field, p);
+                let two = rates(field + 0.5 * step * one.0, p + 0.5 * step * one.1);
+                let three = rates(field + 0.5 * step * two.0, p + 0.5 * step * two.1);
+                let four = rates(field + step * three.0, p + step * three.1);
+                field += step / 6.0 * (one.0 + 2.0 * two.0 + 2.0 * three.0 + four.0);
+                p += step / 6.0 * (one.1 + 2.0 * two.1 + 2.0 * three.1 + four.1);
+            }
+            from = to;
+            let want = p + c * (l(field / a) - p);
+            // The step across the end of the freezing meets a kink of the rate.
+            prop_assert!((got - want).abs() < 1e-6, "{got} {want}");
+        }
+    }
+
+    #[test]
+    fn jiles_atherton_of_small_fields_is_duhem(k in 0.3..3.0_f64, u in vec(-6.0..6.0_f64, 1..10)) {
+        // L(x) = x/3 (1 − x²/15 …) with x ≤ 6e-4; from rest at 0 and never turning before its anhysteretic value.
+        let tops: Vec<f64> = u.iter().enumerate().map(|(k, u)| if k % 2 == 0 { 6.0 + u } else { -6.0 + u }).collect();
+        let a = 1e4;
+        let m = column(&JilesAtherton, &[a, k, 0.0, 0.0], &tops, REST);
+        let duhem = Duhem::from_coleman_hodgdon(1.0 / k, vec![1.0], &[]).unwrap();
+        let v = simulate(&duhem, &tops, REST);
+        // Before its first turn; from there on the freezing of p sets them apart.
+        prop_assert!((3.0 * a * m[0] - v[0]).abs() < 1e-6, "{} {}", 3.0 * a * m[0], v[0]);
+    }
+
+    #[test]
+    fn six_coefficients_solve_their_own_equation(
+        first in 0.6..1.5_f64, others in prop::array::uniform5(-0.1..0.1_f64), n in 1.0..3.0_f64,
+        turns in vec(-5.0..5.0_f64, 1..6),
+    ) {
+        let [a, b, c, d, e] = others;
+        let zeta = column(&SongDerKiureghian { n }, &[first, a, b, c, d, e], &turns, REST);
+        let (mut from, mut z) = (0.0, 0.0);
+        for (&to, zeta) in turns.iter().zip(&zeta) {
+            let s = f64::signum(to - from);
+            // Split where u passes 0: x is its sign.
+            let legs = if from * to < 0.0 { vec![(from, 0.0), (0.0, to)] } else { vec![(from, to)] };
+            for (from, to) in legs {
+                let x = f64::signum(from + to);
+                z = integrate(from, z, to, |_, z| {
+                    let w = z.signum();
+                    1.0 - z.abs().powf(n) * (first * s * w + a * x * s + b * x * w + c * s + d * w + e * x)
+                });
+            }
+            from = to;
+            // The second derivative jumps where ζ passes 0.
+            prop_assert!((zeta - z).abs() < 1e-5, "{zeta} {z}");
+        }
+    }
+
+    #[test]
+    fn the_delta_term_solves_its_own_equation(
+        beta in 0.2..1.5_f64, part in -0.9..0.9_f64, delta in -0.5..0.5_f64, turns in vec(-5.0..5.0_f64, 1..6),
+    ) {
+        let zeta = column(&NonSymmetricBoucWen, &[beta, part * beta, delta], &turns, REST);
+        let (mut from, mut z) = (0.0, 0.0);
+        for (&to, zeta) in turns.iter().zip(&zeta) {
+            let s = f64::signum(to - from);
+            z = integrate(from, z, to, |u, z| 1.0 - (beta * s + part * beta * z.signum()) * z + delta * s * u);
+            from = to;
+            // The second derivative jumps where ζ passes 0.
+            prop_assert!((zeta - z).abs() < 1e-5, "{zeta} {z}");
+        }
+    }
+
+    #[test]
+    fn asymmetric_operators_without_asymmetry_are_bouc_wen(
+        beta in 0.2..1.5_f64, part in -0.9..0.9_f64, n in prop_oneof![Just(1.0), Just(2.0), 1.0..3.0_f64],
+        u in vec(-6.0..6.0_f64, 1..30), rest in -2.0..2.0_f64,
+    ) {
+        let gamma = part * beta;
+        let run = |beta: f64, gamma: f64, n: f64, u: &[f64], rest: f64| {
+            let mut zeta = vec![0.0; u.len()];
+            UnitShape { beta, gamma, n }.simulate_every(1, u, Start::Rest { u: rest }, &mut zeta).unwrap();
+            zeta
+        };
+        let start = ColumnStart::Virgin { u: rest };
+        let symmetric = column(&NonSymmetricBoucWen, &[beta, gamma, 0.0], &u, start);
+        let song = SongDerKiureghian { n };
+        let first = column(&song, &[beta, 0.0, 0.0, 0.0, 0.0, 0.0], &u, start);
+        let wanted = run(beta, gamma, 1.0, &u, rest).into_iter().zip(run(beta, 0.0, n, &u, rest));
+        for ((symmetric, first), (want, want_first)) in symmetric.iter().zip(&first).zip(wanted) {
+            prop_assert!((symmetric - want).abs() < 1e-12, "{symmetric} {want}");
+            prop_assert!((first - want_first).abs() < 1e-12, "{first} {want_first}");
+        }
+        // Growing loops about 0, on which ζ never has the sign against u and its direction at once.
+        let loops: Vec<f64> = (1..12).map(|k| if k % 2 == 0 { -0.5 } else { 0.5 } * f64::from(k)).collect();
+        let three = column(&song, &[beta + gamma, -gamma, gamma, 0.0, 0.0, 0.0], &loops, REST);
+        for (zeta, want) in three.iter().zip(run(beta, gamma, n, &loops, 0.0)) {
+            prop_assert!((zeta - want).abs() < 1e-12, "{zeta} {want}");
+        }
+    }
+
+    #[test]
+    fn forms_of_bouc_wen_go_there_and_back(
+        alpha in prop_oneof![-4.0..-0.1_f64, 0.1..4.0_f64], sum in 0.1..2.0_f64, sigma in 0.5..1.5_f64, n in 1.0..3.0_f64,
+        a in prop_oneof![-4.0..-0.1_f64, 0.1..4.0_f64], turns in vec(-5.0..5.0_f64, 1..5),
+    ) {
+        let shape = UnitShape { beta: sum * sigma, gamma: sum * (1.0 - sigma), n };
+        let model = BoucWen::from_unit(vec![2.0, 0.1], alpha, shape).unwrap();
+        let close = |x: f64, y: f64| (x - y).abs() <= 1e-13 * (1.0 + x.abs());
+        let normalised = NormalisedBoucWen::of(&model).unwrap();
+        let classical = ClassicalBoucWen::of(&model, a).unwrap();
+        for back in [normalised.bouc_wen().unwrap(), classical.bouc_wen().unwrap()] {
+            prop_assert!(close(back.alpha, model.alpha) && close(back.beta, model.beta));
+            prop_assert!(close(back.gamma, model.gamma) && back.n == n && back.polynomial == model.polynomial);
+        }
+        prop_assert!(close(normalised.sigma, sigma) && normalised.rho > 0.0);
+        // The equations as they are printed, integrated.
+        let mut v = vec![0.0; turns.len()];
+        model.simulate(&turns, Start::Rest { u: 0.0 }, &mut v).unwrap();
+        let (mut from, mut w, mut z) = (0.0, 0.0_f64, 0.0_f64);
+        for (&to, v) in turns.iter().zip(&v) {
+            let s = f64::signum(to - from);
+            let NormalisedBoucWen { rho, sigma, kappa_w, .. } = normalised;
+            w = integrate(from, w, to, |_, w| {
+                rho * (1.0 - sigma * s * w * w.abs().powf(n - 1.0) + (sigma - 1.0) * w.abs().powf(n))
+            });
+            let ClassicalBoucWen { a, beta, gamma, kappa, .. } = classical;
+            z = integrate(from, z, to, |_, z| {
+                a - beta * s * z * z.abs().powf(n - 1.0) - gamma * z.abs().powf(n)
+            });
+            from = to;
+            let line = model.polynomial_at(to);
+            prop_assert!((line + kappa_w * w - v).abs() < 1e-5 && (line + kappa * z - v).abs() < 1e-5);
+        }
+    }
+}
+
+#[test]
+fn bouc_wen_forms_by_hand() {
+    // ρ = 2, σ = ¾, n = 1: β' = 1.5, γ' = 0.5; κ_w = −3: α = 6.
+    let normalised =
+        NormalisedBoucWen { polynomial: vec![1.0], kappa_w: -3.0, rho: 2.0, sigma: 0.75, n: 1.0 };
+    assert_eq!(normalised.bouc_wen().unwrap(), BoucWen::new(vec![1.0], 6.0, 1.5, 0.5, 1.0).unwrap());
+    let classical =
+        ClassicalBoucWen { polynomial: vec![1.0], kappa: 2.0, a: 3.0, beta: 1.0, gamma: 0.5, n: 1.0 };
+    assert_eq!(classical.bouc_wen().unwrap(), BoucWen::new(vec![1.0], -6.0, 1.0, -0.5, 1.0).unwrap());
+    let hardening = BoucWen::new(vec![1.0], 1.0, -1.0, 0.5, 1.0).unwrap();
+    assert!(matches!(NormalisedBoucWen::of(&hardening), Err(HysteresisError::ShapeParameter { .. })));
+    assert!(matches!(ClassicalBoucWen::of(&hardening, 0.0), Err(HysteresisError::ShapeParameter { .. })));
+}
+
+#[test]
+fn jiles_atherton_that_is_all_reversible_is_anhysteretic() {
+    // c = 1: m = L(h/a), h = u + αm, on every branch.
+    let u = [3.0, -1.0, 0.5, -4.0];
+    let m = column(&JilesAtherton, &[1.0, 0.7, 1.0, 1.5], &u, REST);
+    for (u, m) in u.iter().zip(&m) {
+        let x = u + 1.5 * m;
+        assert!((1.0 / x.tanh() - 1.0 / x - m).abs() < 1e-14, "{u} {m}");
     }
 }

@@ -34,6 +34,16 @@ enum Law {
     Power,
 }
 
+fn law_of<T: Real>(n: T) -> Law {
+    if n == T::of(1.0) {
+        Law::Linear
+    } else if n == T::of(2.0) {
+        Law::Quadratic
+    } else {
+        Law::Power
+    }
+}
+
 /// Where the operator stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoucWenState<T> {
@@ -66,14 +76,7 @@ impl<T: Real> BoucWen<T> {
         if n < T::of(1.0) {
             return Err(ParameterError::Exponent { n });
         }
-        let law = if n == T::of(1.0) {
-            Law::Linear
-        } else if n == T::of(2.0) {
-            Law::Quadratic
-        } else {
-            Law::Power
-        };
-        Ok(Self { alpha, beta, gamma, n, law })
+        Ok(Self { alpha, beta, gamma, n, law: law_of(n) })
     }
 
     /// The unit-α form ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ, with β' = β|α|ⁿ⁻¹, γ' = sign(α) γ |α|ⁿ⁻¹.
@@ -153,6 +156,23 @@ impl<T: Real> BoucWen<T> {
         du: T,
     ) -> Result<Dual<T, P>, StepError<T>> {
         self.finite(advance(Law::Power, self.duals(true), z, du)?, z)
+    }
+
+    /// ζ of the unit-α form after a monotone move by `du`, with β' and γ' that carry derivatives of their own. n, from 1 on, is
+    /// a plain number: closed forms for 1 and 2.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn advance_unit<S: Scalar<Real = T>>(
+        beta: S,
+        gamma: S,
+        n: T,
+        zeta: S,
+        du: T,
+    ) -> Result<S, StepError<T>> {
+        let constant = |value| S::constant(T::of(value));
+        let unit = Self { alpha: T::of(1.0), beta: beta.value(), gamma: gamma.value(), n, law: law_of(n) };
+        unit.finite(advance(unit.law, [constant(1.0), beta, gamma, S::constant(n)], zeta, du)?, zeta)
     }
 
     /// z along the voltages `u` into `out` (same length), from `state`, which ends at the last sample: what

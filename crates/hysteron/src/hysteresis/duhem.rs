@@ -140,7 +140,7 @@ const LARGE: f64 = 30.0;
 /// mₖ(x) = ∫₀¹ θᵏ e^(−x(1−θ)) dθ, x ≥ 0, for k < `count`.
 ///
 /// e^(−x) Σᵢ xⁱ/(i! (i + k + 1)) has positive terms only; far out, mₖ = (1 − k mₖ₋₁)/x.
-fn moments<S: Scalar<Real = f64>>(x: S, count: usize) -> [S; MOST + 1] {
+pub(super) fn moments<S: Scalar<Real = f64>>(x: S, count: usize) -> [S; MOST + 1] {
     let zero = S::constant(0.0);
     let mut m = [zero; MOST + 1];
     let decay = (-x).exp();

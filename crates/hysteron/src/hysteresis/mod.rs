@@ -1,18 +1,21 @@
 //! Static hysteresis block: rate-independent operators, one file a model behind one enum.
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
+//! * [`NormalisedBoucWen`], [`ClassicalBoucWen`]: the same operator in other symbols.
 //! * [`PrandtlIshlinskii`] (plays) with its inverses, a model of its own beside the enum, and [`PlayStart`].
 //! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
 //!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`],
 //!   [`GeneralisedPlays`], [`DeadZones`], [`KrasnoselskiiPokrovskii`], [`Preisach`],
-//!   [`PreisachDensity`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
+//!   [`PreisachDensity`], [`JilesAtherton`], [`SongDerKiureghian`], [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
 //! * [`Sensitivities`]: ζ with its derivatives, in one pass.
 //! * [`Start`]: where an operator stands before the first sample.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away.
 
 mod admissibility;
+mod asymmetric_bouc_wen;
 pub mod bouc_wen;
+mod bouc_wen_forms;
 mod columns;
 mod dahl;
 mod dead_zones;
@@ -20,6 +23,7 @@ mod duhem;
 mod error;
 mod generalised_play;
 mod inter_sample;
+mod jiles_atherton;
 mod krasnoselskii_pokrovskii;
 mod maxwell_slip;
 mod pass;
@@ -31,7 +35,9 @@ mod sensitivities;
 
 pub use crate::record::InterSample;
 pub use admissibility::Admissibility;
+pub use asymmetric_bouc_wen::{NonSymmetricBoucWen, SongDerKiureghian};
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
+pub use bouc_wen_forms::{ClassicalBoucWen, NormalisedBoucWen};
 pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities, ColumnStart, MOST_SHAPE_PARAMETERS};
 pub use dahl::Dahl;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
@@ -40,6 +46,7 @@ pub use error::HysteresisError;
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
 pub(crate) use inter_sample::polygon_of_means;
+pub use jiles_atherton::JilesAtherton;
 pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
 pub use maxwell_slip::MaxwellSlip;
 pub use plays::{OneSidedPlays, Plays};

@@ -190,3 +190,12 @@ pub(super) fn positive(name: &'static str, value: f64) -> Result<(), HysteresisE
         Err(HysteresisError::ShapeParameter { name, value, must: "positive and finite" })
     }
 }
+
+/// Finite.
+pub(super) fn finite(name: &'static str, value: f64) -> Result<(), HysteresisError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(HysteresisError::ShapeParameter { name, value, must: "finite" })
+    }
+}
