@@ -5,6 +5,7 @@ use std::path::Path;
 
 use comfy_table::Table;
 use hysteron::hammerstein::Start;
+use hysteron::hysteresis::Memory;
 use hysteron::record::{InputOutput, Unit};
 use hysteron::validate::{CorrelationTest, Definition, Scores, definitions};
 use hysteron_report::number::significant;
@@ -31,6 +32,7 @@ const SHOWN: [&str; 10] = [
 #[derive(Clone, Debug)]
 pub struct Scored {
     record: String,
+    input_unit: Unit,
     unit: Unit,
     scores: Scores,
     /// The start simulated from, where it was estimated from the record.
@@ -53,7 +55,8 @@ impl Scored {
     /// Scores of a record, in the unit of its output.
     pub fn new(data: &InputOutput, scores: Scores) -> Self {
         let record = data.source.as_ref().map_or(&data.name, |s| &s.path).clone();
-        Scored { record, unit: data.y_unit.clone(), scores, start: None, within: None }
+        let (input_unit, unit) = (data.u_unit.clone(), data.y_unit.clone());
+        Scored { record, input_unit, unit, scores, start: None, within: None }
     }
 
     /// The same in the unit agreed on where the record names none.
@@ -87,13 +90,16 @@ impl Scored {
 
     /// What was estimated of the record's start, in a sentence; `None` where nothing was.
     pub fn estimated_start(&self) -> Option<String> {
-        let Some(Start::Remembering { voltage_v, z }) = self.start else { return None };
-        let unit = self.unit.to_string();
+        let Some(Start::Remembering { voltage_v, memory }) = self.start else { return None };
+        let memory = memory.in_words(
+            &significant(memory.value(), 4),
+            &self.input_unit.to_string(),
+            &self.unit.to_string(),
+        );
         Some(format!(
-            "{}: simulated from rest at its first input, {}, with the hysteresis memory z = {} {unit} estimated from the record.",
+            "{}: simulated from rest at its first input, {}, {memory}, estimated from the record.",
             self.record,
-            significant(voltage_v, 4),
-            significant(z, 4)
+            significant(voltage_v, 4)
         ))
     }
 
@@ -141,7 +147,10 @@ impl Scored {
 struct RememberingStart {
     kind: &'static str,
     voltage: f64,
-    z: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    z: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    virgin_at: Option<f64>,
 }
 
 impl Serialize for Scored {
@@ -169,8 +178,13 @@ impl Serialize for Scored {
             map.serialize_entry(&in_unit("band_of_measurement"), &within.measurement)?;
             map.serialize_entry(&in_unit("band_of_model"), &within.model)?;
         }
-        if let Some(Start::Remembering { voltage_v, z }) = self.start {
-            map.serialize_entry("start", &RememberingStart { kind: "remembering", voltage: voltage_v, z })?;
+        if let Some(Start::Remembering { voltage_v, memory }) = self.start {
+            let (z, virgin_at) = match memory {
+                Memory::Displacement(z) => (Some(z), None),
+                Memory::VirginAt(voltage) => (None, Some(voltage)),
+            };
+            let start = RememberingStart { kind: "remembering", voltage: voltage_v, z, virgin_at };
+            map.serialize_entry("start", &start)?;
         }
         map.end()
     }

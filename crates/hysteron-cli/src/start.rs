@@ -94,10 +94,14 @@ pub fn in_words(start: &Start, input: &str, output: &str) -> String {
         |value: f64, unit: &str| format!("{} {}", short(value), Unit::new(unit)).trim_end().to_owned();
     match start {
         Start::Rest { voltage_v } => format!("from rest at {}", quantity(*voltage_v, input)),
-        Start::Remembering { voltage_v, z } => format!(
-            "from rest at {} with the hysteresis memory z = {}",
+        Start::Remembering { voltage_v, memory } => format!(
+            "from rest at {} {}",
             quantity(*voltage_v, input),
-            quantity(*z, output)
+            memory.in_words(
+                &short(memory.value()),
+                &Unit::new(input).to_string(),
+                &Unit::new(output).to_string()
+            )
         ),
         Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
     }

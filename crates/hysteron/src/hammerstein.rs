@@ -6,7 +6,7 @@
 
 use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
-use crate::hysteresis::{self, BoucWenState, Hysteresis, HysteresisError, RecordEnds, polygon_of_means};
+use crate::hysteresis::{Hysteresis, HysteresisError, Memory, Origin, RecordEnds, polygon_of_means};
 use crate::record::InterSample;
 use std::borrow::Cow;
 
@@ -38,12 +38,12 @@ pub enum Start {
         /// Voltage before the first sample \[V\].
         voltage_v: f64,
     },
-    /// The device rested at this voltage with the hysteresis memory `z` and moves to u(0) in one sample period.
+    /// The device rested at this voltage with a hysteresis memory and moves to u(0) in one sample period.
     Remembering {
         /// Voltage before the first sample \[V\].
         voltage_v: f64,
-        /// Hysteretic displacement there \[µm\].
-        z: f64,
+        /// What the hysteresis block remembers there.
+        memory: Memory,
     },
     /// The record repeats: its first period has been run [`SETTLING_PERIODS`] times before.
     Settled {
@@ -191,22 +191,26 @@ impl Model {
     ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
         let (extended, prologue, rest_voltage_v) = start.extend(u)?;
         let mut v = vec![0.0; extended.len()];
-        let Hysteresis::BoucWen(operator) = &self.hysteresis;
-        let z = if let Start::Remembering { z, .. } = *start { z } else { 0.0 };
-        let state = hysteresis::Start::State(BoucWenState { u: rest_voltage_v, z });
+        let operator = &self.hysteresis;
+        let memory = match *start {
+            Start::Remembering { memory, .. } => Some(operator.own_memory(memory)?),
+            _ => None,
+        };
+        let rest = rest_voltage_v;
+        let origin = memory.map_or(Origin::Virgin { rest }, |memory| Origin::Remembering { rest, memory });
         let filtered = matches!(self.dynamics, Dynamics::Integer(_) | Dynamics::Fractional(_));
         if extended.len() > 1 && filtered && joins_means(self.scheme, self.inter_sample) {
             let drive = self.inter_sample.upsample(&extended, 2, RecordEnds::Open)?;
             let mut fine = vec![0.0; drive.len()];
-            operator.simulate(&drive, state, &mut fine)?;
+            operator.simulate(&drive, origin, &mut fine)?;
             polygon_of_means(&fine, &mut v);
         } else if self.inter_sample == InterSample::BandLimited && extended.len() > 1 {
             let fine = self.inter_sample.upsample(&extended, FINER, RecordEnds::Open)?;
-            operator.simulate_every(FINER, &fine, state, &mut v)?;
+            operator.simulate_every(FINER, &fine, origin, &mut v)?;
         } else {
-            operator.simulate(&extended, state, &mut v)?;
+            operator.simulate(&extended, origin, &mut v)?;
         }
-        Ok((v, prologue, operator.polynomial_at(rest_voltage_v) - z))
+        Ok((v, prologue, operator.at_rest(rest, memory)))
     }
 
     fn check_sample_rate(&self, record: Option<f64>) -> Result<(), SimulationError> {

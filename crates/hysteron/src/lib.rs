@@ -20,7 +20,7 @@
 //!     let u: Vec<f64> =
 //!         (0..200 * amplitudes.len()).map(|k| amplitudes[k / 200] * (1.0 - phase(k).cos())).collect();
 //!     let mut y = vec![0.0; u.len()];
-//!     device.simulate(&u, hysteron::hysteresis::Start::Rest { u: 0.0 }, &mut y).map(|_| (u, y))
+//!     device.simulate(&u, hysteron::hysteresis::Origin::Virgin { rest: 0.0 }, &mut y).map(|_| (u, y))
 //! };
 //! let (u, y) = measure(&[2.0, 1.5, 1.0, 0.5])?;
 //! let record = InputOutput::new("loops", TimeBase::uniform(200.0), u, y)?;
@@ -28,8 +28,8 @@
 //! // Identify: degree, start, delay and dynamics are chosen from the record.
 //! let campaign = [CampaignRecord { data: record, role: None }];
 //! let found = identify(&campaign, &Options::default(), &mut Unwatched, None)?;
-//! let Hysteresis::BoucWen(identified) = &found.model.hysteresis;
-//! assert!((identified.alpha - 3.5).abs() < 1e-3 && (identified.beta - 0.6).abs() < 1e-3);
+//! let number = |name| found.model.hysteresis.number(name).unwrap_or(f64::NAN);
+//! assert!((number("alpha") - 3.5).abs() < 1e-3 && (number("beta") - 0.6).abs() < 1e-3);
 //! for finding in &found.findings {
 //!     println!("{}", finding.text);
 //! }

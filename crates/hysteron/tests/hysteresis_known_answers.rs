@@ -4,8 +4,8 @@
 use std::f64::consts::PI;
 
 use hysteron::hysteresis::{
-    Admissibility, BoucWen, BoucWenState, Hysteresis, HysteresisError, InterSample, RecordEnds, Start,
-    UnitShape,
+    Admissibility, BoucWen, BoucWenState, Hysteresis, HysteresisError, InterSample, Origin, RecordEnds,
+    Start, UnitShape,
 };
 use hysteron::record::{LoopSense, loop_shape};
 
@@ -268,11 +268,11 @@ fn band_limited_drive_finds_the_turning_points_between_samples() {
         (0..per_period).map(|k| 5.0 * (2.0 * PI * k as f64 / per_period as f64 + 0.2).cos()).collect()
     };
     let mut truth = vec![0.0; 7000];
-    model.simulate(&drive(7000), Start::Periodic, &mut truth).unwrap();
+    model.simulate(&drive(7000), Origin::Periodic, &mut truth).unwrap();
     let (mut linear, mut band_limited) = ([0.0; 7], [0.0; 7]);
-    model.simulate(&drive(7), Start::Periodic, &mut linear).unwrap();
+    model.simulate(&drive(7), Origin::Periodic, &mut linear).unwrap();
     let fine = InterSample::BandLimited.upsample(&drive(7), 100, RecordEnds::Periodic).unwrap();
-    model.simulate_every(100, &fine, Start::Periodic, &mut band_limited).unwrap();
+    model.simulate_every(100, &fine, Origin::Periodic, &mut band_limited).unwrap();
     let worst =
         |v: &[f64]| v.iter().enumerate().map(|(k, v)| (v - truth[1000 * k]).abs()).fold(0.0, f64::max);
     assert!(worst(&linear) > 2e-2, "{}", worst(&linear));

@@ -4,12 +4,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 use hysteron::bench_rig::{
-    BoucWenFractional, CampaignPlan, CampaignRun, Plant, PowerTerm, Role, Truth, run_campaign,
+    BoucWenFractional, CampaignPlan, CampaignRun, Mode, Plant, Play, PlayStack, PowerTerm, Role, Truth,
+    run_campaign,
 };
 use hysteron::hammerstein::Start;
+use hysteron::hysteresis::HysteresisForm;
 use hysteron::identify::{
-    CampaignRecord, Choice, Demands, Identification, JointObjective, Options, PredictionBand, RecordRole,
-    Unwatched, identify,
+    CampaignRecord, Choice, Demands, DynamicsChoice, Identification, JointObjective, Options, PredictionBand,
+    RecordRole, Unwatched, identify,
 };
 use hysteron::model_file::{ModelFile, SignalUnits};
 use hysteron::optimize::{Derivative, LeastSquaresProblem, Problem};
@@ -273,5 +275,88 @@ fn the_objective_has_its_minimum_where_the_fit_ended() {
         let cosine =
             column.iter().zip(&residuals).map(|(d, r)| d * r).sum::<f64>() / norm(column) / norm(&residuals);
         assert!(cosine.abs() < 1e-4, "{}: {cosine:e}", range.name);
+    }
+}
+
+/// Plays on the grid of the fit, a linear reversible part, one mode: the class of plays with a whole-order pair.
+#[test]
+fn weights_of_plays_come_back_within_three_standard_errors() {
+    let weights = [0.35, 0.0, 0.22, 0.14];
+    let plays = weights.iter().zip(1..).map(|(&weight_um_per_v, index)| {
+        let r = f64::from(index);
+        Play { rising_v: r, falling_v: r, weight_um_per_v }
+    });
+    let mode = Mode { frequency_hz: 420.0, damping: 0.15, share: 1.0 };
+    let mut truth = Truth {
+        plant: Plant::PlayStack(PlayStack {
+            amplifier_corner_hz: None,
+            linear_um_per_v: 2.1,
+            plays: plays.collect(),
+            quadratic_per_um: 0.0,
+            cubic_per_um2: 0.0,
+            modes: vec![mode],
+            creep: None,
+            delay_s: 2.3e-4,
+        }),
+        ..Truth::default()
+    };
+    truth.sensor.adc = None;
+    let plan = CampaignPlan {
+        sample_rate_hz: 5000.0,
+        loop_periods: 2.0,
+        sweep_s: 3.0,
+        validation_hz: vec![60.0],
+        validation_s: 0.5,
+        tracking_s: 1.0,
+        nested_amplitudes: vec![1.0, 0.5],
+        ..CampaignPlan::default()
+    };
+    let runs = run_campaign(&truth, &plan, 11).unwrap();
+    let campaign: Vec<CampaignRecord> = runs
+        .iter()
+        .filter(|r| matches!(r.role, Role::QuasiStatic | Role::Sweep | Role::NestedLoops))
+        .map(|r| CampaignRecord { data: data(r), role: None })
+        .collect();
+    let options = Options {
+        hysteresis: HysteresisForm::PrandtlIshlinskii { plays: 4 },
+        dynamics: DynamicsChoice::Integer,
+        degree: Choice::Given(1),
+        ..Options::default()
+    };
+    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let expected = |name: &str| match name {
+        "linear" => Some(2.1),
+        "weight_1" => Some(weights[0]),
+        "weight_3" => Some(weights[2]),
+        "weight_4" => Some(weights[3]),
+        "natural_frequency" => Some(420.0),
+        "damping" => Some(0.15),
+        "delay" => Some(2.3e-4),
+        "memory_1" | "memory_2" | "memory_3" => Some(0.0),
+        _ => None,
+    };
+    let mut compared = 0;
+    for p in &found.parameters {
+        if let (Some(expected), Some(error)) = (expected(&p.name), p.std_error) {
+            let z = (p.value - expected) / error;
+            assert!(z.abs() < 3.0, "{}: {} ± {error} instead of {expected}", p.name, p.value);
+            compared += 1;
+        }
+    }
+    assert!(compared >= 7, "{:?}", found.parameters);
+    let grid: Vec<f64> =
+        (1..=4).map(|r| found.model.hysteresis.number(&format!("threshold_{r}")).unwrap()).collect();
+    assert_eq!(grid, [1.0, 2.0, 3.0, 4.0]);
+    // A weight that is zero is found zero, or within its error of it; never negative.
+    let none = found.parameters.iter().find(|p| p.name == "weight_2").unwrap();
+    assert!(none.value >= 0.0 && none.value <= 3.0 * none.std_error.unwrap_or(0.0), "{none:?}");
+    for run in runs.iter().filter(|r| matches!(r.role, Role::Tracking | Role::Validation { .. })) {
+        let drive = data(run);
+        let start = Start::Rest { voltage_v: drive.u[0] };
+        let simulated = found.model.simulate(&drive.u, drive.sample_rate_hz(), &start).unwrap();
+        let errors: Vec<f64> = run.run.y_true_um.iter().zip(&simulated).map(|(t, s)| t - s).collect();
+        let offset = errors.iter().sum::<f64>() / errors.len() as f64;
+        let square = errors.iter().map(|e| (e - offset).powi(2)).sum::<f64>() / errors.len() as f64;
+        assert!(square.sqrt() <= 0.1 * 0.005, "{}: {:e} µm", drive.name, square.sqrt());
     }
 }

@@ -63,7 +63,7 @@ fn static_campaign() -> Vec<CampaignRecord> {
 }
 
 fn block(model: &Model) -> &BoucWen {
-    let Hysteresis::BoucWen(b) = &model.hysteresis;
+    let Hysteresis::BoucWen(b) = &model.hysteresis else { panic!("another family") };
     b
 }
 

@@ -111,7 +111,7 @@ struct Fit {
 
 fn simulate(Fit { model, start }: &Fit, drive: &[f64], rate_hz: f64) -> Outcome<Vec<f64>> {
     let start = match *start {
-        Start::Remembering { z, .. } => Start::Remembering { voltage_v: drive[0], z },
+        Start::Remembering { memory, .. } => Start::Remembering { voltage_v: drive[0], memory },
         _ => Start::Rest { voltage_v: drive[0] },
     };
     Ok(model.simulate(drive, Some(rate_hz), &start)?)

@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
 use hysteron::dynamics::Scheme;
+use hysteron::hysteresis::HysteresisForm;
 use hysteron::identify::structure::neighbours;
 use hysteron::identify::{
     CampaignRecord, Choice, Demands, DynamicsChoice, FindingKind, IdentifyError, Initial, Method, Options,
@@ -38,6 +39,9 @@ use crate::output;
 use crate::progress::Progress;
 use crate::result_flags::ResultFlags;
 
+/// Plays where nobody says how many.
+const PLAYS: usize = 12;
+
 /// Largest file of interrupted searches read \[bytes\].
 const MAX_RESUME_BYTES: u64 = 256 << 20;
 
@@ -50,7 +54,8 @@ const MAX_RESUME_BYTES: u64 = 256 << 20;
     Records that carry dynamics are fitted jointly: both blocks, the delay, each record's offset and the hysteresis memory \
     it starts with, from several starts, on thinned records first and all samples last. --method two-step is the article's \
     way: hysteresis from the slow records, then dynamics from the others. Slow records alone, and --dynamics arx, go that way.\n\n\
-    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n, offset, delay [s]; joint: \
+    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (plays: threshold_1, weight_1, …), \
+    offset, delay [s]; joint: \
     natural_frequency [Hz], damping, order2, order1, order0, share, creep, creep_order, memory_1, memory_2, … (beta, gamma and \
     memory of alpha = 1); two-step: lag [s], gain.\n\n\
     Ctrl-C keeps the best so far and writes MODEL.searches.json; go on from there with --resume.\n\n\
@@ -77,6 +82,10 @@ pub struct Identify {
     /// Hysteresis block
     #[arg(long, value_enum, default_value_t = HysteresisArg::BoucWen)]
     hysteresis: HysteresisArg,
+
+    /// Plays of --hysteresis prandtl-ishlinskii
+    #[arg(long, value_name = "N", default_value_t = PLAYS, value_parser = count::<usize>, allow_hyphen_values = true)]
+    plays: usize,
 
     /// Dynamic block; if not given, what the records support
     #[arg(long, value_enum)]
@@ -177,7 +186,10 @@ pub struct Identify {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum HysteresisArg {
+    /// Polynomial less one relaxing state: few parameters
     BoucWen,
+    /// Polynomial and plays: minor loops, exact inverse (joint)
+    PrandtlIshlinskii,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -347,7 +359,6 @@ impl Identify {
     }
 
     fn options(&self) -> Result<Options, Failure> {
-        let HysteresisArg::BoucWen = self.hysteresis;
         let start = match &self.start {
             Some(path) => {
                 let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
@@ -360,6 +371,10 @@ impl Identify {
             method: match self.method {
                 MethodArg::Joint => Method::Joint,
                 MethodArg::TwoStep => Method::TwoStep,
+            },
+            hysteresis: match self.hysteresis {
+                HysteresisArg::BoucWen => HysteresisForm::BoucWen,
+                HysteresisArg::PrandtlIshlinskii => HysteresisForm::PrandtlIshlinskii { plays: self.plays },
             },
             order: self.order,
             creep: self.creep,

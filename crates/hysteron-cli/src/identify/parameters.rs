@@ -1,8 +1,9 @@
 //! The model's parameters with symbol, meaning and unit.
 
 use hysteron::hammerstein::Start;
+use hysteron::hysteresis::Hysteresis;
 use hysteron::identify::{Identification, IntervalMethod, Parameter};
-use hysteron::model_file::ModelFile;
+use hysteron::model_file::{HysteresisKind, ModelFile};
 use hysteron::record::Unit;
 use hysteron_report::identification::ParameterRow;
 
@@ -15,7 +16,10 @@ pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
         "natural_frequency" => "Hz".into(),
         "natural_frequency_2" => "Hz".into(),
         "delay" | "lag" => "s".into(),
-        name if name.starts_with("memory_") => Unit::new(&file.units.output).to_string(),
+        name if name.starts_with("memory_") => match file.hysteresis.kind {
+            HysteresisKind::BoucWen => Unit::new(&file.units.output).to_string(),
+            HysteresisKind::PrandtlIshlinskii => Unit::new(&file.units.input).to_string(),
+        },
         _ => String::new(),
     }
 }
@@ -37,8 +41,10 @@ fn record_of_memory<'a>(name: &str, found: &'a Identification) -> Option<&'a str
 }
 
 fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> ParameterRow {
-    let memory = record_of_memory(&p.name, found)
-        .map(|record| format!("hysteretic part z at the first sample of {record}"));
+    let memory = record_of_memory(&p.name, found).map(|record| match found.model.hysteresis {
+        Hysteresis::BoucWen(_) => format!("hysteretic part z at the first sample of {record}"),
+        _ => format!("where the device was virgin before it moved to the first sample of {record}"),
+    });
     let (symbol, meaning) = match p.name.as_str() {
         "linear" => ("l₁", "coefficient of u"),
         "quadratic" => ("l₂", "coefficient of u²"),
@@ -66,6 +72,8 @@ fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> Par
         "c0" => ("c₀", "coefficient of s⁰"),
         "c1" => ("c₁", "coefficient of s^α₁"),
         other if other.starts_with("degree_") || other.starts_with("qu") => (other, "polynomial coefficient"),
+        other if other.starts_with("threshold_") => (other, "half-width of a play"),
+        other if other.starts_with("weight_") => (other, "weight of a play"),
         other if memory.is_some() => (other, ""),
         other => (other, "parameter of the dynamics"),
     };

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use hysteron::dynamics::{Dynamics, TransferFunction};
+use hysteron::hysteresis::Hysteresis;
 use hysteron::identify::structure::{Neighbours, StructureError};
 use hysteron::identify::{FindingKind, Identification, Method, PredictionBand, RecordFit, RecordRole};
 use hysteron::model_file::ModelFile;
@@ -145,7 +146,16 @@ fn summary(found: &Identification) -> String {
         Method::Joint => "; identified from all records in one joint fit",
         Method::TwoStep => "; identified in two steps, hysteresis first",
     };
-    format!("Improved Bouc–Wen hysteresis with a polynomial of degree {degree}, {dynamics}{how}")
+    let hysteresis = match &found.model.hysteresis {
+        Hysteresis::BoucWen(_) => {
+            format!("Improved Bouc–Wen hysteresis with a polynomial of degree {degree}")
+        }
+        Hysteresis::PrandtlIshlinskii(model) => format!(
+            "Prandtl–Ishlinskii hysteresis of {} plays with a polynomial of degree {degree}",
+            model.thresholds.len()
+        ),
+    };
+    format!("{hysteresis}, {dynamics}{how}")
 }
 
 fn highlights(found: &Identification) -> Vec<Highlight> {
@@ -175,10 +185,15 @@ fn equations(found: &Identification) -> Vec<String> {
         .enumerate()
         .map(|(i, u)| format!("l{}·{u}", subscript(i + 1)))
         .collect();
-    let mut list = vec![
-        format!("v = {} − z", polynomial.join(" + ")),
-        "ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ   (Eq. 1)".to_owned(),
-    ];
+    let polynomial = polynomial.join(" + ");
+    let mut list = match &found.model.hysteresis {
+        Hysteresis::BoucWen(_) => {
+            vec![format!("v = {polynomial} − z"), "ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ   (Eq. 1)".to_owned()]
+        }
+        Hysteresis::PrandtlIshlinskii(_) => {
+            vec![format!("v = {polynomial} + Σ wᵢ Fᵢ"), "Fᵢ ← max(u − rᵢ, min(u + rᵢ, Fᵢ))".to_owned()]
+        }
+    };
     match &found.model.dynamics {
         Dynamics::None => list.push("y(t) = offset + v(t − τ)".into()),
         Dynamics::Integer(g) | Dynamics::Fractional(g) => {

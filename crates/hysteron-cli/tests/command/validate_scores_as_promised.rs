@@ -1,7 +1,6 @@
 //! `validate --json` prints one object of exactly the promised shape; lengths are in µm, other outputs in their unit.
 
 use crate::bench::{Bench, good_record, static_model, triangle};
-use hysteron::hysteresis::Hysteresis;
 use hysteron::model_file::SignalUnits;
 use serde_json::Value;
 
@@ -15,8 +14,8 @@ fn report(run: &crate::bench::Run) -> Value {
 /// `model.json` becomes a straight line of 0.3 µm/V with offset 0.
 fn straight_line(bench: &Bench) {
     let mut model = static_model();
-    let Hysteresis::BoucWen(block) = &mut model.hysteresis;
-    (block.polynomial, block.alpha) = (vec![0.3], 0.0);
+    *model.hysteresis.polynomial_mut() = vec![0.3];
+    *model.hysteresis.number_mut("alpha").unwrap() = 0.0;
     bench.write_model("model.json", &model, SignalUnits::default());
 }
 

@@ -256,15 +256,12 @@ impl ModelFit {
         curves: &mut [SineCurves],
     ) -> Result<Self, ArticleError> {
         let Model { hysteresis, dynamics, delay_s, .. } = &found.model;
-        let crate::hysteresis::Hysteresis::BoucWen(block) = hysteresis;
         let mut scores = Vec::new();
         for ((frequency_hz, record), curves) in bench.table3().zip(curves) {
             let first = record.u.first().copied().unwrap_or(0.0);
             // The bench starts every record alike: a memory found for the first one is that of the others.
             let start = match found.records.first().map(|fit| fit.start) {
-                Some(Start::Remembering { voltage_v, z }) if voltage_v == first => {
-                    Start::Remembering { voltage_v, z }
-                }
+                Some(start @ Start::Remembering { voltage_v, .. }) if voltage_v == first => start,
                 _ => Start::Rest { voltage_v: first },
             };
             let simulated = found.model.simulate_at_own_rate(&record.u, record.sample_rate_hz(), &start)?;
@@ -286,7 +283,7 @@ impl ModelFit {
                 Dynamics::Fractional(g) | Dynamics::Integer(g) => eq13(g),
                 Dynamics::None | Dynamics::Arx(_) => None,
             },
-            degree: block.polynomial.len(),
+            degree: hysteresis.polynomial().len(),
             delay_s: *delay_s,
             at_bounds: at_bounds(found),
             evaluations: found.searches.iter().map(|s| s.outcome.evaluations).sum(),

@@ -42,9 +42,10 @@ pub struct StaticParameters {
 
 impl StaticParameters {
     pub(super) fn of(hysteresis: &Hysteresis) -> Self {
-        let Hysteresis::BoucWen(BoucWen { polynomial, alpha, beta, gamma, .. }) = hysteresis;
-        let coefficient = |i: usize| polynomial.get(i).copied().unwrap_or(0.0);
-        Self { x: coefficient(1), y: coefficient(0), alpha: *alpha, beta: *beta, gamma: *gamma }
+        let coefficient = |i: usize| hysteresis.polynomial().get(i).copied().unwrap_or(0.0);
+        let number = |name: &str| hysteresis.number(name).unwrap_or(0.0);
+        let [alpha, beta, gamma] = ["alpha", "beta", "gamma"].map(number);
+        Self { x: coefficient(1), y: coefficient(0), alpha, beta, gamma }
     }
 
     /// The article's Table 2.

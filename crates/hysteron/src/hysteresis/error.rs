@@ -32,6 +32,9 @@ pub enum HysteresisError {
         /// The exponent given.
         n: f64,
     },
+    /// A memory of an operator of another family.
+    #[error("the memory that the record is to start with belongs to a hysteresis operator of another family")]
+    Memory,
     /// The output does not have the length the input asks for.
     #[error("the output has {found} samples but {expected} are needed for this input")]
     Lengths {

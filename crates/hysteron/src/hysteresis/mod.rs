@@ -2,13 +2,13 @@
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
 //! * [`NormalisedBoucWen`], [`ClassicalBoucWen`]: the same operator in other symbols.
-//! * [`PrandtlIshlinskii`] (plays) with its inverses, a model of its own beside the enum, and [`PlayStart`].
+//! * [`PrandtlIshlinskii`] (plays) with its inverses, and [`PlayStart`].
 //! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
-//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`],
-//!   [`GeneralisedPlays`], [`DeadZones`], [`KrasnoselskiiPokrovskii`], [`Preisach`],
-//!   [`PreisachDensity`], [`JilesAtherton`], [`SongDerKiureghian`], [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
-//! * [`Sensitivities`]: ζ with its derivatives, in one pass.
-//! * [`Start`]: where an operator stands before the first sample.
+//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`], [`GeneralisedPlays`], [`DeadZones`],
+//!   [`KrasnoselskiiPokrovskii`], [`Preisach`], [`PreisachDensity`], [`JilesAtherton`], [`SongDerKiureghian`],
+//!   [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
+//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives.
+//! * [`Origin`]: where an operator stands before the first sample; [`Start`] and [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away.
 
@@ -21,6 +21,7 @@ mod dahl;
 mod dead_zones;
 mod duhem;
 mod error;
+mod form;
 mod generalised_play;
 mod inter_sample;
 mod jiles_atherton;
@@ -43,6 +44,7 @@ pub use dahl::Dahl;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
 pub use duhem::Duhem;
 pub use error::HysteresisError;
+pub use form::{Columns, HysteresisForm, Memory, Origin, Partial};
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
 pub(crate) use inter_sample::polygon_of_means;
@@ -59,9 +61,11 @@ pub use sensitivities::Sensitivities;
 pub enum Hysteresis {
     /// Bouc–Wen, article Eq. 1.
     BoucWen(BoucWen),
+    /// Polynomial and plays.
+    PrandtlIshlinskii(PrandtlIshlinskii),
 }
 
-/// Where a hysteresis operator stands before the first sample of a record.
+/// Where a Bouc–Wen operator stands before the first sample of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Start {
     /// Virgin (z = 0) at the rest voltage `u` \[V\], from which the first sample is reached by a monotone move.
@@ -83,44 +87,100 @@ impl Hysteresis {
     pub fn validate(&self) -> Result<(), HysteresisError> {
         match self {
             Self::BoucWen(model) => model.validate(),
+            Self::PrandtlIshlinskii(model) => model.validate(),
         }
     }
 
-    /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length); returns the state at the last sample. Moves
-    /// between samples are monotone ([`InterSample::Linear`] and [`InterSample::Hold`] alike). Allocates nothing.
+    /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length). Moves between samples are monotone
+    /// ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of an [`Origin::Remembering`] is in the
+    /// operator's own scale: z(0) \[µm\] for Bouc–Wen.
     ///
     /// # Errors
-    /// As [`BoucWen::simulate`].
-    pub fn simulate(
-        &self,
-        u: &[f64],
-        start: Start,
-        out: &mut [f64],
-    ) -> Result<BoucWenState, HysteresisError> {
-        self.simulate_every(1, u, start, out)
+    /// As the model's own `simulate`.
+    pub fn simulate(&self, u: &[f64], origin: Origin, out: &mut [f64]) -> Result<(), HysteresisError> {
+        self.simulate_every(1, u, origin, out)
     }
 
     /// As [`Self::simulate`] for a drive `u` given on a time base finer by `factor` ([`InterSample::upsample`]):
     /// `out[k]` belongs to `u[k * factor]`.
     ///
     /// # Errors
-    /// As [`BoucWen::simulate`].
+    /// As the model's own `simulate`.
     pub fn simulate_every(
         &self,
         factor: usize,
         u: &[f64],
-        start: Start,
+        origin: Origin,
         out: &mut [f64],
-    ) -> Result<BoucWenState, HysteresisError> {
+    ) -> Result<(), HysteresisError> {
         match self {
-            Self::BoucWen(model) => model.simulate_every(factor, u, start, out),
+            Self::BoucWen(model) => {
+                let start = match origin {
+                    Origin::Virgin { rest } => Start::Rest { u: rest },
+                    Origin::Remembering { rest, memory } => Start::State(BoucWenState { u: rest, z: memory }),
+                    Origin::Periodic => Start::Periodic,
+                };
+                model.simulate_every(factor, u, start, out).map(|_| ())
+            }
+            Self::PrandtlIshlinskii(model) => {
+                let (start, mut plays) = match origin {
+                    Origin::Virgin { rest } => (PlayStart::Rest { u: rest }, vec![0.0; model.weights.len()]),
+                    Origin::Remembering { rest, memory } => (PlayStart::State, model.plays_at(memory, rest)),
+                    Origin::Periodic => (PlayStart::Periodic, vec![0.0; model.weights.len()]),
+                };
+                model.simulate_every(factor, u, start, &mut plays, out)
+            }
         }
     }
 
-    /// The anhysteretic polynomial l\[u\] \[µm\] at the voltage `u` \[V\].
-    pub fn polynomial_at(&self, u: f64) -> f64 {
+    /// Output \[µm\] of an operator at rest at the voltage `rest` \[V\] with a memory (see [`Origin::Remembering`]), `None`
+    /// where it is virgin there.
+    pub fn at_rest(&self, rest: f64, memory: Option<f64>) -> f64 {
         match self {
-            Self::BoucWen(model) => model.polynomial_at(u),
+            Self::BoucWen(model) => model.polynomial_at(rest) - memory.unwrap_or(0.0),
+            Self::PrandtlIshlinskii(model) => {
+                let plays = model.plays_at(memory.unwrap_or(rest), rest);
+                let sum: f64 = plays.iter().zip(&model.weights).map(|(play, weight)| weight * play).sum();
+                model.polynomial_at(rest) + sum
+            }
+        }
+    }
+
+    /// Coefficients of the polynomial l\[u\], to change them.
+    pub fn polynomial_mut(&mut self) -> &mut Vec<f64> {
+        match self {
+            Self::BoucWen(model) => &mut model.polynomial,
+            Self::PrandtlIshlinskii(model) => &mut model.polynomial,
+        }
+    }
+
+    /// Coefficients of the polynomial l\[u\], from that of u on \[µm/V, µm/V², …\].
+    pub fn polynomial(&self) -> &[f64] {
+        match self {
+            Self::BoucWen(model) => &model.polynomial,
+            Self::PrandtlIshlinskii(model) => &model.polynomial,
+        }
+    }
+
+    /// The operator whose output is `gain` times that of this one. For Bouc–Wen, with z = g Z: ż = g α u̇ − g¹⁻ⁿ
+    /// (β |u̇| z |z|ⁿ⁻¹ + γ u̇ |z|ⁿ).
+    ///
+    /// # Errors
+    /// As the model's own `validate`.
+    pub fn scaled(&self, gain: f64) -> Result<Self, HysteresisError> {
+        let times_gain = |numbers: &[f64]| numbers.iter().map(|c| gain * c).collect();
+        match self {
+            Self::BoucWen(b) => {
+                let shape = gain.powf(1.0 - b.n);
+                let polynomial = times_gain(&b.polynomial);
+                BoucWen::new(polynomial, gain * b.alpha, shape * b.beta, shape * b.gamma, b.n)
+                    .map(Self::BoucWen)
+            }
+            Self::PrandtlIshlinskii(model) => {
+                let (polynomial, weights) = (times_gain(&model.polynomial), times_gain(&model.weights));
+                PrandtlIshlinskii::new(polynomial, model.thresholds.clone(), weights)
+                    .map(Self::PrandtlIshlinskii)
+            }
         }
     }
 }

@@ -14,6 +14,12 @@ pub enum IdentifyError {
     /// No record was given.
     #[error("no record was given")]
     NoRecords,
+    /// Two steps, and an ARX block, belong to Bouc–Wen.
+    #[error(
+        "the two-step method, which an ARX block needs, identifies Bouc–Wen hysteresis only: leave --method and --dynamics arx out, \
+         or take --hysteresis bouc-wen"
+    )]
+    FamilyTakesJointFit,
     /// A demand names a parameter that this fit does not have.
     #[error("there is no parameter '{name}' in this fit; its parameters are {known}")]
     UnknownParameter {

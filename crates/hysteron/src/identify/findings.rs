@@ -75,7 +75,6 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
 pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Identification) {
     let mut findings = Vec::new();
     let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
-    let Hysteresis::BoucWen(operator) = &result.model.hysteresis;
     let fitted_statically: Vec<(&RecordFacts, &RecordFit)> =
         facts.iter().zip(&result.records).filter(|(_, r)| r.role == RecordRole::QuasiStatic).collect();
 
@@ -91,7 +90,10 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         };
         say(FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
     }
-    say(FindingKind::Verdict, "admissibility", format!("Hysteresis block: {}.", operator.admissibility()));
+    let spans = result.records.iter().map(|fit| range_of(&fit.data.u));
+    let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
+    say(FindingKind::Verdict, "admissibility", verdict(&result.model.hysteresis, span, &unit));
     if let Dynamics::Fractional(g) | Dynamics::Integer(g) = &result.model.dynamics {
         let text = match stability(g) {
             Stability::Stable => "Dynamic block: stable.".to_owned(),
@@ -113,10 +115,17 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         say(
             FindingKind::Advice,
             "amplitudes",
-            "All loops have the same amplitude: β and γ are told apart only by the way from rest into the first loop, \
-             polynomial degree and exponent n only by the shape of one loop, and models cannot be ranked. Minor loops \
-             are extrapolated. Add a record with loops of half and a quarter of the amplitude."
-                .into(),
+            format!(
+                "All loops have the same amplitude: {}, and models cannot be ranked. Minor loops are extrapolated. Add a record with \
+                 loops of half and a quarter of the amplitude.",
+                match result.model.hysteresis {
+                    Hysteresis::BoucWen(_) =>
+                        "β and γ are told apart only by the way from rest into the first loop, polynomial degree and exponent n only \
+                         by the shape of one loop",
+                    Hysteresis::PrandtlIshlinskii(_) =>
+                        "the polynomial is told from the plays only by the shape of one loop",
+                }
+            ),
         );
     }
     let dynamic = result.records.iter().any(|r| r.role == RecordRole::Dynamic);
@@ -224,6 +233,24 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     result.treatment = treatment(facts, options, result);
 }
 
+/// What the hysteresis block can do to its user, over the voltages of the records.
+fn verdict(hysteresis: &Hysteresis, (low, high): (f64, f64), unit: &str) -> String {
+    match hysteresis {
+        Hysteresis::BoucWen(operator) => format!("Hysteresis block: {}.", operator.admissibility()),
+        Hysteresis::PrandtlIshlinskii(operator) => {
+            let span = format!("{} to {} {unit}", short(low), short(high));
+            let span = span.trim_end();
+            match operator.step_inverse([low, high]) {
+                Ok(_) => format!(
+                    "Hysteresis block: bounded by its drive; it has an exact inverse from {span}, where every move raises the \
+                     output with the drive."
+                ),
+                Err(why) => format!("Hysteresis block: bounded by its drive; no inverse from {span}: {why}."),
+            }
+        }
+    }
+}
+
 /// Which parameters the records leave open, by their standard errors alone.
 fn precision(result: &Identification) -> Vec<Finding> {
     let mut findings = Vec::new();
@@ -304,10 +331,10 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
                     .trim_end()
                     .to_owned()
             }
-            Start::Remembering { voltage_v, z } => format!(
-                "simulated from rest at {voltage_v} {} with the hysteresis memory z = {} {unit} that it fits",
+            Start::Remembering { voltage_v, memory } => format!(
+                "simulated from rest at {voltage_v} {} {} that it fits",
                 fit.data.u_unit,
-                short(z)
+                memory.in_words(&short(memory.value()), &fit.data.u_unit.to_string(), &unit.to_string())
             ),
             Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
         };

@@ -101,7 +101,7 @@ pub(super) fn verdict(
 
 /// Whether every loop is so small beside the saturation of the operator that only its first bend shows.
 fn far_from_saturation(result: &Identification, range_v: f64) -> bool {
-    let Hysteresis::BoucWen(operator) = &result.model.hysteresis;
+    let Hysteresis::BoucWen(operator) = &result.model.hysteresis else { return false };
     let shape = operator.unit_shape();
     let bend = (shape.beta + shape.gamma.abs()) * range_v.powf(shape.n);
     operator.alpha != 0.0 && bend < SHARE_OF_SATURATION

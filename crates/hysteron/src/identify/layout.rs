@@ -10,6 +10,8 @@ pub(super) enum Role {
     Fixed(f64),
     /// Enters the output linearly and is eliminated by linear least squares at every candidate.
     Projected,
+    /// As `Projected`, but of this sign (+1 or −1) or zero.
+    OneSided(f64),
     /// Searched: index into the search vector.
     Searched(usize),
 }
@@ -19,9 +21,14 @@ impl Role {
     pub(super) fn value(self, x: &[f64]) -> Option<f64> {
         match self {
             Role::Fixed(value) => Some(value),
-            Role::Projected => None,
+            Role::Projected | Role::OneSided(_) => None,
             Role::Searched(index) => x.get(index).copied(),
         }
+    }
+
+    /// Whether linear least squares eliminates it.
+    pub(super) fn is_eliminated(self) -> bool {
+        matches!(self, Role::Projected | Role::OneSided(_))
     }
 }
 
@@ -111,6 +118,14 @@ impl<'a> BoxBuilder<'a> {
             return Role::Projected;
         }
         self.searched(range)
+    }
+
+    /// As [`Self::projected`], but of this sign or zero.
+    pub(super) fn one_sided(&mut self, range: Range, sign: f64) -> Role {
+        match self.projected(range) {
+            Role::Projected => Role::OneSided(sign),
+            other => other,
+        }
     }
 
     pub(super) fn finish(self) -> Bounds {

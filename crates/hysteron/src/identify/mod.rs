@@ -44,6 +44,7 @@ pub use result::{
 };
 pub use static_fit::StaticFit;
 
+use crate::hysteresis::HysteresisForm;
 use crate::optimize::Settings;
 use engine::Engine;
 use facts::RecordFacts;
@@ -75,6 +76,16 @@ pub fn identify(
     let joint = options.method == Method::Joint && options.dynamics != DynamicsChoice::Arx;
     if joint && campaign::has_second_step(&roles, options) {
         joint::identify(&facts, &roles, options, engine)
+    } else if options.hysteresis != HysteresisForm::BoucWen {
+        if !joint {
+            return Err(IdentifyError::FamilyTakesJointFit);
+        }
+        // Slow records alone hold no dynamics.
+        let dynamics = match options.dynamics {
+            DynamicsChoice::Auto => DynamicsChoice::None,
+            given => given,
+        };
+        joint::identify(&facts, &roles, &Options { dynamics, ..options.clone() }, engine)
     } else {
         two_step::identify(&facts, &roles, options, engine)
     }

@@ -4,6 +4,7 @@ use super::IdentifyError;
 use super::layout::Demands;
 use crate::dynamics::Scheme;
 use crate::hammerstein::Model;
+use crate::hysteresis::HysteresisForm;
 use crate::optimize::Algorithm;
 use crate::record::{InputOutput, InterSample};
 
@@ -86,6 +87,8 @@ pub enum Choice<T> {
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
+    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit.
+    pub hysteresis: HysteresisForm,
     /// Dynamic block.
     pub dynamics: DynamicsChoice,
     /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 4.
@@ -128,6 +131,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             method: Method::Joint,
+            hysteresis: HysteresisForm::BoucWen,
             dynamics: DynamicsChoice::Auto,
             order: 2,
             creep: false,

@@ -290,8 +290,9 @@ impl Setup<'_> {
         let bounds = problem.bounds();
         let middle = |range: &Range| range.from_unit(0.5);
         let mut guesses = Vec::new();
-        if let Some(model) = &self.options.start {
-            let Hysteresis::BoucWen(b) = &model.hysteresis;
+        if let Some(model) = &self.options.start
+            && let Hysteresis::BoucWen(b) = &model.hysteresis
+        {
             let unit = b.unit_shape();
             let (beta, gamma) =
                 if layout.alpha == Role::Projected { (unit.beta, unit.gamma) } else { (b.beta, b.gamma) };

@@ -7,6 +7,8 @@ use super::{
 
 const BOUC_WEN_NAMES: &str =
     "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and alpha, beta, gamma, n";
+const PLAY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and threshold_1, weight_1, \
+                          threshold_2, weight_2 … without gaps";
 
 impl ModelFile {
     /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter names,
@@ -24,6 +26,7 @@ impl ModelFile {
         let units = Units::new(&self.units);
         match self.hysteresis.kind {
             HysteresisKind::BoucWen => bouc_wen(&self.hysteresis.parameters, &units)?,
+            HysteresisKind::PrandtlIshlinskii => prandtl_ishlinskii(&self.hysteresis.parameters, &units)?,
         }
         self.dynamics()?;
         quantity("delay", &self.delay, "s", Some(0.0))?;
@@ -93,19 +96,57 @@ impl ModelFile {
     }
 }
 
+/// The degree of the polynomial.
+fn polynomial(parameters: &Parameters, units: &Units) -> Result<usize, ModelFileError> {
+    let mut degree = 0;
+    while let Some(coefficient) = parameters.get(&polynomial_name(degree + 1)) {
+        degree += 1;
+        let path = format!("hysteresis.parameters.{}", polynomial_name(degree));
+        quantity(&path, coefficient, &units.polynomial(degree), None)?;
+    }
+    if degree == 0 {
+        return Err(ModelFileError::MissingParameter { name: "linear".into() });
+    }
+    Ok(degree)
+}
+
+fn prandtl_ishlinskii(parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
+    let degree = polynomial(parameters, units)?;
+    let mut plays = 0;
+    let mut above = 0.0;
+    while let Some(threshold) = parameters.get(&format!("threshold_{}", plays + 1)) {
+        plays += 1;
+        let path = format!("hysteresis.parameters.threshold_{plays}");
+        quantity(&path, threshold, &units.input, None)?;
+        let expected = "a threshold above 0 and above the one before it";
+        allowed(&format!("{path}.value"), threshold.value, threshold.value > above, expected)?;
+        above = threshold.value;
+        let name = format!("weight_{plays}");
+        let weight =
+            parameters.get(&name).ok_or_else(|| ModelFileError::MissingParameter { name: name.clone() })?;
+        quantity(&format!("hysteresis.parameters.{name}"), weight, &units.polynomial(1), None)?;
+    }
+    let known = |name: &str| {
+        let of_play = |list: &str| {
+            let index = name.strip_prefix(list).and_then(|index| index.parse().ok());
+            index.is_some_and(|index: usize| (1..=plays).contains(&index))
+        };
+        (1..=degree).any(|i| polynomial_name(i) == name) || of_play("threshold_") || of_play("weight_")
+    };
+    match parameters.iter().find(|(name, _)| !known(name)) {
+        None => Ok(()),
+        Some((name, _)) => {
+            Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: PLAY_NAMES })
+        }
+    }
+}
+
 fn bouc_wen(parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
     let need = |name: &str| {
         parameters.get(name).ok_or_else(|| ModelFileError::MissingParameter { name: name.to_owned() })
     };
     let path = |name: &str| format!("hysteresis.parameters.{name}");
-    let mut degree = 0;
-    while let Some(coefficient) = parameters.get(&polynomial_name(degree + 1)) {
-        degree += 1;
-        quantity(&path(&polynomial_name(degree)), coefficient, &units.polynomial(degree), None)?;
-    }
-    if degree == 0 {
-        need("linear")?;
-    }
+    let degree = polynomial(parameters, units)?;
     let n = need("n")?;
     quantity(&path("n"), n, "1", Some(1.0))?;
     quantity(&path("alpha"), need("alpha")?, &units.polynomial(1), None)?;

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
-use crate::hysteresis::{BoucWen, Hysteresis};
+use crate::hysteresis::{BoucWen, Hysteresis, PrandtlIshlinskii};
 
 /// Units of a model's numbers, from the units of its signals.
 pub(super) struct Units {
@@ -37,6 +37,16 @@ impl Units {
         format!("{}^(1-n)/{}", self.output, self.input)
     }
 
+    /// Of a number of the hysteresis block beside the polynomial; `n`: the Bouc–Wen exponent.
+    pub fn of_number(&self, name: &str, n: f64) -> String {
+        match name {
+            "n" => "1".into(),
+            "beta" | "gamma" => self.shape(n),
+            name if name.starts_with("threshold_") => self.input.clone(),
+            _ => self.polynomial(1),
+        }
+    }
+
     /// Of |du/dt|.
     pub fn rate(&self) -> String {
         format!("{}/s", self.input)
@@ -58,11 +68,12 @@ impl ModelFile {
     /// File of a model whose signals have the given units; without standard errors, range, provenance or scores.
     pub fn from_model(model: &Model, signals: SignalUnits) -> Self {
         let units = Units::new(&signals);
-        let hysteresis = match &model.hysteresis {
-            Hysteresis::BoucWen(block) => HysteresisBlock {
-                kind: HysteresisKind::BoucWen,
-                parameters: bouc_wen_parameters(block, &units),
+        let hysteresis = HysteresisBlock {
+            kind: match &model.hysteresis {
+                Hysteresis::BoucWen(_) => HysteresisKind::BoucWen,
+                Hysteresis::PrandtlIshlinskii(_) => HysteresisKind::PrandtlIshlinskii,
             },
+            parameters: parameters(&model.hysteresis, &units),
         };
         let dynamics = match &model.dynamics {
             Dynamics::None => {
@@ -123,6 +134,9 @@ impl ModelFile {
         };
         let hysteresis = match self.hysteresis.kind {
             HysteresisKind::BoucWen => Hysteresis::BoucWen(bouc_wen(&self.hysteresis.parameters)?),
+            HysteresisKind::PrandtlIshlinskii => {
+                Hysteresis::PrandtlIshlinskii(prandtl_ishlinskii(&self.hysteresis.parameters))
+            }
         };
         Ok(Model {
             hysteresis,
@@ -136,16 +150,31 @@ impl ModelFile {
     }
 }
 
-fn bouc_wen_parameters(block: &BoucWen, units: &Units) -> Parameters {
+fn parameters(block: &Hysteresis, units: &Units) -> Parameters {
     let mut parameters = Parameters::default();
-    for (i, &coefficient) in block.polynomial.iter().enumerate() {
+    for (i, &coefficient) in block.polynomial().iter().enumerate() {
         parameters.set(&polynomial_name(i + 1), Quantity::new(coefficient, units.polynomial(i + 1)));
     }
-    parameters.set("alpha", Quantity::new(block.alpha, units.polynomial(1)));
-    parameters.set("beta", Quantity::new(block.beta, units.shape(block.n)));
-    parameters.set("gamma", Quantity::new(block.gamma, units.shape(block.n)));
-    parameters.set("n", Quantity::new(block.n, "1"));
+    let n = block.number("n").unwrap_or(1.0);
+    for (name, value) in block.numbers() {
+        let unit = units.of_number(&name, n);
+        parameters.set(&name, Quantity::new(value, unit));
+    }
     parameters
+}
+
+fn polynomial(parameters: &Parameters) -> Vec<f64> {
+    (1..).map_while(|i| parameters.get(&polynomial_name(i))).map(|q| q.value).collect()
+}
+
+fn prandtl_ishlinskii(parameters: &Parameters) -> PrandtlIshlinskii {
+    let list =
+        |name: &str| (1..).map_while(|i| parameters.get(&format!("{name}_{i}"))).map(|q| q.value).collect();
+    PrandtlIshlinskii {
+        polynomial: polynomial(parameters),
+        thresholds: list("threshold"),
+        weights: list("weight"),
+    }
 }
 
 fn bouc_wen(parameters: &Parameters) -> Result<BoucWen, ModelFileError> {
@@ -154,7 +183,7 @@ fn bouc_wen(parameters: &Parameters) -> Result<BoucWen, ModelFileError> {
         parameters.get(name).map(|q| q.value).ok_or_else(missing)
     };
     Ok(BoucWen {
-        polynomial: (1..).map_while(|i| parameters.get(&polynomial_name(i))).map(|q| q.value).collect(),
+        polynomial: polynomial(parameters),
         alpha: value("alpha")?,
         beta: value("beta")?,
         gamma: value("gamma")?,

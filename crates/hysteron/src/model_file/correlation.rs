@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 use super::{ModelFile, ModelFileError, Quantity, polynomial_name};
 use crate::dynamics::{Dynamics, TransferFunction};
 use crate::hammerstein::Model;
-use crate::hysteresis::Hysteresis;
 
 /// Most numbers whose correlation a file may hold; a power law with 40 poles and
 /// as many zeros has 163.
@@ -126,16 +125,10 @@ pub fn number_mut<'a>(model: &'a mut Model, name: &str) -> Option<&'a mut f64> {
             },
         };
     }
-    let Hysteresis::BoucWen(block) = &mut model.hysteresis;
-    match name {
-        "alpha" => Some(&mut block.alpha),
-        "beta" => Some(&mut block.beta),
-        "gamma" => Some(&mut block.gamma),
-        "n" => Some(&mut block.n),
-        _ => {
-            let place = (1..=block.polynomial.len()).find(|&i| polynomial_name(i) == name)?;
-            block.polynomial.get_mut(place - 1)
-        }
+    let degree = model.hysteresis.polynomial().len();
+    match (1..=degree).find(|&i| polynomial_name(i) == name) {
+        Some(power) => model.hysteresis.polynomial_mut().get_mut(power - 1),
+        None => model.hysteresis.number_mut(name),
     }
 }
 

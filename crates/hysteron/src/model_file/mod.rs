@@ -9,6 +9,8 @@
 //! | `hysteresis.parameters.linear`, `quadratic`, `cubic`, `quartic`, `quintic`, `degree_6` … | `um/V`, `um/V^2`, … |
 //! | `alpha` | `um/V` |
 //! | `beta`, `gamma` | `1/V` for n = 1, else `um^(1-n)/V` |
+//! | `threshold_1`, `threshold_2`, … | `V` |
+//! | `weight_1`, `weight_2`, … | `um/V` |
 //! | `n`, every `order` | `1` |
 //! | `coefficient` of sᵅ (`integer`, `fractional`) | `s^α` with the order as a number (`1`, `s`, `s^2.0384`): a factor common to all of them drops out of G |
 //! | `coefficient` of z⁻ⁱ (`arx`) | `1` |
@@ -137,7 +139,8 @@ impl Default for SignalUnits {
 pub struct HysteresisBlock {
     /// Which model.
     pub kind: HysteresisKind,
-    /// Its parameters by name; for `bouc-wen`: `linear`, `quadratic`, …, `alpha`, `beta`, `gamma`, `n`.
+    /// Its parameters by name: `linear`, `quadratic`, …, then for `bouc-wen` `alpha`, `beta`, `gamma`, `n`, for
+    /// `prandtl-ishlinskii` `threshold_1`, `threshold_2`, …, `weight_1`, `weight_2`, ….
     pub parameters: Parameters,
 }
 
@@ -147,6 +150,8 @@ pub struct HysteresisBlock {
 pub enum HysteresisKind {
     /// v = linear·u + quadratic·u² + … − z, ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ.
     BoucWen,
+    /// v = linear·u + quadratic·u² + … + Σ weight_i F_i, F_i ← max(u − threshold_i, min(u + threshold_i, F_i)).
+    PrandtlIshlinskii,
 }
 
 /// Dynamic block.

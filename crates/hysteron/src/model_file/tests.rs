@@ -238,8 +238,7 @@ fn polynomial_names_run_on_beyond_the_named_degrees() {
     let names: Vec<_> = (1..=7).map(polynomial_name).collect();
     assert_eq!(names, ["linear", "quadratic", "cubic", "quartic", "quintic", "degree_6", "degree_7"]);
     let mut model = article();
-    let Hysteresis::BoucWen(block) = &mut model.hysteresis;
-    block.polynomial = (1..=12).map(f64::from).collect();
+    *model.hysteresis.polynomial_mut() = (1..=12).map(f64::from).collect();
     let text = ModelFile::from_model(&model, SignalUnits::default()).to_json().unwrap();
     assert!(text.contains("\"degree_12\"") && text.contains("um/V^12"));
     assert_eq!(read(&text).unwrap().to_model().unwrap(), model);
@@ -248,8 +247,7 @@ fn polynomial_names_run_on_beyond_the_named_degrees() {
 #[test]
 fn beta_and_gamma_carry_the_exponent_where_n_is_not_one() {
     let mut model = article();
-    let Hysteresis::BoucWen(block) = &mut model.hysteresis;
-    block.n = 1.7;
+    *model.hysteresis.number_mut("n").unwrap() = 1.7;
     let file = ModelFile::from_model(&model, SignalUnits::default());
     assert_eq!(file.hysteresis.parameters.get("beta").unwrap().unit, "um^(1-n)/V");
     assert!(file.check().is_ok());

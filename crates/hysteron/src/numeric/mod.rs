@@ -8,6 +8,7 @@ mod dispatch;
 mod elementary;
 pub mod fft;
 mod inner_product;
+mod non_negative;
 mod relaxation;
 mod series;
 mod triangular;
@@ -17,6 +18,7 @@ pub use dispatch::{
     multiply_quotient, quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
 };
 pub use inner_product::dot;
+pub use non_negative::non_negative_least_squares;
 pub use relaxation::Relaxations;
 pub use rustfft::num_complex::Complex;
 pub use series::SeriesPanel;

@@ -2,7 +2,6 @@
 
 use super::{OffsetTreatment, ScoreError, Scoring, mean, root_mean_square, scored_samples};
 use crate::hammerstein::{Model, Start};
-use crate::hysteresis::{Admissibility, Hysteresis};
 use crate::record::{InputOutput, range_of};
 
 /// Memories looked at before the best of them is refined: the error need not have one minimum only.
@@ -10,9 +9,9 @@ const COARSE: usize = 9;
 /// The memory is found to this share of its range.
 const PRECISION: f64 = 1e-5;
 
-/// The start at rest at u(0) with the memory z from which `model` explains the record best (smallest RMSE), its RMSE and the
-/// simulation from it. z is searched between the operator's saturations, ±|α| (β' + γ')^(−1/n), or ±|α| times the drive's range
-/// for an operator that does not saturate: first on a grid, then by golden section. `None` where there is no memory to search.
+/// The start at rest at u(0) with the memory from which `model` explains the record best (smallest RMSE), its RMSE and the
+/// simulation from it. The memory is searched over [`Hysteresis::memory_range`](crate::hysteresis::Hysteresis::memory_range): first on a grid, then by
+/// golden section. `None` where there is no memory to search.
 ///
 /// # Errors
 /// [`ScoreError`] where the record cannot be scored.
@@ -21,27 +20,17 @@ pub(super) fn best_memory(
     record: &InputOutput,
     scoring: &Scoring,
 ) -> Result<Option<(f64, Start, Vec<f64>)>, ScoreError> {
-    let Hysteresis::BoucWen(operator) = &model.hysteresis;
     let (low, high) = range_of(&record.u);
-    let reach = match operator.admissibility() {
-        Admissibility::Bounded { saturation_v } | Admissibility::BoundedFromRest { saturation_v, .. } => {
-            saturation_v
-        }
-        _ => high - low,
-    };
-    let limit = operator.alpha.abs() * reach;
     let Some(&voltage_v) = record.u.first() else { return Ok(None) };
-    if !(limit > 0.0 && limit.is_finite()) {
-        return Ok(None);
-    }
+    let Some((least, most)) = model.hysteresis.memory_range(low, high) else { return Ok(None) };
     let scored = scored_samples(record, scoring.skip_s)?;
     let rate = record.sample_rate_hz();
-    let rmse = |z: f64| match model.simulate(&record.u, rate, &Start::Remembering { voltage_v, z }) {
+    let remembering = |value: f64| Start::Remembering { voltage_v, memory: model.hysteresis.memory(value) };
+    let rmse = |value: f64| match model.simulate(&record.u, rate, &remembering(value)) {
         Ok(simulated) => error_of(record, &simulated, &scored, scoring.offset),
         Err(_) => f64::INFINITY,
     };
-    let z = minimum(rmse, -limit, limit);
-    let start = Start::Remembering { voltage_v, z };
+    let start = remembering(minimum(rmse, least, most));
     // A memory that cannot be simulated is not the one.
     let Ok(simulated) = model.simulate(&record.u, rate, &start) else { return Ok(None) };
     Ok(Some((error_of(record, &simulated, &scored, scoring.offset), start, simulated)))

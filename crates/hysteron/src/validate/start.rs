@@ -108,7 +108,7 @@ pub fn choose_start(
 mod tests {
     use super::*;
     use crate::dynamics::{Dynamics, Scheme};
-    use crate::hysteresis::{BoucWen, Hysteresis};
+    use crate::hysteresis::{BoucWen, Hysteresis, Memory};
     use crate::record::{InterSample, TimeBase};
     use std::f64::consts::TAU;
 
@@ -178,12 +178,12 @@ mod tests {
     #[test]
     fn the_memory_is_estimated() {
         let u: Vec<f64> = (0..500).map(|k| 3.0 + 2.0 * (TAU * f64::from(k) / 125.0).sin()).collect();
-        let truth = Start::Remembering { voltage_v: 3.0, z: -0.83 };
+        let truth = Start::Remembering { voltage_v: 3.0, memory: Memory::Displacement(-0.83) };
         let y = model().simulate(&u, None, &truth).unwrap();
         let record = InputOutput::new("run", TimeBase::uniform(100.0), u, y).unwrap();
         let preferred = Start::Rest { voltage_v: 3.0 };
         match choose_start(&model(), &record, preferred, &Scoring::default()).unwrap().0 {
-            Start::Remembering { voltage_v, z } => {
+            Start::Remembering { voltage_v, memory: Memory::Displacement(z) } => {
                 assert_eq!(voltage_v, 3.0);
                 assert!((z + 0.83).abs() < 1e-4, "{z}");
             }

@@ -8,7 +8,7 @@ mod inverse;
 
 pub use inverse::StepInverse;
 
-use hysteron_rt::{PlayBank, PlayError};
+use hysteron_rt::{PlayBank, PlayError, play};
 
 use super::pass::Every;
 use super::{HysteresisError, polynomial};
@@ -107,6 +107,11 @@ impl PrandtlIshlinskii {
     pub fn loading_curve(&self, u: f64) -> f64 {
         let plays = self.thresholds.iter().zip(&self.weights);
         plays.fold(self.polynomial_at(u), |v, (r, w)| v + w * (u.abs() - r).max(0.0).copysign(u))
+    }
+
+    /// States of the plays of a device that was virgin at the voltage `virgin` and moved, without turning, to `u` \[V\].
+    pub fn plays_at(&self, virgin: f64, u: f64) -> Vec<f64> {
+        self.thresholds.iter().map(|&threshold| play(threshold, virgin, u)).collect()
     }
 
     /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state a play: those before the first

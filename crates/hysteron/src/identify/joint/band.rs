@@ -15,7 +15,7 @@ use super::problem::{JointLayout, JointProblem};
 use super::record::{Before, Ingredients, JointRecord};
 use crate::dynamics::{DynamicForm, Sampling, Scheme};
 use crate::hammerstein::Start;
-use crate::hysteresis::RecordEnds;
+use crate::hysteresis::{HysteresisForm, RecordEnds};
 use crate::optimize::{Bounds, Problem};
 use crate::record::InterSample;
 use nalgebra::DMatrix;
@@ -48,12 +48,13 @@ impl PredictionBand {
 /// What a joint fit knows of the output for any drive.
 #[derive(Clone, Debug)]
 pub struct OutputUncertainty {
+    hysteresis: HysteresisForm,
     form: DynamicForm,
     /// Without the memory of the records, which comes last in `x`.
     layout: JointLayout,
     bounds: Bounds,
     x: Vec<f64>,
-    /// Coefficients of u, u², … and α.
+    /// Coefficients of u, u², … and weights.
     coefficients: Vec<f64>,
     /// Of the eliminated coefficients and `x`, in the fit's own symbols.
     covariance: DMatrix<f64>,
@@ -78,6 +79,7 @@ impl OutputUncertainty {
         let kept = x.len() - memories;
         let all = known.covariance.values.len() - memories;
         Self {
+            hysteresis: problem.hysteresis(),
             form: *form,
             layout,
             bounds: Bounds { ranges: problem.bounds().ranges[..kept].to_vec() },
@@ -101,11 +103,12 @@ impl OutputUncertainty {
         sample_rate_hz: f64,
         start: &Start,
     ) -> Result<PredictionBand, IdentifyError> {
-        let alpha = self.coefficients.last().copied().unwrap_or(0.0);
+        let weights = self.coefficients.get(self.layout.polynomial.len()..).unwrap_or_default();
         let (before, memory) = match *start {
             Start::Rest { voltage_v } => (Before::Rest { voltage_v }, 0.0),
-            // ζ = z/α; without hysteresis there is nothing to remember.
-            Start::Remembering { z, .. } => (Before::Remembering, if alpha == 0.0 { 0.0 } else { z / alpha }),
+            Start::Remembering { memory, .. } => {
+                (Before::Remembering, self.hysteresis.memory_of_columns(memory.value(), weights))
+            }
             Start::Settled { period_samples } => {
                 if period_samples == 0 || !drive.len().is_multiple_of(period_samples) {
                     return Err(IdentifyError::NotPeriodic {
@@ -137,8 +140,13 @@ impl OutputUncertainty {
             sampling: Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) },
         })?;
         let layout = JointLayout { memory: vec![Role::Fixed(memory)], ..self.layout.clone() };
-        let problem =
-            JointProblem::new(vec![record].into(), self.form, layout, self.bounds.clone(), String::new());
+        let problem = JointProblem::new(
+            vec![record].into(),
+            (self.hysteresis, self.form),
+            layout,
+            self.bounds.clone(),
+            String::new(),
+        );
         let std_dev = problem.linearise_at(&self.x, &self.coefficients).map_or_else(
             || vec![f64::NAN; drive.len()],
             |at| deviations(&[&at.linear, &at.searched], drive.len(), 0..drive.len(), &self.covariance),
@@ -223,13 +231,12 @@ mod tests {
             _ => 0.0,
         });
         let known = OutputUncertainty {
+            hysteresis: HysteresisForm::BoucWen,
             form,
             layout: JointLayout {
                 polynomial: vec![Role::Projected; 2],
-                alpha: Role::Projected,
-                beta: Role::Searched(0),
-                gamma: Role::Searched(1),
-                n: Role::Fixed(1.0),
+                weights: vec![Role::Projected],
+                shape: vec![Role::Searched(0), Role::Searched(1), Role::Fixed(1.0)],
                 form: (2..6).map(Role::Searched).collect(),
                 delay: Role::Searched(6),
                 memory: Vec::new(),
@@ -301,13 +308,12 @@ mod tests {
     #[test]
     fn refuses_a_settled_start_of_broken_periods() {
         let known = OutputUncertainty {
+            hysteresis: HysteresisForm::BoucWen,
             form: DynamicForm { modes: Modes::None, creep: false },
             layout: JointLayout {
                 polynomial: vec![Role::Projected],
-                alpha: Role::Fixed(0.0),
-                beta: Role::Fixed(0.0),
-                gamma: Role::Fixed(0.0),
-                n: Role::Fixed(1.0),
+                weights: vec![Role::Fixed(0.0)],
+                shape: [0.0, 0.0, 1.0].map(Role::Fixed).into(),
                 form: Vec::new(),
                 delay: Role::Fixed(0.0),
                 memory: Vec::new(),

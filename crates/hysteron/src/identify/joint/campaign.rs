@@ -7,7 +7,7 @@ use super::drive::fine_drive;
 use super::record::{Before, Ingredients, JointRecord};
 use crate::dynamics::{Sampling, Scheme};
 use crate::hammerstein::Start;
-use crate::hysteresis::RecordEnds;
+use crate::hysteresis::{Hysteresis, RecordEnds};
 use crate::record::{noise_floor, quantisation_step};
 
 /// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a record, when it is
@@ -111,14 +111,28 @@ impl<'a> JointMember<'a> {
         })?)
     }
 
-    /// The start for the identified model; `memory`: z(0) \[output unit\].
-    pub(in super::super) fn start(&self, memory: f64) -> Start {
+    /// The start that is tried first where nothing is known of the record's memory.
+    pub(in super::super) fn fresh_start(&self) -> Start {
         match self.before {
             Before::Rest { voltage_v } => Start::Rest { voltage_v },
-            Before::Remembering => Start::Remembering { voltage_v: self.facts.data.u[0], z: memory },
-            Before::Periodic => Start::Settled {
-                period_samples: self.facts.period_samples().unwrap_or(self.facts.data.u.len()),
-            },
+            Before::Remembering => Start::Rest { voltage_v: self.facts.data.u[0] },
+            Before::Periodic => self.settled(),
+        }
+    }
+
+    fn settled(&self) -> Start {
+        Start::Settled { period_samples: self.facts.period_samples().unwrap_or(self.facts.data.u.len()) }
+    }
+
+    /// The start for the identified model; `memory` as it is searched \[V\].
+    pub(in super::super) fn start(&self, hysteresis: &Hysteresis, memory: f64) -> Start {
+        match self.before {
+            Before::Rest { voltage_v } => Start::Rest { voltage_v },
+            Before::Remembering => {
+                let own = hysteresis.form().own_memory(memory, &hysteresis.weights());
+                Start::Remembering { voltage_v: self.facts.data.u[0], memory: hysteresis.memory(own) }
+            }
+            Before::Periodic => self.settled(),
         }
     }
 }

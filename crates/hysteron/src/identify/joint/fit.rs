@@ -16,7 +16,6 @@ use super::setup::{self, JointSetup, memory_name};
 use super::starts::Starts;
 use crate::dynamics::{DynamicForm, Dynamics, Modes};
 use crate::hammerstein::Model;
-use crate::hysteresis::Hysteresis;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
 use crate::validate::{Scoring, mean_residual, score};
@@ -111,8 +110,8 @@ pub(in super::super) fn identify(
         let schemes = (options.scheme(), options.inter_sample);
         OutputUncertainty::new(&problem, &form, &x, known, schemes, (square / samples).sqrt())
     });
-    let covariance = own.map(|own| parameters::in_article_symbols(own, &problem));
-    let of_numbers = own.and_then(|own| parameters::of_numbers(own, &solution, &form));
+    let covariance = own.map(|own| parameters::in_article_symbols(own, &problem, &solution));
+    let of_numbers = own.and_then(|own| parameters::of_numbers(own, &problem, &solution, &form));
     let covariances = (covariance.as_ref(), of_numbers.as_ref());
     let mut parameters = parameters::parameters(&solution, &form, &problem, covariances, &model);
     if let Some(known) = &known {
@@ -163,7 +162,7 @@ fn simulated(
 ) -> Result<Vec<RecordFit>, IdentifyError> {
     let simulate = |(index, member): (usize, &JointMember<'_>)| {
         let data = &member.facts.data;
-        let start = member.start(solution.hysteresis.alpha * solution.memory[index]);
+        let start = member.start(&solution.hysteresis, solution.memory[index]);
         model.simulate(&data.u, data.sample_rate_hz(), &start).map(|simulated| (start, simulated))
     };
     // The first error in the order of the records, whatever the threads.
@@ -318,7 +317,7 @@ fn choose_degree(
     let highest = HIGHEST_AUTOMATIC_DEGREE.max(demanded);
     for degree in 1..=highest {
         let problem = setup.problem(degree, reduced)?;
-        let parameters = problem.bounds().dimension() + degree + 1;
+        let parameters = problem.bounds().dimension() + problem.layout().linear().count();
         let (cost, best) = if degree == DEGREE_OF_STARTS {
             (found.outcome.cost, found.outcome.best.clone())
         } else {
@@ -369,7 +368,7 @@ pub(in super::super) fn assemble(
     };
     let fastest = members.iter().map(|m| m.rate_hz).fold(0.0, f64::max);
     Ok(Model {
-        hysteresis: Hysteresis::BoucWen(solution.hysteresis.clone()),
+        hysteresis: solution.hysteresis.clone(),
         dynamics,
         offset: options.demands.fixed(OFFSET).unwrap_or(0.0),
         delay_s: solution.delay_s,
@@ -388,7 +387,10 @@ fn check_demands(options: &Options, form: &DynamicForm, records: usize) -> Resul
     let polynomial: Vec<_> = (1..=highest).map(polynomial_name).collect();
     let memory: Vec<String> = (0..records).map(memory_name).collect();
     let mut known: Vec<&str> = polynomial.iter().map(AsRef::as_ref).collect();
-    known.extend(["alpha", "beta", "gamma", "n", OFFSET]);
+    let family: Vec<String> =
+        options.hysteresis.weight_names().into_iter().chain(options.hysteresis.shape_names()).collect();
+    known.extend(family.iter().map(String::as_str));
+    known.push(OFFSET);
     if options.delay_s == Choice::Auto {
         known.push("delay");
     }

@@ -157,9 +157,7 @@ impl Whole<'_> {
         let layout = self.problem.layout();
         let mut next = eliminated.iter();
         let coefficients = layout
-            .polynomial
-            .iter()
-            .chain([&layout.alpha])
+            .linear()
             .map(|role: &Role| role.value(x).or_else(|| next.next().copied()).unwrap_or(0.0))
             .collect();
         (x, coefficients)
@@ -198,6 +196,7 @@ mod tests {
     use super::super::record::{Before, Ingredients, JointRecord};
     use super::*;
     use crate::dynamics::{DynamicForm, Modes, Sampling, Scheme};
+    use crate::hysteresis::HysteresisForm;
     use crate::optimize::Bounds;
     use rand::Rng;
     use rand_xoshiro::Xoshiro256PlusPlus;
@@ -230,10 +229,8 @@ mod tests {
         .unwrap();
         let layout = JointLayout {
             polynomial: vec![Role::Projected],
-            alpha: Role::Fixed(0.0),
-            beta: Role::Fixed(0.5),
-            gamma: Role::Fixed(0.1),
-            n: Role::Fixed(1.0),
+            weights: vec![Role::Fixed(0.0)],
+            shape: [0.5, 0.1, 1.0].map(Role::Fixed).into(),
             form: Vec::new(),
             delay: Role::Fixed(0.0),
             memory: vec![Role::Fixed(0.0)],
@@ -241,7 +238,7 @@ mod tests {
         let form = DynamicForm { modes: Modes::None, creep: false };
         let problem = JointProblem::new(
             vec![record].into(),
-            form,
+            (HysteresisForm::BoucWen, form),
             layout,
             Bounds { ranges: Vec::new() },
             String::new(),

@@ -32,7 +32,7 @@ const ROWS: usize = 1024;
 /// Covariance of everything estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Covariance {
-    /// Names: coefficients and α in the order of the model, then what was searched, in unit-α symbols where `internal`.
+    /// Names: coefficients and weights in the order of the model, then what was searched, in unit-α symbols where `internal`.
     pub names: Vec<String>,
     /// Estimates.
     pub values: Vec<f64>,
@@ -108,16 +108,9 @@ pub(in super::super) fn knowledge_of(
 ) -> Option<Knowledge> {
     let Linearisation { linear, eliminated, searched, residuals, coefficients } = &linearisation;
     let rows = problem.residual_count();
-    let degree = problem.layout().polynomial.len();
     let names: Vec<String> = eliminated
         .iter()
-        .map(|&index| {
-            if index == degree {
-                "alpha".into()
-            } else {
-                crate::model_file::polynomial_name(index + 1).into_owned()
-            }
-        })
+        .map(|&index| problem.layout().linear_name(index, problem.hysteresis()))
         .chain(problem.bounds().ranges.iter().map(|r| r.name.clone()))
         .collect();
     let values: Vec<f64> =

@@ -3,6 +3,7 @@
 mod band;
 mod campaign;
 mod drive;
+mod family;
 mod fit;
 mod intervals;
 mod knowledge;

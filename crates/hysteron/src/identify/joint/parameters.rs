@@ -8,38 +8,59 @@ use super::problem::{JointProblem, JointSolution};
 use super::setup::memory_name;
 use crate::dynamics::{DynamicForm, Dynamics, Modes};
 use crate::hammerstein::Model;
-use crate::hysteresis::{BoucWen, UnitShape};
+use crate::hysteresis::Hysteresis;
 use crate::model_file::{polynomial_name, transfer_function_numbers};
 
+/// Where the names of the fit are among those that it estimated, and what they are held at where they are not.
+struct Places {
+    weights: Vec<(Option<usize>, f64)>,
+    shape: Vec<(Option<usize>, f64)>,
+}
+
+impl Places {
+    fn new(own: &Covariance, problem: &JointProblem, solution: &JointSolution) -> Self {
+        let family = problem.hysteresis();
+        let place = |name: String, held: f64| (own.names.iter().position(|n| *n == name), held);
+        let of = |names: Vec<String>, held: &[f64]| {
+            names.into_iter().zip(held).map(|(name, &held)| place(name, held)).collect()
+        };
+        Self {
+            weights: of(family.weight_names(), &solution.hysteresis.weights()),
+            shape: of(family.shape_names(), &solution.shape),
+        }
+    }
+
+    fn weights_at(&self, values: &[f64]) -> Vec<f64> {
+        self.weights.iter().map(|&(place, held)| place.map_or(held, |i| values[i])).collect()
+    }
+
+    fn shape_at(&self, values: &[f64]) -> Vec<f64> {
+        self.shape.iter().map(|&(place, held)| place.map_or(held, |i| values[i])).collect()
+    }
+}
+
 /// The covariance with β, γ for β', γ' and z(0) for ζ(0).
-pub(super) fn in_article_symbols(own: &Covariance, problem: &JointProblem) -> Covariance {
-    let place = |name: &str| own.names.iter().position(|n| n == name);
-    let (alpha, beta, gamma, n) = (place("alpha"), place("beta"), place("gamma"), place("n"));
-    let layout = problem.layout();
-    let held = |role: Role| if let Role::Fixed(value) = role { value } else { 0.0 };
-    let memory: Vec<usize> = own
-        .names
-        .iter()
-        .enumerate()
-        .filter(|(_, name)| name.starts_with("memory_"))
-        .map(|(index, _)| index)
-        .collect();
+pub(super) fn in_article_symbols(
+    own: &Covariance,
+    problem: &JointProblem,
+    solution: &JointSolution,
+) -> Covariance {
+    let family = problem.hysteresis();
+    let places = Places::new(own, problem, solution);
+    let is_memory = |name: &str| name.starts_with("memory_");
+    let memory: Vec<usize> = (0..own.names.len()).filter(|&index| is_memory(&own.names[index])).collect();
     own.transformed(own.names.clone(), |values| {
         let mut out = values.to_vec();
-        let at = |index: Option<usize>, role: Role| index.map_or(held(role), |i| values[i]);
-        let a = at(alpha, layout.alpha);
-        let shape =
-            UnitShape { beta: at(beta, layout.beta), gamma: at(gamma, layout.gamma), n: at(n, layout.n) };
-        if let Ok(model) = BoucWen::from_unit(vec![1.0], a, shape) {
-            if let Some(i) = beta {
-                out[i] = model.beta;
-            }
-            if let Some(i) = gamma {
-                out[i] = model.gamma;
+        let weights = places.weights_at(values);
+        if let Ok(operator) = family.operator(vec![1.0], &weights, &places.shape_at(values)) {
+            for (name, value) in operator.numbers() {
+                if let Some(i) = own.names.iter().position(|own| *own == name) {
+                    out[i] = value;
+                }
             }
         }
         for &i in &memory {
-            out[i] = a * values[i];
+            out[i] = family.own_memory(values[i], &weights);
         }
         out
     })
@@ -48,37 +69,35 @@ pub(super) fn in_article_symbols(own: &Covariance, problem: &JointProblem) -> Co
 /// The covariance of the model's numbers, named as a model file names them.
 pub(super) fn of_numbers(
     own: &Covariance,
+    problem: &JointProblem,
     solution: &JointSolution,
     form: &DynamicForm,
 ) -> Option<Covariance> {
     let b = &solution.hysteresis;
-    let hysteresis = (1..=b.polynomial.len()).map(|i| polynomial_name(i).into_owned());
+    let family = problem.hysteresis();
+    let hysteresis = (1..=b.polynomial().len()).map(|i| polynomial_name(i).into_owned());
     let (dynamics, _) = transfer_function_numbers(&form.transfer_function(&solution.form).ok()?);
     let names: Vec<String> = hysteresis
-        .chain(["alpha", "beta", "gamma", "n"].map(String::from))
+        .chain(b.numbers().into_iter().map(|(name, _)| name))
         .chain(dynamics.iter().cloned())
         .chain(["delay".to_owned()])
         .collect();
     let count = names.len();
     let place = |name: &str| own.names.iter().position(|n| n == name);
     let coefficients: Vec<(Option<usize>, f64)> =
-        b.polynomial.iter().enumerate().map(|(i, &c)| (place(&polynomial_name(i + 1)), c)).collect();
-    let [alpha, beta, gamma, n, delay] = ["alpha", "beta", "gamma", "n", "delay"].map(place);
+        b.polynomial().iter().enumerate().map(|(i, &c)| (place(&polynomial_name(i + 1)), c)).collect();
+    let places = Places::new(own, problem, solution);
+    let delay = place("delay");
     let form_places: Vec<Option<usize>> = form.parameters().iter().map(|p| place(p.name)).collect();
     let numbers = own.transformed(names, |values| {
         let at = |place: Option<usize>, held: f64| place.map_or(held, |i| values[i]);
         let polynomial = coefficients.iter().map(|&(place, held)| at(place, held)).collect();
-        let shape = UnitShape {
-            beta: at(beta, solution.shape.beta),
-            gamma: at(gamma, solution.shape.gamma),
-            n: at(n, solution.shape.n),
-        };
         let p: Vec<f64> =
             form_places.iter().zip(&solution.form).map(|(place, &held)| at(*place, held)).collect();
-        let block = BoucWen::from_unit(polynomial, at(alpha, b.alpha), shape);
+        let block = family.operator(polynomial, &places.weights_at(values), &places.shape_at(values));
         let (Ok(block), Ok(g)) = (block, form.transfer_function(&p)) else { return vec![f64::NAN; count] };
-        let mut out = block.polynomial;
-        out.extend([block.alpha, block.beta, block.gamma, block.n]);
+        let mut out = block.polynomial().to_vec();
+        out.extend(block.numbers().into_iter().map(|(_, value)| value));
         out.extend(transfer_function_numbers(&g).1);
         out.push(at(delay, solution.delay_s));
         // Orders that pass each other merge into one term.
@@ -102,7 +121,7 @@ pub(super) fn parameters(
     let error = |name: &str| of(covariance, name);
     let b = &solution.hysteresis;
     let mut list: Vec<Parameter> = b
-        .polynomial
+        .polynomial()
         .iter()
         .enumerate()
         .map(|(i, &c)| {
@@ -115,10 +134,13 @@ pub(super) fn parameters(
         let held = matches!(role, Role::Fixed(_));
         list.push(Parameter { held, ..Parameter::new(block, name, value, error(name)) });
     };
-    push("hysteresis", "alpha", b.alpha, layout.alpha);
-    push("hysteresis", "beta", b.beta, layout.beta);
-    push("hysteresis", "gamma", b.gamma, layout.gamma);
-    push("hysteresis", "n", b.n, layout.n);
+    let family = problem.hysteresis();
+    let names: Vec<String> = family.weight_names().into_iter().chain(family.shape_names()).collect();
+    let roles: Vec<Role> = layout.weights.iter().chain(&layout.shape).copied().collect();
+    for (name, value) in b.numbers() {
+        let role = names.iter().position(|own| *own == name).map_or(Role::Projected, |at| roles[at]);
+        push("hysteresis", &name, value, role);
+    }
     for ((parameter, &value), &role) in form.parameters().iter().zip(&solution.form).zip(&layout.form) {
         push("dynamics", parameter.name, value, role);
     }
@@ -136,7 +158,8 @@ pub(super) fn parameters(
     for (index, role) in problem.layout().memory.iter().enumerate() {
         if matches!(role, Role::Searched(_)) {
             let name = memory_name(index);
-            list.push(Parameter::new("start", &name, b.alpha * solution.memory[index], error(&name)));
+            let memory = family.own_memory(solution.memory[index], &b.weights());
+            list.push(Parameter::new("start", &name, memory, error(&name)));
         }
     }
     list
@@ -149,20 +172,29 @@ pub(super) fn give_intervals(
     own: &[Option<Interval>],
     solution: &JointSolution,
 ) {
+    // The unit-α form's β', γ' and n; other families are searched in the symbols that they are reported in.
+    let unit = match &solution.hysteresis {
+        Hysteresis::BoucWen(b) => Some(b.unit_shape()),
+        Hysteresis::PrandtlIshlinskii(_) => None,
+    };
     for p in parameters {
         let Some(error) = p.std_error else { continue };
         let same = names.iter().position(|name| *name == p.name).and_then(|i| *own.get(i)?);
         p.interval = Some(match (p.name.as_str(), same) {
             ("b" | "c0" | "c1", _) if p.value > 0.0 => Interval::logarithmic(p.value, error),
             // For n = 1, β = β' and γ = ±γ'; otherwise they also depend on α.
-            ("beta" | "gamma", Some(i)) if solution.shape.n == 1.0 => {
-                let unit = if p.name == "beta" { solution.shape.beta } else { solution.shape.gamma };
-                let (a, b) = if unit * p.value < 0.0 { (-i.high, -i.low) } else { (i.low, i.high) };
-                Interval { low: a, high: b, ..i }
-            }
-            ("beta" | "gamma", _) => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
+            ("beta" | "gamma", found) if let Some(unit) = unit => match found {
+                Some(i) if unit.n == 1.0 => {
+                    let unit = if p.name == "beta" { unit.beta } else { unit.gamma };
+                    let (a, b) = if unit * p.value < 0.0 { (-i.high, -i.low) } else { (i.low, i.high) };
+                    Interval { low: a, high: b, ..i }
+                }
+                _ => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
+            },
             // z(0) = α ζ(0).
-            (name, Some(i)) if name.starts_with("memory_") => Interval::symmetric(p.value, error, i.method),
+            (name, Some(i)) if unit.is_some() && name.starts_with("memory_") => {
+                Interval::symmetric(p.value, error, i.method)
+            }
             (_, Some(interval)) => interval,
             (_, None) => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
         });

@@ -1,8 +1,9 @@
 //! The joint fit of all records and both blocks as a least-squares problem by variable projection.
 //!
-//! Searched are β', γ', n, the parameters of the dynamics, the delay and the unknown memory ζ(0) of each record; offset,
-//! drift and transients of each record and the coefficients of l\[u\] and α are eliminated by linear least squares at
-//! every candidate (Golub, Pereyra 1973, doi:10.1137/0710036). With Φ(θ) the columns, c the eliminated coefficients and
+//! Searched are the shape numbers of the hysteresis (β', γ', n), the parameters of the dynamics, the delay and the unknown
+//! memory of each record; offset, drift and transients of each record, the coefficients of l\[u\] and the weights of the
+//! hysteresis (α) are eliminated by linear least squares at every candidate (Golub, Pereyra 1973, doi:10.1137/0710036);
+//! weights of one sign by non-negative least squares, where those that end at 0 are held there. With Φ(θ) the columns, c the eliminated coefficients and
 //! P⊥ the projector off the columns, the residual is r = P⊥ y and the Jacobian −P⊥ (∂Φ/∂θ) c: Kaufman's form
 //! (doi:10.1007/BF01932995). It leaves out a term in the span of the columns, to which r is orthogonal, so that the
 //! gradient Jᵀr is exact.
@@ -14,8 +15,9 @@ use super::super::layout::Role;
 use super::super::projection::Projection;
 use super::record::{Candidate, Derivatives, Direction, JointRecord, RecordWorkspace};
 use crate::dynamics::{DynamicForm, Linearised};
-use crate::hysteresis::{BoucWen, UnitShape};
-use crate::numeric::dot;
+use crate::hysteresis::{Hysteresis, HysteresisForm};
+use crate::model_file::polynomial_name;
+use crate::numeric::{dot, non_negative_least_squares};
 use crate::optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
 
 /// Roles of the parameters of a joint fit.
@@ -23,16 +25,30 @@ use crate::optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mea
 pub(in super::super) struct JointLayout {
     /// Coefficients of u, u², …
     pub(in super::super) polynomial: Vec<Role>,
-    pub(in super::super) alpha: Role,
-    /// β' and γ' of the unit-α form.
-    pub(in super::super) beta: Role,
-    pub(in super::super) gamma: Role,
-    pub(in super::super) n: Role,
+    /// Weights of the hysteresis.
+    pub(in super::super) weights: Vec<Role>,
+    /// Its shape numbers: β' and γ' of the unit-α form, n.
+    pub(in super::super) shape: Vec<Role>,
     /// Parameters of the dynamics, in the order of [`DynamicForm::parameters`].
     pub(in super::super) form: Vec<Role>,
     pub(in super::super) delay: Role,
-    /// ζ(0) of each record; `Fixed(0)` where its memory is known.
+    /// Memory of each record; `Fixed(0)` where it is known.
     pub(in super::super) memory: Vec<Role>,
+}
+
+impl JointLayout {
+    /// What the output is linear in: coefficients of u, u², …, then weights.
+    pub(in super::super) fn linear(&self) -> impl Iterator<Item = &Role> {
+        self.polynomial.iter().chain(&self.weights)
+    }
+
+    /// Name of what the output is linear in.
+    pub(in super::super) fn linear_name(&self, index: usize, form: HysteresisForm) -> String {
+        match index.checked_sub(self.polynomial.len()) {
+            None => polynomial_name(index + 1).into_owned(),
+            Some(weight) => form.weight_names().swap_remove(weight),
+        }
+    }
 }
 
 /// What one searched number is.
@@ -40,18 +56,19 @@ pub(in super::super) struct JointLayout {
 enum Searched {
     /// Something that changes every record.
     Everywhere(Direction),
-    /// ζ(0) of one record.
+    /// The memory of one record.
     Memory(usize),
 }
 
 /// Values of all parameters of a joint fit.
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct JointSolution {
-    pub(in super::super) hysteresis: BoucWen,
-    pub(in super::super) shape: UnitShape,
+    pub(in super::super) hysteresis: Hysteresis,
+    /// Shape numbers as they are searched.
+    pub(in super::super) shape: Vec<f64>,
     pub(in super::super) form: Vec<f64>,
     pub(in super::super) delay_s: f64,
-    /// ζ(0) of each record \[V\].
+    /// Memory of each record \[V\], as it is searched.
     pub(in super::super) memory: Vec<f64>,
 }
 
@@ -61,9 +78,12 @@ pub(in super::super) struct JointProblem {
     records: Arc<[JointRecord]>,
     /// First residual of each record, and the number of residuals.
     at: Vec<usize>,
+    hysteresis: HysteresisForm,
     form: DynamicForm,
     layout: JointLayout,
     searched: Vec<Searched>,
+    /// Shape numbers that are searched.
+    shaped: Vec<bool>,
     bounds: Bounds,
     identity: String,
 }
@@ -76,6 +96,8 @@ pub(in super::super) struct JointWorkspace {
     column: Vec<f64>,
     target: Vec<f64>,
     projection: Projection,
+    /// Which coefficients the columns of `projection` belong to.
+    eliminated: Vec<usize>,
     /// Where the columns, the sensitivities and the residual of this workspace belong to; empty: nowhere.
     at: Vec<f64>,
 }
@@ -83,7 +105,7 @@ pub(in super::super) struct JointWorkspace {
 impl JointProblem {
     pub(in super::super) fn new(
         records: Arc<[JointRecord]>,
-        form: DynamicForm,
+        (hysteresis, form): (HysteresisForm, DynamicForm),
         layout: JointLayout,
         bounds: Bounds,
         identity: String,
@@ -99,23 +121,29 @@ impl JointProblem {
                 searched[index] = what;
             }
         };
-        for (index, role) in layout.polynomial.iter().chain([&layout.alpha]).enumerate() {
+        for (index, role) in layout.linear().enumerate() {
             place(*role, Searched::Everywhere(Direction::Column(index)));
         }
-        place(layout.beta, Searched::Everywhere(Direction::Beta));
-        place(layout.gamma, Searched::Everywhere(Direction::Gamma));
-        place(layout.n, Searched::Everywhere(Direction::N));
+        for (index, role) in layout.shape.iter().enumerate() {
+            place(*role, Searched::Everywhere(Direction::Shape(index)));
+        }
         for (index, role) in layout.form.iter().chain([&layout.delay]).enumerate() {
             place(*role, Searched::Everywhere(Direction::Dynamics(index)));
         }
         for (record, role) in layout.memory.iter().enumerate() {
             place(*role, Searched::Memory(record));
         }
-        Self { records, at, form, layout, searched, bounds, identity }
+        let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
+        Self { records, at, hysteresis, form, layout, searched, shaped, bounds, identity }
     }
 
     pub(in super::super) fn layout(&self) -> &JointLayout {
         &self.layout
+    }
+
+    /// The family of the hysteresis.
+    pub(in super::super) fn hysteresis(&self) -> HysteresisForm {
+        self.hysteresis
     }
 
     pub(in super::super) fn records(&self) -> &[JointRecord] {
@@ -138,7 +166,7 @@ impl JointProblem {
 
     pub(in super::super) fn candidate(&self, x: &[f64]) -> Option<Candidate> {
         let l = &self.layout;
-        let shape = UnitShape { beta: l.beta.value(x)?, gamma: l.gamma.value(x)?, n: l.n.value(x)? };
+        let shape = l.shape.iter().map(|role| role.value(x)).collect::<Option<_>>()?;
         let memory = l.memory.iter().map(|role| role.value(x)).collect::<Option<_>>()?;
         Some(Candidate { shape, delay_s: l.delay.value(x)?, memory })
     }
@@ -148,7 +176,7 @@ impl JointProblem {
     }
 
     /// Columns of every record at `x`, in the records' workspaces.
-    fn respond(&self, x: &[f64], derivatives: Derivatives, ws: &mut JointWorkspace) -> bool {
+    fn respond(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
         ws.at.clear();
         let (Some(candidate), Some(form)) = (self.candidate(x), self.form_values(x)) else { return false };
         if self.form.linearise(&form, &mut ws.dynamics).is_err() {
@@ -159,7 +187,9 @@ impl JointProblem {
             .par_iter()
             .zip(&mut ws.records)
             .zip(&candidate.memory)
-            .map(|((record, ws), &memory)| record.respond(&candidate, memory, dynamics, derivatives, ws))
+            .map(|((record, ws), &memory)| {
+                record.respond(self.hysteresis, &candidate, memory, dynamics, derivatives, ws)
+            })
             // No short cut: which records are visited must not depend on the threads.
             .reduce(|| true, |a, b| a & b)
     }
@@ -173,7 +203,7 @@ impl JointProblem {
     }
 
     /// Residual after elimination of everything linear into `ws.target`; the columns stay in `ws.projection`.
-    fn eliminate(&self, x: &[f64], derivatives: Derivatives, ws: &mut JointWorkspace) -> bool {
+    fn eliminate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
         if !self.respond(x, derivatives, ws) {
             return false;
         }
@@ -181,54 +211,87 @@ impl JointProblem {
             ws.target[self.at[r]..self.at[r + 1]].copy_from_slice(&record.target);
         }
         ws.projection.clear();
-        let JointWorkspace { records, column, target, projection, .. } = ws;
-        for (index, role) in self.layout.polynomial.iter().chain([&self.layout.alpha]).enumerate() {
-            match role.value(x) {
-                Some(value) => {
+        ws.eliminated.clear();
+        let JointWorkspace { records, column, target, projection, eliminated, .. } = ws;
+        let mut signed = Vec::new();
+        for (index, role) in self.layout.linear().enumerate() {
+            match role {
+                Role::Projected => {
+                    projection.push(|q| self.gather(index, records, q));
+                    eliminated.push(index);
+                }
+                Role::OneSided(sign) => signed.push((index, *sign)),
+                Role::Fixed(_) | Role::Searched(_) => {
+                    let value = role.value(x).unwrap_or(0.0);
                     self.gather(index, records, column);
                     target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
                 }
-                None => projection.push(|q| self.gather(index, records, q)),
             }
         }
         projection.project(target);
+        if !signed.is_empty() {
+            self.eliminate_signed(&signed, ws);
+        }
         true
     }
 
-    /// Coefficients of u, u², … and α at `x`, after [`Self::eliminate`].
+    /// Takes off the target its part in the cone of the `signed` columns, beside the span of those eliminated so far: those
+    /// whose coefficients are not 0 join these.
+    fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) {
+        let JointWorkspace { records, target, projection, eliminated, .. } = ws;
+        let count = target.len();
+        let mut columns = vec![0.0; signed.len() * count];
+        columns.par_chunks_exact_mut(count.max(1)).zip(signed).for_each(|(column, &(index, sign))| {
+            self.gather(index, records, column);
+            column.iter_mut().for_each(|c| *c *= sign);
+            projection.project(column);
+        });
+        let columns: Vec<&[f64]> = columns.chunks_exact(count.max(1)).collect();
+        let used = non_negative_least_squares(&columns, target);
+        for (&(index, _), _) in signed.iter().zip(used).filter(|(_, c)| *c > 0.0) {
+            projection.push(|q| self.gather(index, records, q));
+            eliminated.push(index);
+        }
+        projection.project(target);
+    }
+
+    /// Coefficients of u, u², … and weights at `x`, after [`Self::eliminate`].
     fn coefficients(&self, x: &[f64], ws: &mut JointWorkspace) -> Vec<f64> {
-        let JointWorkspace { records, column, projection, .. } = ws;
+        let JointWorkspace { records, column, projection, eliminated, .. } = ws;
         let mut measured = vec![0.0; column.len()];
         for (r, record) in records.iter().enumerate() {
             measured[self.rows(r)].copy_from_slice(&record.target);
         }
-        let roles: Vec<Role> = self.layout.polynomial.iter().chain([&self.layout.alpha]).copied().collect();
-        for (index, role) in roles.iter().enumerate() {
-            if let Some(value) = role.value(x) {
+        let mut coefficients: Vec<f64> =
+            self.layout.linear().map(|role| role.value(x).unwrap_or(0.0)).collect();
+        for (index, role) in self.layout.linear().enumerate() {
+            if role.value(x).is_some() {
                 self.gather(index, records, column);
-                measured.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+                measured.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= coefficients[index] * c);
             }
         }
-        let mut eliminated = projection.coefficients(&measured).into_iter();
-        roles.iter().map(|role| role.value(x).or_else(|| eliminated.next()).unwrap_or(0.0)).collect()
+        for (&index, value) in eliminated.iter().zip(projection.coefficients(&measured)) {
+            coefficients[index] = value;
+        }
+        coefficients
     }
 
     /// All parameter values at `x`, the eliminated ones by linear least squares.
     pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
         let mut ws = self.workspace();
-        if !self.eliminate(x, Derivatives::None, &mut ws) {
+        if !self.eliminate(x, None, &mut ws) {
             return None;
         }
         let coefficients = self.coefficients(x, &mut ws);
         self.solution(x, &coefficients)
     }
 
-    /// All parameter values at `x` with the coefficients of u, u², … and α.
+    /// All parameter values at `x` with the coefficients of u, u², … and the weights.
     pub(in super::super) fn solution(&self, x: &[f64], coefficients: &[f64]) -> Option<JointSolution> {
         let candidate = self.candidate(x)?;
-        let (alpha, polynomial) = coefficients.split_last()?;
+        let (polynomial, weights) = coefficients.split_at_checked(self.degree())?;
         Some(JointSolution {
-            hysteresis: BoucWen::from_unit(polynomial.to_vec(), *alpha, candidate.shape).ok()?,
+            hysteresis: self.hysteresis.operator(polynomial.to_vec(), weights, &candidate.shape).ok()?,
             shape: candidate.shape,
             form: self.form_values(x)?,
             delay_s: candidate.delay_s,
@@ -236,15 +299,16 @@ impl JointProblem {
         })
     }
 
-    fn derivatives(&self) -> Derivatives {
-        Derivatives::Shape { exponent: matches!(self.layout.n, Role::Searched(_)) }
+    fn derivatives(&self) -> Derivatives<'_> {
+        Some(&self.shaped)
     }
 
     /// Derivative of the fit along every searched number at fixed linear coefficients, each record's local columns taken
     /// off, into `out` column by column. After [`Self::respond`] with derivatives.
     fn differentiate(&self, coefficients: &[f64], records: &mut [RecordWorkspace], out: &mut [f64]) {
         let count = self.residual_count();
-        let alpha = coefficients.last().copied().unwrap_or(0.0);
+        let weights: Vec<f64> =
+            coefficients.iter().skip(self.degree()).map(|w| self.hysteresis.sign() * w).collect();
         // One slice a record, each holding its rows of every column.
         let mut slices: Vec<Vec<&mut [f64]>> = self.records.iter().map(|_| Vec::new()).collect();
         for mut column in out.chunks_exact_mut(count) {
@@ -261,7 +325,7 @@ impl JointProblem {
                     Searched::Memory(owner) => (owner == r).then_some(Direction::Memory),
                 });
                 record.combine(coefficients, ws);
-                record.differentiate(directions.zip(slices).collect(), alpha, ws);
+                record.differentiate(directions.zip(slices).collect(), &weights, ws);
             },
         );
     }
@@ -277,25 +341,37 @@ impl JointProblem {
         Some(self.collect(coefficients, &mut ws))
     }
 
-    /// [`Self::linearise`] at coefficients of u, u², … and α that need not be the best at `x`.
+    /// [`Self::linearise`] at coefficients of u, u², … and weights that need not be the best at `x`.
     pub(in super::super) fn linearise_at(&self, x: &[f64], coefficients: &[f64]) -> Option<Linearisation> {
         let mut ws = self.workspace();
+        let is_free = |(index, role): &(usize, &Role)| match role {
+            Role::Projected => true,
+            Role::OneSided(_) => coefficients[*index] != 0.0,
+            Role::Fixed(_) | Role::Searched(_) => false,
+        };
+        ws.eliminated = self.layout.linear().enumerate().filter(is_free).map(|(index, _)| index).collect();
         self.deviate(x, coefficients, self.derivatives(), &mut ws)
             .then(|| self.collect(coefficients.to_vec(), &mut ws))
     }
 
-    /// Weighted residuals at `x` and any coefficients of u, u², … and α; empty where it cannot be simulated.
+    /// Weighted residuals at `x` and any coefficients of u, u², … and weights; empty where it cannot be simulated.
     pub(in super::super) fn residuals_at<'w>(
         &self,
         x: &[f64],
         coefficients: &[f64],
         ws: &'w mut JointWorkspace,
     ) -> &'w [f64] {
-        if self.deviate(x, coefficients, Derivatives::None, ws) { &ws.target } else { &[] }
+        if self.deviate(x, coefficients, None, ws) { &ws.target } else { &[] }
     }
 
     /// Residuals at given coefficients into `ws.target`.
-    fn deviate(&self, x: &[f64], coefficients: &[f64], wanted: Derivatives, ws: &mut JointWorkspace) -> bool {
+    fn deviate(
+        &self,
+        x: &[f64],
+        coefficients: &[f64],
+        wanted: Derivatives<'_>,
+        ws: &mut JointWorkspace,
+    ) -> bool {
         if !self.respond(x, wanted, ws) {
             return false;
         }
@@ -315,15 +391,11 @@ impl JointProblem {
         let count = self.residual_count();
         let mut searched = vec![0.0; count * self.bounds.dimension()];
         self.differentiate(&coefficients, &mut ws.records, &mut searched);
-        let mut linear = Vec::new();
-        let mut eliminated = Vec::new();
-        for (index, role) in self.layout.polynomial.iter().chain([&self.layout.alpha]).enumerate() {
-            if *role == Role::Projected {
-                let at = linear.len();
-                linear.resize(at + count, 0.0);
-                self.gather(index, &ws.records, &mut linear[at..]);
-                eliminated.push(index);
-            }
+        let mut eliminated = ws.eliminated.clone();
+        eliminated.sort_unstable();
+        let mut linear = vec![0.0; eliminated.len() * count];
+        for (&index, column) in eliminated.iter().zip(linear.chunks_exact_mut(count.max(1))) {
+            self.gather(index, &ws.records, column);
         }
         Linearisation { linear, eliminated, searched, residuals: ws.target.clone(), coefficients }
     }
@@ -334,13 +406,14 @@ impl JointProblem {
 pub(in super::super) struct Linearisation {
     /// Columns of the eliminated coefficients, one after the other.
     pub(in super::super) linear: Vec<f64>,
-    /// Which coefficient each of them is: index of u^(index + 1), or the degree for α.
+    /// Which coefficient each of them is: index of u^(index + 1), from the degree on of a weight. Weights that their sign
+    /// holds at 0 are not among them.
     pub(in super::super) eliminated: Vec<usize>,
     /// Derivatives along the searched numbers, one after the other.
     pub(in super::super) searched: Vec<f64>,
     /// Weighted residuals.
     pub(in super::super) residuals: Vec<f64>,
-    /// Coefficients of u, u², … and α.
+    /// Coefficients of u, u², … and weights.
     pub(in super::super) coefficients: Vec<f64>,
 }
 
@@ -352,21 +425,26 @@ impl Problem for JointProblem {
     }
 
     fn workspace(&self) -> JointWorkspace {
-        let degree = self.degree();
+        let (degree, weights) = (self.degree(), self.layout.weights.len());
         let parameters = self.layout.form.len();
         let count = self.residual_count();
         JointWorkspace {
-            records: self.records.iter().map(|record| record.workspace(degree, parameters)).collect(),
+            records: self
+                .records
+                .iter()
+                .map(|record| record.workspace(degree, weights, parameters))
+                .collect(),
             dynamics: Linearised::default(),
             column: vec![0.0; count],
             target: vec![0.0; count],
-            projection: Projection::new(count, degree + 1),
+            projection: Projection::new(count, degree + weights),
+            eliminated: Vec::with_capacity(degree + weights),
             at: Vec::with_capacity(self.bounds.dimension()),
         }
     }
 
     fn cost(&self, x: &[f64], ws: &mut JointWorkspace) -> f64 {
-        if self.eliminate(x, Derivatives::None, ws) { root_mean_square(&ws.target) } else { f64::INFINITY }
+        if self.eliminate(x, None, ws) { root_mean_square(&ws.target) } else { f64::INFINITY }
     }
 
     fn identity(&self) -> String {

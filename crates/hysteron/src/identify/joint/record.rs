@@ -1,8 +1,11 @@
 //! One record of a joint fit: what is precomputed of it, and the linear columns and their derivatives at a candidate.
 //!
-//! Output of record r at a candidate θ (SPEC §4), linear in the coefficients c and α and in the record's own nuisance:
+//! Output of record r at a candidate θ (SPEC §4), linear in the coefficients c and w and in the record's own nuisance:
 //!
-//! y = offset (+ drift t) + Σ cᵢ Φᵢ(θ) + α Φ_ζ(θ) (+ transients),  Φᵢ = G(θ) ∗ (uⁱ − uⁱ(rest)),  Φ_ζ = −G(θ) ∗ (ζ(θ) − ζ(rest)).
+//! y = offset (+ drift t) + Σ cᵢ Φᵢ(θ) + Σ w_j Ψ_j(θ) (+ transients),  Φᵢ = G(θ) ∗ (uⁱ − uⁱ(rest)),  Ψ_j = s G(θ) ∗ (H_j(θ) − H_j(rest)),
+//!
+//! with the columns H_j, weights w_j and the sign s of the family of hysteresis operators ([`HysteresisForm`]): for Bouc–Wen
+//! one column ζ with weight α and sign −1.
 //!
 //! The hysteresis runs over the drive at its own rate or a finer one, so that every turning point is met. Where the record is
 //! reduced, its output and the measured one go through the same low-pass before samples are left out ([`Reduction`]).
@@ -13,7 +16,7 @@ use super::reduction::Reduction;
 use crate::dynamics::{
     InputSpectrum, Linearised, Response, Sampling, SimulationPlan, Workspace as PlanWorkspace,
 };
-use crate::hysteresis::{BoucWenState, Sensitivities, Start, UnitShape};
+use crate::hysteresis::{Columns, HysteresisForm, Origin};
 use rayon::prelude::*;
 
 mod derivatives;
@@ -63,9 +66,10 @@ pub(in super::super) struct JointRecord {
 /// The nonlinear part of a candidate.
 #[derive(Clone, Debug)]
 pub(in super::super) struct Candidate {
-    pub(in super::super) shape: UnitShape,
+    /// The family's shape numbers.
+    pub(in super::super) shape: Vec<f64>,
     pub(in super::super) delay_s: f64,
-    /// ζ(0) of each record \[V\]; 0 where the record's memory is known.
+    /// Memory of each record \[V\]; 0 where it is known.
     pub(in super::super) memory: Vec<f64>,
 }
 
@@ -77,14 +81,12 @@ const LANES: usize = 8;
 /// Scratch of one record.
 #[derive(Debug)]
 pub(in super::super) struct RecordWorkspace {
-    /// As the operator puts them out.
-    sensitivities: Sensitivities,
+    hysteresis: Operators,
     response: Response,
-    zeta: InputSpectrum,
     total: InputSpectrum,
     /// Nuisance, and the transients of the candidate.
     local: Projection,
-    /// Weighted columns of u, u², …, −ζ without local columns, one after the other.
+    /// Weighted columns of u, u², …, s H_j without local columns, one after the other.
     pub(in super::super) columns: Vec<f64>,
     /// Target without transients.
     pub(in super::super) target: Vec<f64>,
@@ -95,6 +97,17 @@ pub(in super::super) struct RecordWorkspace {
     lanes: Vec<Lane>,
 }
 
+/// What the operators of the hysteresis put out, kept while only the dynamics change.
+#[derive(Debug)]
+struct Operators {
+    columns: Columns,
+    /// Spectra of s (H_j − H_j(rest)).
+    spectra: Vec<InputSpectrum>,
+    /// Shape and memory that both belong to; `None`: nothing.
+    of: Option<(Vec<f64>, f64)>,
+    derived: bool,
+}
+
 /// Scratch of one column.
 #[derive(Debug)]
 struct Lane {
@@ -103,6 +116,8 @@ struct Lane {
     /// As long as the record at its own rate, where that is not what is worked on.
     own: Vec<f64>,
     input: Vec<f64>,
+    /// Weighted sum of what several operators put out.
+    sum: Vec<f64>,
 }
 
 impl JointRecord {
@@ -116,8 +131,8 @@ impl JointRecord {
         self.weight.len()
     }
 
-    /// Scratch for `degree` powers and the tangents of `parameters` parameters of the dynamics.
-    pub(super) fn workspace(&self, degree: usize, parameters: usize) -> RecordWorkspace {
+    /// Scratch for `degree` powers, `hysteretic` columns and the tangents of `parameters` parameters of the dynamics.
+    pub(super) fn workspace(&self, degree: usize, hysteretic: usize, parameters: usize) -> RecordWorkspace {
         let samples = self.samples();
         let transients = self.transients.len();
         let own = match (&self.reduction, self.thinning) {
@@ -129,15 +144,20 @@ impl JointRecord {
             spectrum: self.plan.empty_spectrum(),
             own: vec![0.0; own],
             input: vec![0.0; samples],
+            sum: Vec::new(),
         };
         let lanes = if samples < SHARED { 1 } else { rayon::current_num_threads().min(LANES) };
         RecordWorkspace {
-            sensitivities: Sensitivities::default(),
+            hysteresis: Operators {
+                columns: Columns::default(),
+                spectra: (0..hysteretic).map(|_| self.plan.empty_spectrum()).collect(),
+                of: None,
+                derived: false,
+            },
             response: self.plan.empty_response(parameters),
-            zeta: self.plan.empty_spectrum(),
             total: self.plan.empty_spectrum(),
             local: self.nuisance.with_capacity(self.nuisance.capacity() + transients),
-            columns: vec![0.0; samples * (degree + 1)],
+            columns: vec![0.0; samples * (degree + hysteretic)],
             target: vec![0.0; samples],
             transient_columns: vec![vec![0.0; samples]; transients],
             transient_shares: Vec::new(),
@@ -145,34 +165,18 @@ impl JointRecord {
         }
     }
 
-    /// ζ ahead of the first sample, where it is not known from the record itself.
-    fn memory_before(&self, memory: f64) -> f64 {
-        if self.before == Before::Remembering { memory } else { 0.0 }
+    /// Where the operators stand before the first sample.
+    fn origin(&self, memory: f64) -> Origin {
+        match self.before {
+            Before::Rest { voltage_v } => Origin::Virgin { rest: voltage_v },
+            Before::Remembering => Origin::Remembering { rest: self.drive[0], memory },
+            Before::Periodic => Origin::Periodic,
+        }
     }
 
-    /// Runs the hysteresis. `false` where the candidate cannot be simulated.
-    fn run(&self, shape: UnitShape, memory: f64, wanted: Derivatives, out: &mut Sensitivities) -> bool {
-        let every = self.thinning.every();
-        let start = match self.before {
-            Before::Rest { voltage_v } => Start::Rest { u: voltage_v },
-            Before::Remembering => Start::State(BoucWenState { u: self.drive[0], z: memory }),
-            Before::Periodic => Start::Periodic,
-        };
-        let simulated = match wanted {
-            Derivatives::None => {
-                out.zeta.resize(self.drive.len().div_ceil(every), 0.0);
-                shape.simulate_every(every, &self.drive, start, &mut out.zeta)
-            }
-            Derivatives::Shape { exponent } => {
-                shape.simulate_with_sensitivities(every, &self.drive, start, exponent, out)
-            }
-        };
-        simulated.is_ok()
-    }
-
-    /// Spectrum of `scale` times what an output `x` of the operator takes off its value `before` the first sample.
+    /// Spectrum of `scale` times what an output `x` of an operator adds to its value `before` the first sample.
     fn input_spectrum(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
-        let Lane { plan, spectrum, own, input } = lane;
+        let Lane { plan, spectrum, own, input, .. } = lane;
         match (&self.reduction, self.thinning) {
             (None, Thinning::Pick(_)) => input.copy_from_slice(x),
             (None, Thinning::Means) => self.thinning.apply(x, input),
@@ -182,63 +186,99 @@ impl JointRecord {
                 reduction.input(own, before, input);
             }
         }
-        input.iter_mut().for_each(|x| *x = scale * (before - *x));
+        input.iter_mut().for_each(|x| *x = scale * (*x - before));
         self.plan.transform_into(input, plan, spectrum).is_ok()
+    }
+
+    /// Runs the hysteresis and transforms what it puts out. `false` where the candidate cannot be simulated.
+    fn operate(
+        &self,
+        form: HysteresisForm,
+        (shape, memory): (&[f64], f64),
+        derivatives: Derivatives<'_>,
+        operators: &mut Operators,
+        lanes: &mut [Lane],
+    ) -> bool {
+        let Operators { columns, spectra, of, derived } = operators;
+        let same = of.as_ref().is_some_and(|(of_shape, of_memory)| of_shape == shape && *of_memory == memory);
+        if same && (*derived || derivatives.is_none()) {
+            return true;
+        }
+        *of = None;
+        let every = self.thinning.every();
+        if form.run(shape, every, &self.drive, self.origin(memory), derivatives, columns).is_err() {
+            return false;
+        }
+        let share = spectra.len().div_ceil(lanes.len().max(1)).max(1);
+        let done = spectra
+            .par_chunks_mut(share)
+            .zip(columns.values.par_chunks(share).zip(columns.rest.par_chunks(share)))
+            .zip(lanes)
+            .map(|((spectra, (values, rests)), lane)| {
+                let mut done = true;
+                for ((spectrum, values), rest) in spectra.iter_mut().zip(values).zip(rests) {
+                    done &= self.input_spectrum(values, *rest, form.sign(), lane);
+                    std::mem::swap(&mut lane.spectrum, spectrum);
+                }
+                done
+            })
+            .reduce(|| true, |a, b| a & b);
+        if done {
+            (*of, *derived) = (Some((shape.to_vec(), memory)), derivatives.is_some());
+        }
+        done
     }
 
     /// Columns of the candidate into `ws.columns` and the target without transients into `ws.target`; with
     /// `derivatives`, everything that [`Self::differentiate`] needs. `false` where the candidate cannot be simulated.
     pub(super) fn respond(
         &self,
+        form: HysteresisForm,
         candidate: &Candidate,
         memory: f64,
         dynamics: &Linearised,
-        derivatives: Derivatives,
+        derivatives: Derivatives<'_>,
         ws: &mut RecordWorkspace,
     ) -> bool {
-        let rest = self.memory_before(memory);
-        let RecordWorkspace { sensitivities, response, zeta, lanes, .. } = &mut *ws;
-        let Some(lane) = lanes.first_mut() else { return false };
-        let mut hysteresis = || {
-            self.run(candidate.shape, memory, derivatives, sensitivities)
-                && self.input_spectrum(&sensitivities.zeta, rest, 1.0, lane)
-        };
+        let RecordWorkspace { hysteresis, response, lanes, .. } = &mut *ws;
+        let mut operate = || self.operate(form, (&candidate.shape, memory), derivatives, hysteresis, lanes);
         let (plan, delay_s) = (&self.plan, candidate.delay_s);
         let mut linear = || match derivatives {
-            Derivatives::None => plan.response(&dynamics.transfer_function, delay_s, self.sampling, response),
-            Derivatives::Shape { .. } => {
-                plan.response_with_tangents(dynamics, delay_s, self.sampling, response)
-            }
+            None => plan.response(&dynamics.transfer_function, delay_s, self.sampling, response),
+            Some(_) => plan.response_with_tangents(dynamics, delay_s, self.sampling, response),
         };
-        let (hysteretic, responded) =
-            if self.samples() < SHARED { (hysteresis(), linear()) } else { rayon::join(hysteresis, linear) };
-        if !hysteretic || responded.is_err() {
-            return false;
-        }
-        if let Some(lane) = lanes.first_mut() {
-            std::mem::swap(&mut lane.spectrum, zeta);
-        }
-        self.respond_to_transients(ws) && self.respond_to_inputs(rest, derivatives, ws)
+        let (simulated, responded) =
+            if self.samples() < SHARED { (operate(), linear()) } else { rayon::join(operate, linear) };
+        simulated
+            && responded.is_ok()
+            && self.respond_to_transients(ws)
+            && self.respond_to_inputs(form.sign(), derivatives, ws)
     }
 
-    /// The columns of u, u², …, −ζ, which is `rest` ahead of the first sample, from their spectra.
-    fn respond_to_inputs(&self, rest: f64, derivatives: Derivatives, ws: &mut RecordWorkspace) -> bool {
-        let RecordWorkspace { response, zeta, local, columns, transient_shares, lanes, .. } = ws;
+    /// The columns of u, u², …, s H_j from their spectra.
+    fn respond_to_inputs(&self, sign: f64, derivatives: Derivatives<'_>, ws: &mut RecordWorkspace) -> bool {
+        let RecordWorkspace { hysteresis, response, local, columns, transient_shares, lanes, .. } = ws;
         let samples = self.samples();
-        let degree = columns.len() / samples - 1;
+        let count = columns.len() / samples;
+        let degree = count - hysteresis.spectra.len();
         let column = |index: usize, column: &mut [f64], lane: &mut Lane| {
-            let input = if index < degree { &self.powers[index] } else { &*zeta };
+            let input =
+                if index < degree { &self.powers[index] } else { &hysteresis.spectra[index - degree] };
             let done = self.plan.apply(response, input, &mut lane.plan, column).is_ok();
             self.end(column);
             if let Some(unit) = &self.rest {
                 let rest_v = rest_voltage(self.before, &self.drive);
-                let at_rest = if index < degree { rest_v.powi(index as i32 + 1) } else { -rest };
+                let at_rest = if index < degree {
+                    rest_v.powi(index as i32 + 1)
+                } else {
+                    sign * hysteresis.columns.rest[index - degree]
+                };
                 column.iter_mut().zip(unit).for_each(|(c, unit)| *c += at_rest * unit);
             }
             column.iter_mut().zip(&self.weight).for_each(|(c, w)| *c *= w);
             done
         };
-        let share = (degree + 1).div_ceil(lanes.len());
+        let share = count.div_ceil(lanes.len());
         let done = columns
             .par_chunks_mut(share * samples)
             .zip(&mut *lanes)
@@ -249,7 +289,7 @@ impl JointRecord {
             })
             .reduce(|| true, |a, b| a & b);
         transient_shares.clear();
-        if !self.transients.is_empty() && derivatives != Derivatives::None {
+        if !self.transients.is_empty() && derivatives.is_some() {
             transient_shares.extend(columns.chunks_exact(samples).map(|column| local.coefficients(column)));
         }
         columns.par_chunks_exact_mut(samples).for_each(|column| local.project(column));
@@ -291,9 +331,5 @@ fn rest_voltage(before: Before, drive: &[f64]) -> f64 {
     }
 }
 
-/// What is worked out beside the columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in super::super) enum Derivatives {
-    None,
-    Shape { exponent: bool },
-}
+/// Worked out beside the columns: derivatives, with respect to which shape numbers of the hysteresis.
+pub(in super::super) type Derivatives<'a> = Option<&'a [bool]>;

@@ -9,19 +9,18 @@ use super::campaign::JointMember;
 use super::problem::{JointLayout, JointProblem};
 use super::record::{Before, JointRecord};
 use crate::dynamics::{DynamicForm, Modes, Scheme};
+use crate::hysteresis::HysteresisForm;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Range};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// Least bend β' (range of the drive)ⁿ of a loop that is searched for.
-const LEAST_BEND: f64 = 1e-3;
 
 /// Everything that a joint problem of any degree is made from.
 #[derive(Clone)]
 pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) members: &'a [JointMember<'a>],
     pub(in super::super) scales: Scales,
+    pub(in super::super) hysteresis: HysteresisForm,
     pub(in super::super) form: DynamicForm,
     pub(in super::super) options: &'a Options,
     pub(in super::super) fastest_hz: f64,
@@ -39,7 +38,7 @@ struct Prepared {
     fingerprint: u64,
 }
 
-/// Name of ζ(0) of a record in the search.
+/// Name of the memory of a record in the search.
 pub(in super::super) fn memory_name(record: usize) -> String {
     format!("memory_{}", record + 1)
 }
@@ -53,6 +52,7 @@ impl<'a> JointSetup<'a> {
         let facts: Vec<&RecordFacts> = members.iter().map(|member| member.facts).collect();
         Self {
             scales: Scales::of(&facts),
+            hysteresis: options.hysteresis,
             form,
             options,
             fastest_hz: facts.iter().map(|f| f.highest_frequency_hz()).fold(0.0, f64::max),
@@ -79,11 +79,12 @@ impl<'a> JointSetup<'a> {
         let (layout, bounds) = self.layout(degree);
         let Prepared { records, fingerprint, .. } = self.prepared(degree, reduced)?;
         let identity = format!(
-            "joint {degree} {reduced} {:?} {layout:?} {:?} {fingerprint:x}",
+            "joint {degree} {reduced} {:?} {:?} {layout:?} {:?} {fingerprint:x}",
+            self.hysteresis,
             self.form,
             self.options.scheme(),
         );
-        Ok(JointProblem::new(records, self.form, layout, bounds, identity))
+        Ok(JointProblem::new(records, (self.hysteresis, self.form), layout, bounds, identity))
     }
 
     fn prepared(&self, degree: usize, reduced: bool) -> Result<Prepared, IdentifyError> {
@@ -117,7 +118,7 @@ impl<'a> JointSetup<'a> {
     }
 
     fn layout(&self, degree: usize) -> (JointLayout, Bounds) {
-        let Scales { range_v, largest_v, slope, .. } = self.scales;
+        let Scales { largest_v, slope, .. } = self.scales;
         let demands = &self.options.demands;
         let mut space = BoxBuilder::new(demands);
         let polynomial = (1..=degree)
@@ -126,32 +127,9 @@ impl<'a> JointSetup<'a> {
                 space.projected(Range::linear(&polynomial_name(power), -4.0 * unit, 4.0 * unit))
             })
             .collect();
-        let alpha = space.projected(Range::linear("alpha", -2.0 * slope.abs(), 2.0 * slope.abs()));
-        // Nothing shapes a hysteretic part that is not there.
-        let hysteretic = demands.fixed("alpha") != Some(0.0);
-        let held = |name: &str, value: f64| Role::Fixed(demands.fixed(name).unwrap_or(value));
-        let n = match self.options.n {
-            Choice::Given(n) if demands.bounded("n").is_none() => held("n", n),
-            _ if !hysteretic => held("n", 1.0),
-            _ => space.searched(Range::linear("n", 1.0, 4.0)),
-        };
-        // ζ saturates at (β' + γ')^(−1/n) V: with 20 / range the loop is a pure offset switch.
-        let steepest = 20.0 / range_v;
-        // With much less β' a loop is a parabola of size α β': α grows as β' falls, and nothing else changes.
-        let straightest = 1.0 / range_v;
-        let (low, high) = match n {
-            Role::Fixed(n) => (straightest.powf(n), steepest.powf(n)),
-            _ => (straightest.min(straightest.powi(4)), steepest.max(steepest.powi(4))),
-        };
-        let low = LEAST_BEND * low;
-        let (beta, gamma) = if hysteretic {
-            (
-                space.searched(Range::linear("beta", low, high)),
-                space.searched(Range::linear("gamma", -high, high)),
-            )
-        } else {
-            (held("beta", 0.0), held("gamma", 0.0))
-        };
+        let (weights, shape) = self.family(&mut space);
+        // Nothing is remembered by a hysteretic part that is not there.
+        let hysteretic = weights.iter().any(|weight| *weight != Role::Fixed(0.0));
         let form = self
             .form
             .parameters()
@@ -169,12 +147,13 @@ impl<'a> JointSetup<'a> {
             .enumerate()
             .map(|(index, member)| match member.before {
                 Before::Remembering if hysteretic => {
-                    space.searched(Range::linear(&memory_name(index), -range_v, range_v))
+                    let (low, high) = self.memory_range(index);
+                    space.searched(Range::linear(&memory_name(index), low, high))
                 }
                 _ => Role::Fixed(0.0),
             })
             .collect();
-        let layout = JointLayout { polynomial, alpha, beta, gamma, n, form, delay, memory };
+        let layout = JointLayout { polynomial, weights, shape, form, delay, memory };
         (layout, space.finish())
     }
 

@@ -6,30 +6,22 @@
 //! dynamics that are far off lead there). Then the dynamics, on all records with that loop held.
 
 use super::super::layout::pick;
-use super::super::options::{Choice, Options};
+use super::super::options::Options;
 use super::super::{Engine, IdentifyError};
 use super::problem::JointProblem;
 use super::setup::{JointSetup, memory_name};
 use crate::dynamics::{Dynamics, Modes};
 use crate::hammerstein::Model;
-use crate::hysteresis::{Hysteresis, UnitShape};
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Problem};
-use crate::record::range_of;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Ranges of the drive in which ζ relaxes once: (β')^(1/n) times the range.
-const SHARPNESSES: [f64; 6] = [0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
-/// γ'/β'.
-const SKEWS: [f64; 3] = [-0.7, 0.0, 0.7];
 /// Places of the natural frequency in its range.
 const PLACES: [f64; 4] = [0.3, 0.5, 0.7, 0.9];
 const DAMPINGS: [f64; 3] = [0.03, 0.2, 1.0];
 /// Orders of the damping term.
 const ORDERS: [f64; 3] = [1.0, 0.6, 0.3];
-/// Exponent where it is searched.
-const EXPONENT: f64 = 1.2;
 /// Costs that differ by more than this share belong to different optima.
 const ANOTHER: f64 = 1e-3;
 /// First samples that differ by less than this share of the range are the same voltage.
@@ -37,11 +29,10 @@ const SAME_VOLTAGE: f64 = 0.01;
 /// Dynamics that hardly show in a slow record.
 const FAST: Motion = Motion { place: 0.9, damping: 0.2, order1: 1.0 };
 
-/// A loop shape to start from.
-#[derive(Clone, Copy, Debug)]
+/// A loop to start from.
+#[derive(Clone, Debug)]
 struct Shape {
-    sharpness: f64,
-    skew: f64,
+    numbers: Vec<f64>,
     /// The device comes from loops like those of the record.
     settled: bool,
 }
@@ -59,10 +50,8 @@ struct Motion {
 
 /// What the slowest record says of the loop, in the search's own numbers.
 struct Loop {
-    beta: f64,
-    gamma: f64,
-    n: f64,
-    /// ζ(0) of the slowest record.
+    shape: Vec<f64>,
+    /// Memory of the slowest record.
     memory: f64,
 }
 
@@ -87,11 +76,11 @@ impl JointSetup<'_> {
         let mut guesses: Vec<Vec<f64>> =
             self.options.start.iter().map(|model| of_model(model, problem.bounds())).collect();
         let (_, shapes) = self.slow(&self.fast(problem.bounds()), problem.degree())?;
-        let best = shapes[0].0;
-        let other = shapes.iter().find(|(shape, _)| shape.settled != best.settled).map_or(best, |(s, _)| *s);
+        let Some((best, _)) = shapes.first() else { return Ok(guesses) };
+        let other = shapes.iter().find(|(shape, _)| shape.settled != best.settled).map_or(best, |(s, _)| s);
         let motions = self.motions(problem, |motion| self.point(problem.bounds(), best, motion));
         for (motion, shape) in motions.iter().zip([best, other].iter().cycle()) {
-            guesses.push(self.point(problem.bounds(), *shape, *motion));
+            guesses.push(self.point(problem.bounds(), shape, *motion));
         }
         Ok(guesses)
     }
@@ -152,7 +141,7 @@ impl JointSetup<'_> {
     /// of the loop there.
     fn fast(&self, bounds: &Bounds) -> Options {
         let mut options = self.options.clone();
-        let point = self.start(bounds, [0.0, 0.0, 1.0], FAST, |_| 0.0);
+        let point = self.start(bounds, &[], FAST, |_| 0.0);
         let own = self.form.parameters();
         let held =
             bounds.ranges.iter().zip(point).filter(|(range, _)| own.iter().any(|p| p.name == range.name));
@@ -166,14 +155,14 @@ impl JointSetup<'_> {
         let members = self.members.get(index..=index).unwrap_or_default();
         let setup = JointSetup::new(members, self.form, options);
         let problem = setup.problem(degree, true)?;
-        let lattice = SHARPNESSES.iter().flat_map(|&sharpness| {
-            SKEWS
-                .iter()
-                .flat_map(move |&skew| [false, true].map(|settled| Shape { sharpness, skew, settled }))
-        });
-        let point = |shape: Shape| setup.point(problem.bounds(), shape, FAST);
-        let ordered = by_cost(&problem, &lattice.collect::<Vec<_>>(), point);
-        let starts = ordered.into_iter().map(|shape| (shape, point(shape))).collect();
+        let lattice = self
+            .shapes()
+            .into_iter()
+            .flat_map(|numbers| [false, true].map(|settled| Shape { numbers: numbers.clone(), settled }));
+        let lattice: Vec<Shape> = lattice.collect();
+        let point = |shape: &Shape| setup.point(problem.bounds(), shape, FAST);
+        let ordered = by_cost(&problem, &lattice, point);
+        let starts = ordered.into_iter().map(|shape| (shape.clone(), point(&shape))).collect();
         Ok((problem, starts))
     }
 
@@ -188,8 +177,7 @@ impl JointSetup<'_> {
         let (problem, shapes) = self.slow(&options, whole.degree())?;
         let found = |x: &[f64]| -> Option<Loop> {
             let candidate = problem.candidate(x)?;
-            let UnitShape { beta, gamma, n } = candidate.shape;
-            Some(Loop { beta, gamma, n, memory: *candidate.memory.first()? })
+            Some(Loop { shape: candidate.shape, memory: *candidate.memory.first()? })
         };
         if problem.bounds().dimension() == 0 {
             return Ok(found(&[]).into_iter().collect());
@@ -210,18 +198,23 @@ impl JointSetup<'_> {
     /// The options with this loop held.
     fn holding(&self, found: &Loop) -> Options {
         let mut options = self.options.clone();
-        let shape = [("beta", found.beta), ("gamma", found.gamma), ("n", found.n)];
-        options.demands.fixed.extend(shape.map(|(name, value)| (name.to_owned(), value)));
+        let names = self.hysteresis.shape_names();
+        options.demands.bounded.retain(|(name, ..)| !names.contains(name));
+        options.demands.fixed.extend(names.into_iter().zip(found.shape.iter().copied()));
         let memory = (0..self.members.len()).map(|record| (memory_name(record), self.memory(found, record)));
         options.demands.fixed.extend(memory);
         options
     }
 
-    /// ζ(0) of a record: that of the slowest one where both start from the same voltage.
+    /// Memory of a record: that of the slowest one where both start from the same voltage.
     fn memory(&self, found: &Loop, record: usize) -> f64 {
         let first = |record: usize| self.members[record].facts.data.u[0];
         let apart = (first(record) - first(self.slowest())).abs();
-        if apart <= SAME_VOLTAGE * self.scales.range_v { found.memory } else { 0.0 }
+        if apart <= SAME_VOLTAGE * self.scales.range_v {
+            found.memory
+        } else {
+            self.first_memory(&found.shape, false, record)
+        }
     }
 
     /// The best dynamics at a loop, then others of unlike order (of unlike frequency where orders are whole).
@@ -237,7 +230,7 @@ impl JointSetup<'_> {
         let lattice = orders.iter().flat_map(|&order1| {
             PLACES.iter().flat_map(move |&place| DAMPINGS.map(|damping| Motion { place, damping, order1 }))
         });
-        let ordered = by_cost(problem, &lattice.collect::<Vec<_>>(), point);
+        let ordered = by_cost(problem, &lattice.collect::<Vec<_>>(), |motion| point(*motion));
         let mut picked: Vec<Motion> = Vec::new();
         for motion in ordered {
             let alike = |other: &Motion| {
@@ -252,41 +245,27 @@ impl JointSetup<'_> {
 
     /// The start with this loop and these dynamics.
     fn looping(&self, bounds: &Bounds, found: &Loop, motion: Motion) -> Vec<f64> {
-        self.start(bounds, [found.beta, found.gamma, found.n], motion, |record| self.memory(found, record))
+        self.start(bounds, &found.shape, motion, |record| self.memory(found, record))
     }
 
     /// The start with this shape and these dynamics.
-    fn point(&self, bounds: &Bounds, shape: Shape, motion: Motion) -> Vec<f64> {
-        let range_v = self.scales.range_v;
-        let n = match self.options.n {
-            Choice::Given(n) => self.options.demands.fixed("n").unwrap_or(n),
-            Choice::Auto => EXPONENT,
-        };
-        let beta = (shape.sharpness / range_v).powf(n);
-        let gamma = shape.skew * beta;
-        // Where a loop over the whole range turns, ζ is at most here.
-        let saturated = (beta + gamma).powf(-1.0 / n).min(range_v);
-        self.start(bounds, [beta, gamma, n], motion, |record| {
-            let u = &self.members[record].facts.data.u;
-            let (low, high) = range_of(u);
-            if shape.settled { saturated * (2.0 * (u[0] - low) / (high - low) - 1.0) } else { 0.0 }
-        })
+    fn point(&self, bounds: &Bounds, shape: &Shape, motion: Motion) -> Vec<f64> {
+        let memory = |record| self.first_memory(&shape.numbers, shape.settled, record);
+        self.start(bounds, &shape.numbers, motion, memory)
     }
 
     fn start(
         &self,
         bounds: &Bounds,
-        [beta, gamma, n]: [f64; 3],
+        numbers: &[f64],
         motion: Motion,
         memory: impl Fn(usize) -> f64,
     ) -> Vec<f64> {
+        let names = self.hysteresis.shape_names();
         pick(bounds, |name| {
             let at = |t: f64| bounds.ranges.iter().find(|r| r.name == name).map(|r| r.from_unit(t));
             match name {
                 "alpha" => Some(0.3 * self.scales.slope),
-                "beta" => Some(beta),
-                "gamma" => Some(gamma),
-                "n" => Some(n),
                 "delay" => Some(0.0),
                 "natural_frequency" => at(motion.place),
                 "natural_frequency_2" => at(motion.place + 0.5 * (1.0 - motion.place)),
@@ -298,23 +277,26 @@ impl JointSetup<'_> {
                 "share" => Some(0.9),
                 "creep" => Some(0.05),
                 "creep_order" => Some(0.15),
-                name => (0..self.members.len()).find(|&r| memory_name(r) == name).map(&memory),
+                name => match names.iter().position(|own| own == name) {
+                    Some(index) => numbers.get(index).copied(),
+                    None => (0..self.members.len()).find(|&r| memory_name(r) == name).map(&memory),
+                },
             }
         })
     }
 }
 
 /// The candidates in the order of their cost; those that cannot be simulated last.
-fn by_cost<T: Copy + Send + Sync>(
+fn by_cost<T: Clone + Send + Sync>(
     problem: &JointProblem,
     candidates: &[T],
-    point: impl Fn(T) -> Vec<f64> + Sync,
+    point: impl Fn(&T) -> Vec<f64> + Sync,
 ) -> Vec<T> {
     let share = candidates.len().div_ceil(rayon::current_num_threads()).max(1);
     let shares = candidates.par_chunks(share).flat_map_iter(|share| {
         let mut ws = problem.workspace();
         let point = &point;
-        share.iter().map(move |candidate| (problem.cost(&point(*candidate), &mut ws), *candidate))
+        share.iter().map(move |candidate| (problem.cost(&point(candidate), &mut ws), candidate.clone()))
     });
     let mut costs: Vec<(f64, T)> = shares.collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -323,22 +305,25 @@ fn by_cost<T: Copy + Send + Sync>(
 
 /// A model as a start.
 fn of_model(model: &Model, bounds: &Bounds) -> Vec<f64> {
-    let Hysteresis::BoucWen(b) = &model.hysteresis;
-    let unit = b.unit_shape();
+    let hysteresis = &model.hysteresis;
+    let family = hysteresis.form();
+    let names = family.weight_names().into_iter().chain(family.shape_names());
+    let own: Vec<(String, f64)> =
+        names.zip(hysteresis.weights().into_iter().chain(hysteresis.shape())).collect();
     let form = match &model.dynamics {
         Dynamics::Fractional(g) | Dynamics::Integer(g) => g.second_order().ok(),
         Dynamics::None | Dynamics::Arx(_) => None,
     };
+    let polynomial = hysteresis.polynomial();
     pick(bounds, |name| match name {
-        "alpha" => Some(b.alpha),
-        "beta" => Some(unit.beta),
-        "gamma" => Some(unit.gamma),
-        "n" => Some(b.n),
         "delay" => Some(model.delay_s),
         "natural_frequency" => form.map(|f| f.natural_frequency_hz),
         "damping" => form.map(|f| f.damping),
         "order2" => form.map(|f| f.alpha2),
         "order1" => form.map(|f| f.alpha1),
-        name => (1..=b.polynomial.len()).find(|&i| polynomial_name(i) == name).map(|i| b.polynomial[i - 1]),
+        name => match own.iter().find(|(own, _)| own == name) {
+            Some((_, value)) => Some(*value),
+            None => (1..=polynomial.len()).find(|&i| polynomial_name(i) == name).map(|i| polynomial[i - 1]),
+        },
     })
 }

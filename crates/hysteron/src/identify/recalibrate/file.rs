@@ -1,7 +1,6 @@
 //! A recalibration and model files.
 
 use super::{Change, Prior, Recalibration};
-use crate::hysteresis::Hysteresis;
 use crate::model_file::{ModelFile, Quantity, polynomial_name};
 use nalgebra::DMatrix;
 
@@ -85,7 +84,7 @@ fn power_of_gain(name: &str, n: f64) -> f64 {
         "alpha" => 1.0,
         "beta" | "gamma" => 1.0 - n,
         "n" | "delay" | "offset" => 0.0,
-        name if name.contains('[') => 0.0,
+        name if name.contains('[') || name.starts_with("threshold_") => 0.0,
         _ => 1.0,
     }
 }
@@ -97,7 +96,8 @@ impl Recalibration {
     /// standard error, scaled, and that of the gain, as if independent of each other.
     pub fn file(&self, old: &ModelFile) -> ModelFile {
         let mut file = old.clone();
-        let Hysteresis::BoucWen(new) = &self.model.hysteresis;
+        let new = &self.model.hysteresis;
+        let n = new.number("n").unwrap_or(1.0);
         let of_gain = self.gain.std_error.unwrap_or(0.0) / self.gain.value;
         let set = |quantity: Option<&mut Quantity>, value: f64, power: f64| {
             let Some(quantity) = quantity else { return };
@@ -106,17 +106,17 @@ impl Recalibration {
             quantity.std_error = quantity.std_error.map(|s| (scale * s).hypot(power * value * of_gain));
         };
         let parameters = &mut file.hysteresis.parameters;
-        for (index, &value) in new.polynomial.iter().enumerate() {
+        for (index, &value) in new.polynomial().iter().enumerate() {
             set(parameters.get_mut(&polynomial_name(index + 1)), value, 1.0);
         }
-        set(parameters.get_mut("alpha"), new.alpha, 1.0);
-        set(parameters.get_mut("beta"), new.beta, 1.0 - new.n);
-        set(parameters.get_mut("gamma"), new.gamma, 1.0 - new.n);
+        for (name, value) in new.numbers() {
+            set(parameters.get_mut(&name), value, power_of_gain(&name, n));
+        }
         (file.delay.value, file.delay.std_error) = (self.model.delay_s, self.delay.std_error);
         (file.offset.value, file.offset.std_error) = (self.model.offset, None);
         file.correlation = None;
         if let Some(directions) = Directions::of(old) {
-            let (names, covariance) = self.renewed(&directions, new.n);
+            let (names, covariance) = self.renewed(&directions, n);
             file.set_covariance(&names, &covariance);
         }
         file

@@ -14,7 +14,6 @@ mod tests;
 
 use super::{IdentifyError, RecordFacts, uncertainty};
 use crate::hammerstein::{Model, Start};
-use crate::hysteresis::{BoucWen, Hysteresis};
 use crate::optimize::{Algorithm, LeastSquaresOptions, Settings, Unobserved, minimize};
 use crate::record::{InputOutput, range_of};
 use crate::validate::{Scores, Scoring, StartError, choose_start, score};
@@ -133,8 +132,8 @@ pub fn recalibrate(
         }
         // The fit takes the memory of the old model's operator.
         for start in &mut again {
-            if let Start::Remembering { z, .. } = start {
-                *z /= found.gain.value;
+            if let Start::Remembering { memory, .. } = start {
+                *memory = memory.scaled(1.0 / found.gain.value);
             }
         }
         starts = again;
@@ -268,12 +267,13 @@ fn fit(
         }
     }
     for (start, at) in starts.iter_mut().zip(&names.memories) {
-        if let (Start::Remembering { z, .. }, Some(at)) = (start, at) {
-            *z = gain.value * x[*at];
+        if let (Start::Remembering { memory, .. }, Some(at)) = (start, at) {
+            *memory = memory.with_value(x[*at]).scaled(gain.value);
         }
     }
-    let model =
-        Model { hysteresis: scaled(&model.hysteresis, gain.value)?, delay_s: delay.value, ..model.clone() };
+    let hysteresis =
+        model.hysteresis.scaled(gain.value).map_err(crate::hammerstein::SimulationError::from)?;
+    let model = Model { hysteresis, delay_s: delay.value, ..model.clone() };
     let correlation = match (&covariance, names.delay) {
         (Some(c), Some(at)) => {
             let g = Names::GAIN;
@@ -326,13 +326,4 @@ fn with_prior(
     let mean = x.iter().zip(&scale).zip(step.iter()).map(|((x, s), d)| x + s * d).collect();
     let covariance = unit.map_with_location(|i, j, v| v * scale[i] * scale[j]);
     covariance.iter().all(|v| v.is_finite()).then_some((mean, covariance))
-}
-
-/// The block whose output is `gain` times that of `hysteresis`: with z = g Z, ż = g α u̇ − g¹⁻ⁿ (β |u̇| z |z|ⁿ⁻¹ + γ u̇ |z|ⁿ).
-fn scaled(hysteresis: &Hysteresis, gain: f64) -> Result<Hysteresis, IdentifyError> {
-    let Hysteresis::BoucWen(b) = hysteresis;
-    let polynomial = b.polynomial.iter().map(|c| gain * c).collect();
-    let shape = gain.powf(1.0 - b.n);
-    let scaled = BoucWen::new(polynomial, gain * b.alpha, shape * b.beta, shape * b.gamma, b.n);
-    Ok(Hysteresis::BoucWen(scaled.map_err(crate::hammerstein::SimulationError::from)?))
 }

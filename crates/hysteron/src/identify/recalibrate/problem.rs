@@ -2,8 +2,8 @@
 
 use super::RecordFacts;
 use crate::hammerstein::{Model, Start};
-use crate::hysteresis::Hysteresis;
 use crate::optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
+use crate::record::range_of;
 
 /// Gains searched.
 const GAINS: (f64, f64) = (0.05, 20.0);
@@ -54,7 +54,6 @@ impl<'a> GainAndDelay<'a> {
             ranges.push(Range::linear("delay", 0.0, longest));
             ranges.len() - 1
         });
-        let Hysteresis::BoucWen(operator) = &model.hysteresis;
         let records: Vec<Signals<'a>> = facts
             .iter()
             .zip(starts)
@@ -64,9 +63,13 @@ impl<'a> GainAndDelay<'a> {
             .iter()
             .enumerate()
             .map(|(index, record)| {
-                let Start::Remembering { z, .. } = record.start else { return None };
-                let reach = (operator.alpha * record.facts.range_v()).abs().max(2.0 * z.abs());
-                ranges.push(Range::linear(&format!("memory_{}", index + 1), -reach, reach));
+                let Start::Remembering { memory, .. } = record.start else { return None };
+                let (low, high) = range_of(&record.facts.data.u);
+                let (low, high) = model.hysteresis.memory_range(low, high)?;
+                // Not on the edge of what is searched.
+                let reach = 0.5 * (high - low).max(2.0 * memory.value().abs());
+                let middle = 0.5 * (low + high);
+                ranges.push(Range::linear(&format!("memory_{}", index + 1), middle - reach, middle + reach));
                 Some(ranges.len() - 1)
             })
             .collect();
@@ -82,8 +85,8 @@ impl<'a> GainAndDelay<'a> {
             x[at] = self.model.delay_s;
         }
         for (record, at) in self.records.iter().zip(&self.names.memories) {
-            if let (Start::Remembering { z, .. }, Some(at)) = (record.start, at) {
-                x[*at] = z;
+            if let (Start::Remembering { memory, .. }, Some(at)) = (record.start, at) {
+                x[*at] = memory.value();
             }
         }
         x
@@ -129,8 +132,8 @@ impl LeastSquaresProblem for GainAndDelay<'_> {
         for (record, memory) in self.records.iter().zip(&self.names.memories) {
             let data = &record.facts.data;
             let start = match (record.start, memory) {
-                (Start::Remembering { voltage_v, .. }, Some(at)) => {
-                    Start::Remembering { voltage_v, z: x[*at] }
+                (Start::Remembering { voltage_v, memory }, Some(at)) => {
+                    Start::Remembering { voltage_v, memory: memory.with_value(x[*at]) }
                 }
                 (start, _) => start,
             };

@@ -1,5 +1,6 @@
 use super::*;
 use crate::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+use crate::hysteresis::{BoucWen, Hysteresis, Memory};
 use crate::model_file::{ModelFile, SignalUnits};
 use crate::record::{InterSample, TimeBase};
 use std::f64::consts::TAU;
@@ -21,7 +22,7 @@ fn rig_like() -> Model {
 
 /// The device after its gain and delay have changed.
 fn changed(model: &Model, gain: f64, later_s: f64) -> Model {
-    let hysteresis = scaled(&model.hysteresis, gain).unwrap();
+    let hysteresis = model.hysteresis.scaled(gain).unwrap();
     Model { hysteresis, offset: -3.0, delay_s: model.delay_s + later_s, ..model.clone() }
 }
 
@@ -64,7 +65,10 @@ fn assert_within_errors(found: &Change, truth: f64, loosest: f64) {
 fn a_changed_gain_and_delay_come_back_from_one_second() {
     let old = rig_like();
     let prior = Prior { gain: Some(0.004), delay_s: Some(3e-6), correlation: 0.0 };
-    let starts = [Start::Rest { voltage_v: 0.0 }, Start::Remembering { voltage_v: 2.0, z: -1.7 }];
+    let starts = [
+        Start::Rest { voltage_v: 0.0 },
+        Start::Remembering { voltage_v: 2.0, memory: Memory::Displacement(-1.7) },
+    ];
     for start in starts {
         let device = changed(&old, 1.03, 40e-6);
         let record = recording(&device, 5000.0, start, noise(5000, 3, 0.005));
@@ -215,7 +219,7 @@ fn a_scaled_block_has_a_scaled_output_for_every_exponent() {
     for (alpha, n) in [(2.1, 1.0), (2.1, 1.7), (-0.8, 2.5)] {
         let block = Hysteresis::BoucWen(BoucWen::new(vec![6.0, 0.2], alpha, 0.3, -0.1, n).unwrap());
         let one = Model { hysteresis: block.clone(), dynamics: Dynamics::None, delay_s: 0.0, ..rig_like() };
-        let more = Model { hysteresis: scaled(&block, 1.37).unwrap(), ..one.clone() };
+        let more = Model { hysteresis: block.scaled(1.37).unwrap(), ..one.clone() };
         let start = Start::Rest { voltage_v: 0.0 };
         let v = one.simulate_hysteresis(&drive(500.0), &start).unwrap();
         let scaled = more.simulate_hysteresis(&drive(500.0), &start).unwrap();

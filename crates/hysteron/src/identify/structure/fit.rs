@@ -103,7 +103,7 @@ impl Campaign<'_> {
             let data = left(&facts.data, ranges, false);
             // What is left out says best what came before it: a memory fitted to the rest may rest on nothing.
             let fitted = starts.iter().find(|(r, _)| r == record).map(|(_, start)| *start);
-            let preferred = fitted.unwrap_or_else(|| self.members[*record].start(0.0));
+            let preferred = fitted.unwrap_or_else(|| self.members[*record].fresh_start());
             let (_, simulated) = choose_start(&model, &data, preferred, &Scoring::default())
                 .map_err(|e| NoFit::Failed(e.to_string()))?;
             let scores = score(&data, &simulated, &Scoring::default())?;
@@ -178,8 +178,8 @@ impl Campaign<'_> {
     ) -> Result<(Model, Vec<Start>), NoFit> {
         let solution = problem.solve(x).ok_or(OptimizeError::NoFeasiblePoint { evaluations: 0 })?;
         let model = assemble(&solution, &setup.form, members, setup.options)?;
-        let alpha = solution.hysteresis.alpha;
-        let starts = members.iter().zip(&solution.memory).map(|(m, z)| m.start(alpha * z)).collect();
+        let start = |(m, &memory): (&JointMember<'_>, &f64)| m.start(&solution.hysteresis, memory);
+        let starts = members.iter().zip(&solution.memory).map(start).collect();
         Ok((model, starts))
     }
 
@@ -351,8 +351,7 @@ fn overlay(problem: &JointProblem, base: &[f64], named: &Named) -> Vec<f64> {
 fn parameter_count(problem: &JointProblem, degree: usize) -> usize {
     let layout = problem.layout();
     let own = layout.memory.iter().filter(|role| matches!(role, Role::Searched(_))).count();
-    let eliminated =
-        layout.polynomial.iter().chain([&layout.alpha]).filter(|role| **role == Role::Projected).count();
+    let eliminated = layout.linear().filter(|role| role.is_eliminated()).count();
     debug_assert_eq!(layout.polynomial.len(), degree);
     problem.bounds().dimension() - own + eliminated
 }

@@ -7,17 +7,16 @@ use rayon::prelude::*;
 use super::super::super::projection::Projection;
 use super::{JointRecord, Lane, RecordWorkspace};
 use crate::dynamics::{InputSpectrum, Response};
-use crate::hysteresis::Sensitivities;
+use crate::hysteresis::Columns;
 
 /// A direction in which a record's output is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::identify) enum Direction {
-    /// Coefficient of u^(index + 1), or α for the index one past.
+    /// Coefficient of u^(index + 1), then weights.
     Column(usize),
-    Beta,
-    Gamma,
-    N,
-    /// ζ(0) of this record.
+    /// A shape number of the hysteresis.
+    Shape(usize),
+    /// Memory of this record.
     Memory,
     /// Tangent number of the response: a parameter of the dynamics, or the delay.
     Dynamics(usize),
@@ -25,7 +24,7 @@ pub(in crate::identify) enum Direction {
 
 /// What is known of a candidate when its derivatives are worked out.
 struct Known<'a> {
-    sensitivities: &'a Sensitivities,
+    hysteresis: &'a Columns,
     response: &'a Response,
     total: &'a InputSpectrum,
     local: &'a Projection,
@@ -34,20 +33,23 @@ struct Known<'a> {
 
 impl RecordWorkspace {
     fn split(&mut self) -> (Known<'_>, &mut [Lane]) {
-        let Self { sensitivities, response, total, local, columns, lanes, .. } = self;
-        (Known { sensitivities, response, total, local, columns }, lanes)
+        let Self { hysteresis, response, total, local, columns, lanes, .. } = self;
+        (Known { hysteresis: &hysteresis.columns, response, total, local, columns }, lanes)
     }
 }
 
 impl JointRecord {
-    /// Prepares derivatives along the dynamics: the whole input Σ cᵢ uⁱ − α ζ + transients at these coefficients.
+    /// Prepares derivatives along the dynamics: the whole input Σ cᵢ uⁱ + s Σ w_j H_j + transients at these coefficients.
     pub(in crate::identify) fn combine(&self, coefficients: &[f64], ws: &mut RecordWorkspace) {
         ws.total.clear();
-        let Some((alpha, polynomial)) = coefficients.split_last() else { return };
-        for (c, power) in polynomial.iter().zip(&self.powers) {
-            ws.total.add(*c, power);
+        let degree = coefficients.len().saturating_sub(ws.hysteresis.spectra.len());
+        for (c, input) in
+            coefficients.iter().zip(self.powers.iter().take(degree).chain(&ws.hysteresis.spectra))
+        {
+            if *c != 0.0 {
+                ws.total.add(*c, input);
+            }
         }
-        ws.total.add(*alpha, &ws.zeta);
         if !self.transients.is_empty() {
             // What the transients take of the measured output, beside all else.
             let measured = ws.local.coefficients(&self.target);
@@ -59,13 +61,13 @@ impl JointRecord {
         }
     }
 
-    /// ∂(Σ cᵢ Φᵢ + α Φ_ζ)/∂direction at fixed coefficients, weighted and without local columns, into the slice beside each
+    /// ∂(Σ cᵢ Φᵢ + Σ w_j Ψ_j)/∂direction at fixed coefficients, weighted and without local columns, into the slice beside each
     /// direction; zero where there is no direction or no derivative. After [`Self::respond`] with derivatives and
     /// [`Self::combine`].
     pub(in crate::identify) fn differentiate(
         &self,
         wanted: Vec<(Option<Direction>, &mut [f64])>,
-        alpha: f64,
+        weights: &[f64],
         ws: &mut RecordWorkspace,
     ) {
         let (known, lanes) = ws.split();
@@ -73,7 +75,7 @@ impl JointRecord {
         let deal = Mutex::new(wanted.into_iter());
         lanes.par_iter_mut().for_each(|lane| {
             while let Some((direction, out)) = deal.lock().ok().and_then(|mut deal| deal.next()) {
-                let written = direction.is_some_and(|d| self.derivative(d, alpha, &known, lane, out));
+                let written = direction.is_some_and(|d| self.derivative(d, weights, &known, lane, out));
                 if !written {
                     out.fill(0.0);
                 }
@@ -85,21 +87,27 @@ impl JointRecord {
     fn derivative(
         &self,
         direction: Direction,
-        alpha: f64,
+        weights: &[f64],
         known: &Known<'_>,
         lane: &mut Lane,
         out: &mut [f64],
     ) -> bool {
         let samples = self.samples();
-        let (source, rest) = match direction {
+        let rest = match direction {
             Direction::Column(index) => {
                 out.copy_from_slice(&known.columns[index * samples..(index + 1) * samples]);
                 return true;
             }
-            Direction::Beta => (&known.sensitivities.d_beta, 0.0),
-            Direction::Gamma => (&known.sensitivities.d_gamma, 0.0),
-            Direction::N => (&known.sensitivities.d_n, 0.0),
-            Direction::Memory => (&known.sensitivities.d_start, self.memory_before(1.0)),
+            Direction::Shape(which) => {
+                let of_shape = known.hysteresis.partials.iter().filter(|partial| partial.shape == which);
+                let parts = of_shape.map(|p| (weights[p.column], &p.values[..], p.rest));
+                self.spectrum_of_sum(parts, lane)
+            }
+            Direction::Memory => {
+                let Columns { by_memory, rest_by_memory, .. } = known.hysteresis;
+                let parts = weights.iter().zip(by_memory).zip(rest_by_memory);
+                self.spectrum_of_sum(parts.map(|((&w, values), &rest)| (w, &values[..], rest)), lane)
+            }
             Direction::Dynamics(which) => {
                 if self.plan.apply_tangent(known.response, which, known.total, &mut lane.plan, out).is_err() {
                     return false;
@@ -109,17 +117,41 @@ impl JointRecord {
                 return true;
             }
         };
-        if !self.input_spectrum(source, rest, alpha, lane)
-            || self.plan.apply(known.response, &lane.spectrum, &mut lane.plan, out).is_err()
-        {
+        let Some(rest) = rest else { return false };
+        if self.plan.apply(known.response, &lane.spectrum, &mut lane.plan, out).is_err() {
             return false;
         }
         self.end(out);
         if let Some(unit) = &self.rest {
-            out.iter_mut().zip(unit).for_each(|(o, unit)| *o -= alpha * rest * unit);
+            out.iter_mut().zip(unit).for_each(|(o, unit)| *o += rest * unit);
         }
         self.finish(known, out);
         true
+    }
+
+    /// Spectrum of the weighted sum of `parts` (weight, output of an operator, the same before the first sample), less the sum
+    /// before the first sample, which is returned; `None` where there is nothing.
+    fn spectrum_of_sum<'a>(
+        &self,
+        parts: impl Iterator<Item = (f64, &'a [f64], f64)>,
+        lane: &mut Lane,
+    ) -> Option<f64> {
+        let mut parts = parts.filter(|(weight, ..)| *weight != 0.0);
+        let (weight, first, mut rest) = parts.next()?;
+        let Some((next_weight, next, next_rest)) = parts.next() else {
+            return self.input_spectrum(first, rest, weight, lane).then_some(weight * rest);
+        };
+        let mut sum = std::mem::take(&mut lane.sum);
+        sum.clear();
+        sum.extend(first.iter().zip(next).map(|(a, b)| weight * a + next_weight * b));
+        rest = weight * rest + next_weight * next_rest;
+        for (weight, values, before) in parts {
+            sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += weight * x);
+            rest += weight * before;
+        }
+        let done = self.input_spectrum(&sum, rest, 1.0, lane);
+        lane.sum = sum;
+        done.then_some(rest)
     }
 
     /// Weights a derivative and takes its part in the local columns off.

@@ -1,10 +1,10 @@
 //! Reduced records against whole ones that are filtered and thinned afterwards.
 
 use super::super::drive::fine_drive;
-use super::super::record::{Before, Candidate, Derivatives, Direction, Ingredients, JointRecord};
+use super::super::record::{Before, Candidate, Direction, Ingredients, JointRecord};
 use super::*;
 use crate::dynamics::{DynamicForm, Linearised, Modes, Sampling, Scheme};
-use crate::hysteresis::{RecordEnds, UnitShape};
+use crate::hysteresis::{HysteresisForm, RecordEnds};
 use crate::record::InterSample;
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -38,18 +38,18 @@ fn columns(record: &JointRecord, n: f64, creep: bool) -> Vec<Vec<f64>> {
     let form = DynamicForm { modes: Modes::Fractional, creep };
     let mut dynamics = Linearised::default();
     form.linearise(&[320.0, 0.4, 1.95, 1.02, 0.05, 0.15][..form.parameter_count()], &mut dynamics).unwrap();
-    let candidate =
-        Candidate { shape: UnitShape { beta: 0.4, gamma: 0.1, n }, delay_s: 3.37e-4, memory: Vec::new() };
-    let mut ws = record.workspace(2, form.parameter_count());
-    let wanted = Derivatives::Shape { exponent: false };
-    assert!(record.respond(&candidate, 0.7, &dynamics, wanted, &mut ws));
+    let candidate = Candidate { shape: vec![0.4, 0.1, n], delay_s: 3.37e-4, memory: Vec::new() };
+    let mut ws = record.workspace(2, 1, form.parameter_count());
+    let wanted = Some(&[true, true, false][..]);
+    assert!(record.respond(HysteresisForm::BoucWen, &candidate, 0.7, &dynamics, wanted, &mut ws));
     let samples = record.samples();
     let mut all: Vec<Vec<f64>> = ws.columns.chunks_exact(samples).map(<[f64]>::to_vec).collect();
     record.combine(&[3.0, -0.1, 0.8], &mut ws);
     let dynamic = (0..=form.parameter_count()).map(Direction::Dynamics);
-    for direction in [Direction::Beta, Direction::Gamma, Direction::Memory].into_iter().chain(dynamic) {
+    for direction in [Direction::Shape(0), Direction::Shape(1), Direction::Memory].into_iter().chain(dynamic)
+    {
         let mut out = vec![0.0; samples];
-        record.differentiate(vec![(Some(direction), &mut out)], 0.8, &mut ws);
+        record.differentiate(vec![(Some(direction), &mut out)], &[-0.8], &mut ws);
         assert!(direction == Direction::Memory || out.iter().any(|d| *d != 0.0), "{direction:?}");
         all.push(out);
     }

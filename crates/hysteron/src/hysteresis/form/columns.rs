@@ -1,0 +1,73 @@
+//! What the operators of a family put out over a record.
+
+use super::super::sensitivities::Sensitivities;
+
+/// Where an operator stands before the first sample of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Origin {
+    /// Virgin at the rest voltage \[V\], from which the first sample is reached by a monotone move.
+    Virgin {
+        /// Rest voltage \[V\].
+        rest: f64,
+    },
+    /// At rest at the voltage `rest` \[V\] with a memory, whose meaning is the family's
+    /// ([`super::HysteresisForm`]); the first sample is reached by a monotone move.
+    Remembering {
+        /// Rest voltage \[V\].
+        rest: f64,
+        /// ζ(0) \[V\] for Bouc–Wen; else the voltage \[V\] at which the device was virgin before it moved to `rest`.
+        memory: f64,
+    },
+    /// Steady state of the record repeated for ever; the record must be a whole number of periods.
+    Periodic,
+}
+
+/// Columns H_j of a family over a record, and their derivatives. The buffers are kept between calls.
+#[derive(Clone, Debug, Default)]
+pub struct Columns {
+    /// H_j \[V\], as many samples each as the record has.
+    pub values: Vec<Vec<f64>>,
+    /// ∂H_j/∂θ_p, where it is not zero and was asked for.
+    pub partials: Vec<Partial>,
+    /// ∂H_j/∂memory of [`Origin::Remembering`]; empty unless derivatives were asked for.
+    pub by_memory: Vec<Vec<f64>>,
+    /// H_j before the first sample; 0 for a steady state, which has none.
+    pub rest: Vec<f64>,
+    /// ∂(H_j before the first sample)/∂memory.
+    pub rest_by_memory: Vec<f64>,
+    pub(super) sensitivities: Sensitivities,
+}
+
+/// Derivative of one column with respect to one shape number.
+#[derive(Clone, Debug, Default)]
+pub struct Partial {
+    /// Index p of the shape number.
+    pub shape: usize,
+    /// Index j of the column.
+    pub column: usize,
+    /// ∂H_j/∂θ_p at every sample.
+    pub values: Vec<f64>,
+    /// ∂(H_j before the first sample)/∂θ_p.
+    pub rest: f64,
+}
+
+impl Columns {
+    /// Gives every buffer its length. Derivatives of the pairs (θ, column) given.
+    pub(super) fn resize(&mut self, columns: usize, samples: usize, pairs: &[(usize, usize)], memory: bool) {
+        let shape = |buffers: &mut Vec<Vec<f64>>, count: usize| {
+            buffers.resize_with(count, Vec::new);
+            buffers.iter_mut().for_each(|buffer| buffer.resize(samples, 0.0));
+        };
+        shape(&mut self.values, columns);
+        shape(&mut self.by_memory, if memory { columns } else { 0 });
+        self.partials.resize_with(pairs.len(), Partial::default);
+        for (partial, &(shape, column)) in self.partials.iter_mut().zip(pairs) {
+            (partial.shape, partial.column, partial.rest) = (shape, column, 0.0);
+            partial.values.resize(samples, 0.0);
+        }
+        self.rest.clear();
+        self.rest.resize(columns, 0.0);
+        self.rest_by_memory.clear();
+        self.rest_by_memory.resize(columns, 0.0);
+    }
+}

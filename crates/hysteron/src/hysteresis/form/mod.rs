@@ -1,0 +1,222 @@
+//! Families of hysteresis operators as a fit sees them.
+//!
+//! Every family is v = Σ cᵢ uⁱ + Σ_j w_j s H_j\[u; θ\]: linear in its weights w, nonlinear in a few shape numbers θ, with
+//! columns H_j that an operator puts out and a sign s that is the family's convention. [`HysteresisForm`] names the numbers,
+//! runs the operators into [`Columns`] with their derivatives, and makes the [`Hysteresis`] that they stand for.
+
+mod bouc_wen;
+mod columns;
+mod memory;
+mod plays;
+
+pub use columns::{Columns, Origin, Partial};
+pub use memory::Memory;
+
+use super::{BoucWen, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape};
+
+/// A family of hysteresis operators with its fixed structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum HysteresisForm {
+    /// H = ζ of the unit-α form, s = −1: weight α; shape β', γ', n. Memory of a record: ζ(0) \[V\].
+    #[default]
+    BoucWen,
+    /// H_j = F_rⱼ, s = 1: a weight and a threshold r a play. Memory of a record: the voltage at which the device was
+    /// virgin before it moved, without turning, to where it rested.
+    PrandtlIshlinskii {
+        /// Number of plays.
+        plays: usize,
+    },
+}
+
+impl HysteresisForm {
+    /// Names of the weights.
+    pub fn weight_names(self) -> Vec<String> {
+        match self {
+            Self::BoucWen => vec!["alpha".into()],
+            Self::PrandtlIshlinskii { plays } => numbered("weight", plays),
+        }
+    }
+
+    /// Names of the shape numbers θ.
+    pub fn shape_names(self) -> Vec<String> {
+        match self {
+            Self::BoucWen => ["beta", "gamma", "n"].map(String::from).into(),
+            Self::PrandtlIshlinskii { plays } => numbered("threshold", plays),
+        }
+    }
+
+    /// Number of columns, and of weights.
+    pub fn columns(self) -> usize {
+        match self {
+            Self::BoucWen => 1,
+            Self::PrandtlIshlinskii { plays } => plays,
+        }
+    }
+
+    /// The sign s of a weighted column in v.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::BoucWen => -1.0,
+            Self::PrandtlIshlinskii { .. } => 1.0,
+        }
+    }
+
+    /// Whether all weights have the sign of the slope dv/du, so that every move raises v with u.
+    pub fn is_monotone(self) -> bool {
+        matches!(self, Self::PrandtlIshlinskii { .. })
+    }
+
+    /// Runs the operators over the drive `u` \[V\], given on a time base finer by `factor`, from `origin`; derivatives with
+    /// respect to those shape numbers that `wanted` marks, and to the memory, where it is given.
+    ///
+    /// # Errors
+    /// What the family refuses: [`HysteresisError`].
+    pub fn run(
+        self,
+        shape: &[f64],
+        factor: usize,
+        u: &[f64],
+        origin: Origin,
+        wanted: Option<&[bool]>,
+        out: &mut Columns,
+    ) -> Result<(), HysteresisError> {
+        match self {
+            Self::BoucWen => bouc_wen::run(unit_shape(shape)?, factor, u, origin, wanted, out),
+            Self::PrandtlIshlinskii { .. } => plays::run(shape, factor, u, origin, wanted, out),
+        }
+    }
+
+    /// The operator with these numbers.
+    ///
+    /// # Errors
+    /// As the family's own `validate`; with α = 0 the article's β and γ exist for n = 1 only.
+    pub fn operator(
+        self,
+        polynomial: Vec<f64>,
+        weights: &[f64],
+        shape: &[f64],
+    ) -> Result<Hysteresis, HysteresisError> {
+        match self {
+            Self::BoucWen => {
+                let alpha = weights.first().copied().unwrap_or(0.0);
+                BoucWen::from_unit(polynomial, alpha, unit_shape(shape)?).map(Hysteresis::BoucWen)
+            }
+            Self::PrandtlIshlinskii { .. } => {
+                PrandtlIshlinskii::new(polynomial, shape.to_vec(), weights.to_vec())
+                    .map(Hysteresis::PrandtlIshlinskii)
+            }
+        }
+    }
+
+    /// A record's memory in the operator's own scale, z(0) = α ζ(0) for Bouc–Wen, from that of the columns.
+    pub fn own_memory(self, memory: f64, weights: &[f64]) -> f64 {
+        match self {
+            Self::BoucWen => memory * weights.first().copied().unwrap_or(0.0),
+            Self::PrandtlIshlinskii { .. } => memory,
+        }
+    }
+}
+
+impl HysteresisForm {
+    /// A record's memory in the scale of the columns, from that in the operator's own; 0 where nothing is remembered.
+    pub fn memory_of_columns(self, memory: f64, weights: &[f64]) -> f64 {
+        match (self, weights) {
+            (Self::BoucWen, &[alpha]) => {
+                if alpha == 0.0 {
+                    0.0
+                } else {
+                    memory / alpha
+                }
+            }
+            _ => memory,
+        }
+    }
+}
+
+impl Hysteresis {
+    /// The family of this operator.
+    pub fn form(&self) -> HysteresisForm {
+        match self {
+            Self::BoucWen(_) => HysteresisForm::BoucWen,
+            Self::PrandtlIshlinskii(model) => {
+                HysteresisForm::PrandtlIshlinskii { plays: model.thresholds.len() }
+            }
+        }
+    }
+
+    /// Weights in the order of [`HysteresisForm::weight_names`].
+    pub fn weights(&self) -> Vec<f64> {
+        match self {
+            Self::BoucWen(model) => vec![model.alpha],
+            Self::PrandtlIshlinskii(model) => model.weights.clone(),
+        }
+    }
+
+    /// Shape numbers in the order of [`HysteresisForm::shape_names`]; β', γ' for Bouc–Wen.
+    pub fn shape(&self) -> Vec<f64> {
+        match self {
+            Self::BoucWen(model) => {
+                let UnitShape { beta, gamma, n } = model.unit_shape();
+                vec![beta, gamma, n]
+            }
+            Self::PrandtlIshlinskii(model) => model.thresholds.clone(),
+        }
+    }
+}
+
+impl Hysteresis {
+    /// Names and values of the numbers beside the polynomial, as a model file has them.
+    pub fn numbers(&self) -> Vec<(String, f64)> {
+        let of = |names: Vec<String>, values: &[f64]| names.into_iter().zip(values.to_vec());
+        match self {
+            Self::BoucWen(b) => [("alpha", b.alpha), ("beta", b.beta), ("gamma", b.gamma), ("n", b.n)]
+                .map(|(name, value)| (name.to_owned(), value))
+                .into(),
+            Self::PrandtlIshlinskii(p) => {
+                let form = self.form();
+                of(form.shape_names(), &p.thresholds).chain(of(form.weight_names(), &p.weights)).collect()
+            }
+        }
+    }
+
+    /// The number of this name beside the polynomial.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers().into_iter().find(|(own, _)| own == name).map(|(_, value)| value)
+    }
+
+    /// The number of this name beside the polynomial.
+    pub fn number_mut(&mut self, name: &str) -> Option<&mut f64> {
+        match self {
+            Self::BoucWen(b) => match name {
+                "alpha" => Some(&mut b.alpha),
+                "beta" => Some(&mut b.beta),
+                "gamma" => Some(&mut b.gamma),
+                "n" => Some(&mut b.n),
+                _ => None,
+            },
+            Self::PrandtlIshlinskii(p) => {
+                let (list, index) = name.rsplit_once('_')?;
+                let index = index.parse::<usize>().ok()?.checked_sub(1)?;
+                match list {
+                    "threshold" => p.thresholds.get_mut(index),
+                    "weight" => p.weights.get_mut(index),
+                    _ => None,
+                }
+            }
+        }
+    }
+}
+
+fn numbered(name: &str, count: usize) -> Vec<String> {
+    (1..=count).map(|index| format!("{name}_{index}")).collect()
+}
+
+fn unit_shape(shape: &[f64]) -> Result<UnitShape, HysteresisError> {
+    match *shape {
+        [beta, gamma, n] => Ok(UnitShape { beta, gamma, n }),
+        _ => Err(HysteresisError::ShapeCount { expected: 3, found: shape.len() }),
+    }
+}
+
+#[cfg(test)]
+mod tests;

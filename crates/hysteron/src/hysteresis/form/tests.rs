@@ -1,0 +1,131 @@
+use super::*;
+
+/// A drive with minor loops, on a grid finer by 2 where every other sample is read.
+fn drive() -> Vec<f64> {
+    (0..400)
+        .map(|k| {
+            let t = f64::from(k) * 0.05;
+            4.0 + 3.0 * t.sin() + 1.7 * (2.3 * t + 0.4).sin()
+        })
+        .collect()
+}
+
+fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
+    vec![
+        (HysteresisForm::BoucWen, vec![0.4, 0.1, 1.0]),
+        (HysteresisForm::BoucWen, vec![0.4, -0.1, 1.6]),
+        (HysteresisForm::PrandtlIshlinskii { plays: 4 }, vec![0.31, 0.9, 1.7, 3.3]),
+    ]
+}
+
+fn run(form: HysteresisForm, shape: &[f64], factor: usize, origin: Origin, derivatives: bool) -> Columns {
+    let mut out = Columns::default();
+    let wanted = vec![true; shape.len()];
+    form.run(shape, factor, &drive(), origin, derivatives.then_some(&wanted[..]), &mut out).unwrap();
+    out
+}
+
+const ORIGINS: [Origin; 3] =
+    [Origin::Virgin { rest: 2.0 }, Origin::Remembering { rest: 4.2, memory: 3.4 }, Origin::Periodic];
+
+#[test]
+fn columns_add_up_to_the_operator() {
+    for (form, shape) in forms() {
+        for origin in ORIGINS {
+            let weights: Vec<f64> = (1..=form.columns()).map(|j| 0.7 / j as f64).collect();
+            let columns = run(form, &shape, 2, origin, false);
+            let operator = form.operator(vec![1.0, 0.1], &weights, &shape).unwrap();
+            let own = match origin {
+                Origin::Remembering { rest, memory } => {
+                    Origin::Remembering { rest, memory: form.own_memory(memory, &weights) }
+                }
+                other => other,
+            };
+            let u = drive();
+            let mut v = vec![0.0; u.len() / 2];
+            operator.simulate_every(2, &u, own, &mut v).unwrap();
+            for (k, v) in v.iter().enumerate() {
+                let sum: f64 = weights.iter().zip(&columns.values).map(|(w, h)| w * h[k]).sum();
+                let u = u[2 * k];
+                let expected = u + 0.1 * u * u + form.sign() * sum;
+                assert!((v - expected).abs() < 1e-12 * expected.abs().max(1.0), "{form:?} {origin:?} {k}");
+            }
+            if let Origin::Remembering { rest, memory } = origin {
+                let sum: f64 = weights.iter().zip(&columns.rest).map(|(w, h)| w * h).sum();
+                let at_rest = operator.at_rest(rest, Some(form.own_memory(memory, &weights)));
+                let expected = rest + 0.1 * rest * rest + form.sign() * sum;
+                assert!((at_rest - expected).abs() < 1e-12, "{form:?}");
+            }
+            let again = operator.form().operator(
+                operator.polynomial().to_vec(),
+                &operator.weights(),
+                &operator.shape(),
+            );
+            let mut same = vec![0.0; v.len()];
+            again.unwrap().simulate_every(2, &u, own, &mut same).unwrap();
+            assert!(v.iter().zip(&same).all(|(a, b)| (a - b).abs() < 1e-12 * a.abs().max(1.0)));
+        }
+    }
+}
+
+#[test]
+fn derivatives_are_those_of_the_columns() {
+    const STEP: f64 = 1e-6;
+    for (form, shape) in forms() {
+        for origin in ORIGINS {
+            let columns = run(form, &shape, 2, origin, true);
+            let plain = run(form, &shape, 2, origin, false);
+            for (a, b) in columns.values.iter().flatten().zip(plain.values.iter().flatten()) {
+                assert!((a - b).abs() < 1e-12 * a.abs().max(1.0), "{form:?} {origin:?}: {a} {b}");
+            }
+            for p in 0..shape.len() {
+                let moved = |by: f64| {
+                    let mut shape = shape.clone();
+                    shape[p] += by;
+                    run(form, &shape, 2, origin, false)
+                };
+                let n_at_its_end = form == HysteresisForm::BoucWen && p == 2 && shape[p] == 1.0;
+                if n_at_its_end {
+                    continue;
+                }
+                let (up, down) = (moved(STEP), moved(-STEP));
+                for j in 0..form.columns() {
+                    let found = columns.partials.iter().find(|q| (q.shape, q.column) == (p, j));
+                    let difference = |k: usize| (up.values[j][k] - down.values[j][k]) / (2.0 * STEP);
+                    for k in 0..columns.values[j].len() {
+                        let analytic = found.map_or(0.0, |q| q.values[k]);
+                        assert!(
+                            (analytic - difference(k)).abs() < 1e-6 * analytic.abs().max(1.0),
+                            "{form:?} {origin:?} θ{p} column {j} sample {k}: {analytic} {}",
+                            difference(k)
+                        );
+                    }
+                    let rest = (up.rest[j] - down.rest[j]) / (2.0 * STEP);
+                    assert!((found.map_or(0.0, |q| q.rest) - rest).abs() < 1e-6);
+                }
+            }
+            if let Origin::Remembering { rest, memory } = origin {
+                let moved =
+                    |by| run(form, &shape, 2, Origin::Remembering { rest, memory: memory + by }, false);
+                let (up, down) = (moved(STEP), moved(-STEP));
+                for j in 0..form.columns() {
+                    for k in 0..columns.values[j].len() {
+                        let difference = (up.values[j][k] - down.values[j][k]) / (2.0 * STEP);
+                        assert!(
+                            (columns.by_memory[j][k] - difference).abs() < 1e-6,
+                            "{form:?} column {j} sample {k}"
+                        );
+                    }
+                    let at_rest = (up.rest[j] - down.rest[j]) / (2.0 * STEP);
+                    assert!((columns.rest_by_memory[j] - at_rest).abs() < 1e-6);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn another_number_of_shape_numbers_is_refused() {
+    let run = HysteresisForm::BoucWen.run(&[1.0], 1, &[0.0], Origin::Periodic, None, &mut Columns::default());
+    assert!(matches!(run, Err(HysteresisError::ShapeCount { expected: 3, found: 1 })));
+}

@@ -1,0 +1,122 @@
+//! Least squares with coefficients that are not negative.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::triangular;
+
+/// What is left of a gradient by rounding, as a share of the sizes that it comes from.
+const ROUNDING: f64 = 1e-13;
+
+/// c ≥ 0 that minimises ‖`target` − Σ c_j `columns`_j‖: the active-set method of C. L. Lawson and R. J. Hanson, *Solving Least
+/// Squares Problems* (1974), ch. 23, doi:10.1137/1.9781611971217, on the triangular factor of columns and target. Columns that
+/// depend on others, or are zero, get 0.
+pub fn non_negative_least_squares(columns: &[&[f64]], target: &[f64]) -> Vec<f64> {
+    let count = columns.len();
+    let mut all = columns.to_vec();
+    all.push(target);
+    let factor = triangular(&all);
+    let norms: Vec<f64> = (0..count).map(|j| factor.column(j).norm()).collect();
+    let unit =
+        DMatrix::from_fn(
+            count + 1,
+            count,
+            |i, j| if norms[j] > 0.0 { factor[(i, j)] / norms[j] } else { 0.0 },
+        );
+    let target = factor.column(count).into_owned();
+    let size = target.norm();
+    let mut c = DVector::zeros(count);
+    let mut free: Vec<usize> = Vec::new();
+    let mut barred = vec![false; count];
+    // Each round frees one column; the method ends, but for rounding, long before this.
+    for _ in 0..10 * count.max(1) {
+        let gradient = unit.tr_mul(&(&target - &unit * &c));
+        let next = (0..count)
+            .filter(|j| !free.contains(j) && !barred[*j] && gradient[*j] > ROUNDING * size)
+            .max_by(|&i, &j| gradient[i].total_cmp(&gradient[j]));
+        let Some(next) = next else { break };
+        free.push(next);
+        while let Some(solution) = solve(&unit, &free, &target) {
+            if solution.iter().all(|x| *x > 0.0) {
+                free.iter().zip(&solution).for_each(|(&j, x)| c[j] = *x);
+                barred.fill(false);
+                break;
+            }
+            if solution.last().is_some_and(|x| *x <= 0.0) && free.last() == Some(&next) && c[next] == 0.0 {
+                // Its gradient was rounding.
+                barred[next] = true;
+            }
+            let step = free
+                .iter()
+                .zip(&solution)
+                .filter(|(_, x)| **x <= 0.0)
+                .map(|(&j, x)| c[j] / (c[j] - x))
+                .fold(1.0, f64::min);
+            free.iter().zip(&solution).for_each(|(&j, x)| c[j] += step * (x - c[j]));
+            for &j in &free {
+                if c[j] <= ROUNDING * size {
+                    c[j] = 0.0;
+                }
+            }
+            free.retain(|&j| c[j] > 0.0);
+        }
+        if solve(&unit, &free, &target).is_none() {
+            // It depends on the others.
+            free.retain(|&j| j != next);
+            (c[next], barred[next]) = (0.0, true);
+        }
+    }
+    (0..count).map(|j| if norms[j] > 0.0 { c[j] / norms[j] } else { 0.0 }).collect()
+}
+
+/// Coefficients of the free columns; `None` where they depend on one another.
+fn solve(unit: &DMatrix<f64>, free: &[usize], target: &DVector<f64>) -> Option<Vec<f64>> {
+    let qr = unit.select_columns(free).qr();
+    let r = qr.r();
+    let dependent = (0..free.len()).any(|j| r[(j, j)].abs() < 1e-11);
+    let mut right = target.clone();
+    qr.q_tr_mul(&mut right);
+    let solved = r.solve_upper_triangular(&right.rows(0, free.len()).into_owned())?;
+    (!dependent).then(|| solved.iter().copied().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn residual(columns: &[Vec<f64>], c: &[f64], target: &[f64]) -> Vec<f64> {
+        (0..target.len())
+            .map(|k| target[k] - c.iter().zip(columns).map(|(c, a)| c * a[k]).sum::<f64>())
+            .collect()
+    }
+
+    proptest! {
+        /// Karush–Kuhn–Tucker: c ≥ 0; no column along the residual; none that is used across it.
+        #[test]
+        fn the_minimum_obeys_its_conditions(
+            rows in proptest::collection::vec(proptest::collection::vec(-1.0..1.0f64, 6), 8..40),
+            target in proptest::collection::vec(-1.0..1.0f64, 40),
+        ) {
+            let columns: Vec<Vec<f64>> = (0..6).map(|j| rows.iter().map(|row| row[j]).collect()).collect();
+            let target = &target[..rows.len()];
+            let slices: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+            let c = non_negative_least_squares(&slices, target);
+            let r = residual(&columns, &c, target);
+            for (c, a) in c.iter().zip(&columns) {
+                let along: f64 = a.iter().zip(&r).map(|(a, r)| a * r).sum();
+                prop_assert!(*c >= 0.0 && along < 1e-10, "{c} {along}");
+                prop_assert!(*c == 0.0 || along.abs() < 1e-10, "{c} {along}");
+            }
+        }
+    }
+
+    #[test]
+    fn by_hand() {
+        // Along the first axis only: the second coefficient would be −1.
+        assert_eq!(non_negative_least_squares(&[&[1.0, 0.0], &[0.0, 1.0]], &[2.0, -1.0]), [2.0, 0.0]);
+        // Twice the same column, and one of zeros.
+        let c = non_negative_least_squares(&[&[1.0, 1.0], &[1.0, 1.0], &[0.0, 0.0]], &[3.0, 3.0]);
+        assert!((c[0] + c[1] - 3.0).abs() < 1e-12 && c[2] == 0.0, "{c:?}");
+        assert_eq!(non_negative_least_squares(&[], &[1.0]), [0.0; 0]);
+    }
+}
