@@ -25,7 +25,7 @@ pub const MOST: usize = 9;
 /// A move from u₀ by Δ is exact: yⱼ e^(−b|Δ|) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|), mₖ(x) = ∫₀¹ θᵏ e^(−x(1−θ)) dθ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duhem {
-    /// Highest power of u, at most [`MOST`]; the columns are one more.
+    /// Highest power of u, at most 9; the columns are one more.
     pub degree: usize,
 }
 

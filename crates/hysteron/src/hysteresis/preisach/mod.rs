@@ -32,7 +32,7 @@ pub const MOST_LEVELS: usize = 201;
 /// u that decays slowly leaves them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preisach {
-    /// Levels \[V\], increasing, 2 to [`MOST_LEVELS`].
+    /// Levels \[V\], increasing, 2 to 201.
     pub levels: Vec<f64>,
 }
 
