@@ -8,6 +8,7 @@
 //!   [`KrasnoselskiiPokrovskii`], [`Preisach`], [`PreisachDensity`], [`JilesAtherton`], [`SongDerKiureghian`],
 //!   [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
 //! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives.
+//! * [`RateDependentPrandtlIshlinskii`], the one operator here that sees the rate.
 //! * [`Origin`]: where an operator stands before the first sample; [`Start`] and [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away.
@@ -32,6 +33,7 @@ mod plays;
 mod polynomial;
 mod prandtl_ishlinskii;
 mod preisach;
+mod rate_dependent_plays;
 mod sensitivities;
 
 pub use crate::record::InterSample;
@@ -54,6 +56,7 @@ pub use maxwell_slip::MaxwellSlip;
 pub use plays::{OneSidedPlays, Plays};
 pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};
 pub use preisach::{DensityLaw, Preisach, PreisachDensity, ReversalCurve};
+pub use rate_dependent_plays::RateDependentPrandtlIshlinskii;
 pub use sensitivities::Sensitivities;
 
 /// A rate-independent hysteresis operator.
