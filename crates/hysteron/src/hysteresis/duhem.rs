@@ -10,7 +10,7 @@ use super::HysteresisError;
 use super::columns::{ColumnKernel, ColumnModel, parameter, positive};
 
 /// Highest power of u in a slope.
-pub const MOST: usize = 9;
+const MOST: usize = 9;
 
 /// Columns of the Coleman–Hodgdon model dv/du = ±b (f(u) − v) + g(u), + where u rises.
 ///

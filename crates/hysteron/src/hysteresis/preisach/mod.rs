@@ -18,7 +18,7 @@ use super::columns::{ColumnKernel, between};
 use staircase::{Edge, Piece, Staircase};
 
 /// Most levels of a plane.
-pub const MOST_LEVELS: usize = 201;
+const MOST_LEVELS: usize = 201;
 
 /// Columns of a discretised Preisach plane: for every pair i > j of intervals between levels x₀ < x₁ < …, the mean of the
 /// relays that switch up at α in \[xᵢ, xᵢ₊₁\] and down at β in \[xⱼ, xⱼ₊₁\]; for i = j, on the diagonal, the ramp from −1 at xᵢ to
