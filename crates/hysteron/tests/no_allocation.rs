@@ -13,7 +13,11 @@ use hysteron::dynamics::{
     SecondOrder, SimulationPlan, TransferFunction, stability,
 };
 
-use hysteron::hysteresis::{PlayStart, PrandtlIshlinskii, Sensitivities, Start, UnitShape};
+use hysteron::hysteresis::{
+    ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, Duhem, GeneralisedPlays, JilesAtherton,
+    KrasnoselskiiPokrovskii, MaxwellSlip, PlayStart, Plays, PrandtlIshlinskii, Preisach, Sensitivities,
+    SongDerKiureghian, Start, UnitShape,
+};
 
 struct Counting;
 
@@ -155,4 +159,38 @@ fn a_response_and_its_derivatives_allocate_nothing() {
             assert_eq!(count, 0, "{scheme} {sampling:?}");
         }
     }
+}
+
+/// Allocations of a family over a loop driven in so many samples.
+fn of_family<K: ColumnKernel>(kernel: &K, shape: &[f64], samples: u32) -> usize {
+    let phase = |k: u32| std::f64::consts::TAU * f64::from(k) / f64::from(samples);
+    let u: Vec<f64> = (0..samples).map(|k| 4.0 * (3.0 * phase(k)).sin() + (7.0 * phase(k)).sin()).collect();
+    let mut out = vec![0.0; kernel.columns() * u.len()];
+    let mut all = ColumnSensitivities::default();
+    let start = ColumnStart::Virgin { u: 0.0 };
+    kernel.simulate_with_sensitivities(shape, 1, &u, start, &mut all).unwrap();
+    allocations(|| {
+        kernel.simulate_every(shape, 1, &u, start, &mut out).unwrap();
+        kernel.simulate_every(shape, 1, &u, ColumnStart::Periodic, &mut out).unwrap();
+        kernel.simulate_with_sensitivities(shape, 1, &u, start, &mut all).unwrap();
+    })
+}
+
+fn a_sample_costs_nothing<K: ColumnKernel>(kernel: &K, shape: &[f64]) {
+    let few = of_family(kernel, shape, 300);
+    assert!(few > 0);
+    assert_eq!(few, of_family(kernel, shape, 3_000), "{shape:?}");
+}
+
+#[test]
+fn families_of_columns_allocate_a_state_and_nothing_a_sample() {
+    a_sample_costs_nothing(&Duhem { degree: 2 }, &[0.5]);
+    a_sample_costs_nothing(&Dahl, &[2.0, 1.5]);
+    a_sample_costs_nothing(&Plays { thresholds: vec![0.5, 1.5] }, &[1.0]);
+    a_sample_costs_nothing(&MaxwellSlip { thresholds: vec![0.5, 1.5] }, &[1.0]);
+    a_sample_costs_nothing(&GeneralisedPlays { thresholds: vec![0.2, 0.5] }, &[0.3, 0.1, 0.3, -0.1]);
+    a_sample_costs_nothing(&KrasnoselskiiPokrovskii { range: [-4.0, 4.0], lines: 5 }, &[2.0]);
+    a_sample_costs_nothing(&Preisach::regular([-5.0, 5.0], 6), &[]);
+    a_sample_costs_nothing(&JilesAtherton, &[1.0, 1.0, 0.2, 1.0]);
+    a_sample_costs_nothing(&SongDerKiureghian { n: 1.0 }, &[0.5, 0.1, 0.0, 0.1, 0.0, 0.1]);
 }
