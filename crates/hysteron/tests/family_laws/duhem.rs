@@ -18,6 +18,7 @@ proptest! {
         the_periodic_start_closes(&kernel, &shape, &u, 1e-12)?;
         // |y'| ≤ |u|ʲ + b |y|, |y| ≤ 6ʲ/b.
         continuous(&kernel, &shape, &moves, 2.0 * 6.0_f64.powi(kernel.degree as i32))?;
+            a_memory_is_a_move(&kernel, &shape, &u, (rest, 0.5))?;
         derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
         let period = [&[-2.0, 3.0], &u[..]].concat();
         derivatives_are_differences(&kernel, &shape, &period, ColumnStart::Periodic, 1e-8)?;

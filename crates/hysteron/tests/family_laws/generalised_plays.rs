@@ -29,6 +29,7 @@ proptest! {
         continuous(&kernel, &shape, &moves, 0.2)?;
         return_point_memory(&kernel, &shape, &u, &inner, 0.0)?;
         congruent(&kernel, &shape, [&u, &[]], (-3.0, 2.0), 1e-14)?;
+            a_memory_is_a_move(&kernel, &shape, &u, (rest, 0.5))?;
         derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
         derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Periodic, 1e-8)?;
         // Envelopes that mirror each other.

@@ -19,6 +19,7 @@ proptest! {
         the_periodic_start_closes(&JilesAtherton, &shape, &u, 1e-11)?;
         // Susceptibility between 0 and 1/(3a − α).
         continuous(&JilesAtherton, &shape, &moves, 1.0 / (3.0 * shape[0] - shape[3]))?;
+            a_memory_is_a_move(&JilesAtherton, &shape, &u, (rest, 0.5))?;
         derivatives_are_differences(&JilesAtherton, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-6)?;
     }
 

@@ -203,6 +203,39 @@ fn derivatives_are_differences<K: ColumnKernel>(
     Ok(())
 }
 
+/// A device that was virgin at `virgin` and moved to `rest` is one that was driven there in a sample of its own: columns,
+/// derivatives, and what they are before the first sample, to the last bit.
+fn a_memory_is_a_move<K: ColumnKernel>(
+    kernel: &K,
+    shape: &[f64],
+    u: &[f64],
+    (virgin, rest): (f64, f64),
+) -> TestCaseResult {
+    let run = |u: &[f64], start| {
+        let mut plain = vec![0.0; kernel.columns() * u.len()];
+        kernel.simulate_every(shape, 1, u, start, &mut plain).unwrap();
+        let mut all = ColumnSensitivities::default();
+        kernel.simulate_with_sensitivities(shape, 1, u, start, &mut all).unwrap();
+        (plain, all)
+    };
+    let longer = [&[rest], u].concat();
+    let (plain, all) = run(u, ColumnStart::Remembering { virgin, rest });
+    let (plain_longer, all_longer) = run(&longer, ColumnStart::Virgin { u: virgin });
+    let first = |columns: &[f64]| columns.iter().step_by(longer.len()).copied().collect::<Vec<f64>>();
+    let others =
+        |columns: &[f64]| columns.chunks(longer.len()).flat_map(|c| c[1..].to_vec()).collect::<Vec<f64>>();
+    prop_assert_eq!(&plain, &others(&plain_longer));
+    prop_assert_eq!(&all.columns, &others(&all_longer.columns));
+    prop_assert_eq!(&all.d_start, &others(&all_longer.d_start));
+    prop_assert_eq!(&all.rest, &first(&all_longer.columns));
+    prop_assert_eq!(&all.d_start_rest, &first(&all_longer.d_start));
+    for (index, d) in all_longer.d_shape.iter().enumerate() {
+        prop_assert_eq!(&all.d_shape[index], &others(d));
+        prop_assert_eq!(&all.d_shape_rest[index], &first(d));
+    }
+    Ok(())
+}
+
 /// After a larger excursion and back nothing is left of what was before; an inner loop closes.
 fn return_point_memory<K: ColumnKernel>(
     kernel: &K,

@@ -25,6 +25,7 @@ proptest! {
         continuous(&plane, &[], &moves, 2.0 / 0.5)?;
         return_point_memory(&plane, &[], &u, &inner, 1e-13)?;
         congruent(&plane, &[], [&u, &[]], (-3.0, 2.0), 1e-13)?;
+            a_memory_is_a_move(&plane, &[], &u, (rest, 0.5))?;
         derivatives_are_differences(&plane, &[], &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
     }
 

@@ -20,13 +20,20 @@ pub const MOST_SHAPE_PARAMETERS: usize = 6;
 /// Where the columns stand before the first sample of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ColumnStart {
-    /// Virgin (without memory) at the voltage `u` \[V\], from which the first sample is reached by a monotone move.
-    ///
-    /// With the voltage at rest before the record this is a start from rest; with any other it is the one-parameter family of
-    /// memories that a fit can search, and the columns are differentiated with respect to it.
+    /// Virgin (without memory) at the voltage `u` \[V\], from which the first sample is reached by a monotone move. The
+    /// columns are differentiated with respect to it.
     Virgin {
         /// Voltage \[V\], in general not the first sample.
         u: f64,
+    },
+    /// Virgin at the voltage `virgin` \[V\], then moved without turning to the voltage `rest` \[V\], where the device stood
+    /// until the first sample, which is reached by a monotone move: at rest with a memory of one number, `virgin`, with
+    /// respect to which the columns are differentiated.
+    Remembering {
+        /// Voltage \[V\] at which there was no memory.
+        virgin: f64,
+        /// Rest voltage \[V\].
+        rest: f64,
     },
     /// Steady state of the record repeated for ever; the record must be a whole number of periods.
     ///

@@ -14,9 +14,15 @@ pub struct ColumnSensitivities {
     pub columns: Vec<f64>,
     /// Their derivatives with respect to each shape parameter.
     pub d_shape: Vec<Vec<f64>>,
-    /// Their derivatives with respect to the voltage of [`ColumnStart::Virgin`]; 0 for a steady state, which has no free
-    /// start.
+    /// Their derivatives with respect to the voltage at which the device was virgin; 0 for a steady state, which has no
+    /// free start.
     pub d_start: Vec<f64>,
+    /// The K columns before the first sample, at the rest voltage; 0 for a steady state, which has no such.
+    pub rest: Vec<f64>,
+    /// Their derivatives with respect to each shape parameter.
+    pub d_shape_rest: Vec<Vec<f64>>,
+    /// Their derivatives with respect to the voltage at which the device was virgin.
+    pub d_start_rest: Vec<f64>,
 }
 
 /// Periods simulated at most to find a steady state.
@@ -51,7 +57,10 @@ fn check_length(expected: usize, found: usize) -> Result<(), HysteresisError> {
 fn virgin_voltage(u: &[f64], start: ColumnStart) -> Result<f64, HysteresisError> {
     match start {
         ColumnStart::Virgin { u } if u.is_finite() => Ok(u),
-        ColumnStart::Virgin { .. } => Err(HysteresisError::Drive { index: 0 }),
+        ColumnStart::Remembering { virgin, rest } if virgin.is_finite() && rest.is_finite() => Ok(virgin),
+        ColumnStart::Virgin { .. } | ColumnStart::Remembering { .. } => {
+            Err(HysteresisError::Drive { index: 0 })
+        }
         ColumnStart::Periodic if u.is_empty() => Ok(0.0),
         ColumnStart::Periodic => {
             let [low, high] =
@@ -72,8 +81,10 @@ pub(super) fn simulate<K: ColumnKernel>(
     let samples = check(kernel, shape, factor, u)?;
     check_length(samples * kernel.columns(), out.len())?;
     let mut state = kernel.virgin(shape, virgin_voltage(u, start)?);
-    if start == ColumnStart::Periodic {
-        settle(kernel, shape, u, &mut state)?;
+    match start {
+        ColumnStart::Virgin { .. } => {}
+        ColumnStart::Remembering { rest, .. } => kernel.advance(shape, &mut state, rest)?,
+        ColumnStart::Periodic => settle(kernel, shape, u, &mut state)?,
     }
     write(kernel, shape, &mut state, Every::new(factor)?, u, samples, out)?;
     Ok(state)
@@ -211,10 +222,16 @@ pub(super) fn differentiate<const P: usize, K: ColumnKernel>(
     });
     let duals = duals.get(..shape.len()).unwrap_or(&duals);
     let voltage = virgin_voltage(u, start)?;
-    let mut state = match start {
-        ColumnStart::Virgin { .. } => kernel.virgin(duals, Dual::variable(voltage, shape.len())),
-        ColumnStart::Periodic => kernel.virgin(duals, Dual::constant(voltage)),
+    let mut row = vec![Dual::constant(0.0); columns];
+    let free = if start == ColumnStart::Periodic {
+        Dual::constant(voltage)
+    } else {
+        Dual::variable(voltage, shape.len())
     };
+    let mut state = kernel.virgin(duals, free);
+    if let ColumnStart::Remembering { rest, .. } = start {
+        kernel.advance(duals, &mut state, rest)?;
+    }
     if start == ColumnStart::Periodic {
         run(kernel, duals, &mut state, u, |_| {})?;
         if !K::relaxing(&mut state).is_empty() {
@@ -222,9 +239,11 @@ pub(super) fn differentiate<const P: usize, K: ColumnKernel>(
             settle(kernel, shape, u, &mut settled)?;
             close_period(kernel, duals, &mut state, u, K::relaxing(&mut settled))?;
         }
+    } else {
+        kernel.read(duals, &state, &mut row);
     }
+    out.put_rest(&row, shape.len());
     let mut every = Every::new(factor)?;
-    let mut row = vec![Dual::constant(0.0); columns];
     let mut at = 0;
     for (index, &u) in u.iter().enumerate() {
         kernel.advance(duals, &mut state, u).map_err(|error| error.at_sample(index))?;
@@ -280,6 +299,21 @@ impl ColumnSensitivities {
         self.d_shape.resize(parameters, Vec::new());
         for column in self.d_shape.iter_mut().chain([&mut self.columns, &mut self.d_start]) {
             column.resize(length, 0.0);
+        }
+    }
+
+    /// The columns before the first sample.
+    fn put_rest<const P: usize>(&mut self, row: &[Dual<f64, P>], parameters: usize) {
+        let partial = |value: &Dual<f64, P>, index: usize| value.partials.get(index).copied().unwrap_or(0.0);
+        let fill = |buffer: &mut Vec<f64>, of: &dyn Fn(&Dual<f64, P>) -> f64| {
+            buffer.clear();
+            buffer.extend(row.iter().map(of));
+        };
+        fill(&mut self.rest, &|value| value.value);
+        fill(&mut self.d_start_rest, &|value| partial(value, parameters));
+        self.d_shape_rest.resize(parameters, Vec::new());
+        for (index, buffer) in self.d_shape_rest.iter_mut().enumerate() {
+            fill(buffer, &|value| partial(value, index));
         }
     }
 
