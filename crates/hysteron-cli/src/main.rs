@@ -21,6 +21,7 @@ mod interrupt;
 mod model;
 mod numbers;
 mod optimizers;
+mod oscillator;
 mod output;
 mod progress;
 mod recalibrate;

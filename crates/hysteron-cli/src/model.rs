@@ -6,7 +6,7 @@ use hysteron::display::short;
 use hysteron::dynamics::Dynamics;
 use hysteron::hammerstein::{Model, SimulationError, Start};
 use hysteron::identify::{PredictionBand, PredictionError};
-use hysteron::model_file::ModelFile;
+use hysteron::model_file::{ModelFile, ModelFileError, SignalUnits};
 use hysteron::record::{InputOutput, Unit};
 use hysteron::validate::{Scoring, StartError, choose_start};
 
@@ -30,10 +30,8 @@ impl LoadedModel {
     /// # Errors
     /// If it cannot be read or is not sound.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let failure = || Failure::new(format!("cannot read the model {}", path.display()));
-        let hint = "hysteron identify writes model files; hysteron schema prints their format";
-        let file = ModelFile::read(path).map_err(|e| failure().because(e).hint(hint))?;
-        let model = file.to_model().map_err(|e| failure().because(e).hint(hint))?;
+        let file = ModelFile::read(path).map_err(|e| cannot_read(path, e))?;
+        let model = file.to_model().map_err(|e| cannot_read(path, e))?;
         Ok(LoadedModel { path: path.to_owned(), file, model })
     }
 
@@ -135,32 +133,12 @@ impl LoadedModel {
         }
     }
 
-    /// The unit that model and record agree on, for one of the signals: the record's, or the model's where the record
-    /// gives none.
+    /// As [`agreed_unit`].
     ///
     /// # Errors
     /// If they disagree.
     pub fn agreed_unit(&self, record: &Path, signal: Signal, found: &Unit) -> Result<Unit, Failure> {
-        let (name, flag, own) = match signal {
-            Signal::Input => ("input", "--input", &self.file.units.input),
-            Signal::Output => ("output", "--output", &self.file.units.output),
-        };
-        let own = Unit::new(own);
-        if found.symbol().is_empty() {
-            if !own.symbol().is_empty() {
-                let record = record.display();
-                console::note(&format!(
-                    "{record}: the {name} has no unit; taken to be in {own}, the model's"
-                ));
-            }
-            return Ok(own);
-        }
-        if own.symbol().is_empty() || own == *found {
-            return Ok(found.clone());
-        }
-        Err(Failure::new(format!("cannot run {} on {}", self.path.display(), record.display()))
-            .because(format!("the model's {name} is in {own}, the record's in {found}"))
-            .hint(format!("choose the column with {flag}, or correct the unit in its header")))
+        agreed_unit((&self.path, &self.file.units), record, signal, found)
     }
 
     fn remark_extrapolation(&self, record: &Path, u: &[f64]) {
@@ -187,4 +165,42 @@ impl LoadedModel {
 pub enum Signal {
     Input,
     Output,
+}
+
+/// The unit that a model and a record agree on, for one of the signals: the record's, or the model's where the record
+/// gives none.
+///
+/// # Errors
+/// If they disagree.
+pub fn agreed_unit(
+    (model, units): (&Path, &SignalUnits),
+    record: &Path,
+    signal: Signal,
+    found: &Unit,
+) -> Result<Unit, Failure> {
+    let (name, flag, own) = match signal {
+        Signal::Input => ("input", "--input", &units.input),
+        Signal::Output => ("output", "--output", &units.output),
+    };
+    let own = Unit::new(own);
+    if found.symbol().is_empty() {
+        if !own.symbol().is_empty() {
+            let record = record.display();
+            console::note(&format!("{record}: the {name} has no unit; taken to be in {own}, the model's"));
+        }
+        return Ok(own);
+    }
+    if own.symbol().is_empty() || own == *found {
+        return Ok(found.clone());
+    }
+    Err(Failure::new(format!("cannot run {} on {}", model.display(), record.display()))
+        .because(format!("the model's {name} is in {own}, the record's in {found}"))
+        .hint(format!("choose the column with {flag}, or correct the unit in its header")))
+}
+
+/// The failure to read the model file at `path`.
+pub fn cannot_read(path: &Path, error: ModelFileError) -> Failure {
+    Failure::new(format!("cannot read the model {}", path.display()))
+        .because(error)
+        .hint("hysteron identify writes model files; hysteron schema prints their format")
 }

@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use hysteron::identify::PredictionError;
-use hysteron::record::{Channel, Record};
+use hysteron::record::{Channel, Record, TimeBase};
 use hysteron_io::write_csv;
 
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
+use crate::oscillator::LoadedOscillator;
 use crate::output;
 use crate::start::{Drive, StartFlags};
 
@@ -59,6 +60,9 @@ enum BandArg {
 impl Simulate {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_file("the simulation", &self.out)?;
+        if let Some(model) = LoadedOscillator::recognise(&self.model)? {
+            return self.run_oscillator(&model);
+        }
         let model = LoadedModel::read(&self.model)?;
         let drive = self.columns.read_drive(&self.input_file)?;
         let u_unit = model.agreed_unit(&self.input_file, Signal::Input, &drive.unit)?;
@@ -75,7 +79,6 @@ impl Simulate {
                 })
             }
         };
-        let failure = || Failure::new(format!("cannot write the simulation to {}", self.out.display()));
         let unit = &model.file.units.output;
         let ends = half.map(|half| {
             let end = |name: &str, sign: f64| {
@@ -85,8 +88,26 @@ impl Simulate {
         });
         let mut channels = vec![Channel::new("u", u_unit.symbol(), drive.u), Channel::new("y", unit, y)];
         channels.extend(ends.into_iter().flatten());
-        let record = Record::new(&self.out.display().to_string(), drive.time, channels)
-            .map_err(|e| failure().because(e))?;
+        self.write(drive.time, channels)
+    }
+
+    fn run_oscillator(&self, model: &LoadedOscillator) -> Result<(), Failure> {
+        if self.band.is_some() {
+            return Err(Failure::usage("--band does not go with an oscillator")
+                .because("its file holds no correlation of its parameters"));
+        }
+        let drive = self.columns.read_drive(&self.input_file)?;
+        let u_unit = model.agreed_unit(&self.input_file, Signal::Input, &drive.unit)?;
+        let timed = Drive { u: &drive.u, time: &drive.time };
+        let y = model.simulate(&self.input_file, &timed, &self.start)?;
+        let output = Channel::new("y", &model.file.units.output, y);
+        self.write(drive.time, vec![Channel::new("u", u_unit.symbol(), drive.u), output])
+    }
+
+    fn write(&self, time: TimeBase, channels: Vec<Channel>) -> Result<(), Failure> {
+        let failure = || Failure::new(format!("cannot write the simulation to {}", self.out.display()));
+        let record =
+            Record::new(&self.out.display().to_string(), time, channels).map_err(|e| failure().because(e))?;
         write_csv(&self.out, &record).map_err(|e| failure().because(e))?;
         console::message(&format!("wrote {} samples to {}", record.len(), self.out.display()));
         Ok(())

@@ -6,6 +6,7 @@ use clap::Args;
 use hysteron::display::short;
 use hysteron::hammerstein::Start;
 use hysteron::model_file::{ModelFile, StartKind};
+use hysteron::oscillator::RecordStart;
 use hysteron::record::{InputOutput, TimeBase, Unit, find_periods};
 
 use crate::console;
@@ -46,18 +47,36 @@ impl StartFlags {
         self.rest_voltage.is_some() || self.settled.is_some()
     }
 
+    /// The start that the flags give an oscillator; `None` where they give none.
+    ///
+    /// # Errors
+    /// As [`Self::choose`], and for a rest voltage: an oscillator rests without force.
+    pub fn of_oscillator(&self, path: &Path, drive: &Drive) -> Result<Option<RecordStart>, Failure> {
+        if self.rest_voltage.is_some() {
+            return Err(Failure::usage("--rest-voltage does not go with an oscillator")
+                .because("it starts from rest without force, or settled on a period (--settled)"));
+        }
+        Ok(self.period_samples(path, drive)?.map(|period_samples| RecordStart::Settled { period_samples }))
+    }
+
+    /// Samples of the period given by `--settled`.
+    fn period_samples(&self, path: &Path, drive: &Drive) -> Result<Option<usize>, Failure> {
+        let Some(period_s) = self.settled else { return Ok(None) };
+        let Some(rate) = drive.sample_rate_hz() else {
+            return Err(Failure::new(format!("cannot start {} settled", path.display()))
+                .because("the record has no uniform sample rate, so its period has no number of samples")
+                .hint("give the sample rate with --sample-rate HZ"));
+        };
+        Ok(Some((period_s * rate).round() as usize))
+    }
+
     /// The start of this record: the flags', else the model file's, else at rest at the first sample.
     ///
     /// # Errors
     /// If a period is given and the record has no sample rate.
     pub fn choose(&self, file: &ModelFile, path: &Path, drive: &Drive) -> Result<Start, Failure> {
-        if let Some(period_s) = self.settled {
-            let Some(rate) = drive.sample_rate_hz() else {
-                return Err(Failure::new(format!("cannot start {} settled", path.display()))
-                    .because("the record has no uniform sample rate, so its period has no number of samples")
-                    .hint("give the sample rate with --sample-rate HZ"));
-            };
-            return Ok(Start::Settled { period_samples: (period_s * rate).round() as usize });
+        if let Some(period_samples) = self.period_samples(path, drive)? {
+            return Ok(Start::Settled { period_samples });
         }
         let first = drive.u.first().copied().unwrap_or(0.0);
         let voltage = self.rest_voltage.or(file.start.voltage.as_ref().map(|v| v.value));

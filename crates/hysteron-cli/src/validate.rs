@@ -15,6 +15,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
 use crate::numbers::not_negative;
+use crate::oscillator::LoadedOscillator;
 use crate::scores::{self, Scored, Within};
 use crate::start::StartFlags;
 
@@ -123,18 +124,46 @@ struct Report {
 
 impl Validate {
     pub fn run(&self) -> Result<(), Failure> {
-        let model = LoadedModel::read(&self.model)?;
-        let records =
-            self.records.iter().map(|path| self.score(&model, path)).collect::<Result<Vec<_>, _>>()?;
+        let records = match LoadedOscillator::recognise(&self.model)? {
+            Some(model) => self
+                .records
+                .iter()
+                .map(|path| self.score_oscillator(&model, path))
+                .collect::<Result<Vec<_>, _>>()?,
+            None => {
+                let model = LoadedModel::read(&self.model)?;
+                self.records.iter().map(|path| self.score(&model, path)).collect::<Result<Vec<_>, _>>()?
+            }
+        };
         if self.json { console::json(&Report { records }) } else { console::result(&self.text(&records)) }
+    }
+
+    fn score_oscillator(&self, model: &LoadedOscillator, path: &Path) -> Result<Scored, Failure> {
+        if self.band {
+            return Err(Failure::usage("--band does not go with an oscillator")
+                .because("its file holds no correlation of its parameters"));
+        }
+        let record = self.columns.read(path)?;
+        model.agreed_unit(path, Signal::Input, &record.u_unit)?;
+        let unit = model.agreed_unit(path, Signal::Output, &record.y_unit)?;
+        let scoring = self.scoring();
+        let simulated = model.simulate_record(path, &record, &self.start, &scoring)?;
+        refuse_meaningless(&record, &simulated, path)?;
+        let scores = score(&record, &simulated, &scoring)
+            .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
+        Ok(Scored::new(&record, scores).in_unit(unit))
+    }
+
+    fn scoring(&self) -> Scoring {
+        let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
+        Scoring { skip_s: self.skip.unwrap_or(0.0), offset }
     }
 
     fn score(&self, model: &LoadedModel, path: &Path) -> Result<Scored, Failure> {
         let record = self.columns.read(path)?;
         model.agreed_unit(path, Signal::Input, &record.u_unit)?;
         let unit = model.agreed_unit(path, Signal::Output, &record.y_unit)?;
-        let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
-        let scoring = Scoring { skip_s: self.skip.unwrap_or(0.0), offset };
+        let scoring = self.scoring();
         let (start, simulated) = model.simulate_record(path, &record, &self.start, &scoring)?;
         let mut scored = record.clone();
         if self.skip.is_none() && model.is_static() {

@@ -1,5 +1,6 @@
 //! `hysteron identify`: records in, model file and report out.
 
+mod oscillator;
 mod outcome;
 mod parameters;
 mod report;
@@ -58,9 +59,13 @@ const MAX_RESUME_BYTES: u64 = 256 << 20;
     offset, delay [s]; joint: \
     natural_frequency [Hz], damping, order2, order1, order0, share, creep, creep_order, memory_1, memory_2, … (beta, gamma and \
     memory of alpha = 1); two-step: lag [s], gain.\n\n\
+    --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of force and displacement \
+    around a resonance; a force that repeats is taken to be in its steady state, another one to start from rest (--initial). Held \
+    with --fix: mass, damping, n.\n\n\
     Ctrl-C keeps the best so far and writes MODEL.searches.json; go on from there with --resume.\n\n\
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
-    Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7"
+    Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
+    Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json"
 )]
 pub struct Identify {
     /// The records
@@ -78,6 +83,10 @@ pub struct Identify {
     /// Model file to write
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: PathBuf,
+
+    /// Where the hysteresis is: ahead of linear dynamics, or in feedback
+    #[arg(long, value_enum, default_value_t = StructureArg::Hammerstein)]
+    structure: StructureArg,
 
     /// Hysteresis block
     #[arg(long, value_enum, default_value_t = HysteresisArg::BoucWen)]
@@ -140,9 +149,9 @@ pub struct Identify {
     #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = degree, allow_hyphen_values = true)]
     degree: ChoiceArg<usize>,
 
-    /// Exponent n of the Bouc–Wen model
-    #[arg(long, value_name = "VALUE|free", default_value = "1", value_parser = exponent, allow_hyphen_values = true)]
-    n: ChoiceArg<f64>,
+    /// Exponent n of the Bouc–Wen model [default: 1; free for an oscillator]
+    #[arg(long, value_name = "VALUE|free", value_parser = exponent, allow_hyphen_values = true)]
+    n: Option<ChoiceArg<f64>>,
 
     /// Delay between input and output in seconds; a given delay stands for the whole time shift of a quasi-static record
     #[arg(long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay, allow_hyphen_values = true)]
@@ -166,8 +175,9 @@ pub struct Identify {
     scheme: Option<SchemeArg>,
 
     /// What the drive does between its samples: hold for a converter without filter that shares the recorder's clock
-    #[arg(long, value_enum, default_value_t = InterSampleArg::Linear)]
-    inter_sample: InterSampleArg,
+    /// [default: linear; band-limited for an oscillator]
+    #[arg(long, value_enum)]
+    inter_sample: Option<InterSampleArg>,
 
     /// Hand out the model even if it explains less than this share of a record's variation, in %
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
@@ -182,6 +192,14 @@ pub struct Identify {
 
     #[command(flatten)]
     columns: ColumnFlags,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum StructureArg {
+    /// Hysteresis, then linear dynamics
+    Hammerstein,
+    /// A mass on a hysteretic spring: resonances move with the amplitude
+    Oscillator,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -315,6 +333,9 @@ fn name_range(text: &str) -> Result<(String, f64, f64), String> {
 
 impl Identify {
     pub fn run(&self) -> Result<(), Failure> {
+        if self.structure == StructureArg::Oscillator {
+            return self.run_oscillator();
+        }
         self.check_outputs()?;
         let options = self.options()?;
         let campaign = self.campaign()?;
@@ -400,12 +421,12 @@ impl Identify {
             seed: self.seed,
             threads: self.threads,
             degree: self.degree.0,
-            n: self.n.0,
+            n: self.n.map_or(Choice::Given(1.0), |n| n.0),
             delay_s: self.delay.0,
             demands: Demands { fixed: self.fix.clone(), bounded: self.bound.clone() },
             start,
             scheme: self.scheme.map_or(Choice::Auto, |scheme| Choice::Given(scheme.into())),
-            inter_sample: self.inter_sample.into(),
+            inter_sample: self.inter_sample.map_or(InterSample::Linear, InterSampleArg::into),
             least_fit_percent: self.least_fit,
         })
     }

@@ -25,9 +25,9 @@ pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
 }
 
 /// `um/V^2` as µm/V².
-fn typographic(unit: &str) -> String {
+pub(super) fn typographic(unit: &str) -> String {
     const RAISED: [&str; 10] = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
-    let mut text = unit.replace("um", "µm");
+    let mut text = unit.replace("um", "µm").replace('*', " ");
     for (digit, raised) in RAISED.iter().enumerate() {
         text = text.replace(&format!("^{digit}"), raised);
     }

@@ -16,6 +16,7 @@ mod identify_can_be_interrupted;
 mod identify_makes_a_model;
 mod inspect_tells_what_is_in_a_record;
 mod optimizers_are_compared;
+mod oscillators_are_identified;
 mod outputs_are_checked_first;
 mod public_records_are_explained;
 mod recalibrate_finds_gain_and_delay;

@@ -4,10 +4,15 @@ use crate::bench::Bench;
 
 #[test]
 fn schema_prints_what_is_published() {
-    let run = Bench::new().run("schema");
-    let published = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/hysteron-model-1.schema.json");
-    assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""));
-    assert_eq!(run.stdout, std::fs::read_to_string(published).unwrap());
+    let schemas = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/");
+    for (command, file) in [
+        ("schema", "hysteron-model-1.schema.json"),
+        ("schema --oscillator", "hysteron-oscillator-1.schema.json"),
+    ] {
+        let run = Bench::new().run(command);
+        assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""));
+        assert_eq!(run.stdout, std::fs::read_to_string(format!("{schemas}{file}")).unwrap());
+    }
 }
 
 #[test]

@@ -210,7 +210,12 @@ fn power_of_seconds(path: &str, coefficient: &Quantity, order: f64) -> Result<()
     }
 }
 
-fn quantity(path: &str, quantity: &Quantity, unit: &str, least: Option<f64>) -> Result<(), ModelFileError> {
+pub(super) fn quantity(
+    path: &str,
+    quantity: &Quantity,
+    unit: &str,
+    least: Option<f64>,
+) -> Result<(), ModelFileError> {
     let value = quantity.value;
     let value_path = format!("{path}.value");
     allowed(&value_path, value, value.is_finite(), "a finite number")?;
@@ -230,7 +235,7 @@ fn quantity(path: &str, quantity: &Quantity, unit: &str, least: Option<f64>) -> 
     same_unit(path, &quantity.unit, unit)
 }
 
-fn interval(path: &str, interval: &Interval, unit: &str) -> Result<(), ModelFileError> {
+pub(super) fn interval(path: &str, interval: &Interval, unit: &str) -> Result<(), ModelFileError> {
     allowed(&format!("{path}.low"), interval.low, interval.low.is_finite(), "a finite number")?;
     let high = interval.high;
     allowed(
@@ -242,7 +247,7 @@ fn interval(path: &str, interval: &Interval, unit: &str) -> Result<(), ModelFile
     same_unit(path, &interval.unit, unit)
 }
 
-fn same_unit(path: &str, found: &str, expected: &str) -> Result<(), ModelFileError> {
+pub(super) fn same_unit(path: &str, found: &str, expected: &str) -> Result<(), ModelFileError> {
     if found == expected {
         return Ok(());
     }
@@ -253,7 +258,7 @@ fn same_unit(path: &str, found: &str, expected: &str) -> Result<(), ModelFileErr
     })
 }
 
-fn score(index: usize, score: &ScoreEntry) -> Result<(), ModelFileError> {
+pub(super) fn score(index: usize, score: &ScoreEntry) -> Result<(), ModelFileError> {
     let values = [
         ("offset", Some(score.offset)),
         ("rmse", Some(score.rmse)),
@@ -272,6 +277,11 @@ fn score(index: usize, score: &ScoreEntry) -> Result<(), ModelFileError> {
     Ok(())
 }
 
-fn allowed(path: &str, value: f64, holds: bool, expected: &'static str) -> Result<(), ModelFileError> {
+pub(super) fn allowed(
+    path: &str,
+    value: f64,
+    holds: bool,
+    expected: &'static str,
+) -> Result<(), ModelFileError> {
     if holds { Ok(()) } else { Err(ModelFileError::NotAllowed { path: path.to_owned(), value, expected }) }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::atomic_file::AtomicWriteError;
 
-use super::{FORMAT, VERSION};
+use super::{FORMAT, OSCILLATOR_FORMAT, VERSION};
 
 /// What is wrong with a model file, where, and what was expected.
 #[derive(Debug, thiserror::Error)]
@@ -38,6 +38,12 @@ pub enum ModelFileError {
     /// The key `format` is missing or something else.
     #[error("format: expected \"{FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
     NotAModel {
+        /// What is there, as JSON.
+        found: Option<String>,
+    },
+    /// The key `format` is missing or not that of an oscillator.
+    #[error("format: expected \"{OSCILLATOR_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
+    NotAnOscillator {
         /// What is there, as JSON.
         found: Option<String>,
     },

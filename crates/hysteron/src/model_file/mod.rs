@@ -26,11 +26,15 @@
 //! (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`, `correlation` and `std_error`) may
 //! be absent. Writing is atomic, and a file that could not be read back is never written. Numbers survive
 //! writing and reading bit for bit. [`json_schema`] is the same in JSON Schema.
+//!
+//! An oscillator, with hysteresis in feedback, has no such blocks: its file is of a format of its own, [`OscillatorFile`].
+//! [`StoredModel`] reads either.
 
 mod check;
 mod convert;
 mod correlation;
 mod error;
+mod oscillator;
 mod parameters;
 mod provenance;
 mod quantity;
@@ -47,6 +51,9 @@ pub use correlation::{
     CorrelationEntry, CorrelationRow, MAX_CORRELATED, number_mut, transfer_function_numbers,
 };
 pub use error::ModelFileError;
+pub use oscillator::{
+    OSCILLATOR_FORMAT, OscillatorFile, OscillatorParameters, StoredModel, oscillator_schema,
+};
 pub use parameters::{Parameters, polynomial_name};
 pub use provenance::{Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
 pub use quantity::{Interval, Quantity};

@@ -57,6 +57,14 @@ pub enum OscillatorError {
         /// Samples of the output.
         found: usize,
     },
+    /// The record is too short to have started settled.
+    #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
+    Period {
+        /// Samples of the record.
+        samples: usize,
+        /// Samples of the period asked for.
+        period_samples: usize,
+    },
     /// A steady state was asked for under a force that ends.
     #[error("a periodic start needs a force that repeats, but this one was made with open ends")]
     NotPeriodic,

@@ -9,6 +9,9 @@
 //!   [`Oscillator::simulate_with_sensitivities`].
 //! * [`Drive`]: the force and what it does between its samples.
 //! * [`Start`]: where the oscillator stands before the first sample.
+//! * [`Oscillator::simulate_record`]: a whole record at once, from a [`RecordStart`].
+//!
+//! Identified by [`crate::identify::oscillator`].
 //!
 //! Sources: R. Bouc 1967; Y.-K. Wen, *J. Eng. Mech. Div. ASCE* 102 (1976) 249–263; F. Ikhouane, J. Rodellar, *Systems with
 //! Hysteresis*, Wiley 2007, doi:10.1002/9780470513200; J. P. Noël, M. Schoukens, *Hysteretic benchmark with a dynamic
@@ -17,12 +20,14 @@
 
 mod drive;
 mod error;
+mod record;
 mod sensitivities;
 mod simulate;
 mod step;
 
 pub use drive::Drive;
 pub use error::OscillatorError;
+pub use record::RecordStart;
 pub use sensitivities::{PARTIALS, Response};
 pub use simulate::Start;
 

@@ -1,0 +1,279 @@
+//! `hysteron identify --structure oscillator`: a mass on a hysteretic spring.
+
+use std::collections::BTreeMap;
+use std::time::SystemTime;
+
+use hysteron::identify::oscillator::{
+    Estimate, Identification, Initial, Options, OscillatorFitError, RecordFit, identify,
+};
+use hysteron::identify::{Choice, FindingKind};
+use hysteron::model_file::{
+    Interval, OscillatorFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, SignalUnits,
+    StartKind, StoredModel, timestamp,
+};
+use hysteron::record::{InputOutput, InterSample, Unit};
+use hysteron_report::number::with_std_error;
+use serde_json::{Value, json};
+
+use super::parameters::typographic;
+use super::{Identify, InitialArg, InterSampleArg, MethodArg, OptimizerArg, command_line};
+use crate::console;
+use crate::failure::Failure;
+use crate::output;
+use crate::scores::{self, Scored};
+
+const TITLE: &str = "no oscillator was identified";
+
+impl Identify {
+    pub(super) fn run_oscillator(&self) -> Result<(), Failure> {
+        self.refuse_foreign_flags()?;
+        output::check_file("the model", &self.out)?;
+        let options = self.oscillator_options()?;
+        let records = self.columns.read_all(&self.records)?;
+        let found = self.in_threads(|| identify(&records, &options).map_err(|e| explain(&e)))??;
+        let file = file(&found, &options);
+        file.write(&self.out).map_err(|e| {
+            Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
+        })?;
+        if self.result.json {
+            return console::json(&self.object(&found, &file));
+        }
+        console::result(&text(&found, &file))?;
+        console::message(&format!("model written to {}", self.out.display()));
+        Ok(())
+    }
+
+    /// Flags of the other structure mean nothing here; what was asked for is not silently left out.
+    fn refuse_foreign_flags(&self) -> Result<(), Failure> {
+        let given = [
+            ("--static", !self.static_records.is_empty()),
+            ("--dynamic", !self.dynamic_records.is_empty()),
+            ("--dynamics", self.dynamics.is_some()),
+            ("--method", self.method != MethodArg::Joint),
+            ("--order", self.order != 2),
+            ("--creep", self.creep),
+            ("--drift", self.drift),
+            ("--optimizer", self.optimizer != OptimizerArg::Auto),
+            ("--generations", self.generations.is_some()),
+            ("--population", self.population.is_some()),
+            ("--resume", self.resume.is_some()),
+            ("--degree", !matches!(self.degree.0, Choice::Auto)),
+            ("--delay", !matches!(self.delay.0, Choice::Auto)),
+            ("--bound", !self.bound.is_empty()),
+            ("--scheme", self.scheme.is_some()),
+            ("--report", self.result.has_report()),
+            ("--figures", self.figures.is_some()),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((flag, _)) => Err(Failure::usage(format!("{flag} does not go with --structure oscillator"))
+                .hint("leave it out; an oscillator has --initial, --n, --fix (mass, damping, n), --inter-sample, --start")),
+        }
+    }
+
+    fn oscillator_options(&self) -> Result<Options, Failure> {
+        let mut fixed = self.fix.clone();
+        if let Some(Choice::Given(n)) = self.n.map(|n| n.0) {
+            fixed.push(("n".to_owned(), n));
+        }
+        let start = match &self.start {
+            None => None,
+            Some(path) => {
+                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
+                match StoredModel::read(path).map_err(|e| failure().because(e))? {
+                    StoredModel::Oscillator(file) => {
+                        Some(file.to_oscillator().map_err(|e| failure().because(e))?)
+                    }
+                    StoredModel::Hammerstein(_) => {
+                        return Err(failure().because("it is a Hammerstein model, not an oscillator"));
+                    }
+                }
+            }
+        };
+        Ok(Options {
+            initial: match self.initial {
+                InitialArg::Auto => Initial::Auto,
+                InitialArg::Rest | InitialArg::Zero => Initial::Rest,
+                InitialArg::Periodic => Initial::Periodic,
+                InitialArg::Free => Initial::Free,
+            },
+            inter_sample: self.inter_sample.map_or(InterSample::BandLimited, InterSampleArg::into),
+            fixed,
+            start,
+            steps: None,
+            least_fit_percent: self.least_fit,
+        })
+    }
+
+    /// Runs `work` on as many threads as asked for.
+    fn in_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+        let Some(threads) = self.threads else { return Ok(work()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map(|pool| pool.install(work))
+            .map_err(|e| Failure::new(format!("cannot work on {threads} threads")).because(e))
+    }
+
+    /// The object of `--json`.
+    fn object(&self, found: &Identification, file: &OscillatorFile) -> Value {
+        let estimate = |e: &Estimate| {
+            json!({
+                "name": e.name,
+                "value": e.value,
+                "unit": unit_of(e, file),
+                "std_error": e.std_error,
+                "held": e.held,
+                "at_limit": e.at_limit,
+            })
+        };
+        json!({
+            "model": self.out.display().to_string(),
+            "structure": "oscillator",
+            "records": scored(found),
+            "parameters": found.estimates.iter().map(estimate).collect::<Vec<_>>(),
+            "searches": found.shapes.iter().map(|s| ("shape", s)).chain([("output error", &found.search)])
+                .map(|(step, s)| json!({"step": step, "cost": s.cost, "evaluations": s.evaluations}))
+                .collect::<Vec<_>>(),
+            "findings": found.findings.iter()
+                .map(|f| json!({"kind": kind_name(f.kind), "text": f.text}))
+                .collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn kind_name(kind: FindingKind) -> &'static str {
+    match kind {
+        FindingKind::Verdict => "verdict",
+        FindingKind::Advice => "advice",
+        FindingKind::Warning => "warning",
+    }
+}
+
+fn scored(found: &Identification) -> Vec<Scored> {
+    found.records.iter().map(|r| Scored::new(&r.data, r.scores.clone())).collect()
+}
+
+/// Unit of an estimate, as in the model file.
+fn unit_of(estimate: &Estimate, file: &OscillatorFile) -> String {
+    let names = hysteron::oscillator::Oscillator::NAMES;
+    let parameter = names.iter().zip(file.parameters.all()).find(|(name, _)| **name == estimate.name);
+    match (parameter, estimate.name) {
+        (Some((_, quantity)), _) if quantity.unit == "1" => String::new(),
+        (Some((_, quantity)), _) => quantity.unit.clone(),
+        (None, "natural_frequency") => "Hz".to_owned(),
+        (None, _) => String::new(),
+    }
+}
+
+/// The result for people.
+fn text(found: &Identification, file: &OscillatorFile) -> String {
+    let mut table = console::table(&["parameter", "value", "std. error", "unit"]);
+    for e in &found.estimates {
+        let (value, error) = with_std_error(e.value, e.std_error);
+        let error = match (e.held, e.std_error) {
+            (true, _) => "held".to_owned(),
+            (false, None) => "-".to_owned(),
+            (false, Some(_)) => error,
+        };
+        table.add_row(vec![e.name.to_owned(), value, error, typographic(&unit_of(e, file))]);
+    }
+    let mut text = format!("{table}\n\n{}\n\n", scores::table(&scored(found)));
+    for finding in &found.findings {
+        text += &format!("{}: {}\n", kind_name(finding.kind), finding.text);
+    }
+    for line in &found.treatment {
+        text += &format!("data: {line}\n");
+    }
+    text
+}
+
+/// The model file: parameters, standard errors, range, how it was made, scores.
+fn file(found: &Identification, options: &Options) -> OscillatorFile {
+    let first = found.records.first();
+    let symbol =
+        |of: fn(&InputOutput) -> &Unit| first.map_or_else(String::new, |r| of(&r.data).symbol().to_owned());
+    let signals = SignalUnits { input: symbol(|d| &d.u_unit), output: symbol(|d| &d.y_unit) };
+    let rate = first.and_then(|r| r.data.sample_rate_hz()).unwrap_or(1.0);
+    let mut file = OscillatorFile::new(&found.oscillator, signals.clone(), found.inter_sample.into(), rate);
+    for (quantity, estimate) in file.parameters.all_mut().into_iter().zip(&found.estimates) {
+        quantity.std_error = estimate.std_error;
+    }
+    file.offset.value = found.offset;
+    if first.is_some_and(|r| r.period_samples.is_some()) {
+        file.start = StartKind::Settled;
+    }
+    file.valid_range = Some(valid_range(found, &signals.input));
+    file.provenance = Some(provenance(found, options));
+    file.scores = found
+        .records
+        .iter()
+        .map(|r| ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.scores))
+        .collect();
+    file
+}
+
+fn valid_range(found: &Identification, unit: &str) -> hysteron::model_file::ValidRange {
+    let forces = || found.records.iter().flat_map(|r| &r.data.u);
+    let slopes = |r: &RecordFit| {
+        let rate = r.data.sample_rate_hz().unwrap_or(0.0);
+        r.data.u.windows(2).map(|w| (w[1] - w[0]).abs() * rate).fold(0.0, f64::max)
+    };
+    let unit = if unit.is_empty() { "1" } else { unit };
+    let interval = |low, high, unit: &str| Interval { low, high, unit: unit.to_owned() };
+    let (low, high) = found.excited_hz;
+    hysteron::model_file::ValidRange {
+        input: interval(
+            forces().copied().fold(f64::INFINITY, f64::min),
+            forces().copied().fold(f64::NEG_INFINITY, f64::max),
+            unit,
+        ),
+        frequency: Some(interval(low, high, "Hz")),
+        rate: Some(interval(0.0, found.records.iter().map(slopes).fold(0.0, f64::max), &format!("{unit}/s"))),
+    }
+}
+
+fn provenance(found: &Identification, options: &Options) -> Provenance {
+    let initial = match options.initial {
+        Initial::Auto => "auto",
+        Initial::Rest => "rest",
+        Initial::Periodic => "periodic",
+        Initial::Free => "free",
+    };
+    let mut named = BTreeMap::from([
+        ("structure".to_owned(), "oscillator".to_owned()),
+        ("initial".to_owned(), initial.to_owned()),
+        ("inter-sample".to_owned(), found.inter_sample.name().to_owned()),
+    ]);
+    named.extend(options.fixed.iter().map(|(name, value)| (format!("fix {name}"), value.to_string())));
+    let record = |r: &RecordFit| RecordEntry {
+        path: r.data.source.as_ref().map_or(r.data.name.clone(), |s| s.path.clone()),
+        sha256: r.data.source.as_ref().map(|s| s.sha256.clone()),
+        samples: r.data.len() as u64,
+        role: RecordRole::Both,
+    };
+    Provenance {
+        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
+        created: Some(timestamp(SystemTime::now())),
+        records: found.records.iter().map(record).collect(),
+        options: named,
+        seed: None,
+        command: Some(command_line()),
+    }
+}
+
+/// The library's error with what to do about it.
+fn explain(error: &OscillatorFitError) -> Failure {
+    let failure = Failure::new(TITLE).because(error);
+    match error {
+        OscillatorFitError::Fixed { .. } => Failure::usage(TITLE).because(error),
+        OscillatorFitError::NoOscillator { .. } => failure.hint(
+            "check the columns (--input is the force, --output the displacement) and their signs; without a resonance in the \
+             record identify a Hammerstein model (leave --structure out)",
+        ),
+        OscillatorFitError::ModelClass { .. } => failure.hint(
+            "look at the record with hysteron inspect; --initial free for a record cut out of motion; --least-fit 0 hands \
+             the model out all the same",
+        ),
+        OscillatorFitError::NotUniform { .. } => failure.hint("give --sample-rate HZ"),
+        _ => failure,
+    }
+}

@@ -1,0 +1,67 @@
+use super::*;
+
+fn oscillator() -> Oscillator {
+    Oscillator { mass: 2e-6, damping: 1e-5, stiffness: 0.05, alpha: 0.05, beta: 8e-4, gamma: -1.1e-3, n: 1.0 }
+}
+
+fn file() -> OscillatorFile {
+    let signals = SignalUnits { input: "N".into(), output: "um".into() };
+    let mut file = OscillatorFile::new(&oscillator(), signals, InterSampleName::BandLimited, 750.0);
+    file.parameters.mass.std_error = Some(1e-9);
+    file.start = StartKind::Settled;
+    file
+}
+
+#[test]
+fn a_file_reads_back_bit_for_bit() {
+    let text = file().to_json().unwrap();
+    assert!(text.contains("\"N*s^2/um\"") && text.contains("\"1/um\""), "{text}");
+    let back = OscillatorFile::from_slice(text.as_bytes()).unwrap();
+    assert_eq!(back, file());
+    assert_eq!(back.to_oscillator().unwrap(), oscillator());
+    let other = Oscillator { n: 1.5, ..oscillator() };
+    let of_other = OscillatorFile::new(&other, back.units.clone(), InterSampleName::Linear, 750.0);
+    assert_eq!(of_other.parameters.beta.unit, "N^(1-n)/um");
+    assert!(of_other.to_json().is_ok());
+}
+
+#[test]
+fn what_is_not_allowed_is_named() {
+    let text = file().to_json().unwrap();
+    let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let mut refused = |pointer: &str, new: serde_json::Value| {
+        let old = std::mem::replace(value.pointer_mut(pointer).unwrap(), new);
+        let error = OscillatorFile::from_slice(value.to_string().as_bytes()).unwrap_err().to_string();
+        *value.pointer_mut(pointer).unwrap() = old;
+        error
+    };
+    let number = |x: f64| serde_json::json!(x);
+    assert!(refused("/parameters/mass/value", number(0.0)).contains("parameters.mass.value"));
+    assert!(refused("/parameters/n/value", number(0.5)).contains("parameters.n.value"));
+    assert!(refused("/parameters/alpha/unit", serde_json::json!("V/um")).contains("N/um"));
+    assert!(refused("/sample_rate_hz", number(-1.0)).contains("sample_rate_hz"));
+    assert!(refused("/version", number(2.0)).contains("version"));
+    assert!(refused("/offset", serde_json::json!({"value": 0.0, "units": "um"})).contains("unknown field"));
+    let misnamed = text.replace("\"gamma\"", "\"gama\"");
+    assert!(OscillatorFile::from_slice(misnamed.as_bytes()).unwrap_err().to_string().contains("gama"));
+}
+
+#[test]
+fn each_format_is_told_from_the_other() {
+    let text = file().to_json().unwrap();
+    assert!(matches!(StoredModel::from_slice(text.as_bytes()), Ok(StoredModel::Oscillator(_))));
+    let error = ModelFile::from_slice(text.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("hysteron-oscillator"), "{error}");
+    let foreign = OscillatorFile::from_slice(b"{\"format\": \"x\"}").unwrap_err().to_string();
+    assert!(foreign.contains("\"x\""), "{foreign}");
+}
+
+#[test]
+fn the_published_schema_is_up_to_date() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/hysteron-oscillator-1.schema.json");
+    let published = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(
+        published == oscillator_schema(),
+        "write it anew: hysteron schema --oscillator > docs/schema/hysteron-oscillator-1.schema.json"
+    );
+}
