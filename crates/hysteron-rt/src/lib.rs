@@ -3,6 +3,8 @@
 //! * [`BoucWen`]: parameters of the Bouc–Wen operator; [`BoucWen::step`] moves a [`BoucWenState`] to the next
 //!   voltage exactly, whatever the distance, because the operator is rate independent.
 //! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of the step.
+//! * [`Rls`], [`Nlms`]: least squares with forgetting and gradient correction of parameters while samples come in;
+//!   [`FitMonitor`] says when they no longer fit.
 //! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of its own
 //!   result with respect to β, γ and n ([`BoucWen::advance_with_sensitivities`]).
 //! * [`Real`], [`Scalar`]: the two closed sets of numbers the arithmetic is written for.
@@ -29,12 +31,17 @@
 
 mod bouc_wen;
 mod dual;
+mod online;
 mod play;
 mod real;
 mod series;
 
 pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepError};
 pub use dual::Dual;
+pub use online::{
+    FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, OnlineError, Residual, Rls, RlsSettings,
+    SampleError, Unexcited,
+};
 pub use play::{Piece, PlayBank, PlayBankError, PlayError, play};
 pub use real::{Real, Scalar};
 pub use series::log_distance;

@@ -6,7 +6,10 @@
 
 use core::panic::PanicInfo;
 
-use hysteron_rt::{BoucWen, BoucWenState, Dual, PlayBank, Real};
+use hysteron_rt::{
+    BoucWen, BoucWenState, Dual, FitMonitor, MonitorSettings, Nlms, NlmsSettings, PlayBank, Real, Rls,
+    RlsSettings,
+};
 
 unsafe extern "C" {
     /// Defined nowhere.
@@ -81,8 +84,35 @@ fn plays<T: Real>(thresholds: &[T], weights: &[T], states: &mut [T], slope: T, u
     bank.piece(states, sum, |u| slope * u * u).is_ok_and(|piece| piece.low.is_some())
 }
 
+/// Five parameters by both estimators, and the monitor on what they leave.
+#[inline(always)]
+fn online<T: Real>(
+    (least_squares, gradient, monitor): (RlsSettings<T, 5>, NlmsSettings<T, 5>, MonitorSettings<T>),
+    samples: &[([T; 5], T)],
+    out: &mut [T; 5],
+) -> bool {
+    let (Ok(mut rls), Ok(mut nlms)) = (Rls::new(least_squares), Nlms::new(gradient)) else { return false };
+    let Ok(mut monitor) = FitMonitor::new(monitor) else { return false };
+    for (regressors, output) in samples {
+        let Ok(residual) = rls.step(regressors, *output) else { return false };
+        match monitor.step(residual.normalised()) {
+            Ok(Some(misfit)) => {
+                *out = [monitor.delay(misfit).unwrap_or(rls.deviation(regressors)); 5];
+                monitor.reset();
+                rls.reopen();
+            }
+            Ok(None) => *out = rls.covariance(samples.len()).unwrap_or(*rls.parameters()),
+            Err(_) => rls.reset(),
+        }
+        if nlms.step(regressors, *output).is_err() {
+            nlms.reset();
+        }
+    }
+    nlms.predict(out) < rls.predict(out)
+}
+
 macro_rules! entries {
-    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident) => {
+    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident) => {
         #[unsafe(no_mangle)]
         #[allow(improper_ctypes_definitions)]
         pub extern "C" fn $step(parameters: &Parameters<$t>, state: &mut BoucWenState<$t>, u: $t) -> bool {
@@ -123,11 +153,21 @@ macro_rules! entries {
         ) -> bool {
             plays(thresholds, weights, states, slope, u)
         }
+
+        #[unsafe(no_mangle)]
+        #[allow(improper_ctypes_definitions)]
+        pub extern "C" fn $online(
+            settings: &(RlsSettings<$t, 5>, NlmsSettings<$t, 5>, MonitorSettings<$t>),
+            samples: &[([$t; 5], $t)],
+            out: &mut [$t; 5],
+        ) -> bool {
+            online(*settings, samples, out)
+        }
     };
 }
 
-entries!(f32, proof_step_f32, proof_simulate_f32, proof_sensitivities_f32, proof_plays_f32);
-entries!(f64, proof_step_f64, proof_simulate_f64, proof_sensitivities_f64, proof_plays_f64);
+entries!(f32, proof_step_f32, proof_simulate_f32, proof_sensitivities_f32, proof_plays_f32, proof_online_f32);
+entries!(f64, proof_step_f64, proof_simulate_f64, proof_sensitivities_f64, proof_plays_f64, proof_online_f64);
 
 /// Negative control: an index that may be out of range.
 #[cfg(feature = "panicking")]
