@@ -1,5 +1,6 @@
 //! `hysteron identify`: records in, model file and report out.
 
+mod family;
 mod oscillator;
 mod outcome;
 mod parameters;
@@ -16,7 +17,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
 use hysteron::dynamics::Scheme;
-use hysteron::hysteresis::HysteresisForm;
 use hysteron::identify::structure::neighbours;
 use hysteron::identify::{
     CampaignRecord, Choice, Demands, DynamicsChoice, FindingKind, IdentifyError, Initial, Method, Options,
@@ -31,6 +31,7 @@ use hysteron::record::InterSample;
 use hysteron_report::identification::{IdentificationReportData, identification_report};
 use hysteron_report::write_figures;
 
+use self::family::HysteresisArg;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -39,9 +40,6 @@ use crate::numbers::{count, number, whole};
 use crate::output;
 use crate::progress::Progress;
 use crate::result_flags::ResultFlags;
-
-/// Plays where nobody says how many.
-const PLAYS: usize = 12;
 
 /// Largest file of interrupted searches read \[bytes\].
 const MAX_RESUME_BYTES: u64 = 256 << 20;
@@ -55,7 +53,7 @@ const MAX_RESUME_BYTES: u64 = 256 << 20;
     Records that carry dynamics are fitted jointly: both blocks, the delay, each record's offset and the hysteresis memory \
     it starts with, from several starts, on thinned records first and all samples last. --method two-step is the article's \
     way: hysteresis from the slow records, then dynamics from the others. Slow records alone, and --dynamics arx, go that way.\n\n\
-    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (plays: threshold_1, weight_1, …), \
+    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (other families: the names in their model files), \
     offset, delay [s]; joint: \
     natural_frequency [Hz], damping, order2, order1, order0, share, creep, creep_order, memory_1, memory_2, … (beta, gamma and \
     memory of alpha = 1); two-step: lag [s], gain.\n\n\
@@ -92,9 +90,10 @@ pub struct Identify {
     #[arg(long, value_enum, default_value_t = HysteresisArg::BoucWen)]
     hysteresis: HysteresisArg,
 
-    /// Plays of --hysteresis prandtl-ishlinskii
-    #[arg(long, value_name = "N", default_value_t = PLAYS, value_parser = count::<usize>, allow_hyphen_values = true)]
-    plays: usize,
+    /// Elements of the hysteresis block: plays, slip elements, states, lines or intervals of a plane, degree
+    /// [default: the family's own]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
+    elements: Option<usize>,
 
     /// Dynamic block; if not given, what the records support
     #[arg(long, value_enum)]
@@ -200,14 +199,6 @@ enum StructureArg {
     Hammerstein,
     /// A mass on a hysteretic spring: resonances move with the amplitude
     Oscillator,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum HysteresisArg {
-    /// Polynomial less one relaxing state: few parameters
-    BoucWen,
-    /// Polynomial and plays: minor loops, exact inverse (joint)
-    PrandtlIshlinskii,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -393,10 +384,7 @@ impl Identify {
                 MethodArg::Joint => Method::Joint,
                 MethodArg::TwoStep => Method::TwoStep,
             },
-            hysteresis: match self.hysteresis {
-                HysteresisArg::BoucWen => HysteresisForm::BoucWen,
-                HysteresisArg::PrandtlIshlinskii => HysteresisForm::PrandtlIshlinskii { plays: self.plays },
-            },
+            hysteresis: self.hysteresis.form(self.elements)?,
             order: self.order,
             creep: self.creep,
             initial: match self.initial {

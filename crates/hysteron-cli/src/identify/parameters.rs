@@ -18,7 +18,7 @@ pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
         "delay" | "lag" => "s".into(),
         name if name.starts_with("memory_") => match file.hysteresis.kind {
             HysteresisKind::BoucWen => Unit::new(&file.units.output).to_string(),
-            HysteresisKind::PrandtlIshlinskii => Unit::new(&file.units.input).to_string(),
+            _ => Unit::new(&file.units.input).to_string(),
         },
         _ => String::new(),
     }
@@ -72,8 +72,11 @@ fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> Par
         "c0" => ("c₀", "coefficient of s⁰"),
         "c1" => ("c₁", "coefficient of s^α₁"),
         other if other.starts_with("degree_") || other.starts_with("qu") => (other, "polynomial coefficient"),
+        other if p.block == "hysteresis" && shape_meaning(other).is_some() => {
+            (other, shape_meaning(other).unwrap_or_default())
+        }
         other if other.starts_with("threshold_") => (other, "half-width of a play"),
-        other if other.starts_with("weight_") => (other, "weight of a play"),
+        other if other.starts_with("weight_") => (other, "weight of a column"),
         other if memory.is_some() => (other, ""),
         other => (other, "parameter of the dynamics"),
     };
@@ -139,4 +142,29 @@ pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
         });
     }
     rows
+}
+
+/// What a shape number of a family says.
+fn shape_meaning(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "delta" => "asymmetry of the loop",
+        "rate" => "bend of the loop over the voltage",
+        "reach" => "voltage at which the loop saturates",
+        "exponent" => "smoothness of the transition",
+        "scale" => "widest threshold of the grid",
+        "low" | "high" => "end of the plane",
+        "rise" => "length of a ramp",
+        "rise_right" | "rise_left" => "steepness of an envelope",
+        "centre_right" | "centre_left" => "centre of an envelope",
+        "half_width" => "most frequent half-width of a relay",
+        "half_width_spread" => "spread of the half-widths",
+        "bias" => "most frequent bias of a relay",
+        "bias_spread" => "spread of the biases",
+        "anhysteretic" => "scale of the anhysteretic curve",
+        "pinning" => "pinning, half the width of the loop",
+        "reversibility" => "reversible share",
+        "coupling" => "field of the magnetisation",
+        name if name.starts_with("beta_") || name.starts_with("gamma_") => "shape of the loop",
+        _ => return None,
+    })
 }

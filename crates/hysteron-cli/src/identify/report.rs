@@ -154,6 +154,11 @@ fn summary(found: &Identification) -> String {
             "Prandtl–Ishlinskii hysteresis of {} plays with a polynomial of degree {degree}",
             model.thresholds.len()
         ),
+        Hysteresis::Family(model) => format!(
+            "Hysteresis of the family {} ({} weights) with a polynomial of degree {degree}",
+            model.form.name(),
+            model.weights.len()
+        ),
     };
     format!("{hysteresis}, {dynamics}{how}")
 }
@@ -192,6 +197,9 @@ fn equations(found: &Identification) -> Vec<String> {
         }
         Hysteresis::PrandtlIshlinskii(_) => {
             vec![format!("v = {polynomial} + Σ wᵢ Fᵢ"), "Fᵢ ← max(u − rᵢ, min(u + rᵢ, Fᵢ))".to_owned()]
+        }
+        Hysteresis::Family(model) => {
+            vec![format!("v = {polynomial} + Σ wⱼ Hⱼ[u],   H of the family {}", model.form.name())]
         }
     };
     match &found.model.dynamics {

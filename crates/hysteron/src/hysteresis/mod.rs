@@ -9,6 +9,7 @@
 //!   [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
 //! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives.
 //! * [`RateDependentPrandtlIshlinskii`], the one operator here that sees the rate.
+//! * [`Family`]: a model of any of these families, [`FamilyForm`], whose columns a fit can take.
 //! * [`Origin`]: where an operator stands before the first sample; [`Start`] and [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away.
@@ -22,12 +23,14 @@ mod dahl;
 mod dead_zones;
 mod duhem;
 mod error;
+mod family;
 mod form;
 mod generalised_play;
 mod inter_sample;
 mod jiles_atherton;
 mod krasnoselskii_pokrovskii;
 mod maxwell_slip;
+mod parallel_bouc_wen;
 mod pass;
 mod plays;
 mod polynomial;
@@ -46,6 +49,7 @@ pub use dahl::Dahl;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
 pub use duhem::Duhem;
 pub use error::HysteresisError;
+pub use family::{Family, FamilyForm, NumberUnit};
 pub use form::{Columns, HysteresisForm, Memory, Origin, Partial};
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
@@ -53,6 +57,7 @@ pub(crate) use inter_sample::polygon_of_means;
 pub use jiles_atherton::JilesAtherton;
 pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
 pub use maxwell_slip::MaxwellSlip;
+pub use parallel_bouc_wen::ParallelBoucWen;
 pub use plays::{OneSidedPlays, Plays};
 pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};
 pub use preisach::{DensityLaw, Preisach, PreisachDensity, ReversalCurve};
@@ -66,6 +71,8 @@ pub enum Hysteresis {
     BoucWen(BoucWen),
     /// Polynomial and plays.
     PrandtlIshlinskii(PrandtlIshlinskii),
+    /// Polynomial and the columns of another family.
+    Family(Family),
 }
 
 /// Where a Bouc–Wen operator stands before the first sample of a record.
@@ -91,6 +98,7 @@ impl Hysteresis {
         match self {
             Self::BoucWen(model) => model.validate(),
             Self::PrandtlIshlinskii(model) => model.validate(),
+            Self::Family(model) => model.validate(),
         }
     }
 
@@ -133,6 +141,7 @@ impl Hysteresis {
                 };
                 model.simulate_every(factor, u, start, &mut plays, out)
             }
+            Self::Family(model) => model.simulate_every(factor, u, origin, out),
         }
     }
 
@@ -146,6 +155,7 @@ impl Hysteresis {
                 let sum: f64 = plays.iter().zip(&model.weights).map(|(play, weight)| weight * play).sum();
                 model.polynomial_at(rest) + sum
             }
+            Self::Family(model) => model.at_rest(memory.unwrap_or(rest), rest),
         }
     }
 
@@ -154,6 +164,7 @@ impl Hysteresis {
         match self {
             Self::BoucWen(model) => &mut model.polynomial,
             Self::PrandtlIshlinskii(model) => &mut model.polynomial,
+            Self::Family(model) => &mut model.polynomial,
         }
     }
 
@@ -162,6 +173,7 @@ impl Hysteresis {
         match self {
             Self::BoucWen(model) => &model.polynomial,
             Self::PrandtlIshlinskii(model) => &model.polynomial,
+            Self::Family(model) => &model.polynomial,
         }
     }
 
@@ -183,6 +195,10 @@ impl Hysteresis {
                 let (polynomial, weights) = (times_gain(&model.polynomial), times_gain(&model.weights));
                 PrandtlIshlinskii::new(polynomial, model.thresholds.clone(), weights)
                     .map(Self::PrandtlIshlinskii)
+            }
+            Self::Family(model) => {
+                let (polynomial, weights) = (times_gain(&model.polynomial), times_gain(&model.weights));
+                Family::new(polynomial, model.form, model.shape.clone(), weights).map(Self::Family)
             }
         }
     }

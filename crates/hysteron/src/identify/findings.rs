@@ -7,7 +7,7 @@ use super::{IdentifyError, RecordFacts, identifiability};
 use crate::display::short;
 use crate::dynamics::{Dynamics, Stability, stability};
 use crate::hammerstein::Start;
-use crate::hysteresis::Hysteresis;
+use crate::hysteresis::{Family, Hysteresis};
 use crate::optimize::StopReason;
 use crate::record::{LoopSense, implausible_units, loop_shape, range_of, turning_points};
 
@@ -122,8 +122,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                     Hysteresis::BoucWen(_) =>
                         "β and γ are told apart only by the way from rest into the first loop, polynomial degree and exponent n only \
                          by the shape of one loop",
-                    Hysteresis::PrandtlIshlinskii(_) =>
-                        "the polynomial is told from the plays only by the shape of one loop",
+                    Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) =>
+                        "the polynomial is told from the hysteretic part only by the shape of one loop",
                 }
             ),
         );
@@ -237,6 +237,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
 fn verdict(hysteresis: &Hysteresis, (low, high): (f64, f64), unit: &str) -> String {
     match hysteresis {
         Hysteresis::BoucWen(operator) => format!("Hysteresis block: {}.", operator.admissibility()),
+        Hysteresis::Family(model) => family_verdict(model, (low, high), unit),
         Hysteresis::PrandtlIshlinskii(operator) => {
             let span = format!("{} to {} {unit}", short(low), short(high));
             let span = span.trim_end();
@@ -250,6 +251,30 @@ fn verdict(hysteresis: &Hysteresis, (low, high): (f64, f64), unit: &str) -> Stri
         }
     }
 }
+
+/// Whether weights of one sign make every move raise the output.
+fn family_verdict(model: &Family, (low, high): (f64, f64), unit: &str) -> String {
+    let name = model.form.name();
+    let slope = |u: f64| {
+        let powers = model.polynomial.iter().zip(1_i32..);
+        powers.map(|(c, power)| f64::from(power) * c * u.powi(power - 1)).sum::<f64>()
+    };
+    let rising = model.form.is_monotone()
+        && model.weights.iter().all(|w| *w >= 0.0)
+        && (0..=GRID).all(|k| slope(low + (high - low) * k as f64 / GRID as f64) > 0.0);
+    if rising {
+        let span = format!("{} to {} {unit}", short(low), short(high));
+        format!(
+            "Hysteresis block ({name}): every move raises the output with the drive from {}, so that it has an inverse.",
+            span.trim_end()
+        )
+    } else {
+        format!("Hysteresis block ({name}): its inverse is not known to exist for every history.")
+    }
+}
+
+/// Voltages at which the slope of a polynomial is looked at.
+const GRID: usize = 200;
 
 /// Which parameters the records leave open, by their standard errors alone.
 fn precision(result: &Identification) -> Vec<Finding> {

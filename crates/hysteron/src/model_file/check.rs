@@ -2,11 +2,15 @@
 
 use super::{
     DynamicsKind, FORMAT, HysteresisKind, Interval, ModelFile, ModelFileError, Parameters, Quantity,
-    ScoreEntry, StartKind, TermEntry, VERSION, convert::Units, polynomial_name,
+    ScoreEntry, StartKind, TermEntry, VERSION,
+    convert::{Units, form_of, numbers_of},
+    polynomial_name,
 };
 
 const BOUC_WEN_NAMES: &str =
     "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and alpha, beta, gamma, n";
+const FAMILY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, the shape numbers of the kind, and \
+                            weight_1, weight_2 … without gaps";
 const PLAY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and threshold_1, weight_1, \
                           threshold_2, weight_2 … without gaps";
 
@@ -27,6 +31,7 @@ impl ModelFile {
         match self.hysteresis.kind {
             HysteresisKind::BoucWen => bouc_wen(&self.hysteresis.parameters, &units)?,
             HysteresisKind::PrandtlIshlinskii => prandtl_ishlinskii(&self.hysteresis.parameters, &units)?,
+            kind => family(kind, &self.hysteresis.parameters, &units)?,
         }
         self.dynamics()?;
         quantity("delay", &self.delay, "s", Some(0.0))?;
@@ -139,6 +144,25 @@ fn prandtl_ishlinskii(parameters: &Parameters, units: &Units) -> Result<(), Mode
             Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: PLAY_NAMES })
         }
     }
+}
+
+fn family(kind: HysteresisKind, parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
+    let degree = polynomial(parameters, units)?;
+    let form = form_of(kind, parameters)?;
+    let numbers = numbers_of(form);
+    for (name, unit) in &numbers {
+        let quantity_of = parameters.get(name);
+        let found = quantity_of.ok_or_else(|| ModelFileError::MissingParameter { name: name.clone() })?;
+        quantity(&format!("hysteresis.parameters.{name}"), found, &units.product(*unit), None)?;
+    }
+    let known: std::collections::HashSet<&str> = numbers.iter().map(|(name, _)| name.as_str()).collect();
+    let is_known = |name: &str| known.contains(name) || (1..=degree).any(|i| polynomial_name(i) == name);
+    if let Some((name, _)) = parameters.iter().find(|(name, _)| !is_known(name)) {
+        return Err(ModelFileError::UnknownParameter { name: name.to_owned(), expected: FAMILY_NAMES });
+    }
+    let value = |(name, _): (String, _)| parameters.get(&name).map_or(f64::NAN, |q| q.value);
+    let shape: Vec<f64> = form.shape_numbers().into_iter().map(value).collect();
+    form.check(&shape).map_err(|problem| ModelFileError::Shape { problem })
 }
 
 fn bouc_wen(parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
-use crate::hysteresis::{BoucWen, Hysteresis, PrandtlIshlinskii};
+use crate::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, NumberUnit, PrandtlIshlinskii};
 
 /// Units of a model's numbers, from the units of its signals.
 pub(super) struct Units {
@@ -47,6 +47,22 @@ impl Units {
         }
     }
 
+    /// Of a number of a family.
+    pub fn product(&self, unit: NumberUnit) -> String {
+        let power = |name: &str, power: i32| match power {
+            0 => "1".to_owned(),
+            1 => name.to_owned(),
+            _ => format!("{name}^{power}"),
+        };
+        let output = power(&self.output, unit.output);
+        match unit.input {
+            0 => output,
+            input if input < 0 => format!("{output}/{}", power(&self.input, -input)),
+            input if unit.output == 0 => power(&self.input, input),
+            input => format!("{output}*{}", power(&self.input, input)),
+        }
+    }
+
     /// Of |du/dt|.
     pub fn rate(&self) -> String {
         format!("{}/s", self.input)
@@ -72,6 +88,7 @@ impl ModelFile {
             kind: match &model.hysteresis {
                 Hysteresis::BoucWen(_) => HysteresisKind::BoucWen,
                 Hysteresis::PrandtlIshlinskii(_) => HysteresisKind::PrandtlIshlinskii,
+                Hysteresis::Family(family) => HysteresisKind::of(family.form),
             },
             parameters: parameters(&model.hysteresis, &units),
         };
@@ -137,6 +154,7 @@ impl ModelFile {
             HysteresisKind::PrandtlIshlinskii => {
                 Hysteresis::PrandtlIshlinskii(prandtl_ishlinskii(&self.hysteresis.parameters))
             }
+            kind => Hysteresis::Family(family(kind, &self.hysteresis.parameters)?),
         };
         Ok(Model {
             hysteresis,
@@ -156,11 +174,43 @@ fn parameters(block: &Hysteresis, units: &Units) -> Parameters {
         parameters.set(&polynomial_name(i + 1), Quantity::new(coefficient, units.polynomial(i + 1)));
     }
     let n = block.number("n").unwrap_or(1.0);
+    let own = match block {
+        Hysteresis::Family(family) => numbers_of(family.form),
+        Hysteresis::BoucWen(_) | Hysteresis::PrandtlIshlinskii(_) => Vec::new(),
+    };
     for (name, value) in block.numbers() {
-        let unit = units.of_number(&name, n);
+        let unit = match own.iter().find(|(own, _)| *own == name) {
+            Some((_, unit)) => units.product(*unit),
+            None => units.of_number(&name, n),
+        };
         parameters.set(&name, Quantity::new(value, unit));
     }
     parameters
+}
+
+/// Names and units of a family's numbers, in file order.
+pub(super) fn numbers_of(form: FamilyForm) -> Vec<(String, NumberUnit)> {
+    form.shape_numbers().into_iter().chain(form.weight_numbers()).collect()
+}
+
+/// The family with as many weights as the file has.
+pub(super) fn form_of(kind: HysteresisKind, parameters: &Parameters) -> Result<FamilyForm, ModelFileError> {
+    let weights = (1..).take_while(|i| parameters.get(&format!("weight_{i}")).is_some()).count();
+    let missing = || ModelFileError::MissingParameter { name: format!("weight_{}", weights + 1) };
+    kind.family().and_then(|form| form.with_weights(weights)).ok_or_else(missing)
+}
+
+fn family(kind: HysteresisKind, parameters: &Parameters) -> Result<Family, ModelFileError> {
+    let form = form_of(kind, parameters)?;
+    let values = |numbers: Vec<(String, NumberUnit)>| {
+        let value = |name: String| match parameters.get(&name) {
+            Some(quantity) => Ok(quantity.value),
+            None => Err(ModelFileError::MissingParameter { name }),
+        };
+        numbers.into_iter().map(|(name, _)| value(name)).collect::<Result<Vec<f64>, _>>()
+    };
+    let (shape, weights) = (values(form.shape_numbers())?, values(form.weight_numbers())?);
+    Ok(Family { polynomial: polynomial(parameters), form, shape, weights })
 }
 
 fn polynomial(parameters: &Parameters) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! What can be wrong with a model file.
 
+use crate::hysteresis::HysteresisError;
 use std::path::PathBuf;
 
 use crate::atomic_file::AtomicWriteError;
@@ -86,6 +87,12 @@ pub enum ModelFileError {
         name: String,
         /// The names there are.
         expected: &'static str,
+    },
+    /// Shape numbers that the hysteresis block cannot have.
+    #[error("hysteresis.parameters: {problem}")]
+    Shape {
+        /// What is wrong with them.
+        problem: HysteresisError,
     },
     /// A list of terms does not suit the kind of dynamics.
     #[error("{path}: expected {expected}, found {terms} terms")]

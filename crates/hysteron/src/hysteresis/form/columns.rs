@@ -1,5 +1,6 @@
 //! What the operators of a family put out over a record.
 
+use super::super::family::Scratch;
 use super::super::sensitivities::Sensitivities;
 
 /// Where an operator stands before the first sample of a record.
@@ -36,6 +37,7 @@ pub struct Columns {
     /// ∂(H_j before the first sample)/∂memory.
     pub rest_by_memory: Vec<f64>,
     pub(super) sensitivities: Sensitivities,
+    pub(in crate::hysteresis) scratch: Scratch,
 }
 
 /// Derivative of one column with respect to one shape number.
@@ -53,7 +55,13 @@ pub struct Partial {
 
 impl Columns {
     /// Gives every buffer its length. Derivatives of the pairs (θ, column) given.
-    pub(super) fn resize(&mut self, columns: usize, samples: usize, pairs: &[(usize, usize)], memory: bool) {
+    pub(in crate::hysteresis) fn resize(
+        &mut self,
+        columns: usize,
+        samples: usize,
+        pairs: &[(usize, usize)],
+        memory: bool,
+    ) {
         let shape = |buffers: &mut Vec<Vec<f64>>, count: usize| {
             buffers.resize_with(count, Vec::new);
             buffers.iter_mut().for_each(|buffer| buffer.resize(samples, 0.0));

@@ -1,13 +1,13 @@
 //! What an operator remembers where a record begins.
 
-use super::super::{Admissibility, Hysteresis, HysteresisError};
+use super::super::{Admissibility, Family, Hysteresis, HysteresisError, PrandtlIshlinskii};
 
 /// What a hysteresis operator remembers where a record begins, in one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Memory {
     /// Hysteretic displacement z \[µm\], of Bouc–Wen.
     Displacement(f64),
-    /// Voltage \[V\] at which the device was virgin before it moved, without turning, to where it rested; of plays.
+    /// Voltage \[V\] at which the device was virgin before it moved, without turning, to where it rested; of every other family.
     VirginAt(f64),
 }
 
@@ -52,7 +52,7 @@ impl Hysteresis {
     pub fn memory(&self, value: f64) -> Memory {
         match self {
             Self::BoucWen(_) => Memory::Displacement(value),
-            Self::PrandtlIshlinskii(_) => Memory::VirginAt(value),
+            Self::PrandtlIshlinskii(_) | Self::Family(_) => Memory::VirginAt(value),
         }
     }
 
@@ -69,8 +69,8 @@ impl Hysteresis {
     }
 
     /// Numbers between which a memory of this operator can lie where the drive spans `low` to `high` \[V\]: between the
-    /// saturations ±|α| (β' + γ')^(−1/n) of a Bouc–Wen operator, ±|α| times the span for one that does not saturate; within
-    /// the span for plays. `None` where there is nothing to remember.
+    /// saturations ±|α| (β' + γ')^(−1/n) of a Bouc–Wen operator, ±|α| times the span for one that does not saturate; up to
+    /// the span beyond the span for other families. `None` where there is nothing to remember.
     pub fn memory_range(&self, low: f64, high: f64) -> Option<(f64, f64)> {
         match self {
             Self::BoucWen(model) => {
@@ -82,8 +82,10 @@ impl Hysteresis {
                 let limit = model.alpha.abs() * reach;
                 (limit > 0.0 && limit.is_finite()).then_some((-limit, limit))
             }
-            Self::PrandtlIshlinskii(model) => {
-                (low < high && model.weights.iter().any(|w| *w != 0.0)).then_some((low, high))
+            Self::PrandtlIshlinskii(PrandtlIshlinskii { weights, .. })
+            | Self::Family(Family { weights, .. }) => {
+                let reach = high - low;
+                (low < high && weights.iter().any(|w| *w != 0.0)).then_some((low - reach, high + reach))
             }
         }
     }

@@ -12,7 +12,7 @@ mod plays;
 pub use columns::{Columns, Origin, Partial};
 pub use memory::Memory;
 
-use super::{BoucWen, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape};
+use super::{BoucWen, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape};
 
 /// A family of hysteresis operators with its fixed structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -26,6 +26,8 @@ pub enum HysteresisForm {
         /// Number of plays.
         plays: usize,
     },
+    /// Another family of columns, s = 1. Memory of a record as for plays.
+    Family(FamilyForm),
 }
 
 impl HysteresisForm {
@@ -34,6 +36,7 @@ impl HysteresisForm {
         match self {
             Self::BoucWen => vec!["alpha".into()],
             Self::PrandtlIshlinskii { plays } => numbered("weight", plays),
+            Self::Family(form) => form.weight_numbers().into_iter().map(|(name, _)| name).collect(),
         }
     }
 
@@ -42,6 +45,7 @@ impl HysteresisForm {
         match self {
             Self::BoucWen => ["beta", "gamma", "n"].map(String::from).into(),
             Self::PrandtlIshlinskii { plays } => numbered("threshold", plays),
+            Self::Family(form) => form.shape_numbers().into_iter().map(|(name, _)| name).collect(),
         }
     }
 
@@ -50,6 +54,7 @@ impl HysteresisForm {
         match self {
             Self::BoucWen => 1,
             Self::PrandtlIshlinskii { plays } => plays,
+            Self::Family(form) => form.columns(),
         }
     }
 
@@ -57,13 +62,17 @@ impl HysteresisForm {
     pub fn sign(self) -> f64 {
         match self {
             Self::BoucWen => -1.0,
-            Self::PrandtlIshlinskii { .. } => 1.0,
+            Self::PrandtlIshlinskii { .. } | Self::Family(_) => 1.0,
         }
     }
 
     /// Whether all weights have the sign of the slope dv/du, so that every move raises v with u.
     pub fn is_monotone(self) -> bool {
-        matches!(self, Self::PrandtlIshlinskii { .. })
+        match self {
+            Self::BoucWen => false,
+            Self::PrandtlIshlinskii { .. } => true,
+            Self::Family(form) => form.is_monotone(),
+        }
     }
 
     /// Runs the operators over the drive `u` \[V\], given on a time base finer by `factor`, from `origin`; derivatives with
@@ -83,6 +92,7 @@ impl HysteresisForm {
         match self {
             Self::BoucWen => bouc_wen::run(unit_shape(shape)?, factor, u, origin, wanted, out),
             Self::PrandtlIshlinskii { .. } => plays::run(shape, factor, u, origin, wanted, out),
+            Self::Family(form) => form.run(shape, factor, u, origin, wanted, out),
         }
     }
 
@@ -105,6 +115,9 @@ impl HysteresisForm {
                 PrandtlIshlinskii::new(polynomial, shape.to_vec(), weights.to_vec())
                     .map(Hysteresis::PrandtlIshlinskii)
             }
+            Self::Family(form) => {
+                Family::new(polynomial, form, shape.to_vec(), weights.to_vec()).map(Hysteresis::Family)
+            }
         }
     }
 
@@ -112,7 +125,7 @@ impl HysteresisForm {
     pub fn own_memory(self, memory: f64, weights: &[f64]) -> f64 {
         match self {
             Self::BoucWen => memory * weights.first().copied().unwrap_or(0.0),
-            Self::PrandtlIshlinskii { .. } => memory,
+            Self::PrandtlIshlinskii { .. } | Self::Family(_) => memory,
         }
     }
 }
@@ -141,6 +154,7 @@ impl Hysteresis {
             Self::PrandtlIshlinskii(model) => {
                 HysteresisForm::PrandtlIshlinskii { plays: model.thresholds.len() }
             }
+            Self::Family(model) => HysteresisForm::Family(model.form),
         }
     }
 
@@ -149,6 +163,7 @@ impl Hysteresis {
         match self {
             Self::BoucWen(model) => vec![model.alpha],
             Self::PrandtlIshlinskii(model) => model.weights.clone(),
+            Self::Family(model) => model.weights.clone(),
         }
     }
 
@@ -160,6 +175,7 @@ impl Hysteresis {
                 vec![beta, gamma, n]
             }
             Self::PrandtlIshlinskii(model) => model.thresholds.clone(),
+            Self::Family(model) => model.shape.clone(),
         }
     }
 }
@@ -175,6 +191,10 @@ impl Hysteresis {
             Self::PrandtlIshlinskii(p) => {
                 let form = self.form();
                 of(form.shape_names(), &p.thresholds).chain(of(form.weight_names(), &p.weights)).collect()
+            }
+            Self::Family(p) => {
+                let form = self.form();
+                of(form.shape_names(), &p.shape).chain(of(form.weight_names(), &p.weights)).collect()
             }
         }
     }
@@ -201,6 +221,14 @@ impl Hysteresis {
                     "threshold" => p.thresholds.get_mut(index),
                     "weight" => p.weights.get_mut(index),
                     _ => None,
+                }
+            }
+            Self::Family(p) => {
+                let form = HysteresisForm::Family(p.form);
+                let place = |names: Vec<String>| names.iter().position(|own| own == name);
+                match place(form.shape_names()) {
+                    Some(index) => p.shape.get_mut(index),
+                    None => p.weights.get_mut(place(form.weight_names())?),
                 }
             }
         }

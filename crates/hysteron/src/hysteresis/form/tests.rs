@@ -15,6 +15,18 @@ fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
         (HysteresisForm::BoucWen, vec![0.4, 0.1, 1.0]),
         (HysteresisForm::BoucWen, vec![0.4, -0.1, 1.6]),
         (HysteresisForm::PrandtlIshlinskii { plays: 4 }, vec![0.31, 0.9, 1.7, 3.3]),
+        (HysteresisForm::Family(FamilyForm::ParallelBoucWen { states: 2 }), vec![0.3, 0.1, 1.3, -0.2]),
+        (HysteresisForm::Family(FamilyForm::NonSymmetricBoucWen), vec![0.6, 0.2, 0.05]),
+        (HysteresisForm::Family(FamilyForm::SongDerKiureghian), vec![0.6, 0.1, 0.2, 0.05, -0.04, 0.03]),
+        (HysteresisForm::Family(FamilyForm::Dahl), vec![1.7, 1.4]),
+        (HysteresisForm::Family(FamilyForm::Duhem { degree: 2 }), vec![0.7]),
+        (HysteresisForm::Family(FamilyForm::MaxwellSlip { elements: 3 }), vec![3.1]),
+        (HysteresisForm::Family(FamilyForm::OneSidedPlays { plays: 3 }), vec![5.3]),
+        (HysteresisForm::Family(FamilyForm::GeneralisedPlays { plays: 3 }), vec![0.21, 4.3, 0.19, 4.1]),
+        (HysteresisForm::Family(FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }), vec![-1.0, 9.3, 2.7]),
+        (HysteresisForm::Family(FamilyForm::Preisach { intervals: 4 }), vec![-1.03, 9.21]),
+        (HysteresisForm::Family(FamilyForm::PreisachDensity), vec![-1.03, 9.21, 0.4, 1.3, 4.1, 3.3]),
+        (HysteresisForm::Family(FamilyForm::JilesAtherton), vec![2.3, 0.7, 0.12, 0.9]),
     ]
 }
 
@@ -84,6 +96,10 @@ fn derivatives_are_those_of_the_columns() {
                     shape[p] += by;
                     run(form, &shape, 2, origin, false)
                 };
+                // The grid of a plane is structure.
+                if ["low", "high"].contains(&form.shape_names()[p].as_str()) {
+                    continue;
+                }
                 let n_at_its_end = form == HysteresisForm::BoucWen && p == 2 && shape[p] == 1.0;
                 if n_at_its_end {
                     continue;

@@ -4,7 +4,7 @@ use super::super::layout::{BoxBuilder, Role};
 use super::super::options::Choice;
 use super::super::static_step::Scales;
 use super::setup::JointSetup;
-use crate::hysteresis::HysteresisForm;
+use crate::hysteresis::{FamilyForm, HysteresisForm};
 use crate::optimize::Range;
 use crate::record::range_of;
 
@@ -23,6 +23,7 @@ impl JointSetup<'_> {
         match self.hysteresis {
             HysteresisForm::BoucWen => self.bouc_wen(space),
             HysteresisForm::PrandtlIshlinskii { plays } => self.plays(plays, space),
+            HysteresisForm::Family(form) => self.columns(form, space),
         }
     }
 
@@ -80,11 +81,124 @@ impl JointSetup<'_> {
         (weights, thresholds)
     }
 
+    /// Roles of a family of columns: ranges that go with the span of the drives. The grid of a plane spans them.
+    fn columns(&self, form: FamilyForm, space: &mut BoxBuilder<'_>) -> (Vec<Role>, Vec<Role>) {
+        let demands = &self.options.demands;
+        let Scales { range_v, largest_v, slope, .. } = self.scales;
+        let (low, high) = self.span();
+        let weights = form.weight_numbers().into_iter().map(|(name, unit)| {
+            // µm per unit of the column, whose size goes with its power of the drive.
+            let most = 10.0 * slope.abs() * range_v.max(largest_v).powi(1 + unit.input);
+            let range = Range::linear(&name, -most, most);
+            if form.is_monotone() { space.one_sided(range, slope.signum()) } else { space.projected(range) }
+        });
+        let weights = weights.collect();
+        let steepest = 20.0 / range_v;
+        let straightest = LEAST_BEND / range_v;
+        let numbers = form.shape_numbers().into_iter().enumerate();
+        let shape = numbers.map(|(index, (name, _))| {
+            let held = |value: f64| (value, None);
+            let searched = |range: Range| (f64::NAN, Some(range));
+            let (value, range) = match (form, name.as_str()) {
+                (_, "low") => held(low),
+                (_, "high") => held(high),
+                (FamilyForm::MaxwellSlip { .. }, _) => held(0.5 * range_v),
+                (FamilyForm::OneSidedPlays { .. }, _) => held(range_v),
+                (FamilyForm::KrasnoselskiiPokrovskii { lines }, _) => {
+                    held((high - low) / (lines.max(2) - 1) as f64)
+                }
+                (FamilyForm::SongDerKiureghian, _) if index > 0 => {
+                    searched(Range::linear(&name, -steepest, steepest))
+                }
+                (_, name) if name.starts_with("gamma") || name == "delta" => {
+                    searched(Range::linear(name, -steepest, steepest))
+                }
+                (_, name) if name.starts_with("beta") || name == "rate" => {
+                    searched(Range::linear(name, straightest, steepest))
+                }
+                (_, "reach") => searched(Range::logarithmic(&name, 1.0 / steepest, 1.0 / straightest)),
+                (_, "exponent") => searched(Range::linear(&name, 0.2, 3.0)),
+                (_, "rise_right" | "rise_left") => {
+                    searched(Range::logarithmic(&name, 0.05 / range_v, 20.0 / range_v))
+                }
+                (_, "centre_right" | "centre_left") => {
+                    searched(Range::linear(&name, low - range_v, high + range_v))
+                }
+                (_, "bias") => searched(Range::linear(&name, low - range_v, high + range_v)),
+                (_, "half_width") => searched(Range::linear(&name, 0.0, range_v)),
+                (_, "half_width_spread" | "bias_spread") => {
+                    searched(Range::logarithmic(&name, 0.02 * range_v, 10.0 * range_v))
+                }
+                (_, "anhysteretic") => searched(Range::logarithmic(&name, 0.02 * range_v, 20.0 * range_v)),
+                (_, "pinning") => searched(Range::logarithmic(&name, 0.005 * range_v, 5.0 * range_v)),
+                (_, "reversibility") => searched(Range::linear(&name, 0.0, 0.95)),
+                (_, "coupling") => searched(Range::linear(&name, 0.0, range_v)),
+                _ => held(1.0),
+            };
+            match range {
+                Some(range) => space.searched(range),
+                None => Role::Fixed(demands.fixed(&name).unwrap_or(value)),
+            }
+        });
+        let shape = shape.collect();
+        (weights, shape)
+    }
+
+    /// Lowest and highest voltage of all records.
+    fn span(&self) -> (f64, f64) {
+        let spans = self.members.iter().map(|member| range_of(&member.facts.data.u));
+        spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)))
+    }
+
+    /// Shapes of a family of columns to start from.
+    fn shapes_of(&self, form: FamilyForm) -> Vec<Vec<f64>> {
+        let range_v = self.scales.range_v;
+        let (low, high) = self.span();
+        let middle = 0.5 * (low + high);
+        let bends = || SHARPNESSES.iter().map(|sharpness| sharpness / range_v);
+        match form {
+            FamilyForm::ParallelBoucWen { states } => bends()
+                .map(|beta| (0..states).flat_map(|k| [beta * 4f64.powi(k as i32), 0.0]).collect())
+                .collect(),
+            FamilyForm::NonSymmetricBoucWen => {
+                bends().flat_map(|beta| SKEWS.map(|skew| vec![beta, skew * beta, 0.0])).collect()
+            }
+            FamilyForm::SongDerKiureghian => bends()
+                .flat_map(|beta| SKEWS.map(|skew| vec![beta, 0.0, skew * beta, 0.0, 0.0, 0.0]))
+                .collect(),
+            FamilyForm::Dahl => bends().map(|bend| vec![1.0 / bend, 1.0]).collect(),
+            FamilyForm::Duhem { .. } => bends().map(|bend| vec![bend]).collect(),
+            FamilyForm::MaxwellSlip { .. } => vec![vec![0.5 * range_v]],
+            FamilyForm::OneSidedPlays { .. } => vec![vec![range_v]],
+            FamilyForm::GeneralisedPlays { .. } => {
+                [0.3, 1.0, 3.0].map(|rise| vec![rise / range_v, middle, rise / range_v, middle]).into()
+            }
+            FamilyForm::KrasnoselskiiPokrovskii { lines } => {
+                vec![vec![low, high, (high - low) / (lines.max(2) - 1) as f64]]
+            }
+            FamilyForm::Preisach { .. } => vec![vec![low, high]],
+            FamilyForm::PreisachDensity => [0.1, 0.3]
+                .iter()
+                .flat_map(|width| {
+                    [0.3, 1.0].map(|spread| vec![low, high, 0.0, width * range_v, middle, spread * range_v])
+                })
+                .collect(),
+            FamilyForm::JilesAtherton => [0.1, 0.3, 1.0]
+                .iter()
+                .flat_map(|a| [0.05, 0.2].map(|k| vec![a * range_v, k * range_v, 0.1, 0.05 * a * range_v]))
+                .collect(),
+        }
+    }
+
     /// Where the memory of a record is searched.
     pub(super) fn memory_range(&self, record: usize) -> (f64, f64) {
         match self.hysteresis {
             HysteresisForm::BoucWen => (-self.scales.range_v, self.scales.range_v),
-            HysteresisForm::PrandtlIshlinskii { .. } => range_of(&self.members[record].facts.data.u),
+            HysteresisForm::PrandtlIshlinskii { .. } | HysteresisForm::Family(_) => {
+                // A device may have come from beyond the voltages of the record.
+                let (low, high) = range_of(&self.members[record].facts.data.u);
+                (low - self.scales.range_v, high + self.scales.range_v)
+            }
         }
     }
 
@@ -106,6 +220,7 @@ impl JointSetup<'_> {
                 let distance = 0.5 * self.scales.range_v / (plays + 1) as f64;
                 vec![(1..=plays).map(|index| index as f64 * distance).collect()]
             }
+            HysteresisForm::Family(form) => self.shapes_of(form),
         }
     }
 
@@ -120,8 +235,12 @@ impl JointSetup<'_> {
                 saturated * (2.0 * (u[0] - low) / (high - low) - 1.0)
             }
             (HysteresisForm::BoucWen, _) => 0.0,
-            (HysteresisForm::PrandtlIshlinskii { .. }, _) if settled => 0.5 * (low + high),
-            (HysteresisForm::PrandtlIshlinskii { .. }, _) => u[0],
+            // At rest at the lower end of their range, plays that only lag behind a falling voltage remember what was below.
+            (HysteresisForm::Family(FamilyForm::OneSidedPlays { .. }), _) if settled => {
+                u[0] - 0.25 * self.scales.range_v
+            }
+            _ if settled => 0.5 * (low + high),
+            _ => u[0],
         }
     }
 }

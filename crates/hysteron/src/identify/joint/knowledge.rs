@@ -26,6 +26,8 @@ const MOST_USED: f64 = 0.75;
 /// Lags of the window as a multiple of the whitened residual's correlation time, and fewest.
 const WINDOW: f64 = 6.0;
 const FEWEST_LAGS: usize = 12;
+/// Condition number from which on a covariance would be rounding.
+const SINGULAR: f64 = 1e12;
 /// Rows worked on at a time: all columns of so many stay in the processor's cache.
 const ROWS: usize = 1024;
 
@@ -140,6 +142,9 @@ pub(in super::super) fn knowledge_of(
     let r = triangular(&free_columns).map_with_location(|_, j, x| x / free_norms[j]);
     let singular = r.clone().svd(false, false).singular_values;
     let condition_number = singular.max() / singular.min();
+    if condition_number.is_nan() || condition_number > SINGULAR {
+        return None;
+    }
     let inverse = r.try_inverse()?;
     let bread = &inverse * inverse.transpose();
     let meat = (0..problem.records().len())

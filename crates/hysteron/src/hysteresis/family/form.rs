@@ -1,0 +1,315 @@
+//! The families, their numbers and the units of these.
+
+use super::super::parallel_bouc_wen::MOST_STATES;
+use super::super::preisach::DensityLaw;
+use super::super::{
+    ColumnKernel, Dahl, Duhem, GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii,
+    MaxwellSlip, NonSymmetricBoucWen, OneSidedPlays, ParallelBoucWen, Preisach, PreisachDensity,
+    SongDerKiureghian,
+};
+use super::run;
+use crate::hysteresis::form::{Columns, Origin};
+
+/// Intervals of the plane of a Preisach density.
+const DENSITY_INTERVALS: usize = 40;
+
+/// A family of columns with its fixed structure. Families on a grid take its ends from their shape numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum FamilyForm {
+    /// [`ParallelBoucWen`].
+    ParallelBoucWen {
+        /// Number of states, 1 to 3.
+        states: usize,
+    },
+    /// [`NonSymmetricBoucWen`].
+    NonSymmetricBoucWen,
+    /// [`SongDerKiureghian`], n = 1.
+    SongDerKiureghian,
+    /// [`Dahl`].
+    Dahl,
+    /// [`Duhem`].
+    Duhem {
+        /// Highest power of u; the columns are one more.
+        degree: usize,
+    },
+    /// [`MaxwellSlip`] with elements at `scale` · j/(elements + 1).
+    MaxwellSlip {
+        /// Number of elements.
+        elements: usize,
+    },
+    /// [`OneSidedPlays`] with widths `scale` · j/(plays + 1).
+    OneSidedPlays {
+        /// Number of plays.
+        plays: usize,
+    },
+    /// [`GeneralisedPlays`] with thresholds (j − ½)/plays.
+    GeneralisedPlays {
+        /// Number of plays.
+        plays: usize,
+    },
+    /// [`KrasnoselskiiPokrovskii`] on a grid from `low` to `high`.
+    KrasnoselskiiPokrovskii {
+        /// Lines of the grid; the columns are lines (lines + 1)/2.
+        lines: usize,
+    },
+    /// [`Preisach`] with levels from `low` to `high`.
+    Preisach {
+        /// Intervals between levels; the columns are intervals (intervals + 1)/2.
+        intervals: usize,
+    },
+    /// [`PreisachDensity`], Lorentzian, on a plane from `low` to `high`.
+    PreisachDensity,
+    /// [`JilesAtherton`].
+    JilesAtherton,
+}
+
+/// Unit of a number: powers of the output's and of the input's unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NumberUnit {
+    /// Power of the output's unit.
+    pub output: i32,
+    /// Power of the input's unit.
+    pub input: i32,
+}
+
+const NONE: NumberUnit = NumberUnit { output: 0, input: 0 };
+const INPUT: NumberUnit = NumberUnit { output: 0, input: 1 };
+const PER_INPUT: NumberUnit = NumberUnit { output: 0, input: -1 };
+const OUTPUT: NumberUnit = NumberUnit { output: 1, input: 0 };
+const SLOPE: NumberUnit = NumberUnit { output: 1, input: -1 };
+
+/// Runs `$body` with the kernel of a family, and the number of leading shape numbers that the kernel's structure takes.
+macro_rules! with_kernel {
+    ($form:expr, $shape:expr, |$kernel:ident, $fixed:ident| $body:expr) => {{
+        let at = |index: usize| $shape.get(index).copied().unwrap_or(f64::NAN);
+        let range = [at(0), at(1)];
+        match $form {
+            FamilyForm::ParallelBoucWen { states } => {
+                let ($kernel, $fixed) = (ParallelBoucWen { states }, 0);
+                $body
+            }
+            FamilyForm::NonSymmetricBoucWen => {
+                let ($kernel, $fixed) = (NonSymmetricBoucWen, 0);
+                $body
+            }
+            FamilyForm::SongDerKiureghian => {
+                let ($kernel, $fixed) = (SongDerKiureghian { n: 1.0 }, 0);
+                $body
+            }
+            FamilyForm::Dahl => {
+                let ($kernel, $fixed) = (Dahl, 0);
+                $body
+            }
+            FamilyForm::Duhem { degree } => {
+                let ($kernel, $fixed) = (Duhem { degree }, 0);
+                $body
+            }
+            FamilyForm::MaxwellSlip { elements } => {
+                let ($kernel, $fixed) = (MaxwellSlip { thresholds: inner_grid(elements) }, 0);
+                $body
+            }
+            FamilyForm::OneSidedPlays { plays } => {
+                let ($kernel, $fixed) = (OneSidedPlays { thresholds: inner_grid(plays) }, 0);
+                $body
+            }
+            FamilyForm::GeneralisedPlays { plays } => {
+                let thresholds = (0..plays).map(|j| (j as f64 + 0.5) / plays as f64).collect();
+                let ($kernel, $fixed) = (GeneralisedPlays { thresholds }, 0);
+                $body
+            }
+            FamilyForm::KrasnoselskiiPokrovskii { lines } => {
+                let ($kernel, $fixed) = (KrasnoselskiiPokrovskii { range, lines }, 2);
+                $body
+            }
+            FamilyForm::Preisach { intervals } => {
+                let ($kernel, $fixed) = (Preisach::regular(range, intervals + 1), 2);
+                $body
+            }
+            FamilyForm::PreisachDensity => {
+                let plane = Preisach::regular(range, DENSITY_INTERVALS + 1);
+                let ($kernel, $fixed) = (PreisachDensity { plane, law: DensityLaw::Lorentzian }, 2);
+                $body
+            }
+            FamilyForm::JilesAtherton => {
+                let ($kernel, $fixed) = (JilesAtherton, 0);
+                $body
+            }
+        }
+    }};
+}
+
+/// j/(count + 1), j = 1 … count.
+fn inner_grid(count: usize) -> Vec<f64> {
+    (1..=count).map(|j| j as f64 / (count + 1) as f64).collect()
+}
+
+impl FamilyForm {
+    /// Name, as on the command line and in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ParallelBoucWen { .. } => "parallel-bouc-wen",
+            Self::NonSymmetricBoucWen => "non-symmetric-bouc-wen",
+            Self::SongDerKiureghian => "song-der-kiureghian",
+            Self::Dahl => "dahl",
+            Self::Duhem { .. } => "duhem",
+            Self::MaxwellSlip { .. } => "maxwell-slip",
+            Self::OneSidedPlays { .. } => "one-sided-plays",
+            Self::GeneralisedPlays { .. } => "generalised-plays",
+            Self::KrasnoselskiiPokrovskii { .. } => "krasnoselskii-pokrovskii",
+            Self::Preisach { .. } => "preisach",
+            Self::PreisachDensity => "preisach-density",
+            Self::JilesAtherton => "jiles-atherton",
+        }
+    }
+
+    /// Number of columns, and of weights.
+    pub fn columns(self) -> usize {
+        match self {
+            Self::ParallelBoucWen { states } => states,
+            Self::Duhem { degree } => degree + 1,
+            Self::MaxwellSlip { elements } => elements,
+            Self::OneSidedPlays { plays } | Self::GeneralisedPlays { plays } => plays,
+            Self::KrasnoselskiiPokrovskii { lines: n } | Self::Preisach { intervals: n } => n * (n + 1) / 2,
+            Self::NonSymmetricBoucWen
+            | Self::SongDerKiureghian
+            | Self::Dahl
+            | Self::PreisachDensity
+            | Self::JilesAtherton => 1,
+        }
+    }
+
+    /// The same family with this number of weights; `None` where it has no such member.
+    pub fn with_weights(self, weights: usize) -> Option<Self> {
+        // n (n + 1)/2 = weights.
+        let side = ((8 * weights + 1) as f64).sqrt() as usize / 2;
+        let form = match self {
+            Self::ParallelBoucWen { .. } => Self::ParallelBoucWen { states: weights },
+            Self::Duhem { .. } => Self::Duhem { degree: weights.checked_sub(1)? },
+            Self::MaxwellSlip { .. } => Self::MaxwellSlip { elements: weights },
+            Self::OneSidedPlays { .. } => Self::OneSidedPlays { plays: weights },
+            Self::GeneralisedPlays { .. } => Self::GeneralisedPlays { plays: weights },
+            Self::KrasnoselskiiPokrovskii { .. } => {
+                let lines = if side * (side + 1) / 2 == weights { side } else { side.checked_sub(1)? };
+                Self::KrasnoselskiiPokrovskii { lines }
+            }
+            Self::Preisach { .. } => {
+                let intervals = if side * (side + 1) / 2 == weights { side } else { side.checked_sub(1)? };
+                Self::Preisach { intervals }
+            }
+            single => single,
+        };
+        (weights > 0 && form.columns() == weights).then_some(form)
+    }
+
+    /// Names and units of the weights.
+    pub fn weight_numbers(self) -> Vec<(String, NumberUnit)> {
+        let unit = |j: usize| match self {
+            Self::Duhem { .. } => NumberUnit { output: 1, input: -(j as i32 + 1) },
+            Self::GeneralisedPlays { .. }
+            | Self::KrasnoselskiiPokrovskii { .. }
+            | Self::Preisach { .. }
+            | Self::PreisachDensity
+            | Self::JilesAtherton => OUTPUT,
+            _ => SLOPE,
+        };
+        (0..self.columns()).map(|j| (format!("weight_{}", j + 1), unit(j))).collect()
+    }
+
+    /// Names and units of the shape numbers.
+    pub fn shape_numbers(self) -> Vec<(String, NumberUnit)> {
+        let named =
+            |list: &[(&str, NumberUnit)]| list.iter().map(|(n, unit)| ((*n).to_owned(), *unit)).collect();
+        match self {
+            Self::ParallelBoucWen { states } => (1..=states.min(MOST_STATES))
+                .flat_map(|k| [(format!("beta_{k}"), PER_INPUT), (format!("gamma_{k}"), PER_INPUT)])
+                .collect(),
+            Self::NonSymmetricBoucWen => {
+                named(&[("beta", PER_INPUT), ("gamma", PER_INPUT), ("delta", PER_INPUT)])
+            }
+            Self::SongDerKiureghian => (1..=6).map(|k| (format!("beta_{k}"), PER_INPUT)).collect(),
+            Self::Dahl => named(&[("reach", INPUT), ("exponent", NONE)]),
+            Self::Duhem { .. } => named(&[("rate", PER_INPUT)]),
+            Self::MaxwellSlip { .. } | Self::OneSidedPlays { .. } => named(&[("scale", INPUT)]),
+            Self::GeneralisedPlays { .. } => named(&[
+                ("rise_right", PER_INPUT),
+                ("centre_right", INPUT),
+                ("rise_left", PER_INPUT),
+                ("centre_left", INPUT),
+            ]),
+            Self::KrasnoselskiiPokrovskii { .. } => {
+                named(&[("low", INPUT), ("high", INPUT), ("rise", INPUT)])
+            }
+            Self::Preisach { .. } => named(&[("low", INPUT), ("high", INPUT)]),
+            Self::PreisachDensity => named(&[
+                ("low", INPUT),
+                ("high", INPUT),
+                ("half_width", INPUT),
+                ("half_width_spread", INPUT),
+                ("bias", INPUT),
+                ("bias_spread", INPUT),
+            ]),
+            Self::JilesAtherton => named(&[
+                ("anhysteretic", INPUT),
+                ("pinning", INPUT),
+                ("reversibility", NONE),
+                ("coupling", INPUT),
+            ]),
+        }
+    }
+
+    /// Whether every column rises with u and falls with it, so that weights of one sign make a monotone model.
+    pub fn is_monotone(self) -> bool {
+        matches!(
+            self,
+            Self::OneSidedPlays { .. }
+                | Self::GeneralisedPlays { .. }
+                | Self::KrasnoselskiiPokrovskii { .. }
+                | Self::Preisach { .. }
+        )
+    }
+
+    /// Checks structure and shape.
+    ///
+    /// # Errors
+    /// The first [`HysteresisError`] found.
+    pub fn check(self, shape: &[f64]) -> Result<(), HysteresisError> {
+        let expected = self.shape_numbers().len();
+        if shape.len() != expected {
+            return Err(HysteresisError::ShapeCount { expected, found: shape.len() });
+        }
+        let [low, high] = [0, 1].map(|index| shape.get(index).copied().unwrap_or(f64::NAN));
+        let gridded = matches!(
+            self,
+            Self::KrasnoselskiiPokrovskii { .. } | Self::Preisach { .. } | Self::PreisachDensity
+        );
+        if gridded && !(low < high && (high - low).is_finite()) {
+            return Err(HysteresisError::Range { low, high });
+        }
+        with_kernel!(self, shape, |kernel, fixed| kernel.check(shape.get(fixed..).unwrap_or_default()))
+    }
+
+    /// As [`crate::hysteresis::HysteresisForm::run`].
+    ///
+    /// # Errors
+    /// [`HysteresisError`]: a shape that the family has not, a drive that is not finite, a state that runs away.
+    pub fn run(
+        self,
+        shape: &[f64],
+        factor: usize,
+        u: &[f64],
+        origin: Origin,
+        wanted: Option<&[bool]>,
+        out: &mut Columns,
+    ) -> Result<(), HysteresisError> {
+        self.check(shape)?;
+        with_kernel!(self, shape, |kernel, fixed| run::run(
+            &kernel,
+            (shape, fixed),
+            factor,
+            u,
+            origin,
+            wanted,
+            out
+        ))
+    }
+}

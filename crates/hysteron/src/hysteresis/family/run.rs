@@ -1,0 +1,74 @@
+//! A kernel run into the columns of a fit.
+
+use super::super::HysteresisError;
+use super::super::columns::{ColumnKernel, ColumnSensitivities, ColumnStart};
+use super::super::form::{Columns, Origin};
+
+/// Buffers of a kernel, kept between runs.
+pub(in crate::hysteresis) type Scratch = ColumnSensitivities;
+
+/// The first `fixed` numbers of `shape` are the kernel's structure, which no derivative is taken of.
+pub(super) fn run<K: ColumnKernel>(
+    kernel: &K,
+    (shape, fixed): (&[f64], usize),
+    factor: usize,
+    u: &[f64],
+    origin: Origin,
+    wanted: Option<&[bool]>,
+    out: &mut Columns,
+) -> Result<(), HysteresisError> {
+    if factor == 0 {
+        return Err(HysteresisError::Factor);
+    }
+    let own = shape.get(fixed..).unwrap_or_default();
+    let count = kernel.columns();
+    let samples = u.len().div_ceil(factor);
+    let is_wanted = |index: usize| wanted.is_some_and(|wanted| wanted.get(index) == Some(&true));
+    let pairs: Vec<(usize, usize)> = (fixed..shape.len())
+        .filter(|&index| is_wanted(index))
+        .flat_map(|index| (0..count).map(move |column| (index, column)))
+        .collect();
+    out.resize(count, samples, &pairs, wanted.is_some());
+    let start = match origin {
+        Origin::Virgin { rest } => ColumnStart::Virgin { u: rest },
+        Origin::Remembering { rest, memory } => ColumnStart::Remembering { virgin: memory, rest },
+        Origin::Periodic => ColumnStart::Periodic,
+    };
+    let mut all = std::mem::take(&mut out.scratch);
+    let column = |values: &[f64], index: usize, to: &mut [f64]| {
+        to.copy_from_slice(&values[index * samples..(index + 1) * samples]);
+    };
+    let free = matches!(origin, Origin::Remembering { .. });
+    if wanted.is_some() && (free || !pairs.is_empty()) {
+        kernel.simulate_with_sensitivities(own, factor, u, start, &mut all)?;
+        for partial in &mut out.partials {
+            let index = partial.shape - fixed;
+            column(&all.d_shape[index], partial.column, &mut partial.values);
+            partial.rest = all.d_shape_rest[index][partial.column];
+        }
+        for (index, values) in out.by_memory.iter_mut().enumerate() {
+            column(&all.d_start, index, values);
+        }
+        out.rest.copy_from_slice(&all.rest);
+        if free {
+            out.rest_by_memory.copy_from_slice(&all.d_start_rest);
+        }
+    } else {
+        all.columns.resize(samples * count, 0.0);
+        kernel.simulate_every(own, factor, u, start, &mut all.columns)?;
+        out.by_memory.iter_mut().for_each(|values| values.fill(0.0));
+        match origin {
+            Origin::Virgin { rest } => kernel.read(own, &kernel.virgin(own, rest), &mut out.rest),
+            Origin::Remembering { rest, memory } => {
+                let mut state = kernel.virgin(own, memory);
+                kernel.step(own, &mut state, rest, &mut out.rest)?;
+            }
+            Origin::Periodic => {}
+        }
+    }
+    for (index, values) in out.values.iter_mut().enumerate() {
+        column(&all.columns, index, values);
+    }
+    out.scratch = all;
+    Ok(())
+}

@@ -1,0 +1,83 @@
+//! Several Bouc–Wen states in parallel.
+
+use hysteron_rt::{BoucWen, Scalar};
+
+use super::HysteresisError;
+use super::columns::{ColumnKernel, finite, parameter};
+
+/// Most states: three of two shape numbers each.
+pub const MOST_STATES: usize = 3;
+
+/// Columns ζₖ \[V\], each a Bouc–Wen state of its own in the form with slope 1 from rest, n = 1:
+///
+/// dζₖ/du = 1 − βₖ s ζₖ − γₖ |ζₖ|,  s = sgn Δu.
+///
+/// The weight of a column is −αₖ. States of unlike βₖ bend at unlike distances from a turn, so that small and large loops get
+/// their own widths, which one state cannot give them. Shape: β₁, γ₁, β₂, γ₂, … \[1/V\]. Every move is exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ParallelBoucWen {
+    /// Number of states, 1 to 3.
+    pub states: usize,
+}
+
+/// Present voltage and ζₖ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParallelState<S> {
+    u: S,
+    zeta: Vec<S>,
+}
+
+impl ColumnKernel for ParallelBoucWen {
+    type State<S: Scalar<Real = f64>> = ParallelState<S>;
+
+    fn shape_names(&self) -> &'static [&'static str] {
+        const NAMES: [&str; 2 * MOST_STATES] =
+            ["beta_1", "gamma_1", "beta_2", "gamma_2", "beta_3", "gamma_3"];
+        NAMES.get(..2 * self.states).unwrap_or(&NAMES)
+    }
+
+    fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
+        if !(1..=MOST_STATES).contains(&self.states) {
+            let (name, must) = ("number of Bouc–Wen states", "1 to 3");
+            return Err(HysteresisError::ShapeParameter { name, value: self.states as f64, must });
+        }
+        shape.iter().try_for_each(|&value| finite("β or γ of a Bouc–Wen state", value))
+    }
+
+    fn columns(&self) -> usize {
+        self.states
+    }
+
+    fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> ParallelState<S> {
+        ParallelState { u, zeta: vec![S::constant(0.0); self.states] }
+    }
+
+    fn advance<S: Scalar<Real = f64>>(
+        &self,
+        shape: &[S],
+        state: &mut ParallelState<S>,
+        u: f64,
+    ) -> Result<(), HysteresisError> {
+        let by = (-state.u).shift(u);
+        let distance = by.value();
+        let s = if distance < 0.0 { -1.0 } else { 1.0 };
+        for (index, zeta) in state.zeta.iter_mut().enumerate() {
+            let (beta, gamma) = (parameter(shape, 2 * index), parameter(shape, 2 * index + 1));
+            let end = BoucWen::advance_unit(beta, gamma, 1.0, *zeta, distance)
+                .map_err(|cause| HysteresisError::RunsAway { index: 0, cause })?;
+            // A start that moves shortens the way: dζ/du at its end.
+            let slope = 1.0 - beta.value() * s * end.value() - gamma.value() * end.value().abs();
+            *zeta = end + by.shift(-distance).scale(slope);
+        }
+        state.u = S::constant(u);
+        Ok(())
+    }
+
+    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &ParallelState<S>, out: &mut [S]) {
+        out.iter_mut().zip(&state.zeta).for_each(|(out, zeta)| *out = *zeta);
+    }
+
+    fn relaxing<S: Scalar<Real = f64>>(state: &mut ParallelState<S>) -> &mut [S] {
+        &mut state.zeta
+    }
+}
