@@ -29,11 +29,13 @@ use crate::result_flags::ResultFlags;
     fitted to the rest and simulated on what was left out. Records that are one experiment repeated are refused, with what to \
     measure instead.\n\n\
     Without --candidates: every dynamic block, then variants of the best (creep, other polynomial degrees, n free). A candidate is \
-    BLOCK[+creep][+degreeN][+n-free], BLOCK one of none, integer1 to integer4, arx, fractional, fractional-free-lowest, \
-    two-fractional; the polynomial is a cubic and n = 1 if not said.\n\n\
+    BLOCK[+creep][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer4, arx, fractional, fractional-free-lowest, \
+    two-fractional; the polynomial is a cubic, n = 1, and the family bouc-wen if not said. The families are those of identify \
+    --hysteresis, with their usual number of elements.\n\n\
     Ctrl-C prints what is finished.\n\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
-    Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o model.json"
+    Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o model.json\n\
+    Example: hysteron compare loops.csv sweep.csv --candidates fractional+creep,fractional+creep+prandtl-ishlinskii,fractional+creep+dahl"
 )]
 pub struct Compare {
     /// The records

@@ -45,40 +45,73 @@ const MOST_OF_A_PLANE: usize = 16;
 impl HysteresisArg {
     /// The family with so many elements.
     pub fn form(self, elements: Option<usize>) -> Result<HysteresisForm, Failure> {
-        let count = |default: usize, most: usize| match elements {
-            None => Ok(default),
-            Some(n) if (1..=most).contains(&n) => Ok(n),
-            Some(n) => Err(Failure::usage(format!("--elements {n}: this hysteresis has 1 to {most}"))),
+        let usual = HysteresisForm::usual();
+        let own = self.to_possible_value();
+        let named =
+            usual.into_iter().find(|form| own.as_ref().is_some_and(|own| own.get_name() == form.name()));
+        let form = named.unwrap_or_default();
+        let Some(count) = elements else { return Ok(form) };
+        let within = |most: usize| {
+            let refused = || Failure::usage(format!("--elements {count}: {} has 1 to {most}", form.name()));
+            (1..=most).contains(&count).then_some(count).ok_or_else(refused)
         };
-        let single = |form: FamilyForm| match elements {
-            None => Ok(form),
-            Some(_) => Err(Failure::usage("--elements: this hysteresis has a fixed number".to_owned())),
+        let family = match form {
+            HysteresisForm::PrandtlIshlinskii { .. } => {
+                return Ok(HysteresisForm::PrandtlIshlinskii { plays: within(MOST)? });
+            }
+            HysteresisForm::Family(family) => family,
+            HysteresisForm::BoucWen => {
+                let hint = "bouc-wen has one state; take parallel-bouc-wen for more";
+                return Err(Failure::usage(format!("--elements {count}: {hint}")));
+            }
         };
-        let family = match self {
-            Self::BoucWen if elements.is_some() => {
-                return Err(Failure::usage(
-                    "--elements: bouc-wen has one state; take parallel-bouc-wen for more".to_owned(),
-                ));
+        Ok(HysteresisForm::Family(match family {
+            FamilyForm::ParallelBoucWen { .. } => FamilyForm::ParallelBoucWen { states: within(3)? },
+            FamilyForm::Duhem { .. } => FamilyForm::Duhem { degree: within(9)? },
+            FamilyForm::MaxwellSlip { .. } => FamilyForm::MaxwellSlip { elements: within(MOST)? },
+            FamilyForm::OneSidedPlays { .. } => FamilyForm::OneSidedPlays { plays: within(MOST)? },
+            FamilyForm::GeneralisedPlays { .. } => FamilyForm::GeneralisedPlays { plays: within(MOST)? },
+            FamilyForm::KrasnoselskiiPokrovskii { .. } => {
+                FamilyForm::KrasnoselskiiPokrovskii { lines: within(MOST_OF_A_PLANE)? }
             }
-            Self::BoucWen => return Ok(HysteresisForm::BoucWen),
-            Self::PrandtlIshlinskii => {
-                return Ok(HysteresisForm::PrandtlIshlinskii { plays: count(12, MOST)? });
+            FamilyForm::Preisach { .. } => FamilyForm::Preisach { intervals: within(MOST_OF_A_PLANE)? },
+            FamilyForm::NonSymmetricBoucWen
+            | FamilyForm::SongDerKiureghian
+            | FamilyForm::Dahl
+            | FamilyForm::PreisachDensity
+            | FamilyForm::JilesAtherton => {
+                let refused = format!("--elements {count}: {} has a fixed number", form.name());
+                return Err(Failure::usage(refused));
             }
-            Self::ParallelBoucWen => FamilyForm::ParallelBoucWen { states: count(2, 3)? },
-            Self::NonSymmetricBoucWen => single(FamilyForm::NonSymmetricBoucWen)?,
-            Self::SongDerKiureghian => single(FamilyForm::SongDerKiureghian)?,
-            Self::Dahl => single(FamilyForm::Dahl)?,
-            Self::Duhem => FamilyForm::Duhem { degree: count(2, 9)? },
-            Self::MaxwellSlip => FamilyForm::MaxwellSlip { elements: count(12, MOST)? },
-            Self::OneSidedPlays => FamilyForm::OneSidedPlays { plays: count(12, MOST)? },
-            Self::GeneralisedPlays => FamilyForm::GeneralisedPlays { plays: count(8, MOST)? },
-            Self::KrasnoselskiiPokrovskii => {
-                FamilyForm::KrasnoselskiiPokrovskii { lines: count(8, MOST_OF_A_PLANE)? }
-            }
-            Self::Preisach => FamilyForm::Preisach { intervals: count(10, MOST_OF_A_PLANE)? },
-            Self::PreisachDensity => single(FamilyForm::PreisachDensity)?,
-            Self::JilesAtherton => single(FamilyForm::JilesAtherton)?,
-        };
-        Ok(HysteresisForm::Family(family))
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_family_of_the_library_has_its_name_here() {
+        let names: Vec<&str> = HysteresisForm::usual().map(HysteresisForm::name).into();
+        for (own, name) in HysteresisArg::value_variants().iter().zip(&names) {
+            assert_eq!(own.to_possible_value().unwrap().get_name(), *name);
+            assert_eq!(own.form(None).unwrap().name(), *name);
+        }
+        assert_eq!(HysteresisArg::value_variants().len(), names.len());
+    }
+
+    #[test]
+    fn elements_beyond_a_family_are_refused() {
+        assert_eq!(HysteresisArg::Preisach.form(Some(4)).unwrap().columns(), 10);
+        for (family, elements) in [
+            (HysteresisArg::BoucWen, 1),
+            (HysteresisArg::Dahl, 1),
+            (HysteresisArg::ParallelBoucWen, 4),
+            (HysteresisArg::Preisach, 17),
+            (HysteresisArg::PrandtlIshlinskii, 61),
+        ] {
+            assert!(family.form(Some(elements)).is_err());
+        }
     }
 }

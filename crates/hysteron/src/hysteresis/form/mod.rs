@@ -31,6 +31,36 @@ pub enum HysteresisForm {
 }
 
 impl HysteresisForm {
+    /// Every family with its usual number of elements, the article's first.
+    pub fn usual() -> [Self; 14] {
+        let family = Self::Family;
+        [
+            Self::BoucWen,
+            Self::PrandtlIshlinskii { plays: 12 },
+            family(FamilyForm::ParallelBoucWen { states: 2 }),
+            family(FamilyForm::NonSymmetricBoucWen),
+            family(FamilyForm::SongDerKiureghian),
+            family(FamilyForm::Dahl),
+            family(FamilyForm::Duhem { degree: 2 }),
+            family(FamilyForm::MaxwellSlip { elements: 12 }),
+            family(FamilyForm::OneSidedPlays { plays: 12 }),
+            family(FamilyForm::GeneralisedPlays { plays: 8 }),
+            family(FamilyForm::KrasnoselskiiPokrovskii { lines: 8 }),
+            family(FamilyForm::Preisach { intervals: 10 }),
+            family(FamilyForm::PreisachDensity),
+            family(FamilyForm::JilesAtherton),
+        ]
+    }
+
+    /// Name, as on the command line and in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BoucWen => "bouc-wen",
+            Self::PrandtlIshlinskii { .. } => "prandtl-ishlinskii",
+            Self::Family(form) => form.name(),
+        }
+    }
+
     /// Names of the weights.
     pub fn weight_names(self) -> Vec<String> {
         match self {

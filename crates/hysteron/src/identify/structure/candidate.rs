@@ -1,15 +1,16 @@
-//! A structure that can be compared: its dynamics, creep, polynomial degree and exponent.
+//! A structure that can be compared: its dynamics, creep, polynomial degree, exponent, and family of hysteresis.
 
 use std::fmt;
 use std::str::FromStr;
 
 use super::super::options::{Choice, DynamicsChoice, HIGHEST_DEGREE, Method, Options};
+use crate::hysteresis::HysteresisForm;
 
 /// Polynomial degree of a candidate that does not name one.
 const USUAL_DEGREE: usize = 3;
 
-/// One structure: `BLOCK[+creep][+degreeN][+n-free]`, e.g. `fractional`, `integer2+creep`, `none+degree1`,
-/// `fractional+n-free`.
+/// One structure: `BLOCK[+creep][+degreeN][+n-free][+FAMILY]`, e.g. `fractional`, `integer2+creep`, `none+degree1`,
+/// `fractional+n-free`, `integer2+creep+prandtl-ishlinskii`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Candidate {
     /// Dynamic block.
@@ -20,6 +21,8 @@ pub struct Candidate {
     pub degree: usize,
     /// The Bouc–Wen exponent n is searched instead of held at 1.
     pub n_free: bool,
+    /// Family of the hysteresis block.
+    pub hysteresis: HysteresisForm,
 }
 
 /// Dynamic block of a [`Candidate`].
@@ -71,9 +74,11 @@ impl Block {
 /// A name that is no [`Candidate`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{name}' is no structure: expected BLOCK[+creep][+degreeN][+n-free] with BLOCK one of {}, N from 1 to {HIGHEST_DEGREE}, \
-     and no creep with arx; e.g. integer2+creep",
-    Block::ALL.map(Block::name).join(", ")
+    "'{name}' is no structure: expected BLOCK[+creep][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, N from 1 to \
+     {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's own) one of {}, and neither creep nor another family than bouc-wen with \
+     arx; e.g. integer2+creep",
+    Block::ALL.map(Block::name).join(", "),
+    HysteresisForm::usual().map(HysteresisForm::name).join(", ")
 )]
 pub struct UnknownCandidate {
     /// As given.
@@ -83,7 +88,7 @@ pub struct UnknownCandidate {
 impl Candidate {
     /// This block with a cubic polynomial and n = 1, without creep.
     pub fn of(block: Block) -> Self {
-        Self { block, creep: false, degree: USUAL_DEGREE, n_free: false }
+        Self { block, creep: false, degree: USUAL_DEGREE, n_free: false, hysteresis: HysteresisForm::BoucWen }
     }
 
     /// The same dynamics with creep, with every other polynomial degree up to 5, and with n free.
@@ -93,7 +98,7 @@ impl Candidate {
             list.push(Self { creep: true, ..self });
         }
         list.extend((1..=5).filter(|d| *d != self.degree).map(|degree| Self { degree, ..self }));
-        if !self.n_free {
+        if !self.n_free && self.hysteresis == HysteresisForm::BoucWen {
             list.push(Self { n_free: true, ..self });
         }
         list
@@ -114,6 +119,7 @@ impl Candidate {
             dynamics,
             order,
             creep: self.creep,
+            hysteresis: self.hysteresis,
             degree: Choice::Given(self.degree),
             n: if self.n_free { Choice::Auto } else { Choice::Given(1.0) },
             ..base.clone()
@@ -133,6 +139,9 @@ impl fmt::Display for Candidate {
         if self.n_free {
             f.write_str("+n-free")?;
         }
+        if self.hysteresis != HysteresisForm::BoucWen {
+            write!(f, "+{}", self.hysteresis.name())?;
+        }
         Ok(())
     }
 }
@@ -151,8 +160,15 @@ impl FromStr for Candidate {
                 ("creep", _) if block != Block::Arx => candidate.creep = true,
                 ("n-free", _) => candidate.n_free = true,
                 (_, Some(Ok(degree))) if (1..=HIGHEST_DEGREE).contains(&degree) => candidate.degree = degree,
-                _ => return Err(unknown()),
+                _ => {
+                    let family = HysteresisForm::usual().into_iter().find(|form| form.name() == word);
+                    candidate.hysteresis = family.ok_or_else(unknown)?;
+                }
             }
+        }
+        let of_bouc_wen = candidate.n_free || block == Block::Arx;
+        if of_bouc_wen && candidate.hysteresis != HysteresisForm::BoucWen {
+            return Err(unknown());
         }
         Ok(candidate)
     }
@@ -171,7 +187,14 @@ mod tests {
             }
         }
         let full: Candidate = "integer4+n-free+degree1+creep".parse().unwrap();
-        assert_eq!(full, Candidate { block: Block::Integer(4), creep: true, degree: 1, n_free: true });
+        assert_eq!(
+            full,
+            Candidate { creep: true, degree: 1, n_free: true, ..Candidate::of(Block::Integer(4)) }
+        );
+        for hysteresis in HysteresisForm::usual() {
+            let candidate = Candidate { hysteresis, creep: true, ..Candidate::of(Block::Fractional) };
+            assert_eq!(candidate.to_string().parse(), Ok(candidate));
+        }
     }
 
     #[test]
@@ -186,6 +209,8 @@ mod tests {
             "none+degree10",
             "none+degree",
             "none+",
+            "arx+dahl",
+            "integer2+n-free+dahl",
         ] {
             let error = name.parse::<Candidate>().unwrap_err().to_string();
             assert!(error.contains(&format!("'{name}'")) && error.contains("two-fractional"), "{error}");

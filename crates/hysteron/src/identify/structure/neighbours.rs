@@ -14,6 +14,7 @@ use super::candidate::{Block, Candidate};
 use super::content::Content;
 use super::fit::{Campaign, Named, NoFit, Training};
 use super::{StructureError, folds};
+use crate::hysteresis::HysteresisForm;
 use crate::optimize::Settings;
 
 /// Highest polynomial degree tried.
@@ -113,7 +114,8 @@ fn identified(options: &Options, found: &Identification) -> Candidate {
         block,
         creep: found.parameters.iter().any(|p| p.name == "creep"),
         degree: found.structure.degree,
-        n_free: options.n == Choice::Auto,
+        n_free: options.n == Choice::Auto && options.hysteresis == HysteresisForm::BoucWen,
+        hysteresis: options.hysteresis,
     }
 }
 
