@@ -57,7 +57,8 @@
 //! 5. [`identify`] is the article's two-step procedure: [`identify::identify`] hands out model, standard errors, scores
 //!    and what the records leave open.
 //! 6. [`validate`] defines every score once ([`validate::definitions`]) and tests residuals.
-//! 7. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
+//! 7. [`online`] corrects a model while it runs and says when it no longer fits.
+//! 8. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
 //!
 //! Records from CSV files are read by the crate `hysteron-io`, reports written by `hysteron-report`.
 
@@ -74,6 +75,7 @@ pub mod hysteresis;
 pub mod identify;
 pub mod model_file;
 pub mod numeric;
+pub mod online;
 pub mod optimize;
 pub mod oscillator;
 pub mod record;
