@@ -18,6 +18,8 @@ use hysteron::hysteresis::{
     KrasnoselskiiPokrovskii, MaxwellSlip, PlayStart, Plays, PrandtlIshlinskii, Preisach, Sensitivities,
     SongDerKiureghian, Start, UnitShape,
 };
+use hysteron::online::{Adapter, Estimator, Row};
+use hysteron_rt::{FitMonitor, MonitorSettings, Rls, RlsSettings, Unexcited};
 
 struct Counting;
 
@@ -193,4 +195,32 @@ fn families_of_columns_allocate_a_state_and_nothing_a_sample() {
     a_sample_costs_nothing(&Preisach::regular([-5.0, 5.0], 6), &[]);
     a_sample_costs_nothing(&JilesAtherton, &[1.0, 1.0, 0.2, 1.0]);
     a_sample_costs_nothing(&SongDerKiureghian { n: 1.0 }, &[0.5, 0.1, 0.0, 0.1, 0.0, 0.1]);
+}
+
+#[test]
+fn a_sample_of_a_correction_allocates_nothing() {
+    let rls = Rls::new(RlsSettings {
+        start: [0.0, 1.0, 0.0],
+        deviations: [0.5, 0.1, 0.05],
+        noise: 0.02,
+        forgetting: 0.99,
+        unexcited: Unexcited::Hold,
+        bounds: Some([(-1.0, 1.0), (0.9, 1.01), (-1.0, 1.0)]),
+    })
+    .unwrap();
+    let settings = MonitorSettings { shift: Some(0.5), spread: Some(1.5), run_length: 1e3, fewest: 1 };
+    let monitor = FitMonitor::new(settings).unwrap();
+    let mut adapter = Adapter::new(Estimator::LeastSquares(rls), monitor, true);
+    let mut alarms = 0;
+    let count = allocations(|| {
+        for k in 0..1000 {
+            let u = (f64::from(k) * 0.1).sin();
+            let row = Row { fixed: 0.0, regressors: [1.0, u, u * u] };
+            alarms += usize::from(adapter.step(&row, 1.05 * u).unwrap().misfit.is_some());
+        }
+        assert!(adapter.step(&Row { fixed: 0.0, regressors: [f64::NAN; 3] }, 0.0).is_err());
+    });
+    assert_eq!(count, 0);
+    // With alarms, bounds and a bad sample.
+    assert!(alarms > 0);
 }

@@ -1,5 +1,5 @@
-//! Promise: a model whose device changes is followed to near the noise, a jump is found within the stated delay and nothing
-//! is found where nothing changes.
+//! Promise: a model whose device changes is followed to near the noise, a jump is found within the stated delay
+//! and nothing is found where nothing changes.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test may fail
 use hysteron::bench_rig::{BoucWenFractional, Plant, PowerTerm, Truth, measure};

@@ -1,5 +1,5 @@
-//! Estimators that follow a model linear in its parameters, y = φᵀθ, one sample at a time, and a monitor that says when
-//! it no longer fits.
+//! Estimators that follow a model linear in its parameters, y = φᵀθ, one sample at a time, and a monitor that
+//! says when it no longer fits.
 
 mod covariance;
 mod error;

@@ -288,7 +288,8 @@ proptest! {
     ) {
         let bounds = [(0.5, 1.5), (-1.0, 1.0), (f32::NEG_INFINITY, 0.0)];
         let settings = RlsSettings {
-            start: [1.0, 0.0, -0.5], deviations: [0.1, 2.0, 10.0], noise: 0.05, forgetting, unexcited: Unexcited::Return, bounds: Some(bounds),
+            start: [1.0, 0.0, -0.5], deviations: [0.1, 2.0, 10.0], noise: 0.05, forgetting,
+            unexcited: Unexcited::Return, bounds: Some(bounds),
         };
         let mut rls = Rls::new(settings).unwrap();
         for (phi, y) in &samples {

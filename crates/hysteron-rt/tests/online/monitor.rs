@@ -27,8 +27,9 @@ fn simulated(monitor: FitMonitor<f64>, (mean, deviation): (f64, f64), runs: u32,
     (mean, ((squares / f64::from(runs) - mean * mean) / f64::from(runs)).sqrt())
 }
 
-/// Mean run length of S ← max(0, S + x), x of the distribution function `below`, from 0 to above h: a Markov chain on m
-/// cells (D. Brook, D. A. Evans, *Biometrika* 59 (1972) 539–549, doi:10.1093/biomet/59.3.539), the error in 1/m² removed.
+/// Mean run length of S ← max(0, S + x), x of the distribution function `below`, from 0 to above h: a Markov
+/// chain on m cells (D. Brook, D. A. Evans, *Biometrika* 59 (1972) 539–549, doi:10.1093/biomet/59.3.539), the
+/// error in 1/m² removed.
 fn by_markov_chain(below: impl Fn(f64) -> f64, h: f64) -> f64 {
     let chain = |m: usize| {
         // Cell j is centred on j·w, the first one cut at 0, the last one's upper edge is h.
@@ -68,7 +69,8 @@ fn assert_agrees(what: &str, (found, error): (f64, f64), want: f64, relative: f6
 #[test]
 fn the_chain_gives_published_run_lengths() {
     // Two-sided sums with k = 1/2 (J. M. Lucas, R. B. Crosier, *Technometrics* 24 (1982) 199–205,
-    // doi:10.1080/00401706.1982.10487759, and textbooks since). In log-likelihood ratios of δ = 1 sum and threshold are the same.
+    // doi:10.1080/00401706.1982.10487759, and textbooks since). In log-likelihood ratios of δ = 1 sum and
+    // threshold are the same.
     let sides = |mean: f64, h| {
         let side = |mean| 1.0 / by_markov_chain(shift_increment(1.0, mean), h);
         1.0 / (side(mean) + side(-mean))
@@ -92,7 +94,8 @@ fn false_alarms_are_as_rare_as_theory_says_and_rarer_than_promised() {
     for shift in [0.5, 1.0] {
         let watch = monitor(Some(shift), None, RUN_LENGTH);
         let found = simulated(watch, (0.0, 1.0), runs, 1);
-        // The two sides of a two-sided sum cannot both be raised when one alarms: rates add (W. D. Ewan, K. W. Kemp 1960).
+        // The two sides of a two-sided sum cannot both be raised when one alarms: rates add (W. D. Ewan, K. W.
+        // Kemp 1960).
         let want = 0.5 * by_markov_chain(shift_increment(shift, 0.0), watch.threshold());
         assert_agrees(&format!("shift {shift}, no change"), found, want, 2e-3);
         assert!(want > RUN_LENGTH);

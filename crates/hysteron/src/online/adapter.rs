@@ -59,9 +59,9 @@ pub struct Trace<const N: usize> {
 }
 
 impl<const N: usize> Adapter<N> {
-    /// An estimator whose residuals this monitor watches. With `reopen` an alarm makes the coefficients of least squares as
-    /// uncertain as at the start, so that a jump is followed at once, and sets the sums of the monitor to zero: alarms that come
-    /// again and again then say that no coefficients fit.
+    /// An estimator whose residuals this monitor watches. With `reopen` an alarm makes the coefficients of least
+    /// squares as uncertain as at the start, so that a jump is followed at once, and sets the sums of the monitor
+    /// to zero: alarms that come again and again then say that no coefficients fit.
     pub fn new(estimator: Estimator<N>, monitor: FitMonitor<f64>, reopen: bool) -> Self {
         Self { estimator, monitor, reopen }
     }

@@ -14,11 +14,11 @@ pub enum Term {
     Offset,
     /// Gain \[1\], regressor w, the model's output less its offset \[µm\]; nominally 1.
     Gain,
-    /// Change of the polynomial's coefficient of uⁿ \[µm/Vⁿ\], regressor G ∗ uⁿ with the model's delay; nominally 0. With
-    /// [`Self::Gain`] it is the change after the gain.
+    /// Change of the polynomial's coefficient of uⁿ \[µm/Vⁿ\], regressor G ∗ uⁿ with the model's delay; nominally
+    /// 0. With [`Self::Gain`] it is the change after the gain.
     Power(u32),
-    /// Creep \[1\], regressor w behind a first-order lag, 1/(1 + `lag_s`·s), settled at the first sample; nominally 0. One
-    /// term a decade of time makes the usual sum of lags.
+    /// Creep \[1\], regressor w behind a first-order lag, 1/(1 + `lag_s`·s), settled at the first sample;
+    /// nominally 0. One term a decade of time makes the usual sum of lags.
     Creep {
         /// Time constant \[s\].
         lag_s: f64,
@@ -54,7 +54,8 @@ impl<const N: usize> Correction<N> {
     /// The coefficients of `model` that these terms name.
     ///
     /// # Errors
-    /// [`CorrectionError::Term`]: a power outside 1 … 20 or a lag that is not finite and positive; [`CorrectionError::Twice`].
+    /// [`CorrectionError::Term`]: a power outside 1 … 20 or a lag that is not finite and positive;
+    /// [`CorrectionError::Twice`].
     pub fn new(model: Model, terms: [Term; N]) -> Result<Self, CorrectionError> {
         for (index, term) in terms.iter().enumerate() {
             match *term {
@@ -95,8 +96,8 @@ impl<const N: usize> Correction<N> {
     }
 
     /// Regressors over the drive `u` \[V\]. Those of a sample depend on the drive up to it alone (but for 1e-9 of the
-    /// largest, see [`crate::dynamics::SimulationPlan`]), except where the model's scheme is `band-limited` or its drive
-    /// band-limited between samples.
+    /// largest, see [`crate::dynamics::SimulationPlan`]), except where the model's scheme is `band-limited` or
+    /// its drive band-limited between samples.
     ///
     /// # Errors
     /// As [`Model::simulate`]; [`CorrectionError::NoSampleRate`].
@@ -131,8 +132,8 @@ impl<const N: usize> Correction<N> {
     /// The model with the coefficients `parameters`.
     ///
     /// # Errors
-    /// [`CorrectionError::Creep`] where a creep coefficient is not 0; [`CorrectionError::Hysteresis`] where gain or coefficients are
-    /// none for the hysteresis block.
+    /// [`CorrectionError::Creep`] where a creep coefficient is not 0; [`CorrectionError::Hysteresis`] where gain
+    /// or coefficients are none for the hysteresis block.
     pub fn corrected(&self, parameters: &[f64; N]) -> Result<Model, CorrectionError> {
         let mut model = self.model.clone();
         let of =

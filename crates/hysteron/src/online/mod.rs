@@ -1,7 +1,8 @@
 //! Correction of an identified model while it runs.
 //!
-//! [`Correction`] says which coefficients may move and makes the regressors; [`Adapter`] moves them sample by sample and says when
-//! the model no longer fits. The estimators and the monitor are those of `hysteron-rt`, which a controller runs as they are.
+//! [`Correction`] says which coefficients may move and makes the regressors; [`Adapter`] moves them sample by
+//! sample and says when the model no longer fits. The estimators and the monitor are those of `hysteron-rt`,
+//! which a controller runs as they are.
 //!
 //! ```
 //! use hysteron::dynamics::{Dynamics, Scheme};
