@@ -6,7 +6,7 @@ use hysteron::display::short;
 use hysteron::dynamics::Dynamics;
 use hysteron::hammerstein::{Model, SimulationError, Start};
 use hysteron::identify::{PredictionBand, PredictionError};
-use hysteron::model_file::{ModelFile, ModelFileError, SignalUnits};
+use hysteron::model_file::{ModelFile, ModelFileError, SignalUnits, ValidRange};
 use hysteron::record::{InputOutput, Unit};
 use hysteron::validate::{Scoring, StartError, choose_start};
 
@@ -45,7 +45,7 @@ impl LoadedModel {
         drive: &Drive,
         start: &StartFlags,
     ) -> Result<(Start, Vec<f64>), Failure> {
-        self.remark_extrapolation(path, drive.u);
+        remark_extrapolation(self.file.valid_range.as_ref(), path, drive.u);
         let start = start.choose(&self.file, path, drive)?;
         let simulated = self.model.simulate(drive.u, drive.sample_rate_hz(), &start);
         Ok((start, simulated.map_err(|e| self.cannot_simulate(path, &e))?))
@@ -68,7 +68,7 @@ impl LoadedModel {
         if start.are_given() {
             return self.simulate(path, &drive, start);
         }
-        self.remark_extrapolation(path, drive.u);
+        remark_extrapolation(self.file.valid_range.as_ref(), path, drive.u);
         let (chosen, simulated) =
             choose_start(&self.model, record, preferred, scoring).map_err(|e| match e {
                 StartError::Simulation(e) => self.cannot_simulate(path, &e),
@@ -140,23 +140,23 @@ impl LoadedModel {
     pub fn agreed_unit(&self, record: &Path, signal: Signal, found: &Unit) -> Result<Unit, Failure> {
         agreed_unit((&self.path, &self.file.units), record, signal, found)
     }
+}
 
-    fn remark_extrapolation(&self, record: &Path, u: &[f64]) {
-        let Some(range) = &self.file.valid_range else { return };
-        let (low, high) =
-            u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
-        let slack = RANGE_SLACK * (range.input.high - range.input.low);
-        if low < range.input.low - slack || high > range.input.high + slack {
-            console::note(&format!(
-                "{}: the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
-                record.display(),
-                short(low),
-                short(high),
-                short(range.input.low),
-                short(range.input.high),
-                unit = Unit::new(&range.input.unit),
-            ));
-        }
+/// A remark where the input leaves the range that a model was identified in.
+pub fn remark_extrapolation(range: Option<&ValidRange>, record: &Path, u: &[f64]) {
+    let Some(range) = range else { return };
+    let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+    let slack = RANGE_SLACK * (range.input.high - range.input.low);
+    if low < range.input.low - slack || high > range.input.high + slack {
+        console::note(&format!(
+            "{}: the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
+            record.display(),
+            short(low),
+            short(high),
+            short(range.input.low),
+            short(range.input.high),
+            unit = Unit::new(&range.input.unit),
+        ));
     }
 }
 

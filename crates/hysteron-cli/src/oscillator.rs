@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron::display::short;
 use hysteron::model_file::{OscillatorFile, StartKind, StoredModel};
 use hysteron::oscillator::{Oscillator, OscillatorError, RecordStart};
 use hysteron::record::{InputOutput, Unit, find_periods};
@@ -10,11 +9,8 @@ use hysteron::validate::{Scoring, score};
 
 use crate::console;
 use crate::failure::Failure;
-use crate::model::{Signal, agreed_unit, cannot_read};
+use crate::model::{Signal, agreed_unit, cannot_read, remark_extrapolation};
 use crate::start::{Drive, StartFlags};
-
-/// Excess over the valid range, as a fraction of it, that is not worth a remark.
-const RANGE_SLACK: f64 = 0.01;
 
 /// An oscillator's file and the oscillator in it.
 pub struct LoadedOscillator {
@@ -59,7 +55,7 @@ impl LoadedOscillator {
                 RecordStart::Rest
             }),
         };
-        self.remark_extrapolation(path, drive.u);
+        remark_extrapolation(self.file.valid_range.as_ref(), path, drive.u);
         self.run(path, drive, start)
     }
 
@@ -79,7 +75,7 @@ impl LoadedOscillator {
         if flags.are_given() {
             return self.simulate(path, &drive, flags);
         }
-        self.remark_extrapolation(path, drive.u);
+        remark_extrapolation(self.file.valid_range.as_ref(), path, drive.u);
         let own = self.own_start(&drive).unwrap_or(RecordStart::Rest);
         let whole = RecordStart::Settled { period_samples: record.len() };
         let mut starts = vec![own];
@@ -151,24 +147,6 @@ impl LoadedOscillator {
         let data = InputOutput::new("drive", drive.time.clone(), drive.u.to_vec(), drive.u.to_vec()).ok()?;
         let periods = find_periods(&data).ok().filter(|p| p.start == 0 && p.count >= 2)?;
         Some(RecordStart::Settled { period_samples: periods.period_samples.round() as usize })
-    }
-
-    fn remark_extrapolation(&self, record: &Path, u: &[f64]) {
-        let Some(range) = &self.file.valid_range else { return };
-        let (low, high) =
-            u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
-        let slack = RANGE_SLACK * (range.input.high - range.input.low);
-        if low < range.input.low - slack || high > range.input.high + slack {
-            console::note(&format!(
-                "{}: the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
-                record.display(),
-                short(low),
-                short(high),
-                short(range.input.low),
-                short(range.input.high),
-                unit = Unit::new(&range.input.unit),
-            ));
-        }
     }
 }
 
