@@ -65,13 +65,14 @@ fn dynamics_column(repetitions: usize) -> Outcome {
 
 /// Residuals and Jacobian of a joint fit of two records, one thread.
 fn joint_objective(repetitions: usize) -> Outcome {
-    let (objective, x) = synthetic::objective(SAMPLES / 10, 2)?;
+    let (objective, mut x) = synthetic::objective(SAMPLES / 10, 2)?;
     let count = objective.residual_count();
     let mut workspace = objective.workspace();
     let (mut residuals, mut jacobian) = (vec![0.0; count], vec![0.0; count * x.len()]);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| {
         for _ in 0..repetitions {
+            synthetic::move_on(&mut x);
             let feasible = objective.residuals(black_box(&x), &mut workspace, &mut residuals);
             let written = objective.jacobian(black_box(&x), &mut workspace, &mut jacobian);
             if !feasible || written != Derivative::Written {
