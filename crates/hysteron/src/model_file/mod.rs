@@ -33,6 +33,7 @@
 mod check;
 mod convert;
 mod correlation;
+mod disk;
 mod error;
 mod oscillator;
 mod parameters;
@@ -40,8 +41,6 @@ mod provenance;
 mod quantity;
 mod schema;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -59,7 +58,8 @@ pub use provenance::{Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole,
 pub use quantity::{Interval, Quantity};
 pub use schema::json_schema;
 
-use crate::atomic_file::write_atomically;
+use disk::{Header, parse};
+
 use crate::dynamics::Scheme;
 use crate::hysteresis::FamilyForm;
 use crate::record::InterSample;
@@ -388,14 +388,6 @@ pub struct ValidRange {
     pub rate: Option<Interval>,
 }
 
-/// Format and version alone, so that a file of another version is told apart from a broken one.
-#[derive(Deserialize)]
-#[serde(expecting = "a model file (a JSON object)")]
-struct Header {
-    format: Option<serde_json::Value>,
-    version: Option<serde_json::Value>,
-}
-
 impl ModelFile {
     /// Reads and checks a model file.
     ///
@@ -403,11 +395,7 @@ impl ModelFile {
     /// [`ModelFileError`]: unreadable, too large, not JSON, not a model file, another version, or a value that is
     /// missing, unknown or not allowed.
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
-        let unreadable = |problem| ModelFileError::Unreadable { path: path.to_owned(), problem };
-        let mut bytes = Vec::new();
-        let file = File::open(path).map_err(unreadable)?;
-        file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-        Self::from_slice(&bytes)
+        Self::from_slice(&disk::read(path)?)
     }
 
     /// Reads and checks a model file's bytes.
@@ -415,18 +403,11 @@ impl ModelFile {
     /// # Errors
     /// As [`ModelFile::read`].
     pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        if bytes.len() as u64 > MAX_BYTES {
-            return Err(ModelFileError::TooLarge { limit_bytes: MAX_BYTES });
+        let header = Header::of(bytes)?;
+        if !header.is(FORMAT) {
+            return Err(ModelFileError::NotAModel { found: header.format() });
         }
-        let header: Header = parse(bytes)?;
-        match header.format {
-            Some(serde_json::Value::String(format)) if format == FORMAT => {}
-            found => return Err(ModelFileError::NotAModel { found: found.map(|f| f.to_string()) }),
-        }
-        match header.version {
-            Some(version) if version.as_u64() == Some(VERSION) => {}
-            found => return Err(ModelFileError::UnknownVersion { found: found.map(|v| v.to_string()) }),
-        }
+        header.check_version()?;
         let file: ModelFile = parse(bytes)?;
         file.check()?;
         Ok(file)
@@ -438,9 +419,7 @@ impl ModelFile {
     /// [`ModelFileError`] if the content would not be accepted by [`ModelFile::from_slice`].
     pub fn to_json(&self) -> Result<String, ModelFileError> {
         self.check()?;
-        let text =
-            serde_json::to_string_pretty(self).map_err(|problem| ModelFileError::syntax(".", problem))?;
-        Ok(text + "\n")
+        disk::text(self)
     }
 
     /// Writes the file atomically: `path` holds its old content or all of the new.
@@ -448,17 +427,8 @@ impl ModelFile {
     /// # Errors
     /// As [`ModelFile::to_json`]; [`ModelFileError::Write`] if the operating system refuses.
     pub fn write(&self, path: &Path) -> Result<(), ModelFileError> {
-        Ok(write_atomically(path, self.to_json()?.as_bytes())?)
+        disk::write(path, &self.to_json()?)
     }
-}
-
-/// Parses JSON; errors name the place by its path as well as by line and column.
-fn parse<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, ModelFileError> {
-    let mut json = serde_json::Deserializer::from_slice(bytes);
-    let value = serde_path_to_error::deserialize(&mut json)
-        .map_err(|e| ModelFileError::syntax(&e.path().to_string(), e.into_inner()))?;
-    json.end().map_err(|problem| ModelFileError::syntax(".", problem))?;
-    Ok(value)
 }
 
 #[cfg(test)]

@@ -1,7 +1,5 @@
 //! The file of an oscillator: hysteresis in feedback.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use schemars::JsonSchema;
@@ -9,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{allowed, interval, quantity, score};
 use super::convert::Units;
+use super::disk::{self, Header, parse};
 use super::{
-    Header, InterSampleName, MAX_BYTES, ModelFile, ModelFileError, Provenance, Quantity, ScoreEntry,
-    SignalUnits, StartKind, VERSION, ValidRange, parse,
+    InterSampleName, ModelFile, ModelFileError, Provenance, Quantity, ScoreEntry, SignalUnits, StartKind,
+    VERSION, ValidRange,
 };
-use crate::atomic_file::write_atomically;
 use crate::oscillator::Oscillator;
 
 /// Value of the key `format` in the file of an oscillator.
@@ -225,9 +223,7 @@ impl OscillatorFile {
     /// As [`Self::check`].
     pub fn to_json(&self) -> Result<String, ModelFileError> {
         self.check()?;
-        let text =
-            serde_json::to_string_pretty(self).map_err(|problem| ModelFileError::syntax(".", problem))?;
-        Ok(text + "\n")
+        disk::text(self)
     }
 
     /// Writes the file atomically: `path` holds its old content or all of the new.
@@ -235,7 +231,7 @@ impl OscillatorFile {
     /// # Errors
     /// As [`Self::to_json`]; [`ModelFileError::Write`] if the operating system refuses.
     pub fn write(&self, path: &Path) -> Result<(), ModelFileError> {
-        Ok(write_atomically(path, self.to_json()?.as_bytes())?)
+        disk::write(path, &self.to_json()?)
     }
 }
 
@@ -254,11 +250,7 @@ impl StoredModel {
     /// # Errors
     /// As [`ModelFile::read`].
     pub fn read(path: &Path) -> Result<Self, ModelFileError> {
-        let unreadable = |problem| ModelFileError::Unreadable { path: path.to_owned(), problem };
-        let mut bytes = Vec::new();
-        let file = File::open(path).map_err(unreadable)?;
-        file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-        Self::from_slice(&bytes)
+        Self::from_slice(&disk::read(path)?)
     }
 
     /// Reads and checks the bytes of a file of either format.
@@ -266,17 +258,11 @@ impl StoredModel {
     /// # Errors
     /// As [`ModelFile::from_slice`].
     pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        if bytes.len() as u64 > MAX_BYTES {
-            return Err(ModelFileError::TooLarge { limit_bytes: MAX_BYTES });
-        }
-        let header: Header = parse(bytes)?;
-        if header.format.as_ref().and_then(|format| format.as_str()) != Some(OSCILLATOR_FORMAT) {
+        let header = Header::of(bytes)?;
+        if !header.is(OSCILLATOR_FORMAT) {
             return Ok(Self::Hammerstein(Box::new(ModelFile::from_slice(bytes)?)));
         }
-        match header.version {
-            Some(version) if version.as_u64() == Some(VERSION) => {}
-            found => return Err(ModelFileError::UnknownVersion { found: found.map(|v| v.to_string()) }),
-        }
+        header.check_version()?;
         let file: OscillatorFile = parse(bytes)?;
         file.check()?;
         Ok(Self::Oscillator(Box::new(file)))
