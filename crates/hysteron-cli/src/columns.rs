@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron::record::{ChannelChoice, Drive, InputOutput, Record, inspect};
+use hysteron::record::{ChannelChoice, InputOutput, Record, Signal, inspect};
 use hysteron_io::{ReadOptions, read_csv, read_input_output};
 use rayon::prelude::*;
 
@@ -76,16 +76,16 @@ impl InputFlags {
     ///
     /// # Errors
     /// If the file is not a readable record or the input cannot be decided.
-    pub fn read_drive(&self, path: &Path) -> Result<Drive, Failure> {
+    pub fn read_drive(&self, path: &Path) -> Result<Signal, Failure> {
         let options = ReadOptions { input: self.input.clone(), ..self.time.options() };
         let unreadable = |e: &dyn std::fmt::Display| cannot_read(path, e);
         let record =
             self.scaled(read_csv(path, &options).map_err(|e| unreadable(&e))?).map_err(|e| unreadable(&e))?;
         let drive = record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?;
         let mut told = drive.notes.clone();
-        let u = self.beyond_dead_band(drive.u, &mut told);
+        let samples = self.beyond_dead_band(drive.samples, &mut told);
         notes(path, &told);
-        Ok(Drive { u, ..drive })
+        Ok(Signal { samples, ..drive })
     }
 
     fn beyond_dead_band(&self, mut u: Vec<f64>, told: &mut Vec<String>) -> Vec<f64> {
@@ -99,6 +99,31 @@ impl InputFlags {
 
     fn scaled(&self, record: Record) -> Result<Record, String> {
         self.scales.iter().try_fold(record, |record, scale| scale.apply(&record))
+    }
+}
+
+/// Which column is the reference to follow.
+#[derive(Args, Clone, Debug)]
+pub struct ReferenceFlags {
+    /// Reference column: its name, with or without unit, or its number from 1
+    #[arg(long, value_name = "COL", help_heading = "Columns")]
+    reference: Option<String>,
+
+    #[command(flatten)]
+    time: TimeFlags,
+}
+
+impl ReferenceFlags {
+    /// Reads the reference alone. Prints what was decided without being told.
+    ///
+    /// # Errors
+    /// If the file is not a readable record or the reference cannot be decided.
+    pub fn read(&self, path: &Path) -> Result<Signal, Failure> {
+        let options = ReadOptions { input: self.reference.clone(), ..self.time.options() };
+        let record = read_csv(path, &options).map_err(|e| cannot_read(path, &e))?;
+        let signal = record.reference(self.reference.as_deref()).map_err(|e| cannot_read(path, &e))?;
+        notes(path, &signal.notes);
+        Ok(signal)
     }
 }
 

@@ -18,6 +18,7 @@ mod frequency_response;
 mod identify;
 mod inspect;
 mod interrupt;
+mod invert;
 mod model;
 mod numbers;
 mod optimizers;
@@ -59,6 +60,7 @@ enum Command {
     Validate(validate::Validate),
     FrequencyResponse(Box<frequency_response::FrequencyResponseCommand>),
     Simulate(simulate::Simulate),
+    Invert(invert::Invert),
     Excite(excite::Excite),
     Rig(rig::Rig),
     Optimizers(optimizers::Optimizers),
@@ -76,6 +78,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Validate(c) => c.run(),
         Command::FrequencyResponse(c) => c.run(),
         Command::Simulate(c) => c.run(),
+        Command::Invert(c) => c.run(),
         Command::Excite(c) => c.run(),
         Command::Rig(c) => c.run(),
         Command::Optimizers(c) => c.run(),

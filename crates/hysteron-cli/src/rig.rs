@@ -104,7 +104,12 @@ impl Rig {
             return Err(failure().because(format!("its unit is {}, the bench is driven in V", drive.unit)));
         }
         let name = path.file_stem().map_or("drive".into(), |s| s.to_string_lossy().into_owned());
-        Ok(Excitation::of_samples(name, format!("drive of {}", path.display()), drive.u, sample_rate_hz))
+        Ok(Excitation::of_samples(
+            name,
+            format!("drive of {}", path.display()),
+            drive.samples,
+            sample_rate_hz,
+        ))
     }
 
     fn write(&self, run: &RigRun) -> Result<(), Failure> {

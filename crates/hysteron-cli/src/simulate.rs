@@ -66,7 +66,7 @@ impl Simulate {
         let model = LoadedModel::read(&self.model)?;
         let drive = self.columns.read_drive(&self.input_file)?;
         let u_unit = model.agreed_unit(&self.input_file, Signal::Input, &drive.unit)?;
-        let timed = Drive { u: &drive.u, time: &drive.time };
+        let timed = Drive { u: &drive.samples, time: &drive.time };
         let (start, y) = model.simulate(&self.input_file, &timed, &self.start)?;
         let half = match self.band {
             None => None,
@@ -86,7 +86,8 @@ impl Simulate {
             };
             [end("y_low", -1.0), end("y_high", 1.0)]
         });
-        let mut channels = vec![Channel::new("u", u_unit.symbol(), drive.u), Channel::new("y", unit, y)];
+        let mut channels =
+            vec![Channel::new("u", u_unit.symbol(), drive.samples), Channel::new("y", unit, y)];
         channels.extend(ends.into_iter().flatten());
         self.write(drive.time, channels)
     }
@@ -98,10 +99,10 @@ impl Simulate {
         }
         let drive = self.columns.read_drive(&self.input_file)?;
         let u_unit = model.agreed_unit(&self.input_file, Signal::Input, &drive.unit)?;
-        let timed = Drive { u: &drive.u, time: &drive.time };
+        let timed = Drive { u: &drive.samples, time: &drive.time };
         let y = model.simulate(&self.input_file, &timed, &self.start)?;
         let output = Channel::new("y", &model.file.units.output, y);
-        self.write(drive.time, vec![Channel::new("u", u_unit.symbol(), drive.u), output])
+        self.write(drive.time, vec![Channel::new("u", u_unit.symbol(), drive.samples), output])
     }
 
     fn write(&self, time: TimeBase, channels: Vec<Channel>) -> Result<(), Failure> {

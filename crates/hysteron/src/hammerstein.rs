@@ -213,7 +213,7 @@ impl Model {
         Ok((v, prologue, operator.at_rest(rest, memory)))
     }
 
-    fn check_sample_rate(&self, record: Option<f64>) -> Result<(), SimulationError> {
+    pub(crate) fn check_sample_rate(&self, record: Option<f64>) -> Result<(), SimulationError> {
         if self.dynamics == Dynamics::None && self.delay_s == 0.0 {
             return Ok(());
         }
@@ -233,6 +233,17 @@ impl Model {
         }
     }
 
+    /// Gain of the dynamics for what they were at rest at.
+    pub(crate) fn gain_at_rest(&self) -> f64 {
+        let gain = match &self.dynamics {
+            Dynamics::None => 1.0,
+            Dynamics::Arx(arx) => arx.dc_gain(),
+            Dynamics::Integer(g) | Dynamics::Fractional(g) => g.dc_gain(),
+        };
+        // What creeps for ever cannot have rested: its creep up to the record is in the offset.
+        if gain.is_finite() { gain } else { 1.0 }
+    }
+
     /// G ∗ v, the block having rested at `rest` before the first sample.
     fn simulate_dynamics(
         &self,
@@ -242,12 +253,9 @@ impl Model {
     ) -> Result<Vec<f64>, SimulationError> {
         let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
         let mut y = v;
-        let gain = match &self.dynamics {
+        match &self.dynamics {
             Dynamics::None => return Ok(y),
-            Dynamics::Arx(arx) => {
-                arx.simulate(&moved, InitialCondition::Zero, &mut y)?;
-                arx.dc_gain()
-            }
+            Dynamics::Arx(arx) => arx.simulate(&moved, InitialCondition::Zero, &mut y)?,
             Dynamics::Integer(g) | Dynamics::Fractional(g) => {
                 let rate = sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
                 let plan = SimulationPlan::new(y.len(), rate, self.scheme, InitialCondition::Zero)?;
@@ -255,11 +263,9 @@ impl Model {
                 let sampling = Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) };
                 plan.response(g, self.delay_s, sampling, &mut response)?;
                 plan.apply(&response, &plan.transform(&moved)?, &mut plan.workspace(), &mut y)?;
-                g.dc_gain()
             }
-        };
-        // What creeps for ever cannot have rested: its creep up to the record is in the offset.
-        let gain = if gain.is_finite() { gain } else { 1.0 };
+        }
+        let gain = self.gain_at_rest();
         y.iter_mut().for_each(|y| *y += gain * rest);
         Ok(y)
     }

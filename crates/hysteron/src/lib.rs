@@ -58,7 +58,8 @@
 //!    and what the records leave open.
 //! 6. [`validate`] defines every score once ([`validate::definitions`]) and tests residuals.
 //! 7. [`online`] corrects a model while it runs and says when it no longer fits.
-//! 8. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
+//! 8. [`invert`] makes the drive that lets the output follow a reference.
+//! 9. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
 //!
 //! Records from CSV files are read by the crate `hysteron-io`, reports written by `hysteron-report`.
 
@@ -73,6 +74,7 @@ pub mod frequency_response;
 pub mod hammerstein;
 pub mod hysteresis;
 pub mod identify;
+pub mod invert;
 pub mod model_file;
 pub mod numeric;
 pub mod online;

@@ -15,6 +15,7 @@ mod frequency_responses_are_explained;
 mod identify_can_be_interrupted;
 mod identify_makes_a_model;
 mod inspect_tells_what_is_in_a_record;
+mod invert_follows_a_reference;
 mod optimizers_are_compared;
 mod oscillators_are_identified;
 mod outputs_are_checked_first;

@@ -59,6 +59,17 @@ pub enum DynamicsError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// No inverse up to this frequency.
+    #[error(
+        "the bandwidth of the inverse is {bandwidth_hz} Hz: it must be above 0 and below {highest_hz} Hz, half the sample rate, and \
+         the plant must pass something there"
+    )]
+    Bandwidth {
+        /// The bandwidth given \[Hz\].
+        bandwidth_hz: f64,
+        /// Half the sample rate \[Hz\].
+        highest_hz: f64,
+    },
     /// Not as many values as a form has parameters.
     #[error("the form of the dynamics has {expected} parameters, but {found} values are given")]
     ParameterCount {

@@ -185,6 +185,29 @@ pub enum HysteresisError {
         /// Output at its upper end \[µm\].
         to: f64,
     },
+    /// A largest step of the drive that leaves no room.
+    #[error("the largest change of the drive from one sample to the next is {step} V: it must be positive")]
+    Step {
+        /// The step \[V\].
+        step: f64,
+    },
+    /// An output asked for is infinite or not a number.
+    #[error("the output wanted at sample {index} is not finite")]
+    Wanted {
+        /// Number of the sample, from 0.
+        index: usize,
+    },
+    /// The output falls as the voltage rises.
+    #[error(
+        "the hysteresis has no inverse: on the move to sample {index} the output falls near {u} V as the voltage rises; keep the \
+         drive away from there, or identify a family whose branches increase (plays with weights of one sign do)"
+    )]
+    NotIncreasing {
+        /// Number of the sample, from 0.
+        index: usize,
+        /// Voltage \[V\].
+        u: f64,
+    },
     /// Up-sampling by 0.
     #[error("the up-sampling factor is 0: it must be at least 1")]
     Factor,

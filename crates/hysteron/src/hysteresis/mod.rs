@@ -24,6 +24,7 @@ mod dead_zones;
 mod duhem;
 mod error;
 mod family;
+mod follow;
 mod form;
 mod generalised_play;
 mod inter_sample;
@@ -50,6 +51,7 @@ pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshl
 pub use duhem::Duhem;
 pub use error::HysteresisError;
 pub use family::{Family, FamilyForm, NumberUnit};
+pub use follow::{DriveLimits, Followed};
 pub use form::{Columns, HysteresisForm, Memory, Origin, Partial};
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;

@@ -39,7 +39,7 @@ pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};
 pub use periods::{Periods, find_periods};
 pub use plausibility::implausible_units;
 pub(crate) use resample::low_pass;
-pub use selection::{ChannelChoice, Drive, Selection};
+pub use selection::{ChannelChoice, Selection, Signal};
 pub use sensor::{Clipping, clipping, quantisation_step};
 pub use start_up::{StartUp, fit_start_up};
 pub use time_base::{GIVEN_RATE_TOLERANCE, UNIFORM_TOLERANCE_SAMPLES};

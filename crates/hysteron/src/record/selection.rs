@@ -22,15 +22,15 @@ pub struct Selection {
     pub notes: Vec<String>,
 }
 
-/// An input channel alone, for simulation.
+/// One channel alone: a drive to simulate, a reference to follow.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drive {
+pub struct Signal {
     /// Samples, voltages in V, lengths in µm.
-    pub u: Vec<f64>,
-    /// Unit of `u`.
+    pub samples: Vec<f64>,
+    /// Their unit.
     pub unit: Unit,
     /// Name of the channel.
-    pub input: String,
+    pub name: String,
     /// When the samples were taken.
     pub time: TimeBase,
     /// What was decided without being told.
@@ -41,6 +41,7 @@ pub struct Drive {
 enum Role {
     Input,
     Output,
+    Reference,
 }
 
 impl Role {
@@ -48,6 +49,7 @@ impl Role {
         match self {
             Role::Input => "input",
             Role::Output => "output",
+            Role::Reference => "reference",
         }
     }
 
@@ -55,6 +57,7 @@ impl Role {
         match self {
             Role::Input => "--input",
             Role::Output => "--output",
+            Role::Reference => "--reference",
         }
     }
 
@@ -62,6 +65,7 @@ impl Role {
         match self {
             Role::Input => 'u',
             Role::Output => 'y',
+            Role::Reference => 'r',
         }
     }
 
@@ -69,13 +73,16 @@ impl Role {
         match self {
             Role::Input => &["input", "voltage", "drive", "command"],
             Role::Output => &["output", "displacement", "position", "stroke"],
+            Role::Reference => &["reference", "target", "setpoint", "trajectory"],
         }
     }
 
     fn has_unit(self, unit: &Unit) -> bool {
         match self {
             Role::Input => unit.base().0 == Quantity::Voltage,
-            Role::Output => matches!(unit.base().0, Quantity::Length | Quantity::Angle),
+            Role::Output | Role::Reference => {
+                matches!(unit.base().0, Quantity::Length | Quantity::Angle)
+            }
         }
     }
 
@@ -83,6 +90,9 @@ impl Role {
         match self {
             Role::Input => "a channel named `u…` or one in volts",
             Role::Output => "a channel named `y…` or one in a unit of length or angle",
+            Role::Reference => {
+                "a channel named `r…`, `reference` or `target`, or one in a unit of length or angle"
+            }
         }
     }
 }
@@ -164,18 +174,31 @@ impl Record {
     ///
     /// # Errors
     /// As [`Record::select`] for the input, and [`Record::check`].
-    pub fn drive(&self, input: Option<&str>) -> Result<Drive, RecordError> {
+    pub fn drive(&self, input: Option<&str>) -> Result<Signal, RecordError> {
+        self.alone(input, Role::Input)
+    }
+
+    /// The reference alone (`--reference`): a channel named so, else the only one, else by the rules of [`Record::select`] with
+    /// the names `r`; `r…`; `reference`, `target`, `setpoint`, `trajectory`; a unit of length or angle.
+    ///
+    /// # Errors
+    /// As [`Record::drive`].
+    pub fn reference(&self, reference: Option<&str>) -> Result<Signal, RecordError> {
+        self.alone(reference, Role::Reference)
+    }
+
+    fn alone(&self, asked: Option<&str>, role: Role) -> Result<Signal, RecordError> {
         self.check()?;
         let mut notes = Vec::new();
-        let index = match self.named(input, Role::Input)? {
+        let index = match self.named(asked, role)? {
             Some(index) => index,
             None if self.channels.len() == 1 => 0,
-            None => self.guess(Role::Input, None, &mut notes)?,
+            None => self.guess(role, None, &mut notes)?,
         };
         let channel = &self.channels[index];
-        self.check_not_time(channel, Role::Input)?;
-        let (u, unit) = in_base_unit(channel);
-        Ok(Drive { u, unit, input: channel.name.clone(), time: self.time.clone(), notes })
+        self.check_not_time(channel, role)?;
+        let (samples, unit) = in_base_unit(channel);
+        Ok(Signal { samples, unit, name: channel.name.clone(), time: self.time.clone(), notes })
     }
 
     fn named(&self, asked: Option<&str>, role: Role) -> Result<Option<usize>, RecordError> {
@@ -304,7 +327,7 @@ impl Record {
             unit: channel.unit.to_string(),
             expected: match role {
                 Role::Input => "a voltage (V, mV, kV)",
-                Role::Output => "a length (nm, µm, mm, m) or an angle (µrad, mrad)",
+                Role::Output | Role::Reference => "a length (nm, µm, mm, m) or an angle (µrad, mrad)",
             },
             flag: role.flag(),
         })
@@ -334,6 +357,7 @@ fn is_preferred(lower_name: &str, role: Role) -> bool {
     let marks: &[&str] = match role {
         Role::Input => &["_cmd", "_command"],
         Role::Output => &["_meas", "_measured"],
+        Role::Reference => &["_ref", "_reference", "_target"],
     };
     marks.iter().any(|m| lower_name.ends_with(m))
 }
@@ -461,7 +485,7 @@ mod tests {
     #[test]
     fn a_drive_alone_is_enough_for_a_simulation() {
         let drive = record(&["photodiode_mV"]).drive(None).unwrap();
-        assert_eq!((drive.u[1], drive.unit.symbol()), (1e-3, "V"));
+        assert_eq!((drive.samples[1], drive.unit.symbol()), (1e-3, "V"));
         assert!(matches!(
             record(&["u1_V", "u2_V"]).drive(None).unwrap_err(),
             RecordError::AmbiguousChannel { .. }

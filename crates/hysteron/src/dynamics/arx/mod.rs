@@ -65,7 +65,7 @@ impl Arx {
     }
 
     /// B(q)/A(q) at a delay operator q = z⁻¹.
-    fn response_at(&self, q: Complex64) -> Complex64 {
+    pub(super) fn response_at(&self, q: Complex64) -> Complex64 {
         let horner = |coefficients: &[f64]| {
             coefficients.iter().rev().fold(Complex64::ZERO, |sum, &coefficient| sum * q + coefficient)
         };

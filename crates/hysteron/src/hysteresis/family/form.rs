@@ -8,6 +8,7 @@ use super::super::{
     SongDerKiureghian,
 };
 use super::run;
+use crate::hysteresis::follow::{self, DriveLimits, Followed};
 use crate::hysteresis::form::{Columns, Origin};
 
 /// Intervals of the plane of a Preisach density.
@@ -311,5 +312,21 @@ impl FamilyForm {
             wanted,
             out
         ))
+    }
+
+    /// As [`crate::hysteresis::Hysteresis::follow`], beside an `anhysteretic` part.
+    pub(in crate::hysteresis) fn follow(
+        self,
+        shape: &[f64],
+        weights: &[f64],
+        anhysteretic: impl Fn(f64) -> f64,
+        wanted: &[f64],
+        start: (f64, Option<f64>),
+        limits: &DriveLimits,
+    ) -> Result<Followed, HysteresisError> {
+        with_kernel!(self, shape, |kernel, fixed| {
+            let own = shape.get(fixed..).unwrap_or_default();
+            follow::columns(&kernel, own, weights, anhysteretic, wanted, start, limits)
+        })
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::hysteresis::DriveLimits;
 
 /// A drive with minor loops, on a grid finer by 2 where every other sample is read.
 fn drive() -> Vec<f64> {
@@ -137,6 +138,101 @@ fn derivatives_are_those_of_the_columns() {
                 }
             }
         }
+    }
+}
+
+/// Every family with numbers for which its branches rise.
+fn rising() -> impl Iterator<Item = Hysteresis> {
+    forms().into_iter().map(|(form, shape)| {
+        let weights: Vec<f64> = (1..=form.columns()).map(|j| 0.7 / j as f64).collect();
+        form.operator(vec![1.9, 0.01], &weights, &shape).unwrap()
+    })
+}
+
+const FREE: DriveLimits = DriveLimits { range: [-2.0, 10.0], step: f64::INFINITY };
+
+#[test]
+fn the_drive_that_gives_an_output_is_found_in_one_step() {
+    for operator in rising() {
+        let u = drive();
+        for memory in [None, Some(operator.form().own_memory(3.4, &operator.weights()))] {
+            let rest = 4.2;
+            let origin = match memory {
+                None => Origin::Virgin { rest },
+                Some(memory) => Origin::Remembering { rest, memory },
+            };
+            let mut v = vec![0.0; u.len()];
+            operator.simulate(&u, origin, &mut v).unwrap();
+            let followed = operator.follow(&v, rest, memory, &FREE).unwrap();
+            assert_eq!([followed.at_range, followed.at_step], [0, 0], "{operator:?}");
+            for (k, ((found, u), (output, v))) in
+                followed.drive.iter().zip(&u).zip(followed.output.iter().zip(&v)).enumerate()
+            {
+                assert!(
+                    (output - v).abs() < 1e-13 * v.abs().max(1.0),
+                    "{operator:?} sample {k}: {output} {v}"
+                );
+                assert!((found - u).abs() < 1e-9, "{operator:?} sample {k}: {found} {u}");
+            }
+        }
+    }
+}
+
+#[test]
+fn plays_follow_as_their_closed_form_does() {
+    let operator = HysteresisForm::PrandtlIshlinskii { plays: 4 };
+    let Hysteresis::PrandtlIshlinskii(plays) =
+        operator.operator(vec![1.0, 0.02], &[0.3, 0.2, -0.1, 0.1], &[0.31, 0.9, 1.7, 3.3]).unwrap()
+    else {
+        panic!("another family")
+    };
+    let wanted: Vec<f64> = (0..500).map(|k| 6.0 + 4.0 * (f64::from(k) * 0.31).sin()).collect();
+    let mut states = plays.plays_at(2.0, 2.0);
+    let mut exact = vec![0.0; wanted.len()];
+    plays.step_inverse(FREE.range).unwrap().follow(&wanted, &mut states, &mut exact).unwrap();
+    let found = Hysteresis::PrandtlIshlinskii(plays).follow(&wanted, 2.0, None, &FREE).unwrap();
+    for (found, exact) in found.drive.iter().zip(&exact) {
+        assert!((found - exact).abs() < 1e-12, "{found} {exact}");
+    }
+}
+
+#[test]
+fn a_drive_keeps_to_its_limits() {
+    for operator in rising() {
+        let mut v = vec![0.0; drive().len()];
+        operator.simulate(&drive(), Origin::Virgin { rest: 4.2 }, &mut v).unwrap();
+        let limits = DriveLimits { range: [1.0, 6.5], step: 0.11 };
+        let followed = operator.follow(&v, 4.2, None, &limits).unwrap();
+        assert!(followed.at_range > 0 && followed.at_step > 0, "{operator:?}");
+        let mut last = 4.2;
+        for &u in &followed.drive {
+            assert!((1.0..=6.5).contains(&u) && (u - last).abs() <= 0.11 * (1.0 + 1e-12));
+            last = u;
+        }
+        let mut again = vec![0.0; v.len()];
+        operator.simulate(&followed.drive, Origin::Virgin { rest: 4.2 }, &mut again).unwrap();
+        for (a, b) in again.iter().zip(&followed.output) {
+            assert!((a - b).abs() < 1e-12 * b.abs().max(1.0), "{operator:?}");
+        }
+    }
+}
+
+#[test]
+fn what_falls_as_the_voltage_rises_is_not_inverted() {
+    // Behind a turning point the slope is 0.5 − 0.7 (1 + (β' − γ') |ζ|) < 0.
+    let operator = HysteresisForm::BoucWen.operator(vec![0.5], &[0.7], &[0.4, 0.1, 1.0]).unwrap();
+    let refused = operator.follow(&[2.0, 3.0, 2.5, 2.0], 0.0, None, &FREE);
+    assert!(matches!(refused, Err(HysteresisError::NotIncreasing { .. })), "{refused:?}");
+    let operator = HysteresisForm::BoucWen.operator(vec![1.0], &[0.2], &[0.4, 0.1, 1.0]).unwrap();
+    for (wanted, rest, limits) in [
+        (f64::NAN, 0.0, FREE),
+        (1.0, 11.0, FREE),
+        (1.0, f64::NAN, FREE),
+        (1.0, 0.0, DriveLimits { range: [1.0, 1.0], ..FREE }),
+        (1.0, 0.0, DriveLimits { step: 0.0, ..FREE }),
+        (1.0, 0.0, DriveLimits { step: f64::NAN, ..FREE }),
+    ] {
+        assert!(operator.follow(&[wanted], rest, None, &limits).is_err(), "{wanted} {rest} {limits:?}");
     }
 }
 

@@ -186,7 +186,7 @@ impl PrandtlIshlinskii {
 
 impl HysteresisError {
     /// What went wrong with a move of a bank of plays to sample `index`.
-    fn at(index: usize, error: PlayError<f64>) -> Self {
+    pub(in crate::hysteresis) fn at(index: usize, error: PlayError<f64>) -> Self {
         match error {
             PlayError::Lengths { expected, found } => Self::PlayStates { expected, found },
             PlayError::Overflow => Self::Overflow { index },

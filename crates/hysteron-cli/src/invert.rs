@@ -1,0 +1,283 @@
+//! `hysteron invert`: the drive that makes a model's output follow a reference.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use hysteron::display::short;
+use hysteron::hammerstein::{SimulationError, Start};
+use hysteron::invert::{
+    BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError,
+};
+use hysteron::record::{Channel, Record, TimeBase, Unit};
+use hysteron_io::write_csv;
+use hysteron_report::number::significant;
+use serde::Serialize;
+
+use crate::columns::ReferenceFlags;
+use crate::console;
+use crate::failure::Failure;
+use crate::model::{LoadedModel, Signal};
+use crate::numbers::{number, positive};
+use crate::output;
+
+/// Compute the drive that makes a model's output follow a reference
+#[derive(Args)]
+#[command(
+    after_help = "The file written holds the time, the drive, the output that the model predicts for it and the reference, e.g. \
+    t_s,u_V,y_um,reference_um. The reference's sample rate is the controller's; each voltage is held for one period, which the inverse \
+    takes into account, as it does the model's delay. It looks ahead: the whole reference must be known.\n\n\
+    The output follows up to the bandwidth; above it the inverse fades, so that noise and rounding of the reference do not ring in \
+    the drive. A higher bandwidth follows faster references and passes more noise.\n\n\
+    Where a limit holds the drive back, the rest of the reference is followed as well as can be; how many samples it touched is \
+    printed. Exit code 1: the reference cannot be followed at all, or the model has no inverse.\n\n\
+    Example: hysteron invert model.json scan.csv -o drive.csv --range 0:100 --slew 20000"
+)]
+pub struct Invert {
+    /// The model file
+    #[arg(value_name = "MODEL.json")]
+    model: PathBuf,
+
+    /// File with the reference, in the unit of the model's output
+    #[arg(value_name = "REFERENCE.csv")]
+    reference_file: PathBuf,
+
+    /// File to write
+    #[arg(short, long = "out", value_name = "DRIVE.csv")]
+    out: PathBuf,
+
+    /// Least and largest drive [default: the range the model was identified in]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+
+    /// Largest rate of the drive, in its unit per second [default: none]
+    #[arg(long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true)]
+    slew: Option<f64>,
+
+    /// Frequency up to which the output follows, in Hz [default: a twentieth of the sample rate]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
+    bandwidth: Option<f64>,
+
+    /// Voltage at which the device rests before the reference begins [default: that which gives its first value]
+    #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
+    rest_voltage: Option<f64>,
+
+    /// The reference is one period, or several, of one that repeats for ever, as in scanning
+    #[arg(long)]
+    periodic: bool,
+
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    columns: ReferenceFlags,
+}
+
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let wrong = || "expected LOW:HIGH, e.g. 0:100".to_owned();
+    let (low, high) = text.split_once(':').ok_or_else(wrong)?;
+    match (number(low.trim()), number(high.trim())) {
+        (Ok(low), Ok(high)) if low < high => Ok([low, high]),
+        _ => Err(wrong()),
+    }
+}
+
+/// What is printed.
+#[derive(Serialize)]
+struct Summary {
+    samples: usize,
+    sample_rate_hz: f64,
+    rest: Option<f64>,
+    drive_low: f64,
+    drive_high: f64,
+    fastest_drive_per_s: f64,
+    samples_at_range: usize,
+    samples_at_slew: usize,
+    bandwidth_hz: Option<f64>,
+    error_at_bandwidth: Option<f64>,
+    noise_gain: Option<f64>,
+    predicted_rms_error: f64,
+    predicted_max_error: f64,
+    predicted_rms_percent_of_stroke: f64,
+    /// Half of the 95 % band of the model's output at its widest; null where the file holds no correlation.
+    band: Option<f64>,
+    input_unit: String,
+    output_unit: String,
+}
+
+impl Invert {
+    pub fn run(&self) -> Result<(), Failure> {
+        output::check_file("the drive", &self.out)?;
+        let model = LoadedModel::read(&self.model)?;
+        let reference = self.columns.read(&self.reference_file)?;
+        let unit = model.agreed_unit(&self.reference_file, Signal::Output, &reference.unit)?;
+        let failure = || {
+            Failure::new(format!(
+                "cannot follow {} with {}",
+                self.reference_file.display(),
+                self.model.display()
+            ))
+        };
+        let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
+            return Err(failure()
+                .because("the reference has no uniform sample rate, which is to be the controller's")
+                .hint("give the sample rate with --sample-rate HZ, or a time column of even steps"));
+        };
+        let range_v = match (self.range, &model.file.valid_range) {
+            (Some(range), _) => range,
+            (None, Some(valid)) => [valid.input.low, valid.input.high],
+            (None, None) => {
+                return Err(failure()
+                    .because("the model file does not say which voltages it was identified with")
+                    .hint("give the range of the drive, e.g. --range 0:100"));
+            }
+        };
+        let options = InverseOptions {
+            bandwidth_hz: self.bandwidth,
+            error_at_bandwidth: ERROR_AT_BANDWIDTH,
+            range_v,
+            slew_v_per_s: self.slew.unwrap_or(f64::INFINITY),
+            before: if self.periodic {
+                Before::Periodic
+            } else {
+                Before::Rest { voltage_v: self.rest_voltage }
+            },
+        };
+        let found = model.model().invert(&reference.samples, sample_rate_hz, &options).map_err(|e| {
+            let failure = failure().because(&e);
+            match e {
+                InversionError::Begins { .. } => failure.hint(
+                    "change the reference's offset, widen --range, or say where the device rests with --rest-voltage VOLTS",
+                ),
+                InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => failure
+                    .hint(format!("sample the reference at {model_hz} Hz, or identify the model without --scheme grunwald-letnikov and ARX")),
+                InversionError::Dynamics(_) => failure.hint(format!(
+                    "the bandwidth is {} of the sample rate unless --bandwidth HZ says otherwise",
+                    short(BANDWIDTH_SHARE)
+                )),
+                _ => failure,
+            }
+        })?;
+        let band = self.band(&model, &found, sample_rate_hz);
+        let summary = summary(&reference.samples, &found, sample_rate_hz, band, &model);
+        self.write(reference.time, &reference.samples, &unit, &model.file.units.input, found)?;
+        if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
+    }
+
+    /// Half of the 95 % band at its widest; `None` where the file does not hold what it takes.
+    fn band(&self, model: &LoadedModel, found: &InverseDrive, sample_rate_hz: f64) -> Option<f64> {
+        let start = match found.rest_v {
+            Some(voltage_v) => Start::Rest { voltage_v },
+            None => Start::Settled { period_samples: found.drive.len() },
+        };
+        model.file.correlation.as_ref()?;
+        let band = model.band(&self.reference_file, &found.drive, Some(sample_rate_hz), &start).ok()?;
+        Some(band.of_output().into_iter().fold(0.0, f64::max))
+    }
+
+    fn write(
+        &self,
+        time: TimeBase,
+        reference: &[f64],
+        unit: &Unit,
+        input: &str,
+        found: InverseDrive,
+    ) -> Result<(), Failure> {
+        let failure = || Failure::new(format!("cannot write the drive to {}", self.out.display()));
+        let channels = vec![
+            Channel::new("u", input, found.drive),
+            Channel::new("y", unit.symbol(), found.predicted),
+            Channel::new("reference", unit.symbol(), reference.to_vec()),
+        ];
+        let record =
+            Record::new(&self.out.display().to_string(), time, channels).map_err(|e| failure().because(e))?;
+        write_csv(&self.out, &record).map_err(|e| failure().because(e))?;
+        console::message(&format!("wrote {} samples to {}", record.len(), self.out.display()));
+        Ok(())
+    }
+}
+
+fn summary(
+    reference: &[f64],
+    found: &InverseDrive,
+    sample_rate_hz: f64,
+    band: Option<f64>,
+    model: &LoadedModel,
+) -> Summary {
+    let ends =
+        |x: &[f64]| x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+    let (drive_low, drive_high) = ends(&found.drive);
+    let (low, high) = ends(reference);
+    let errors = || reference.iter().zip(&found.predicted).map(|(r, y)| (r - y).abs());
+    let rms = (errors().map(|e| e * e).sum::<f64>() / reference.len() as f64).sqrt();
+    let before = found.rest_v.or_else(|| found.drive.last().copied());
+    let steps = before.into_iter().chain(found.drive.iter().copied());
+    let fastest =
+        steps.zip(&found.drive).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max) * sample_rate_hz;
+    Summary {
+        samples: reference.len(),
+        sample_rate_hz,
+        rest: found.rest_v,
+        drive_low,
+        drive_high,
+        fastest_drive_per_s: fastest,
+        samples_at_range: found.at_range,
+        samples_at_slew: found.at_slew,
+        bandwidth_hz: found.dynamics.map(|d| d.bandwidth_hz),
+        error_at_bandwidth: found.dynamics.map(|d| d.error_at_bandwidth),
+        noise_gain: found.dynamics.map(|d| d.noise_gain),
+        predicted_rms_error: rms,
+        predicted_max_error: errors().fold(0.0, f64::max),
+        predicted_rms_percent_of_stroke: 100.0 * rms / (high - low).max(f64::MIN_POSITIVE),
+        band,
+        input_unit: model.file.units.input.clone(),
+        output_unit: model.file.units.output.clone(),
+    }
+}
+
+fn text(s: &Summary) -> String {
+    let (input, output) = (Unit::new(&s.input_unit), Unit::new(&s.output_unit));
+    let mut lines = vec![match s.rest {
+        Some(rest) => {
+            format!("The device rests at {} {input} before the first sample.", significant(rest, 4))
+        }
+        None => "The reference repeats; the drive is that of its steady state.".to_owned(),
+    }];
+    lines.push(format!(
+        "Drive: {} to {} {input}, at most {} {input}/s, each value held for {} s.",
+        significant(s.drive_low, 4),
+        significant(s.drive_high, 4),
+        significant(s.fastest_drive_per_s, 3),
+        short(1.0 / s.sample_rate_hz)
+    ));
+    for (samples, what) in [(s.samples_at_range, "--range"), (s.samples_at_slew, "--slew")] {
+        if samples > 0 {
+            lines.push(format!("Held back by {what}: {samples} of {} samples.", s.samples));
+        }
+    }
+    lines.push(format!(
+        "Predicted error, the model taken for true: {} {output} rms ({} % of the reference's stroke), {} {output} at most.",
+        significant(s.predicted_rms_error, 3),
+        significant(s.predicted_rms_percent_of_stroke, 3),
+        significant(s.predicted_max_error, 3)
+    ));
+    match s.band {
+        Some(band) => lines.push(format!(
+            "What is not known of the parameters adds up to ± {} {output} (95 %).",
+            significant(band, 3)
+        )),
+        None => lines.push("The model file does not say how well its parameters are known.".to_owned()),
+    }
+    match (s.bandwidth_hz, s.error_at_bandwidth, s.noise_gain) {
+        (Some(bandwidth), Some(error), Some(gain)) => lines.push(format!(
+            "Bandwidth: {} Hz, where {} % of the reference is missing. White noise on the reference is {} times as large at the output \
+             of the hysteresis: 5 nm become {} nm.",
+            significant(bandwidth, 3),
+            significant(100.0 * error, 2),
+            significant(gain, 2),
+            significant(5.0 * gain, 2)
+        )),
+        _ => lines.push("The model is static: its inverse is exact at every frequency.".to_owned()),
+    }
+    lines.join("\n") + "\n"
+}

@@ -1,0 +1,131 @@
+//! `invert` writes the drive that lets a model follow, and says where it cannot.
+
+use std::f64::consts::TAU;
+
+use crate::bench::{Bench, static_model};
+use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+use hysteron::hammerstein::Model;
+use hysteron::model_file::SignalUnits;
+use hysteron::record::InterSample;
+use serde_json::Value;
+
+/// A lag of 2 ms and a delay of 1.5 samples of 1 kHz, driven through a hold.
+fn dynamic_model() -> Model {
+    let term = |coefficient, order| Term { coefficient, order };
+    let lag = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.0), term(2e-3, 1.0)]).unwrap();
+    Model {
+        dynamics: Dynamics::Integer(lag),
+        offset: 0.7,
+        delay_s: 1.5e-3,
+        scheme: Scheme::BandLimited,
+        inter_sample: InterSample::Hold,
+        sample_rate_hz: Some(1e3),
+        ..static_model()
+    }
+}
+
+fn scan(unit: &str, scale: f64) -> String {
+    let rows = (0..800).map(|k| {
+        let t = f64::from(k) / 1000.0;
+        format!("{t},{}\n", scale * (13.0 - 5.0 * (TAU * 5.0 * t).cos()))
+    });
+    format!("t_s,target_{unit}\n{}", rows.collect::<String>())
+}
+
+fn column(csv: &str, name: &str) -> Vec<f64> {
+    let at = csv.lines().next().unwrap().split(',').position(|c| c == name).unwrap();
+    csv.lines().skip(1).map(|row| row.split(',').nth(at).unwrap().parse().unwrap()).collect()
+}
+
+fn summary(run: &crate::bench::Run) -> Value {
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    serde_json::from_str(&run.stdout).unwrap()
+}
+
+#[test]
+fn the_model_follows_the_drive_that_was_made_for_it() {
+    let bench = Bench::new();
+    bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
+    // Nanometres become the model's µm.
+    bench.write("scan.csv", scan("nm", 1e3));
+    let made = summary(&bench.run("invert stage.json scan.csv -o drive.csv --range 0:100 --json"));
+    // What is left is the first samples: the drive cannot begin before the reference, the delay notwithstanding.
+    assert!(made["predicted_rms_percent_of_stroke"].as_f64().unwrap() < 0.02, "{made}");
+    assert_eq!((&made["samples_at_range"], &made["bandwidth_hz"]), (&Value::from(0), &Value::from(50.0)));
+    let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
+    assert!(drive.starts_with("t_s,u_V,y_um,reference_um\n"), "{}", &drive[..40]);
+    let rest = made["rest"].as_f64().unwrap();
+    let run = bench.run(&format!("simulate stage.json drive.csv -o out.csv --rest-voltage {rest}"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let out = std::fs::read_to_string(bench.path("out.csv")).unwrap();
+    for (a, b) in column(&out, "y_um").iter().zip(column(&drive, "y_um")) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+    let run = bench.run("invert stage.json scan.csv -o drive.csv --range 0:100");
+    assert!(
+        run.stdout.contains("Predicted error") && run.stdout.contains("held for 0.001 s"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn limits_are_kept_and_reported() {
+    let bench = Bench::new();
+    bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
+    bench.write("scan.csv", scan("um", 1.0));
+    let made = summary(&bench.run("invert stage.json scan.csv -o drive.csv --range 20:60 --slew 400 --json"));
+    let at = |key: &str| made[key].as_f64().unwrap();
+    assert!(at("samples_at_range") > 0.0 && at("samples_at_slew") > 0.0, "{made}");
+    assert!(at("drive_low") >= 20.0 && at("drive_high") <= 60.0, "{made}");
+    assert!(at("fastest_drive_per_s") <= 400.0 * (1.0 + 1e-9), "{made}");
+    let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
+    let u = column(&drive, "u_V");
+    assert!(u.windows(2).all(|w| (w[1] - w[0]).abs() <= 0.4 * (1.0 + 1e-9)));
+}
+
+#[test]
+fn a_period_of_a_scan_is_followed_in_its_steady_state() {
+    let bench = Bench::new();
+    bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
+    bench.write("scan.csv", scan("um", 1.0));
+    let made = summary(&bench.run("invert stage.json scan.csv -o drive.csv --range 0:100 --periodic --json"));
+    assert!(made["rest"].is_null(), "{made}");
+    assert!(made["predicted_rms_percent_of_stroke"].as_f64().unwrap() < 0.01, "{made}");
+    let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
+    let u = column(&drive, "u_V");
+    // It repeats within as it does from end to beginning.
+    let apart = |a: usize, b: usize| (u[a] - u[b]).abs();
+    assert!((1..200).all(|k| apart(k, k + 200) < 1e-6), "{}", apart(100, 300));
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused_without_a_file() {
+    let bench = Bench::new();
+    bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
+    bench.write("scan.csv", scan("um", 1.0));
+    bench.write("far.csv", scan("um", 1e3));
+    bench.write("uneven.csv", "t_s,r_um\n0,1\n0.1,2\n0.15,3\n0.4,3\n");
+    bench.write("text.csv", "t_s,r_um\n0,1\n0.1,two\n");
+    bench.write("one.csv", "t_s,r_um\n0,1\n");
+    bench.write("volts.csv", "t_s,u_V,r_V\n0,1,1\n0.1,2,1\n");
+    for (arguments, said) in [
+        ("stage.json scan.csv", "does not say which voltages"),
+        ("stage.json far.csv --range 0:100", "which no voltage from 0 to 100 holds"),
+        ("stage.json uneven.csv --range 0:100", "no uniform sample rate"),
+        ("stage.json text.csv --range 0:100", "line 3"),
+        ("stage.json one.csv --range 0:100", ""),
+        ("stage.json volts.csv --range 0:100 --reference r", "the record's in V"),
+        ("stage.json scan.csv --range 0:100 --bandwidth 500", "below 500 Hz"),
+        ("stage.json scan.csv --range 0:100 --rest-voltage 200", "range"),
+    ] {
+        let run = bench.run(&format!("invert {arguments} -o drive.csv"));
+        assert_eq!(run.exit_code, 1, "{arguments}: {run:?}");
+        assert!(run.stderr.contains(said), "{arguments}: {}", run.stderr);
+        assert!(!bench.files().contains(&"drive.csv".to_owned()), "{arguments}");
+    }
+    for wrong in ["--range 5", "--range 9:1", "--slew 0", "--bandwidth -1", "--periodic --rest-voltage 1"] {
+        let run = bench.run(&format!("invert stage.json scan.csv -o drive.csv {wrong}"));
+        assert_eq!(run.exit_code, 2, "{wrong}: {run:?}");
+    }
+}

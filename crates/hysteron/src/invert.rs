@@ -1,0 +1,289 @@
+//! Feedforward: the drive that makes a model's output follow a reference known ahead.
+//!
+//! The controller's converter holds each voltage for one period, and hysteresis is rate independent, so that its output v is held as
+//! well: v is what the linear part sees of a staircase, whatever the family. The reference goes backwards through the model: through
+//! the regularised inverse of the dynamics as they answer held samples ([`crate::dynamics::Inverse`]: delay, hold and creep
+//! included, looking ahead), then through the hysteresis, exact in one step ([`Hysteresis::follow`]).
+//!
+//! [`Hysteresis::follow`]: crate::hysteresis::Hysteresis::follow
+
+use crate::dynamics::{
+    Dynamics, DynamicsError, InitialCondition, InterSample, Inverse, InverseAim, Response, Sampling, Scheme,
+    SimulationPlan, Term, TransferFunction,
+};
+use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError};
+use crate::hysteresis::{DriveLimits, Followed, HysteresisError};
+
+/// Share of the reference that is missing at the bandwidth, where nobody says otherwise.
+pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
+/// Bandwidth as a share of the sample rate, where nobody says otherwise.
+pub const BANDWIDTH_SHARE: f64 = 0.05;
+
+/// What the device does before the reference begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Before {
+    /// It rests, free of hysteresis memory, at this voltage \[V\]; `None`: at that which gives the first value of the reference.
+    Rest {
+        /// Voltage \[V\].
+        voltage_v: Option<f64>,
+    },
+    /// It has been following the reference, which repeats, for a long time; the reference is a whole number of periods.
+    Periodic,
+}
+
+/// How a reference is to be followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseOptions {
+    /// Frequency up to which the output follows \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
+    pub bandwidth_hz: Option<f64>,
+    /// Share of the reference that is missing there.
+    pub error_at_bandwidth: f64,
+    /// Least and largest voltage \[V\].
+    pub range_v: [f64; 2],
+    /// Largest rate of the drive \[V/s\]; infinite for none.
+    pub slew_v_per_s: f64,
+    /// What the device does before.
+    pub before: Before,
+}
+
+impl InverseOptions {
+    /// Within these voltages \[V\], the rest as usual.
+    pub fn within(range_v: [f64; 2]) -> Self {
+        Self {
+            bandwidth_hz: None,
+            error_at_bandwidth: ERROR_AT_BANDWIDTH,
+            range_v,
+            slew_v_per_s: f64::INFINITY,
+            before: Before::Rest { voltage_v: None },
+        }
+    }
+}
+
+/// A drive and what the model does with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InverseDrive {
+    /// Drive \[V\], one sample a sample of the reference, held.
+    pub drive: Vec<f64>,
+    /// Output of the model for it \[µm\].
+    pub predicted: Vec<f64>,
+    /// Voltage before the first sample \[V\]; `None` where the reference repeats.
+    pub rest_v: Option<f64>,
+    /// Samples at which the range held the drive back.
+    pub at_range: usize,
+    /// Samples at which its largest rate did.
+    pub at_slew: usize,
+    /// What the inverse of the dynamics does; `None` for a static model, whose inverse is exact at every frequency.
+    pub dynamics: Option<InverseOfDynamics>,
+}
+
+/// Figures of the inverse of the dynamics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseOfDynamics {
+    /// Frequency up to which the output follows \[Hz\].
+    pub bandwidth_hz: f64,
+    /// Share of the reference missing there.
+    pub error_at_bandwidth: f64,
+    /// Largest gain.
+    pub peak: f64,
+    /// Factor from white noise on the reference to noise on the output of the hysteresis, both rms.
+    pub noise_gain: f64,
+}
+
+/// Why there is no drive.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum InversionError {
+    /// Fewer than two samples.
+    #[error("the reference has {samples} samples: at least 2 are needed")]
+    TooShort {
+        /// Samples of the reference.
+        samples: usize,
+    },
+    /// A sample of the reference is not finite.
+    #[error("sample {index} (from 0) of the reference is not finite")]
+    NotFinite {
+        /// Number of the sample.
+        index: usize,
+    },
+    /// No voltage gives the first value of the reference.
+    #[error(
+        "the reference begins at {reference}, which no voltage from {low} to {high} holds: at rest these give {from} to {to}; begin \
+         the reference between them, or give the voltage at which the device rests"
+    )]
+    Begins {
+        /// First value of the reference \[µm\].
+        reference: f64,
+        /// Least voltage \[V\].
+        low: f64,
+        /// Largest voltage \[V\].
+        high: f64,
+        /// Output at rest at the least voltage \[µm\].
+        from: f64,
+        /// Output at rest at the largest voltage \[µm\].
+        to: f64,
+    },
+    /// The model cannot be run at this rate.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The dynamics have no inverse.
+    #[error("the dynamics cannot be inverted: {0}")]
+    Dynamics(#[from] DynamicsError),
+    /// The hysteresis has no inverse.
+    #[error("the hysteresis cannot be inverted: {0}")]
+    Hysteresis(#[from] HysteresisError),
+}
+
+impl Model {
+    /// The drive that makes the output follow `reference` \[µm\] at `sample_rate_hz`, the rate of the controller.
+    ///
+    /// # Errors
+    /// [`InversionError`].
+    pub fn invert(
+        &self,
+        reference: &[f64],
+        sample_rate_hz: f64,
+        options: &InverseOptions,
+    ) -> Result<InverseDrive, InversionError> {
+        if reference.len() < 2 {
+            return Err(InversionError::TooShort { samples: reference.len() });
+        }
+        if let Some(index) = reference.iter().position(|r| !r.is_finite()) {
+            return Err(InversionError::NotFinite { index });
+        }
+        self.check_sample_rate(Some(sample_rate_hz))?;
+        let [low, high] = options.range_v;
+        if !(low < high && (high - low).is_finite()) {
+            return Err(HysteresisError::Range { low, high }.into());
+        }
+        let periodic = options.before == Before::Periodic;
+        let rest_v = match options.before {
+            Before::Rest { voltage_v: Some(voltage_v) } => voltage_v,
+            Before::Rest { voltage_v: None } => self.rest_for(reference[0], options.range_v)?,
+            Before::Periodic => 0.5 * low + 0.5 * high,
+        };
+        let level = if periodic { 0.0 } else { self.hysteresis.at_rest(rest_v, None) };
+        let output_at_rest = self.offset + self.gain_at_rest() * level;
+        let moved: Vec<f64> = reference.iter().map(|r| r - output_at_rest).collect();
+        let linear = Linear::new(self, reference.len(), sample_rate_hz, options)?;
+        let mut wanted = vec![0.0; moved.len()];
+        linear.backwards(&moved, &mut wanted)?;
+        wanted.iter_mut().for_each(|v| *v += level);
+        let limits = DriveLimits { range: options.range_v, step: options.slew_v_per_s / sample_rate_hz };
+        let Followed { drive, output, at_range, at_step } = if periodic {
+            let mut followed =
+                self.hysteresis.follow(&wanted.repeat(SETTLING_PERIODS + 1), rest_v, None, &limits)?;
+            let settled = SETTLING_PERIODS * wanted.len();
+            followed.drive.drain(..settled);
+            followed.output.drain(..settled);
+            followed
+        } else {
+            self.hysteresis.follow(&wanted, rest_v, None, &limits)?
+        };
+        let held: Vec<f64> = output.iter().map(|v| v - level).collect();
+        let mut predicted = vec![0.0; held.len()];
+        linear.forwards(&held, &mut predicted)?;
+        predicted.iter_mut().for_each(|y| *y += output_at_rest);
+        Ok(InverseDrive {
+            drive,
+            predicted,
+            rest_v: (!periodic).then_some(rest_v),
+            at_range,
+            at_slew: at_step,
+            dynamics: linear.figures(),
+        })
+    }
+
+    /// The voltage at which the device rests, virgin, at this output.
+    fn rest_for(&self, output: f64, [low, high]: [f64; 2]) -> Result<f64, InversionError> {
+        let at = |u: f64| self.offset + self.gain_at_rest() * self.hysteresis.at_rest(u, None);
+        let (from, to) = (at(low), at(high));
+        if !(from.min(to) <= output && output <= from.max(to)) {
+            return Err(InversionError::Begins { reference: output, low, high, from, to });
+        }
+        let (mut below, mut above) = if from <= to { (low, high) } else { (high, low) };
+        // Halves of a range of doubles end within 2100 steps; 60 leave 1e-18 of it.
+        for _ in 0..60 {
+            let middle = 0.5 * (below + above);
+            if at(middle) <= output { below = middle } else { above = middle }
+        }
+        Ok(below)
+    }
+}
+
+/// The linear part over a record, both ways. Inputs and outputs are deviations from rest, or periodic.
+struct Linear(Option<Both>);
+
+struct Both {
+    plan: SimulationPlan,
+    plant: Response,
+    inverse: Inverse,
+    aim: InverseAim,
+}
+
+impl Linear {
+    fn new(
+        model: &Model,
+        samples: usize,
+        sample_rate_hz: f64,
+        options: &InverseOptions,
+    ) -> Result<Self, DynamicsError> {
+        if model.dynamics == Dynamics::None && model.delay_s == 0.0 {
+            return Ok(Self(None));
+        }
+        let initial = match options.before {
+            Before::Periodic => InitialCondition::Periodic,
+            Before::Rest { .. } => InitialCondition::Zero,
+        };
+        let plan = SimulationPlan::new(samples, sample_rate_hz, Scheme::BandLimited, initial)?;
+        let mut plant = plan.empty_response(0);
+        let sampling = Sampling { delay: InterSample::BandLimited, reconstruction: InterSample::Hold };
+        match &model.dynamics {
+            Dynamics::Arx(arx) => plan.arx_response(arx, model.delay_s, &mut plant)?,
+            Dynamics::Integer(g) | Dynamics::Fractional(g) => {
+                plan.response(g, model.delay_s, sampling, &mut plant)?;
+            }
+            Dynamics::None => {
+                let one = || vec![Term { coefficient: 1.0, order: 0.0 }];
+                let unit = TransferFunction::new(one(), one())?;
+                plan.response(&unit, model.delay_s, sampling, &mut plant)?;
+            }
+        }
+        let bandwidth_hz = options.bandwidth_hz.unwrap_or(BANDWIDTH_SHARE * sample_rate_hz);
+        let aim = InverseAim { bandwidth_hz, error: options.error_at_bandwidth };
+        let inverse = plan.inverse(&plant, aim)?;
+        Ok(Self(Some(Both { plan, plant, inverse, aim })))
+    }
+
+    fn backwards(&self, moved: &[f64], out: &mut [f64]) -> Result<(), DynamicsError> {
+        self.run(|both| &both.inverse.response, moved, out)
+    }
+
+    fn forwards(&self, held: &[f64], out: &mut [f64]) -> Result<(), DynamicsError> {
+        self.run(|both| &both.plant, held, out)
+    }
+
+    fn run(
+        &self,
+        response: impl Fn(&Both) -> &Response,
+        x: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), DynamicsError> {
+        match &self.0 {
+            None => out.copy_from_slice(x),
+            Some(both) => {
+                let spectrum = both.plan.transform(x)?;
+                both.plan.apply(response(both), &spectrum, &mut both.plan.workspace(), out)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn figures(&self) -> Option<InverseOfDynamics> {
+        self.0.as_ref().map(|both| InverseOfDynamics {
+            bandwidth_hz: both.aim.bandwidth_hz,
+            error_at_bandwidth: both.aim.error,
+            peak: both.inverse.peak,
+            noise_gain: both.inverse.noise_gain,
+        })
+    }
+}
