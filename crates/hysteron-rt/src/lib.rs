@@ -3,6 +3,8 @@
 //! * [`BoucWen`]: parameters of the Bouc–Wen operator; [`BoucWen::step`] moves a [`BoucWenState`] to the next
 //!   voltage exactly, whatever the distance, because the operator is rate independent.
 //! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of the step.
+//! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs, taps, delay), voltage
+//!   in, displacement out, the same number of operations every sample.
 //! * [`Rls`], [`Nlms`]: least squares with forgetting and gradient correction of parameters while samples come in;
 //!   [`FitMonitor`] says when they no longer fit.
 //! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of its own
@@ -31,6 +33,7 @@
 
 mod bouc_wen;
 mod dual;
+mod model;
 mod online;
 mod play;
 mod real;
@@ -38,6 +41,10 @@ mod series;
 
 pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepError};
 pub use dual::Dual;
+pub use model::{
+    BoucWenMemory, Compensated, Hysteresis, LANES, Linear, MOST_TAPS, Means, Model, ModelError, Operator,
+    PolePair, RealPoles, Sections, SectionsMemory,
+};
 pub use online::{
     FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, OnlineError, Residual, Rls, RlsSettings,
     SampleError, Unexcited,

@@ -55,6 +55,10 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     /// A derivative below this has vanished. Above the subnormal numbers, which are slow to compute with, by more than
     /// any factor of one step.
     const VANISHED: Self;
+    /// A level far below any signal whose rounding errors are still far above the subnormal numbers.
+    const FLOOR: Self;
+    /// Least positive number that is not subnormal.
+    const LEAST_NORMAL: Self;
     /// Conversion of a literal, rounded to nearest.
     fn of(literal: f64) -> Self;
     /// Absolute value.
@@ -78,7 +82,7 @@ macro_rules! elementary {
 }
 
 macro_rules! real {
-    ($t:ident, $small:expr, $vanished:expr, $exp:path, $ln_1p:path, $sqrt:path, $tan:path, $tanh:path, $atan:path, $pow:path, $ln:path) => {
+    ($t:ident, $small:expr, $vanished:expr, $floor:expr, $exp:path, $ln_1p:path, $sqrt:path, $tan:path, $tanh:path, $atan:path, $pow:path, $ln:path) => {
         impl sealed::Sealed for $t {}
 
         impl Scalar for $t {
@@ -122,6 +126,8 @@ macro_rules! real {
             const EPSILON: $t = $t::EPSILON;
             const SMALL: $t = $small;
             const VANISHED: $t = $vanished;
+            const FLOOR: $t = $floor;
+            const LEAST_NORMAL: $t = $t::MIN_POSITIVE;
             #[inline(always)]
             #[allow(clippy::cast_possible_truncation)]
             fn of(literal: f64) -> $t {
@@ -145,6 +151,7 @@ real!(
     f32,
     0.375,
     1e-30,
+    1e-20,
     libm::expf,
     libm::log1pf,
     libm::sqrtf,
@@ -158,6 +165,7 @@ real!(
     f64,
     0.015625,
     1e-250,
+    1e-200,
     libm::exp,
     libm::log1p,
     libm::sqrt,

@@ -57,9 +57,10 @@
 //! 5. [`identify`] is the article's two-step procedure: [`identify::identify`] hands out model, standard errors, scores
 //!    and what the records leave open.
 //! 6. [`validate`] defines every score once ([`validate::definitions`]) and tests residuals.
-//! 7. [`online`] corrects a model while it runs and says when it no longer fits.
-//! 8. [`invert`] makes the drive that lets the output follow a reference.
-//! 9. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
+//! 7. [`realise`] turns a model into real poles and pole pairs that run sample by sample.
+//! 8. [`online`] corrects a model while it runs and says when it no longer fits.
+//! 9. [`invert`] makes the drive that lets the output follow a reference.
+//! 10. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
 //!
 //! Records from CSV files are read by the crate `hysteron-io`, reports written by `hysteron-report`.
 
@@ -80,5 +81,6 @@ pub mod numeric;
 pub mod online;
 pub mod optimize;
 pub mod oscillator;
+pub mod realise;
 pub mod record;
 pub mod validate;

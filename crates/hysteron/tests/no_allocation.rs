@@ -224,3 +224,32 @@ fn a_sample_of_a_correction_allocates_nothing() {
     // With alarms, bounds and a bad sample.
     assert!(alarms > 0);
 }
+
+#[test]
+fn a_sample_of_a_realised_model_allocates_nothing() {
+    use hysteron::dynamics::Dynamics;
+    use hysteron::hammerstein::Model;
+    use hysteron::hysteresis::{BoucWen, Hysteresis};
+    use hysteron::realise::{RealiseOptions, StreamParts, realise};
+
+    let model = Model {
+        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![2.0, 0.01], 0.5, 0.1, 0.02, 1.0).unwrap()),
+        dynamics: Dynamics::Fractional(TransferFunction::article_eq13()),
+        offset: 0.0,
+        delay_s: 3.4e-4,
+        scheme: Scheme::BandLimited,
+        inter_sample: InterSample::Linear,
+        sample_rate_hz: Some(1e4),
+    };
+    let realised = realise(&model, 1e4, &RealiseOptions::default()).unwrap();
+    let mut parts = StreamParts::new(&realised).unwrap();
+    let mut stream = parts.stream().unwrap();
+    let mut last = 0.0;
+    let count = allocations(|| {
+        for k in 0..1000 {
+            last = stream.step(f64::from(k) * 0.01).unwrap();
+        }
+    });
+    assert_eq!(count, 0);
+    assert!(last > 0.0);
+}

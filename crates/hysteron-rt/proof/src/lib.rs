@@ -7,8 +7,9 @@
 use core::panic::PanicInfo;
 
 use hysteron_rt::{
-    BoucWen, BoucWenState, Dual, FitMonitor, MonitorSettings, Nlms, NlmsSettings, PlayBank, Real, Rls,
-    RlsSettings,
+    BoucWen, BoucWenMemory, BoucWenState, Compensated, Dual, FitMonitor, Hysteresis, LANES, Linear, Model,
+    MonitorSettings, Nlms, NlmsSettings, Operator, PlayBank, PolePair, Real, RealPoles, Rls, RlsSettings,
+    Sections, SectionsMemory,
 };
 
 unsafe extern "C" {
@@ -111,8 +112,67 @@ fn online<T: Real>(
     nlms.predict(out) < rls.predict(out)
 }
 
+/// Coefficients of a model: polynomial, taps, real poles, pairs, gain at rest and offset.
+type Coefficients<'a, T> = (&'a [T], &'a [T], &'a [RealPoles<T>], &'a [PolePair<T>], T, T);
+
+/// Memory of a dynamic block: real poles, pairs, delay.
+type Memory<'a, T> = (&'a mut [Compensated<T, LANES>], &'a mut [Compensated<T, 2>], &'a mut [T]);
+
+/// A model with any operator along voltages, from rest, with means and without.
+#[inline(always)]
+fn model<T: Real>(
+    (polynomial, taps, real, pairs, rest_gain, offset): Coefficients<'_, T>,
+    operator: Operator<'_, T>,
+    (real_memory, pair_memory, delay): Memory<'_, T>,
+    u: &[T],
+    out: &mut [T],
+) -> bool {
+    let Ok(hysteresis) = Hysteresis::new(polynomial, operator) else { return false };
+    let sections = Sections { taps, real, pairs, rest_gain };
+    let memory = SectionsMemory { real: real_memory, pairs: pair_memory, delay };
+    let Ok(dynamics) = Linear::new(sections, memory) else { return false };
+    let Ok(mut model) = Model::new(hysteresis, dynamics, offset) else { return false };
+    let Some(&first) = u.first() else { return false };
+    if model.start_at(first, offset).is_err() {
+        return false;
+    }
+    let mut run = |model: &mut Model<'_, T>| {
+        for (slot, &u) in out.iter_mut().zip(u) {
+            match model.step(u) {
+                Ok(y) => *slot = y,
+                Err(_) => return false,
+            }
+        }
+        true
+    };
+    if !run(&mut model) {
+        return false;
+    }
+    match model.with_means() {
+        Ok(mut model) => run(&mut model),
+        Err(_) => false,
+    }
+}
+
 macro_rules! entries {
-    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident) => {
+    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident, $model:ident) => {
+        #[unsafe(no_mangle)]
+        #[allow(improper_ctypes_definitions)]
+        pub extern "C" fn $model(
+            coefficients: Coefficients<'_, $t>,
+            operators: (&[BoucWen<$t>], &mut [BoucWenMemory<$t>]),
+            plays: (&[$t], &[$t], &mut [$t]),
+            memory: Memory<'_, $t>,
+            u: &[$t],
+            out: &mut [$t],
+        ) -> bool {
+            let operator = match PlayBank::new(plays.0, plays.1) {
+                Ok(bank) => Operator::Plays { bank, states: plays.2 },
+                Err(_) => Operator::BoucWen { operators: operators.0, memory: operators.1 },
+            };
+            model(coefficients, operator, memory, u, out)
+        }
+
         #[unsafe(no_mangle)]
         #[allow(improper_ctypes_definitions)]
         pub extern "C" fn $step(parameters: &Parameters<$t>, state: &mut BoucWenState<$t>, u: $t) -> bool {
@@ -166,8 +226,24 @@ macro_rules! entries {
     };
 }
 
-entries!(f32, proof_step_f32, proof_simulate_f32, proof_sensitivities_f32, proof_plays_f32, proof_online_f32);
-entries!(f64, proof_step_f64, proof_simulate_f64, proof_sensitivities_f64, proof_plays_f64, proof_online_f64);
+entries!(
+    f32,
+    proof_step_f32,
+    proof_simulate_f32,
+    proof_sensitivities_f32,
+    proof_plays_f32,
+    proof_online_f32,
+    proof_model_f32
+);
+entries!(
+    f64,
+    proof_step_f64,
+    proof_simulate_f64,
+    proof_sensitivities_f64,
+    proof_plays_f64,
+    proof_online_f64,
+    proof_model_f64
+);
 
 /// Negative control: an index that may be out of range.
 #[cfg(feature = "panicking")]

@@ -1,6 +1,7 @@
 //! Bouc–Wen operator, one monotone move at a time.
 
 mod error;
+mod increment;
 mod linear;
 mod power;
 mod quadratic;

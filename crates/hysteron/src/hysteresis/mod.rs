@@ -9,7 +9,8 @@
 //!   [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
 //! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives.
 //! * [`RateDependentPrandtlIshlinskii`], the one operator here that sees the rate.
-//! * [`Family`]: a model of any of these families, [`FamilyForm`], whose columns a fit can take.
+//! * [`Family`]: a model of any of these families, [`FamilyForm`], whose columns a fit can take; [`FamilyStream`] runs it sample by
+//!   sample.
 //! * [`Origin`]: where an operator stands before the first sample; [`Start`] and [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away.
@@ -50,7 +51,7 @@ pub use dahl::Dahl;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
 pub use duhem::Duhem;
 pub use error::HysteresisError;
-pub use family::{Family, FamilyForm, NumberUnit};
+pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};
 pub use follow::{DriveLimits, Followed};
 pub use form::{Columns, HysteresisForm, Memory, Origin, Partial};
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};

@@ -8,6 +8,7 @@ use super::super::{
     SongDerKiureghian,
 };
 use super::run;
+use super::stream::Runner;
 use crate::hysteresis::follow::{self, DriveLimits, Followed};
 use crate::hysteresis::form::{Columns, Origin};
 
@@ -287,6 +288,13 @@ impl FamilyForm {
             return Err(HysteresisError::Range { low, high });
         }
         with_kernel!(self, shape, |kernel, fixed| kernel.check(shape.get(fixed..).unwrap_or_default()))
+    }
+
+    /// The kernel, virgin at the voltage `u` \[V\], to be moved sample by sample. The shape has been checked.
+    pub(super) fn runner(self, shape: &[f64], u: f64) -> Runner {
+        with_kernel!(self, shape, |kernel, fixed| {
+            Runner::from((kernel, shape.get(fixed..).unwrap_or_default().to_vec(), u))
+        })
     }
 
     /// As [`crate::hysteresis::HysteresisForm::run`].

@@ -2,9 +2,11 @@
 
 mod form;
 mod run;
+mod stream;
 
 pub use form::{FamilyForm, NumberUnit};
 pub(super) use run::Scratch;
+pub use stream::FamilyStream;
 
 use super::form::{Columns, Origin};
 use super::{HysteresisError, polynomial};

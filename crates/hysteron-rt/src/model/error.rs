@@ -1,0 +1,53 @@
+//! What a streaming model can fail with.
+
+use core::error::Error;
+use core::fmt::{Debug, Display, Formatter, Result};
+
+/// Numbers a streaming model cannot be built with, or a step without a result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ModelError<T> {
+    /// Memory that does not fit: one number, or group, for each of the coefficients'.
+    Memory {
+        /// How many there must be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// No taps, or too many.
+    Taps {
+        /// How many there are.
+        found: usize,
+    },
+    /// A coefficient is infinite or not a number.
+    Coefficient,
+    /// The voltage is infinite or not a number.
+    NotFinite,
+    /// The hysteretic part leaves the range of the number type (inadmissible parameters).
+    Overflow,
+    /// The displacement to start at is infinite or not a number.
+    Start {
+        /// That displacement.
+        displacement: T,
+    },
+}
+
+impl<T: Display> Display for ModelError<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Memory { expected, found } => {
+                write!(f, "memory for {found} where there are {expected}: give one each")
+            }
+            Self::Taps { found } => write!(f, "{found} taps: there must be 1 to {}", super::MOST_TAPS),
+            Self::Coefficient => write!(f, "a coefficient of the model is not finite"),
+            Self::NotFinite => write!(f, "the voltage is not finite"),
+            Self::Overflow => write!(
+                f,
+                "the hysteretic part leaves the range of the number type: its parameters are outside the bounded class"
+            ),
+            Self::Start { displacement } => write!(f, "cannot start at a displacement of {displacement}"),
+        }
+    }
+}
+
+impl<T: Display + Debug> Error for ModelError<T> {}

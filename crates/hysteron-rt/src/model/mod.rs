@@ -1,0 +1,136 @@
+//! A model that runs sample by sample: hysteresis, then linear dynamics.
+
+mod error;
+mod means;
+mod operator;
+mod sections;
+
+pub use error::ModelError;
+pub use means::Means;
+pub use operator::{BoucWenMemory, Hysteresis, Operator};
+pub use sections::{Compensated, LANES, Linear, MOST_TAPS, PolePair, RealPoles, Sections, SectionsMemory};
+
+use crate::real::Real;
+
+/// displacement = offset + (H ∗ v)(t), v = hysteresis\[voltage\].
+///
+/// Coefficients and memory are the caller's: nothing is allocated. A step costs the same number of operations whatever
+/// the voltage does, up to the branches of an exponential function, cannot panic, and does not slow down in silence (states decay
+/// towards a level above the subnormal numbers). Every state is advanced by compensated increments, so that poles far slower than
+/// the sample rate keep their accuracy in `f32`.
+///
+/// ```
+/// use hysteron_rt::{Hysteresis, Linear, Model, Operator, RealPoles, Sections, SectionsMemory, Compensated};
+///
+/// // 2 µm/V behind a lag: pole 0.9, gain 1 at rest.
+/// let lag = [RealPoles { gain: [0.1, 0.0, 0.0, 0.0], weight: [1.0, 0.0, 0.0, 0.0] }];
+/// let sections = Sections { taps: &[0.0], real: &lag, pairs: &[], rest_gain: 1.0 };
+/// let mut states = [Compensated::zero()];
+/// let memory = SectionsMemory { real: &mut states, pairs: &mut [], delay: &mut [] };
+/// let hysteresis = Hysteresis::new(&[2.0], Operator::None)?;
+/// let mut model = Model::new(hysteresis, Linear::new(sections, memory)?, 5.0)?;
+/// assert_eq!(model.rest_at(1.0)?, 7.0);
+/// assert_eq!(model.step(2.0)?, 7.0); // Behind one tap, the pole answers one sample later,
+/// let next: f64 = model.step(2.0)?; // a tenth of the way.
+/// assert!((next - 7.2).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Model<'a, T> {
+    hysteresis: Hysteresis<'a, T>,
+    dynamics: Linear<'a, T>,
+    offset: T,
+    means: Option<Means<T>>,
+}
+
+impl<'a, T: Real> Model<'a, T> {
+    /// The model, at rest and virgin at 0 V.
+    ///
+    /// # Errors
+    /// [`ModelError::Coefficient`] for an offset that is not finite.
+    pub fn new(
+        hysteresis: Hysteresis<'a, T>,
+        dynamics: Linear<'a, T>,
+        offset: T,
+    ) -> Result<Self, ModelError<T>> {
+        if !offset.is_finite() {
+            return Err(ModelError::Coefficient);
+        }
+        let mut model = Self { hysteresis, dynamics, offset, means: None };
+        model.rest_at(T::of(0.0))?;
+        Ok(model)
+    }
+
+    /// The same with [`Means`] between the blocks: every move is made in two halves, and what v does between samples enters the
+    /// dynamics with its mean. Twice the work of the hysteresis block.
+    ///
+    /// # Errors
+    /// As [`Self::rest_at`], which puts the model at rest where it stands.
+    pub fn with_means(mut self) -> Result<Self, ModelError<T>> {
+        self.means = Some(Means::at(T::of(0.0)));
+        self.rest_at(self.hysteresis.voltage())?;
+        Ok(self)
+    }
+
+    /// Puts the model at rest, and its hysteresis virgin, at `voltage`; the displacement there. It has been so for ever.
+    ///
+    /// # Errors
+    /// [`ModelError::NotFinite`]; the model is then as it was.
+    pub fn rest_at(&mut self, voltage: T) -> Result<T, ModelError<T>> {
+        if !voltage.is_finite() {
+            return Err(ModelError::NotFinite);
+        }
+        let v = self.hysteresis.rest_at(voltage);
+        if let Some(means) = &mut self.means {
+            *means = Means::at(v);
+        }
+        self.dynamics.rest_at(v);
+        Ok(self.offset + self.dynamics.output_at_rest())
+    }
+
+    /// As [`Self::rest_at`], with the offset chosen so that the displacement there is `displacement`: the first step puts out
+    /// no jump.
+    ///
+    /// # Errors
+    /// [`ModelError::NotFinite`], [`ModelError::Start`]; the model is then as it was.
+    pub fn start_at(&mut self, voltage: T, displacement: T) -> Result<(), ModelError<T>> {
+        if !displacement.is_finite() {
+            return Err(ModelError::Start { displacement });
+        }
+        let there = self.rest_at(voltage)?;
+        self.offset = self.offset + (displacement - there);
+        Ok(())
+    }
+
+    /// Displacement after a monotone move to `voltage` within one sample period.
+    ///
+    /// # Errors
+    /// [`ModelError::NotFinite`] and [`ModelError::Overflow`]; the dynamics are then as they were, and so is the hysteresis,
+    /// but for plays, and for means whose first half of the move has been made.
+    #[inline]
+    pub fn step(&mut self, voltage: T) -> Result<T, ModelError<T>> {
+        let Some(means) = &mut self.means else {
+            let v = self.hysteresis.step(voltage)?;
+            return Ok(self.offset + self.dynamics.step(v));
+        };
+        let half = T::of(0.5);
+        let middle = self.hysteresis.step(half * self.hysteresis.voltage() + half * voltage)?;
+        let v = self.hysteresis.step(voltage)?;
+        Ok(self.offset + self.dynamics.step(means.join(middle, v)))
+    }
+
+    /// The hysteresis block.
+    pub fn hysteresis(&self) -> &Hysteresis<'a, T> {
+        &self.hysteresis
+    }
+
+    /// The dynamic block.
+    pub fn dynamics(&self) -> &Linear<'a, T> {
+        &self.dynamics
+    }
+
+    /// The offset \[µm\].
+    pub fn offset(&self) -> T {
+        self.offset
+    }
+}

@@ -1,0 +1,196 @@
+//! Linear dynamics as real poles, pole pairs and a few taps, one sample at a time.
+
+use super::ModelError;
+use crate::real::Real;
+
+/// Real poles updated together: a vector's worth.
+pub const LANES: usize = 4;
+/// Most taps of a block.
+pub const MOST_TAPS: usize = 8;
+
+/// [`LANES`] real poles aₙ in delta form: xₙ ← xₙ + gₙ (w − xₙ), gₙ = 1 − aₙ. Each state settles at its input, so the
+/// weights are shares of the gain at rest. A lane that is not used has gain and weight 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RealPoles<T> {
+    /// gₙ = 1 − aₙ, 0 < gₙ < 2.
+    pub gain: [T; LANES],
+    /// Output weights.
+    pub weight: [T; LANES],
+}
+
+/// A pair of poles a, a̅ in delta form: ξ ← ξ + g (w − ξ), g = 1 − a, complex; the output is Re(c ξ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PolePair<T> {
+    /// Re g, Im g.
+    pub gain: [T; 2],
+    /// Re c, Im c.
+    pub weight: [T; 2],
+}
+
+/// Present value of each number and what rounding has left of its increments.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compensated<T, const N: usize> {
+    pub(super) value: [T; N],
+    pub(super) carry: [T; N],
+}
+
+impl<T: Real, const N: usize> Compensated<T, N> {
+    /// Zero.
+    pub fn zero() -> Self {
+        Self { value: [T::of(0.0); N], carry: [T::of(0.0); N] }
+    }
+
+    /// The numbers, without what is carried.
+    pub fn value(&self) -> [T; N] {
+        self.value
+    }
+
+    /// Whether any number is subnormal: slow to compute with.
+    pub fn has_subnormal(&self) -> bool {
+        self.value.iter().chain(&self.carry).any(|x| x.abs() > T::of(0.0) && x.abs() < T::LEAST_NORMAL)
+    }
+}
+
+/// x + δ without losing what is smaller than half a unit of x (W. Kahan 1965, doi:10.1145/363707.363723).
+#[inline(always)]
+pub(super) fn accumulate<T: Real>(x: &mut T, carry: &mut T, delta: T) {
+    let delta = delta + *carry;
+    let sum = *x + delta;
+    *carry = delta - (sum - *x);
+    *x = sum;
+}
+
+/// Coefficients of a linear block with the response, in the unit delay q,
+///
+/// H = q^m (Σⱼ tapsⱼ qʲ + q^L [Σₙ wₙ gₙ/(1 − (1 − gₙ) q) + Σ Re-parts of pairs]), L taps, m samples of delay.
+///
+/// The gain at rest is Σ taps + Σ wₙ + Σ Re c.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sections<'a, T> {
+    /// Taps, 1 to [`MOST_TAPS`]: the newest input first.
+    pub taps: &'a [T],
+    /// Real poles.
+    pub real: &'a [RealPoles<T>],
+    /// Pole pairs.
+    pub pairs: &'a [PolePair<T>],
+    /// What a block that has rested at w for ever puts out, over w: the gain at rest; 1 where it creeps for ever.
+    pub rest_gain: T,
+}
+
+/// Memory of [`Sections`], the caller's.
+#[derive(Debug)]
+pub struct SectionsMemory<'a, T> {
+    /// One a group of real poles.
+    pub real: &'a mut [Compensated<T, LANES>],
+    /// One a pair.
+    pub pairs: &'a mut [Compensated<T, 2>],
+    /// One number a whole sample of delay.
+    pub delay: &'a mut [T],
+}
+
+/// A linear block with its memory.
+#[derive(Debug)]
+pub struct Linear<'a, T> {
+    sections: Sections<'a, T>,
+    memory: SectionsMemory<'a, T>,
+    /// Where the ring of the delay is written next.
+    at: usize,
+    /// The newest inputs, delayed, the newest first; what drives the poles behind the last tap.
+    recent: [T; MOST_TAPS + 1],
+    rest: T,
+}
+
+impl<'a, T: Real> Linear<'a, T> {
+    /// The block, at rest at 0.
+    ///
+    /// # Errors
+    /// [`ModelError::Memory`] where the memory does not fit the sections, [`ModelError::Taps`],
+    /// [`ModelError::Coefficient`] where one is not finite.
+    pub fn new(sections: Sections<'a, T>, memory: SectionsMemory<'a, T>) -> Result<Self, ModelError<T>> {
+        let taps = sections.taps.len();
+        if taps == 0 || taps > MOST_TAPS {
+            return Err(ModelError::Taps { found: taps });
+        }
+        for (expected, found) in
+            [(sections.real.len(), memory.real.len()), (sections.pairs.len(), memory.pairs.len())]
+        {
+            if expected != found {
+                return Err(ModelError::Memory { expected, found });
+            }
+        }
+        let finite = |numbers: &[T]| numbers.iter().all(|x| x.is_finite());
+        let sound = finite(sections.taps)
+            && sections.rest_gain.is_finite()
+            && sections.real.iter().all(|p| finite(&p.gain) && finite(&p.weight))
+            && sections.pairs.iter().all(|p| finite(&p.gain) && finite(&p.weight));
+        if !sound {
+            return Err(ModelError::Coefficient);
+        }
+        let zero = T::of(0.0);
+        let mut block = Self { sections, memory, at: 0, recent: [zero; MOST_TAPS + 1], rest: zero };
+        block.rest_at(zero);
+        Ok(block)
+    }
+
+    /// Forgets everything but that its input has been `input` for ever.
+    pub fn rest_at(&mut self, input: T) {
+        self.rest = input;
+        self.at = 0;
+        self.recent = [T::of(0.0); MOST_TAPS + 1];
+        self.memory.delay.fill(T::of(0.0));
+        self.memory.real.fill(Compensated::zero());
+        self.memory.pairs.fill(Compensated::zero());
+    }
+
+    /// Output at rest at the input of [`Self::rest_at`].
+    pub fn output_at_rest(&self) -> T {
+        self.sections.rest_gain * self.rest
+    }
+
+    /// Output after the input `w`, which must be finite. The same number of operations every time.
+    #[inline]
+    pub fn step(&mut self, w: T) -> T {
+        // States decay towards a level far below any signal instead of through the subnormal numbers.
+        let mut newest = w - self.rest + T::FLOOR;
+        if let Some(slot) = self.memory.delay.get_mut(self.at) {
+            core::mem::swap(slot, &mut newest);
+            self.at += 1;
+            if self.at >= self.memory.delay.len() {
+                self.at = 0;
+            }
+        }
+        let [a, b, c, d, e, f, g, h, _] = self.recent;
+        self.recent = [newest, a, b, c, d, e, f, g, h];
+        let mut sum = self.sections.rest_gain * self.rest;
+        let mut recent = self.recent.iter();
+        for (tap, x) in self.sections.taps.iter().zip(recent.by_ref()) {
+            sum = sum + *tap * *x;
+        }
+        let drive = recent.next().copied().unwrap_or(newest);
+        let mut sums = [T::of(0.0); LANES];
+        for (poles, state) in self.sections.real.iter().zip(self.memory.real.iter_mut()) {
+            let lanes = poles.gain.iter().zip(&poles.weight).zip(&mut sums);
+            for (((gain, weight), sum), (x, carry)) in lanes.zip(state.value.iter_mut().zip(&mut state.carry))
+            {
+                accumulate(x, carry, *gain * (drive - *x));
+                *sum = *sum + *weight * *x;
+            }
+        }
+        let [a, b, c, d] = sums;
+        sum = sum + ((a + b) + (c + d));
+        for (pair, state) in self.sections.pairs.iter().zip(self.memory.pairs.iter_mut()) {
+            let ([g_re, g_im], [c_re, c_im]) = (pair.gain, pair.weight);
+            let ([re, im], [carry_re, carry_im]) = (&mut state.value, &mut state.carry);
+            let (left_re, left_im) = (drive - *re, T::FLOOR - *im);
+            accumulate(re, carry_re, g_re * left_re - g_im * left_im);
+            accumulate(im, carry_im, g_re * left_im + g_im * left_re);
+            sum = sum + (c_re * *re - c_im * *im);
+        }
+        sum
+    }
+
+    /// Memory of the block.
+    pub fn memory(&self) -> &SectionsMemory<'a, T> {
+        &self.memory
+    }
+}

@@ -1,0 +1,93 @@
+//! Why a model was not realised.
+
+use crate::dynamics::DynamicsError;
+use crate::hammerstein::SimulationError;
+use crate::hysteresis::HysteresisError;
+
+/// Error of [`crate::realise`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RealiseError {
+    /// A number of the options is not usable.
+    #[error("{name} must be {allowed}, but it is {value}")]
+    Option {
+        /// Its name, with its unit where it has one.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The model's parameters belong to one sample rate.
+    #[error(
+        "the model ({scheme}) belongs to {model_hz} Hz, the rate it was identified at, and cannot run at {rate_hz} Hz"
+    )]
+    SampleRate {
+        /// What ties the model to its rate: a scheme, or `ARX`.
+        scheme: &'static str,
+        /// Rate of the model \[Hz\].
+        model_hz: f64,
+        /// Rate asked for \[Hz\].
+        rate_hz: f64,
+    },
+    /// The gain at zero frequency is infinite: it is realised down to some frequency, which nobody has named.
+    #[error(
+        "the model creeps for ever (its gain at zero frequency is infinite): name the lowest frequency to realise it down to"
+    )]
+    LowestFrequency,
+    /// The dynamics are not stable.
+    #[error(
+        "the dynamics are not stable ({poles} poles in the right half-plane or on the imaginary axis) and cannot run sample by sample"
+    )]
+    Unstable {
+        /// Number of such poles; 0 where it is not known.
+        poles: usize,
+    },
+    /// The accuracy is not reached.
+    #[error(
+        "the dynamics cannot be realised to {wanted:e} of the range: {poles} real poles beside those of the model leave {reached:e}"
+    )]
+    Accuracy {
+        /// Accuracy asked for.
+        wanted: f64,
+        /// Accuracy reached.
+        reached: f64,
+        /// Real poles tried.
+        poles: usize,
+    },
+    /// The delay has more whole samples than are kept.
+    #[error("a delay of {samples} samples is longer than the {most} that are kept")]
+    Delay {
+        /// Whole samples of delay.
+        samples: f64,
+        /// Most.
+        most: usize,
+    },
+    /// `hysteron-rt` does not hold the family.
+    #[error("hysteron-rt does not run the hysteresis family {family}; the library's own stream does")]
+    NotInRuntime {
+        /// Its name.
+        family: &'static str,
+    },
+    /// Parameters that are in order in double precision are not in the number type asked for.
+    #[error("the model's numbers are out of range, or not in order any more, in the number type asked for")]
+    Rounded,
+    /// A sample without a result.
+    #[error(transparent)]
+    Step(#[from] hysteron_rt::ModelError<f64>),
+    /// The dynamic block is not a sound one.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    /// The hysteresis block is not a sound one, or has no result.
+    #[error(transparent)]
+    Hysteresis(#[from] HysteresisError),
+    /// The model could not be simulated to check the realisation.
+    #[error("the model could not be simulated to check its realisation: {0}")]
+    Simulation(String),
+}
+
+impl From<SimulationError> for RealiseError {
+    fn from(error: SimulationError) -> Self {
+        Self::Simulation(error.to_string())
+    }
+}

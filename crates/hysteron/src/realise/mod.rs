@@ -1,0 +1,91 @@
+//! An identified model as a fixed number of real poles and pole pairs: what runs sample by sample at a controller's rate.
+//!
+//! [`realise`] makes a [`Realisation`] of any [`Model`]: poles of the transfer function on the main sheet exactly, its branch cut by
+//! real poles, their number grown until the response follows the batch simulation's to a named accuracy. The sections are stable and
+//! real by construction: every pole is placed before any weight is fitted.
+//! Theory and limits: `docs/theory/realisation.md`.
+
+mod error;
+mod fit;
+mod linear;
+mod poles;
+mod sections;
+mod stream;
+mod target;
+mod verify;
+
+pub use error::RealiseError;
+pub use linear::LinearRealisation;
+pub use sections::Section;
+pub use stream::{RuntimeParts, Stream, StreamParts, nanoseconds_per_sample};
+pub use verify::{Verification, sweep, verify};
+
+use crate::dynamics::Dynamics;
+use crate::hammerstein::{Model, joins_means};
+
+/// What a realisation is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RealiseOptions {
+    /// Largest error of the response over the band, as a share of the gain at rest.
+    pub accuracy: f64,
+    /// Frequency \[Hz\] down to which a model that creeps for ever is realised; below it the realisation stops creeping.
+    pub lowest_frequency_hz: Option<f64>,
+}
+
+impl Default for RealiseOptions {
+    /// 1e-5 of the range.
+    fn default() -> Self {
+        Self { accuracy: 1e-5, lowest_frequency_hz: None }
+    }
+}
+
+/// A model that runs sample by sample at one rate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Realisation {
+    /// The model.
+    pub model: Model,
+    /// Its dynamic block, delay included.
+    pub dynamics: LinearRealisation,
+    /// The rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Whether moves are made in two halves, so that what the hysteresis does between samples enters with its mean: where the batch
+    /// simulation does so (drive along straight lines, scheme `band-limited`).
+    pub joins_means: bool,
+}
+
+/// Realises a model at a sample rate.
+///
+/// # Errors
+/// [`RealiseError`]: options out of range, a model that belongs to another rate, creep without a lowest frequency, dynamics that are
+/// not stable, an accuracy out of reach.
+pub fn realise(
+    model: &Model,
+    sample_rate_hz: f64,
+    options: &RealiseOptions,
+) -> Result<Realisation, RealiseError> {
+    if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
+        let (value, allowed) = (sample_rate_hz, "positive and finite");
+        return Err(RealiseError::Option { name: "sample rate [Hz]", value, allowed });
+    }
+    if !(options.accuracy > 0.0 && options.accuracy < 1.0) {
+        let (value, allowed) = (options.accuracy, "between 0 and 1");
+        return Err(RealiseError::Option { name: "accuracy", value, allowed });
+    }
+    model.hysteresis.validate()?;
+    let tied = match &model.dynamics {
+        Dynamics::None => None,
+        Dynamics::Arx(_) => Some("ARX"),
+        Dynamics::Integer(_) | Dynamics::Fractional(_) => {
+            model.scheme.parameters_belong_to_sample_rate().then_some(model.scheme.name())
+        }
+    };
+    if let (Some(scheme), Some(model_hz)) = (tied, model.sample_rate_hz)
+        && (model_hz - sample_rate_hz).abs() > 1e-6 * model_hz
+    {
+        return Err(RealiseError::SampleRate { scheme, model_hz, rate_hz: sample_rate_hz });
+    }
+    let dynamics = linear::realise(model, sample_rate_hz, options)?;
+    let filtered = matches!(model.dynamics, Dynamics::Integer(_) | Dynamics::Fractional(_));
+    let joins_means = filtered && joins_means(model.scheme, model.inter_sample);
+    Ok(Realisation { model: model.clone(), dynamics, sample_rate_hz, joins_means })
+}

@@ -1,0 +1,308 @@
+//! Coefficients and memory of a realisation in one number type, and the model that runs on them.
+
+use std::time::Instant;
+
+use hysteron_rt::{
+    BoucWenMemory, Compensated, LANES, ModelError, PolePair, RealPoles, Sections, SectionsMemory,
+};
+use hysteron_rt::{Linear, Means, Operator, PlayBank, Real};
+
+use super::{LinearRealisation, Realisation, RealiseError, Section};
+use crate::hysteresis::{Family, FamilyForm, FamilyStream, Hysteresis};
+
+/// Coefficients and memory of a model that `hysteron-rt` runs.
+#[derive(Clone, Debug)]
+pub struct RuntimeParts<T> {
+    polynomial: Vec<T>,
+    operator: OperatorParts<T>,
+    linear: LinearParts<T>,
+    offset: T,
+    joins_means: bool,
+}
+
+#[derive(Clone, Debug)]
+enum OperatorParts<T> {
+    BoucWen { operators: Vec<hysteron_rt::BoucWen<T>>, memory: Vec<BoucWenMemory<T>> },
+    Plays { thresholds: Vec<T>, weights: Vec<T>, states: Vec<T> },
+}
+
+/// Coefficients and memory of a dynamic block.
+#[derive(Clone, Debug)]
+struct LinearParts<T> {
+    taps: Vec<T>,
+    real: Vec<RealPoles<T>>,
+    pairs: Vec<PolePair<T>>,
+    rest_gain: T,
+    real_memory: Vec<Compensated<T, LANES>>,
+    pair_memory: Vec<Compensated<T, 2>>,
+    delay: Vec<T>,
+}
+
+impl<T: Real> LinearParts<T> {
+    fn new(linear: &LinearRealisation) -> Self {
+        let of = |x: f64| T::of(x);
+        let (pairs, single): (Vec<Section>, Vec<Section>) =
+            linear.sections.iter().copied().partition(Section::is_pair);
+        let real: Vec<RealPoles<T>> = single
+            .chunks(LANES)
+            .map(|four| {
+                let mut poles = RealPoles { gain: [of(0.0); LANES], weight: [of(0.0); LANES] };
+                for ((gain, weight), section) in poles.gain.iter_mut().zip(&mut poles.weight).zip(four) {
+                    (*gain, *weight) = (of(section.gain.re), of(section.weight.re));
+                }
+                poles
+            })
+            .collect();
+        let pairs: Vec<PolePair<T>> = pairs
+            .iter()
+            .map(|s| PolePair {
+                gain: [of(s.gain.re), of(s.gain.im)],
+                weight: [of(s.weight.re), of(s.weight.im)],
+            })
+            .collect();
+        Self {
+            taps: linear.taps.iter().copied().map(of).collect(),
+            real_memory: vec![Compensated::zero(); real.len()],
+            pair_memory: vec![Compensated::zero(); pairs.len()],
+            real,
+            pairs,
+            rest_gain: of(linear.rest_gain),
+            delay: vec![of(0.0); linear.delay_samples],
+        }
+    }
+
+    fn block(&mut self) -> Result<Linear<'_, T>, ModelError<T>> {
+        let sections =
+            Sections { taps: &self.taps, real: &self.real, pairs: &self.pairs, rest_gain: self.rest_gain };
+        let memory = SectionsMemory {
+            real: &mut self.real_memory,
+            pairs: &mut self.pair_memory,
+            delay: &mut self.delay,
+        };
+        Linear::new(sections, memory)
+    }
+}
+
+impl<T: Real> RuntimeParts<T> {
+    /// The parts of a realisation, rounded to `T`.
+    ///
+    /// # Errors
+    /// [`RealiseError::NotInRuntime`] for a family that `hysteron-rt` does not hold; [`RealiseError::Rounded`] where a parameter is not one
+    /// any more once rounded.
+    pub fn new(realisation: &Realisation) -> Result<Self, RealiseError> {
+        let of = |x: f64| T::of(x);
+        let all = |numbers: &[f64]| numbers.iter().copied().map(of).collect::<Vec<T>>();
+        let bouc_wen = |parameters: &[[f64; 4]]| -> Result<OperatorParts<T>, RealiseError> {
+            let operators: Result<Vec<_>, _> = parameters
+                .iter()
+                .map(|&[alpha, beta, gamma, n]| {
+                    hysteron_rt::BoucWen::new(of(alpha), of(beta), of(gamma), of(n))
+                })
+                .collect();
+            let operators = operators.map_err(|_| RealiseError::Rounded)?;
+            let memory = vec![BoucWenMemory::new(of(0.0)); operators.len()];
+            Ok(OperatorParts::BoucWen { operators, memory })
+        };
+        let model = &realisation.model;
+        let operator = match &model.hysteresis {
+            Hysteresis::BoucWen(b) => bouc_wen(&[[b.alpha, b.beta, b.gamma, b.n]])?,
+            Hysteresis::PrandtlIshlinskii(plays) => OperatorParts::Plays {
+                thresholds: all(&plays.thresholds),
+                weights: all(&plays.weights),
+                states: vec![of(0.0); plays.weights.len()],
+            },
+            Hysteresis::Family(Family {
+                form: FamilyForm::ParallelBoucWen { .. }, shape, weights, ..
+            }) => {
+                // w ζ(β', γ') = −z with α = −w, β = β', γ = sign(α) γ'.
+                let own = |(w, shape): (&f64, &[f64])| [-w, shape[0], -w.signum() * shape[1], 1.0];
+                bouc_wen(&weights.iter().zip(shape.chunks_exact(2)).map(own).collect::<Vec<_>>())?
+            }
+            Hysteresis::Family(family) => {
+                return Err(RealiseError::NotInRuntime { family: family.form.name() });
+            }
+        };
+        Ok(Self {
+            polynomial: all(model.hysteresis.polynomial()),
+            operator,
+            linear: LinearParts::new(&realisation.dynamics),
+            offset: of(model.offset),
+            joins_means: realisation.joins_means,
+        })
+    }
+
+    /// The model, at rest and virgin at 0 V. What it remembered before is forgotten.
+    ///
+    /// # Errors
+    /// [`RealiseError::Rounded`] where the coefficients are not finite in this number type.
+    pub fn model(&mut self) -> Result<hysteron_rt::Model<'_, T>, RealiseError> {
+        let operator = match &mut self.operator {
+            OperatorParts::BoucWen { operators, memory } => Operator::BoucWen { operators, memory },
+            OperatorParts::Plays { thresholds, weights, states } => Operator::Plays {
+                bank: PlayBank::new(thresholds, weights).map_err(|_| RealiseError::Rounded)?,
+                states,
+            },
+        };
+        let hysteresis =
+            hysteron_rt::Hysteresis::new(&self.polynomial, operator).map_err(|_| RealiseError::Rounded)?;
+        let dynamics = self.linear.block().map_err(|_| RealiseError::Rounded)?;
+        hysteron_rt::Model::new(hysteresis, dynamics, self.offset)
+            .and_then(|model| if self.joins_means { model.with_means() } else { Ok(model) })
+            .map_err(|_| RealiseError::Rounded)
+    }
+}
+
+/// Coefficients and memory of a realisation of any family, in `f64`.
+#[derive(Clone, Debug)]
+pub struct StreamParts(Parts);
+
+#[derive(Clone, Debug)]
+enum Parts {
+    Runtime(RuntimeParts<f64>),
+    Family { hysteresis: FamilyStream, linear: LinearParts<f64>, offset: f64, joins_means: bool },
+}
+
+/// A realised model sample by sample: by `hysteron-rt` where that holds the family, else by the library's own kernel in front of the
+/// same sections.
+#[derive(Debug)]
+pub struct Stream<'a>(Kind<'a>);
+
+#[derive(Debug)]
+enum Kind<'a> {
+    Runtime(hysteron_rt::Model<'a, f64>),
+    Family(FamilyModel<'a>),
+}
+
+#[derive(Debug)]
+struct FamilyModel<'a> {
+    hysteresis: &'a mut FamilyStream,
+    dynamics: Linear<'a, f64>,
+    offset: f64,
+    means: Option<Means<f64>>,
+    voltage: f64,
+}
+
+impl StreamParts {
+    /// The parts of a realisation.
+    ///
+    /// # Errors
+    /// What the hysteresis block's own check refuses.
+    pub fn new(realisation: &Realisation) -> Result<Self, RealiseError> {
+        let parts = match RuntimeParts::new(realisation) {
+            Err(RealiseError::NotInRuntime { .. }) => match &realisation.model.hysteresis {
+                Hysteresis::Family(family) => Parts::Family {
+                    hysteresis: FamilyStream::new(family)?,
+                    linear: LinearParts::new(&realisation.dynamics),
+                    offset: realisation.model.offset,
+                    joins_means: realisation.joins_means,
+                },
+                _ => return Err(RealiseError::Rounded),
+            },
+            parts => Parts::Runtime(parts?),
+        };
+        Ok(Self(parts))
+    }
+
+    /// The model, at rest and virgin at 0 V.
+    ///
+    /// # Errors
+    /// As [`RuntimeParts::model`].
+    pub fn stream(&mut self) -> Result<Stream<'_>, RealiseError> {
+        Ok(Stream(match &mut self.0 {
+            Parts::Runtime(parts) => Kind::Runtime(parts.model()?),
+            Parts::Family { hysteresis, linear, offset, joins_means } => {
+                let dynamics = linear.block().map_err(|_| RealiseError::Rounded)?;
+                let means = joins_means.then(|| Means::at(0.0));
+                let mut model = FamilyModel { hysteresis, dynamics, offset: *offset, means, voltage: 0.0 };
+                model.rest_at(0.0);
+                Kind::Family(model)
+            }
+        }))
+    }
+}
+
+impl Stream<'_> {
+    /// Puts the model at rest, and its hysteresis virgin, at `voltage` \[V\]; the displacement there \[µm\].
+    ///
+    /// # Errors
+    /// [`RealiseError::Step`] for a voltage that is not finite.
+    pub fn rest_at(&mut self, voltage: f64) -> Result<f64, RealiseError> {
+        match &mut self.0 {
+            Kind::Runtime(model) => Ok(model.rest_at(voltage)?),
+            Kind::Family(_) if !voltage.is_finite() => Err(ModelError::NotFinite.into()),
+            Kind::Family(model) => Ok(model.rest_at(voltage)),
+        }
+    }
+
+    /// Displacement \[µm\] after a monotone move to `voltage` \[V\] within one sample period.
+    ///
+    /// # Errors
+    /// [`RealiseError::Step`], [`RealiseError::Hysteresis`].
+    #[inline]
+    pub fn step(&mut self, voltage: f64) -> Result<f64, RealiseError> {
+        match &mut self.0 {
+            Kind::Runtime(model) => Ok(model.step(voltage)?),
+            Kind::Family(model) => model.step(voltage),
+        }
+    }
+
+    /// Displacements along a drive.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn run(&mut self, drive: &[f64], out: &mut [f64]) -> Result<(), RealiseError> {
+        for (y, &u) in out.iter_mut().zip(drive) {
+            *y = self.step(u)?;
+        }
+        Ok(())
+    }
+}
+
+impl FamilyModel<'_> {
+    fn rest_at(&mut self, voltage: f64) -> f64 {
+        self.voltage = voltage;
+        let v = self.hysteresis.rest_at(voltage);
+        if let Some(means) = &mut self.means {
+            *means = Means::at(v);
+        }
+        self.dynamics.rest_at(v);
+        self.offset + self.dynamics.output_at_rest()
+    }
+
+    fn step(&mut self, voltage: f64) -> Result<f64, RealiseError> {
+        let from = std::mem::replace(&mut self.voltage, voltage);
+        let w = match &mut self.means {
+            None => self.hysteresis.step(voltage)?,
+            Some(means) => {
+                let middle = self.hysteresis.step(0.5 * from + 0.5 * voltage)?;
+                means.join(middle, self.hysteresis.step(voltage)?)
+            }
+        };
+        Ok(self.offset + self.dynamics.step(w))
+    }
+}
+
+/// Nanoseconds a sample of each stream along `drive`: the least of `rounds` passes, which the streams take in turn, so that whatever else
+/// the machine does meets all of them.
+///
+/// # Errors
+/// As [`Stream::step`].
+pub fn nanoseconds_per_sample(
+    streams: &mut [Stream<'_>],
+    drive: &[f64],
+    rounds: usize,
+) -> Result<Vec<f64>, RealiseError> {
+    let mut least = vec![f64::INFINITY; streams.len()];
+    let mut out = vec![0.0; drive.len()];
+    let first = drive.first().copied().unwrap_or(0.0);
+    for _ in 0..rounds {
+        for (stream, least) in streams.iter_mut().zip(&mut least) {
+            stream.rest_at(first)?;
+            let start = Instant::now();
+            stream.run(drive, &mut out)?;
+            std::hint::black_box(&out);
+            *least = least.min(start.elapsed().as_secs_f64() * 1e9 / drive.len().max(1) as f64);
+        }
+    }
+    Ok(least)
+}
