@@ -25,6 +25,7 @@ mod optimizers;
 mod oscillator;
 mod output;
 mod progress;
+mod realise;
 mod recalibrate;
 mod result_flags;
 mod rig;
@@ -61,6 +62,7 @@ enum Command {
     FrequencyResponse(Box<frequency_response::FrequencyResponseCommand>),
     Simulate(simulate::Simulate),
     Invert(invert::Invert),
+    Realise(realise::Realise),
     Excite(excite::Excite),
     Rig(rig::Rig),
     Optimizers(optimizers::Optimizers),
@@ -79,6 +81,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::FrequencyResponse(c) => c.run(),
         Command::Simulate(c) => c.run(),
         Command::Invert(c) => c.run(),
+        Command::Realise(c) => c.run(),
         Command::Excite(c) => c.run(),
         Command::Rig(c) => c.run(),
         Command::Optimizers(c) => c.run(),
