@@ -61,6 +61,11 @@ pub struct Invert {
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
     rest_voltage: Option<f64>,
 
+    /// Voltage at which the device was without hysteresis memory before it was driven to where it rests [default: 0, where
+    /// --range holds it, as after switching on; else where it rests]
+    #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
+    virgin_voltage: Option<f64>,
+
     /// The reference is one period, or several, of one that repeats for ever, as in scanning
     #[arg(long)]
     periodic: bool,
@@ -140,7 +145,8 @@ impl Invert {
             before: if self.periodic {
                 Before::Periodic
             } else {
-                Before::Rest { voltage_v: self.rest_voltage }
+                let switched_on = (range_v[0]..=range_v[1]).contains(&0.0).then_some(0.0);
+                Before::Rest { voltage_v: self.rest_voltage, virgin_v: self.virgin_voltage.or(switched_on) }
             },
         };
         let found = model.model().invert(&reference.samples, sample_rate_hz, &options).map_err(|e| {
@@ -166,10 +172,7 @@ impl Invert {
 
     /// Half of the 95 % band at its widest; `None` where the file does not hold what it takes.
     fn band(&self, model: &LoadedModel, found: &InverseDrive, sample_rate_hz: f64) -> Option<f64> {
-        let start = match found.rest_v {
-            Some(voltage_v) => Start::Rest { voltage_v },
-            None => Start::Settled { period_samples: found.drive.len() },
-        };
+        let start = found.rest.unwrap_or(Start::Settled { period_samples: found.drive.len() });
         model.file.correlation.as_ref()?;
         let band = model.band(&self.reference_file, &found.drive, Some(sample_rate_hz), &start).ok()?;
         Some(band.of_output().into_iter().fold(0.0, f64::max))
@@ -210,14 +213,15 @@ fn summary(
     let (low, high) = ends(reference);
     let errors = || reference.iter().zip(&found.predicted).map(|(r, y)| (r - y).abs());
     let rms = (errors().map(|e| e * e).sum::<f64>() / reference.len() as f64).sqrt();
-    let before = found.rest_v.or_else(|| found.drive.last().copied());
+    let rest = found.rest.and_then(|start| start.voltage_v());
+    let before = rest.or_else(|| found.drive.last().copied());
     let steps = before.into_iter().chain(found.drive.iter().copied());
     let fastest =
         steps.zip(&found.drive).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max) * sample_rate_hz;
     Summary {
         samples: reference.len(),
         sample_rate_hz,
-        rest: found.rest_v,
+        rest,
         drive_low,
         drive_high,
         fastest_drive_per_s: fastest,

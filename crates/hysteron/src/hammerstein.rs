@@ -102,6 +102,22 @@ pub enum SimulationError {
 }
 
 impl Start {
+    /// At rest at a voltage \[V\] with a memory in the operator's own scale, virgin where there is none.
+    pub fn at_rest(hysteresis: &Hysteresis, voltage_v: f64, memory: Option<f64>) -> Self {
+        match memory {
+            None => Self::Rest { voltage_v },
+            Some(memory) => Self::Remembering { voltage_v, memory: hysteresis.memory(memory) },
+        }
+    }
+
+    /// Voltage before the first sample \[V\]; `None` where the record repeats.
+    pub fn voltage_v(&self) -> Option<f64> {
+        match *self {
+            Self::Rest { voltage_v } | Self::Remembering { voltage_v, .. } => Some(voltage_v),
+            Self::Settled { .. } => None,
+        }
+    }
+
     /// Drive with what ran before it, the number of samples put in front, and the voltage before all that.
     pub fn extend<'a>(&self, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize, f64), SimulationError> {
         match *self {

@@ -11,8 +11,8 @@ use crate::dynamics::{
     Dynamics, DynamicsError, InitialCondition, InterSample, Inverse, InverseAim, Response, Sampling, Scheme,
     SimulationPlan, Term, TransferFunction,
 };
-use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError};
-use crate::hysteresis::{DriveLimits, Followed, HysteresisError};
+use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError, Start};
+use crate::hysteresis::{DriveLimits, Followed, HysteresisError, Origin};
 
 /// Share of the reference that is missing at the bandwidth, where nobody says otherwise.
 pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
@@ -22,10 +22,12 @@ pub const BANDWIDTH_SHARE: f64 = 0.05;
 /// What the device does before the reference begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Before {
-    /// It rests, free of hysteresis memory, at this voltage \[V\]; `None`: at that which gives the first value of the reference.
+    /// It rests, having been driven there without turning from a voltage at which it was free of hysteresis memory.
     Rest {
-        /// Voltage \[V\].
+        /// Where it rests \[V\]; `None`: where it gives the first value of the reference.
         voltage_v: Option<f64>,
+        /// Where it was virgin \[V\]; `None`: where it rests.
+        virgin_v: Option<f64>,
     },
     /// It has been following the reference, which repeats, for a long time; the reference is a whole number of periods.
     Periodic,
@@ -54,7 +56,7 @@ impl InverseOptions {
             error_at_bandwidth: ERROR_AT_BANDWIDTH,
             range_v,
             slew_v_per_s: f64::INFINITY,
-            before: Before::Rest { voltage_v: None },
+            before: Before::Rest { voltage_v: None, virgin_v: None },
         }
     }
 }
@@ -66,14 +68,23 @@ pub struct InverseDrive {
     pub drive: Vec<f64>,
     /// Output of the model for it \[µm\].
     pub predicted: Vec<f64>,
-    /// Voltage before the first sample \[V\]; `None` where the reference repeats.
-    pub rest_v: Option<f64>,
+    /// What was before the first sample; `None` where the reference repeats.
+    pub rest: Option<Start>,
     /// Samples at which the range held the drive back.
     pub at_range: usize,
     /// Samples at which its largest rate did.
     pub at_slew: usize,
     /// What the inverse of the dynamics does; `None` for a static model, whose inverse is exact at every frequency.
     pub dynamics: Option<InverseOfDynamics>,
+}
+
+/// A run of the device with a drive made for the same reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastRun<'a> {
+    /// Its drive \[V\].
+    pub drive: &'a [f64],
+    /// What was measured \[µm\].
+    pub measured: &'a [f64],
 }
 
 /// Figures of the inverse of the dynamics.
@@ -104,6 +115,19 @@ pub enum InversionError {
     NotFinite {
         /// Number of the sample.
         index: usize,
+    },
+    /// The last run is not one of this reference.
+    #[error(
+        "the last run has {drive} samples of its drive and {measured} of its output, the reference has {samples}: all must be the same \
+         and the drive within the range"
+    )]
+    LastRun {
+        /// Samples of the drive.
+        drive: usize,
+        /// Samples of the output.
+        measured: usize,
+        /// Samples of the reference.
+        samples: usize,
     },
     /// No voltage gives the first value of the reference.
     #[error(
@@ -144,59 +168,67 @@ impl Model {
         sample_rate_hz: f64,
         options: &InverseOptions,
     ) -> Result<InverseDrive, InversionError> {
-        if reference.len() < 2 {
-            return Err(InversionError::TooShort { samples: reference.len() });
-        }
-        if let Some(index) = reference.iter().position(|r| !r.is_finite()) {
-            return Err(InversionError::NotFinite { index });
-        }
-        self.check_sample_rate(Some(sample_rate_hz))?;
-        let [low, high] = options.range_v;
-        if !(low < high && (high - low).is_finite()) {
-            return Err(HysteresisError::Range { low, high }.into());
-        }
-        let periodic = options.before == Before::Periodic;
-        let rest_v = match options.before {
-            Before::Rest { voltage_v: Some(voltage_v) } => voltage_v,
-            Before::Rest { voltage_v: None } => self.rest_for(reference[0], options.range_v)?,
-            Before::Periodic => 0.5 * low + 0.5 * high,
-        };
-        let level = if periodic { 0.0 } else { self.hysteresis.at_rest(rest_v, None) };
-        let output_at_rest = self.offset + self.gain_at_rest() * level;
-        let moved: Vec<f64> = reference.iter().map(|r| r - output_at_rest).collect();
-        let linear = Linear::new(self, reference.len(), sample_rate_hz, options)?;
+        let task = Task::new(self, reference, sample_rate_hz, options)?;
+        let moved: Vec<f64> = reference.iter().map(|r| r - task.output_at_rest).collect();
         let mut wanted = vec![0.0; moved.len()];
-        linear.backwards(&moved, &mut wanted)?;
-        wanted.iter_mut().for_each(|v| *v += level);
-        let limits = DriveLimits { range: options.range_v, step: options.slew_v_per_s / sample_rate_hz };
-        let Followed { drive, output, at_range, at_step } = if periodic {
-            let mut followed =
-                self.hysteresis.follow(&wanted.repeat(SETTLING_PERIODS + 1), rest_v, None, &limits)?;
-            let settled = SETTLING_PERIODS * wanted.len();
-            followed.drive.drain(..settled);
-            followed.output.drain(..settled);
-            followed
-        } else {
-            self.hysteresis.follow(&wanted, rest_v, None, &limits)?
-        };
-        let held: Vec<f64> = output.iter().map(|v| v - level).collect();
-        let mut predicted = vec![0.0; held.len()];
-        linear.forwards(&held, &mut predicted)?;
-        predicted.iter_mut().for_each(|y| *y += output_at_rest);
-        Ok(InverseDrive {
-            drive,
-            predicted,
-            rest_v: (!periodic).then_some(rest_v),
-            at_range,
-            at_slew: at_step,
-            dynamics: linear.figures(),
-        })
+        task.linear.backwards(&moved, &mut wanted)?;
+        wanted.iter_mut().for_each(|v| *v += task.level);
+        task.drive(&wanted)
     }
 
-    /// The voltage at which the device rests, virgin, at this output.
-    fn rest_for(&self, output: f64, [low, high]: [f64; 2]) -> Result<f64, InversionError> {
-        let at = |u: f64| self.offset + self.gain_at_rest() * self.hysteresis.at_rest(u, None);
-        let (from, to) = (at(low), at(high));
+    /// The drive for the next run after a `last` one of the same reference, from what was left of it (iterative learning,
+    /// S. Arimoto, S. Kawamura, F. Miyazaki, *J. Robot. Syst.* 1 (1984) 123–140, doi:10.1002/rob.4620010203):
+    /// v ← v + W (r − y), v the output of the hysteresis, W the inverse of the dynamics. What the model and the device have in common is
+    /// taken off in one run; what is left shrinks by |1 − W P'| a run, P' the device's response, and so falls wherever the model
+    /// is within 100 % of it. What does not repeat (noise, drift) is not learned away but passed on.
+    ///
+    /// # Errors
+    /// [`InversionError`].
+    pub fn learn(
+        &self,
+        reference: &[f64],
+        last: LastRun<'_>,
+        sample_rate_hz: f64,
+        options: &InverseOptions,
+    ) -> Result<InverseDrive, InversionError> {
+        let task = Task::new(self, reference, sample_rate_hz, options)?;
+        let samples = reference.len();
+        let within = |u: &f64| options.range_v[0] <= *u && *u <= options.range_v[1];
+        if last.drive.len() != samples || last.measured.len() != samples || !last.drive.iter().all(within) {
+            let (drive, measured) = (last.drive.len(), last.measured.len());
+            return Err(InversionError::LastRun { drive, measured, samples });
+        }
+        if let Some(index) = last.measured.iter().position(|y| !y.is_finite()) {
+            return Err(InversionError::NotFinite { index });
+        }
+        let mut wanted = vec![0.0; samples];
+        let rest = task.rest_v;
+        let origin = match task.memory {
+            _ if task.periodic => Origin::Periodic,
+            Some(memory) => Origin::Remembering { rest, memory },
+            None => Origin::Virgin { rest },
+        };
+        self.hysteresis.simulate(last.drive, origin, &mut wanted)?;
+        let left: Vec<f64> = reference.iter().zip(last.measured).map(|(r, y)| r - y).collect();
+        let mut correction = vec![0.0; samples];
+        task.linear.backwards(&left, &mut correction)?;
+        wanted.iter_mut().zip(&correction).for_each(|(v, c)| *v += c);
+        task.drive(&wanted)
+    }
+
+    /// The voltage at which the device rests at this output, driven there from where it was virgin.
+    fn rest_for(
+        &self,
+        output: f64,
+        virgin_v: Option<f64>,
+        [low, high]: [f64; 2],
+    ) -> Result<f64, InversionError> {
+        let gain = self.gain_at_rest();
+        let at = |u: f64| -> Result<f64, HysteresisError> {
+            let memory = virgin_v.map(|virgin| self.hysteresis.memory_of_move(virgin, u)).transpose()?;
+            Ok(self.offset + gain * self.hysteresis.at_rest(u, memory))
+        };
+        let (from, to) = (at(low)?, at(high)?);
         if !(from.min(to) <= output && output <= from.max(to)) {
             return Err(InversionError::Begins { reference: output, low, high, from, to });
         }
@@ -204,9 +236,101 @@ impl Model {
         // Halves of a range of doubles end within 2100 steps; 60 leave 1e-18 of it.
         for _ in 0..60 {
             let middle = 0.5 * (below + above);
-            if at(middle) <= output { below = middle } else { above = middle }
+            if at(middle)? <= output { below = middle } else { above = middle }
         }
         Ok(below)
+    }
+}
+
+/// What a reference is followed with.
+struct Task<'a> {
+    model: &'a Model,
+    options: &'a InverseOptions,
+    sample_rate_hz: f64,
+    linear: Linear,
+    periodic: bool,
+    /// Voltage before the first sample; of a periodic reference, at which the first period begins.
+    rest_v: f64,
+    /// What the hysteresis remembers there, in its own scale.
+    memory: Option<f64>,
+    /// Outputs of hysteresis and model that deviations count from.
+    level: f64,
+    output_at_rest: f64,
+}
+
+impl<'a> Task<'a> {
+    fn new(
+        model: &'a Model,
+        reference: &[f64],
+        sample_rate_hz: f64,
+        options: &'a InverseOptions,
+    ) -> Result<Self, InversionError> {
+        if reference.len() < 2 {
+            return Err(InversionError::TooShort { samples: reference.len() });
+        }
+        if let Some(index) = reference.iter().position(|r| !r.is_finite()) {
+            return Err(InversionError::NotFinite { index });
+        }
+        model.check_sample_rate(Some(sample_rate_hz))?;
+        let [low, high] = options.range_v;
+        if !(low < high && (high - low).is_finite()) {
+            return Err(HysteresisError::Range { low, high }.into());
+        }
+        let periodic = options.before == Before::Periodic;
+        let rest_v = match options.before {
+            Before::Rest { voltage_v: Some(voltage_v), .. } => voltage_v,
+            Before::Rest { voltage_v: None, virgin_v } => {
+                model.rest_for(reference[0], virgin_v, options.range_v)?
+            }
+            Before::Periodic => 0.5 * low + 0.5 * high,
+        };
+        let memory = match options.before {
+            Before::Rest { virgin_v: Some(virgin_v), .. } => {
+                Some(model.hysteresis.memory_of_move(virgin_v, rest_v)?)
+            }
+            _ => None,
+        };
+        let level = if periodic { 0.0 } else { model.hysteresis.at_rest(rest_v, memory) };
+        Ok(Self {
+            model,
+            options,
+            sample_rate_hz,
+            linear: Linear::new(model, reference.len(), sample_rate_hz, options)?,
+            periodic,
+            rest_v,
+            memory,
+            level,
+            output_at_rest: model.offset + model.gain_at_rest() * level,
+        })
+    }
+
+    /// The drive that makes the hysteresis put out `wanted`, and what the model then does.
+    fn drive(&self, wanted: &[f64]) -> Result<InverseDrive, InversionError> {
+        let Self { options, rest_v, .. } = *self;
+        let limits = DriveLimits { range: options.range_v, step: options.slew_v_per_s / self.sample_rate_hz };
+        let hysteresis = &self.model.hysteresis;
+        let Followed { drive, output, at_range, at_step } = if self.periodic {
+            let settled = SETTLING_PERIODS * wanted.len();
+            let mut followed =
+                hysteresis.follow(&wanted.repeat(SETTLING_PERIODS + 1), rest_v, None, &limits)?;
+            followed.drive.drain(..settled);
+            followed.output.drain(..settled);
+            followed
+        } else {
+            hysteresis.follow(wanted, rest_v, self.memory, &limits)?
+        };
+        let held: Vec<f64> = output.iter().map(|v| v - self.level).collect();
+        let mut predicted = vec![0.0; held.len()];
+        self.linear.forwards(&held, &mut predicted)?;
+        predicted.iter_mut().for_each(|y| *y += self.output_at_rest);
+        Ok(InverseDrive {
+            drive,
+            predicted,
+            rest: (!self.periodic).then(|| Start::at_rest(hysteresis, rest_v, self.memory)),
+            at_range,
+            at_slew: at_step,
+            dynamics: self.linear.figures(),
+        })
     }
 }
 

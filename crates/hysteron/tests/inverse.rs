@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron::hammerstein::Model;
 use hysteron::hysteresis::{BoucWen, DriveLimits, Hysteresis};
-use hysteron::invert::{Before, InverseDrive, InverseOptions, InversionError};
+use hysteron::invert::{Before, InverseDrive, InverseOptions, InversionError, LastRun};
 use hysteron::record::InterSample;
 
 const RATE_HZ: f64 = 10_000.0;
@@ -98,13 +98,17 @@ fn roughness(u: &[f64]) -> f64 {
     rms(u.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]))
 }
 
+fn rest_of(drive: &InverseDrive) -> f64 {
+    drive.rest.unwrap().voltage_v().unwrap()
+}
+
 fn options() -> InverseOptions {
     InverseOptions::within([-5.0, 25.0])
 }
 
 /// Error of the plant over what follows the growth, rms in per cent of stroke.
 fn tracking_error(drive: &InverseDrive, frequency_hz: f64, amplitude: f64, samples: usize) -> f64 {
-    let y = plant(&drive.drive, drive.rest_v.unwrap());
+    let y = plant(&drive.drive, rest_of(drive));
     let wanted = sine(frequency_hz, amplitude, samples * FINER, RATE_HZ * FINER as f64);
     let error = y.iter().enumerate().map(|(k, y)| y - wanted(k));
     let (from, to) = (samples * FINER * 3 / 10, samples * FINER * 9 / 10);
@@ -134,7 +138,7 @@ fn a_plant_in_continuous_time_follows_the_reference() {
             })
             .collect();
         let limits = DriveLimits { range: [-5.0, 25.0], step: f64::INFINITY };
-        let ideal = model().hysteresis.follow(&v, found.rest_v.unwrap(), None, &limits).unwrap().drive;
+        let ideal = model().hysteresis.follow(&v, rest_of(&found), None, &limits).unwrap().drive;
         let part = samples * 3 / 10..samples * 9 / 10;
         let ratio = roughness(&found.drive[part.clone()]) / roughness(&ideal[part]);
         assert!((0.9..=1.1).contains(&ratio), "{frequency_hz} Hz: roughness {ratio}");
@@ -171,10 +175,10 @@ fn what_is_predicted_is_what_the_model_does() {
     let mut held = model();
     (held.scheme, held.inter_sample) = (Scheme::BandLimited, InterSample::Hold);
     for limits in [[-5.0, 25.0], [2.0, 7.5]] {
-        let options = InverseOptions { slew_v_per_s: 3000.0, ..InverseOptions::within(limits) };
+        let before = Before::Rest { voltage_v: None, virgin_v: Some(2.5) };
+        let options = InverseOptions { slew_v_per_s: 3000.0, before, ..InverseOptions::within(limits) };
         let found = held.invert(&reference, RATE_HZ, &options).unwrap();
-        let start = hysteron::hammerstein::Start::Rest { voltage_v: found.rest_v.unwrap() };
-        let y = held.simulate(&found.drive, Some(RATE_HZ), &start).unwrap();
+        let y = held.simulate(&found.drive, Some(RATE_HZ), &found.rest.unwrap()).unwrap();
         for (a, b) in y.iter().zip(&found.predicted) {
             assert!((a - b).abs() < 1e-9, "{a} {b}");
         }
@@ -190,12 +194,51 @@ fn a_reference_that_repeats_is_followed_in_its_steady_state() {
     let found =
         model().invert(&reference, RATE_HZ, &InverseOptions { before: Before::Periodic, ..options() });
     let found = found.unwrap();
-    assert!(found.rest_v.is_none());
+    assert!(found.rest.is_none());
     let drive = found.drive.repeat(8);
     let y = plant(&drive, 5.0);
     let last = 7 * samples;
     let error = rms((0..samples).map(|k| y[(last + k) * FINER] - reference[k]));
     assert!(error < 1e-4 * 10.0, "{error} µm");
+}
+
+/// A model that is wrong by what an identification never is.
+fn wrong_model() -> Model {
+    let term = |coefficient, order| Term { coefficient, order };
+    let natural = 0.9 * NATURAL;
+    let square = natural * natural;
+    let denominator = vec![term(square, 0.0), term(1.5 * DAMPING * natural, 1.0), term(1.0, 2.0)];
+    let hysteresis = BoucWen::new(vec![1.0, 0.01], 0.2, 0.2, -0.03, 1.0).unwrap();
+    Model {
+        hysteresis: Hysteresis::BoucWen(hysteresis),
+        dynamics: Dynamics::Integer(TransferFunction::new(vec![term(square, 0.0)], denominator).unwrap()),
+        offset: 0.0,
+        delay_s: 1.0e-4,
+        ..model()
+    }
+}
+
+#[test]
+fn what_repeats_is_learned_from_run_to_run() {
+    let samples = 4000;
+    let reference: Vec<f64> = (0..samples).map(sine(60.0, 3.0, samples, RATE_HZ)).collect();
+    let model = wrong_model();
+    let options = InverseOptions {
+        before: Before::Rest { voltage_v: Some(4.0), virgin_v: None },
+        bandwidth_hz: Some(300.0),
+        ..options()
+    };
+    let mut run = model.invert(&reference, RATE_HZ, &options).unwrap();
+    let mut errors = Vec::new();
+    for _ in 0..8 {
+        let measured: Vec<f64> = plant(&run.drive, 4.0).into_iter().step_by(FINER).collect();
+        errors.push(rms(measured.iter().zip(&reference).skip(1200).take(2400).map(|(y, r)| y - r)));
+        let last = LastRun { drive: &run.drive, measured: &measured };
+        run = model.learn(&reference, last, RATE_HZ, &options).unwrap();
+    }
+    println!("rms error from run to run: {errors:?} µm");
+    assert!(errors.windows(2).take(4).all(|w| w[1] < 0.5 * w[0]), "{errors:?}");
+    assert!(errors[7] < 1e-3 * errors[0], "{errors:?}");
 }
 
 #[test]
@@ -206,6 +249,11 @@ fn what_cannot_be_followed_is_refused() {
     let refused = invert(&[1.0, f64::NAN], &options());
     assert!(matches!(refused, Err(InversionError::NotFinite { index: 1 })));
     assert!(matches!(invert(&[500.0, 500.0], &options()), Err(InversionError::Begins { .. })));
+    let last = LastRun { drive: &[1.0; 50], measured: &[1.0; 49] };
+    assert!(matches!(
+        model.learn(&[1.0; 50], last, RATE_HZ, &options()),
+        Err(InversionError::LastRun { .. })
+    ));
     for bandwidth_hz in [0.0, -1.0, 5000.0, f64::NAN] {
         let options = InverseOptions { bandwidth_hz: Some(bandwidth_hz), ..options() };
         assert!(matches!(invert(&[1.0; 50], &options), Err(InversionError::Dynamics(_))), "{bandwidth_hz}");

@@ -162,6 +162,21 @@ impl Hysteresis {
         }
     }
 
+    /// Memory of an operator, in its own scale, that was virgin at the voltage `virgin` \[V\] and went to `rest` without turning.
+    ///
+    /// # Errors
+    /// As the model's own `validate`; voltages that are not finite.
+    pub fn memory_of_move(&self, virgin: f64, rest: f64) -> Result<f64, HysteresisError> {
+        match self {
+            Self::BoucWen(model) => {
+                let mut state = BoucWenState { u: virgin, z: 0.0 };
+                let moved = model.operator()?.step(&mut state, rest);
+                moved.map_err(|cause| HysteresisError::RunsAway { index: 0, cause })
+            }
+            Self::PrandtlIshlinskii(_) | Self::Family(_) => Ok(virgin),
+        }
+    }
+
     /// Coefficients of the polynomial l\[u\], to change them.
     pub fn polynomial_mut(&mut self) -> &mut Vec<f64> {
         match self {
