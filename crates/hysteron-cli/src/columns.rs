@@ -88,6 +88,15 @@ impl InputFlags {
         Ok(Signal { samples, ..drive })
     }
 
+    /// Reads all channels, scaled.
+    ///
+    /// # Errors
+    /// If the file is not a readable record.
+    pub fn read_record(&self, path: &Path) -> Result<Record, Failure> {
+        let record = read_csv(path, &self.time.options()).map_err(|e| cannot_read(path, &e))?;
+        self.scaled(record).map_err(|e| cannot_read(path, &e))
+    }
+
     fn beyond_dead_band(&self, mut u: Vec<f64>, told: &mut Vec<String>) -> Vec<f64> {
         if let Some(threshold) = self.dead_band {
             let within = u.iter_mut().filter(|u| u.abs() < threshold);
@@ -128,6 +137,11 @@ impl ReferenceFlags {
 }
 
 impl ColumnFlags {
+    /// The flags of the drive alone.
+    pub fn of_drive(&self) -> &InputFlags {
+        &self.drive
+    }
+
     /// What the flags mean to the reader.
     pub fn options(&self) -> ReadOptions {
         ReadOptions {

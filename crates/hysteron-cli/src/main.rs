@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 mod article;
+mod axes;
 mod columns;
 mod compare;
 mod completions;

@@ -1,7 +1,7 @@
 //! `hysteron schema`: the model file's JSON Schema.
 
 use clap::Args;
-use hysteron::model_file::{json_schema, oscillator_schema};
+use hysteron::model_file::{json_schema, modes_schema, oscillator_schema};
 
 use crate::{console, failure::Failure};
 
@@ -10,12 +10,20 @@ use crate::{console, failure::Failure};
 #[command(after_help = "Example: hysteron schema > hysteron-model-1.schema.json")]
 pub struct Schema {
     /// The schema of an oscillator's file instead
-    #[arg(long)]
+    #[arg(long, conflicts_with = "modes")]
     oscillator: bool,
+
+    /// The schema of the file of scheduled modes (several axes) instead
+    #[arg(long)]
+    modes: bool,
 }
 
 impl Schema {
     pub fn run(&self) -> Result<(), Failure> {
-        console::result(&if self.oscillator { oscillator_schema() } else { json_schema() })
+        console::result(&match (self.oscillator, self.modes) {
+            (true, _) => oscillator_schema(),
+            (_, true) => modes_schema(),
+            _ => json_schema(),
+        })
     }
 }

@@ -7,6 +7,7 @@ use hysteron::identify::PredictionError;
 use hysteron::record::{Channel, Record, TimeBase};
 use hysteron_io::write_csv;
 
+use crate::axes::{AxesFlags, LoadedModes};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -47,6 +48,9 @@ pub struct Simulate {
 
     #[command(flatten)]
     columns: InputFlags,
+
+    #[command(flatten)]
+    axes: AxesFlags,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -62,6 +66,13 @@ impl Simulate {
         output::check_file("the simulation", &self.out)?;
         if let Some(model) = LoadedOscillator::recognise(&self.model)? {
             return self.run_oscillator(&model);
+        }
+        if let Some(model) = LoadedModes::recognise(&self.model)? {
+            return self.run_modes(&model);
+        }
+        if self.axes.are_given() {
+            return Err(Failure::usage("--inputs and --outputs go with models of several axes")
+                .hint("choose the column with --input"));
         }
         let model = LoadedModel::read(&self.model)?;
         let drive = self.columns.read_drive(&self.input_file)?;
@@ -103,6 +114,34 @@ impl Simulate {
         let y = model.simulate(&self.input_file, &timed, &self.start)?;
         let output = Channel::new("y", &model.file.units.output, y);
         self.write(drive.time, vec![Channel::new("u", u_unit.symbol(), drive.samples), output])
+    }
+
+    fn run_modes(&self, model: &LoadedModes) -> Result<(), Failure> {
+        if self.band.is_some() {
+            return Err(Failure::usage("--band does not go with modes of several axes")
+                .because("their file holds no correlation of its parameters"));
+        }
+        // Outputs are made here, not read.
+        let mut axes = self.axes.or(&model.file.inputs, &[]);
+        let names =
+            if self.axes.outputs.is_empty() { &model.file.outputs } else { &self.axes.outputs }.clone();
+        if names.len() != model.file.outputs.len() {
+            return Err(Failure::usage(format!(
+                "the model has {} outputs, --outputs names {}",
+                model.file.outputs.len(),
+                names.len()
+            )));
+        }
+        axes.outputs.clear();
+        let record = axes.read(&self.input_file, &self.columns)?;
+        let (simulated, _) =
+            model.simulate(&self.input_file, &record, self.start.settled_s("modes of several axes")?)?;
+        let inputs =
+            record.inputs.iter().zip(record.u).map(|(name, u)| Channel::new(name, record.u_unit.symbol(), u));
+        let outputs =
+            names.iter().zip(simulated).map(|(name, y)| Channel::new(name, &model.file.units.output, y));
+        let channels = inputs.chain(outputs).collect();
+        self.write(record.time, channels)
     }
 
     fn write(&self, time: TimeBase, channels: Vec<Channel>) -> Result<(), Failure> {

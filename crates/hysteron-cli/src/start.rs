@@ -59,6 +59,18 @@ impl StartFlags {
         Ok(self.period_samples(path, drive)?.map(|period_samples| RecordStart::Settled { period_samples }))
     }
 
+    /// The period given by `--settled` \[s\], for a model that knows no rest voltage; `what` it is, e.g. `an oscillator`.
+    ///
+    /// # Errors
+    /// If a rest voltage is given.
+    pub fn settled_s(&self, what: &str) -> Result<Option<f64>, Failure> {
+        if self.rest_voltage.is_some() {
+            return Err(Failure::usage(format!("--rest-voltage does not go with {what}"))
+                .because("a drive starts from its first sample held, or settled on a period (--settled)"));
+        }
+        Ok(self.settled)
+    }
+
     /// Samples of the period given by `--settled`.
     fn period_samples(&self, path: &Path, drive: &Drive) -> Result<Option<usize>, Failure> {
         let Some(period_s) = self.settled else { return Ok(None) };

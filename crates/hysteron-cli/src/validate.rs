@@ -10,6 +10,7 @@ use hysteron::record::InputOutput;
 use hysteron::validate::{OffsetTreatment, Scoring, score, unfollowed_start};
 use serde::Serialize;
 
+use crate::axes::{self, AxesFlags, AxesScored, LoadedModes};
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -57,6 +58,9 @@ pub struct Validate {
 
     #[command(flatten)]
     columns: ColumnFlags,
+
+    #[command(flatten)]
+    axes: AxesFlags,
 }
 
 /// Masks the first samples of a record, and says so.
@@ -124,6 +128,13 @@ struct Report {
 
 impl Validate {
     pub fn run(&self) -> Result<(), Failure> {
+        if let Some(model) = LoadedModes::recognise(&self.model)? {
+            return self.run_modes(&model);
+        }
+        if self.axes.are_given() {
+            return Err(Failure::usage("--inputs and --outputs go with models of several axes")
+                .hint("choose the columns with --input and --output"));
+        }
         let records = match LoadedOscillator::recognise(&self.model)? {
             Some(model) => self
                 .records
@@ -136,6 +147,30 @@ impl Validate {
             }
         };
         if self.json { console::json(&Report { records }) } else { console::result(&self.text(&records)) }
+    }
+
+    fn run_modes(&self, model: &LoadedModes) -> Result<(), Failure> {
+        if self.band {
+            return Err(Failure::usage("--band does not go with modes of several axes")
+                .because("their file holds no correlation of its parameters"));
+        }
+        let settled = self.start.settled_s("modes of several axes")?;
+        let names = self.axes.or(&model.file.inputs, &model.file.outputs);
+        let score = |path: &PathBuf| {
+            let record = names.read(path, self.columns.of_drive())?;
+            model.score(path, &record, &self.scoring(), settled)
+        };
+        let records = self.records.iter().map(score).collect::<Result<Vec<_>, Failure>>()?;
+        if self.json {
+            let records: Vec<_> = records.iter().map(AxesScored::json).collect();
+            return console::json(&serde_json::json!({ "records": records }));
+        }
+        console::result(&format!(
+            "{}\n\nRMSE: root mean square of y − simulation − offset over all outputs, the offset of each sensor estimated unless \
+             --fixed-offset is given; of mean period: the same of the mean over the record's periods, in which noise counts less; level: rms \
+             of the inputs.\n",
+            axes::table(&records)
+        ))
     }
 
     fn score_oscillator(&self, model: &LoadedOscillator, path: &Path) -> Result<Scored, Failure> {

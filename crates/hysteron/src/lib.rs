@@ -52,6 +52,7 @@
 //! 3. The model has two blocks. [`hysteresis`] is rate independent (Eq. 1), stepped exactly by `hysteron-rt`. [`dynamics`] is
 //!    a transfer function with real orders (Eqs. 2–6), on [`fractional`] calculus and the kernels of [`numeric`].
 //!    [`hammerstein`] joins them: [`hammerstein::Model::simulate`]. [`oscillator`] has its hysteresis in feedback instead.
+//!    [`axes`] couples several inputs and outputs.
 //! 4. [`optimize`] searches: bounded least squares, the article's DE-ABC (Eqs. 8–12), ABC, DE, PSO, all seeded and identical
 //!    for any number of threads.
 //! 5. [`identify`] is the article's two-step procedure: [`identify::identify`] hands out model, standard errors, scores
@@ -66,6 +67,7 @@
 
 pub mod article;
 pub mod atomic_file;
+pub mod axes;
 pub mod bench_rig;
 pub mod display;
 pub mod dynamics;

@@ -32,6 +32,7 @@ use hysteron_report::identification::{IdentificationReportData, identification_r
 use hysteron_report::write_figures;
 
 use self::family::HysteresisArg;
+use crate::axes::{AxesFlags, ModesFlags};
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -57,13 +58,16 @@ const MAX_RESUME_BYTES: u64 = 256 << 20;
     offset, delay [s]; joint: \
     natural_frequency [Hz], damping, order2, order1, order0, share, creep, creep_order, memory_1, memory_2, … (beta, gamma and \
     memory of alpha = 1); two-step: lag [s], gain.\n\n\
+    --inputs u1_V,u2_V --outputs y1_nm,y2_nm fits several axes at once: structural modes with the hysteresis of each actuator in feedback, \
+    from records of periodic multisines with different phases, one model for all amplitudes. They print the influence matrix.\n\n\
     --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of force and displacement \
     around a resonance; a force that repeats is taken to be in its steady state, another one to start from rest (--initial). Held \
     with --fix: mass, damping, n.\n\n\
     Ctrl-C keeps the best so far and writes MODEL.searches.json; go on from there with --resume.\n\n\
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
     Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
-    Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json"
+    Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json\n\
+    Example: hysteron identify small*.csv large*.csv --inputs u1_V,u2_V --outputs y1_nm,y2_nm -o stage.json"
 )]
 pub struct Identify {
     /// The records
@@ -82,9 +86,9 @@ pub struct Identify {
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: PathBuf,
 
-    /// Where the hysteresis is: ahead of linear dynamics, or in feedback
-    #[arg(long, value_enum, default_value_t = StructureArg::Hammerstein)]
-    structure: StructureArg,
+    /// Where the hysteresis is: ahead of linear dynamics, or in feedback [default: hammerstein; modes with --inputs]
+    #[arg(long, value_enum)]
+    structure: Option<StructureArg>,
 
     /// Hysteresis block
     #[arg(long, value_enum, default_value_t = HysteresisArg::BoucWen)]
@@ -191,6 +195,12 @@ pub struct Identify {
 
     #[command(flatten)]
     columns: ColumnFlags,
+
+    #[command(flatten)]
+    axes: AxesFlags,
+
+    #[command(flatten)]
+    modes: ModesFlags,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -199,6 +209,8 @@ enum StructureArg {
     Hammerstein,
     /// A mass on a hysteretic spring: resonances move with the amplitude
     Oscillator,
+    /// Several axes: structural modes with hysteresis in feedback, that move with the level of the drive
+    Modes,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -324,7 +336,18 @@ fn name_range(text: &str) -> Result<(String, f64, f64), String> {
 
 impl Identify {
     pub fn run(&self) -> Result<(), Failure> {
-        if self.structure == StructureArg::Oscillator {
+        match (self.structure, self.axes.are_given()) {
+            (Some(StructureArg::Modes), _) | (None, true) => return self.run_modes(),
+            (Some(_), true) => {
+                return Err(Failure::usage("--inputs and --outputs go with --structure modes")
+                    .hint("one axis: choose its columns with --input and --output"));
+            }
+            _ => {}
+        }
+        if let Some(flag) = self.modes.given() {
+            return Err(Failure::usage(format!("{flag} goes with --structure modes")));
+        }
+        if self.structure == Some(StructureArg::Oscillator) {
             return self.run_oscillator();
         }
         self.check_outputs()?;
@@ -359,6 +382,32 @@ impl Identify {
         console::result(&outcome::text(&found, &file))?;
         console::message(&format!("model written to {}", self.out.display()));
         Ok(())
+    }
+
+    fn run_modes(&self) -> Result<(), Failure> {
+        self.refuse_flags_but(
+            "modes",
+            "modes have --modes, --plays, --linear, --steps, --iterations, --exponent, --initial periodic",
+            &[
+                ("--inter-sample", self.inter_sample.is_some()),
+                ("--start", self.start.is_some()),
+                ("--fix", !self.fix.is_empty()),
+                ("--n", self.n.is_some()),
+            ],
+        )?;
+        let whole_records = match self.initial {
+            InitialArg::Auto => false,
+            InitialArg::Periodic => true,
+            _ => {
+                return Err(Failure::usage("modes are identified from a steady state")
+                    .hint("leave --initial out, or say --initial periodic"));
+            }
+        };
+        output::check_file("the model", &self.out)?;
+        let columns = (self.records.as_slice(), &self.axes, self.columns.of_drive());
+        self.in_threads(|| {
+            self.modes.run(columns, (&self.out, self.result.json), (whole_records, self.least_fit))
+        })?
     }
 
     fn check_outputs(&self) -> Result<(), Failure> {

@@ -26,7 +26,11 @@ const TITLE: &str = "no oscillator was identified";
 
 impl Identify {
     pub(super) fn run_oscillator(&self) -> Result<(), Failure> {
-        self.refuse_foreign_flags()?;
+        self.refuse_flags_but(
+            "oscillator",
+            "an oscillator has --initial, --n, --fix (mass, damping, n), --inter-sample, --start",
+            &[],
+        )?;
         output::check_file("the model", &self.out)?;
         let options = self.oscillator_options()?;
         let records = self.columns.read_all(&self.records)?;
@@ -43,11 +47,17 @@ impl Identify {
         Ok(())
     }
 
-    /// Flags of the other structure mean nothing here; what was asked for is not silently left out.
-    fn refuse_foreign_flags(&self) -> Result<(), Failure> {
+    /// Flags of the Hammerstein model mean nothing to another structure; what was asked for is not silently left out.
+    pub(super) fn refuse_flags_but(
+        &self,
+        structure: &str,
+        own: &str,
+        further: &[(&'static str, bool)],
+    ) -> Result<(), Failure> {
         let given = [
             ("--static", !self.static_records.is_empty()),
             ("--dynamic", !self.dynamic_records.is_empty()),
+            ("--elements", self.elements.is_some()),
             ("--dynamics", self.dynamics.is_some()),
             ("--method", self.method != MethodArg::Joint),
             ("--order", self.order != 2),
@@ -64,10 +74,12 @@ impl Identify {
             ("--report", self.result.has_report()),
             ("--figures", self.figures.is_some()),
         ];
-        match given.iter().find(|(_, given)| *given) {
+        match given.iter().chain(further).find(|(_, given)| *given) {
             None => Ok(()),
-            Some((flag, _)) => Err(Failure::usage(format!("{flag} does not go with --structure oscillator"))
-                .hint("leave it out; an oscillator has --initial, --n, --fix (mass, damping, n), --inter-sample, --start")),
+            Some((flag, _)) => {
+                Err(Failure::usage(format!("{flag} does not go with --structure {structure}"))
+                    .hint(format!("leave it out; {own}")))
+            }
         }
     }
 
@@ -86,6 +98,9 @@ impl Identify {
                     }
                     StoredModel::Hammerstein(_) => {
                         return Err(failure().because("it is a Hammerstein model, not an oscillator"));
+                    }
+                    StoredModel::Modes(_) => {
+                        return Err(failure().because("it holds modes of several axes, not an oscillator"));
                     }
                 }
             }
@@ -106,7 +121,7 @@ impl Identify {
     }
 
     /// Runs `work` on as many threads as asked for.
-    fn in_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
+    pub(super) fn in_threads<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
         let Some(threads) = self.threads else { return Ok(work()) };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.map(|pool| pool.install(work))

@@ -23,6 +23,7 @@ mod public_records_are_explained;
 mod recalibrate_finds_gain_and_delay;
 mod rig_makes_records;
 mod schema_and_completions_are_printed;
+mod several_axes_are_identified;
 mod simulate_writes_a_record;
 mod structures_are_compared;
 mod usage_errors_exit_2;

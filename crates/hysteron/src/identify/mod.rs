@@ -15,6 +15,7 @@ mod findings;
 mod identifiability;
 mod joint;
 mod layout;
+pub mod modes;
 pub mod optimizer_study;
 mod options;
 pub mod oscillator;

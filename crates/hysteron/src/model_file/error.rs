@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use crate::atomic_file::AtomicWriteError;
 
-use super::{FORMAT, OSCILLATOR_FORMAT, VERSION};
+use super::{FORMAT, MODES_FORMAT, OSCILLATOR_FORMAT, VERSION};
+use crate::axes::AxesError;
 
 /// What is wrong with a model file, where, and what was expected.
 #[derive(Debug, thiserror::Error)]
@@ -48,6 +49,21 @@ pub enum ModelFileError {
         /// What is there, as JSON.
         found: Option<String>,
     },
+    /// The key `format` is missing or not that of scheduled modes.
+    #[error("format: expected \"{MODES_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
+    NotModes {
+        /// What is there, as JSON.
+        found: Option<String>,
+    },
+    /// Columns without a name or with the same one.
+    #[error("inputs, outputs: expected names that differ, found `{name}` twice or empty")]
+    Channels {
+        /// The name.
+        name: String,
+    },
+    /// The numbers of scheduled modes do not make a model.
+    #[error(transparent)]
+    Modes(#[from] AxesError),
     /// The file is of a version this program does not know.
     #[error("version: this program reads version {VERSION}, found {}", found.as_deref().unwrap_or("no such key"))]
     UnknownVersion {

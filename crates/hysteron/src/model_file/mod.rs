@@ -28,13 +28,14 @@
 //! writing and reading bit for bit. [`json_schema`] is the same in JSON Schema.
 //!
 //! An oscillator, with hysteresis in feedback, has no such blocks: its file is of a format of its own, [`OscillatorFile`].
-//! [`StoredModel`] reads either.
+//! So is that of scheduled modes of several inputs and outputs, [`ModesFile`]. [`StoredModel`] reads any.
 
 mod check;
 mod convert;
 mod correlation;
 mod disk;
 mod error;
+mod modes;
 mod oscillator;
 mod parameters;
 mod provenance;
@@ -50,6 +51,10 @@ pub use correlation::{
     CorrelationEntry, CorrelationRow, MAX_CORRELATED, number_mut, transfer_function_numbers,
 };
 pub use error::ModelFileError;
+pub use modes::{
+    HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, MODES_FORMAT, ModesFile, ModesScoreEntry,
+    modes_schema,
+};
 pub use oscillator::{
     OSCILLATOR_FORMAT, OscillatorFile, OscillatorParameters, StoredModel, oscillator_schema,
 };

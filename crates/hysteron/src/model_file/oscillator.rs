@@ -9,8 +9,8 @@ use super::check::{allowed, interval, quantity, score};
 use super::convert::Units;
 use super::disk::{self, Header, parse};
 use super::{
-    InterSampleName, ModelFile, ModelFileError, Provenance, Quantity, ScoreEntry, SignalUnits, StartKind,
-    VERSION, ValidRange,
+    InterSampleName, MODES_FORMAT, ModelFile, ModelFileError, ModesFile, Provenance, Quantity, ScoreEntry,
+    SignalUnits, StartKind, VERSION, ValidRange,
 };
 use crate::oscillator::Oscillator;
 
@@ -214,6 +214,9 @@ impl OscillatorFile {
             StoredModel::Hammerstein(file) => {
                 Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", file.format)) })
             }
+            StoredModel::Modes(file) => {
+                Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", file.format)) })
+            }
         }
     }
 
@@ -235,17 +238,19 @@ impl OscillatorFile {
     }
 }
 
-/// A model of either kind.
+/// A model of any kind.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StoredModel {
     /// Hysteresis ahead of linear dynamics.
     Hammerstein(Box<ModelFile>),
     /// Hysteresis in feedback.
     Oscillator(Box<OscillatorFile>),
+    /// Scheduled modes of several inputs and outputs.
+    Modes(Box<ModesFile>),
 }
 
 impl StoredModel {
-    /// Reads and checks a file of either format.
+    /// Reads and checks a file of any format.
     ///
     /// # Errors
     /// As [`ModelFile::read`].
@@ -253,12 +258,18 @@ impl StoredModel {
         Self::from_slice(&disk::read(path)?)
     }
 
-    /// Reads and checks the bytes of a file of either format.
+    /// Reads and checks the bytes of a file of any format.
     ///
     /// # Errors
     /// As [`ModelFile::from_slice`].
     pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
         let header = Header::of(bytes)?;
+        if header.is(MODES_FORMAT) {
+            header.check_version()?;
+            let file: ModesFile = parse(bytes)?;
+            file.check()?;
+            return Ok(Self::Modes(Box::new(file)));
+        }
         if !header.is(OSCILLATOR_FORMAT) {
             return Ok(Self::Hammerstein(Box::new(ModelFile::from_slice(bytes)?)));
         }

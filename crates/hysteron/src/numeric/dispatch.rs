@@ -7,6 +7,7 @@
 
 use super::Complex64;
 use super::elementary::{exp, sin_cos};
+use super::feedback_tangent::{FeedbackTangent, Forcing, Lanes, TangentState, feedback_tangent_kernel};
 use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
 use super::series::{SeriesPanel, series_evaluate_kernel, series_power_kernel, series_product_kernel};
 
@@ -130,6 +131,12 @@ dispatched! {
     quotient_tangent => quotient_tangent_kernel(
         numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), value: (&[f64], &[f64]),
         weight: (&[f64], &[f64]), out: &mut [Complex64])
+}
+
+dispatched! {
+    /// [`FeedbackTangent::run`] on a state of its size.
+    feedback_tangent => feedback_tangent_kernel(
+        system: &FeedbackTangent<'_>, forcing: &[Forcing], state: &mut TangentState, out: &mut [Lanes])
 }
 
 dispatched! {

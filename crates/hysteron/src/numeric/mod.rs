@@ -6,6 +6,7 @@
 pub mod convolution;
 mod dispatch;
 mod elementary;
+mod feedback_tangent;
 pub mod fft;
 mod inner_product;
 mod non_negative;
@@ -17,6 +18,7 @@ pub use dispatch::{
     InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
     multiply_quotient, quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
 };
+pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState, Target};
 pub use inner_product::dot;
 pub use non_negative::non_negative_least_squares;
 pub use relaxation::Relaxations;

@@ -1,0 +1,317 @@
+//! `hysteron identify --inputs … --outputs …`: scheduled modes with hysteresis in feedback.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::SystemTime;
+
+use clap::Args;
+use hysteron::axes::{AxesRecord, InfluenceMatrix};
+use hysteron::identify::FindingKind;
+use hysteron::identify::modes::{ModesFitError, ModesIdentification, ModesProgress, Options, identify};
+use hysteron::model_file::{
+    InfluenceEntry, Interval, ModesFile, ModesScoreEntry, Provenance, RecordEntry, RecordRole, SignalUnits,
+    ValidRange, timestamp,
+};
+use hysteron::validate::Scoring;
+use hysteron_report::number::significant;
+use serde_json::{Value, json};
+
+use super::{AxesFlags, AxesScored, LoadedModes, table};
+use crate::columns::InputFlags;
+use crate::console;
+use crate::failure::Failure;
+use crate::identify::command_line;
+use crate::interrupt;
+use crate::numbers::{count, positive, whole};
+use crate::progress::Progress;
+
+/// What can be said about scheduled modes.
+#[derive(Args, Clone, Debug)]
+pub struct ModesFlags {
+    /// Pairs of poles the modes are looked for from [default: as many as follow the response]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    modes: Option<usize>,
+
+    /// Plays of each hysteresis; 0: polynomials alone [default: 6]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    plays: Option<usize>,
+
+    /// Leave the hysteresis out: linear modes at each level
+    #[arg(long, help_heading = "Several axes")]
+    linear: bool,
+
+    /// Steps of the simulation a sample, 1 to 8 [default: 2]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    steps: Option<usize>,
+
+    /// Most iterations of the last search [default: 12]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    iterations: Option<usize>,
+
+    /// Exponent with which the modes follow the level of the drive [default: 1]
+    #[arg(long, value_name = "P", value_parser = positive, allow_hyphen_values = true, help_heading = "Several axes")]
+    exponent: Option<f64>,
+}
+
+impl ModesFlags {
+    /// The first flag given, if one is.
+    pub fn given(&self) -> Option<&'static str> {
+        [
+            ("--modes", self.modes.is_some()),
+            ("--plays", self.plays.is_some()),
+            ("--linear", self.linear),
+            ("--steps", self.steps.is_some()),
+            ("--iterations", self.iterations.is_some()),
+            ("--exponent", self.exponent.is_some()),
+        ]
+        .into_iter()
+        .find_map(|(flag, given)| given.then_some(flag))
+    }
+
+    fn options(&self, whole_records: bool, least_fit_percent: f64) -> Options {
+        let defaults = Options::default();
+        Options {
+            modes: self.modes,
+            plays: self.plays.unwrap_or(defaults.plays),
+            hysteresis: !self.linear,
+            steps: self.steps.unwrap_or(defaults.steps),
+            iterations: self.iterations.unwrap_or(defaults.iterations),
+            exponent: self.exponent.unwrap_or(defaults.exponent),
+            whole_records,
+            least_fit_percent,
+            ..defaults
+        }
+    }
+
+    /// Identifies the model of the records and writes its file; prints what was found.
+    ///
+    /// # Errors
+    /// If the records cannot be read or used, or the file cannot be written.
+    pub fn run(
+        &self,
+        (paths, axes, columns): (&[PathBuf], &AxesFlags, &InputFlags),
+        (out, json): (&Path, bool),
+        (whole_records, least_fit_percent): (bool, f64),
+    ) -> Result<(), Failure> {
+        if axes.outputs.is_empty() {
+            return Err(Failure::usage("several axes need their outputs")
+                .hint("name them in order, e.g. --outputs y1_nm,y2_nm,y3_nm"));
+        }
+        let records = axes.read_all(paths, columns)?;
+        let options = self.options(whole_records, least_fit_percent);
+        let stop = interrupt::stop_flag("the best so far is kept")?;
+        let mut watcher = Watcher { stop: &stop, bar: None };
+        let found = identify(&records, &options, &mut |progress| watcher.tell(progress));
+        drop(watcher);
+        let found = found.map_err(|e| explain(&e))?;
+        let file = file(&found, &records, &options);
+        file.write(out)
+            .map_err(|e| Failure::new(format!("cannot write the model to {}", out.display())).because(e))?;
+        if found.interrupted {
+            console::note("interrupted: the best so far was written");
+        }
+        // What was written is what is scored.
+        let loaded = LoadedModes::recognise(out)?
+            .ok_or_else(|| Failure::new(format!("cannot read {} back", out.display())))?;
+        let scored = records
+            .iter()
+            .zip(paths)
+            .map(|(record, path)| {
+                loaded.score(path, record, &Scoring::default(), whole_period(record, &found))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        if json {
+            return console::json(&object(&found, &scored, out, &file));
+        }
+        console::result(&text(&found, &scored, &file))?;
+        console::message(&format!("model written to {}", out.display()));
+        Ok(())
+    }
+}
+
+/// The period in s of a record that was taken for one as a whole.
+fn whole_period(record: &AxesRecord, found: &ModesIdentification) -> Option<f64> {
+    let fit = found.records.iter().find(|fit| fit.record == record.label())?;
+    (fit.period_samples == record.len()).then(|| record.len() as f64 / record.sample_rate_hz)
+}
+
+/// Progress bar and Ctrl-C.
+struct Watcher<'a> {
+    stop: &'a AtomicBool,
+    bar: Option<Progress>,
+}
+
+impl Watcher<'_> {
+    fn tell(&mut self, progress: &ModesProgress) -> ControlFlow<()> {
+        let bar = self.bar.get_or_insert_with(|| Progress::new("modes", progress.whole));
+        bar.set_length(progress.whole);
+        let error = progress.rmse.map_or_else(String::new, |rmse| format!(", RMSE {}", significant(rmse, 4)));
+        bar.set(progress.done, format!("{}{error}", progress.step));
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+fn kind_name(kind: FindingKind) -> &'static str {
+    match kind {
+        FindingKind::Verdict => "verdict",
+        FindingKind::Advice => "advice",
+        FindingKind::Warning => "warning",
+    }
+}
+
+fn file(found: &ModesIdentification, records: &[AxesRecord], options: &Options) -> ModesFile {
+    let first = records.first();
+    let symbol = |of: fn(&AxesRecord) -> &str| first.map_or_else(String::new, |r| of(r).to_owned());
+    let units = SignalUnits { input: symbol(|r| r.u_unit.symbol()), output: symbol(|r| r.y_unit.symbol()) };
+    let names = |of: fn(&AxesRecord) -> &Vec<String>| first.map_or_else(Vec::new, |r| of(r).clone());
+    let mut file = ModesFile::new(&found.model, units.clone(), names(|r| &r.inputs), names(|r| &r.outputs));
+    file.influence = found.influence.iter().map(|i| InfluenceEntry::new(i.level, &i.matrix)).collect();
+    file.valid_range = Some(valid_range(found, records, &units.input));
+    file.provenance = Some(provenance(records, options));
+    file.scores = found
+        .records
+        .iter()
+        .map(|r| ModesScoreEntry {
+            record: r.record.clone(),
+            level: r.level,
+            rmse: r.rmse,
+            output_rmse: r.output_rmse.clone(),
+            fit_percent: r.fit_percent,
+        })
+        .collect();
+    file
+}
+
+fn valid_range(found: &ModesIdentification, records: &[AxesRecord], unit: &str) -> ValidRange {
+    let all = || records.iter().flat_map(|r| r.u.iter().flatten().copied());
+    let unit = if unit.is_empty() { "1" } else { unit };
+    let (low, high) = found.excited_hz;
+    ValidRange {
+        input: Interval {
+            low: all().fold(f64::INFINITY, f64::min),
+            high: all().fold(f64::NEG_INFINITY, f64::max),
+            unit: unit.to_owned(),
+        },
+        frequency: Some(Interval { low, high, unit: "Hz".to_owned() }),
+        rate: None,
+    }
+}
+
+fn provenance(records: &[AxesRecord], options: &Options) -> Provenance {
+    let named = BTreeMap::from([
+        ("structure".to_owned(), "modes".to_owned()),
+        ("modes".to_owned(), options.modes.map_or_else(|| "auto".to_owned(), |n| n.to_string())),
+        ("steps".to_owned(), options.steps.to_string()),
+        ("plays".to_owned(), options.plays.to_string()),
+        ("hysteresis".to_owned(), options.hysteresis.to_string()),
+        ("iterations".to_owned(), options.iterations.to_string()),
+        ("exponent".to_owned(), options.exponent.to_string()),
+    ]);
+    let entry = |r: &AxesRecord| RecordEntry {
+        path: r.label(),
+        sha256: r.source.as_ref().map(|s| s.sha256.clone()),
+        samples: r.len() as u64,
+        role: RecordRole::Both,
+    };
+    Provenance {
+        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
+        created: Some(timestamp(SystemTime::now())),
+        records: records.iter().map(entry).collect(),
+        options: named,
+        seed: None,
+        command: Some(command_line()),
+    }
+}
+
+/// The object of `--json`.
+fn object(found: &ModesIdentification, scored: &[AxesScored], out: &Path, file: &ModesFile) -> Value {
+    let mode = |m: &hysteron::axes::Mode| json!({"frequency_hz": m.frequency_hz, "damping": m.damping});
+    json!({
+        "model": out.display().to_string(),
+        "structure": "modes",
+        "parameters": found.parameters,
+        "interrupted": found.interrupted,
+        "records": scored.iter().map(AxesScored::json).collect::<Vec<_>>(),
+        "modes": found.modes.iter()
+            .map(|m| json!({"lowest_level": mode(&m.low), "highest_level": mode(&m.high)}))
+            .collect::<Vec<_>>(),
+        "influence": file.influence,
+        "findings": found.findings.iter()
+            .map(|f| json!({"kind": kind_name(f.kind), "text": f.text}))
+            .collect::<Vec<_>>(),
+    })
+}
+
+/// The result for people.
+fn text(found: &ModesIdentification, scored: &[AxesScored], file: &ModesFile) -> String {
+    let mut modes = console::table(&[
+        "mode",
+        "lowest level [Hz]",
+        "highest level [Hz]",
+        "fall [%]",
+        "damping, lowest [%]",
+        "damping, highest [%]",
+    ]);
+    for (k, m) in found.modes.iter().enumerate() {
+        modes.add_row(vec![
+            (k + 1).to_string(),
+            significant(m.low.frequency_hz, 5),
+            significant(m.high.frequency_hz, 5),
+            significant(100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz), 2),
+            significant(100.0 * m.low.damping, 3),
+            significant(100.0 * m.high.damping, 3),
+        ]);
+    }
+    let mut text = format!("{modes}\n\n");
+    for level in &found.influence {
+        text += &format!(
+            "influence at {} {} rms\n{}\n\n",
+            significant(level.level, 4),
+            file.units.input,
+            influence(&level.matrix, file)
+        );
+    }
+    text += &format!("{}\n\n", table(scored));
+    for finding in &found.findings {
+        text += &format!("{}: {}\n", kind_name(finding.kind), finding.text);
+    }
+    for line in &found.treatment {
+        text += &format!("data: {line}\n");
+    }
+    text + &format!("data: {} parameters were fitted\n", found.parameters)
+}
+
+fn influence(matrix: &InfluenceMatrix, file: &ModesFile) -> comfy_table::Table {
+    let unit = format!("{}/{}", hysteron::record::Unit::new(&file.units.output), file.units.input);
+    let mut header = vec![format!("[{unit}]")];
+    header.extend(file.inputs.iter().cloned());
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let mut table = console::table(&header);
+    for (name, row) in file.outputs.iter().zip(matrix.values.chunks(matrix.inputs.max(1))) {
+        let numbers = row.iter().map(|g| significant(*g, 4));
+        table.add_row(std::iter::once(name.clone()).chain(numbers));
+    }
+    table
+}
+
+/// The library's error with what to do about it.
+fn explain(error: &ModesFitError) -> Failure {
+    const TITLE: &str = "no modes were identified";
+    let failure = Failure::new(TITLE).because(error);
+    match error {
+        ModesFitError::Option { .. } => Failure::usage(TITLE).because(error),
+        ModesFitError::ModelClass { .. } => failure.hint(
+            "check the columns and their order (--inputs, --outputs); --least-fit 0 hands the model out all the same",
+        ),
+        ModesFitError::Axes(hysteron::axes::AxesError::NotPeriodic { .. }) => failure.hint(
+            "drive the inputs with periodic multisines of different phases, two periods or more; --initial periodic takes each record for \
+             one period of a steady state",
+        ),
+        ModesFitError::Axes(hysteron::axes::AxesError::Dependent { .. }) => {
+            failure.hint("add records whose inputs have other phases, at the same level")
+        }
+        _ => failure,
+    }
+}

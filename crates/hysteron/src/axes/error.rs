@@ -1,0 +1,184 @@
+//! What can be wrong with records and models of several axes.
+
+use crate::hysteresis::HysteresisError;
+use crate::record::RecordError;
+
+/// A record or a model of several axes that cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AxesError {
+    /// A record that is not one.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// No input or no output was named.
+    #[error("no {role} was named: name the columns, e.g. {flag} {example}")]
+    NoChannels {
+        /// `input` or `output`.
+        role: &'static str,
+        /// The flag that names them.
+        flag: &'static str,
+        /// An example of its value.
+        example: &'static str,
+    },
+    /// A channel that is not there.
+    #[error("record `{record}`: no channel `{channel}`; there are {available}")]
+    NoSuchChannel {
+        /// Record.
+        record: String,
+        /// Name asked for.
+        channel: String,
+        /// Headers there are.
+        available: String,
+    },
+    /// A channel is named twice.
+    #[error("the channel `{channel}` is named twice among inputs and outputs")]
+    Twice {
+        /// Its name.
+        channel: String,
+    },
+    /// Channels of one side in different units.
+    #[error(
+        "record `{record}`: the {role}s are in different units, {first} and {other}: their errors cannot be pooled"
+    )]
+    Units {
+        /// Record.
+        record: String,
+        /// `input` or `output`.
+        role: &'static str,
+        /// One unit.
+        first: String,
+        /// Another.
+        other: String,
+    },
+    /// Dynamics need a uniform time base.
+    #[error("record `{record}` has no uniform sample rate: the motion of modes cannot be followed")]
+    NotUniform {
+        /// Record.
+        record: String,
+    },
+    /// The drive does not repeat.
+    #[error(
+        "record `{record}`: its inputs do not repeat with one period of a whole number of samples at least twice: modes are \
+         identified from a steady state"
+    )]
+    NotPeriodic {
+        /// Record.
+        record: String,
+    },
+    /// Samples of a period that no period has a valid value for.
+    #[error("record `{record}`: sample {sample} of its period is valid in none of its periods")]
+    Masked {
+        /// Record.
+        record: String,
+        /// Sample of the period, from 0.
+        sample: usize,
+    },
+    /// An input that does not move.
+    #[error("record `{record}`: the inputs are constant")]
+    NoDrive {
+        /// Record.
+        record: String,
+    },
+    /// The records do not tell the inputs apart.
+    #[error(
+        "the {inputs} inputs of these {records} records are not independent at {frequency_hz} Hz: drive them with different \
+         phases, in {inputs} records or more"
+    )]
+    Dependent {
+        /// Inputs.
+        inputs: usize,
+        /// Records.
+        records: usize,
+        /// Where \[Hz\].
+        frequency_hz: f64,
+    },
+    /// Too few excited frequencies.
+    #[error("the records excite only {lines} frequencies; {need} are needed for {unknowns} unknowns")]
+    FewLines {
+        /// Frequencies.
+        lines: usize,
+        /// Needed.
+        need: usize,
+        /// Unknowns of each entry.
+        unknowns: usize,
+    },
+    /// A list of a model has the wrong length.
+    #[error("{what}: expected {expected} numbers, found {found}")]
+    Length {
+        /// Which.
+        what: &'static str,
+        /// Numbers wanted.
+        expected: usize,
+        /// Numbers there are.
+        found: usize,
+    },
+    /// A number of a model is not allowed.
+    #[error("{what} is {value}: expected {expected}")]
+    Value {
+        /// Which.
+        what: &'static str,
+        /// The number.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// A mode that does not decay.
+    #[error("mode {mode} is unstable at the level {level}: its pole has the magnitude {magnitude}")]
+    Unstable {
+        /// Number of the mode, from 1; the lags of the inputs come after the modes.
+        mode: usize,
+        /// RMS of the drive.
+        level: f64,
+        /// Magnitude of the pole.
+        magnitude: f64,
+    },
+    /// Numbers of channels that do not match.
+    #[error("the model has {model} {role}s, the record {record}")]
+    Channels {
+        /// `input` or `output`.
+        role: &'static str,
+        /// Of the model.
+        model: usize,
+        /// Of the record.
+        record: usize,
+    },
+    /// A sample rate that the model was not made for.
+    #[error("the model was identified at {model_hz} Hz, the record has {record_hz} Hz")]
+    SampleRate {
+        /// Of the model \[Hz\].
+        model_hz: f64,
+        /// Of the record \[Hz\].
+        record_hz: f64,
+    },
+    /// A settled start needs a period within the record.
+    #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
+    Period {
+        /// Samples of the record.
+        samples: usize,
+        /// Samples of the period.
+        period_samples: usize,
+    },
+    /// The feedback of the hysteresis diverges.
+    #[error(
+        "the simulated motion leaves the range of numbers: the hysteresis in feedback is unstable under this drive"
+    )]
+    RunsAway,
+    /// No steady state.
+    #[error(
+        "no steady state after {periods} periods: the output still changes by {change:e} of its rms in a period"
+    )]
+    NotSettled {
+        /// Periods simulated.
+        periods: usize,
+        /// Change over the last one.
+        change: f64,
+    },
+    /// The poles of all entries could not be found.
+    #[error(
+        "the common poles of the frequency response were not found: an eigenvalue problem did not converge"
+    )]
+    NoPoles,
+    /// The drive between its samples.
+    #[error("the drive between its samples: {0}")]
+    Interpolation(#[from] HysteresisError),
+}

@@ -1,0 +1,31 @@
+//! Stages of several axes: records of several inputs and outputs, and models that couple them.
+//!
+//! [`AxesRecord`] takes several channels of a [`crate::record::Record`] at once. [`SteadyPeriod`] is the mean period of one whose drive
+//! repeats; [`FrequencyMatrix`] its outputs over its inputs by the local polynomial method, [`VectorFit`] the poles that all entries
+//! share, [`InfluenceMatrix`] what each actuator does to each sensor when it moves slowly, with its conditioning. The model is
+//! [`ScheduledModes`]: structural modes with the hysteresis of drive and stress in feedback.
+
+mod error;
+mod frequency_matrix;
+mod influence;
+mod modes;
+mod record;
+mod score;
+mod steady;
+mod vector_fit;
+
+pub use error::AxesError;
+pub use frequency_matrix::{FrequencyMatrix, HALF_WINDOW, spectrum};
+pub use influence::InfluenceMatrix;
+#[cfg(test)]
+pub(crate) use modes::pole;
+pub use modes::{
+    AtLevel, FeedbackStrain, LevelLaw, LevelTracker, Mode, ModesStart, ScheduledModes, StrainLaw, Streaming,
+    Trajectory, simulate_steady,
+};
+pub(crate) use modes::{LARGEST_POLE, POWERS, frequency, linear_states};
+pub use record::AxesRecord;
+pub use score::{AxesScoreError, AxesScores};
+pub use steady::SteadyPeriod;
+pub(crate) use steady::remove_means;
+pub use vector_fit::{CommonPoles, VectorFit, spread_poles};

@@ -1,0 +1,300 @@
+//! Simulation, step by step.
+
+use super::{AtLevel, ScheduledModes, Streaming};
+use crate::axes::steady::level;
+use crate::axes::{AxesError, SteadyPeriod};
+use crate::hysteresis::RecordEnds;
+use crate::record::InterSample;
+
+/// e-folds of the slowest state after which a start is forgotten: 2e-9.
+const FORGOTTEN: f64 = 20.0;
+/// Most periods simulated for a steady state.
+const MOST_PERIODS: usize = 60;
+/// Change of the output over a period, over its rms, with which it has settled.
+const SETTLED: f64 = 1e-6;
+
+/// What happened before the first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModesStart {
+    /// The inputs of the first sample were held for long, after a drive of this level; `None`: that of the record's first second.
+    Rest {
+        /// Level \[V\].
+        level: Option<f64>,
+    },
+    /// The first period has been running for long.
+    Settled {
+        /// Samples of a period.
+        period_samples: usize,
+    },
+}
+
+/// State of a simulation.
+#[derive(Clone, Debug)]
+pub(super) struct Runner<'m> {
+    pub model: &'m ScheduledModes,
+    pub at: AtLevel,
+    pub x: Vec<f64>,
+    next: Vec<f64>,
+    plays: Vec<f64>,
+    /// v, then σ.
+    pub z: Vec<f64>,
+    pub w: Vec<f64>,
+    /// Terms of the laws of v, then of σ.
+    pub terms: Vec<f64>,
+    /// Slopes of the laws of v, then of σ.
+    pub slopes: Vec<f64>,
+    pub moved: Vec<u32>,
+}
+
+impl<'m> Runner<'m> {
+    /// At rest at 0 without memory.
+    pub(super) fn new(model: &'m ScheduledModes, s: f64) -> Self {
+        let (n, x) = (model.inputs, model.states());
+        let plays = model.feedback.as_ref().map_or(0, |f| n * f.plays());
+        let terms = model.feedback.as_ref().map_or(0, |f| n * 2 * f.drive.terms());
+        Self {
+            model,
+            at: model.at(s),
+            x: vec![0.0; x],
+            next: vec![0.0; x],
+            plays: vec![0.0; plays],
+            z: vec![0.0; 2 * n],
+            w: vec![0.0; n],
+            terms: vec![0.0; terms],
+            slopes: vec![0.0; 2 * n],
+            moved: vec![0; 2 * n],
+        }
+    }
+
+    pub(super) fn set_state(&mut self, s: f64) {
+        self.model.set(s, &mut self.at);
+    }
+
+    /// Strains w under the inputs u; moves the plays.
+    pub(super) fn strain(&mut self, u: &[f64]) {
+        let Some(feedback) = &self.model.feedback else { return };
+        let n = self.model.inputs;
+        let row = self.x.len() + n;
+        let rows = feedback.drive_rows.chunks_exact(row).chain(feedback.stress_rows.chunks_exact(row));
+        for (z, row) in self.z.iter_mut().zip(rows) {
+            let (of_x, of_u) = row.split_at(self.x.len());
+            *z = dot(of_x, &self.x) + dot(of_u, u);
+        }
+        let (terms, plays) = (feedback.drive.terms(), feedback.drive.radii.len());
+        self.w.iter_mut().for_each(|w| *w = 0.0);
+        for i in 0..2 * n {
+            let law = if i < n { Some(&feedback.drive) } else { feedback.stress.get(i - n) };
+            let places = (
+                self.plays.get_mut(i * plays..(i + 1) * plays),
+                self.terms.get_mut(i * terms..(i + 1) * terms),
+            );
+            let (Some(law), (Some(plays), Some(terms))) = (law, places) else { continue };
+            let (value, slope, moved) = law.step(self.z[i], plays, terms);
+            self.w[i % n] += value;
+            self.slopes[i] = slope;
+            self.moved[i] = moved;
+        }
+    }
+
+    /// Outputs under the inputs u, after [`Self::strain`].
+    pub(super) fn output(&self, u: &[f64], y: &mut [f64]) {
+        let (n, x) = (self.model.inputs, self.x.len());
+        for (m, y) in y.iter_mut().enumerate() {
+            *y = dot(&self.at.output[m * x..(m + 1) * x], &self.x)
+                + dot(&self.at.feedthrough[m * n..(m + 1) * n], u)
+                + dot(&self.model.strain_feedthrough[m * n..(m + 1) * n], &self.w);
+        }
+    }
+
+    /// The next state under the inputs u, after [`Self::strain`].
+    pub(super) fn advance(&mut self, u: &[f64]) {
+        let (n, modes) = (self.model.inputs, self.model.modes);
+        let force = |k: usize| {
+            dot(&self.model.input[k * n..(k + 1) * n], u)
+                + dot(&self.model.strain_input[k * n..(k + 1) * n], &self.w)
+        };
+        for k in 0..modes {
+            let (a, b) = (self.at.transition[2 * k], self.at.transition[2 * k + 1]);
+            let (re, im) = (self.x[2 * k], self.x[2 * k + 1]);
+            self.next[2 * k] = a * re - b * im + force(2 * k);
+            self.next[2 * k + 1] = a * im + b * re + force(2 * k + 1);
+        }
+        for k in 2 * modes..self.x.len() {
+            self.next[k] = self.at.transition[k] * self.x[k] + force(k);
+        }
+        std::mem::swap(&mut self.x, &mut self.next);
+    }
+
+    pub(super) fn step(&mut self, u: &[f64]) {
+        self.strain(u);
+        self.advance(u);
+    }
+
+    /// Holds the inputs until every state has forgotten what was before.
+    pub(super) fn settle(&mut self, u: &[f64], s: f64) {
+        for _ in 0..self.model.settling_steps(s, FORGOTTEN) {
+            self.step(u);
+        }
+    }
+
+    /// Runs the last `steps` steps before the period begins.
+    pub(super) fn preroll(&mut self, fine: &[f64], steps: usize) {
+        let n = self.model.inputs;
+        let count = fine.len() / n;
+        for step in 0..steps {
+            let k = (step + count - steps % count) % count;
+            self.step(&fine[k * n..(k + 1) * n]);
+        }
+    }
+
+    /// Outputs at every sample of one period; `None` where they leave the range of numbers.
+    fn period(&mut self, fine: &[f64]) -> Option<Vec<f64>> {
+        if !self.is_finite() {
+            return None;
+        }
+        let (n, m, steps) = (self.model.inputs, self.model.outputs, self.model.steps);
+        let mut y = vec![0.0; fine.len() / n / steps * m];
+        for (k, u) in fine.chunks_exact(n).enumerate() {
+            self.strain(u);
+            if k % steps == 0 {
+                let at = k / steps * m;
+                self.output(u, &mut y[at..at + m]);
+            }
+            self.advance(u);
+        }
+        y.iter().all(|y| y.is_finite()).then_some(y)
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.x.iter().all(|x| x.is_finite())
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Inputs at every step, interleaved, from interleaved samples.
+pub(super) fn upsampled(
+    u: &[f64],
+    inputs: usize,
+    steps: usize,
+    rule: InterSample,
+    ends: RecordEnds,
+) -> Result<Vec<f64>, AxesError> {
+    let mut fine: Vec<Vec<f64>> = Vec::with_capacity(inputs);
+    for i in 0..inputs {
+        let channel: Vec<f64> = u.iter().skip(i).step_by(inputs).copied().collect();
+        fine.push(rule.upsample(&channel, steps, ends)?);
+    }
+    let length = fine.first().map_or(0, Vec::len);
+    Ok((0..length).flat_map(|k| fine.iter().map(move |channel| channel[k])).collect())
+}
+
+/// Outputs over one period of inputs `fine` at every step (interleaved, a whole number of samples) that have been running for
+/// `preroll` steps from rest: outputs at every sample, interleaved. `None` where they leave the range of numbers.
+pub fn simulate_steady(model: &ScheduledModes, s: f64, fine: &[f64], preroll: usize) -> Option<Vec<f64>> {
+    let mut runner = Runner::new(model, s);
+    runner.preroll(fine, preroll);
+    runner.period(fine)
+}
+
+impl ScheduledModes {
+    /// S under a steady period.
+    pub fn state_of(&self, period: &SteadyPeriod) -> f64 {
+        self.level.state(period.level)
+    }
+
+    /// Outputs in the steady state under one period of inputs (interleaved), band-limited between samples; S is that of the
+    /// period's rms. Outputs interleaved, one row a sample.
+    ///
+    /// # Errors
+    /// [`AxesError::RunsAway`], [`AxesError::NotSettled`].
+    pub fn simulate_period(&self, u: &[f64]) -> Result<Vec<f64>, AxesError> {
+        let fine = upsampled(u, self.inputs, self.steps, InterSample::BandLimited, RecordEnds::Periodic)?;
+        let s = self.level.state(level(u, self.inputs));
+        let count = fine.len() / self.inputs;
+        let settle = self.settling_steps(s, FORGOTTEN).div_ceil(count.max(1)).clamp(1, MOST_PERIODS);
+        let mut runner = Runner::new(self, s);
+        runner.preroll(&fine, settle * count);
+        let mut last = runner.period(&fine).ok_or(AxesError::RunsAway)?;
+        if self.feedback.is_none() {
+            return Ok(last);
+        }
+        // The hysteresis may take longer than the modes.
+        let mut change = f64::INFINITY;
+        for _ in 0..MOST_PERIODS {
+            let y = runner.period(&fine).ok_or(AxesError::RunsAway)?;
+            let size = y.iter().map(|y| y * y).sum::<f64>().sqrt();
+            change = y.iter().zip(&last).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt() / size;
+            // Without motion there is nothing to settle.
+            if change <= SETTLED || size == 0.0 {
+                return Ok(y);
+            }
+            last = y;
+        }
+        Err(AxesError::NotSettled { periods: settle + MOST_PERIODS, change })
+    }
+
+    /// Outputs for the samples of each input, one list an output.
+    ///
+    /// Behind a settled start S is that of the first period; from rest it follows the running rms of the drive
+    /// ([`super::LevelTracker`]).
+    ///
+    /// # Errors
+    /// [`AxesError::Channels`], [`AxesError::SampleRate`], [`AxesError::Period`], [`AxesError::RunsAway`], [`AxesError::NotSettled`].
+    pub fn simulate(
+        &self,
+        u: &[Vec<f64>],
+        sample_rate_hz: f64,
+        rule: InterSample,
+        start: ModesStart,
+    ) -> Result<Vec<Vec<f64>>, AxesError> {
+        if u.len() != self.inputs {
+            return Err(AxesError::Channels { role: "input", model: self.inputs, record: u.len() });
+        }
+        if ((sample_rate_hz / self.sample_rate_hz).ln()).abs() > 1e-6 || sample_rate_hz.is_nan() {
+            return Err(AxesError::SampleRate { model_hz: self.sample_rate_hz, record_hz: sample_rate_hz });
+        }
+        let samples = u.first().map_or(0, Vec::len);
+        let rows: Vec<f64> = (0..samples).flat_map(|k| u.iter().map(move |u| u[k])).collect();
+        let y = match start {
+            ModesStart::Settled { period_samples } => self.simulate_settled(&rows, period_samples)?,
+            ModesStart::Rest { level } => self.simulate_from_rest(&rows, rule, level)?,
+        };
+        let outputs = self.outputs;
+        Ok((0..outputs).map(|m| y.iter().skip(m).step_by(outputs).copied().collect()).collect())
+    }
+
+    /// The first period over and over where the drive repeats, else followed from its steady state.
+    fn simulate_settled(&self, u: &[f64], period_samples: usize) -> Result<Vec<f64>, AxesError> {
+        let n = self.inputs;
+        let samples = u.len() / n;
+        if period_samples < 2 || period_samples > samples {
+            return Err(AxesError::Period { samples, period_samples });
+        }
+        let first = &u[..period_samples * n];
+        let y = self.simulate_period(first)?;
+        Ok(y.iter().cycle().take(samples * self.outputs).copied().collect())
+    }
+
+    fn simulate_from_rest(
+        &self,
+        u: &[f64],
+        rule: InterSample,
+        before: Option<f64>,
+    ) -> Result<Vec<f64>, AxesError> {
+        let n = self.inputs;
+        let first = u.get(..n).unwrap_or(&[]);
+        let second = (self.sample_rate_hz as usize).max(1) * n;
+        let before = before.unwrap_or_else(|| level(&u[..second.min(u.len())], n));
+        let fine = upsampled(u, n, self.steps, rule, RecordEnds::Open)?;
+        let mut stream = Streaming::new(self, first, before);
+        let mut y = vec![0.0; u.len() / n * self.outputs];
+        for (k, row) in y.chunks_exact_mut(self.outputs).enumerate() {
+            let from = if k == 0 { 0 } else { (k - 1) * self.steps + 1 };
+            stream.follow(&fine[from * n..(k * self.steps + 1) * n], row);
+        }
+        if y.iter().all(|y| y.is_finite()) { Ok(y) } else { Err(AxesError::RunsAway) }
+    }
+}
