@@ -61,13 +61,15 @@
 //! 7. [`realise`] turns a model into real poles and pole pairs that run sample by sample.
 //! 8. [`online`] corrects a model while it runs and says when it no longer fits.
 //! 9. [`invert`] makes the drive that lets the output follow a reference.
-//! 10. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
+//! 10. [`baselines`] are black-box models to compare with.
+//! 11. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
 //!
 //! Records from CSV files are read by the crate `hysteron-io`, reports written by `hysteron-report`.
 
 pub mod article;
 pub mod atomic_file;
 pub mod axes;
+pub mod baselines;
 pub mod bench_rig;
 pub mod display;
 pub mod dynamics;

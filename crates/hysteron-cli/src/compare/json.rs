@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::baselines::BaselineEntry;
 use super::{Found, text};
 
 #[derive(Serialize)]
@@ -15,6 +16,8 @@ pub struct Summary<'a> {
     independent_samples: f64,
     folds: Vec<FoldEntry<'a>>,
     candidates: Vec<CandidateEntry<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    baselines: Vec<BaselineEntry<'a>>,
     notes: Vec<String>,
     interrupted: bool,
 }
@@ -78,6 +81,7 @@ impl<'a> Summary<'a> {
                 .map(|f| FoldEntry { left_out: &f.label, content: &f.content, whole_records: f.whole })
                 .collect(),
             candidates: text::order(comparison).into_iter().map(candidate).collect(),
+            baselines: found.baselines.iter().map(BaselineEntry::new).collect(),
             notes: text::verdict(found),
             interrupted: comparison.interrupted,
         }

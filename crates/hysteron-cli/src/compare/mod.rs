@@ -1,5 +1,6 @@
 //! `hysteron compare`: which structure do these records support?
 
+mod baselines;
 mod json;
 mod report;
 mod text;
@@ -8,6 +9,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
+use hysteron::baselines::CrossValidated;
 use hysteron::identify::structure::{
     Candidate, CompareWatcher, Comparison, StructureError, UnknownCandidate, compare,
 };
@@ -35,6 +37,7 @@ use crate::result_flags::ResultFlags;
     Ctrl-C prints what is finished.\n\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
     Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o model.json\n\
+    Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --candidates fractional+creep --baselines\n\
     Example: hysteron compare loops.csv sweep.csv --candidates fractional+creep,fractional+creep+prandtl-ishlinskii,fractional+creep+dahl"
 )]
 pub struct Compare {
@@ -45,6 +48,10 @@ pub struct Compare {
     /// Structures to compare, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = candidate)]
     candidates: Vec<Candidate>,
+
+    /// Train black-box NARX models (polynomial, kernel, neural) on the same folds, to compare with
+    #[arg(long)]
+    baselines: bool,
 
     /// Model file of the preferred structure to write, identified from all samples of all records
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
@@ -64,6 +71,8 @@ fn candidate(text: &str) -> Result<Candidate, UnknownCandidate> {
 /// What was compared, for text, JSON and page.
 struct Found {
     comparison: Comparison,
+    /// Black-box models on the same folds.
+    baselines: Vec<CrossValidated>,
     /// Names of the records.
     records: Vec<String>,
     /// Unit of the output, as printed.
@@ -84,8 +93,16 @@ impl Compare {
         let comparison = compare(&campaign, candidates, &Options::default(), &watcher);
         drop(watcher);
         let comparison = comparison.map_err(|e| explain(&e))?;
+        let baselines = match &comparison.ranking {
+            Some(_) if self.baselines => {
+                let data: Vec<_> = campaign.iter().map(|r| r.data.clone()).collect();
+                baselines::scored(&comparison, &data, &|| stop.load(Ordering::Relaxed))
+            }
+            _ => Vec::new(),
+        };
         let found = Found {
             comparison,
+            baselines,
             records: campaign.iter().map(|r| r.data.name.clone()).collect(),
             unit: campaign.first().map_or(String::new(), |r| r.data.y_unit.to_string()),
         };

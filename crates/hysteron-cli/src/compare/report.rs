@@ -7,7 +7,7 @@ use hysteron_report::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series,
 use hysteron_report::number::significant;
 use hysteron_report::page::{Block, Cell, Column, Highlight, Page, Section, Table};
 
-use super::{Found, text};
+use super::{Found, baselines, text};
 use crate::identify::command_line;
 
 /// Candidates whose errors are shown fold by fold.
@@ -33,12 +33,16 @@ pub fn page(found: &Found) -> Page {
         .block(errors(found))
         .block(table(found))
         .block(Block::info(text::about(found)));
-    Page::new("Comparison of structures")
+    let page = Page::new("Comparison of structures")
         .subtitled(found.records.join(", "))
         .section(result)
-        .section(Section::new("What was left out").block(by_fold(found)).block(fold_table(found)))
-        .section(Section::new("How it was made").block(Block::code(command_line())))
-        .footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")))
+        .section(Section::new("What was left out").block(by_fold(found)).block(fold_table(found)));
+    match baselines::section(found) {
+        Some(section) => page.section(section),
+        None => page,
+    }
+    .section(Section::new("How it was made").block(Block::code(command_line())))
+    .footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")))
 }
 
 fn axis(found: &Found) -> Axis {

@@ -3,7 +3,7 @@
 use hysteron::identify::structure::{Comparison, Entry, Standing};
 use hysteron_report::number::significant;
 
-use super::Found;
+use super::{Found, baselines};
 use crate::console;
 
 /// One row: candidate, parameters, error on left-out data ± its standard error, difference to the best ± its standard
@@ -50,7 +50,7 @@ pub fn standing(comparison: &Comparison, index: usize) -> Option<Standing> {
     comparison.ranking.as_ref().and_then(|r| r.standings[index])
 }
 
-fn with_error(value: f64, error: f64) -> String {
+pub fn with_error(value: f64, error: f64) -> String {
     format!("{} ± {}", significant(value, 3), significant(error, 2))
 }
 
@@ -140,5 +140,5 @@ pub fn text(found: &Found) -> String {
         by_fold.add_row([fold.label.clone(), fold.content.clone(), error, best]);
     }
     let verdict: String = verdict(found).into_iter().map(|line| line + "\n").collect();
-    format!("{table}\n\n{verdict}\n{by_fold}\n\n{}\n", about(found))
+    format!("{table}\n\n{verdict}\n{by_fold}\n\n{}\n{}", about(found), baselines::table(found))
 }

@@ -44,6 +44,7 @@ fn a_campaign_ranks_dynamics_before_none_and_writes_the_model_that_it_prefers() 
     assert!(error("fractional+degree2") < 0.8 * error("none"), "{found}");
     assert!(found["noise_floor"].as_f64().unwrap() < error("fractional+degree2"));
     assert_eq!(found["interrupted"], false);
+    assert!(found.get("baselines").is_none(), "{found}");
     let page = std::fs::read_to_string(bench.path("compare.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("noise floor") && page.contains("fractional+degree2"));
     assert!(run.stderr.contains(&format!("model of {} written", found["preferred"].as_str().unwrap())));
@@ -60,6 +61,39 @@ fn the_table_is_for_people() {
     {
         assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
     }
+}
+
+#[test]
+fn baselines_stand_beside_the_structures_on_the_same_folds() {
+    let bench = Bench::new();
+    let plan = r#"{ "sample_rate_hz": 200, "loop_periods": 2, "sweep_s": 2.5, "sweep_end_hz": 10, "validation_hz": [5],
+        "validation_s": 0.8 }"#;
+    bench.write("plan.json", plan);
+    assert_eq!(bench.run("rig --out-dir bench --plan plan.json").exit_code, 0);
+    let records =
+        "bench/simulated_loop_1hz.csv bench/simulated_sweep_1_10hz.csv bench/simulated_sine_5hz.csv";
+    let run =
+        bench.run(&format!("compare {records} --candidates none --baselines --json --report compare.html"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    let baselines = found["baselines"].as_array().unwrap();
+    let names: Vec<&str> = baselines.iter().map(|b| b["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["polynomial-narx", "kernel-narx", "neural-narx"]);
+    let folds = found["folds"].as_array().unwrap();
+    let sine = folds.iter().position(|f| f["left_out"] == "simulated_sine_5hz.csv").unwrap();
+    for baseline in baselines {
+        let errors = baseline["fold_errors"].as_array().unwrap();
+        assert_eq!(errors.len(), folds.len(), "{baseline}");
+        // An error or the reason why there is none.
+        let missing = errors.iter().filter(|e| e.is_null()).count();
+        assert_eq!(missing, baseline["failures"].as_array().unwrap().len(), "{baseline}");
+        assert_eq!(baseline["error"].is_null(), missing > 0, "{baseline}");
+        assert!(baseline["parameters"].as_u64().unwrap() > 0, "{baseline}");
+        // The stroke is 30 µm; the sweep holds this frequency at this amplitude.
+        assert!(errors[sine].as_f64().unwrap() < 1.0, "{baseline}");
+    }
+    let page = std::fs::read_to_string(bench.path("compare.html")).unwrap();
+    assert!(page.contains("Black-box baselines") && page.contains("kernel-narx"));
 }
 
 #[test]
