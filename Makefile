@@ -60,6 +60,7 @@ figures: $(HYSTERON) ## the pictures of README and docs, made by the program
 	cp $(OUT)/figures/figure-*-start-of-the-record-*.svg docs/figures/start-from-rest.svg
 	cargo run --release --locked -p hysteron-report --example families -- docs/figures
 	cargo run --release --locked -p hysteron-report --example oscillator -- docs/figures/oscillator.svg
+	cargo run --release --locked -p hysteron-report --example creep -- docs/figures/creep.svg
 
 FORCE:
 

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use hysteron::dynamics::{
-    DynamicForm, InitialCondition, Linearised, Modes, Sampling, Scheme, SimulationPlan,
+    Creep, DynamicForm, InitialCondition, Linearised, Modes, Sampling, Scheme, SimulationPlan,
 };
 use hysteron::numeric::fft::RealFft;
 use serde::Deserialize;
@@ -33,7 +33,7 @@ impl Request {
     pub fn run(self) -> Result<Answer, BenchError> {
         let scheme = Scheme::ALL.into_iter().find(|s| s.name() == self.scheme).ok_or(BenchError::Scheme)?;
         let plan = SimulationPlan::new(self.samples, SAMPLE_RATE_HZ, scheme, InitialCondition::Zero)?;
-        let form = DynamicForm { modes: Modes::Fractional, creep: false };
+        let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
         let sampling = Sampling::of(scheme);
         let signal: Vec<f64> = (0..self.samples).map(|k| 1.0 - (k as f64 * 1e-3).cos()).collect();
         let kept = plan.transform(&signal)?;

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use hysteron::dynamics::{DynamicForm, Dynamics, Modes, Scheme};
+use hysteron::dynamics::{Creep, DynamicForm, Dynamics, Modes, Scheme};
 use hysteron::hammerstein::{Model, Start};
 use hysteron::hysteresis::{BoucWen, Hysteresis};
 use hysteron::identify::{CampaignRecord, Choice, DynamicsChoice, JointObjective, Options, RecordRole};
@@ -36,7 +36,7 @@ pub fn objective(
     samples: usize,
     records: usize,
 ) -> Result<(JointObjective, Vec<f64>), Box<dyn Error + Send + Sync>> {
-    let form = DynamicForm { modes: Modes::Fractional, creep: false };
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
     let [order2, order1] = ORDERS;
     let model = Model {
         hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.2, -0.02], 1.1, BETA, GAMMA, 1.0)?),

@@ -5,12 +5,12 @@
 use std::f64::consts::TAU;
 
 use hysteron::dynamics::{
-    DynamicForm, DynamicsError, Linearised, Modes, SecondOrder, Term, TermTangent, TransferFunction,
+    Creep, DynamicForm, DynamicsError, Linearised, Modes, SecondOrder, Term, TermTangent, TransferFunction,
     stability,
 };
 use hysteron::numeric::Complex64;
 
-const MODES: [Modes; 8] = [
+const MODES: [Modes; 14] = [
     Modes::None,
     Modes::Integer { order: 1 },
     Modes::Integer { order: 2 },
@@ -19,6 +19,20 @@ const MODES: [Modes; 8] = [
     Modes::Fractional,
     Modes::FractionalFreeLowest,
     Modes::TwoFractional,
+    Modes::Integer { order: 5 },
+    Modes::Integer { order: 12 },
+    Modes::Resonances { count: 1, lag: false },
+    Modes::Resonances { count: 2, lag: true },
+    Modes::Resonances { count: 3, lag: false },
+    Modes::Resonances { count: 6, lag: true },
+];
+
+const CREEPS: [Creep; 5] = [
+    Creep::None,
+    Creep::Fractional,
+    Creep::Logarithmic,
+    Creep::KelvinVoigt { elements: 1 },
+    Creep::KelvinVoigt { elements: 4 },
 ];
 
 /// Every form with parameters of a plausible stage.
@@ -35,12 +49,34 @@ fn forms() -> Vec<(DynamicForm, Vec<f64>)> {
         "order2_2" => 1.87,
         "order1_2" => 0.93,
         "share" => 0.7,
+        "natural_frequency_3" => 820.0,
+        "damping_3" => 0.04,
+        "natural_frequency_4" => 1100.0,
+        "damping_4" => 0.07,
+        "natural_frequency_5" => 1500.0,
+        "damping_5" => 0.02,
+        "natural_frequency_6" => 2100.0,
+        "damping_6" => 0.3,
+        "share_2" => 0.2,
+        "share_3" => -0.1,
+        "share_4" => 0.05,
+        "share_5" => 0.1,
         "creep" => 0.08,
+        "creep_per_decade" => 0.02,
+        "creep_start" => 0.01,
+        "creep_1" => 0.05,
+        "creep_time_1" => 0.003,
+        "creep_2" => 0.03,
+        "creep_time_2" => 0.1,
+        "creep_3" => 0.02,
+        "creep_time_3" => 1.0,
+        "creep_4" => 0.01,
+        "creep_time_4" => 40.0,
         "creep_order" => 0.12,
         other => panic!("{other}"),
     };
-    let both = MODES.into_iter().flat_map(|modes| [false, true].map(|creep| DynamicForm { modes, creep }));
-    both.map(|form| (form, form.parameters().iter().map(|p| value(p.name)).collect())).collect()
+    let all = MODES.into_iter().flat_map(|modes| CREEPS.map(|creep| DynamicForm { modes, creep }));
+    all.map(|form| (form, form.parameters().iter().map(|p| value(p.name)).collect())).collect()
 }
 
 fn near(found: Complex64, expected: Complex64, tolerance: f64) -> bool {
@@ -50,7 +86,7 @@ fn near(found: Complex64, expected: Complex64, tolerance: f64) -> bool {
 #[test]
 fn fractional_is_the_second_order_form() {
     let (f, zeta, alpha2, alpha1) = (318.0, 0.65, 2.0384, 1.0523);
-    let form = DynamicForm { modes: Modes::Fractional, creep: false };
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
     let words =
         SecondOrder { gain: 1.0, natural_frequency_hz: f, damping: zeta, alpha2, alpha1, alpha0: 0.0 };
     let (found, expected) =
@@ -74,24 +110,55 @@ fn forms_are_the_products_and_sums_they_say() {
             };
             at(Complex64::new(0.0, TAU)).norm() / at(s)
         };
-        let creep = 1.0 + 0.08 * s.powf(-0.12);
+        let relaxation = |k: f64, tau: f64| k / (1.0 + tau * s);
+        let creep = |creep| match creep {
+            Creep::None => Complex64::ONE,
+            Creep::Fractional => 1.0 + 0.08 * s.powf(-0.12),
+            // ½ γ e^(−t₀/τ)/(1 + τ s) for τ = t₀ 10^(−1/2) … t₀ 10^6, the last with what lies beyond it.
+            Creep::Logarithmic => (-1..=12).fold(Complex64::ONE, |sum, j| {
+                let ratio = 10f64.powf(0.5 * f64::from(j));
+                let tail = if j == 12 { 1.0 / (10f64.sqrt() - 1.0) } else { 0.0 };
+                sum + relaxation(0.02 * 0.5 * (-1.0 / ratio).exp() * (1.0 + tail), 0.01 * ratio)
+            }),
+            Creep::KelvinVoigt { elements } => {
+                let all = [(0.05, 0.003), (0.03, 0.1), (0.02, 1.0), (0.01, 40.0)];
+                all[..elements].iter().fold(Complex64::ONE, |sum, &(k, tau)| sum + relaxation(k, tau))
+            }
+        };
+        let resonance = |k: usize| {
+            let (f, zeta) =
+                [(320.0, 0.62), (710.0, 0.21), (820.0, 0.04), (1100.0, 0.07), (1500.0, 0.02), (2100.0, 0.3)]
+                    [k];
+            mode(f, zeta, 2.0, 1.0)
+        };
         let fast = |modes| match modes {
             Modes::None => Complex64::ONE,
             Modes::Integer { order: 1 } => lag,
             Modes::Integer { order: 2 } => mode(320.0, 0.62, 2.0, 1.0),
-            Modes::Integer { order: 3 } => mode(320.0, 0.62, 2.0, 1.0) * lag,
-            Modes::Integer { .. } => mode(320.0, 0.62, 2.0, 1.0) * mode(710.0, 0.21, 2.0, 1.0),
+            Modes::Integer { order } => {
+                let pairs: Complex64 = (0..order / 2).map(resonance).product();
+                if order % 2 == 1 { pairs * lag } else { pairs }
+            }
+            Modes::Resonances { count, lag: with_lag } => {
+                let shares = [0.7, 0.2, -0.1, 0.05, 0.1];
+                let last = 1.0 - shares[..count - 1].iter().sum::<f64>();
+                let all = shares[..count - 1].iter().chain([&last]).enumerate();
+                let sum: Complex64 = all.map(|(k, share)| share * resonance(k)).sum();
+                if with_lag { sum * lag } else { sum }
+            }
             Modes::Fractional => mode(320.0, 0.62, 1.94, 1.05),
             Modes::FractionalFreeLowest => free,
             Modes::TwoFractional => 0.7 * mode(320.0, 0.62, 1.94, 1.05) + 0.3 * mode(710.0, 0.21, 1.87, 0.93),
         };
         for (form, p) in forms() {
             let tf = form.transfer_function(&p).unwrap();
-            let expected = fast(form.modes) * if form.creep { creep } else { Complex64::ONE };
+            let expected = fast(form.modes) * creep(form.creep);
             assert!(near(tf.response_at(s), expected, 1e-12), "{form:?} {s}: {tf}");
-            assert!(!form.creep || tf.dc_gain().is_infinite());
+            assert!(form.creep != Creep::Fractional || tf.dc_gain().is_infinite());
             assert!(
-                form.creep || form.modes == Modes::FractionalFreeLowest || (tf.dc_gain() - 1.0).abs() < 1e-14
+                form.creep != Creep::None
+                    || form.modes == Modes::FractionalFreeLowest
+                    || (tf.dc_gain() - 1.0).abs() < 1e-14
             );
             assert!(!format!("{:?}", stability(&tf)).contains("Unstable"), "{form:?}");
         }
@@ -100,7 +167,7 @@ fn forms_are_the_products_and_sums_they_say() {
 
 #[test]
 fn free_lowest_order_has_gain_one_at_one_hertz() {
-    let form = DynamicForm { modes: Modes::FractionalFreeLowest, creep: false };
+    let form = DynamicForm { modes: Modes::FractionalFreeLowest, creep: Creep::None };
     let tf = form.transfer_function(&[320.0, 0.62, 1.94, 1.05, 0.036]).unwrap();
     assert!((tf.response_at(Complex64::new(0.0, TAU)).norm() - 1.0).abs() < 1e-14);
 }
@@ -143,8 +210,15 @@ fn check_derivatives(form: DynamicForm, p: &[f64]) {
             };
             let expected = difference(at, p[which], 4e-3 * p[which]);
             let found = tangent(&linearised, which, s);
-            // Rounding of G over the step is what limits a derivative that is small beside G.
-            let allowed = 1e-9 * expected.norm() + 1e-13 * at(p[which]).norm() / p[which];
+            // Rounding of G's terms over the step is what limits a derivative that is small beside them.
+            let tf = &linearised.transfer_function;
+            let size = |terms: &[Term]| -> f64 {
+                terms.iter().map(|t| t.coefficient.abs() * s.norm().powf(t.order)).sum()
+            };
+            let below: Complex64 = tf.denominator.iter().map(|t| t.coefficient * s.powf(t.order)).sum();
+            let g = at(p[which]).norm();
+            let rounding = (size(&tf.numerator) + g * size(&tf.denominator)) / below.norm();
+            let allowed = 1e-9 * expected.norm() + 1e-13 * rounding / p[which].abs();
             assert!((found - expected).norm() <= allowed, "{form:?} {}: {found} {expected}", parameter.name);
         }
     }
@@ -159,7 +233,7 @@ fn derivatives_are_those_of_the_transfer_function() {
 
 #[test]
 fn coinciding_orders_are_merged_and_their_derivatives_stay_exact() {
-    let form = DynamicForm { modes: Modes::TwoFractional, creep: true };
+    let form = DynamicForm { modes: Modes::TwoFractional, creep: Creep::Fractional };
     // Equal orders of both modes, and sums that meet: 1.5 + 0.5 = 2, 0.5 + 0.5 = 1.
     let p = [320.0, 0.62, 1.5, 0.5, 710.0, 0.21, 1.5, 0.5, 0.7, 0.08, 0.5];
     let tf = form.transfer_function(&p).unwrap();
@@ -167,7 +241,7 @@ fn coinciding_orders_are_merged_and_their_derivatives_stay_exact() {
     assert_eq!(orders, [0.5, 1.0, 1.5, 2.0, 2.5, 3.5]);
     check_derivatives(form, &p);
     // Middle and highest order in reverse, and equal.
-    let form = DynamicForm { modes: Modes::Fractional, creep: false };
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
     check_derivatives(form, &[320.0, 0.62, 0.8, 1.3]);
     check_derivatives(form, &[320.0, 0.62, 1.3, 1.3]);
 }
@@ -187,7 +261,7 @@ fn buffers_take_any_form_in_turn() {
 
 #[test]
 fn refuses_what_is_no_candidate() {
-    let fractional = DynamicForm { modes: Modes::Fractional, creep: true };
+    let fractional = DynamicForm { modes: Modes::Fractional, creep: Creep::Fractional };
     let good = [320.0, 0.62, 1.94, 1.05, 0.08, 0.12];
     assert!(fractional.transfer_function(&good).is_ok());
     let count = fractional.transfer_function(&good[..5]);
@@ -202,9 +276,26 @@ fn refuses_what_is_no_candidate() {
         }
         assert!(fractional.linearise(&p, &mut Linearised::new()).is_err());
     }
-    for order in [0, 5] {
-        let form = DynamicForm { modes: Modes::Integer { order }, creep: false };
+    for order in [0, 13] {
+        let form = DynamicForm { modes: Modes::Integer { order }, creep: Creep::None };
         assert!(form.parameters().is_empty());
         assert!(matches!(form.transfer_function(&[]), Err(DynamicsError::Parameter { name: "order", .. })));
+    }
+    for number in [0, 7] {
+        let modes = Modes::Resonances { count: number, lag: true };
+        let creep = Creep::KelvinVoigt { elements: number };
+        for form in [DynamicForm { modes, creep: Creep::None }, DynamicForm { modes: Modes::None, creep }] {
+            let p = vec![1.0; form.parameter_count()];
+            assert!(matches!(form.transfer_function(&p), Err(DynamicsError::Parameter { .. })), "{form:?}");
+            assert!(matches!(
+                form.linearise(&p, &mut Linearised::new()),
+                Err(DynamicsError::Parameter { .. })
+            ));
+        }
+    }
+    let creep = DynamicForm { modes: Modes::None, creep: Creep::KelvinVoigt { elements: 1 } };
+    assert!(creep.transfer_function(&[0.0, 1.0]).is_ok());
+    for bad in [[-0.1, 1.0], [0.1, 0.0], [0.1, f64::INFINITY]] {
+        assert!(matches!(creep.transfer_function(&bad), Err(DynamicsError::Parameter { .. })));
     }
 }

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron::dynamics::{Arx, DynamicForm, Dynamics, InterSample, Modes, Scheme, Term, TransferFunction};
+use hysteron::dynamics::{
+    Arx, Creep, DynamicForm, Dynamics, InterSample, Modes, Scheme, Term, TransferFunction,
+};
 use hysteron::hammerstein::{Model, Start};
 use hysteron::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
 use hysteron::realise::{
@@ -107,8 +109,14 @@ fn whole_orders_multiple_poles_arx_and_delay_alone_are_realised() {
         let terms = |c: &[f64]| c.iter().enumerate().map(|(k, &c)| Term::new(c, k as f64)).collect();
         TransferFunction::new(terms(numerator), terms(denominator)).unwrap()
     };
-    let pair = DynamicForm { modes: Modes::Integer { order: 4 }, creep: false };
+    let pair = DynamicForm { modes: Modes::Integer { order: 4 }, creep: Creep::None };
+    let creeping = |creep, own: &[f64]| {
+        let form = DynamicForm { modes: Modes::Integer { order: 2 }, creep };
+        Dynamics::Integer(form.transfer_function(&[&[300.0, 0.3], own].concat()).unwrap())
+    };
     let cases = [
+        creeping(Creep::KelvinVoigt { elements: 2 }, &[0.03, 0.02, 0.02, 3.0]),
+        creeping(Creep::Logarithmic, &[0.02, 0.1]),
         // (1 + s/500)² : the search counts the pole once.
         Dynamics::Integer(tf(&[1.0], &[1.0, 2.0 / 500.0, 1.0 / 250_000.0])),
         Dynamics::Integer(tf(&[1.0, 0.01], &[1.0, 0.02])),
@@ -137,7 +145,7 @@ fn whole_orders_multiple_poles_arx_and_delay_alone_are_realised() {
 
 #[test]
 fn creep_is_realised_down_to_the_frequency_named() {
-    let form = DynamicForm { modes: Modes::Fractional, creep: true };
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::Fractional };
     let g = form.transfer_function(&[300.0, 0.6, 2.03, 1.05, 0.012, 0.15]).unwrap();
     for scheme in [Scheme::Tustin, Scheme::BandLimited] {
         let creeping = model(Dynamics::Fractional(g.clone()), scheme, 1.3e-4);
@@ -288,7 +296,7 @@ proptest! {
         f0 in 20.0..2000.0_f64, damping in 0.02..2.0_f64, alpha2 in 1.5..2.2_f64, share in 0.4..0.7_f64,
         scheme in prop::sample::select(Scheme::ALL.to_vec()), places in prop::collection::vec(0.0..1.0_f64, 40),
     ) {
-        let form = DynamicForm { modes: Modes::Fractional, creep: false };
+        let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
         let g = form.transfer_function(&[f0, damping, alpha2, share * alpha2]).unwrap();
         let stage = model(Dynamics::Fractional(g.clone()), scheme, 0.0);
         let realised = match realise(&stage, RATE_HZ, &to(1e-5)) {

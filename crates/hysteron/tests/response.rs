@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use hysteron::dynamics::delay::{delay_linear, delayed};
 use hysteron::dynamics::{
-    DynamicForm, DynamicsError, InitialCondition, InterSample, Linearised, Modes, Sampling, Scheme,
+    Creep, DynamicForm, DynamicsError, InitialCondition, InterSample, Linearised, Modes, Sampling, Scheme,
     SimulationPlan, TransferFunction,
 };
 use proptest::prelude::*;
@@ -40,7 +40,7 @@ fn sweep(samples: usize) -> Vec<f64> {
 
 /// Every form with parameters of a plausible stage.
 fn forms() -> Vec<(DynamicForm, Vec<f64>)> {
-    let modes: [(Modes, &[f64]); 8] = [
+    let modes: [(Modes, &[f64]); 10] = [
         (Modes::None, &[]),
         (Modes::Integer { order: 1 }, &[4e-4]),
         (Modes::Integer { order: 2 }, &[320.0, 0.62]),
@@ -49,10 +49,21 @@ fn forms() -> Vec<(DynamicForm, Vec<f64>)> {
         (Modes::Fractional, &[320.0, 0.62, 1.94, 1.05]),
         (Modes::FractionalFreeLowest, &[320.0, 0.62, 1.94, 1.05, 0.03]),
         (Modes::TwoFractional, &[320.0, 0.62, 1.94, 1.05, 710.0, 0.21, 1.87, 0.93, 0.7]),
+        (Modes::Integer { order: 7 }, &[320.0, 0.62, 710.0, 0.21, 950.0, 0.11, 4e-4]),
+        (
+            Modes::Resonances { count: 3, lag: true },
+            &[320.0, 0.32, 710.0, 0.21, 950.0, 0.24, 0.7, -0.2, 4e-4],
+        ),
     ];
     let with = |(modes, p): (Modes, &[f64])| {
-        let plain = (DynamicForm { modes, creep: false }, p.to_vec());
-        [plain, (DynamicForm { modes, creep: true }, [p, &[0.08, 0.12]].concat())]
+        let plain = (DynamicForm { modes, creep: Creep::None }, p.to_vec());
+        let creeps: [(Creep, &[f64]); 3] = [
+            (Creep::Fractional, &[0.08, 0.12]),
+            (Creep::Logarithmic, &[0.05, 0.004]),
+            (Creep::KelvinVoigt { elements: 2 }, &[0.08, 0.01, 0.05, 0.09]),
+        ];
+        let creeping = creeps.map(|(creep, own)| (DynamicForm { modes, creep }, [p, own].concat()));
+        std::iter::once(plain).chain(creeping)
     };
     modes.into_iter().flat_map(with).collect()
 }
@@ -141,7 +152,7 @@ fn the_linear_delay_is_the_one_in_time() {
 fn the_band_limited_delay_is_exact_for_a_smooth_pulse_under_every_scheme() {
     let pulse = |k: f64| (-((k - 250.0) / 12.0f64).powi(2)).exp() * (0.9 * k).sin();
     let input: Vec<f64> = (0..600).map(|k| pulse(f64::from(k))).collect();
-    let one = DynamicForm { modes: Modes::None, creep: false }.transfer_function(&[]).unwrap();
+    let one = DynamicForm { modes: Modes::None, creep: Creep::None }.transfer_function(&[]).unwrap();
     for scheme in Scheme::ALL {
         let plan = SimulationPlan::new(input.len(), FS, scheme, InitialCondition::Zero).unwrap();
         for shift in [0.37, 2.5, 41.25] {
@@ -163,7 +174,7 @@ fn what_the_band_limited_delay_makes_of_a_corner() {
     let sine = |t: f64| if t > 0.0 { (TAU * 20.0 * t).sin() } else { 0.0 };
     let input: Vec<f64> = (0..samples).map(|k| sine(k as f64 / FS)).collect();
     let expected: Vec<f64> = (0..samples).map(|k| sine((k as f64 - 2.5) / FS)).collect();
-    let one = DynamicForm { modes: Modes::None, creep: false }.transfer_function(&[]).unwrap();
+    let one = DynamicForm { modes: Modes::None, creep: Creep::None }.transfer_function(&[]).unwrap();
     let plan = SimulationPlan::new(input.len(), FS, Scheme::Tustin, InitialCondition::Zero).unwrap();
     let found = apply(&plan, &one, 2.5 / FS, EXACT, &input);
     let linear = apply(&plan, &one, 2.5 / FS, LINEAR, &input);
@@ -205,7 +216,7 @@ fn check_tangents(plan: &SimulationPlan, form: DynamicForm, p: &[f64], delay_s: 
         // As wide as the sixth order allows, for rounding is divided by the step.
         let (x, h) = match name {
             "delay" => (delay_s, 0.02 / FS),
-            "creep" | "creep_order" | "order0" => (p[which], 0.03 * p[which]),
+            name if name.starts_with("creep") || name == "order0" => (p[which], 0.03 * p[which]),
             _ => (p[which], 5e-3 * p[which]),
         };
         let at = |x: f64| {
@@ -245,7 +256,7 @@ fn tangents_are_the_derivatives_of_the_output() {
             let plan = SimulationPlan::new(600, FS, scheme, InitialCondition::Zero).unwrap();
             check_tangents(&plan, form, &p, 2.3 / FS, sampling);
         }
-        let finite = !form.creep && form.modes != Modes::FractionalFreeLowest;
+        let finite = form.creep != Creep::Fractional && form.modes != Modes::FractionalFreeLowest;
         for scheme in [Scheme::Tustin, Scheme::BandLimited] {
             for samples in [600, 601] {
                 for initial in [InitialCondition::Rest, InitialCondition::Periodic] {
@@ -267,7 +278,7 @@ fn tangents_are_the_derivatives_of_the_output() {
 fn the_linear_delay_at_a_whole_sample_has_the_derivative_from_the_right() {
     // A rate at which whole samples are exact.
     const RATE: f64 = 8192.0;
-    let form = DynamicForm { modes: Modes::Fractional, creep: false };
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
     let p = [320.0, 0.62, 1.94, 1.05];
     let input = sweep(500);
     let plan = SimulationPlan::new(500, RATE, Scheme::Tustin, InitialCondition::Zero).unwrap();
@@ -293,7 +304,8 @@ fn the_linear_delay_at_a_whole_sample_has_the_derivative_from_the_right() {
 #[test]
 fn creep_after_a_step_is_a_power_law() {
     let (k, order) = (0.08, 0.12);
-    let tf = DynamicForm { modes: Modes::None, creep: true }.transfer_function(&[k, order]).unwrap();
+    let tf =
+        DynamicForm { modes: Modes::None, creep: Creep::Fractional }.transfer_function(&[k, order]).unwrap();
     for scheme in [Scheme::Tustin, Scheme::Bdf2] {
         let y = tf.step_response(10_000, 1000.0, scheme).unwrap();
         for sample in [200, 1000, 9999] {
@@ -309,7 +321,7 @@ fn creep_after_a_step_is_a_power_law() {
 #[test]
 fn reconstruction_of_the_input_between_samples() {
     let lag = |periods: f64| {
-        let form = DynamicForm { modes: Modes::Integer { order: 1 }, creep: false };
+        let form = DynamicForm { modes: Modes::Integer { order: 1 }, creep: Creep::None };
         (periods / FS, form.transfer_function(&[periods / FS]).unwrap())
     };
     let samples = 4000;
@@ -356,7 +368,7 @@ fn refusals() {
         plan.response(&tf, 0.0, EXACT, &mut other.empty_response(0)),
         Err(DynamicsError::Length { .. })
     ));
-    let form = DynamicForm { modes: Modes::Fractional, creep: false };
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
     let mut linearised = Linearised::new();
     form.linearise(&[300.0, 0.5, 1.9, 1.0], &mut linearised).unwrap();
     let refused = plan.response_with_tangents(&linearised, 0.0, EXACT, &mut plan.empty_response(3));
@@ -405,7 +417,7 @@ proptest! {
         damping in 0.1f64..1.5,
         alpha2 in 1.5f64..2.0,
     ) {
-        let form = DynamicForm { modes: Modes::Fractional, creep: false };
+        let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
         let tf = form.transfer_function(&[400.0, damping, alpha2, 1.0]).unwrap();
         let n = input.len();
         for scheme in [Scheme::Tustin, Scheme::GrunwaldLetnikov, Scheme::Bdf2] {

@@ -16,6 +16,7 @@ use hysteron::identify::{
     CampaignRecord, Choice, DynamicsChoice, IdentifyError, Method, Options, RecordRole, Searches, StaticFit,
     Unwatched, Watcher, identify,
 };
+use hysteron::model_file::{ModelFile, SignalUnits};
 use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions, Problem, Progress};
 use hysteron::record::{ChannelChoice, InputOutput, InterSample, TimeBase};
 use std::f64::consts::TAU;
@@ -213,13 +214,28 @@ fn where_both_blocks_act_together_the_two_step_way_is_biased_as_the_prototype_is
 }
 
 #[test]
-fn integer_and_arx_blocks_fit_an_integer_plant() {
+fn integer_and_polynomial_blocks_fit_an_integer_plant() {
+    use DynamicsChoice::{Arx, BoxJenkins, Integer, OutputError, Srivc};
     let form = SecondOrder { alpha2: 2.0, alpha1: 1.0, ..FORM };
     let campaign = dynamic_campaign(form, 0.0, Scheme::Tustin);
-    for dynamics in [DynamicsChoice::Integer, DynamicsChoice::Arx] {
+    for dynamics in [Integer, Arx, OutputError, BoxJenkins, Srivc] {
         let options = Options { dynamics, ..two_step() };
         let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
-        assert!(found.records[0].scores.fit_percent.unwrap() > 99.9, "{dynamics:?}");
+        let fit = found.records[0].scores.fit_percent.unwrap();
+        println!("{dynamics:?}: {fit}");
+        assert!(fit > 99.9, "{dynamics:?}: {fit}");
+        match (&found.model.dynamics, dynamics) {
+            (Dynamics::Integer(_), Integer | Srivc) | (Dynamics::Arx(_), Arx | OutputError | BoxJenkins) => {}
+            (other, _) => panic!("{dynamics:?} gave {other:?}"),
+        }
+        if matches!(dynamics, OutputError | BoxJenkins | Srivc) {
+            assert!(found.findings.iter().any(|f| f.topic == "dynamic block"), "{dynamics:?}");
+            let own = found.parameters.iter().filter(|p| p.block == "dynamics");
+            assert!(own.clone().count() >= 3 && own.clone().all(|p| !p.held), "{dynamics:?}");
+        }
+        let file = ModelFile::from_model(&found.model, SignalUnits::default());
+        let read = ModelFile::from_slice(file.to_json().unwrap().as_bytes()).unwrap().to_model().unwrap();
+        assert_eq!(read, found.model, "{dynamics:?}");
     }
 }
 

@@ -6,6 +6,7 @@
 //! amplifier in front of it) and what it gives is put through the true dynamics of the bench.
 
 use hysteron::bench_rig::{CampaignPlan, Plant, PlayStack, RigRun, Role, Truth, measure, run_campaign};
+use hysteron::dynamics::Creep;
 use hysteron::excitation::Excitation;
 use hysteron::hammerstein::{Model, Start};
 use hysteron::identify::{CampaignRecord, Choice, Demands, DynamicsChoice, Options, Unwatched, identify};
@@ -140,30 +141,30 @@ fn rows(bench: &Bench) -> Outcome<Vec<Row>> {
         demands: straight.clone(),
         ..with(dynamics, creep)
     };
-    let lag = Options { order: 1, ..with(Integer, false) };
+    let lag = Options { order: 1, ..with(Integer, Creep::None) };
     let (all, from_v, to_v) = (bench.whole()?, bench.dynamics()?, bench.hysteresis()?);
     Ok(vec![
-        Row { name: "whole: no dynamics", fit: fit(&all, &with(Static, false))?, simulate: whole },
-        Row { name: "whole: integer order", fit: fit(&all, &with(Integer, false))?, simulate: whole },
-        Row { name: "whole: fractional", fit: fit(&all, &with(Fractional, false))?, simulate: whole },
+        Row { name: "whole: no dynamics", fit: fit(&all, &with(Static, Creep::None))?, simulate: whole },
+        Row { name: "whole: integer order", fit: fit(&all, &with(Integer, Creep::None))?, simulate: whole },
+        Row { name: "whole: fractional", fit: fit(&all, &with(Fractional, Creep::None))?, simulate: whole },
         Row {
             name: "whole: fractional with creep",
-            fit: fit(&all, &with(Fractional, true))?,
+            fit: fit(&all, &with(Fractional, Creep::Fractional))?,
             simulate: whole,
         },
         Row {
             name: "dynamics alone: integer order",
-            fit: fit(&from_v, &alone(Integer, false))?,
+            fit: fit(&from_v, &alone(Integer, Creep::None))?,
             simulate: dynamics_alone,
         },
         Row {
             name: "dynamics alone: fractional",
-            fit: fit(&from_v, &alone(Fractional, false))?,
+            fit: fit(&from_v, &alone(Fractional, Creep::None))?,
             simulate: dynamics_alone,
         },
         Row {
             name: "dynamics alone: fractional with creep",
-            fit: fit(&from_v, &alone(Fractional, true))?,
+            fit: fit(&from_v, &alone(Fractional, Creep::Fractional))?,
             simulate: dynamics_alone,
         },
         Row { name: "hysteresis alone: n = 1", fit: fit(&to_v, &lag)?, simulate: hysteresis_alone },

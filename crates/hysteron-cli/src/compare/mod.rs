@@ -30,9 +30,9 @@ use crate::result_flags::ResultFlags;
     after_help = "Each record (or part of one, where there are fewer than three of different content) is left out in turn, every candidate \
     fitted to the rest and simulated on what was left out. Records that are one experiment repeated are refused, with what to \
     measure instead.\n\n\
-    Without --candidates: every dynamic block, then variants of the best (creep, other polynomial degrees, n free). A candidate is \
-    BLOCK[+creep][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer4, arx, fractional, fractional-free-lowest, \
-    two-fractional; the polynomial is a cubic, n = 1, and the family bouc-wen if not said. The families are those of identify \
+    Without --candidates: the usual dynamic blocks (integer1 to integer4, fractional ones, arx, none), then variants of the best (creep, other polynomial degrees, n free). A candidate is \
+    BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, \
+    two-fractional, CREEP one of creep (fractional), log-creep, kelvin-voigt (two elements); the polynomial is a cubic, n = 1, and the family bouc-wen if not said. The families are those of identify \
     --hysteresis, with their usual number of elements.\n\n\
     Ctrl-C prints what is finished.\n\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
-use hysteron::dynamics::Scheme;
+use hysteron::dynamics::{Creep, Scheme};
 use hysteron::identify::structure::neighbours;
 use hysteron::identify::{
     CampaignRecord, Choice, Demands, DynamicsChoice, FindingKind, IdentifyError, Initial, Method, Options,
@@ -53,10 +53,10 @@ const MAX_RESUME_BYTES: u64 = 256 << 20;
     slow is recognised; --static and --dynamic say it.\n\n\
     Records that carry dynamics are fitted jointly: both blocks, the delay, each record's offset and the hysteresis memory \
     it starts with, from several starts, on thinned records first and all samples last. --method two-step is the article's \
-    way: hysteresis from the slow records, then dynamics from the others. Slow records alone, and --dynamics arx, go that way.\n\n\
+    way: hysteresis from the slow records, then dynamics from the others. Slow records alone, and --dynamics arx, oe, bj and srivc, go that way.\n\n\
     Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (other families: the names in their model files), \
     offset, delay [s]; joint: \
-    natural_frequency [Hz], damping, order2, order1, order0, share, creep, creep_order, memory_1, memory_2, … (beta, gamma and \
+    natural_frequency [Hz], damping, natural_frequency_2, damping_2, …, lag [s], order2, order1, order0, share, share_2, …, creep, creep_order, creep_per_decade, creep_start [s], creep_1, creep_time_1 [s], …, memory_1, memory_2, … (beta, gamma and \
     memory of alpha = 1); two-step: lag [s], gain.\n\n\
     --inputs u1_V,u2_V --outputs y1_nm,y2_nm fits several axes at once: structural modes with the hysteresis of each actuator in feedback, \
     from records of periodic multisines with different phases, one model for all amplitudes. They print the influence matrix.\n\n\
@@ -107,13 +107,17 @@ pub struct Identify {
     #[arg(long, value_enum, default_value_t = MethodArg::Joint)]
     method: MethodArg,
 
-    /// Poles of --dynamics integer, 1 to 4 (joint)
+    /// Poles of --dynamics integer, 1 to 12, or modes, 2 to 12 (joint)
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
 
-    /// Add a fractional creep factor 1 + k s^-mu to the dynamics (joint)
-    #[arg(long)]
-    creep: bool,
+    /// Creep factor of the dynamics (joint) [default: fractional where the records ask for it, none beside --dynamics]
+    #[arg(long, value_enum, value_name = "KIND")]
+    creep: Option<CreepArg>,
+
+    /// Elements of --creep kelvin-voigt, 1 to 4 [default: 2]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
+    creep_elements: Option<usize>,
 
     /// What happened before each record (joint)
     #[arg(long, value_enum, default_value_t = InitialArg::Auto)]
@@ -238,14 +242,34 @@ enum InitialArg {
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum DynamicsArg {
     None,
+    /// Whole orders: pairs of poles and, for an odd --order, a lag in series
     Integer,
+    /// Resonances in parallel and, for an odd --order, a lag behind them
+    Modes,
+    /// Equation error, sampled (two steps)
     Arx,
+    /// Output error B/F, sampled (two steps)
+    Oe,
+    /// Box–Jenkins: output error B/F with a noise model C/D, sampled (two steps)
+    Bj,
+    /// B(s)/A(s) in continuous time by refined instrumental variables (two steps)
+    Srivc,
     /// b / (s^a2 + c1 s^a1 + c0)
     Fractional,
     /// b / (s^a2 + c1 s^a1 + c0 s^a0)
     FractionalFreeLowest,
     /// Two fractional modes in parallel
     TwoFractional,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CreepArg {
+    /// 1 + k s^-mu: a power law without an end
+    Fractional,
+    /// 1 + gamma log10(1 + t/t0) after a unit step: the same amount every decade of time
+    Logarithmic,
+    /// 1 + sum of k/(1 + tau s): springs and dampers, creep that comes to an end
+    KelvinVoigt,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -435,7 +459,7 @@ impl Identify {
             },
             hysteresis: self.hysteresis.form(self.elements)?,
             order: self.order,
-            creep: self.creep,
+            creep: self.creep()?,
             initial: match self.initial {
                 InitialArg::Auto => Initial::Auto,
                 InitialArg::Rest => Initial::Rest,
@@ -448,7 +472,11 @@ impl Identify {
                 None => DynamicsChoice::Auto,
                 Some(DynamicsArg::None) => DynamicsChoice::None,
                 Some(DynamicsArg::Integer) => DynamicsChoice::Integer,
+                Some(DynamicsArg::Modes) => DynamicsChoice::Modes,
                 Some(DynamicsArg::Arx) => DynamicsChoice::Arx,
+                Some(DynamicsArg::Oe) => DynamicsChoice::OutputError,
+                Some(DynamicsArg::Bj) => DynamicsChoice::BoxJenkins,
+                Some(DynamicsArg::Srivc) => DynamicsChoice::Srivc,
                 Some(DynamicsArg::Fractional) => DynamicsChoice::Fractional,
                 Some(DynamicsArg::FractionalFreeLowest) => DynamicsChoice::FractionalFreeLowest,
                 Some(DynamicsArg::TwoFractional) => DynamicsChoice::TwoFractional,
@@ -465,6 +493,18 @@ impl Identify {
             scheme: self.scheme.map_or(Choice::Auto, |scheme| Choice::Given(scheme.into())),
             inter_sample: self.inter_sample.map_or(InterSample::Linear, InterSampleArg::into),
             least_fit_percent: self.least_fit,
+        })
+    }
+
+    fn creep(&self) -> Result<Creep, Failure> {
+        if self.creep_elements.is_some() && self.creep != Some(CreepArg::KelvinVoigt) {
+            return Err(Failure::usage("--creep-elements belongs to --creep kelvin-voigt"));
+        }
+        Ok(match self.creep {
+            None => Creep::None,
+            Some(CreepArg::Fractional) => Creep::Fractional,
+            Some(CreepArg::Logarithmic) => Creep::Logarithmic,
+            Some(CreepArg::KelvinVoigt) => Creep::KelvinVoigt { elements: self.creep_elements.unwrap_or(2) },
         })
     }
 
@@ -558,6 +598,7 @@ fn explain(error: &IdentifyError) -> Failure {
     match error {
         IdentifyError::UnknownParameter { .. }
         | IdentifyError::Demand { .. }
+        | IdentifyError::CreepTakesJointFit
         | IdentifyError::Option { .. } => Failure::usage(TITLE).because(error),
         IdentifyError::Optimize(OptimizeError::Resume(error)) => {
             let failure = Failure::new(TITLE).hint(

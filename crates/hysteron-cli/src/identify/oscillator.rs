@@ -61,7 +61,7 @@ impl Identify {
             ("--dynamics", self.dynamics.is_some()),
             ("--method", self.method != MethodArg::Joint),
             ("--order", self.order != 2),
-            ("--creep", self.creep),
+            ("--creep", self.creep.is_some() || self.creep_elements.is_some()),
             ("--drift", self.drift),
             ("--optimizer", self.optimizer != OptimizerArg::Auto),
             ("--generations", self.generations.is_some()),

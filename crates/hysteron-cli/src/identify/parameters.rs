@@ -13,9 +13,9 @@ pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
         return if quantity.unit == "1" { String::new() } else { typographic(&quantity.unit) };
     }
     match parameter.name.as_str() {
-        "natural_frequency" => "Hz".into(),
-        "natural_frequency_2" => "Hz".into(),
-        "delay" | "lag" => "s".into(),
+        name if name.starts_with("natural_frequency") => "Hz".into(),
+        "delay" | "lag" | "creep_start" => "s".into(),
+        name if name.starts_with("creep_time_") => "s".into(),
         name if name.starts_with("memory_") => match file.hysteresis.kind {
             HysteresisKind::BoucWen => Unit::new(&file.units.output).to_string(),
             _ => Unit::new(&file.units.input).to_string(),
@@ -59,18 +59,30 @@ fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> Par
         "order2" => ("α₂", "highest order"),
         "order1" => ("α₁", "middle order"),
         "order0" => ("α₀", "lowest order"),
-        "natural_frequency_2" => ("ω_n/2π", "natural frequency of the second mode"),
-        "damping_2" => ("ζ", "damping of the second mode"),
+        name if name.starts_with("natural_frequency_") => ("ω_n/2π", "natural frequency of a further mode"),
+        name if name.starts_with("damping_") => ("ζ", "damping of a further mode"),
         "order2_2" => ("α₂", "highest order of the second mode"),
         "order1_2" => ("α₁", "middle order of the second mode"),
         "share" => ("share", "share of the first mode in the gain at rest"),
+        other if other.starts_with("share_") => {
+            (other, "share of a further mode; the last has what is left of 1")
+        }
         "creep" => ("k", "size of the creep, factor 1 + k s^−μ"),
         "creep_order" => ("μ", "order of the creep"),
+        "creep_per_decade" => ("γ", "creep per decade of time, as a share of the step"),
+        "creep_start" => ("t₀", "time from which creep is logarithmic"),
+        other if other.starts_with("creep_time_") => (other, "time constant τ of a creep element"),
+        other if other.starts_with("creep_") => (other, "share k of a creep element, k/(1 + τ s)"),
         "delay" => ("τ", "delay"),
         "lag" => ("T", "time constant of the lag"),
         "b" => ("b", "numerator, K·c₀"),
         "c0" => ("c₀", "coefficient of s⁰"),
         "c1" => ("c₁", "coefficient of s^α₁"),
+        other if other.starts_with("noise_") => (other, "coefficient of the noise model C/D"),
+        other if is_coefficient(other, "b") => (other, "coefficient of the numerator"),
+        other if is_coefficient(other, "f") || is_coefficient(other, "a") => {
+            (other, "coefficient of the denominator")
+        }
         other if other.starts_with("degree_") || other.starts_with("qu") => (other, "polynomial coefficient"),
         other if p.block == "hysteresis" && shape_meaning(other).is_some() => {
             (other, shape_meaning(other).unwrap_or_default())
@@ -142,6 +154,11 @@ pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
         });
     }
     rows
+}
+
+/// `b0`, `b1`, …
+fn is_coefficient(name: &str, of: &str) -> bool {
+    name.strip_prefix(of).is_some_and(|place| place.parse::<usize>().is_ok())
 }
 
 /// What a shape number of a family says.

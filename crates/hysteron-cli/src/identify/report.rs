@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hysteron::dynamics::{Dynamics, TransferFunction};
+use hysteron::dynamics::{Creep, Dynamics, TransferFunction};
 use hysteron::hysteresis::Hysteresis;
 use hysteron::identify::structure::{Neighbours, StructureError};
 use hysteron::identify::{FindingKind, Identification, Method, PredictionBand, RecordFit, RecordRole};
@@ -21,6 +21,9 @@ use super::written::command_line;
 
 /// Frequencies at which the response is drawn.
 const RESPONSE_POINTS: usize = 400;
+
+/// Most terms of a polynomial that the report prints.
+const PRINTED_TERMS: usize = 9;
 
 /// Scores in the report's table, by key.
 const SHOWN: [&str; 7] = [
@@ -138,7 +141,7 @@ fn summary(found: &Identification) -> String {
             "followed by a first-order lag with delay".to_owned()
         }
         Dynamics::Integer(_) => "followed by integer-order dynamics with delay".to_owned(),
-        Dynamics::Arx(_) => "followed by an ARX model".to_owned(),
+        Dynamics::Arx(_) => "followed by a difference equation".to_owned(),
         Dynamics::Fractional(_) => "followed by fractional-order dynamics with delay".to_owned(),
     };
     let how = match found.method {
@@ -206,11 +209,29 @@ fn equations(found: &Identification) -> Vec<String> {
         Dynamics::None => list.push("y(t) = offset + v(t − τ)".into()),
         Dynamics::Integer(g) | Dynamics::Fractional(g) => {
             list.push("y(t) = offset + (G ∗ v)(t − τ)".into());
-            list.push(format!("G(s) = {g}{}", if is_article_form(g) { "   (form of Eq. 13)" } else { "" }));
+            let (above, below) = (g.numerator.len(), g.denominator.len());
+            list.push(if below > PRINTED_TERMS {
+                format!("G(s): a ratio of {above} over {below} powers of s, written out in the model file")
+            } else {
+                format!("G(s) = {g}{}", if is_article_form(g) { "   (form of Eq. 13)" } else { "" })
+            });
+            list.extend(creep(found).map(str::to_owned));
         }
-        Dynamics::Arx(_) => list.push("y = offset + B(z)/A(z) v   (sampled)".into()),
+        Dynamics::Arx(_) => list.push("y = offset + B(z)/A(z) v(t − τ)   (sampled)".into()),
     }
     list
+}
+
+/// What creep makes of a unit step.
+fn creep(found: &Identification) -> Option<&'static str> {
+    Some(match Creep::of_names(found.parameters.iter().map(|p| p.name.as_str())) {
+        Creep::None => return None,
+        Creep::Fractional => "creep in G: 1 + k s^−μ, after a unit step 1 + k t^μ/Γ(1 + μ)",
+        Creep::Logarithmic => "creep in G: after a unit step 1 + γ log₁₀(1 + t/t₀)",
+        Creep::KelvinVoigt { .. } => {
+            "creep in G: 1 + Σ kᵢ/(1 + τᵢ s), after a unit step 1 + Σ kᵢ (1 − e^(−t/τᵢ))"
+        }
+    })
 }
 
 /// b / (s^α₂ + c₁ s^α₁ + c₀).

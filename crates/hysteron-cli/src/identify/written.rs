@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::SystemTime;
 
+use hysteron::dynamics::Creep;
 use hysteron::hammerstein::Start;
 use hysteron::identify::{
     CampaignRecord, Choice, DynamicsChoice, Identification, Initial, Method, Options, RecordFit, RecordRole,
@@ -27,7 +28,7 @@ pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: 
     if found.method == Method::Joint {
         file.normalisation = match options.dynamics {
             DynamicsChoice::FractionalFreeLowest => Normalisation::UnitGainAt1Hz,
-            _ if found.parameters.iter().any(|p| p.name == "creep") => Normalisation::Free,
+            _ if creep(found) != Creep::None => Normalisation::Free,
             _ => Normalisation::UnitDcGain,
         };
     }
@@ -44,6 +45,10 @@ pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: 
     file
 }
 
+fn creep(found: &Identification) -> Creep {
+    Creep::of_names(found.parameters.iter().map(|p| p.name.as_str()))
+}
+
 /// Standard errors of two steps, which know nothing of each other: there is no correlation between them.
 fn give_errors(file: &mut ModelFile, found: &Identification) {
     for parameter in &found.parameters {
@@ -55,10 +60,22 @@ fn give_errors(file: &mut ModelFile, found: &Identification) {
             "order2" => "denominator[2].order",
             name => name,
         };
+        let name = &coefficient(name).unwrap_or_else(|| name.to_owned());
         if let (Some(error), Some(number)) = (parameter.std_error, file.number_mut(name)) {
             number.std_error = Some(error);
         }
     }
+}
+
+/// Name in the file of a coefficient of a polynomial model: b2 is that of z⁻² or s² above, f1 and a0 are below.
+fn coefficient(name: &str) -> Option<String> {
+    let (list, place) = match name.split_at_checked(1)? {
+        ("b", place) => ("numerator", place),
+        ("f" | "a", place) => ("denominator", place),
+        _ => return None,
+    };
+    let place: usize = place.parse().ok()?;
+    Some(format!("{list}[{place}].coefficient"))
 }
 
 /// What the device did before the first record; a rest at that record's own first sample is each record's own.
@@ -120,13 +137,13 @@ fn provenance(found: &Identification, options: &Options) -> Provenance {
         ("scheme".to_owned(), found.model.scheme.name().to_owned()),
         ("inter-sample".to_owned(), inter_sample(found.model.inter_sample).to_owned()),
     ]);
+    if options.dynamics.takes_two_steps() {
+        named.insert("dynamics".into(), options.dynamics.name().into());
+    }
     if found.method == Method::Joint {
         named.insert("initial".into(), initial(options.initial).into());
-        for (name, on) in
-            [("creep", found.parameters.iter().any(|p| p.name == "creep")), ("drift", options.drift)]
-        {
-            named.insert(name.into(), if on { "yes".into() } else { "no".into() });
-        }
+        named.insert("creep".into(), creep(found).name().into());
+        named.insert("drift".into(), if options.drift { "yes".into() } else { "no".into() });
     }
     if options.algorithm.as_ref().is_some_and(|a| a.name() != "least-squares") {
         named.insert("generations".into(), options.generations.to_string());

@@ -119,7 +119,7 @@ fn what_does_not_go_with_an_oscillator_is_refused() {
     for flags in [
         "--dynamics integer",
         "--degree 2",
-        "--creep",
+        "--creep fractional",
         "--optimizer de-abc",
         "--report r.html",
         "--fix alpha=1",

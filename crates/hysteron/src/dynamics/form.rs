@@ -4,8 +4,14 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use hysteron_rt::{Dual, Scalar};
 
+use super::creep::{Creep, MOST_CREEP_ELEMENTS};
 use super::linearised::{Linearised, Number, Sum};
 use super::{DynamicsError, TransferFunction};
+
+/// Most poles of [`Modes::Integer`].
+pub const MOST_INTEGER_POLES: usize = 12;
+/// Most resonances of [`Modes::Resonances`].
+pub const MOST_RESONANCES: usize = 6;
 
 /// Poles of the fast part. With P(f, ζ, α₂, α₁, α₀) = s^α₂ + c₁ s^α₁ + c₀ s^α₀, ω = 2πf, c₀ = ω^(α₂ − α₀),
 /// c₁ = 2ζ ω^(α₂ − α₁) (as in [`super::SecondOrder`]):
@@ -13,14 +19,21 @@ use super::{DynamicsError, TransferFunction};
 pub enum Modes {
     /// G = 1.
     None,
-    /// Gain 1 at zero frequency, the product of
-    /// - order 1: a lag 1/(1 + T s);
-    /// - order 2: a pair ω²/P(f, ζ, 2, 1, 0);
-    /// - order 3: a pair and a lag;
-    /// - order 4: two pairs.
+    /// Gain 1 at zero frequency, the product of pairs ω²/P(f, ζ, 2, 1, 0) and, where the order is odd, a lag
+    /// 1/(1 + T s). The parameters of the second pair are named with `_2`, and so on. Exchanging pairs is the same G.
     Integer {
-        /// Number of poles, 1 to 4.
+        /// Number of poles, 1 to [`MOST_INTEGER_POLES`].
         order: usize,
+    },
+    /// Resonances in parallel, Σ w_k ω_k²/(s² + 2ζ_k ω_k s + ω_k²) with Σ w_k = 1, and behind them a lag 1/(1 + T s) where
+    /// asked for: gain 1 at zero frequency. Unlike the product of [`Modes::Integer`] they have zeros between them. Shares
+    /// `share` (w₁), `share_2`, … but for the last, which is what the others leave of 1; a share may be negative (a
+    /// resonance that moves against the others). Exchanging resonances is the same G.
+    Resonances {
+        /// Number of resonances, 1 to [`MOST_RESONANCES`].
+        count: usize,
+        /// Whether there is a lag.
+        lag: bool,
     },
     /// c₀ / P(f, ζ, α₂, α₁, 0): gain 1 at zero frequency.
     Fractional,
@@ -33,18 +46,14 @@ pub enum Modes {
 
 /// A family of transfer functions: fast modes, and creep where asked for.
 ///
-/// G = modes · (1 + k s^−μ). A unit step is followed by 1 + k t^μ/Γ(1 + μ) of what the modes make of it: for the
-/// small μ of creep, k is about the share that has crept after one second.
-///
-/// As a [`TransferFunction`]: products of polynomials, (s^μ + k) over s^μ for the creep; terms are sorted, and where
-/// orders coincide their coefficients are added (the derivatives stay exact there).
+/// G = modes · creep. As a [`TransferFunction`]: products of polynomials; terms are sorted, and where orders coincide
+/// their coefficients are added (the derivatives stay exact there).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DynamicForm {
     /// Poles of the fast part.
     pub modes: Modes,
-    /// Whether there is a factor 1 + k s^−μ, parameters `creep` (k, in s^−μ: seconds to the power −μ) and
-    /// `creep_order` (μ).
-    pub creep: bool,
+    /// The factor for creep.
+    pub creep: Creep,
 }
 
 /// One parameter of a [`DynamicForm`].
@@ -66,26 +75,45 @@ enum Range {
     Finite,
 }
 
-const fn scale(name: &'static str, unit: &'static str) -> FormParameter {
+pub(super) const fn scale(name: &'static str, unit: &'static str) -> FormParameter {
     FormParameter { name, unit, logarithmic: true, range: Range::Positive }
 }
 
-const fn order(name: &'static str) -> FormParameter {
+pub(super) const fn order(name: &'static str) -> FormParameter {
     FormParameter { name, unit: "", logarithmic: false, range: Range::NotNegative }
 }
 
-const fn free(name: &'static str, unit: &'static str, logarithmic: bool) -> FormParameter {
+pub(super) const fn not_negative(name: &'static str) -> FormParameter {
+    FormParameter { name, unit: "", logarithmic: true, range: Range::NotNegative }
+}
+
+pub(super) const fn free(name: &'static str, unit: &'static str, logarithmic: bool) -> FormParameter {
     FormParameter { name, unit, logarithmic, range: Range::Finite }
 }
 
 static LAG: [FormParameter; 1] = [scale("lag", "s")];
-static FIRST: [FormParameter; 5] = [
+static PAIRS: [FormParameter; 2 * MOST_RESONANCES] = [
     scale("natural_frequency", "Hz"),
     free("damping", "", true),
-    order("order2"),
-    order("order1"),
-    order("order0"),
+    scale("natural_frequency_2", "Hz"),
+    free("damping_2", "", true),
+    scale("natural_frequency_3", "Hz"),
+    free("damping_3", "", true),
+    scale("natural_frequency_4", "Hz"),
+    free("damping_4", "", true),
+    scale("natural_frequency_5", "Hz"),
+    free("damping_5", "", true),
+    scale("natural_frequency_6", "Hz"),
+    free("damping_6", "", true),
 ];
+static SHARES: [FormParameter; MOST_RESONANCES - 1] = [
+    free("share", "", false),
+    free("share_2", "", false),
+    free("share_3", "", false),
+    free("share_4", "", false),
+    free("share_5", "", false),
+];
+static ORDERS: [FormParameter; 3] = [order("order2"), order("order1"), order("order0")];
 static SECOND: [FormParameter; 5] = [
     scale("natural_frequency_2", "Hz"),
     free("damping_2", "", true),
@@ -93,14 +121,16 @@ static SECOND: [FormParameter; 5] = [
     order("order1_2"),
     free("share", "", false),
 ];
-static CREEP: [FormParameter; 2] = [free("creep", "s^-creep_order", false), order("creep_order")];
 
-/// Most parameters of a form: two fractional modes with creep.
-const MOST: usize = 11;
+/// Room for the derivatives and terms of a form. A form of the first sort has at most 11 parameters and polynomials of 12
+/// terms, one of the second 26 and 45, and two fractional modes with logarithmic creep 135 terms.
+const SMALL: (usize, usize) = (11, 12);
+const LARGE: (usize, usize) = (26, 45);
+const LONG: (usize, usize) = (11, 135);
 
 impl DynamicForm {
-    /// The parameters, in the order in which their values are given. Empty modes for an [`Modes::Integer`] order
-    /// that does not exist, which the other functions refuse.
+    /// The parameters, in the order in which their values are given. None of modes or elements that there are too many
+    /// of, which the other functions refuse.
     pub fn parameters(&self) -> Vec<FormParameter> {
         self.list().copied().collect()
     }
@@ -113,9 +143,9 @@ impl DynamicForm {
     /// The transfer function at these parameters.
     ///
     /// # Errors
-    /// [`DynamicsError::ParameterCount`]; [`DynamicsError::Parameter`] for a value that is not finite, a frequency
-    /// or lag that is not positive, a negative order, or an integer form of an order other than 1 to 4; what
-    /// [`TransferFunction::validate`] refuses.
+    /// [`DynamicsError::ParameterCount`]; [`DynamicsError::Parameter`] for a value that is not finite, a frequency,
+    /// lag or time that is not positive, a negative order or Kelvin–Voigt creep, or a form with more poles, resonances
+    /// or elements than there may be, or none; what [`TransferFunction::validate`] refuses.
     pub fn transfer_function(&self, p: &[f64]) -> Result<TransferFunction, DynamicsError> {
         let mut tf = TransferFunction { numerator: Vec::new(), denominator: Vec::new() };
         self.write_to(p, &mut tf)?;
@@ -127,7 +157,7 @@ impl DynamicForm {
     /// # Errors
     /// As [`Self::transfer_function`].
     pub fn write_to(&self, p: &[f64], tf: &mut TransferFunction) -> Result<(), DynamicsError> {
-        let (numerator, denominator) = self.polynomials(self.check(p)?);
+        let (numerator, denominator) = self.polynomials::<f64, { LONG.1 }>(self.check(p)?);
         numerator.store(&mut tf.numerator, |_, _| {});
         denominator.store(&mut tf.denominator, |_, _| {});
         tf.validate()
@@ -139,37 +169,84 @@ impl DynamicForm {
     /// # Errors
     /// As [`Self::transfer_function`].
     pub fn linearise(&self, p: &[f64], out: &mut Linearised) -> Result<(), DynamicsError> {
-        let mut duals = [Dual::<f64, MOST>::constant(0.0); MOST];
-        for (i, (dual, &value)) in duals.iter_mut().zip(self.check(p)?).enumerate() {
-            dual.value = value;
-            dual.partials[i] = 1.0;
+        self.check(p)?;
+        let fits = |(parameters, terms): (usize, usize)| p.len() <= parameters && self.most_terms() <= terms;
+        if fits(SMALL) {
+            self.differentiate::<{ SMALL.0 }, { SMALL.1 }>(p, out)
+        } else if fits(LARGE) {
+            self.differentiate::<{ LARGE.0 }, { LARGE.1 }>(p, out)
+        } else {
+            self.differentiate::<{ LONG.0 }, { LONG.1 }>(p, out)
         }
-        let (numerator, denominator) = self.polynomials(&duals[..p.len()]);
+    }
+
+    fn differentiate<const P: usize, const T: usize>(
+        &self,
+        p: &[f64],
+        out: &mut Linearised,
+    ) -> Result<(), DynamicsError> {
+        let duals: [Dual<f64, P>; P] =
+            std::array::from_fn(|i| p.get(i).map_or(Dual::constant(0.0), |&value| Dual::variable(value, i)));
+        let (numerator, denominator) = self.polynomials::<_, T>(&duals[..p.len()]);
         out.store(&numerator, &denominator, p.len())
     }
 
-    fn list(&self) -> impl Iterator<Item = &'static FormParameter> {
-        let (first, second): (&'static [FormParameter], &'static [FormParameter]) = match self.modes {
-            Modes::None => (&[], &[]),
-            Modes::Integer { order: 1 } => (&LAG, &[]),
-            Modes::Integer { order: 2 } => (&FIRST[..2], &[]),
-            Modes::Integer { order: 3 } => (&FIRST[..2], &LAG),
-            Modes::Integer { order: 4 } => (&FIRST[..2], &SECOND[..2]),
-            Modes::Integer { .. } => (&[], &[]),
-            Modes::Fractional => (&FIRST[..4], &[]),
-            Modes::FractionalFreeLowest => (&FIRST, &[]),
-            Modes::TwoFractional => (&FIRST[..4], &SECOND),
+    /// Bound of the number of terms of either polynomial, before orders that happen to coincide are merged.
+    fn most_terms(&self) -> usize {
+        let (above, below) = match self.modes {
+            Modes::None => (1, 1),
+            Modes::Integer { order } => (1, order + 1),
+            Modes::Resonances { count, lag } => (2 * count - 1, 2 * count + 1 + usize::from(lag)),
+            Modes::Fractional | Modes::FractionalFreeLowest => (1, 3),
+            Modes::TwoFractional => (6, 9),
         };
-        let creep: &'static [FormParameter] = if self.creep { &CREEP } else { &[] };
-        first.iter().chain(second).chain(creep)
+        let (creep_above, creep_below) = self.creep.terms();
+        let whole =
+            !matches!(self.modes, Modes::Fractional | Modes::FractionalFreeLowest | Modes::TwoFractional)
+                && self.creep.has_whole_orders();
+        // Degrees add up, where other orders give a term for each pair.
+        let terms = |x: usize, y: usize| if whole { x + y - 1 } else { x * y };
+        terms(above, creep_above).max(terms(below, creep_below))
+    }
+
+    fn list(&self) -> impl Iterator<Item = &'static FormParameter> {
+        let pairs = |count: usize| PAIRS.get(..2 * count).unwrap_or(&[]);
+        let lag = |there: bool| if there { &LAG[..] } else { &[] };
+        let modes: [&'static [FormParameter]; 3] = match self.modes {
+            Modes::None => [&[], &[], &[]],
+            Modes::Integer { order } if order > MOST_INTEGER_POLES => [&[], &[], &[]],
+            Modes::Integer { order } => [pairs(order / 2), &[], lag(order % 2 == 1)],
+            Modes::Resonances { count, lag: there } => {
+                let shares = SHARES.get(..count.saturating_sub(1)).unwrap_or(&[]);
+                [pairs(count), shares, lag(there && (1..=MOST_RESONANCES).contains(&count))]
+            }
+            Modes::Fractional => [pairs(1), &ORDERS[..2], &[]],
+            Modes::FractionalFreeLowest => [pairs(1), &ORDERS, &[]],
+            Modes::TwoFractional => [pairs(1), &ORDERS[..2], &SECOND],
+        };
+        modes.into_iter().chain([self.creep.parameters()]).flatten()
     }
 
     fn check<'a>(&self, p: &'a [f64]) -> Result<&'a [f64], DynamicsError> {
-        if let Modes::Integer { order } = self.modes
-            && !(1..=4).contains(&order)
-        {
-            let value = order as f64;
-            return Err(DynamicsError::Parameter { name: "order", value, allowed: "1, 2, 3 or 4" });
+        let counts = [
+            match self.modes {
+                Modes::Integer { order } => Some(("order", order, MOST_INTEGER_POLES, "1 to 12")),
+                Modes::Resonances { count, .. } => {
+                    Some(("number of resonances", count, MOST_RESONANCES, "1 to 6"))
+                }
+                _ => None,
+            },
+            match self.creep {
+                Creep::KelvinVoigt { elements } => {
+                    Some(("number of creep elements", elements, MOST_CREEP_ELEMENTS, "1 to 4"))
+                }
+                _ => None,
+            },
+        ];
+        for (name, count, most, allowed) in counts.into_iter().flatten() {
+            if !(1..=most).contains(&count) {
+                return Err(DynamicsError::Parameter { name, value: count as f64, allowed });
+            }
         }
         let expected = self.parameter_count();
         if p.len() != expected {
@@ -189,17 +266,30 @@ impl DynamicForm {
     }
 
     /// Numerator and denominator, before merging; once for numbers with and without derivatives.
-    fn polynomials<S: Number>(&self, p: &[S]) -> (Sum<S>, Sum<S>) {
+    fn polynomials<S: Number, const T: usize>(&self, p: &[S]) -> (Sum<S, T>, Sum<S, T>) {
         let one = S::constant(1.0);
-        let unit = Sum::constant(one);
+        let unit = || Sum::constant(one);
         let (numerator, denominator) = match (self.modes, p) {
-            (Modes::Integer { order: 1 }, &[lag, ..]) => (unit, first_order(lag)),
-            (Modes::Integer { order: 2 }, &[f, zeta, ..]) => over(whole_pair(f, zeta)),
-            (Modes::Integer { order: 3 }, &[f, zeta, lag, ..]) => {
-                over(whole_pair(f, zeta).times(&first_order(lag)))
+            (Modes::Integer { order }, p) => {
+                let (pairs, rest) = p.split_at((2 * (order / 2)).min(p.len()));
+                let lag = rest.first().filter(|_| order % 2 == 1);
+                let lag = lag.map_or_else(unit, |&lag| Sum::whole([one, lag]));
+                let product = pairs.chunks_exact(2).fold(unit(), |d, p| d.times(&whole_pair(p[0], p[1])));
+                over(product.times(&lag))
             }
-            (Modes::Integer { order: 4 }, &[f, zeta, f2, zeta2, ..]) => {
-                over(whole_pair(f, zeta).times(&whole_pair(f2, zeta2)))
+            (Modes::Resonances { count, lag }, p) => {
+                let (pairs, rest) = p.split_at((2 * count).min(p.len()));
+                let (shares, rest) = rest.split_at(count.saturating_sub(1).min(rest.len()));
+                let last = shares.iter().fold(one, |left, &share| left - share);
+                let mut sum: Option<(Sum<S, T>, Sum<S, T>)> = None;
+                for (p, &share) in pairs.chunks_exact(2).zip(shares.iter().chain([&last])) {
+                    let (n, d) = over(whole_pair(p[0], p[1]));
+                    let mode = (Sum::constant(share).times(&n), d);
+                    sum = Some(sum.map_or(mode, |sum| Sum::add_fractions(&sum, &mode)));
+                }
+                let (n, d) = sum.unwrap_or((unit(), unit()));
+                let lag = rest.first().filter(|_| lag);
+                (n, lag.map_or(d, |&lag| d.times(&Sum::whole([one, lag]))))
             }
             (Modes::Fractional, &[f, zeta, a2, a1, ..]) => over(pair(f, zeta, a2, a1, S::constant(0.0))),
             (Modes::FractionalFreeLowest, &[f, zeta, a2, a1, a0, ..]) => {
@@ -213,36 +303,31 @@ impl DynamicForm {
                 let second = Sum::constant(one - share).times(&n2).times(&d);
                 (first.plus(&second), d.times(&d2))
             }
-            _ => (unit, unit),
+            _ => (unit(), unit()),
         };
-        match p {
-            &[.., creep, order] if self.creep => {
-                let power = Sum::of([(one, order)]);
-                (numerator.times(&power.plus(&Sum::constant(creep))), denominator.times(&power))
-            }
-            _ => (numerator, denominator),
+        if self.creep == Creep::None {
+            return (numerator, denominator);
         }
+        let own = p.len() - self.creep.parameters().len();
+        let (n, d) = self.creep.polynomials(&p[own..]);
+        (numerator.times(&n), denominator.times(&d))
     }
 }
 
 /// D(0)/D, for D with a constant first term.
-fn over<S: Number>(denominator: Sum<S>) -> (Sum<S>, Sum<S>) {
-    let constant = denominator.terms().first().map_or(S::constant(1.0), |&(c, _)| c);
+fn over<S: Number, const T: usize>(denominator: Sum<S, T>) -> (Sum<S, T>, Sum<S, T>) {
+    let constant = denominator.first().unwrap_or(S::constant(1.0));
     (Sum::constant(constant), denominator)
 }
 
-/// 1 + T s.
-fn first_order<S: Number>(lag: S) -> Sum<S> {
-    let one = S::constant(1.0);
-    Sum::of([(one, S::constant(0.0)), (lag, one)])
-}
-
-fn whole_pair<S: Number>(natural_frequency_hz: S, damping: S) -> Sum<S> {
-    pair(natural_frequency_hz, damping, S::constant(2.0), S::constant(1.0), S::constant(0.0))
+/// s² + 2ζω s + ω².
+fn whole_pair<S: Number, const T: usize>(natural_frequency_hz: S, damping: S) -> Sum<S, T> {
+    let omega = natural_frequency_hz.scale(TAU);
+    Sum::whole([omega * omega, damping.scale(2.0) * omega, S::constant(1.0)])
 }
 
 /// P(f, ζ, α₂, α₁, α₀), lowest order first.
-fn pair<S: Number>(natural_frequency_hz: S, damping: S, a2: S, a1: S, a0: S) -> Sum<S> {
+fn pair<S: Number, const T: usize>(natural_frequency_hz: S, damping: S, a2: S, a1: S, a0: S) -> Sum<S, T> {
     let omega = natural_frequency_hz.scale(TAU);
     let c0 = omega.powf(a2 - a0);
     let c1 = damping.scale(2.0) * omega.powf(a2 - a1);
@@ -250,9 +335,9 @@ fn pair<S: Number>(natural_frequency_hz: S, damping: S, a2: S, a1: S, a0: S) -> 
 }
 
 /// |Σ c s^α| at s = 2πi·1 Hz, where s^α = (2π)^α (cos απ/2 + i sin απ/2).
-fn magnitude_at_1_hz<S: Number>(polynomial: &Sum<S>) -> S {
+fn magnitude_at_1_hz<S: Number, const T: usize>(polynomial: &Sum<S, T>) -> S {
     let (mut re, mut im) = (S::constant(0.0), S::constant(0.0));
-    for &(coefficient, order) in polynomial.terms() {
+    for (coefficient, order) in polynomial.terms() {
         let size = coefficient * S::constant(TAU).powf(order);
         let angle = order.scale(FRAC_PI_2);
         re = re + size * angle.cos();

@@ -64,10 +64,10 @@ impl Linearised {
     }
 
     /// Stores numerator / denominator. Allocates nothing once it held as many terms and parameters.
-    pub(super) fn store<const P: usize>(
+    pub(super) fn store<const P: usize, const T: usize>(
         &mut self,
-        numerator: &Sum<Dual<f64, P>>,
-        denominator: &Sum<Dual<f64, P>>,
+        numerator: &Sum<Dual<f64, P>, T>,
+        denominator: &Sum<Dual<f64, P>, T>,
         parameters: usize,
     ) -> Result<(), DynamicsError> {
         self.parameters = parameters;
@@ -138,13 +138,20 @@ impl<const P: usize> Number for Dual<f64, P> {
     }
 }
 
-/// Most terms before merging: two fractional modes in parallel with creep have a numerator of 12.
-const TERMS: usize = 12;
-
-/// Σ c s^α with few terms, in any order, on the stack.
+/// One term c s^α of a [`Sum`].
 #[derive(Clone, Copy)]
-pub(super) struct Sum<S> {
-    terms: [(S, S); TERMS],
+struct SumTerm<S> {
+    coefficient: S,
+    order: S,
+    /// The order is a whole number whatever the parameters are: such terms are merged at once, with and without
+    /// derivatives alike.
+    is_whole: bool,
+}
+
+/// Σ c s^α with at most T terms, in any order, on the stack.
+#[derive(Clone, Copy)]
+pub(super) struct Sum<S, const T: usize> {
+    terms: [SumTerm<S>; T],
     count: usize,
 }
 
@@ -156,42 +163,88 @@ pub(super) struct Merged {
     is_new: bool,
 }
 
-impl<S: Number> Sum<S> {
+impl<S: Number, const T: usize> Sum<S, T> {
+    fn empty() -> Self {
+        let zero = S::constant(0.0);
+        Self { terms: [SumTerm { coefficient: zero, order: zero, is_whole: true }; T], count: 0 }
+    }
+
+    fn push(&mut self, term: SumTerm<S>) {
+        let same = |other: &&mut SumTerm<S>| {
+            other.is_whole && term.is_whole && other.order.value() == term.order.value()
+        };
+        if let Some(other) = self.terms[..self.count].iter_mut().find(same) {
+            other.coefficient = other.coefficient + term.coefficient;
+        } else if let Some(slot) = self.terms.get_mut(self.count) {
+            *slot = term;
+            self.count += 1;
+        } else {
+            debug_assert!(false, "a sum of more than {T} terms");
+        }
+    }
+
     /// Σ c s^α of (c, α).
     pub(super) fn of(terms: impl IntoIterator<Item = (S, S)>) -> Self {
-        let zero = S::constant(0.0);
-        let mut sum = Self { terms: [(zero, zero); TERMS], count: 0 };
-        for (slot, term) in sum.terms.iter_mut().zip(terms) {
-            *slot = term;
-            sum.count += 1;
+        let mut sum = Self::empty();
+        for (coefficient, order) in terms {
+            sum.push(SumTerm { coefficient, order, is_whole: false });
+        }
+        sum
+    }
+
+    /// Σ c_k s^k, lowest first.
+    pub(super) fn whole(coefficients: impl IntoIterator<Item = S>) -> Self {
+        let mut sum = Self::empty();
+        for (k, coefficient) in coefficients.into_iter().enumerate() {
+            sum.push(SumTerm { coefficient, order: S::constant(k as f64), is_whole: true });
         }
         sum
     }
 
     pub(super) fn constant(value: S) -> Self {
-        Self::of([(value, S::constant(0.0))])
+        Self::whole([value])
     }
 
-    pub(super) fn terms(&self) -> &[(S, S)] {
-        &self.terms[..self.count]
+    /// Coefficient of the term that came first.
+    pub(super) fn first(&self) -> Option<S> {
+        self.terms[..self.count].first().map(|term| term.coefficient)
+    }
+
+    pub(super) fn terms(&self) -> impl Iterator<Item = (S, S)> + '_ {
+        self.terms[..self.count].iter().map(|term| (term.coefficient, term.order))
     }
 
     pub(super) fn plus(&self, other: &Self) -> Self {
-        Self::of(self.terms().iter().chain(other.terms()).copied())
+        let mut sum = *self;
+        other.terms[..other.count].iter().for_each(|term| sum.push(*term));
+        sum
     }
 
     pub(super) fn times(&self, other: &Self) -> Self {
-        let products =
-            |&(c, order): &(S, S)| other.terms().iter().map(move |&(d, more)| (c * d, order + more));
-        Self::of(self.terms().iter().flat_map(products))
+        let mut product = Self::empty();
+        for x in &self.terms[..self.count] {
+            for y in &other.terms[..other.count] {
+                product.push(SumTerm {
+                    coefficient: x.coefficient * y.coefficient,
+                    order: x.order + y.order,
+                    is_whole: x.is_whole && y.is_whole,
+                });
+            }
+        }
+        product
+    }
+
+    /// n/d + m/e = (n e + m d)/(d e), each as numerator and denominator.
+    pub(super) fn add_fractions((n, d): &(Self, Self), (m, e): &(Self, Self)) -> (Self, Self) {
+        (n.times(e).plus(&m.times(d)), d.times(e))
     }
 
     /// Writes the terms in ascending order, those of equal order added up; `each` is told where each went.
     pub(super) fn store(&self, to: &mut Vec<Term>, mut each: impl FnMut(Merged, (S, S))) {
         let mut sorted = *self;
-        sorted.terms[..self.count].sort_by(|a, b| a.1.value().total_cmp(&b.1.value()));
+        sorted.terms[..self.count].sort_unstable_by(|a, b| a.order.value().total_cmp(&b.order.value()));
         to.clear();
-        for &(coefficient, order) in sorted.terms() {
+        for (coefficient, order) in sorted.terms() {
             let is_new = to.last().is_none_or(|last| last.order != order.value());
             match to.last_mut() {
                 Some(last) if !is_new => last.coefficient += coefficient.value(),

@@ -22,6 +22,7 @@
 pub mod arx;
 mod blocks;
 mod causal;
+mod creep;
 pub mod delay;
 mod error;
 mod form;
@@ -42,8 +43,9 @@ mod transient;
 pub use crate::fractional::{Scheme, Term};
 pub use crate::record::InterSample;
 pub use arx::Arx;
+pub use creep::{Creep, MOST_CREEP_ELEMENTS};
 pub use error::DynamicsError;
-pub use form::{DynamicForm, FormParameter, Modes};
+pub use form::{DynamicForm, FormParameter, MOST_INTEGER_POLES, MOST_RESONANCES, Modes};
 pub use inverse::{Inverse, InverseAim};
 pub use linearised::{Linearised, TermTangent};
 pub use plan::{InputSpectrum, SimulationPlan, Workspace};

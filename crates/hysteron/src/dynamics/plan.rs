@@ -1,12 +1,12 @@
 //! Simulation of a transfer function over a record in one pair of FFTs.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use super::blocks::{BLOCK, Exponential, Polynomial, frequencies};
 use super::error::{check_finite, check_length, check_sample_rate};
 use super::frequencies::Frequencies;
-use super::sums::Candidate;
+use super::sums::{self, Candidate};
 use super::{DynamicsError, InitialCondition, Scheme, Stability, Term, TransferFunction, stability};
 use crate::numeric::fft::{RealFft, fast_length};
 use crate::numeric::{Complex64, InstructionSet, half_turns, multiply_quotient};
@@ -271,11 +271,19 @@ impl SimulationPlan {
         check_length("workspace", workspace.time.len(), self.fft.len())
     }
 
+    /// ln |s| at the lowest frequency that is not zero.
+    fn bottom(&self) -> f64 {
+        let lowest = if self.damping > 0.0 { self.damping } else { TAU / self.fft.len() as f64 };
+        (lowest * self.sample_rate_hz).ln()
+    }
+
     /// What can be refused before any frequency is computed.
     pub(super) fn check_candidate(&self, tf: &TransferFunction) -> Result<(), DynamicsError> {
         tf.validate()?;
         // Squares of the polynomials must stay in range, or a quotient would quietly become zero.
-        let size = |term: &Term| term.coefficient.abs().ln() + term.order * self.frequencies.top;
+        let (top, bottom, shift) = (self.frequencies.top, self.bottom(), sums::shift(tf));
+        let largest = |order: f64| order * if order < 0.0 { bottom } else { top };
+        let size = |term: &Term| term.coefficient.abs().ln() + largest(term.order - shift);
         if tf.numerator.iter().chain(&tf.denominator).any(|term| size(term) > 345.0) {
             return Err(DynamicsError::OutputNotFinite);
         }

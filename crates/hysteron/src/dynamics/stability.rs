@@ -45,7 +45,7 @@ impl Stability {
 /// Nothing is rounded to a common order, and the steps cannot skip a turn: each is so short that the change of
 /// the denominator is bounded by less than its magnitude. A pole closer to the imaginary axis than about 1e-11
 /// of its frequency counts as on it. Poles are taken to be those of the denominator (no cancellation with the
-/// numerator but common powers of s). Allocates nothing up to sixteen terms; a few µs for article Eq. 13.
+/// numerator but common powers of s). Allocates nothing up to 48 terms; a few µs for article Eq. 13.
 pub fn stability(tf: &TransferFunction) -> Stability {
     match zeros_within(&tf.denominator, FRAC_PI_2) {
         Err(omega) => Stability::Marginal { frequency_hz: omega / TAU },
@@ -77,7 +77,7 @@ pub(super) fn zeros_within(terms: &[Term], half_angle: f64) -> Result<usize, f64
 }
 
 /// Terms kept on the stack.
-const FEW: usize = 16;
+const FEW: usize = 48;
 
 /// A denominator without its lowest power, along one ray from the origin.
 pub(super) struct Ray<'a> {

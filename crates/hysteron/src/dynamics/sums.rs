@@ -6,7 +6,7 @@ use super::blocks::BLOCK;
 use super::frequencies::{Frequencies, Panel, Points};
 use super::linearised::TermTangent;
 use super::tangent::Tangent;
-use super::transfer_function::{highest_index, lowest_index};
+use super::transfer_function::{highest, highest_index, lowest_index};
 use super::{Linearised, Term, TransferFunction};
 use crate::numeric::{InstructionSet, SeriesPanel, accumulate_power, accumulate_tangent};
 
@@ -193,6 +193,13 @@ impl Candidate<'_> {
         }
     }
 
+    /// Numerator and denominator are both worked out over s^shift: with many orders their values, which
+    /// nothing but their quotient is asked of, would leave the range of numbers at high frequencies. 0 up to order 8. The
+    /// series of the runs hold sums of such powers to 3e-12 of their terms' size up to order 17, to 1e-10 up to 27.
+    fn shift(&self) -> f64 {
+        shift(self.tf)
+    }
+
     /// Calls `each` with every order in turn and the terms of this order, above and below: they share one power.
     fn orders(&self, mut each: impl FnMut(f64, [Option<(Part, usize, Term)>; 2])) {
         let mut next = [0, 0];
@@ -222,8 +229,9 @@ impl Candidate<'_> {
             polynomials.clear(count);
         }
         let mut power = Block::ZERO;
+        let shift = self.shift();
         self.orders(|order, terms| {
-            self.raise(order, log_abs, angle, &mut power);
+            self.raise(order - shift, log_abs, angle, &mut power);
             let power = power.first(count);
             let add = |t: TermTangent, to: &mut Block| {
                 let (slope, weight) = (t.coefficient, t.weighted_order);
@@ -258,7 +266,9 @@ impl Candidate<'_> {
             polynomials.clear_series();
         }
         let (mut power, mut product) = (SeriesPanel::ZERO, SeriesPanel::ZERO);
+        let shift = self.shift();
         self.orders(|order, terms| {
+            let order = order - shift;
             if order != 0.0 {
                 SeriesPanel::power(self.set, order, &panel.log, &mut power);
             }
@@ -315,10 +325,16 @@ impl Candidate<'_> {
     }
 }
 
+/// Half of the highest order above 8, a whole number.
+pub(super) fn shift(tf: &TransferFunction) -> f64 {
+    let highest = highest(&tf.numerator).order.max(highest(&tf.denominator).order);
+    if highest > 8.0 { (0.5 * highest).floor() } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::blocks::frequencies;
-    use super::super::{DynamicForm, Modes, Scheme};
+    use super::super::{Creep, DynamicForm, Modes, Scheme};
     use super::*;
     use crate::numeric::Complex64;
 
@@ -345,10 +361,10 @@ mod tests {
     }
 
     /// Σ |coefficient + weighted order · ln s| |s|^order: what rounding is relative to.
-    fn size(terms: &[Term], tangents: impl Fn(usize) -> TermTangent, ln: Complex64) -> f64 {
+    fn size(terms: &[Term], shift: f64, tangents: impl Fn(usize) -> TermTangent, ln: Complex64) -> f64 {
         let of = |(i, term): (usize, &Term)| {
             let t = tangents(i);
-            (t.coefficient.abs() + t.weighted_order.abs() * ln.norm()) * (term.order * ln.re).exp()
+            (t.coefficient.abs() + t.weighted_order.abs() * ln.norm()) * ((term.order - shift) * ln.re).exp()
         };
         terms.iter().enumerate().map(of).sum()
     }
@@ -356,13 +372,27 @@ mod tests {
     #[test]
     fn by_series_they_are_what_they_are_point_by_point() {
         let (length, damping, rate) = (20_000, 23.0 / 20_000.0, 1e4);
-        let forms: [(Modes, bool, &[f64]); 3] = [
-            (Modes::Fractional, false, &[320.0, 0.62, 1.94, 1.05]),
-            (Modes::Fractional, true, &[320.0, 0.62, 2.0, 1.0, 0.08, 0.12]),
+        let forms: [(Modes, Creep, &[f64]); 6] = [
+            (Modes::Fractional, Creep::None, &[320.0, 0.62, 1.94, 1.05]),
+            (Modes::Fractional, Creep::Fractional, &[320.0, 0.62, 2.0, 1.0, 0.08, 0.12]),
             (
                 Modes::TwoFractional,
-                true,
+                Creep::Fractional,
                 &[320.0, 0.62, 1.94, 1.05, 710.0, 0.21, 1.87, 0.93, 0.7, 0.08, 0.12],
+            ),
+            (Modes::Fractional, Creep::Logarithmic, &[320.0, 0.62, 1.94, 1.05, 0.02, 0.1]),
+            (
+                Modes::Resonances { count: 3, lag: true },
+                Creep::KelvinVoigt { elements: 2 },
+                &[320.0, 0.1, 710.0, 0.02, 800.0, 0.03, 0.6, -0.1, 1e-4, 0.05, 0.1, 0.02, 3.0],
+            ),
+            (
+                Modes::Resonances { count: 6, lag: true },
+                Creep::Logarithmic,
+                &[
+                    320.0, 0.1, 710.0, 0.02, 800.0, 0.03, 950.0, 0.1, 1300.0, 0.1, 1700.0, 0.1, 0.6, -0.1,
+                    0.2, 0.1, 0.1, 1e-4, 0.02, 0.1,
+                ],
             ),
         ];
         for scheme in Scheme::ALL {
@@ -382,6 +412,7 @@ mod tests {
                 let candidate = Candidate { tf, linearised: Some(&linearised), set };
                 let found = collect(candidate, &grid, p.len());
                 let expected = collect(candidate, &oracle, p.len());
+                let mut worst = 0.0f64;
                 let moving: Vec<usize> = (0..p.len()).filter(|&i| !linearised.is_still(i)).collect();
                 for (bin, (found, expected)) in found.iter().zip(&expected).enumerate() {
                     let ln = Complex64::new(log_abs[bin], angle[bin]);
@@ -389,11 +420,11 @@ mod tests {
                         let terms = part.terms(tf);
                         let of =
                             |i: usize| TermTangent { coefficient: terms[i].coefficient, weighted_order: 0.0 };
-                        size(terms, of, ln)
+                        size(terms, shift(tf), of, ln)
                     };
                     let slope = |part: Part, which: usize| {
                         let of = |i: usize| part.tangents(Some(&linearised), i)[which];
-                        size(part.terms(tf), of, ln)
+                        size(part.terms(tf), shift(tf), of, ln)
                     };
                     let sizes = Part::BOTH
                         .map(value)
@@ -402,10 +433,21 @@ mod tests {
                     assert_eq!(found.len(), 2 + 2 * moving.len());
                     for ((found, expected), size) in found.iter().zip(expected).zip(sizes) {
                         let error = (found - expected).norm();
-                        // Exponents of up to 60 are rounded to half a unit.
-                        assert!(error <= 5e-14 * size, "{scheme} {modes:?} at {bin}: {error:e} of {size:e}");
+                        worst = worst.max(error / size);
+                        // Exponents of up to 60 are rounded to half a unit. High powers need more terms of a series
+                        // than there are.
+                        let allowed = match shift(tf) {
+                            0.0 => 5e-14,
+                            few if few <= 8.0 => 3e-12,
+                            _ => 1e-10,
+                        };
+                        assert!(
+                            error <= allowed * size,
+                            "{scheme} {modes:?} at {bin}: {error:e} of {size:e}"
+                        );
                     }
                 }
+                println!("{scheme} {modes:?} {creep:?}: {worst:.1e}");
             }
         }
     }

@@ -61,6 +61,25 @@ impl HysteresisOutput<'_> {
         let v = v.split_off(self.prologue);
         (v, self.facts.data.y.clone(), self.facts.data.valid.clone())
     }
+
+    /// As [`Self::counted_from_rest`] with what ran before the record in front, where no sample is valid.
+    pub(super) fn with_what_ran_before(&self, delay_s: f64) -> (Vec<f64>, Vec<f64>, Vec<bool>) {
+        let mut v: Vec<f64> = self.v.iter().map(|v| v - self.rest).collect();
+        delay_in_place(&mut v, delay_s * self.rate_hz, 0.0);
+        let data = &self.facts.data;
+        let mut y = vec![data.y[0]; self.prologue];
+        y.extend_from_slice(&data.y);
+        let mut valid = vec![false; self.prologue];
+        match &data.valid {
+            Some(own) => valid.extend_from_slice(own),
+            None => valid.resize(y.len(), true),
+        }
+        (v, y, valid)
+    }
+
+    pub(super) fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
 }
 
 fn dynamic_records(

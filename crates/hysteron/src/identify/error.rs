@@ -14,9 +14,14 @@ pub enum IdentifyError {
     /// No record was given.
     #[error("no record was given")]
     NoRecords,
-    /// Two steps, and an ARX block, belong to Bouc–Wen.
+    /// Creep is fitted with the rest of the dynamics.
     #[error(
-        "the two-step method, which an ARX block needs, identifies Bouc–Wen hysteresis only: leave --method and --dynamics arx out, \
+        "creep belongs to the joint fit: leave --method and --dynamics arx (oe, bj, srivc) out, or --creep"
+    )]
+    CreepTakesJointFit,
+    /// Two steps, and the blocks that need them, belong to Bouc–Wen.
+    #[error(
+        "the two-step method, which ARX, OE, BJ and SRIVC blocks need, identifies Bouc–Wen hysteresis only: leave --method and --dynamics arx (oe, bj, srivc) out, \
          or take --hysteresis bouc-wen"
     )]
     FamilyTakesJointFit,

@@ -2,7 +2,7 @@
 
 use super::RecordFacts;
 use super::findings::amplitudes;
-use super::joint::Covariance;
+use super::joint::{Covariance, without_number};
 use super::result::{Finding, FindingKind, Identification, Parameter};
 use crate::display::short;
 use crate::hysteresis::Hysteresis;
@@ -229,8 +229,7 @@ impl<'a> Advisor<'a> {
     }
 
     fn help(&self, names: &[&str]) -> String {
-        let has =
-            |wanted: &dyn Fn(&str) -> bool| names.iter().any(|name| wanted(name.trim_end_matches("_2")));
+        let has = |wanted: &dyn Fn(&str) -> bool| names.iter().any(|name| wanted(name));
         let mut help: Vec<String> = Vec::new();
         let hysteretic =
             |name: &str| ["alpha", "beta", "gamma", "n"].contains(&name) || self.power(name).is_some();
@@ -245,11 +244,12 @@ impl<'a> Advisor<'a> {
             });
         }
         if has(&|name| {
-            ["natural_frequency", "damping", "order2", "order1", "lag", "share", "delay"].contains(&name)
+            ["natural_frequency", "damping", "order2", "order1", "lag", "share", "delay"]
+                .contains(&without_number(name))
         }) {
             help.push(self.faster());
         }
-        if has(&|name| ["creep", "creep_order", "order0"].contains(&name)) {
+        if has(&|name| name.starts_with("creep") || name == "order0") {
             help.push(format!(
                 "a slow record, or a step and hold, longer than {} s",
                 short(LONGER * self.longest_s)

@@ -15,6 +15,8 @@ mod findings;
 mod identifiability;
 mod joint;
 mod layout;
+pub mod linear;
+mod linear_step;
 pub mod modes;
 pub mod optimizer_study;
 mod options;
@@ -45,6 +47,7 @@ pub use result::{
 };
 pub use static_fit::StaticFit;
 
+use crate::dynamics::Creep;
 use crate::hysteresis::HysteresisForm;
 use crate::optimize::Settings;
 use engine::Engine;
@@ -74,10 +77,13 @@ pub fn identify(
         ..Settings::default()
     };
     let engine = Engine::new(options.algorithm.as_ref(), settings, watcher, resume);
-    let joint = options.method == Method::Joint && options.dynamics != DynamicsChoice::Arx;
+    let joint = options.method == Method::Joint && !options.dynamics.takes_two_steps();
+    if !joint && options.creep != Creep::None {
+        return Err(IdentifyError::CreepTakesJointFit);
+    }
     if joint && campaign::has_second_step(&roles, options) {
         joint::identify(&facts, &roles, options, engine)
-    } else if options.hysteresis != HysteresisForm::BoucWen {
+    } else if options.hysteresis != HysteresisForm::BoucWen || options.creep != Creep::None {
         if !joint {
             return Err(IdentifyError::FamilyTakesJointFit);
         }

@@ -2,7 +2,7 @@
 
 use super::IdentifyError;
 use super::layout::Demands;
-use crate::dynamics::Scheme;
+use crate::dynamics::{Creep, MOST_CREEP_ELEMENTS, MOST_INTEGER_POLES, Scheme};
 use crate::hammerstein::Model;
 use crate::hysteresis::HysteresisForm;
 use crate::optimize::Algorithm;
@@ -60,16 +60,46 @@ pub enum DynamicsChoice {
     Auto,
     /// Static model.
     None,
-    /// Orders 2, 1, 0.
+    /// Whole orders: pairs of poles and a lag in series.
     Integer,
-    /// Autoregressive.
+    /// Resonances in parallel and, where the number of poles is odd, a lag behind them (joint fit).
+    Modes,
+    /// Autoregressive: equation error (two steps, as the next three).
     Arx,
+    /// Output error B/F.
+    OutputError,
+    /// Output error with a noise model C/D.
+    BoxJenkins,
+    /// Continuous time, by simplified refined instrumental variables.
+    Srivc,
     /// Real orders, Eq. 13.
     Fractional,
     /// Eq. 13 with a free lowest order: b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀) (joint fit).
     FractionalFreeLowest,
     /// Two fractional modes in parallel (joint fit).
     TwoFractional,
+}
+
+impl DynamicsChoice {
+    /// Whether the block is a regression of the displacement on the output of an identified hysteresis block.
+    pub fn takes_two_steps(self) -> bool {
+        matches!(self, Self::Arx | Self::OutputError | Self::BoxJenkins | Self::Srivc)
+    }
+
+    /// What it is called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "automatic",
+            Self::None => "static",
+            Self::Integer => "integer-order",
+            Self::Modes => "modal",
+            Self::Arx => "ARX",
+            Self::OutputError => "output-error",
+            Self::BoxJenkins => "Box–Jenkins",
+            Self::Srivc => "SRIVC",
+            Self::Fractional | Self::FractionalFreeLowest | Self::TwoFractional => "fractional",
+        }
+    }
 }
 
 /// A value that is given or chosen from the data.
@@ -91,10 +121,11 @@ pub struct Options {
     pub hysteresis: HysteresisForm,
     /// Dynamic block.
     pub dynamics: DynamicsChoice,
-    /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 4.
+    /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 12, or of [`DynamicsChoice::Modes`], 2 to 12.
     pub order: usize,
-    /// A joint fit has a creep factor 1 + k s^−μ. With [`DynamicsChoice::Auto`] it gets one where the records ask for it.
-    pub creep: bool,
+    /// Creep factor of a joint fit. With [`DynamicsChoice::Auto`] and [`Creep::None`] it gets a fractional one where the
+    /// records ask for it.
+    pub creep: Creep,
     /// What happened before each record of a joint fit.
     pub initial: Initial,
     /// A joint fit allows for a linear drift of each record's output.
@@ -134,7 +165,7 @@ impl Default for Options {
             hysteresis: HysteresisForm::BoucWen,
             dynamics: DynamicsChoice::Auto,
             order: 2,
-            creep: false,
+            creep: Creep::None,
             initial: Initial::Auto,
             drift: false,
             algorithm: None,
@@ -172,8 +203,16 @@ impl Options {
         {
             return refuse("degree", degree as f64, "a whole number from 1 to 9");
         }
-        if !(1..=4).contains(&self.order) {
-            return refuse("order", self.order as f64, "a whole number from 1 to 4");
+        if !(1..=MOST_INTEGER_POLES).contains(&self.order) {
+            return refuse("order", self.order as f64, "a whole number from 1 to 12");
+        }
+        if self.dynamics == DynamicsChoice::Modes && self.order < 2 {
+            return refuse("order", self.order as f64, "for modes a whole number from 2 to 12");
+        }
+        if let Creep::KelvinVoigt { elements } = self.creep
+            && !(1..=MOST_CREEP_ELEMENTS).contains(&elements)
+        {
+            return refuse("creep elements", elements as f64, "a whole number from 1 to 4");
         }
         if let Choice::Given(n) = self.n
             && !(1.0..=10.0).contains(&n)

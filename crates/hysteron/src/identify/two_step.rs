@@ -4,8 +4,11 @@
 use super::campaign::{excited, has_second_step, of_role};
 use super::dynamic_step::{self, DynamicStep, HysteresisOutput};
 use super::engine::{Engine, Search};
+use super::linear_step::LinearStep;
 use super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
-use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
+use super::result::{
+    Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, StructureChoice,
+};
 use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{correlation, covariance, standard_error};
 use super::{Covariance, IdentifyError, RecordFacts, findings};
@@ -41,11 +44,7 @@ pub(super) fn identify(
         (false, wanted) if step1.solution.lag_s > 0.0 && wanted == DynamicsChoice::Integer => Step2::None,
         (false, wanted) => {
             return Err(IdentifyError::NoDynamicInformation {
-                wanted: match wanted {
-                    DynamicsChoice::Arx => "ARX",
-                    DynamicsChoice::Fractional => "fractional",
-                    _ => "integer-order",
-                },
+                wanted: wanted.name(),
                 because:
                     "the campaign holds quasi-static records only; add a sweep or sines well above their \
                           frequency, or say with --dynamic FILE which record is one"
@@ -53,6 +52,9 @@ pub(super) fn identify(
             });
         }
         (true, DynamicsChoice::Arx) => Step2::Arx(fit_arx(&outputs, step1.solution.delay_s)?),
+        (true, wanted) if wanted.takes_two_steps() => {
+            Step2::Linear(Box::new(LinearStep::fit(&outputs, step1.solution.delay_s, options)?))
+        }
         (true, DynamicsChoice::Integer) => Step2::integer_order(&outputs, options, true, &mut engine)?,
         (true, _) => Step2::integer_order(&outputs, options, false, &mut engine)?,
     };
@@ -91,6 +93,10 @@ pub(super) fn identify(
     let resume = engine.searches();
     let bounds: Vec<Bounds> =
         std::iter::once(step1.problem.bounds().clone()).chain(step2.bounds().cloned()).collect();
+    let verdict = match &step2 {
+        Step2::Linear(step) => Some(step.verdict.clone()),
+        _ => None,
+    };
     let mut searches = vec![step1.search];
     searches.extend(step2.into_search());
     let mut identification = Identification {
@@ -113,6 +119,8 @@ pub(super) fn identify(
         resume,
     };
     findings::write(facts, options, &mut identification);
+    let said = |text| Finding { kind: FindingKind::Verdict, topic: "dynamic block", text };
+    identification.findings.extend(verdict.map(said));
     Ok(identification)
 }
 
@@ -120,6 +128,7 @@ enum Step2 {
     None,
     Order(Box<DynamicStep>),
     Arx(Arx),
+    Linear(Box<LinearStep>),
 }
 
 impl Step2 {
@@ -156,7 +165,7 @@ fn check_demands(options: &Options, dynamics: bool) -> Result<(), IdentifyError>
     let polynomial: Vec<_> = (1..=highest).map(polynomial_name).collect();
     let mut known: Vec<&str> = polynomial.iter().map(AsRef::as_ref).collect();
     known.extend(["alpha", "beta", "gamma", "n", OFFSET]);
-    if options.delay_s == Choice::Auto && options.dynamics != DynamicsChoice::Arx {
+    if options.delay_s == Choice::Auto && !options.dynamics.takes_two_steps() {
         known.push("delay");
     }
     match (dynamics, options.dynamics) {
@@ -202,6 +211,7 @@ fn assemble(
         Step2::None if solution.lag_s > 0.0 => (Dynamics::Integer(lag(solution.lag_s)), solution.delay_s),
         Step2::None => (Dynamics::None, solution.delay_s),
         Step2::Arx(arx) => (Dynamics::Arx(arx.clone()), solution.delay_s),
+        Step2::Linear(step) => (step.dynamics.clone(), solution.delay_s + step.delay_s),
         Step2::Order(step) => {
             let g = step.solution.transfer_function();
             let dynamics = if options.dynamics == DynamicsChoice::Integer {
@@ -218,7 +228,10 @@ fn assemble(
         dynamics,
         offset: solution.offsets.first().copied().unwrap_or(0.0),
         delay_s,
-        scheme: options.scheme(),
+        scheme: match (step2, options.scheme) {
+            (Step2::Linear(step), Choice::Auto) => step.scheme(),
+            _ => options.scheme(),
+        },
         inter_sample: options.inter_sample,
         sample_rate_hz: if matches!(step2, Step2::None) { rate(static_records) } else { rate(dynamic) },
     }
@@ -334,6 +347,11 @@ fn parameters(
             list.push(Parameter::new("dynamics", "delay", step1.solution.delay_s, error));
         }
         Step2::Arx(_) => {}
+        Step2::Linear(step) => {
+            searched.extend(step.parameters.iter().map(|p| p.name.clone()));
+            correlations.extend(step.correlation.clone());
+            list.extend(step.parameters.iter().cloned());
+        }
     }
     for parameter in &mut list {
         parameter.held = !searched.contains(&parameter.name);

@@ -205,7 +205,7 @@ fn deviations(blocks: &[&[f64]], total: usize, rows: Range<usize>, covariance: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dynamics::{Dynamics, Modes};
+    use crate::dynamics::{Creep, Dynamics, Modes};
     use crate::hammerstein::Model;
     use crate::hysteresis::{BoucWen, Hysteresis, UnitShape};
     use crate::optimize::Range;
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn agrees_with_simulations_of_drawn_parameters() {
-        let form = DynamicForm { modes: Modes::Fractional, creep: false };
+        let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
         let names = ["beta", "gamma", "natural_frequency", "damping", "order2", "order1", "delay"];
         let p = [2.0, 0.02, -1.2, 0.35, 0.1, 120.0, 0.4, 1.9, 0.9, 0.0034];
         // Errors of half a percent, each correlated with the next.
@@ -309,7 +309,7 @@ mod tests {
     fn refuses_a_settled_start_of_broken_periods() {
         let known = OutputUncertainty {
             hysteresis: HysteresisForm::BoucWen,
-            form: DynamicForm { modes: Modes::None, creep: false },
+            form: DynamicForm { modes: Modes::None, creep: Creep::None },
             layout: JointLayout {
                 polynomial: vec![Role::Projected],
                 weights: vec![Role::Fixed(0.0)],

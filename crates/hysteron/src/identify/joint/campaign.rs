@@ -34,6 +34,10 @@ pub(in super::super) struct JointMember<'a> {
 }
 
 impl<'a> JointMember<'a> {
+    pub(super) fn duration_s(&self) -> f64 {
+        self.facts.data.u.len() as f64 / self.rate_hz
+    }
+
     pub(in super::super) fn new(
         facts: &'a RecordFacts,
         options: &Options,

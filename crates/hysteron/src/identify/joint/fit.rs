@@ -14,7 +14,7 @@ use super::parameters;
 use super::problem::{JointProblem, JointSolution};
 use super::setup::{self, JointSetup, memory_name};
 use super::starts::Starts;
-use crate::dynamics::{DynamicForm, Dynamics, Modes};
+use crate::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use crate::hammerstein::Model;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
@@ -51,8 +51,8 @@ pub(in super::super) fn identify(
     };
     let problem = setup.problem(first_degree, reduced)?;
     let mut search = search_globally(&problem, &setup, &mut engine)?;
-    if options.dynamics == DynamicsChoice::Auto && !options.creep {
-        let creeping = setup.with(DynamicForm { creep: true, ..form }, options);
+    if options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None {
+        let creeping = setup.with(DynamicForm { creep: Creep::Fractional, ..form }, options);
         if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, &mut engine)? {
             (setup, search) = (creeping, better);
         }
@@ -362,8 +362,10 @@ pub(in super::super) fn assemble(
 ) -> Result<Model, IdentifyError> {
     let g = form.transfer_function(&solution.form)?;
     let dynamics = match form.modes {
-        Modes::None if !form.creep => Dynamics::None,
-        Modes::Integer { .. } if !form.creep => Dynamics::Integer(g),
+        Modes::None if form.creep == Creep::None => Dynamics::None,
+        Modes::None | Modes::Integer { .. } | Modes::Resonances { .. } if form.creep.has_whole_orders() => {
+            Dynamics::Integer(g)
+        }
         _ => Dynamics::Fractional(g),
     };
     let fastest = members.iter().map(|m| m.rate_hz).fold(0.0, f64::max);

@@ -195,7 +195,7 @@ mod tests {
     use super::super::problem::JointLayout;
     use super::super::record::{Before, Ingredients, JointRecord};
     use super::*;
-    use crate::dynamics::{DynamicForm, Modes, Sampling, Scheme};
+    use crate::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
     use crate::hysteresis::HysteresisForm;
     use crate::optimize::Bounds;
     use rand::Rng;
@@ -235,7 +235,7 @@ mod tests {
             delay: Role::Fixed(0.0),
             memory: vec![Role::Fixed(0.0)],
         };
-        let form = DynamicForm { modes: Modes::None, creep: false };
+        let form = DynamicForm { modes: Modes::None, creep: Creep::None };
         let problem = JointProblem::new(
             vec![record].into(),
             (HysteresisForm::BoucWen, form),

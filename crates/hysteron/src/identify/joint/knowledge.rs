@@ -205,7 +205,7 @@ fn gram<C: AsRef<[f64]> + Sync>(columns: &[C]) -> DMatrix<f64> {
 }
 
 /// Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ over one record, in the frequency domain.
-fn coloured_square(columns: &[&[f64]], residual: &[f64]) -> DMatrix<f64> {
+pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) -> DMatrix<f64> {
     let n = residual.len();
     // Twice the length, so that nothing wraps.
     let fft = RealFft::new(fast_length(2 * n));

@@ -13,6 +13,7 @@ mod problem;
 mod profile;
 mod record;
 mod reduction;
+mod resonances;
 mod setup;
 mod starts;
 #[cfg(test)]
@@ -23,6 +24,7 @@ pub(super) use campaign::JointMember;
 pub(super) use fit::{assemble, identify};
 pub use intervals::{Interval, IntervalMethod};
 pub use knowledge::Covariance;
+pub(super) use knowledge::coloured_square;
 pub use objective::{JointObjective, JointScratch};
 pub(super) use problem::JointProblem;
-pub(super) use setup::{JointSetup, form, memory_name, scheme};
+pub(super) use setup::{JointSetup, form, memory_name, scheme, without_number};

@@ -6,7 +6,7 @@ use super::intervals::{Interval, IntervalMethod};
 use super::knowledge::Covariance;
 use super::problem::{JointProblem, JointSolution};
 use super::setup::memory_name;
-use crate::dynamics::{DynamicForm, Dynamics, Modes};
+use crate::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use crate::hammerstein::Model;
 use crate::hysteresis::Hysteresis;
 use crate::model_file::{polynomial_name, transfer_function_numbers};
@@ -145,7 +145,9 @@ pub(super) fn parameters(
         push("dynamics", parameter.name, value, role);
     }
     push("dynamics", "delay", solution.delay_s, layout.delay);
-    if let (Modes::Fractional, false, Dynamics::Fractional(g)) = (&form.modes, form.creep, &model.dynamics) {
+    if let (Modes::Fractional, Creep::None, Dynamics::Fractional(g)) =
+        (form.modes, form.creep, &model.dynamics)
+    {
         // Eq. 13's own coefficients.
         for (name, number, value) in [
             ("b", "numerator[0].coefficient", g.numerator[0].coefficient),

@@ -8,12 +8,14 @@ use super::super::{IdentifyError, RecordFacts, fingerprint};
 use super::campaign::JointMember;
 use super::problem::{JointLayout, JointProblem};
 use super::record::{Before, JointRecord};
+use super::resonances::{Resonance, resonances};
 use crate::dynamics::{DynamicForm, Modes, Scheme};
 use crate::hysteresis::HysteresisForm;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Range};
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::f64::consts::TAU;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Everything that a joint problem of any degree is made from.
 #[derive(Clone)]
@@ -27,6 +29,8 @@ pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) rate_hz: f64,
     /// Whole and reduced records, prepared when first needed.
     prepared: Arc<[Mutex<Option<Prepared>>; 2]>,
+    /// Found when first needed.
+    resonances: Arc<OnceLock<Vec<Resonance>>>,
 }
 
 /// The records as a fit sees them, whatever of it is held.
@@ -59,6 +63,7 @@ impl<'a> JointSetup<'a> {
             rate_hz: members.iter().map(|m| m.rate_hz).fold(0.0, f64::max),
             members,
             prepared: Arc::default(),
+            resonances: Arc::default(),
         }
     }
 
@@ -157,23 +162,61 @@ impl<'a> JointSetup<'a> {
         (layout, space.finish())
     }
 
+    /// Resonances that the records show, for a form with several pairs of poles.
+    pub(super) fn resonances(&self) -> &[Resonance] {
+        match pairs(&self.form) {
+            0 | 1 => &[],
+            count => self.resonances.get_or_init(|| resonances(self.members, count)),
+        }
+    }
+
     /// Search range of a parameter of the dynamics.
     fn range(&self, name: &str) -> Range {
         // A resonance shows in its flank, up to a decade above the fastest drive.
         let low = (0.5 * self.fastest_hz).min(0.05 * self.rate_hz);
+        // Several of them are only seen within the drive.
+        let (low, lightest) = if pairs(&self.form) > 1 { (0.02 * low, 5e-4) } else { (low, 0.005) };
         let high = (20.0 * self.fastest_hz).min(0.45 * self.rate_hz);
-        match name.trim_end_matches("_2") {
+        // What is faster than the fastest drive is not creep, what is slower than the longest record a drift.
+        let longest = self.members.iter().map(JointMember::duration_s).fold(0.0, f64::max);
+        let fastest_creep = 1.0 / (TAU * self.fastest_hz);
+        match without_number(name) {
             "natural_frequency" => Range::logarithmic(name, low, high),
             "lag" => Range::logarithmic(name, 0.02 / self.rate_hz, 3.0 / self.fastest_hz),
-            "damping" => Range::logarithmic(name, 0.005, 20.0),
+            "damping" => Range::logarithmic(name, lightest, 20.0),
+            // A mode may move against the others.
+            "share" if matches!(self.form.modes, Modes::Resonances { .. }) => Range::linear(name, -1.0, 2.0),
             "order2" => Range::linear(name, 1.2, 2.6),
             "order1" => Range::linear(name, 0.02, 1.6),
             "order0" => Range::linear(name, 0.0, 0.5),
             "creep" => Range::logarithmic(name, 1e-4, 1.0),
             "creep_order" => Range::linear(name, 0.01, 0.6),
+            "creep_per_decade" => Range::logarithmic(name, 1e-5, 0.3),
+            // The chain reaches 1e5 times as far.
+            "creep_start" => {
+                Range::logarithmic(name, (0.5 / self.rate_hz).max(1e-5 * longest), 0.3 * longest)
+            }
+            "creep_time" => Range::logarithmic(name, fastest_creep.min(0.1 * longest), 3.0 * longest),
             "share" => Range::linear(name, 0.0, 1.0),
             _ => Range::linear(name, 0.0, 1.0),
         }
+    }
+}
+
+/// Pairs of poles with whole orders.
+fn pairs(form: &DynamicForm) -> usize {
+    match form.modes {
+        Modes::Integer { order } => order / 2,
+        Modes::Resonances { count, .. } => count,
+        _ => 0,
+    }
+}
+
+/// `natural_frequency_2` as `natural_frequency`.
+pub(in super::super) fn without_number(name: &str) -> &str {
+    match name.rsplit_once('_') {
+        Some((name, number)) if number.bytes().all(|b| b.is_ascii_digit()) => name,
+        _ => name,
     }
 }
 
@@ -183,9 +226,10 @@ pub(in super::super) fn form(options: &Options) -> DynamicForm {
     let modes = match options.dynamics {
         DynamicsChoice::None => Modes::None,
         DynamicsChoice::Integer => Modes::Integer { order: options.order },
+        DynamicsChoice::Modes => Modes::Resonances { count: options.order / 2, lag: options.order % 2 == 1 },
         DynamicsChoice::FractionalFreeLowest => Modes::FractionalFreeLowest,
         DynamicsChoice::TwoFractional => Modes::TwoFractional,
-        DynamicsChoice::Auto | DynamicsChoice::Fractional | DynamicsChoice::Arx => Modes::Fractional,
+        _ => Modes::Fractional,
     };
     DynamicForm { modes, creep: options.creep }
 }

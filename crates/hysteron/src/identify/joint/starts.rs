@@ -9,8 +9,8 @@ use super::super::layout::pick;
 use super::super::options::Options;
 use super::super::{Engine, IdentifyError};
 use super::problem::JointProblem;
-use super::setup::{JointSetup, memory_name};
-use crate::dynamics::{Dynamics, Modes};
+use super::setup::{JointSetup, memory_name, without_number};
+use crate::dynamics::{Creep, Dynamics, Modes};
 use crate::hammerstein::Model;
 use crate::model_file::polynomial_name;
 use crate::optimize::{Bounds, Problem};
@@ -19,6 +19,7 @@ use std::ops::Range;
 
 /// Places of the natural frequency in its range.
 const PLACES: [f64; 4] = [0.3, 0.5, 0.7, 0.9];
+const CENTRE: f64 = PLACES[2];
 const DAMPINGS: [f64; 3] = [0.03, 0.2, 1.0];
 /// Orders of the damping term.
 const ORDERS: [f64; 3] = [1.0, 0.6, 0.3];
@@ -27,7 +28,7 @@ const ANOTHER: f64 = 1e-3;
 /// First samples that differ by less than this share of the range are the same voltage.
 const SAME_VOLTAGE: f64 = 0.01;
 /// Dynamics that hardly show in a slow record.
-const FAST: Motion = Motion { place: 0.9, damping: 0.2, order1: 1.0 };
+const FAST: Motion = Motion { place: 0.9, damping: 0.2, order1: 1.0, measured: false };
 
 /// A loop to start from.
 #[derive(Clone, Debug)]
@@ -46,6 +47,8 @@ struct Motion {
     place: f64,
     damping: f64,
     order1: f64,
+    /// Near the resonances that the records show, instead of a place in the range.
+    measured: bool,
 }
 
 /// What the slowest record says of the loop, in the search's own numbers.
@@ -227,14 +230,27 @@ impl JointSetup<'_> {
         } else {
             &ORDERS[..1]
         };
+        // Found here, before candidates are tried on all threads.
+        let kinds: &[bool] = if self.resonances().is_empty() { &[false] } else { &[false, true] };
         let lattice = orders.iter().flat_map(|&order1| {
-            PLACES.iter().flat_map(move |&place| DAMPINGS.map(|damping| Motion { place, damping, order1 }))
+            let of = move |&place: &f64| {
+                let motion = move |damping| {
+                    kinds.iter().map(move |&measured| Motion { place, damping, order1, measured })
+                };
+                DAMPINGS.into_iter().flat_map(motion)
+            };
+            PLACES.iter().flat_map(of)
         });
         let ordered = by_cost(problem, &lattice.collect::<Vec<_>>(), |motion| point(*motion));
         let mut picked: Vec<Motion> = Vec::new();
         for motion in ordered {
             let alike = |other: &Motion| {
-                if orders.len() > 1 { other.order1 == motion.order1 } else { other.place == motion.place }
+                let same = if orders.len() > 1 {
+                    other.order1 == motion.order1
+                } else {
+                    other.place == motion.place
+                };
+                same && other.measured == motion.measured
             };
             if !picked.iter().any(alike) {
                 picked.push(motion);
@@ -262,21 +278,48 @@ impl JointSetup<'_> {
         memory: impl Fn(usize) -> f64,
     ) -> Vec<f64> {
         let names = self.hysteresis.shape_names();
+        let resonances = if motion.measured { self.resonances() } else { &[] };
         pick(bounds, |name| {
+            let elements = match self.form.creep {
+                Creep::KelvinVoigt { elements } => elements as f64,
+                _ => 1.0,
+            };
+            let number = |name: &str| {
+                let number = name.rsplit('_').next().and_then(|n| n.parse().ok());
+                number.map_or(1.0, |n: usize| n.max(1) as f64)
+            };
             let at = |t: f64| bounds.ranges.iter().find(|r| r.name == name).map(|r| r.from_unit(t));
+            let found = resonances.get(number(name) as usize - 1);
+            match (without_number(name), found) {
+                // At these resonances for the place in the centre, else at some distance from them.
+                ("natural_frequency", Some(r)) => {
+                    return Some(r.natural_frequency_hz * (1.0 + 0.25 * (motion.place - CENTRE)));
+                }
+                ("damping", Some(r)) => return Some(r.damping * (motion.damping / DAMPINGS[1]).sqrt()),
+                ("share", Some(r)) => return Some(r.share),
+                _ => {}
+            }
             match name {
                 "alpha" => Some(0.3 * self.scales.slope),
                 "delay" => Some(0.0),
                 "natural_frequency" => at(motion.place),
-                "natural_frequency_2" => at(motion.place + 0.5 * (1.0 - motion.place)),
+                name if name.starts_with("natural_frequency_") => {
+                    at(motion.place + (1.0 - motion.place) * (1.0 - 1.0 / number(name)))
+                }
                 "lag" => at(1.0 - motion.place),
-                "damping" | "damping_2" => Some(motion.damping),
+                name if without_number(name) == "damping" => Some(motion.damping),
                 "order2" | "order2_2" => Some(2.0),
                 "order1" | "order1_2" => Some(motion.order1),
                 "order0" => Some(0.02),
                 "share" => Some(0.9),
+                name if without_number(name) == "share" => Some(0.0),
                 "creep" => Some(0.05),
                 "creep_order" => Some(0.15),
+                "creep_per_decade" => Some(0.02),
+                "creep_start" => Some(0.1),
+                // Elements share the range of times.
+                name if name.starts_with("creep_time_") => at(number(name) / (elements + 1.0)),
+                name if name.starts_with("creep_") => Some(0.03),
                 name => match names.iter().position(|own| own == name) {
                     Some(index) => numbers.get(index).copied(),
                     None => (0..self.members.len()).find(|&r| memory_name(r) == name).map(&memory),

@@ -4,7 +4,7 @@ use super::super::layout::Role;
 use super::drive::fine_drive;
 use super::problem::{JointLayout, JointProblem};
 use super::record::{Before, Ingredients, JointRecord};
-use crate::dynamics::{DynamicForm, Modes, Sampling, Scheme};
+use crate::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
 use crate::hysteresis::{HysteresisForm, RecordEnds};
 use crate::optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range};
 use crate::record::InterSample;
@@ -179,7 +179,7 @@ fn check(problem: &JointProblem, x: &[f64]) {
 }
 
 fn fractional() -> DynamicForm {
-    DynamicForm { modes: Modes::Fractional, creep: false }
+    DynamicForm { modes: Modes::Fractional, creep: Creep::None }
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn jacobian_agrees_with_differences_for_other_exponents() {
     let before = [Before::Remembering, Before::Remembering];
     for (n, x_n) in [(Some(2.0), None), (Some(1.5), None), (None, Some(1.7))] {
         let problem = problem(
-            DynamicForm { modes: Modes::Integer { order: 2 }, creep: false },
+            DynamicForm { modes: Modes::Integer { order: 2 }, creep: Creep::None },
             n,
             records(Scheme::BandLimited, false, before, 1),
             [true, true],
@@ -260,7 +260,7 @@ fn weights_of_one_sign_are_the_best_that_have_it() {
 #[test]
 fn jacobian_agrees_with_differences_for_reduced_records_and_creep() {
     let before = [Before::Remembering, Before::Remembering];
-    let form = DynamicForm { modes: Modes::Fractional, creep: true };
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::Fractional };
     let problem = problem(form, Some(1.0), records(Scheme::BandLimited, false, before, 4), [true, true]);
     let mut x = vec![0.35, 0.3, 40.0, 0.4, 1.9, 0.9];
     x.extend([0.06, 0.2, 0.0034, 0.9, -0.8]);

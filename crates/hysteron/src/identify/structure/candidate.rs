@@ -4,19 +4,36 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::super::options::{Choice, DynamicsChoice, HIGHEST_DEGREE, Method, Options};
+use crate::dynamics::{Creep, MOST_INTEGER_POLES};
 use crate::hysteresis::HysteresisForm;
 
 /// Polynomial degree of a candidate that does not name one.
 const USUAL_DEGREE: usize = 3;
 
-/// One structure: `BLOCK[+creep][+degreeN][+n-free][+FAMILY]`, e.g. `fractional`, `integer2+creep`, `none+degree1`,
-/// `fractional+n-free`, `integer2+creep+prandtl-ishlinskii`.
+/// Fewer poles in parallel than these are the same in series.
+const FEWEST_OF_MODES: usize = 4;
+/// Names of the blocks.
+const NAMES: &str = "none, integer1 to integer12, modes4 to modes12, arx, oe, bj, srivc, fractional, fractional-free-lowest, two-fractional";
+
+/// Kinds of creep by name.
+const CREEPS: [(&str, Creep); 3] = [
+    ("creep", Creep::Fractional),
+    ("log-creep", Creep::Logarithmic),
+    ("kelvin-voigt", Creep::KelvinVoigt { elements: 2 }),
+];
+
+fn creep(name: &str) -> Option<Creep> {
+    CREEPS.iter().find(|(own, _)| *own == name).map(|(_, creep)| *creep)
+}
+
+/// One structure: `BLOCK[+CREEP][+degreeN][+n-free][+FAMILY]`, e.g. `fractional`, `integer2+creep`, `none+degree1`,
+/// `fractional+n-free`, `integer2+log-creep+prandtl-ishlinskii`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Candidate {
     /// Dynamic block.
     pub block: Block,
-    /// Has a creep factor 1 + k s^−μ.
-    pub creep: bool,
+    /// Creep factor: `creep` is a fractional one, `log-creep`, `kelvin-voigt` (of two elements).
+    pub creep: Creep,
     /// Polynomial degree of l\[u\].
     pub degree: usize,
     /// The Bouc–Wen exponent n is searched instead of held at 1.
@@ -30,10 +47,18 @@ pub struct Candidate {
 pub enum Block {
     /// Static model with delay.
     None,
-    /// Integer-order dynamics of this many poles, 1 to 4.
+    /// Integer-order dynamics of this many poles, 1 to 12.
     Integer(usize),
-    /// Autoregressive (identified in two steps).
+    /// Resonances in parallel with this many poles, 4 to 12; an odd one is a lag.
+    Modes(usize),
+    /// Autoregressive (identified in two steps, as the next three).
     Arx,
+    /// Output error.
+    OutputError,
+    /// Output error with a noise model.
+    BoxJenkins,
+    /// Continuous time by refined instrumental variables.
+    Srivc,
     /// b / (s^α₂ + c₁ s^α₁ + c₀).
     Fractional,
     /// b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀).
@@ -43,8 +68,8 @@ pub enum Block {
 }
 
 impl Block {
-    /// Every block, simple before rich.
-    pub const ALL: [Self; 9] = [
+    /// Those that are compared where none is named, simple before rich.
+    pub const USUAL: [Self; 9] = [
         Self::None,
         Self::Integer(1),
         Self::Integer(2),
@@ -56,17 +81,30 @@ impl Block {
         Self::TwoFractional,
     ];
 
-    fn name(self) -> &'static str {
+    /// Whether it is identified in two steps.
+    pub(super) fn takes_two_steps(self) -> bool {
+        matches!(self, Self::Arx | Self::OutputError | Self::BoxJenkins | Self::Srivc)
+    }
+
+    fn all() -> impl Iterator<Item = Self> {
+        let integer = (1..=MOST_INTEGER_POLES).map(Self::Integer);
+        let modes = (FEWEST_OF_MODES..=MOST_INTEGER_POLES).map(Self::Modes);
+        let regressions = [Self::OutputError, Self::BoxJenkins, Self::Srivc];
+        Self::USUAL.into_iter().chain(integer).chain(modes).chain(regressions)
+    }
+
+    fn name(self) -> String {
         match self {
-            Self::None => "none",
-            Self::Integer(1) => "integer1",
-            Self::Integer(2) => "integer2",
-            Self::Integer(3) => "integer3",
-            Self::Integer(_) => "integer4",
-            Self::Arx => "arx",
-            Self::Fractional => "fractional",
-            Self::FractionalFreeLowest => "fractional-free-lowest",
-            Self::TwoFractional => "two-fractional",
+            Self::None => "none".into(),
+            Self::Integer(order) => format!("integer{order}"),
+            Self::Modes(order) => format!("modes{order}"),
+            Self::Arx => "arx".into(),
+            Self::OutputError => "oe".into(),
+            Self::BoxJenkins => "bj".into(),
+            Self::Srivc => "srivc".into(),
+            Self::Fractional => "fractional".into(),
+            Self::FractionalFreeLowest => "fractional-free-lowest".into(),
+            Self::TwoFractional => "two-fractional".into(),
         }
     }
 }
@@ -74,10 +112,10 @@ impl Block {
 /// A name that is no [`Candidate`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{name}' is no structure: expected BLOCK[+creep][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, N from 1 to \
-     {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's own) one of {}, and neither creep nor another family than bouc-wen with \
-     arx; e.g. integer2+creep",
-    Block::ALL.map(Block::name).join(", "),
+    "'{name}' is no structure: expected BLOCK[+CREEP][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, CREEP one of creep, \
+     log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's own) one of {}, and neither creep nor another family than bouc-wen with \
+     arx, oe, bj and srivc; e.g. integer2+creep",
+    NAMES,
     HysteresisForm::usual().map(HysteresisForm::name).join(", ")
 )]
 pub struct UnknownCandidate {
@@ -88,14 +126,20 @@ pub struct UnknownCandidate {
 impl Candidate {
     /// This block with a cubic polynomial and n = 1, without creep.
     pub fn of(block: Block) -> Self {
-        Self { block, creep: false, degree: USUAL_DEGREE, n_free: false, hysteresis: HysteresisForm::BoucWen }
+        Self {
+            block,
+            creep: Creep::None,
+            degree: USUAL_DEGREE,
+            n_free: false,
+            hysteresis: HysteresisForm::BoucWen,
+        }
     }
 
-    /// The same dynamics with creep, with every other polynomial degree up to 5, and with n free.
+    /// The same dynamics with every kind of creep, with every other polynomial degree up to 5, and with n free.
     pub fn variants(self) -> Vec<Self> {
         let mut list = Vec::new();
-        if self.block != Block::Arx && !self.creep {
-            list.push(Self { creep: true, ..self });
+        if !self.block.takes_two_steps() && self.creep == Creep::None {
+            list.extend(CREEPS.map(|(_, creep)| Self { creep, ..self }));
         }
         list.extend((1..=5).filter(|d| *d != self.degree).map(|degree| Self { degree, ..self }));
         if !self.n_free && self.hysteresis == HysteresisForm::BoucWen {
@@ -109,13 +153,17 @@ impl Candidate {
         let (dynamics, order) = match self.block {
             Block::None => (DynamicsChoice::None, 2),
             Block::Integer(order) => (DynamicsChoice::Integer, order),
+            Block::Modes(order) => (DynamicsChoice::Modes, order),
             Block::Arx => (DynamicsChoice::Arx, 2),
+            Block::OutputError => (DynamicsChoice::OutputError, 2),
+            Block::BoxJenkins => (DynamicsChoice::BoxJenkins, 2),
+            Block::Srivc => (DynamicsChoice::Srivc, 2),
             Block::Fractional => (DynamicsChoice::Fractional, 2),
             Block::FractionalFreeLowest => (DynamicsChoice::FractionalFreeLowest, 2),
             Block::TwoFractional => (DynamicsChoice::TwoFractional, 2),
         };
         Options {
-            method: if self.block == Block::Arx { Method::TwoStep } else { Method::Joint },
+            method: if self.block.takes_two_steps() { Method::TwoStep } else { Method::Joint },
             dynamics,
             order,
             creep: self.creep,
@@ -129,9 +177,9 @@ impl Candidate {
 
 impl fmt::Display for Candidate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.block.name())?;
-        if self.creep {
-            f.write_str("+creep")?;
+        f.write_str(&self.block.name())?;
+        if let Some((name, _)) = CREEPS.iter().find(|(_, creep)| *creep == self.creep) {
+            write!(f, "+{name}")?;
         }
         if self.degree != USUAL_DEGREE {
             write!(f, "+degree{}", self.degree)?;
@@ -153,11 +201,13 @@ impl FromStr for Candidate {
         let unknown = || UnknownCandidate { name: text.to_owned() };
         let mut words = text.trim().split('+');
         let first = words.next().unwrap_or_default();
-        let block = Block::ALL.into_iter().find(|b| b.name() == first).ok_or_else(unknown)?;
+        let block = Block::all().find(|b| b.name() == first).ok_or_else(unknown)?;
         let mut candidate = Self::of(block);
         for word in words {
             match (word, word.strip_prefix("degree").map(str::parse)) {
-                ("creep", _) if block != Block::Arx => candidate.creep = true,
+                (word, _) if !block.takes_two_steps() && creep(word).is_some() => {
+                    candidate.creep = creep(word).unwrap_or_default();
+                }
                 ("n-free", _) => candidate.n_free = true,
                 (_, Some(Ok(degree))) if (1..=HIGHEST_DEGREE).contains(&degree) => candidate.degree = degree,
                 _ => {
@@ -166,7 +216,7 @@ impl FromStr for Candidate {
                 }
             }
         }
-        let of_bouc_wen = candidate.n_free || block == Block::Arx;
+        let of_bouc_wen = candidate.n_free || block.takes_two_steps();
         if of_bouc_wen && candidate.hysteresis != HysteresisForm::BoucWen {
             return Err(unknown());
         }
@@ -180,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_name_and_its_structure_are_one_to_one() {
-        for block in Block::ALL {
+        for block in Block::all() {
             let base = Candidate::of(block);
             for candidate in base.variants().into_iter().chain([base]) {
                 assert_eq!(candidate.to_string().parse(), Ok(candidate));
@@ -189,10 +239,16 @@ mod tests {
         let full: Candidate = "integer4+n-free+degree1+creep".parse().unwrap();
         assert_eq!(
             full,
-            Candidate { creep: true, degree: 1, n_free: true, ..Candidate::of(Block::Integer(4)) }
+            Candidate {
+                creep: Creep::Fractional,
+                degree: 1,
+                n_free: true,
+                ..Candidate::of(Block::Integer(4))
+            }
         );
         for hysteresis in HysteresisForm::usual() {
-            let candidate = Candidate { hysteresis, creep: true, ..Candidate::of(Block::Fractional) };
+            let candidate =
+                Candidate { hysteresis, creep: Creep::Fractional, ..Candidate::of(Block::Fractional) };
             assert_eq!(candidate.to_string().parse(), Ok(candidate));
         }
     }
@@ -202,9 +258,15 @@ mod tests {
         for name in [
             "",
             "fractal",
-            "integer5",
+            "integer13",
+            "modes2",
+            "modes13",
             "integer",
             "arx+creep",
+            "arx+log-creep",
+            "srivc+creep",
+            "oe+dahl",
+            "integer2+slow-creep",
             "none+degree0",
             "none+degree10",
             "none+degree",

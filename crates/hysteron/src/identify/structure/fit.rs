@@ -7,7 +7,7 @@ use super::super::layout::Role;
 use super::super::options::{CampaignRecord, Choice, Options};
 use super::super::uncertainty::correlation_time;
 use super::super::{IdentifyError, RecordFacts, Unwatched, identify};
-use super::candidate::{Block, Candidate};
+use super::candidate::Candidate;
 use super::folds::Fold;
 use crate::dynamics::Dynamics;
 use crate::hammerstein::{Model, Start};
@@ -36,7 +36,7 @@ pub(super) struct WholeFit {
     pub(super) model: Model,
     pub(super) starts: Vec<Start>,
     pub(super) parameters: usize,
-    /// Values to start similar fits from; empty for an ARX model.
+    /// Values to start similar fits from; empty for a block that is identified in two steps.
     pub(super) named: Named,
 }
 
@@ -68,8 +68,8 @@ impl Campaign<'_> {
     /// Fits the whole campaign, from data-driven starts and from the fits of other candidates.
     pub(super) fn fit(&self, candidate: Candidate, others: &[&Named]) -> Result<WholeFit, NoFit> {
         let options = self.candidate_options(candidate, self.members);
-        if candidate.block == Block::Arx {
-            return self.fit_arx(&options);
+        if candidate.block.takes_two_steps() {
+            return self.fit_in_two_steps(&options);
         }
         let setup = JointSetup::new(self.members, form(&options), &options);
         let problem = setup.problem(candidate.degree, true)?;
@@ -92,8 +92,8 @@ impl Campaign<'_> {
 
     /// Root of the mean squared error on what `fold` leaves out, by a fit to the rest.
     pub(super) fn error_on(&self, candidate: Candidate, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {
-        let (model, starts) = if candidate.block == Block::Arx {
-            self.arx_without(candidate, fold)?
+        let (model, starts) = if candidate.block.takes_two_steps() {
+            self.two_steps_without(candidate, fold)?
         } else {
             self.joint_without(candidate, whole, fold)?
         };
@@ -233,36 +233,42 @@ impl Campaign<'_> {
         Ok((model, rest.iter().map(|(record, _)| *record).zip(starts).collect()))
     }
 
-    fn fit_arx(&self, options: &Options) -> Result<WholeFit, NoFit> {
+    fn fit_in_two_steps(&self, options: &Options) -> Result<WholeFit, NoFit> {
         let campaign: Vec<CampaignRecord> =
             self.facts.iter().map(|f| CampaignRecord { data: f.data.clone(), role: None }).collect();
         let (model, starts) = self.identified(&campaign, options)?;
-        let Dynamics::Arx(arx) = &model.dynamics else {
-            return Err(NoFit::Failed("the records hold no dynamics for an ARX model".into()));
+        let nonzero = |b: &[f64]| b.iter().filter(|b| **b != 0.0).count();
+        let blocks = match &model.dynamics {
+            Dynamics::Arx(arx) => arx.a.len() + nonzero(&arx.b),
+            Dynamics::Integer(g) => g.numerator.len() + g.denominator.len() - 1,
+            _ => return Err(NoFit::Failed("the records hold no dynamics for such a block".into())),
         };
         let degree = match options.degree {
             Choice::Given(degree) => degree,
             Choice::Auto => 0,
         };
-        let blocks = arx.a.len() + arx.b.iter().filter(|b| **b != 0.0).count();
         // l[u], then α, β, γ and the delay.
         let parameters = degree + 4 + usize::from(options.n == Choice::Auto) + blocks;
         Ok(WholeFit { parameters, model, starts, named: Vec::new() })
     }
 
-    fn arx_without(&self, candidate: Candidate, fold: &Fold) -> Result<(Model, Vec<(usize, Start)>), NoFit> {
+    fn two_steps_without(
+        &self,
+        candidate: Candidate,
+        fold: &Fold,
+    ) -> Result<(Model, Vec<(usize, Start)>), NoFit> {
         let rest = self.rest(fold);
         let campaign: Vec<CampaignRecord> =
             rest.iter().map(|(_, f)| CampaignRecord { data: f.data.clone(), role: None }).collect();
         let options = candidate.options(self.options);
         let (model, starts) = self.identified(&campaign, &options)?;
-        if !matches!(model.dynamics, Dynamics::Arx(_)) {
-            return Err(NoFit::Failed("without it no record holds dynamics for an ARX model".into()));
+        if model.dynamics == Dynamics::None {
+            return Err(NoFit::Failed("without it no record holds dynamics for such a block".into()));
         }
         Ok((model, rest.iter().map(|(record, _)| *record).zip(starts).collect()))
     }
 
-    /// Two-step identification of an ARX model.
+    /// Two-step identification.
     fn identified(
         &self,
         campaign: &[CampaignRecord],

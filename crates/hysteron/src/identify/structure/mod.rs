@@ -140,7 +140,7 @@ pub fn compare(
     match candidates {
         Some(candidates) => run.add(candidates),
         None => {
-            let blocks = Block::ALL.map(Candidate::of);
+            let blocks = Block::USUAL.map(Candidate::of);
             let spare = blocks[0].variants().len();
             run.planned = (blocks.len() + spare) * (run.folds.len() + 1);
             run.add(&blocks);

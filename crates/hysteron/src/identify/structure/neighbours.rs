@@ -14,6 +14,7 @@ use super::candidate::{Block, Candidate};
 use super::content::Content;
 use super::fit::{Campaign, Named, NoFit, Training};
 use super::{StructureError, folds};
+use crate::dynamics::Creep;
 use crate::hysteresis::HysteresisForm;
 use crate::optimize::Settings;
 
@@ -105,14 +106,18 @@ fn identified(options: &Options, found: &Identification) -> Candidate {
     let block = match options.dynamics {
         DynamicsChoice::None => Block::None,
         DynamicsChoice::Integer => Block::Integer(options.order),
+        DynamicsChoice::Modes => Block::Modes(options.order),
         DynamicsChoice::Arx => Block::Arx,
+        DynamicsChoice::OutputError => Block::OutputError,
+        DynamicsChoice::BoxJenkins => Block::BoxJenkins,
+        DynamicsChoice::Srivc => Block::Srivc,
         DynamicsChoice::Auto | DynamicsChoice::Fractional => Block::Fractional,
         DynamicsChoice::FractionalFreeLowest => Block::FractionalFreeLowest,
         DynamicsChoice::TwoFractional => Block::TwoFractional,
     };
     Candidate {
         block,
-        creep: found.parameters.iter().any(|p| p.name == "creep"),
+        creep: Creep::of_names(found.parameters.iter().map(|p| p.name.as_str())),
         degree: found.structure.degree,
         n_free: options.n == Choice::Auto && options.hysteresis == HysteresisForm::BoucWen,
         hysteresis: options.hysteresis,
@@ -127,10 +132,11 @@ fn candidates(own: Candidate) -> Vec<Candidate> {
             list.push(candidate);
         }
     };
+    let with = if own.creep == Creep::None { Creep::Fractional } else { own.creep };
     for block in [Block::None, Block::Integer(2), Block::Fractional, own.block] {
-        for creep in [false, true] {
+        for creep in [Creep::None, with] {
             // A static model with creep, and ARX with it, are nobody's first question.
-            if !(creep && matches!(block, Block::None | Block::Arx)) {
+            if creep == Creep::None || !(block == Block::None || block.takes_two_steps()) {
                 add(Candidate { block, creep, ..own });
             }
         }

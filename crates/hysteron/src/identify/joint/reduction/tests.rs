@@ -3,7 +3,7 @@
 use super::super::drive::fine_drive;
 use super::super::record::{Before, Candidate, Direction, Ingredients, JointRecord};
 use super::*;
-use crate::dynamics::{DynamicForm, Linearised, Modes, Sampling, Scheme};
+use crate::dynamics::{Creep, DynamicForm, Linearised, Modes, Sampling, Scheme};
 use crate::hysteresis::{HysteresisForm, RecordEnds};
 use crate::record::InterSample;
 use proptest::prelude::*;
@@ -34,7 +34,7 @@ fn record(drive: &[f64], rule: InterSample, before: Before, factor: usize) -> Jo
 }
 
 /// Columns of u, u² and −ζ, then the derivatives of their sum in everything. What creeps has no steady state.
-fn columns(record: &JointRecord, n: f64, creep: bool) -> Vec<Vec<f64>> {
+fn columns(record: &JointRecord, n: f64, creep: Creep) -> Vec<Vec<f64>> {
     let form = DynamicForm { modes: Modes::Fractional, creep };
     let mut dynamics = Linearised::default();
     form.linearise(&[320.0, 0.4, 1.95, 1.02, 0.05, 0.15][..form.parameter_count()], &mut dynamics).unwrap();
@@ -64,7 +64,8 @@ fn differences(drive: &[f64], rule: InterSample, before: Before, factor: usize, 
     let (whole, reduced) = (record(drive, rule, before, 1), record(drive, rule, before, factor));
     assert_eq!(reduced.valid, drive.len().div_ceil(factor));
     let (first, last) = (reduction.lead() + REACH, reduction.lead() + reduced.valid - REACH);
-    let pairs = columns(&whole, n, !periodic).into_iter().zip(columns(&reduced, n, !periodic));
+    let creep = if periodic { Creep::None } else { Creep::Fractional };
+    let pairs = columns(&whole, n, creep).into_iter().zip(columns(&reduced, n, creep));
     pairs
         .filter(|(whole, _)| whole.iter().any(|x| *x != 0.0))
         .map(|(whole, found)| {
