@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+mod adapt;
 mod article;
 mod axes;
 mod columns;
@@ -59,6 +60,7 @@ enum Command {
     Compare(compare::Compare),
     Inspect(inspect::Inspect),
     Recalibrate(recalibrate::Recalibrate),
+    Adapt(Box<adapt::Adapt>),
     Validate(validate::Validate),
     FrequencyResponse(Box<frequency_response::FrequencyResponseCommand>),
     Simulate(simulate::Simulate),
@@ -78,6 +80,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Compare(c) => c.run(),
         Command::Inspect(c) => c.run(),
         Command::Recalibrate(c) => c.run(),
+        Command::Adapt(c) => c.run(),
         Command::Validate(c) => c.run(),
         Command::FrequencyResponse(c) => c.run(),
         Command::Simulate(c) => c.run(),

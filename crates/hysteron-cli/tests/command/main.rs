@@ -6,6 +6,7 @@
     reason = "a test stops at the first surprise"
 )]
 
+mod adapt_follows_a_device;
 mod article_is_reproduced;
 mod bad_models_are_refused;
 mod bad_records_are_refused;

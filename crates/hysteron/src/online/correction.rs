@@ -3,6 +3,7 @@
 use super::CorrectionError;
 use crate::hammerstein::{Model, Start};
 use crate::hysteresis::{BoucWen, Hysteresis};
+use crate::record::range_of;
 
 /// Highest power of the drive that may be corrected.
 const HIGHEST_POWER: u32 = 20;
@@ -170,6 +171,15 @@ impl<const N: usize> Regressors<N> {
     /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.fixed.is_empty()
+    }
+
+    /// How far each regressor moves over the record: its range, or 1 where it is constant (that of the offset). What moves the output
+    /// by d is a coefficient of d over this.
+    pub fn spans(&self) -> [f64; N] {
+        self.columns.each_ref().map(|column| {
+            let (low, high) = range_of(column);
+            if high > low { high - low } else { 1.0 }
+        })
     }
 
     /// Sample by sample.
