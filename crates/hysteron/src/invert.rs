@@ -180,7 +180,8 @@ impl Model {
     /// S. Arimoto, S. Kawamura, F. Miyazaki, *J. Robot. Syst.* 1 (1984) 123–140, doi:10.1002/rob.4620010203):
     /// v ← v + W (r − y), v the output of the hysteresis, W the inverse of the dynamics. What the model and the device have in common is
     /// taken off in one run; what is left shrinks by |1 − W P'| a run, P' the device's response, and so falls wherever the model
-    /// is within 100 % of it. What does not repeat (noise, drift) is not learned away but passed on.
+    /// is within 100 % of it. The mean of what is left counts as the sensor's own zero and is not learned: learned, it would be a jump from rest.
+    /// What does not repeat (noise, drift) is not learned away but passed on.
     ///
     /// # Errors
     /// [`InversionError`].
@@ -209,7 +210,9 @@ impl Model {
             None => Origin::Virgin { rest },
         };
         self.hysteresis.simulate(last.drive, origin, &mut wanted)?;
-        let left: Vec<f64> = reference.iter().zip(last.measured).map(|(r, y)| r - y).collect();
+        let left = || reference.iter().zip(last.measured).map(|(r, y)| r - y);
+        let zero = left().sum::<f64>() / samples as f64;
+        let left: Vec<f64> = left().map(|e| e - zero).collect();
         let mut correction = vec![0.0; samples];
         task.linear.backwards(&left, &mut correction)?;
         wanted.iter_mut().zip(&correction).for_each(|(v, c)| *v += c);

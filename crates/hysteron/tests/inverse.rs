@@ -232,7 +232,9 @@ fn what_repeats_is_learned_from_run_to_run() {
     let mut errors = Vec::new();
     for _ in 0..8 {
         let measured: Vec<f64> = plant(&run.drive, 4.0).into_iter().step_by(FINER).collect();
-        errors.push(rms(measured.iter().zip(&reference).skip(1200).take(2400).map(|(y, r)| y - r)));
+        let left = || measured.iter().zip(&reference).map(|(y, r)| y - r);
+        let zero = left().sum::<f64>() / samples as f64;
+        errors.push(rms(left().skip(1200).take(2400).map(|e| e - zero)));
         let last = LastRun { drive: &run.drive, measured: &measured };
         run = model.learn(&reference, last, RATE_HZ, &options).unwrap();
     }
