@@ -134,6 +134,16 @@ impl ReferenceFlags {
         notes(path, &signal.notes);
         Ok(signal)
     }
+
+    /// Reads drive and measured output of a run, by the rules of every record.
+    ///
+    /// # Errors
+    /// If the file is not a readable record or its columns cannot be decided.
+    pub fn read_run(&self, path: &Path) -> Result<InputOutput, Failure> {
+        let outcome = read_input_output(path, &self.time.options()).map_err(|e| cannot_read(path, &e))?;
+        notes(path, &outcome.notes);
+        Ok(outcome.data)
+    }
 }
 
 impl ColumnFlags {

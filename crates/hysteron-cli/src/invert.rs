@@ -6,9 +6,9 @@ use clap::Args;
 use hysteron::display::short;
 use hysteron::hammerstein::{SimulationError, Start};
 use hysteron::invert::{
-    BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError,
+    BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
-use hysteron::record::{Channel, Record, TimeBase, Unit};
+use hysteron::record::{Channel, Record, TimeBase, Unit, shortest_swing};
 use hysteron_io::write_csv;
 use hysteron_report::number::significant;
 use serde::Serialize;
@@ -70,6 +70,11 @@ pub struct Invert {
     #[arg(long)]
     periodic: bool,
 
+    /// A run with a drive made for the same reference, drive and measured output: learn the next drive from what it left
+    /// (iterative learning, as in scanning)
+    #[arg(long, value_name = "RUN.csv")]
+    learn_from: Option<PathBuf>,
+
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -77,6 +82,9 @@ pub struct Invert {
     #[command(flatten)]
     columns: ReferenceFlags,
 }
+
+/// Excess of a reference's frequency over the model's that is worth a remark.
+const FASTER: f64 = 1.1;
 
 fn range(text: &str) -> Result<[f64; 2], String> {
     let wrong = || "expected LOW:HIGH, e.g. 0:100".to_owned();
@@ -149,7 +157,16 @@ impl Invert {
                 Before::Rest { voltage_v: self.rest_voltage, virgin_v: self.virgin_voltage.or(switched_on) }
             },
         };
-        let found = model.model().invert(&reference.samples, sample_rate_hz, &options).map_err(|e| {
+        self.remark_fast(&model, &reference.samples, sample_rate_hz);
+        let found = match &self.learn_from {
+            None => model.model().invert(&reference.samples, sample_rate_hz, &options),
+            Some(path) => {
+                let run = self.columns.read_run(path)?;
+                let last = LastRun { drive: &run.u, measured: &run.y };
+                model.model().learn(&reference.samples, last, sample_rate_hz, &options)
+            }
+        };
+        let found = found.map_err(|e| {
             let failure = failure().because(&e);
             match e {
                 InversionError::Begins { .. } => failure.hint(
@@ -168,6 +185,23 @@ impl Invert {
         let summary = summary(&reference.samples, &found, sample_rate_hz, band, &model);
         self.write(reference.time, &reference.samples, &unit, &model.file.units.input, found)?;
         if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
+    }
+
+    /// A remark where the reference moves faster than what the model was identified with.
+    fn remark_fast(&self, model: &LoadedModel, reference: &[f64], sample_rate_hz: f64) {
+        let Some(valid) = model.file.valid_range.as_ref().and_then(|range| range.frequency.as_ref()) else {
+            return;
+        };
+        let fastest_hz = sample_rate_hz / (2.0 * shortest_swing(reference) as f64);
+        if fastest_hz > FASTER * valid.high {
+            console::note(&format!(
+                "{}: the reference swings at up to {} Hz, the model was identified up to {} Hz: beyond it extrapolates, and the predicted error \
+                 says nothing of that",
+                self.reference_file.display(),
+                short(fastest_hz),
+                short(valid.high)
+            ));
+        }
     }
 
     /// Half of the 95 % band at its widest; `None` where the file does not hold what it takes.

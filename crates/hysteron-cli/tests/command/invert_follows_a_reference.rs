@@ -70,6 +70,32 @@ fn the_model_follows_the_drive_that_was_made_for_it() {
 }
 
 #[test]
+fn the_next_drive_is_learned_from_a_run() {
+    let bench = Bench::new();
+    // The device is not quite the model.
+    let device = Model { delay_s: 2.0e-3, ..dynamic_model() };
+    bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
+    bench.write_model("device.json", &device, SignalUnits::default());
+    bench.write("scan.csv", scan("um", 1.0));
+    let follow = "invert stage.json scan.csv -o drive.csv --range 1:100 --json";
+    let rest = summary(&bench.run(follow))["rest"].as_f64().unwrap();
+    let mut errors = Vec::new();
+    for _ in 0..3 {
+        let run = bench.run(&format!("simulate device.json drive.csv -o run.csv --rest-voltage {rest}"));
+        assert_eq!(run.exit_code, 0, "{run:?}");
+        let y = column(&std::fs::read_to_string(bench.path("run.csv")).unwrap(), "y_um");
+        let r = column(&std::fs::read_to_string(bench.path("drive.csv")).unwrap(), "reference_um");
+        let errors_of = y.iter().zip(&r).skip(100).map(|(y, r)| (y - r).powi(2));
+        errors.push(errors_of.sum::<f64>().sqrt());
+        summary(&bench.run(&format!("{follow} --learn-from run.csv")));
+    }
+    assert!(errors[1] < 0.05 * errors[0] && errors[2] < errors[1], "{errors:?}");
+    bench.write("short.csv", "t_s,u_V,y_um\n0,20,8\n0.001,21,8\n0.002,22,9\n");
+    let run = bench.run(&format!("{follow} --learn-from short.csv"));
+    assert!(run.exit_code == 1 && run.stderr.contains("the last run has 3 samples"), "{run:?}");
+}
+
+#[test]
 fn limits_are_kept_and_reported() {
     let bench = Bench::new();
     bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
