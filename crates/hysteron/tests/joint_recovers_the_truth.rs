@@ -362,6 +362,91 @@ fn weights_of_plays_come_back_within_three_standard_errors() {
     }
 }
 
+/// Coefficients of the product of two polynomials, lowest power first.
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut c = vec![0.0; a.len() + b.len() - 1];
+    for (i, x) in a.iter().enumerate() {
+        b.iter().enumerate().for_each(|(j, y)| c[i + j] += x * y);
+    }
+    c
+}
+
+/// Three resonances in parallel, the last against the others, multiplied out; the sweep goes beyond them.
+#[test]
+fn three_resonances_come_back_within_three_standard_errors() {
+    let expected = [(60.0, 0.06, 0.75), (105.0, 0.03, 0.4), (170.0, 0.04, -0.15)];
+    let pairs = expected.map(|(f, zeta, _)| {
+        let omega = std::f64::consts::TAU * f;
+        [1.0, 2.0 * zeta / omega, 1.0 / (omega * omega)]
+    });
+    let mut numerator = vec![0.0; 5];
+    for (k, (_, _, share)) in expected.into_iter().enumerate() {
+        let others = product(&pairs[(k + 1) % 3], &pairs[(k + 2) % 3]);
+        numerator.iter_mut().zip(others).for_each(|(n, x)| *n += share * x);
+    }
+    let denominator = product(&product(&pairs[0], &pairs[1]), &pairs[2]);
+    let terms = |c: &[f64]| -> Vec<PowerTerm> {
+        c.iter().enumerate().map(|(k, &coefficient)| PowerTerm { coefficient, order: k as f64 }).collect()
+    };
+    let mut truth = Truth {
+        plant: Plant::BoucWenFractional(BoucWenFractional {
+            polynomial: vec![2.1],
+            alpha: 0.7,
+            beta: 0.4,
+            gamma: 0.1,
+            n: 1.0,
+            numerator: terms(&numerator),
+            denominator: terms(&denominator),
+            delay_s: 1.3e-4,
+        }),
+        ..Truth::default()
+    };
+    truth.sensor.adc = None;
+    truth.sensor.noise_um = 0.02;
+    let plan = CampaignPlan {
+        sample_rate_hz: 10_000.0,
+        loop_periods: 2.0,
+        sweep_start_hz: 2.0,
+        sweep_end_hz: 250.0,
+        sweep_s: 3.0,
+        validation_hz: Vec::new(),
+        ..CampaignPlan::default()
+    };
+    let campaign: Vec<CampaignRecord> = run_campaign(&truth, &plan, 4)
+        .unwrap()
+        .iter()
+        .filter(|r| matches!(r.role, Role::QuasiStatic | Role::Sweep))
+        .map(|r| CampaignRecord { data: data(r), role: None })
+        .collect();
+    let options =
+        Options { dynamics: DynamicsChoice::Modes, order: 6, degree: Choice::Given(1), ..Options::default() };
+    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let value = |name: String| {
+        let p = found.parameters.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no {name}"));
+        (p.value, p.std_error.unwrap_or_else(|| panic!("{name} = {} has no error", p.value)))
+    };
+    let name = |base: &str, k: usize| if k == 0 { base.to_owned() } else { format!("{base}_{}", k + 1) };
+    let mut order: Vec<usize> = (0..3).collect();
+    order.sort_by(|&a, &b| {
+        let f = |k| value(name("natural_frequency", k)).0;
+        f(a).total_cmp(&f(b))
+    });
+    for (&k, (frequency, damping, share)) in order.iter().zip(expected) {
+        let mut all = vec![("natural_frequency", frequency), ("damping", damping)];
+        if k < 2 {
+            all.push(("share", share));
+        }
+        for (base, truth) in all {
+            let (value, error) = value(name(base, k));
+            println!("{base} {value} ± {error:.1e} of {truth}");
+            assert!((value - truth).abs() < 3.0 * error, "{base}: {value} ± {error} of {truth}");
+            assert!(error < 0.05 * truth.abs(), "{base}: {value} ± {error}");
+        }
+    }
+    let delay = value("delay".into());
+    assert!((delay.0 - 1.3e-4).abs() < 3.0 * delay.1, "{delay:?}");
+}
+
 /// The default bench lies outside every class: asymmetric plays behind a bend, two modes, creep. Trained on nested loops and a
 /// sweep, plays stay below a thousandth of the stroke on what they have not seen, minor loops of a random reference included.
 #[test]
