@@ -1,7 +1,7 @@
 //! `hysteron schema`: the model file's JSON Schema.
 
 use clap::Args;
-use hysteron::model_file::{json_schema, modes_schema, oscillator_schema};
+use hysteron::model_file::{coupled_schema, json_schema, modes_schema, oscillator_schema};
 
 use crate::{console, failure::Failure};
 
@@ -16,10 +16,17 @@ pub struct Schema {
     /// The schema of the file of scheduled modes (several axes) instead
     #[arg(long)]
     modes: bool,
+
+    /// The schema of the file of coupled branches (several axes) instead
+    #[arg(long, conflicts_with_all = ["modes", "oscillator"])]
+    coupled: bool,
 }
 
 impl Schema {
     pub fn run(&self) -> Result<(), Failure> {
+        if self.coupled {
+            return console::result(&coupled_schema());
+        }
         console::result(&match (self.oscillator, self.modes) {
             (true, _) => oscillator_schema(),
             (_, true) => modes_schema(),

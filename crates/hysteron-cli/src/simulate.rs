@@ -7,7 +7,7 @@ use hysteron::identify::PredictionError;
 use hysteron::record::{Channel, Record, TimeBase};
 use hysteron_io::write_csv;
 
-use crate::axes::{AxesFlags, LoadedModes};
+use crate::axes::{AxesFlags, LoadedAxes};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -67,7 +67,7 @@ impl Simulate {
         if let Some(model) = LoadedOscillator::recognise(&self.model)? {
             return self.run_oscillator(&model);
         }
-        if let Some(model) = LoadedModes::recognise(&self.model)? {
+        if let Some(model) = LoadedAxes::recognise(&self.model)? {
             return self.run_modes(&model);
         }
         if self.axes.are_given() {
@@ -116,30 +116,28 @@ impl Simulate {
         self.write(drive.time, vec![Channel::new("u", u_unit.symbol(), drive.samples), output])
     }
 
-    fn run_modes(&self, model: &LoadedModes) -> Result<(), Failure> {
+    fn run_modes(&self, model: &LoadedAxes) -> Result<(), Failure> {
         if self.band.is_some() {
-            return Err(Failure::usage("--band does not go with modes of several axes")
+            return Err(Failure::usage("--band does not go with models of several axes")
                 .because("their file holds no correlation of its parameters"));
         }
         // Outputs are made here, not read.
-        let mut axes = self.axes.or(&model.file.inputs, &[]);
-        let names =
-            if self.axes.outputs.is_empty() { &model.file.outputs } else { &self.axes.outputs }.clone();
-        if names.len() != model.file.outputs.len() {
+        let mut axes = self.axes.or(&model.inputs, &[]);
+        let names = if self.axes.outputs.is_empty() { &model.outputs } else { &self.axes.outputs }.clone();
+        if names.len() != model.outputs.len() {
             return Err(Failure::usage(format!(
                 "the model has {} outputs, --outputs names {}",
-                model.file.outputs.len(),
+                model.outputs.len(),
                 names.len()
             )));
         }
         axes.outputs.clear();
         let record = axes.read(&self.input_file, &self.columns)?;
         let (simulated, _) =
-            model.simulate(&self.input_file, &record, self.start.settled_s("modes of several axes")?)?;
+            model.simulate(&self.input_file, &record, self.start.settled_s("models of several axes")?)?;
         let inputs =
             record.inputs.iter().zip(record.u).map(|(name, u)| Channel::new(name, record.u_unit.symbol(), u));
-        let outputs =
-            names.iter().zip(simulated).map(|(name, y)| Channel::new(name, &model.file.units.output, y));
+        let outputs = names.iter().zip(simulated).map(|(name, y)| Channel::new(name, &model.units.output, y));
         let channels = inputs.chain(outputs).collect();
         self.write(record.time, channels)
     }

@@ -10,7 +10,7 @@ use hysteron::record::InputOutput;
 use hysteron::validate::{OffsetTreatment, Scoring, score, unfollowed_start};
 use serde::Serialize;
 
-use crate::axes::{self, AxesFlags, AxesScored, LoadedModes};
+use crate::axes::{self, AxesFlags, AxesScored, LoadedAxes};
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -128,7 +128,7 @@ struct Report {
 
 impl Validate {
     pub fn run(&self) -> Result<(), Failure> {
-        if let Some(model) = LoadedModes::recognise(&self.model)? {
+        if let Some(model) = LoadedAxes::recognise(&self.model)? {
             return self.run_modes(&model);
         }
         if self.axes.are_given() {
@@ -149,13 +149,13 @@ impl Validate {
         if self.json { console::json(&Report { records }) } else { console::result(&self.text(&records)) }
     }
 
-    fn run_modes(&self, model: &LoadedModes) -> Result<(), Failure> {
+    fn run_modes(&self, model: &LoadedAxes) -> Result<(), Failure> {
         if self.band {
-            return Err(Failure::usage("--band does not go with modes of several axes")
+            return Err(Failure::usage("--band does not go with models of several axes")
                 .because("their file holds no correlation of its parameters"));
         }
-        let settled = self.start.settled_s("modes of several axes")?;
-        let names = self.axes.or(&model.file.inputs, &model.file.outputs);
+        let settled = self.start.settled_s("models of several axes")?;
+        let names = self.axes.or(&model.inputs, &model.outputs);
         let score = |path: &PathBuf| {
             let record = names.read(path, self.columns.of_drive())?;
             model.score(path, &record, &self.scoring(), settled)

@@ -8,7 +8,6 @@ use std::time::SystemTime;
 
 use clap::Args;
 use hysteron::axes::{AxesRecord, InfluenceMatrix};
-use hysteron::identify::FindingKind;
 use hysteron::identify::modes::{ModesFitError, ModesIdentification, ModesProgress, Options, identify};
 use hysteron::model_file::{
     InfluenceEntry, Interval, ModesFile, ModesScoreEntry, Provenance, RecordEntry, RecordRole, SignalUnits,
@@ -18,7 +17,7 @@ use hysteron::validate::Scoring;
 use hysteron_report::number::significant;
 use serde_json::{Value, json};
 
-use super::{AxesFlags, AxesScored, LoadedModes, table};
+use super::{AxesFlags, AxesScored, LoadedAxes, kind_name, table};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -113,7 +112,7 @@ impl ModesFlags {
             console::note("interrupted: the best so far was written");
         }
         // What was written is what is scored.
-        let loaded = LoadedModes::recognise(out)?
+        let loaded = LoadedAxes::recognise(out)?
             .ok_or_else(|| Failure::new(format!("cannot read {} back", out.display())))?;
         let scored = records
             .iter()
@@ -150,14 +149,6 @@ impl Watcher<'_> {
         let error = progress.rmse.map_or_else(String::new, |rmse| format!(", RMSE {}", significant(rmse, 4)));
         bar.set(progress.done, format!("{}{error}", progress.step));
         if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-fn kind_name(kind: FindingKind) -> &'static str {
-    match kind {
-        FindingKind::Verdict => "verdict",
-        FindingKind::Advice => "advice",
-        FindingKind::Warning => "warning",
     }
 }
 
@@ -307,7 +298,7 @@ fn explain(error: &ModesFitError) -> Failure {
         ),
         ModesFitError::Axes(hysteron::axes::AxesError::NotPeriodic { .. }) => failure.hint(
             "drive the inputs with periodic multisines of different phases, two periods or more; --initial periodic takes each record for \
-             one period of a steady state",
+             one period of a steady state; --structure hammerstein fits records that do not repeat",
         ),
         ModesFitError::Axes(hysteron::axes::AxesError::Dependent { .. }) => {
             failure.hint("add records whose inputs have other phases, at the same level")

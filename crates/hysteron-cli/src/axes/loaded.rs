@@ -1,10 +1,12 @@
-//! The file of scheduled modes read for use with records.
+//! The file of a model of several axes read for use with records.
 
 use std::path::{Path, PathBuf};
 
-use hysteron::axes::{AxesRecord, AxesScores, ModesStart, ScheduledModes, SteadyPeriod};
+use hysteron::axes::{
+    AxesRecord, AxesScores, CoupledHammerstein, LevelLaw, ModesStart, ScheduledModes, SteadyPeriod,
+};
 use hysteron::display::short;
-use hysteron::model_file::{ModesFile, StoredModel};
+use hysteron::model_file::{SignalUnits, StoredModel};
 use hysteron::record::{InterSample, Unit};
 use hysteron::validate::Scoring;
 
@@ -16,23 +18,44 @@ use crate::model::cannot_read;
 /// A level beyond those identified by this share deserves a remark.
 const LEVEL_SLACK: f64 = 0.02;
 
-/// A file of scheduled modes and the model in it.
-pub struct LoadedModes {
+/// A file of a model of several axes and what is in it.
+pub struct LoadedAxes {
     path: PathBuf,
-    pub file: ModesFile,
-    model: ScheduledModes,
+    /// Columns of the inputs.
+    pub inputs: Vec<String>,
+    /// Columns of the outputs.
+    pub outputs: Vec<String>,
+    /// Their units.
+    pub units: SignalUnits,
+    model: AxesModel,
 }
 
-impl LoadedModes {
+enum AxesModel {
+    Modes(Box<ScheduledModes>),
+    Branches(CoupledHammerstein),
+}
+
+impl LoadedAxes {
     /// The model in the file at `path`; `None` where it holds another kind.
     ///
     /// # Errors
     /// If it cannot be read or is not sound.
     pub fn recognise(path: &Path) -> Result<Option<Self>, Failure> {
         let stored = StoredModel::read(path).map_err(|e| cannot_read(path, e))?;
-        let StoredModel::Modes(file) = stored else { return Ok(None) };
-        let model = file.to_model().map_err(|e| cannot_read(path, e))?;
-        Ok(Some(Self { path: path.to_owned(), file: *file, model }))
+        let bad = |e| cannot_read(path, e);
+        let (model, inputs, outputs, units) = match stored {
+            StoredModel::Modes(file) => (
+                AxesModel::Modes(Box::new(file.to_model().map_err(bad)?)),
+                file.inputs,
+                file.outputs,
+                file.units,
+            ),
+            StoredModel::Coupled(file) => {
+                (AxesModel::Branches(file.to_model().map_err(bad)?), file.inputs, file.outputs, file.units)
+            }
+            StoredModel::Hammerstein(_) | StoredModel::Oscillator(_) => return Ok(None),
+        };
+        Ok(Some(Self { path: path.to_owned(), inputs, outputs, units, model }))
     }
 
     /// Outputs simulated for the record, one list an output, and its period where it repeats.
@@ -49,9 +72,9 @@ impl LoadedModes {
     ) -> Result<(Vec<Vec<f64>>, Option<SteadyPeriod>), Failure> {
         let failure =
             || Failure::new(format!("cannot simulate {} on {}", self.path.display(), path.display()));
-        self.check_unit(path, "input", "--inputs", &self.file.units.input, &record.u_unit)?;
+        self.check_unit(path, "input", "--inputs", &self.units.input, &record.u_unit)?;
         if !record.y.is_empty() {
-            self.check_unit(path, "output", "--outputs", &self.file.units.output, &record.y_unit)?;
+            self.check_unit(path, "output", "--outputs", &self.units.output, &record.y_unit)?;
         }
         let period = match settled_s {
             Some(seconds) => {
@@ -61,23 +84,31 @@ impl LoadedModes {
             }
             None => SteadyPeriod::find(record, false).ok(),
         };
-        let start = match &period {
-            Some(period) => {
-                self.remark_level(path, period.level);
-                ModesStart::Settled { period_samples: period.samples() }
+        let simulated = match &self.model {
+            AxesModel::Modes(model) => {
+                let start = match &period {
+                    Some(period) => {
+                        self.remark_level(&model.level, path, period.level);
+                        ModesStart::Settled { period_samples: period.samples() }
+                    }
+                    None => {
+                        console::note(&format!(
+                            "{}: this drive does not repeat and is taken to start at rest, its inputs held before (--settled says \
+                             otherwise)",
+                            path.display()
+                        ));
+                        ModesStart::Rest { level: None }
+                    }
+                };
+                model.simulate(&record.u, record.sample_rate_hz, InterSample::BandLimited, start)
             }
-            None => {
-                console::note(&format!(
-                    "{}: this drive does not repeat and is taken to start at rest, its inputs held before (--settled says otherwise)",
-                    path.display()
-                ));
-                ModesStart::Rest { level: None }
+            AxesModel::Branches(model) => {
+                // A drive whose outputs still settle began at rest.
+                let settled = period.as_ref().filter(|p| settled_s.is_some() || p.settling == 0);
+                model.simulate(&record.u, record.sample_rate_hz, settled.map(SteadyPeriod::samples))
             }
         };
-        let simulated = self
-            .model
-            .simulate(&record.u, record.sample_rate_hz, InterSample::BandLimited, start)
-            .map_err(|e| failure().because(e))?;
+        let simulated = simulated.map_err(|e| failure().because(e))?;
         Ok((simulated, period))
     }
 
@@ -98,8 +129,7 @@ impl LoadedModes {
         Ok(AxesScored::new(record, scores, period.map(|p| p.level)))
     }
 
-    fn remark_level(&self, path: &Path, level: f64) {
-        let law = &self.model.level;
+    fn remark_level(&self, law: &LevelLaw, path: &Path, level: f64) {
         if level < (1.0 - LEVEL_SLACK) * law.lowest || level > (1.0 + LEVEL_SLACK) * law.highest {
             console::note(&format!(
                 "{}: the inputs have {} {unit} rms, the model was identified from {} to {} {unit}: it extrapolates, with the modes of the \
@@ -108,7 +138,7 @@ impl LoadedModes {
                 short(level),
                 short(law.lowest),
                 short(law.highest),
-                unit = Unit::new(&self.file.units.input),
+                unit = Unit::new(&self.units.input),
             ));
         }
     }

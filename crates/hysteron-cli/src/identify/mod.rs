@@ -32,7 +32,7 @@ use hysteron_report::identification::{IdentificationReportData, identification_r
 use hysteron_report::write_figures;
 
 use self::family::HysteresisArg;
-use crate::axes::{AxesFlags, ModesFlags};
+use crate::axes::{AxesFlags, ModesFlags, identify_branches};
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -362,9 +362,12 @@ impl Identify {
     pub fn run(&self) -> Result<(), Failure> {
         match (self.structure, self.axes.are_given()) {
             (Some(StructureArg::Modes), _) | (None, true) => return self.run_modes(),
-            (Some(_), true) => {
-                return Err(Failure::usage("--inputs and --outputs go with --structure modes")
-                    .hint("one axis: choose its columns with --input and --output"));
+            (Some(StructureArg::Hammerstein), true) => return self.run_branches(),
+            (Some(StructureArg::Oscillator), true) => {
+                return Err(Failure::usage(
+                    "--inputs and --outputs go with --structure modes or hammerstein",
+                )
+                .hint("one axis: choose its columns with --input and --output"));
             }
             _ => {}
         }
@@ -406,6 +409,26 @@ impl Identify {
         console::result(&outcome::text(&found, &file))?;
         console::message(&format!("model written to {}", self.out.display()));
         Ok(())
+    }
+
+    fn run_branches(&self) -> Result<(), Failure> {
+        if let Some(flag) = self.modes.given() {
+            return Err(Failure::usage(format!("{flag} goes with --structure modes")));
+        }
+        self.refuse_flags_but(
+            "hammerstein and several axes",
+            "these branches are Bouc–Wen loops with n = 1, a pair of poles and a delay each",
+            &[
+                ("--inter-sample", self.inter_sample.is_some()),
+                ("--start", self.start.is_some()),
+                ("--fix", !self.fix.is_empty()),
+                ("--n", self.n.is_some()),
+                ("--initial", self.initial != InitialArg::Auto),
+            ],
+        )?;
+        output::check_file("the model", &self.out)?;
+        let columns = (self.records.as_slice(), &self.axes, self.columns.of_drive());
+        self.in_threads(|| identify_branches(columns, (&self.out, self.result.json), self.least_fit))?
     }
 
     fn run_modes(&self) -> Result<(), Failure> {

@@ -99,8 +99,8 @@ impl Identify {
                     StoredModel::Hammerstein(_) => {
                         return Err(failure().because("it is a Hammerstein model, not an oscillator"));
                     }
-                    StoredModel::Modes(_) => {
-                        return Err(failure().because("it holds modes of several axes, not an oscillator"));
+                    StoredModel::Modes(_) | StoredModel::Coupled(_) => {
+                        return Err(failure().because("it is a model of several axes, not an oscillator"));
                     }
                 }
             }

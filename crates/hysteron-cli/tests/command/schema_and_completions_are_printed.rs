@@ -9,6 +9,7 @@ fn schema_prints_what_is_published() {
         ("schema", "hysteron-model-1.schema.json"),
         ("schema --oscillator", "hysteron-oscillator-1.schema.json"),
         ("schema --modes", "hysteron-modes-1.schema.json"),
+        ("schema --coupled", "hysteron-coupled-1.schema.json"),
     ] {
         let run = Bench::new().run(command);
         assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""));

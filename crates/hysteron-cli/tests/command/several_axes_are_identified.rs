@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use crate::bench::Bench;
-use hysteron::axes::{LevelLaw, ModesStart, ScheduledModes};
+use hysteron::axes::{CoupledHammerstein, LevelLaw, ModesStart, Path as AxesPath, ScheduledModes};
+use hysteron::hysteresis::BoucWen;
 use hysteron::model_file::ModesFile;
 use hysteron::numeric::Complex64;
 use hysteron::record::InterSample;
@@ -147,6 +148,81 @@ fn records_of_two_levels_become_a_file_that_predicts_one_between() {
     assert!(text.starts_with("t_s,u1_V,u2_V,y1_um,y2_um\n"), "{}", &text[..60]);
     let run = bench.run("validate stage.json out.csv --json");
     assert!(number(&json(&run.stdout)["records"][0]["fit_percent"]) > 99.99, "{}", run.stdout);
+}
+
+/// Two axes with hysteresis and coupling, both driven at once by slow waves and low-passed noise from rest.
+fn slow_csv(seed: u64, samples: usize) -> String {
+    let actuator = |alpha, beta, gamma| BoucWen { polynomial: vec![1.0], alpha, beta, gamma, n: 1.0 };
+    let path =
+        |gain, natural_frequency_hz| AxesPath { gain, natural_frequency_hz, damping: 0.1, delay_s: 1e-3 };
+    let stage = CoupledHammerstein {
+        actuators: vec![actuator(0.25, 0.9, 0.2), actuator(0.32, 0.6, -0.15)],
+        paths: vec![path(1.4, 70.0), path(-0.3, 95.0), path(0.2, 82.0), path(1.1, 60.0)],
+        offsets: vec![3.0, -2.0],
+        sample_rate_hz: RATE,
+    };
+    let mut state = seed;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let mut drive = |slow_hz: f64| -> Vec<f64> {
+        let mut low = 0.0;
+        let at = |k: usize| {
+            low += 0.3 * (3.0 * random() - low);
+            let t = k as f64 / RATE;
+            1.5 * (TAU * slow_hz * t).sin() * (0.4 + 0.4 * t) + low
+        };
+        (0..samples).map(at).collect()
+    };
+    let u = vec![drive(2.3), drive(3.1)];
+    let y = stage.simulate(&u, RATE, None).unwrap();
+    let mut text = "t_s,u1_V,u2_V,y1_nm,y2_nm\n".to_owned();
+    for k in 0..samples {
+        let nm = |y: f64, noise: f64| 1e3 * y + 10.0 * noise;
+        let (a, b) = (nm(y[0][k], random()), nm(y[1][k], random()));
+        writeln!(text, "{},{},{},{a},{b}", k as f64 / RATE, u[0][k], u[1][k]).unwrap();
+    }
+    text
+}
+
+#[test]
+fn records_that_do_not_repeat_become_branches_that_predict_another() {
+    let bench = Bench::new();
+    bench.write("train.csv", slow_csv(1, 1200));
+    bench.write("unseen.csv", slow_csv(2, 1200));
+    let run =
+        bench.run(&format!("identify train.csv {COLUMNS} --structure hammerstein -o stage.json --json"));
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let told = json(&run.stdout);
+    assert_eq!(told["structure"], "hammerstein");
+    let parameters = told["parameters"].as_array().unwrap();
+    assert_eq!(parameters.len(), 22);
+    let of = |of: &str, name: &str, truth: f64| {
+        let found = parameters.iter().find(|p| p["of"] == of && p["name"] == name).unwrap();
+        let (value, error) = (found["value"].as_f64().unwrap(), found["std_error"].as_f64().unwrap());
+        assert!((value - truth).abs() < 4.5 * error, "{found}, truth {truth}");
+    };
+    of("u2", "alpha", 0.32);
+    of("u2 to y1", "gain", -0.3);
+    of("u1 to y2", "natural_frequency", 82.0);
+    let run = bench.run("validate stage.json unseen.csv --json");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let told = json(&run.stdout);
+    assert!(told["records"][0]["fit_percent"].as_f64().unwrap() > 99.0, "{}", run.stdout);
+    let run = bench.run("validate stage.json unseen.csv");
+    assert!(run.stdout.contains("RMSE y2 [µm]"), "{}", run.stdout);
+    let run = bench.run("simulate stage.json unseen.csv -o out.csv");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    for (flags, words) in
+        [("--modes 3", "--modes goes with"), ("--dynamics integer", "--dynamics does not go")]
+    {
+        let run =
+            bench.run(&format!("identify train.csv {COLUMNS} --structure hammerstein -o x.json {flags}"));
+        assert!(run.exit_code == 2 && run.stderr.contains(words), "{}", run.stderr);
+    }
+    let run = bench.run(&format!("identify train.csv {COLUMNS} -o x.json"));
+    assert!(run.exit_code == 1 && run.stderr.contains("--structure hammerstein"), "{}", run.stderr);
 }
 
 #[test]

@@ -173,6 +173,12 @@ pub enum AxesError {
         /// Change over the last one.
         change: f64,
     },
+    /// A branch that cannot be simulated.
+    #[error("{problem}")]
+    Branch {
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The poles of all entries could not be found.
     #[error(
         "the common poles of the frequency response were not found: an eigenvalue problem did not converge"

@@ -3,8 +3,10 @@
 //! [`AxesRecord`] takes several channels of a [`crate::record::Record`] at once. [`SteadyPeriod`] is the mean period of one whose drive
 //! repeats; [`FrequencyMatrix`] its outputs over its inputs by the local polynomial method, [`VectorFit`] the poles that all entries
 //! share, [`InfluenceMatrix`] what each actuator does to each sensor when it moves slowly, with its conditioning. The model is
-//! [`ScheduledModes`]: structural modes with the hysteresis of drive and stress in feedback.
+//! [`ScheduledModes`]: structural modes with the hysteresis of drive and stress in feedback; or, simpler, [`CoupledHammerstein`]: a sum of
+//! branches, hysteresis of each actuator and dynamics of each path.
 
+mod coupled;
 mod error;
 mod frequency_matrix;
 mod influence;
@@ -14,6 +16,8 @@ mod score;
 mod steady;
 mod vector_fit;
 
+pub use coupled::{CoupledHammerstein, Path};
+pub(crate) use coupled::{branch, start};
 pub use error::AxesError;
 pub use frequency_matrix::{FrequencyMatrix, HALF_WINDOW, spectrum};
 pub use influence::InfluenceMatrix;

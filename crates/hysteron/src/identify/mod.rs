@@ -6,6 +6,7 @@
 //! the records do not determine. [`optimizer_study`] compares the optimisers on the article's two problems.
 
 mod campaign;
+pub mod coupled;
 mod dynamic_problem;
 mod dynamic_step;
 mod engine;

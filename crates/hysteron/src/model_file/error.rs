@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::atomic_file::AtomicWriteError;
 
-use super::{FORMAT, MODES_FORMAT, OSCILLATOR_FORMAT, VERSION};
+use super::{COUPLED_FORMAT, FORMAT, MODES_FORMAT, OSCILLATOR_FORMAT, VERSION};
 use crate::axes::AxesError;
 
 /// What is wrong with a model file, where, and what was expected.
@@ -52,6 +52,12 @@ pub enum ModelFileError {
     /// The key `format` is missing or not that of scheduled modes.
     #[error("format: expected \"{MODES_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
     NotModes {
+        /// What is there, as JSON.
+        found: Option<String>,
+    },
+    /// The key `format` is missing or not that of coupled branches.
+    #[error("format: expected \"{COUPLED_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
+    NotCoupled {
         /// What is there, as JSON.
         found: Option<String>,
     },

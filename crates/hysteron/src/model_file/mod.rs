@@ -33,6 +33,7 @@
 mod check;
 mod convert;
 mod correlation;
+mod coupled;
 mod disk;
 mod error;
 mod modes;
@@ -50,6 +51,7 @@ use serde::{Deserialize, Serialize};
 pub use correlation::{
     CorrelationEntry, CorrelationRow, MAX_CORRELATED, number_mut, transfer_function_numbers,
 };
+pub use coupled::{ActuatorEntry, COUPLED_FORMAT, CoupledFile, PathEntry, coupled_schema};
 pub use error::ModelFileError;
 pub use modes::{
     HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, MODES_FORMAT, ModesFile, ModesScoreEntry,

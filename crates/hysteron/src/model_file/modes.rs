@@ -326,6 +326,7 @@ impl ModesFile {
             StoredModel::Modes(file) => Ok(*file),
             StoredModel::Hammerstein(file) => Err(foreign(&file.format)),
             StoredModel::Oscillator(file) => Err(foreign(&file.format)),
+            StoredModel::Coupled(file) => Err(foreign(&file.format)),
         }
     }
 

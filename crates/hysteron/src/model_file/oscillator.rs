@@ -9,8 +9,8 @@ use super::check::{allowed, interval, quantity, score};
 use super::convert::Units;
 use super::disk::{self, Header, parse};
 use super::{
-    InterSampleName, MODES_FORMAT, ModelFile, ModelFileError, ModesFile, Provenance, Quantity, ScoreEntry,
-    SignalUnits, StartKind, VERSION, ValidRange,
+    COUPLED_FORMAT, CoupledFile, InterSampleName, MODES_FORMAT, ModelFile, ModelFileError, ModesFile,
+    Provenance, Quantity, ScoreEntry, SignalUnits, StartKind, VERSION, ValidRange,
 };
 use crate::oscillator::Oscillator;
 
@@ -217,6 +217,9 @@ impl OscillatorFile {
             StoredModel::Modes(file) => {
                 Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", file.format)) })
             }
+            StoredModel::Coupled(file) => {
+                Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", file.format)) })
+            }
         }
     }
 
@@ -247,6 +250,8 @@ pub enum StoredModel {
     Oscillator(Box<OscillatorFile>),
     /// Scheduled modes of several inputs and outputs.
     Modes(Box<ModesFile>),
+    /// Coupled Hammerstein branches of several inputs and outputs.
+    Coupled(Box<CoupledFile>),
 }
 
 impl StoredModel {
@@ -264,6 +269,12 @@ impl StoredModel {
     /// As [`ModelFile::from_slice`].
     pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
         let header = Header::of(bytes)?;
+        if header.is(COUPLED_FORMAT) {
+            header.check_version()?;
+            let file: CoupledFile = parse(bytes)?;
+            file.check()?;
+            return Ok(Self::Coupled(Box::new(file)));
+        }
         if header.is(MODES_FORMAT) {
             header.check_version()?;
             let file: ModesFile = parse(bytes)?;

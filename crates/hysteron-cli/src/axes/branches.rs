@@ -1,0 +1,164 @@
+//! `hysteron identify --structure hammerstein --inputs … --outputs …`: a sum of branches.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::SystemTime;
+
+use hysteron::axes::AxesRecord;
+use hysteron::identify::coupled::{CoupledFitError, CoupledIdentification, identify};
+use hysteron::model_file::{
+    CoupledFile, Interval, Provenance, Quantity, RecordEntry, RecordRole, SignalUnits, ValidRange, timestamp,
+};
+use hysteron::optimize::Progress as SearchProgress;
+use hysteron::validate::Scoring;
+use hysteron_report::number::with_std_error;
+use serde_json::{Value, json};
+
+use super::{AxesFlags, AxesScored, LoadedAxes, table};
+use crate::columns::InputFlags;
+use crate::console;
+use crate::failure::Failure;
+use crate::identify::command_line;
+use crate::interrupt;
+use crate::progress::Progress;
+
+/// Identifies the branches of the records and writes their file; prints what was found.
+///
+/// # Errors
+/// If the records cannot be read or used, or the file cannot be written.
+pub fn identify_branches(
+    (paths, axes, columns): (&[PathBuf], &AxesFlags, &InputFlags),
+    (out, json): (&Path, bool),
+    least_fit_percent: f64,
+) -> Result<(), Failure> {
+    if axes.outputs.is_empty() {
+        return Err(Failure::usage("several axes need their outputs")
+            .hint("name them in order, e.g. --outputs y1_nm,y2_nm,y3_nm"));
+    }
+    let records = axes.read_all(paths, columns)?;
+    let stop = interrupt::stop_flag("the best so far is kept")?;
+    let mut bar: Option<Progress> = None;
+    let mut watch = |progress: &SearchProgress<'_>| {
+        let bar = bar.get_or_insert_with(|| Progress::new("branches", progress.generations as u64));
+        bar.set(progress.generation as u64, format!("best RMSE {:.5}", progress.best_cost));
+        if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let found = identify(&records, least_fit_percent, &mut watch);
+    drop(bar);
+    let found = found.map_err(|e| explain(&e))?;
+    let file = file(&found, &records);
+    file.write(out)
+        .map_err(|e| Failure::new(format!("cannot write the model to {}", out.display())).because(e))?;
+    let loaded = LoadedAxes::recognise(out)?
+        .ok_or_else(|| Failure::new(format!("cannot read {} back", out.display())))?;
+    let scored = records
+        .iter()
+        .zip(paths)
+        .map(|(record, path)| loaded.score(path, record, &Scoring::default(), None))
+        .collect::<Result<Vec<_>, _>>()?;
+    if json {
+        return console::json(&object(&found, &scored, out, &file));
+    }
+    console::result(&text(&found, &scored, &file))?;
+    console::message(&format!("model written to {}", out.display()));
+    Ok(())
+}
+
+fn file(found: &CoupledIdentification, records: &[AxesRecord]) -> CoupledFile {
+    let first = records.first();
+    let symbol = |of: fn(&AxesRecord) -> &str| first.map_or_else(String::new, |r| of(r).to_owned());
+    let units = SignalUnits { input: symbol(|r| r.u_unit.symbol()), output: symbol(|r| r.y_unit.symbol()) };
+    let names = first.map_or_else(Default::default, |r| (r.inputs.clone(), r.outputs.clone()));
+    let mut file = CoupledFile::new(&found.model, found.errors.as_ref(), units.clone(), names);
+    let all = || records.iter().flat_map(|r| r.u.iter().flatten().copied());
+    file.valid_range = Some(ValidRange {
+        input: Interval {
+            low: all().fold(f64::INFINITY, f64::min),
+            high: all().fold(f64::NEG_INFINITY, f64::max),
+            unit: if units.input.is_empty() { "1".to_owned() } else { units.input },
+        },
+        frequency: None,
+        rate: None,
+    });
+    let entry = |r: &AxesRecord| RecordEntry {
+        path: r.label(),
+        sha256: r.source.as_ref().map(|s| s.sha256.clone()),
+        samples: r.len() as u64,
+        role: RecordRole::Both,
+    };
+    file.provenance = Some(Provenance {
+        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
+        created: Some(timestamp(SystemTime::now())),
+        records: records.iter().map(entry).collect(),
+        options: BTreeMap::from([("structure".to_owned(), "hammerstein".to_owned())]),
+        seed: None,
+        command: Some(command_line()),
+    });
+    file
+}
+
+/// Every parameter with where it belongs.
+fn parameters(file: &CoupledFile) -> Vec<(String, &'static str, &Quantity)> {
+    let mut all = Vec::new();
+    for (name, a) in file.inputs.iter().zip(&file.actuators) {
+        all.extend(
+            [("alpha", &a.alpha), ("beta", &a.beta), ("gamma", &a.gamma)].map(|(p, q)| (name.clone(), p, q)),
+        );
+    }
+    for (output, row) in file.outputs.iter().zip(&file.paths) {
+        for (input, p) in file.inputs.iter().zip(row) {
+            let path = format!("{input} to {output}");
+            let numbers = [
+                ("gain", &p.gain),
+                ("natural_frequency", &p.natural_frequency),
+                ("damping", &p.damping),
+                ("delay", &p.delay),
+            ];
+            all.extend(numbers.map(|(name, q)| (path.clone(), name, q)));
+        }
+    }
+    all
+}
+
+fn object(found: &CoupledIdentification, scored: &[AxesScored], out: &Path, file: &CoupledFile) -> Value {
+    json!({
+        "model": out.display().to_string(),
+        "structure": "hammerstein",
+        "records": scored.iter().map(AxesScored::json).collect::<Vec<_>>(),
+        "parameters": parameters(file).into_iter()
+            .map(|(of, name, q)| json!({"of": of, "name": name, "value": q.value, "unit": q.unit, "std_error": q.std_error}))
+            .collect::<Vec<_>>(),
+        "findings": found.findings.iter()
+            .map(|f| json!({"kind": super::kind_name(f.kind), "text": f.text}))
+            .collect::<Vec<_>>(),
+    })
+}
+
+fn text(found: &CoupledIdentification, scored: &[AxesScored], file: &CoupledFile) -> String {
+    let mut rows = console::table(&["of", "parameter", "value", "std. error", "unit"]);
+    for (of, name, q) in parameters(file) {
+        let (value, error) = with_std_error(q.value, q.std_error);
+        let unit = if q.unit == "1" { String::new() } else { q.unit.replace("um", "µm") };
+        rows.add_row(vec![of, name.to_owned(), value, error, unit]);
+    }
+    let mut text = format!("{rows}\n\n{}\n\n", table(scored));
+    for finding in &found.findings {
+        text += &format!("{}: {}\n", super::kind_name(finding.kind), finding.text);
+    }
+    text
+}
+
+/// The library's error with what to do about it.
+fn explain(error: &CoupledFitError) -> Failure {
+    let failure = Failure::new("no branches were identified").because(error);
+    match error {
+        CoupledFitError::ModelClass { .. } => failure.hint(
+            "check the columns and their order (--inputs, --outputs); several modes a path need --structure modes; --least-fit 0 hands \
+             the model out all the same",
+        ),
+        CoupledFitError::NoStart => failure.hint("drive all inputs in the same record, each with a signal of its own"),
+        _ => failure,
+    }
+}
