@@ -22,7 +22,8 @@ use crate::model::LoadedModel;
     simulation's to the accuracy, a share of the range. Printed: taps and sections x <- x + g (w - x), output c x (real parts for a pair), the \
     largest error of the response over the band, that against a simulation of a sweep over the model's own range, and the time a sample took on \
     this machine. --json holds every number to all digits.\n\n\
-    A model that creeps for ever is realised down to --lowest-frequency (else the lowest frequency of the records it was identified from).\n\n\
+    A model that creeps for ever is realised down to --lowest-frequency (else a thousandth of the lowest frequency of the records it was identified \
+    from); a decade more costs two or three states.\n\n\
     Example: hysteron realise model.json --sample-rate 10000 --accuracy 1e-5"
 )]
 pub struct Realise {
@@ -50,6 +51,8 @@ pub struct Realise {
 /// Samples of the sweep that is compared and timed, and passes of the clock.
 const SAMPLES: usize = 20_000;
 const ROUNDS: usize = 20;
+/// Where nobody says how far down creep is to go, this share of the lowest frequency of the records.
+const BELOW_RECORDS: f64 = 1e-3;
 
 /// What was found out, for text and JSON.
 struct Found {
@@ -66,10 +69,23 @@ impl Realise {
     pub fn run(&self) -> Result<(), Failure> {
         let loaded = LoadedModel::read(&self.model)?;
         let range = loaded.file.valid_range.as_ref();
-        let lowest_frequency_hz = self.lowest_frequency.or_else(|| self.recorded_lowest(&loaded, range));
-        let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz };
         let failed = |e: RealiseError| cannot(&self.model, &e);
-        let realisation = realise(loaded.model(), self.sample_rate, &options).map_err(failed)?;
+        let down_to = |lowest_frequency_hz| {
+            let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz };
+            realise(loaded.model(), self.sample_rate, &options)
+        };
+        let realisation = match (down_to(self.lowest_frequency), recorded_lowest(range)) {
+            (Err(RealiseError::LowestFrequency), Some(low)) => {
+                console::note(&format!(
+                    "the model creeps for ever; realised down to {} Hz, a thousandth of the lowest frequency of its records \
+                     (--lowest-frequency says otherwise)",
+                    significant(low, 3)
+                ));
+                down_to(Some(low))
+            }
+            (realised, _) => realised,
+        };
+        let realisation = realisation.map_err(failed)?;
         let voltages = range.map_or((0.0, 1.0), |r| (r.input.low, r.input.high));
         let frequencies_hz = frequencies(range, self.sample_rate);
         let drive = sweep(voltages, frequencies_hz, self.sample_rate, self.samples(frequencies_hz.0));
@@ -103,22 +119,12 @@ impl Realise {
     fn samples(&self, low_hz: f64) -> usize {
         ((2.0 * self.sample_rate / low_hz) as usize).clamp(SAMPLES, 20 * SAMPLES)
     }
+}
 
-    /// The lowest frequency of the model's records, where it is needed.
-    fn recorded_lowest(&self, loaded: &LoadedModel, range: Option<&ValidRange>) -> Option<f64> {
-        use hysteron::dynamics::Dynamics;
-        let creeps = match &loaded.model().dynamics {
-            Dynamics::Integer(g) | Dynamics::Fractional(g) => g.dc_gain().is_infinite(),
-            Dynamics::None | Dynamics::Arx(_) => false,
-        };
-        let low = range.and_then(|r| r.frequency.as_ref()).map(|f| f.low).filter(|low| *low > 0.0);
-        let low = low.filter(|_| creeps)?;
-        console::note(&format!(
-            "the model creeps for ever; realised down to {} Hz, the lowest frequency of its records (--lowest-frequency says otherwise)",
-            significant(low, 3)
-        ));
-        Some(low)
-    }
+/// A lowest frequency from the model's records.
+fn recorded_lowest(range: Option<&ValidRange>) -> Option<f64> {
+    let frequency = range?.frequency.as_ref()?;
+    (frequency.low > 0.0).then_some(BELOW_RECORDS * frequency.low)
 }
 
 /// The sweep that is compared: the frequencies of the records, within what the sample rate carries.
@@ -220,7 +226,7 @@ struct Summary<'a> {
     sections: Vec<SectionEntry>,
     rest_gain: f64,
     offset: f64,
-    moves_in_two_halves: bool,
+    moves_half_way: bool,
     band_hz: [f64; 2],
     frequency_error: f64,
     reference_gain: f64,
@@ -265,7 +271,7 @@ impl<'a> Summary<'a> {
             sections: linear.sections.iter().map(|s| SectionEntry::new(s, rate)).collect(),
             rest_gain: linear.rest_gain,
             offset: realisation.model.offset,
-            moves_in_two_halves: realisation.joins_means,
+            moves_half_way: realisation.joins_means,
             band_hz: [linear.band_hz.0, linear.band_hz.1],
             frequency_error: linear.frequency_error,
             reference_gain: linear.reference_gain,

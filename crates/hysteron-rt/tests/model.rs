@@ -192,6 +192,32 @@ fn a_rest_is_a_rest_and_a_start_has_no_jump() {
 }
 
 #[test]
+fn half_way_is_where_two_half_moves_meet() {
+    let operators = [1.0, 2.0].map(|n| BoucWen::new(0.5, 0.11, 0.02, n).unwrap());
+    let (mut memory, mut oracle_memory) = ([BoucWenMemory::new(0.0); 2], [BoucWenMemory::new(0.0); 2]);
+    let bouc_wen = |memory| Operator::BoucWen { operators: &operators, memory };
+    let (thresholds, weights) = ([0.5, 1.5], [0.7, 0.2]);
+    let bank = PlayBank::new(&thresholds, &weights).unwrap();
+    let (mut states, mut oracle_states) = ([0.0; 2], [0.0; 2]);
+    let pairs = [
+        (bouc_wen(&mut memory), bouc_wen(&mut oracle_memory)),
+        (Operator::Plays { bank, states: &mut states }, Operator::Plays { bank, states: &mut oracle_states }),
+        (Operator::None, Operator::None),
+    ];
+    for (operator, oracle) in pairs {
+        let mut whole = Hysteresis::new(&[1.0, 0.01], operator).unwrap();
+        let mut halves = Hysteresis::new(&[1.0, 0.01], oracle).unwrap();
+        for u in [0.3, 0.6, 0.1, -0.2, -0.15, 0.0] {
+            let (middle, end) = whole.step_with_middle(u).unwrap();
+            let expected = halves.step(0.5 * (halves.voltage() + u)).unwrap();
+            assert!((middle - expected).abs() < 1e-13, "{middle} {expected}");
+            assert!((end - halves.step(u).unwrap()).abs() < 1e-13);
+        }
+        assert_eq!(whole.step_with_middle(f64::NAN), Err(ModelError::NotFinite));
+    }
+}
+
+#[test]
 fn memory_that_does_not_fit_is_refused() {
     let block = Block::<f64>::new();
     let sections = Sections { taps: &block.taps, real: &block.real, pairs: &[], rest_gain: 1.0 };

@@ -134,8 +134,8 @@ fn whole_orders_multiple_poles_arx_and_delay_alone_are_realised() {
         let schemes = if direct { &[Scheme::Tustin][..] } else { &[Scheme::Tustin, Scheme::BandLimited] };
         for &scheme in schemes {
             for delay_s in [0.0, 4.5e-4] {
-                let realised =
-                    realise(&model(dynamics.clone(), scheme, delay_s), RATE_HZ, &to(1e-5)).unwrap();
+                let realised = realise(&model(dynamics.clone(), scheme, delay_s), RATE_HZ, &to(1e-5));
+                let realised = realised.unwrap_or_else(|e| panic!("case {case}, {scheme}, {delay_s}: {e}"));
                 let error = largest_difference(&realised);
                 assert!(error < 1e-5, "case {case}, {scheme}, delay {delay_s}: {error:e}");
             }
@@ -145,15 +145,25 @@ fn whole_orders_multiple_poles_arx_and_delay_alone_are_realised() {
 
 #[test]
 fn creep_is_realised_down_to_the_frequency_named() {
-    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::Fractional };
-    let g = form.transfer_function(&[300.0, 0.6, 2.03, 1.05, 0.012, 0.15]).unwrap();
-    for scheme in [Scheme::Tustin, Scheme::BandLimited] {
+    let form = |creep| DynamicForm { modes: Modes::Fractional, creep };
+    let creeps = form(Creep::Fractional).transfer_function(&[300.0, 0.6, 2.03, 1.05, 0.012, 0.15]).unwrap();
+    // A lag, whose pole lies on the branch cut of the creep.
+    let lag = DynamicForm { modes: Modes::Integer { order: 1 }, creep: Creep::Fractional };
+    let lag = lag.transfer_function(&[1e-3, 0.01, 0.2]).unwrap();
+    // A finite gain at rest that is not reached in the age of the device.
+    let slow = form(Creep::None).transfer_function(&[421.0, 0.125, 1.286, 0.063]).unwrap();
+    for (g, scheme) in [
+        (&creeps, Scheme::Tustin),
+        (&creeps, Scheme::BandLimited),
+        (&lag, Scheme::Tustin),
+        (&slow, Scheme::BandLimited),
+    ] {
         let creeping = model(Dynamics::Fractional(g.clone()), scheme, 1.3e-4);
         assert!(matches!(realise(&creeping, RATE_HZ, &to(1e-5)), Err(RealiseError::LowestFrequency)));
         let options = RealiseOptions { lowest_frequency_hz: Some(0.02), ..to(1e-5) };
         let realised = realise(&creeping, RATE_HZ, &options).unwrap();
         let error = largest_difference(&realised);
-        println!("creep, {scheme}: {} states, sweep {error:.1e}", realised.dynamics.states());
+        println!("{g}, {scheme}: {} states, sweep {error:.1e}", realised.dynamics.states());
         // Two seconds of a band that begins at fifty.
         assert!(error < 2e-5, "{scheme}: {error:e}");
         assert_eq!(realised.dynamics.band_hz.0, 0.02);
@@ -242,7 +252,8 @@ fn what_cannot_be_realised_is_refused() {
     for accuracy in [0.0, 1.0, f64::NAN] {
         assert!(matches!(realise(&stage, RATE_HZ, &to(accuracy)), Err(RealiseError::Option { .. })));
     }
-    assert!(matches!(realise(&stage, RATE_HZ, &to(1e-14)), Err(RealiseError::Accuracy { .. })));
+    let too_close = RealiseOptions { lowest_frequency_hz: Some(1.0), ..to(1e-14) };
+    assert!(matches!(realise(&stage, RATE_HZ, &too_close), Err(RealiseError::Accuracy { .. })));
     let grunwald = model(eq13(), Scheme::GrunwaldLetnikov, 0.0);
     assert!(matches!(realise(&grunwald, 5e3, &to(1e-5)), Err(RealiseError::SampleRate { .. })));
     let arx = |a: f64| model(Dynamics::Arx(Arx { a: vec![a], b: vec![1.0] }), Scheme::Tustin, 0.0);
@@ -293,7 +304,7 @@ proptest! {
     /// Whatever the fractional mode, the response is met at frequencies that the fit has not seen.
     #[test]
     fn the_response_holds_between_the_points_of_the_fit(
-        f0 in 20.0..2000.0_f64, damping in 0.02..2.0_f64, alpha2 in 1.5..2.2_f64, share in 0.4..0.7_f64,
+        f0 in 20.0..2000.0_f64, damping in 0.02..2.0_f64, alpha2 in 1.5..2.2_f64, share in 0.45..0.7_f64,
         scheme in prop::sample::select(Scheme::ALL.to_vec()), places in prop::collection::vec(0.0..1.0_f64, 40),
     ) {
         let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };

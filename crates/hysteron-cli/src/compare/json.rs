@@ -1,5 +1,6 @@
 //! The comparison for programs; errors in the output's unit.
 
+use hysteron::hysteresis::Invertibility;
 use serde::Serialize;
 
 use super::baselines::BaselineEntry;
@@ -41,6 +42,10 @@ struct CandidateEntry<'a> {
     training_rmse: Option<f64>,
     aic: Option<f64>,
     bic: Option<f64>,
+    nanoseconds_per_sample: Option<f64>,
+    states: Option<usize>,
+    not_realised_because: Option<&'a str>,
+    invertible: Option<&'static str>,
     fold_errors: &'a [Option<f64>],
     failures: &'a [String],
 }
@@ -52,6 +57,7 @@ impl<'a> Summary<'a> {
         let name = |i: usize| comparison.entries[i].candidate.to_string();
         let candidate = |i: usize| {
             let (entry, standing) = (&comparison.entries[i], text::standing(comparison, i));
+            let costs = found.costs.get(i);
             CandidateEntry {
                 name: name(i),
                 parameters: entry.parameters,
@@ -63,6 +69,10 @@ impl<'a> Summary<'a> {
                 training_rmse: entry.training_rmse,
                 aic: entry.aic,
                 bic: entry.bic,
+                nanoseconds_per_sample: costs.and_then(|c| c.cost).map(|c| c.nanoseconds),
+                states: costs.and_then(|c| c.cost).map(|c| c.states),
+                not_realised_because: costs.and_then(|c| c.why_not.as_deref()),
+                invertible: costs.and_then(|c| c.inverse).map(Invertibility::word),
                 fold_errors: &entry.fold_rmse,
                 failures: &entry.failures,
             }

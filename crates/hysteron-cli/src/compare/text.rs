@@ -7,8 +7,10 @@ use super::{Found, baselines};
 use crate::console;
 
 /// One row: candidate, parameters, error on left-out data ± its standard error, difference to the best ± its standard
-/// error, training error, AIC and BIC above their lowest.
-pub fn cells(comparison: &Comparison, index: usize) -> [String; 7] {
+/// error, training error, AIC and BIC above their lowest, time of a sample, whether its hysteresis has an inverse.
+pub fn cells(found: &Found, index: usize) -> [String; 9] {
+    let comparison = &found.comparison;
+    let costs = found.costs.get(index);
     let entry = &comparison.entries[index];
     let missing = || "-".to_owned();
     let standing = standing(comparison, index);
@@ -23,10 +25,12 @@ pub fn cells(comparison: &Comparison, index: usize) -> [String; 7] {
         entry.training_rmse.map_or_else(missing, |x| significant(x, 3)),
         above(comparison, entry, |e| e.aic),
         above(comparison, entry, |e| e.bic),
+        costs.and_then(|c| c.cost).map_or_else(missing, |c| significant(c.nanoseconds, 2)),
+        costs.and_then(|c| c.inverse).map_or_else(missing, |inverse| inverse.word().to_owned()),
     ]
 }
 
-pub fn header(unit: &str) -> [String; 7] {
+pub fn header(unit: &str) -> [String; 9] {
     let error = |what: &str| if unit.is_empty() { what.to_owned() } else { format!("{what} [{unit}]") };
     [
         "structure".into(),
@@ -36,6 +40,8 @@ pub fn header(unit: &str) -> [String; 7] {
         error("training RMSE"),
         "AIC".into(),
         "BIC".into(),
+        "ns a sample".into(),
+        "inverse".into(),
     ]
 }
 
@@ -102,6 +108,11 @@ pub fn verdict(found: &Found) -> Vec<String> {
     for entry in &comparison.entries {
         lines.extend(entry.failures.iter().map(|why| format!("{} has no place: {why}.", entry.candidate)));
     }
+    for (entry, cost) in comparison.entries.iter().zip(&found.costs) {
+        if let Some(why) = &cost.why_not {
+            lines.push(format!("{} was not timed sample by sample: {why}.", entry.candidate));
+        }
+    }
     if comparison.interrupted {
         lines.push("Interrupted: the candidates that were not finished are missing.".to_owned());
     }
@@ -114,7 +125,8 @@ pub fn about(found: &Found) -> String {
     format!(
         "Error on unseen data: mean over {} folds of the RMSE of a simulation of what the fit left out, offset estimated, ± standard error over the folds. \
          Above the best: mean ± standard error of the paired differences. Noise floor {} {}. AIC and BIC are above their lowest, over {:.0} independent \
-         samples (of {}) that the residuals are worth.",
+         samples (of {}) that the residuals are worth. ns a sample: of the realisation to 1e-5 of the range (double precision, this machine, all \
+         candidates in turns along one drive; shorter by chance as well as by merit). Inverse: of the hysteresis block.",
         comparison.folds.len(),
         significant(comparison.noise_floor, 3),
         found.unit,
@@ -128,7 +140,7 @@ pub fn text(found: &Found) -> String {
     let header = header(&found.unit);
     let mut table = console::table(&header.each_ref().map(String::as_str));
     for index in order(comparison) {
-        table.add_row(cells(comparison, index));
+        table.add_row(cells(found, index));
     }
     let mut by_fold = console::table(&["left out", "what it holds", "smallest error", "of"]);
     for (f, fold) in comparison.folds.iter().enumerate() {

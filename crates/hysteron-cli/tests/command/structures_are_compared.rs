@@ -45,7 +45,17 @@ fn a_campaign_ranks_dynamics_before_none_and_writes_the_model_that_it_prefers() 
     assert!(found["noise_floor"].as_f64().unwrap() < error("fractional+degree2"));
     assert_eq!(found["interrupted"], false);
     assert!(found.get("baselines").is_none(), "{found}");
+    // Every candidate runs sample by sample; dynamics cost more than none.
+    let cost = |name: &str| {
+        let place = names.iter().position(|n| *n == name).unwrap();
+        let entry = &candidates[place];
+        assert!(["always", "on records"].contains(&entry["invertible"].as_str().unwrap()), "{entry}");
+        (entry["states"].as_u64().unwrap(), entry["nanoseconds_per_sample"].as_f64().unwrap())
+    };
+    assert_eq!((cost("none").0, cost("integer2").0), (0, 2));
+    assert!(cost("fractional+degree2").0 > 2 && cost("fractional+degree2").1 > cost("none").1, "{found}");
     let page = std::fs::read_to_string(bench.path("compare.html")).unwrap();
+    assert!(page.contains("Error against cost") && page.contains("inverse"));
     assert!(page.contains("<svg") && page.contains("noise floor") && page.contains("fractional+degree2"));
     assert!(run.stderr.contains(&format!("model of {} written", found["preferred"].as_str().unwrap())));
     ModelFile::read(&bench.path("new.json")).unwrap().to_model().unwrap();
@@ -56,9 +66,15 @@ fn the_table_is_for_people() {
     let bench = measured();
     let run = bench.run(&format!("compare {LOOP} {SWEEP} --candidates none,integer2"));
     assert_eq!(run.exit_code, 0, "{run:?}");
-    for part in
-        ["error on unseen data [µm]", "Preferred: ", "loop_1hz.csv", "sweep_1_80hz.csv 2/2", "one amplitude"]
-    {
+    for part in [
+        "error on unseen data [µm]",
+        "ns a sample",
+        "inverse",
+        "Preferred: ",
+        "loop_1hz.csv",
+        "sweep_1_80hz.csv 2/2",
+        "one amplitude",
+    ] {
         assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
     }
 }

@@ -21,6 +21,7 @@ mod decimate;
 mod heat;
 mod kinds;
 mod layout;
+mod names;
 mod passes;
 #[cfg(feature = "png")]
 mod png;
@@ -141,6 +142,17 @@ pub struct Span {
     pub label: String,
 }
 
+/// Text beside a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointName {
+    /// Abscissa, in the unit of the x axis.
+    pub x: f64,
+    /// Ordinate, in the unit of the y axis.
+    pub y: f64,
+    /// The text.
+    pub text: String,
+}
+
 /// One pair of axes with its curves.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Panel {
@@ -154,6 +166,8 @@ pub struct Panel {
     pub series: Vec<Series>,
     /// Shaded stretches of the x axis, behind the curves.
     pub spans: Vec<Span>,
+    /// Names of points, beside them. The axes of a panel with names cannot be zoomed.
+    pub names: Vec<PointName>,
     /// Numbers from −1 to 1 as coloured cells, row by row from the top, between two categorical axes.
     pub cells: Vec<Vec<f64>>,
 }
@@ -175,6 +189,13 @@ impl Panel {
     #[must_use]
     pub fn series(mut self, series: Series) -> Self {
         self.series.push(series);
+        self
+    }
+
+    /// The same panel with `text` beside the point (`x`, `y`).
+    #[must_use]
+    pub fn name(mut self, x: f64, y: f64, text: impl Into<String>) -> Self {
+        self.names.push(PointName { x, y, text: text.into() });
         self
     }
 

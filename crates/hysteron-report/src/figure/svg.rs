@@ -5,12 +5,12 @@
 //! `assets/zoom.js` reads them and redraws axes and curves.
 
 use super::curves::{self, Swatch};
-use super::heat;
 use super::layout::{
     Layout, LegendEntry, PANEL_TITLE, PlacedAxis, PlacedPanel, SMALL, SWATCH, TITLE, layout,
 };
 use super::text::{FONT_FAMILY, fit, number, width};
 use super::{Figure, Panel, Scale};
+use super::{heat, names};
 use crate::escape::escape;
 
 /// What the drawing is for.
@@ -102,7 +102,11 @@ fn axis_data(axis: &PlacedAxis, labels: bool) -> String {
 
 fn draw_panel(out: &mut String, panel: &Panel, placed: &PlacedPanel, id: &str, interactive: bool) {
     let f = placed.frame;
-    let zoomable = interactive && placed.has_data && !placed.x.categorical && !curves::has_bars(panel);
+    let zoomable = interactive
+        && placed.has_data
+        && !placed.x.categorical
+        && !curves::has_bars(panel)
+        && !names::has_names(panel);
     let [x, y, w, h] = [f.x, f.y, f.w, f.h].map(number);
     out.push_str("<g class=\"panel\"");
     if zoomable {
@@ -118,6 +122,7 @@ fn draw_panel(out: &mut String, panel: &Panel, placed: &PlacedPanel, id: &str, i
         heat::draw(out, &panel.cells, placed);
         curves::draw(out, panel, placed, zoomable);
         out.push_str("</g>");
+        names::draw(out, panel, placed);
     } else {
         let (cx, cy) = (number(f.x + f.w / 2.0), number(f.y + f.h / 2.0 + 4.0));
         put!(

@@ -61,7 +61,7 @@ impl<'a, T: Real> Model<'a, T> {
         Ok(model)
     }
 
-    /// The same with [`Means`] between the blocks: every move is made in two halves, and what v does between samples enters the
+    /// The same with [`Means`] between the blocks: every move is looked at half-way too, and what v does between samples enters the
     /// dynamics with its mean. Twice the work of the hysteresis block.
     ///
     /// # Errors
@@ -105,17 +105,14 @@ impl<'a, T: Real> Model<'a, T> {
     /// Displacement after a monotone move to `voltage` within one sample period.
     ///
     /// # Errors
-    /// [`ModelError::NotFinite`] and [`ModelError::Overflow`]; the dynamics are then as they were, and so is the hysteresis,
-    /// but for plays, and for means whose first half of the move has been made.
+    /// [`ModelError::NotFinite`] and [`ModelError::Overflow`]; dynamics and, but for plays, hysteresis are then as they were.
     #[inline]
     pub fn step(&mut self, voltage: T) -> Result<T, ModelError<T>> {
         let Some(means) = &mut self.means else {
             let v = self.hysteresis.step(voltage)?;
             return Ok(self.offset + self.dynamics.step(v));
         };
-        let half = T::of(0.5);
-        let middle = self.hysteresis.step(half * self.hysteresis.voltage() + half * voltage)?;
-        let v = self.hysteresis.step(voltage)?;
+        let (middle, v) = self.hysteresis.step_with_middle(voltage)?;
         Ok(self.offset + self.dynamics.step(means.join(middle, v)))
     }
 

@@ -3,7 +3,7 @@
 use super::ModelError;
 use super::sections::accumulate;
 use crate::bouc_wen::BoucWen;
-use crate::play::PlayBank;
+use crate::play::{PlayBank, play};
 use crate::real::Real;
 
 /// z of a Bouc–Wen operator and what rounding has left of its increments.
@@ -133,6 +133,34 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         }
         self.voltage = voltage;
         Ok(v)
+    }
+
+    /// As [`Self::step`], with v half-way to `voltage` before it.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    #[inline]
+    pub fn step_with_middle(&mut self, voltage: T) -> Result<(T, T), ModelError<T>> {
+        let half = T::of(0.5);
+        let du = voltage - self.voltage;
+        let half_way = half * self.voltage + half * voltage;
+        // From the start of the move, as its end is: neither waits for the other.
+        let mut middle = self.polynomial_at(half_way);
+        match &self.operator {
+            Operator::None => {}
+            Operator::BoucWen { operators, memory } => {
+                for (operator, memory) in operators.iter().zip(memory.iter()) {
+                    middle = middle - (memory.z + operator.increment(memory.z, half * du));
+                }
+            }
+            Operator::Plays { bank, states } => {
+                let plays = bank.thresholds().iter().zip(bank.weights()).zip(states.iter());
+                middle = plays.fold(middle, |v, ((threshold, weight), state)| {
+                    v + *weight * play(*threshold, *state, half_way)
+                });
+            }
+        }
+        Ok((middle, self.step(voltage)?))
     }
 
     /// The polynomial l\[u\] at `u`.

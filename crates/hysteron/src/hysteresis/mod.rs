@@ -13,7 +13,7 @@
 //!   sample.
 //! * [`Origin`]: where an operator stands before the first sample; [`Start`] and [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
-//! * [`Admissibility`]: whether a parameter set can run away.
+//! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises the output.
 
 mod admissibility;
 mod asymmetric_bouc_wen;
@@ -29,6 +29,7 @@ mod follow;
 mod form;
 mod generalised_play;
 mod inter_sample;
+mod invertibility;
 mod jiles_atherton;
 mod krasnoselskii_pokrovskii;
 mod maxwell_slip;
@@ -57,6 +58,7 @@ pub use form::{Columns, HysteresisForm, Memory, Origin, Partial};
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
 pub(crate) use inter_sample::polygon_of_means;
+pub use invertibility::Invertibility;
 pub use jiles_atherton::JilesAtherton;
 pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
 pub use maxwell_slip::MaxwellSlip;

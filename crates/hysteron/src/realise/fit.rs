@@ -34,11 +34,17 @@ impl Fitted {
     }
 }
 
-/// Least squares over `points` for the weights of `poles` and of `taps` taps. Where the target has a finite gain at rest it is
+/// Least squares over `points` for the weights of `poles` and of `taps` taps. The gain at rest, where there is one to meet, is
 /// met exactly, by the first tap. `None` where the equations cannot be solved.
-pub(super) fn weights(target: Target<'_>, points: &[Point], poles: &[Pole], taps: usize) -> Option<Fitted> {
-    let at_rest = target.at_rest();
-    let tied = at_rest.is_finite();
+pub(super) fn weights(
+    target: Target<'_>,
+    at_rest: Option<f64>,
+    points: &[Point],
+    poles: &[Pole],
+    taps: usize,
+) -> Option<Fitted> {
+    let tied = at_rest.is_some();
+    let at_rest = at_rest.unwrap_or(0.0);
     let columns: usize = poles.iter().map(|p| if p.is_pair() { 2 } else { 1 }).sum();
     let free_taps = taps - usize::from(tied);
     let (rows, columns) = (2 * points.len(), columns + free_taps);

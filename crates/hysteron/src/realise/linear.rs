@@ -21,6 +21,8 @@ const MOST_DELAY: usize = 1 << 20;
 const PER_DECADE: usize = 24;
 /// Images of the sampled spectrum that the error is summed over, to either side.
 const IMAGES: i32 = 12;
+/// Lowest angle looked at for a response that settles.
+const LOWEST: f64 = 1e-12;
 /// A gain at rest below this share of the largest is no measure of the range.
 const SMALL_GAIN: f64 = 1e-3;
 
@@ -122,6 +124,7 @@ pub(super) fn realise(
             let found = g.poles()?;
             let poles = of_transfer_function(target, &found, pole_count(g, found.len()));
             let mut problem = Problem::new(target, poles, sample_rate_hz, options)?;
+            problem.fall = if model.inter_sample == InterSample::Hold { 1 } else { 2 };
             problem.resonances = found.into_iter().filter(|s| s.im > 0.0).collect();
             problem.realised(whole, fraction, model.inter_sample)
         }
@@ -147,6 +150,10 @@ struct Problem<'a> {
     resonances: Vec<Complex64>,
     sample_rate_hz: f64,
     accuracy: f64,
+    /// Power of 1/θ by which the input falls off above half the sample rate: 1 held, 2 on straight lines.
+    fall: i32,
+    /// Gain at rest, where the band reaches down to it; it is met exactly.
+    tied: Option<f64>,
     /// Lowest angle of the band.
     low: f64,
     reference: f64,
@@ -170,7 +177,7 @@ impl<'a> Problem<'a> {
             None if finite => None,
             None => return Err(RealiseError::LowestFrequency),
         };
-        let from = lowest.filter(|_| !finite).unwrap_or(1e-9);
+        let from = lowest.unwrap_or(LOWEST);
         let largest = logarithmic(from, PI, 10).map(|t| target.at(t).norm()).fold(0.0, f64::max);
         let own = if finite { at_rest.abs() } else { target.at(from).norm() };
         let reference = if own > SMALL_GAIN * largest { own } else { largest };
@@ -180,16 +187,24 @@ impl<'a> Problem<'a> {
             resonances: Vec::new(),
             sample_rate_hz,
             accuracy: options.accuracy,
+            fall: 2,
+            tied: None,
             low: from,
             reference,
         };
         if finite {
             // Below this the response is what it is at rest.
+            let apart = |low: f64| (target.at(low) - at_rest).norm() / (options.accuracy * reference);
             let mut low = PI / 8.0;
-            while low > 1e-12 && (target.at(low) - at_rest).norm() > 0.05 * options.accuracy * reference {
+            while low > from && apart(low) > 0.05 {
                 low *= 0.5;
             }
-            problem.low = low;
+            // Without a cut the poles are all there is, however slow.
+            if apart(low) < 0.5 || !target.has_cut() {
+                (problem.low, problem.tied) = (low, Some(at_rest));
+            } else if lowest.is_none() {
+                return Err(RealiseError::LowestFrequency);
+            }
         }
         Ok(problem)
     }
@@ -207,8 +222,8 @@ impl<'a> Problem<'a> {
         angles.extend(upper_half(2 * per_decade));
         angles.retain(|theta| (self.low..=high).contains(theta));
         angles.sort_by(f64::total_cmp);
-        // Above half the sample rate an input holds (2/θ)² of what it holds there, along straight lines.
-        let weight = |theta: f64| if theta > PI { (PI / theta).powi(2) } else { 1.0 } / self.reference;
+        let weight =
+            |theta: f64| if theta > PI { (PI / theta).powi(self.fall) } else { 1.0 } / self.reference;
         angles.into_iter().map(|theta| Point { theta, weight: weight(theta) }).collect()
     }
 
@@ -222,12 +237,9 @@ impl<'a> Problem<'a> {
         let (points, check) = (self.points(PER_DECADE), self.points(3 * PER_DECADE + 1));
         // A pole far outside the band is a constant within it.
         let (low, high) = (self.low * self.sample_rate_hz / 8.0, 4.0 * self.high() * self.sample_rate_hz);
-        let cut = Cut::new(
-            self.target,
-            low,
-            if self.target.is_continuous() { high } else { f64::INFINITY },
-            0.02 * self.accuracy * self.reference,
-        );
+        let top = if self.target.is_continuous() { high } else { f64::INFINITY };
+        let share = 0.02 * self.accuracy * self.reference;
+        let cut = Cut::new(self.target, (low, top), share, self.reference);
         let taps = self.target.taps();
         let mut reached = f64::INFINITY;
         let mut count = 0;
@@ -235,7 +247,7 @@ impl<'a> Problem<'a> {
             let mut poles = self.poles.clone();
             let places = if cut.is_empty() { spread(low, 0.25 * high, count) } else { cut.places(count) };
             poles.extend(places.into_iter().flat_map(|x| self.target.poles_of(Complex64::new(-x, 0.0))));
-            if let Some(fitted) = weights(self.target, &points, &poles, taps) {
+            if let Some(fitted) = weights(self.target, self.tied, &points, &poles, taps) {
                 let error = self.error(&fitted, &check);
                 reached = reached.min(error);
                 if error <= self.accuracy {
@@ -247,8 +259,8 @@ impl<'a> Problem<'a> {
         Err(RealiseError::Accuracy { wanted: self.accuracy, reached, poles: MOST_POLES })
     }
 
-    /// Largest error over the band, as a share of the reference: on the s-plane of the sampled answer to straight lines, all images of
-    /// which are taken to add up.
+    /// Largest error over the band, as a share of the reference: on the s-plane of the sampled answer to straight lines or held
+    /// samples, all images of which are taken to add up.
     fn error(&self, fitted: &Fitted, check: &[Point]) -> f64 {
         let error =
             |theta: f64| (fitted.at(self.target, theta) - self.target.at(theta)).norm() / self.reference;
@@ -258,7 +270,7 @@ impl<'a> Problem<'a> {
         }
         let image = |theta: f64, k: i32| {
             let there = theta + TAU * f64::from(k);
-            let share = ((0.5 * theta).sin() / (0.5 * there)).powi(2);
+            let share = ((0.5 * theta).sin() / (0.5 * there)).abs().powi(self.fall);
             share * error(there.abs())
         };
         within.map(|theta| (-IMAGES + 1..IMAGES).map(|k| image(theta, k)).sum()).fold(0.0, f64::max)
@@ -283,7 +295,7 @@ impl<'a> Problem<'a> {
         let rate = self.sample_rate_hz;
         discrete.sections.sort_by(|a, b| a.rate(rate).total_cmp(&b.rate(rate)));
         let at_rest = self.target.at_rest();
-        let low = if at_rest.is_finite() { 0.0 } else { self.low * rate / TAU };
+        let low = if self.tied.is_some() { 0.0 } else { self.low * rate / TAU };
         Ok(LinearRealisation {
             taps: discrete.taps,
             sections: discrete.sections,

@@ -5,6 +5,7 @@
 //! real by construction: every pole is placed before any weight is fitted.
 //! Theory and limits: `docs/theory/realisation.md`.
 
+mod cost;
 mod error;
 mod fit;
 mod linear;
@@ -14,6 +15,7 @@ mod stream;
 mod target;
 mod verify;
 
+pub use cost::{Cost, side_by_side};
 pub use error::RealiseError;
 pub use linear::LinearRealisation;
 pub use sections::Section;
@@ -48,7 +50,7 @@ pub struct Realisation {
     pub dynamics: LinearRealisation,
     /// The rate \[Hz\].
     pub sample_rate_hz: f64,
-    /// Whether moves are made in two halves, so that what the hysteresis does between samples enters with its mean: where the batch
+    /// Whether moves are looked at half-way, so that what the hysteresis does between samples enters with its mean: where the batch
     /// simulation does so (drive along straight lines, scheme `band-limited`).
     pub joins_means: bool,
 }

@@ -24,14 +24,15 @@ pub(super) struct Cut {
 }
 
 impl Cut {
-    /// The cut between two frequencies \[rad/s\], without ends that hold less than `share` of a unit together.
-    pub fn new(target: Target<'_>, low: f64, high: f64, share: f64) -> Self {
+    /// The cut between two frequencies \[rad/s\], without ends that hold less than `share` together. A pole on the cut makes its density
+    /// infinite there: more than `most` counts as that.
+    pub fn new(target: Target<'_>, (low, high): (f64, f64), share: f64, most: f64) -> Self {
         let width = std::f64::consts::LN_10 / PER_DECADE as f64;
         let exponents = DECADES.0 * PER_DECADE as i32..DECADES.1 * PER_DECADE as i32;
         let mut steps: Vec<(f64, f64)> = exponents
             .map(|k| 10f64.powf(f64::from(k) / PER_DECADE as f64))
             .filter(|x| (low..=high).contains(x))
-            .map(|x| (x, width * target.cut_density(x)))
+            .map(|x| (x, width * target.cut_density(x).min(most)))
             .filter(|(_, held)| held.is_finite())
             .collect();
         for _ in 0..2 {

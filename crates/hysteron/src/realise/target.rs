@@ -131,10 +131,18 @@ impl Target<'_> {
         }
     }
 
+    /// Whether there is a branch cut beside the poles.
+    pub fn has_cut(self) -> bool {
+        match self {
+            Self::Continuous { g, .. } | Self::Sampled { g, .. } => !g.is_integer_order(),
+            Self::Arx { .. } => false,
+        }
+    }
+
     /// |density| of the branch cut at x rad/s: that of G = … + ∫ ρ(x)/(s + x) dx.
     pub fn cut_density(self, x: f64) -> f64 {
         match self {
-            Self::Continuous { g, .. } | Self::Sampled { g, .. } if !g.is_integer_order() => {
+            Self::Continuous { g, .. } | Self::Sampled { g, .. } if self.has_cut() => {
                 g.response_at(Complex64::new(-x, 0.0)).im.abs() / PI
             }
             _ => 0.0,

@@ -9,6 +9,8 @@ use crate::hysteresis::HysteresisForm;
 
 /// Polynomial degree of a candidate that does not name one.
 const USUAL_DEGREE: usize = 3;
+/// Families that are compared unasked: one that wipes its memory out, and two that forget it, each quick to fit.
+const FAMILIES: [&str; 3] = ["prandtl-ishlinskii", "dahl", "duhem"];
 
 /// Fewer poles in parallel than these are the same in series.
 const FEWEST_OF_MODES: usize = 4;
@@ -148,6 +150,19 @@ impl Candidate {
         list
     }
 
+    /// The same dynamics and polynomial behind other families of hysteresis: plays, Dahl's and Duhem's. None for blocks that
+    /// are identified in two steps, with Bouc–Wen alone.
+    pub fn families(self) -> Vec<Self> {
+        if self.block.takes_two_steps() {
+            return Vec::new();
+        }
+        let usual = HysteresisForm::usual().into_iter();
+        usual
+            .filter(|form| FAMILIES.contains(&form.name()) && *form != self.hysteresis)
+            .map(|hysteresis| Self { hysteresis, n_free: false, ..self })
+            .collect()
+    }
+
     /// `base` with this structure.
     pub fn options(self, base: &Options) -> Options {
         let (dynamics, order) = match self.block {
@@ -251,6 +266,15 @@ mod tests {
                 Candidate { hysteresis, creep: Creep::Fractional, ..Candidate::of(Block::Fractional) };
             assert_eq!(candidate.to_string().parse(), Ok(candidate));
         }
+    }
+
+    #[test]
+    fn other_families_keep_the_dynamics() {
+        let own: Candidate = "fractional+creep+degree2+n-free".parse().unwrap();
+        let names: Vec<String> = own.families().iter().map(ToString::to_string).collect();
+        let behind = |family: &str| format!("fractional+creep+degree2+{family}");
+        assert_eq!(names, ["prandtl-ishlinskii", "dahl", "duhem"].map(behind));
+        assert!(Candidate::of(Block::Arx).families().is_empty());
     }
 
     #[test]

@@ -112,7 +112,7 @@ impl Entry {
 }
 
 /// Compares `candidates` on a campaign. `None`: every dynamic block, then variants of the preferred one (creep, other
-/// polynomial degrees, n free). Of `options`, structure, algorithm and demands are each candidate's own.
+/// polynomial degrees, n free), then other families of hysteresis before the dynamics then preferred. Of `options`, structure, algorithm and demands are each candidate's own.
 ///
 /// # Errors
 /// [`StructureError`]. A candidate that cannot be fitted is no error: its [`Entry::failures`] say why.
@@ -141,13 +141,17 @@ pub fn compare(
         Some(candidates) => run.add(candidates),
         None => {
             let blocks = Block::USUAL.map(Candidate::of);
-            let spare = blocks[0].variants().len();
+            let spare = blocks[0].variants().len() + blocks[0].families().len();
             run.planned = (blocks.len() + spare) * (run.folds.len() + 1);
             run.add(&blocks);
             if let Some(preferred) = run.ranking().map(|r| run.finished[r.preferred].entry.candidate) {
                 let variants = preferred.variants();
-                run.planned = (blocks.len() + variants.len()) * (run.folds.len() + 1);
+                let families = preferred.families().len();
+                run.planned = (blocks.len() + variants.len() + families) * (run.folds.len() + 1);
                 run.add(&variants);
+            }
+            if let Some(preferred) = run.ranking().map(|r| run.finished[r.preferred].entry.candidate) {
+                run.add(&preferred.families());
             }
         }
     }
