@@ -145,7 +145,7 @@ fn derivatives_are_those_of_the_columns() {
 fn rising() -> impl Iterator<Item = Hysteresis> {
     forms().into_iter().map(|(form, shape)| {
         let weights: Vec<f64> = (1..=form.columns()).map(|j| 0.7 / j as f64).collect();
-        form.operator(vec![1.9, 0.01], &weights, &shape).unwrap()
+        form.operator(vec![6.0, 0.01], &weights, &shape).unwrap()
     })
 }
 
@@ -163,7 +163,8 @@ fn the_drive_that_gives_an_output_is_found_in_one_step() {
             };
             let mut v = vec![0.0; u.len()];
             operator.simulate(&u, origin, &mut v).unwrap();
-            let followed = operator.follow(&v, rest, memory, &FREE).unwrap();
+            let followed = operator.follow(&v, rest, memory, &FREE);
+            let followed = followed.unwrap_or_else(|e| panic!("{operator:?}: {e}"));
             assert_eq!([followed.at_range, followed.at_step], [0, 0], "{operator:?}");
             for (k, ((found, u), (output, v))) in
                 followed.drive.iter().zip(&u).zip(followed.output.iter().zip(&v)).enumerate()
