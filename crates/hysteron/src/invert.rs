@@ -7,6 +7,8 @@
 //!
 //! [`Hysteresis::follow`]: crate::hysteresis::Hysteresis::follow
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::dynamics::{
     Dynamics, DynamicsError, InitialCondition, InterSample, Inverse, InverseAim, Response, Sampling, Scheme,
     SimulationPlan, Term, TransferFunction,
@@ -18,6 +20,9 @@ use crate::hysteresis::{DriveLimits, Followed, HysteresisError, Origin};
 pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
 /// Bandwidth as a share of the sample rate, where nobody says otherwise.
 pub const BANDWIDTH_SHARE: f64 = 0.05;
+
+/// Cycles of the bandwidth, at the beginning of a record, over which learning sets in.
+const FIRST_CYCLES: f64 = 2.0;
 
 /// What the device does before the reference begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,7 +217,14 @@ impl Model {
         self.hysteresis.simulate(last.drive, origin, &mut wanted)?;
         let left = || reference.iter().zip(last.measured).map(|(r, y)| r - y);
         let zero = left().sum::<f64>() / samples as f64;
-        let left: Vec<f64> = left().map(|e| e - zero).collect();
+        let mut left: Vec<f64> = left().map(|e| e - zero).collect();
+        if let (false, Some(figures)) = (task.periodic, task.linear.figures()) {
+            // The drive cannot begin before the record, so that what is left at its beginning would be learned again and again.
+            let first = (FIRST_CYCLES * sample_rate_hz / figures.bandwidth_hz).ceil();
+            for (k, e) in left.iter_mut().enumerate().take(first as usize) {
+                *e *= (FRAC_PI_2 * k as f64 / first).sin().powi(2);
+            }
+        }
         let mut correction = vec![0.0; samples];
         task.linear.backwards(&left, &mut correction)?;
         wanted.iter_mut().zip(&correction).for_each(|(v, c)| *v += c);

@@ -239,8 +239,9 @@ fn what_repeats_is_learned_from_run_to_run() {
         run = model.learn(&reference, last, RATE_HZ, &options).unwrap();
     }
     println!("rms error from run to run: {errors:?} µm");
-    assert!(errors.windows(2).take(4).all(|w| w[1] < 0.5 * w[0]), "{errors:?}");
-    assert!(errors[7] < 1e-3 * errors[0], "{errors:?}");
+    assert!(errors[1] < 0.1 * errors[0] && errors[2] < 0.05 * errors[0], "{errors:?}");
+    // The device rests half a micrometre beside the beginning of the reference, which no run can mend and none makes worse.
+    assert!(errors.windows(2).all(|w| w[1] < w[0]), "{errors:?}");
 }
 
 #[test]
