@@ -72,7 +72,8 @@ const NO_SLOPES: [Group; 8] = [
     Group::Feedthrough,
     Group::StrainFeedthrough,
 ];
-const ALL: [Group; 11] = [
+/// Every number of the model.
+pub(super) const ALL: [Group; 11] = [
     Group::Transition,
     Group::Input,
     Group::StrainInput,

@@ -2,28 +2,15 @@
 
 use nalgebra::DVector;
 
-use super::columns::{Freedom, Group};
+use super::columns::Freedom;
 use super::normal::{cost, derivatives, normal_equations};
 use super::records::Piece;
+use super::summary::ALL;
 use crate::axes::{
     FeedbackStrain, LevelLaw, Mode, ScheduledModes, SteadyPeriod, StrainLaw, Trajectory, pole,
     simulate_steady,
 };
 use crate::numeric::LANES;
-
-const EVERYTHING: [Group; 11] = [
-    Group::Transition,
-    Group::Input,
-    Group::StrainInput,
-    Group::Stress,
-    Group::Coefficients,
-    Group::Output,
-    Group::Feedthrough,
-    Group::StrainFeedthrough,
-    Group::TransitionSlopes,
-    Group::OutputSlopes,
-    Group::FeedthroughSlopes,
-];
 
 /// Numbers between −1 and 1 that look random.
 struct Numbers(u64);
@@ -123,7 +110,7 @@ fn every_derivative_is_that_of_central_differences() {
     let piece = piece(7, 0.8, &model);
     let s = model.state_of(&piece.period);
     assert!(s < -0.3);
-    let freedom = Freedom::new(&model, &EVERYTHING);
+    let freedom = Freedom::new(&model, &ALL);
     let count = piece.fine.len() / model.inputs;
     let preroll = 6 * count;
     let expected = differences(&model, &freedom, s, &piece.fine, preroll);
@@ -157,7 +144,7 @@ fn the_normal_equations_are_those_of_the_columns_and_lower_the_cost() {
     let model = model();
     let pieces = [piece(7, 0.8, &model), piece(8, 1.5, &model)];
     let all: Vec<&Piece> = pieces.iter().collect();
-    let freedom = Freedom::new(&model, &EVERYTHING);
+    let freedom = Freedom::new(&model, &ALL);
     let found = normal_equations(&model, &freedom, &all).unwrap();
     let count = freedom.columns.len();
     let mut matrix = nalgebra::DMatrix::zeros(count, count);
@@ -196,7 +183,7 @@ fn the_normal_equations_are_those_of_the_columns_and_lower_the_cost() {
 fn the_normal_equations_are_the_same_bits_for_any_number_of_threads() {
     let model = model();
     let piece = piece(7, 0.8, &model);
-    let freedom = Freedom::new(&model, &EVERYTHING);
+    let freedom = Freedom::new(&model, &ALL);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| normal_equations(&model, &freedom, &[&piece]).unwrap())
