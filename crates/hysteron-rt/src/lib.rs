@@ -5,6 +5,8 @@
 //! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of the step.
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs, taps, delay), voltage
 //!   in, displacement out, the same number of operations every sample.
+//! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`], [`Hysteresis::reach`]);
+//!   [`Observer`]: what stands between model and stage.
 //! * [`Rls`], [`Nlms`]: least squares with forgetting and gradient correction of parameters while samples come in;
 //!   [`FitMonitor`] says when they no longer fit.
 //! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of its own
@@ -42,8 +44,9 @@ mod series;
 pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepError};
 pub use dual::Dual;
 pub use model::{
-    BoucWenMemory, Compensated, Hysteresis, LANES, Linear, MOST_TAPS, Means, Model, ModelError, Operator,
-    PolePair, RealPoles, Sections, SectionsMemory,
+    BoucWenMemory, Compensated, Compensator, Drive, Hysteresis, LANES, Law, Limited, Limits, Linear,
+    MOST_LOOKS, MOST_TAPS, Means, Model, ModelError, Observed, Observer, Operator, PolePair, Reached,
+    RealPoles, Sections, SectionsMemory,
 };
 pub use online::{
     FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, OnlineError, Residual, Rls, RlsSettings,

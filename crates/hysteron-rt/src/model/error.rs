@@ -25,6 +25,8 @@ pub enum ModelError<T> {
     NotFinite,
     /// The hysteretic part leaves the range of the number type (inadmissible parameters).
     Overflow,
+    /// Limits that leave no room: low below high, both finite, a step above 0.
+    Limits,
     /// The displacement to start at is infinite or not a number.
     Start {
         /// That displacement.
@@ -45,6 +47,12 @@ impl<T: Display> Display for ModelError<T> {
                 f,
                 "the hysteretic part leaves the range of the number type: its parameters are outside the bounded class"
             ),
+            Self::Limits => {
+                write!(
+                    f,
+                    "limits that leave no room: give finite voltages, low below high, and a step above 0"
+                )
+            }
             Self::Start { displacement } => write!(f, "cannot start at a displacement of {displacement}"),
         }
     }

@@ -1,13 +1,19 @@
 //! A model that runs sample by sample: hysteresis, then linear dynamics.
 
+mod compensator;
 mod error;
 mod means;
+mod observer;
 mod operator;
+mod reach;
 mod sections;
 
+pub use compensator::{Compensator, Drive, Law, Limited, Limits};
 pub use error::ModelError;
 pub use means::Means;
+pub use observer::{Observed, Observer};
 pub use operator::{BoucWenMemory, Hysteresis, Operator};
+pub use reach::{MOST_LOOKS, Reached};
 pub use sections::{Compensated, LANES, Linear, MOST_TAPS, PolePair, RealPoles, Sections, SectionsMemory};
 
 use crate::real::Real;
@@ -77,10 +83,18 @@ impl<'a, T: Real> Model<'a, T> {
     /// # Errors
     /// [`ModelError::NotFinite`]; the model is then as it was.
     pub fn rest_at(&mut self, voltage: T) -> Result<T, ModelError<T>> {
+        self.rest_after(voltage, voltage)
+    }
+
+    /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it was virgin.
+    ///
+    /// # Errors
+    /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves the hysteresis virgin.
+    pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
         if !voltage.is_finite() {
             return Err(ModelError::NotFinite);
         }
-        let v = self.hysteresis.rest_at(voltage);
+        let v = self.hysteresis.rest_after(virgin, voltage)?;
         if let Some(means) = &mut self.means {
             *means = Means::at(v);
         }

@@ -96,6 +96,18 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         v
     }
 
+    /// Makes the block virgin at `virgin`, moves it monotonically to `voltage` and returns its output there.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
+        if !virgin.is_finite() {
+            return Err(ModelError::NotFinite);
+        }
+        let there = self.rest_at(virgin);
+        if voltage == virgin { Ok(there) } else { self.step(voltage) }
+    }
+
     /// Moves monotonically to `voltage` and returns v.
     ///
     /// # Errors
@@ -142,25 +154,31 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     #[inline]
     pub fn step_with_middle(&mut self, voltage: T) -> Result<(T, T), ModelError<T>> {
         let half = T::of(0.5);
-        let du = voltage - self.voltage;
-        let half_way = half * self.voltage + half * voltage;
         // From the start of the move, as its end is: neither waits for the other.
-        let mut middle = self.polynomial_at(half_way);
+        let middle = self.look(half * self.voltage + half * voltage);
+        Ok((middle, self.step(voltage)?))
+    }
+
+    /// What a monotone move to `voltage` would put out; nothing is moved. Not finite where [`Self::step`] would fail.
+    #[inline]
+    pub fn look(&self, voltage: T) -> T {
+        let mut v = self.polynomial_at(voltage);
         match &self.operator {
             Operator::None => {}
             Operator::BoucWen { operators, memory } => {
+                let du = voltage - self.voltage;
                 for (operator, memory) in operators.iter().zip(memory.iter()) {
-                    middle = middle - (memory.z + operator.increment(memory.z, half * du));
+                    v = v - (memory.z + operator.increment(memory.z, du));
                 }
             }
             Operator::Plays { bank, states } => {
                 let plays = bank.thresholds().iter().zip(bank.weights()).zip(states.iter());
-                middle = plays.fold(middle, |v, ((threshold, weight), state)| {
-                    v + *weight * play(*threshold, *state, half_way)
+                v = plays.fold(v, |v, ((threshold, weight), state)| {
+                    v + *weight * play(*threshold, *state, voltage)
                 });
             }
         }
-        Ok((middle, self.step(voltage)?))
+        v
     }
 
     /// The polynomial l\[u\] at `u`.

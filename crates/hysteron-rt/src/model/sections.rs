@@ -189,6 +189,17 @@ impl<'a, T: Real> Linear<'a, T> {
         sum
     }
 
+    /// Coefficients of the block.
+    pub fn sections(&self) -> &Sections<'a, T> {
+        &self.sections
+    }
+
+    /// The input at rest, and the newest inputs counted from there.
+    #[inline(always)]
+    pub(super) fn inputs(&self) -> (T, &[T; MOST_TAPS + 1]) {
+        (self.rest, &self.recent)
+    }
+
     /// Memory of the block.
     pub fn memory(&self) -> &SectionsMemory<'a, T> {
         &self.memory

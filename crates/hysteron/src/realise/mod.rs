@@ -23,7 +23,9 @@ pub use stream::{RuntimeParts, Stream, StreamParts, nanoseconds_per_sample};
 pub use verify::{Verification, sweep, verify};
 
 use crate::dynamics::Dynamics;
+use crate::fractional::Scheme;
 use crate::hammerstein::{Model, joins_means};
+use crate::record::InterSample;
 
 /// What a realisation is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,4 +92,15 @@ pub fn realise(
     let filtered = matches!(model.dynamics, Dynamics::Integer(_) | Dynamics::Fractional(_));
     let joins_means = filtered && joins_means(model.scheme, model.inter_sample);
     Ok(Realisation { model: model.clone(), dynamics, sample_rate_hz, joins_means })
+}
+
+/// The dynamic block, delay included, as it answers a drive that is held between samples, whatever the model was identified under.
+pub(crate) fn held(
+    model: &Model,
+    sample_rate_hz: f64,
+    options: &RealiseOptions,
+) -> Result<LinearRealisation, RealiseError> {
+    model.check_sample_rate(Some(sample_rate_hz))?;
+    let held = Model { scheme: Scheme::BandLimited, inter_sample: InterSample::Hold, ..model.clone() };
+    linear::realise(&held, sample_rate_hz, options)
 }

@@ -136,6 +136,15 @@ impl<T: Real> RuntimeParts<T> {
     /// # Errors
     /// [`RealiseError::Rounded`] where the coefficients are not finite in this number type.
     pub fn model(&mut self) -> Result<hysteron_rt::Model<'_, T>, RealiseError> {
+        let (offset, joins_means) = (self.offset, self.joins_means);
+        let (hysteresis, dynamics) = self.blocks()?;
+        hysteron_rt::Model::new(hysteresis, dynamics, offset)
+            .and_then(|model| if joins_means { model.with_means() } else { Ok(model) })
+            .map_err(|_| RealiseError::Rounded)
+    }
+
+    /// Its two blocks, at rest and virgin at 0 V.
+    pub(crate) fn blocks(&mut self) -> Result<(hysteron_rt::Hysteresis<'_, T>, Linear<'_, T>), RealiseError> {
         let operator = match &mut self.operator {
             OperatorParts::BoucWen { operators, memory } => Operator::BoucWen { operators, memory },
             OperatorParts::Plays { thresholds, weights, states } => Operator::Plays {
@@ -146,9 +155,7 @@ impl<T: Real> RuntimeParts<T> {
         let hysteresis =
             hysteron_rt::Hysteresis::new(&self.polynomial, operator).map_err(|_| RealiseError::Rounded)?;
         let dynamics = self.linear.block().map_err(|_| RealiseError::Rounded)?;
-        hysteron_rt::Model::new(hysteresis, dynamics, self.offset)
-            .and_then(|model| if self.joins_means { model.with_means() } else { Ok(model) })
-            .map_err(|_| RealiseError::Rounded)
+        Ok((hysteresis, dynamics))
     }
 }
 

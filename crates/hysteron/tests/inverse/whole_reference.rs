@@ -1,119 +1,15 @@
-//! The drive of an inverse, played to a plant in continuous time that is not the library's: exact exponentials, hysteresis by
-//! Runge–Kutta, each voltage held for a period of the controller.
-
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // A failure is a failed test; figures are printed.
+//! The drive for a reference that is known as a whole.
 
 use std::f64::consts::TAU;
 
 use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron::hammerstein::Model;
 use hysteron::hysteresis::{BoucWen, DriveLimits, Hysteresis};
-use hysteron::invert::{Before, InverseDrive, InverseOptions, InversionError, LastRun};
+use hysteron::invert::{Before, InverseOptions, InversionError, LastRun};
+
 use hysteron::record::InterSample;
 
-const RATE_HZ: f64 = 10_000.0;
-/// Steps of the plant in a period of the controller.
-const FINER: usize = 20;
-const NATURAL: f64 = TAU * 280.0;
-const DAMPING: f64 = 0.65;
-const DELAY_S: f64 = 1.5e-4;
-const ALPHA: f64 = 0.3;
-const BETA: f64 = 0.12;
-const GAMMA: f64 = -0.03;
-const OFFSET: f64 = 0.4;
-
-fn model() -> Model {
-    let hysteresis = BoucWen::new(vec![1.1, 0.02, -0.001], ALPHA, BETA, GAMMA, 1.0).unwrap();
-    let term = |coefficient, order| Term { coefficient, order };
-    let numerator = vec![term(NATURAL * NATURAL, 0.0)];
-    let denominator = vec![term(NATURAL * NATURAL, 0.0), term(2.0 * DAMPING * NATURAL, 1.0), term(1.0, 2.0)];
-    Model {
-        hysteresis: Hysteresis::BoucWen(hysteresis),
-        dynamics: Dynamics::Integer(TransferFunction::new(numerator, denominator).unwrap()),
-        offset: OFFSET,
-        delay_s: DELAY_S,
-        scheme: Scheme::Tustin,
-        inter_sample: InterSample::Linear,
-        sample_rate_hz: Some(2e4),
-    }
-}
-
-/// Output of the plant [`FINER`] times a period, from rest, virgin, at `rest`.
-fn plant(drive: &[f64], rest: f64) -> Vec<f64> {
-    let mut z = 0.0;
-    let mut u = rest;
-    let v_of = |u: f64, z: f64| 1.1 * u + 0.02 * u * u - 0.001 * u * u * u - z;
-    let mut held = Vec::new();
-    for &next in drive {
-        // z along the jump of the drive: dz/du = α − (β s sgn z + γ) |z|.
-        let steps = 100;
-        let du = (next - u) / f64::from(steps);
-        let slope = |z: f64| ALPHA - (BETA * du.signum() * z.signum() + GAMMA) * z.abs();
-        for _ in 0..steps {
-            let a = slope(z);
-            let b = slope(z + 0.5 * du * a);
-            let c = slope(z + 0.5 * du * b);
-            let d = slope(z + du * c);
-            z += du / 6.0 * (a + 2.0 * b + 2.0 * c + d);
-        }
-        u = next;
-        held.push(v_of(u, z));
-    }
-    let dt = 1.0 / (RATE_HZ * FINER as f64);
-    let late = (DELAY_S / dt).round() as usize;
-    let (sigma, omega) = (DAMPING * NATURAL, NATURAL * (1.0 - DAMPING * DAMPING).sqrt());
-    let (mut x, mut rate) = (v_of(rest, 0.0), 0.0);
-    let mut y = Vec::new();
-    for k in 0..drive.len() * FINER {
-        y.push(x + OFFSET);
-        let v = if k < late { v_of(rest, 0.0) } else { held[(k - late) / FINER] };
-        // Free motion about v over dt, in closed form.
-        let (e, c, s) = ((-sigma * dt).exp(), (omega * dt).cos(), (omega * dt).sin());
-        let from = x - v;
-        let quadrature = (rate + sigma * from) / omega;
-        x = v + e * (from * c + quadrature * s);
-        rate = e * ((quadrature * omega - sigma * from) * c - (from * omega + sigma * quadrature) * s);
-    }
-    y
-}
-
-/// About 5.5 µm, `amplitude` \[µm\] to either side.
-fn sine(frequency_hz: f64, amplitude: f64, samples: usize, per_second: f64) -> impl Fn(usize) -> f64 {
-    let whole = samples as f64 / per_second;
-    // Grows from rest to its full amplitude in the first fifth.
-    move |k| {
-        let t = k as f64 / per_second;
-        let grown = (t / (0.2 * whole)).min(1.0);
-        let grown = grown * grown * (3.0 - 2.0 * grown);
-        5.5 + amplitude * grown * (TAU * frequency_hz * t).sin()
-    }
-}
-
-fn rms(x: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = x.fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
-    (sum / count).sqrt()
-}
-
-fn roughness(u: &[f64]) -> f64 {
-    rms(u.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]))
-}
-
-fn rest_of(drive: &InverseDrive) -> f64 {
-    drive.rest.unwrap().voltage_v().unwrap()
-}
-
-fn options() -> InverseOptions {
-    InverseOptions::within([-5.0, 25.0])
-}
-
-/// Error of the plant over what follows the growth, rms in per cent of stroke.
-fn tracking_error(drive: &InverseDrive, frequency_hz: f64, amplitude: f64, samples: usize) -> f64 {
-    let y = plant(&drive.drive, rest_of(drive));
-    let wanted = sine(frequency_hz, amplitude, samples * FINER, RATE_HZ * FINER as f64);
-    let error = y.iter().enumerate().map(|(k, y)| y - wanted(k));
-    let (from, to) = (samples * FINER * 3 / 10, samples * FINER * 9 / 10);
-    100.0 * rms(error.skip(from).take(to - from)) / (2.0 * amplitude)
-}
+use crate::plant::*;
 
 #[test]
 fn a_plant_in_continuous_time_follows_the_reference() {
@@ -125,7 +21,7 @@ fn a_plant_in_continuous_time_follows_the_reference() {
         let reference: Vec<f64> = (0..samples).map(wanted).collect();
         let found = model().invert(&reference, RATE_HZ, &options()).unwrap();
         assert_eq!([found.at_range, found.at_slew], [0, 0]);
-        let error = tracking_error(&found, frequency_hz, amplitude, samples);
+        let error = tracking_error(&found.drive, rest_of(&found), frequency_hz, amplitude, samples);
         assert!(error <= bound, "{frequency_hz} Hz: {error} %");
         // The ideal drive: the reference through 1/G at its frequency, then through the inverse hysteresis.
         let s = TAU * frequency_hz / NATURAL;
@@ -143,8 +39,7 @@ fn a_plant_in_continuous_time_follows_the_reference() {
         let ratio = roughness(&found.drive[part.clone()]) / roughness(&ideal[part]);
         assert!((0.9..=1.1).contains(&ratio), "{frequency_hz} Hz: roughness {ratio}");
         // What the hold costs where nothing accounts for it: half a period of delay.
-        let late = InverseDrive { drive: ideal, ..found };
-        let uncorrected = tracking_error(&late, frequency_hz, amplitude, samples);
+        let uncorrected = tracking_error(&ideal, rest_of(&found), frequency_hz, amplitude, samples);
         assert!(uncorrected > held_alone, "{frequency_hz} Hz, hold not corrected: {uncorrected} %");
         println!(
             "{frequency_hz} Hz: {error:.5} %, roughness {ratio:.3}; hold not corrected {uncorrected:.2} %"

@@ -1,0 +1,318 @@
+//! Feedforward sample by sample: the voltage that makes a model's displacement follow a reference.
+
+use super::{Hysteresis, LANES, Linear, MOST_TAPS, ModelError};
+use crate::real::Real;
+
+/// The linear part of a compensator: which output v of the hysteresis makes the dynamics follow, from where they stand and
+/// what is known of the reference,
+///
+/// v = v₁ + Σ recentₗ (v₁₊ₗ − v₁) + Σ kₙ (xₙ − v₁) + Σ fⱼ (rⱼ − y₁),
+///
+/// v₁, v₂, … the last outputs, xₙ the states of the [`Sections`](super::Sections), rⱼ the reference, the newest first, y₁ the displacement at which
+/// v₁ would settle. Everything counts from v₁, so that a reference at rest is met exactly whatever the rounding of the gains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law<'a, T> {
+    /// Gains on v₂ − v₁, v₃ − v₁, …: at most [`MOST_TAPS`].
+    pub recent: &'a [T],
+    /// Gains on the real poles, a group each.
+    pub real: &'a [[T; LANES]],
+    /// Gains on the pairs: real part (counted from v₁), imaginary part.
+    pub pairs: &'a [[T; 2]],
+    /// Gains fⱼ on the reference, at least one, the newest first.
+    pub reference: &'a [T],
+}
+
+/// What a drive keeps to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits<T> {
+    /// Least voltage.
+    pub low: T,
+    /// Largest voltage.
+    pub high: T,
+    /// Largest change from one sample to the next; infinite for none.
+    pub step: T,
+}
+
+/// What held a drive back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limited {
+    /// Nothing: the model follows.
+    No,
+    /// The range of voltages.
+    Range,
+    /// The largest change from one sample to the next.
+    Step,
+    /// The reference was infinite or not a number: its last finite value was followed.
+    Reference,
+    /// The hysteresis has left the range of the number type (inadmissible parameters): the voltage stays as it was.
+    Overflow,
+}
+
+/// A sample of the drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive<T> {
+    /// The voltage: within the limits, always.
+    pub voltage: T,
+    /// What held it back.
+    pub limited: Limited,
+}
+
+/// The inverse of a model, sample by sample: reference in, voltage out.
+///
+/// The reference enters [`Law::reference`] samples ahead as far as it is previewed; what is not known yet is predicted by the gains. The voltage is the one
+/// to which one monotone move gives the wanted output of the hysteresis ([`Hysteresis::reach`]); where a limit holds it back, the states go on from what is
+/// really put out, so that nothing winds up.
+///
+/// Coefficients and memory are the caller's; nothing is allocated, nothing panics, the cost of a step is bounded.
+#[derive(Debug)]
+pub struct Compensator<'a, T> {
+    hysteresis: Hysteresis<'a, T>,
+    dynamics: Linear<'a, T>,
+    law: Law<'a, T>,
+    /// The reference, a ring: `at` is where the newest goes next.
+    ring: &'a mut [T],
+    at: usize,
+    /// Its newest value.
+    reference: T,
+    limits: Limits<T>,
+    offset: T,
+    /// What taps and sections add up to at rest.
+    gain: T,
+    /// Output of the hysteresis, and a guess of its slope.
+    output: T,
+    slope: T,
+    displacement: T,
+}
+
+impl<'a, T: Real> Compensator<'a, T> {
+    /// The compensator, at rest and virgin at the voltage of the range that is next to 0. `ring` holds as many numbers as the law has gains on
+    /// the reference. The dynamics are those of the model without the whole samples of its delay (no [`SectionsMemory::delay`]), for
+    /// voltages that are held between samples.
+    ///
+    /// [`SectionsMemory::delay`]: super::SectionsMemory::delay
+    ///
+    /// # Errors
+    /// [`ModelError::Memory`] where ring, law and sections do not fit each other, [`ModelError::Taps`], [`ModelError::Coefficient`] for a gain
+    /// or offset that is not finite, [`ModelError::Limits`].
+    pub fn new(
+        hysteresis: Hysteresis<'a, T>,
+        dynamics: Linear<'a, T>,
+        law: Law<'a, T>,
+        ring: &'a mut [T],
+        limits: Limits<T>,
+        offset: T,
+    ) -> Result<Self, ModelError<T>> {
+        let zero = T::of(0.0);
+        if law.recent.len() > MOST_TAPS {
+            return Err(ModelError::Taps { found: law.recent.len() });
+        }
+        let sections = *dynamics.sections();
+        for (expected, found) in [
+            (law.reference.len().max(1), ring.len()),
+            (sections.real.len(), law.real.len()),
+            (sections.pairs.len(), law.pairs.len()),
+            (0, dynamics.memory().delay.len()),
+        ] {
+            if expected != found {
+                return Err(ModelError::Memory { expected, found });
+            }
+        }
+        let finite = |numbers: &[T]| numbers.iter().all(|x| x.is_finite());
+        let sound = offset.is_finite()
+            && finite(law.recent)
+            && law.real.iter().all(|k| finite(k))
+            && law.pairs.iter().all(|k| finite(k))
+            && finite(law.reference);
+        if !sound {
+            return Err(ModelError::Coefficient);
+        }
+        let width = limits.high - limits.low;
+        if !(width > zero && width.is_finite() && limits.step > zero) {
+            return Err(ModelError::Limits);
+        }
+        let sum = |numbers: &[T]| numbers.iter().fold(zero, |sum, &x| sum + x);
+        let mut gain = sum(sections.taps);
+        for poles in sections.real {
+            gain = gain + sum(&poles.weight);
+        }
+        for pair in sections.pairs {
+            let [re, _] = pair.weight;
+            gain = gain + re;
+        }
+        let mut compensator = Self {
+            hysteresis,
+            dynamics,
+            law,
+            ring,
+            at: 0,
+            reference: zero,
+            limits,
+            offset,
+            gain,
+            output: zero,
+            slope: T::of(1.0),
+            displacement: zero,
+        };
+        compensator.rest_at(zero)?;
+        Ok(compensator)
+    }
+
+    /// Puts the model at rest, its hysteresis virgin, at `voltage` (moved into the range), and the reference where that is; the displacement there.
+    /// It has been so for ever.
+    ///
+    /// # Errors
+    /// [`ModelError::NotFinite`]; the compensator is then as it was.
+    pub fn rest_at(&mut self, voltage: T) -> Result<T, ModelError<T>> {
+        self.rest_after(voltage, voltage)
+    }
+
+    /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it was virgin.
+    ///
+    /// # Errors
+    /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves the hysteresis virgin at 0.
+    pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
+        if !voltage.is_finite() {
+            return Err(ModelError::NotFinite);
+        }
+        let voltage = within(voltage, self.limits.low, self.limits.high);
+        self.output = self.hysteresis.rest_after(virgin, voltage)?;
+        self.dynamics.rest_at(self.output);
+        self.displacement = self.offset + self.dynamics.output_at_rest();
+        self.stand_at(self.displacement);
+        // The slope from rest, for the first guess.
+        let away = T::of(1e-3) * (self.limits.high - self.limits.low);
+        let rise = (self.hysteresis.look(voltage + away) - self.output) / away;
+        self.slope = if rise > T::of(0.0) && rise.is_finite() { rise } else { T::of(1.0) };
+        Ok(self.displacement)
+    }
+
+    /// The reference has been here for ever.
+    fn stand_at(&mut self, displacement: T) {
+        self.ring.fill(displacement);
+        self.reference = displacement;
+        self.at = 0;
+    }
+
+    /// Chooses the offset so that the displacement, at rest where it was put, is `displacement`: switched on, or on again in mid-stroke, it
+    /// starts without a jump. To be called after [`Self::rest_at`] or [`Self::rest_after`].
+    ///
+    /// # Errors
+    /// [`ModelError::Start`]; the compensator is then as it was.
+    pub fn measured_at_rest(&mut self, displacement: T) -> Result<(), ModelError<T>> {
+        if !displacement.is_finite() {
+            return Err(ModelError::Start { displacement });
+        }
+        self.offset = self.offset + (displacement - self.displacement);
+        self.displacement = displacement;
+        self.stand_at(displacement);
+        Ok(())
+    }
+
+    /// Takes the newest of the reference without moving: what is known ahead when the first step is made. Whether it was finite; the one before is
+    /// taken again where it is not.
+    #[inline]
+    pub fn know(&mut self, reference: T) -> bool {
+        let sound = reference.is_finite();
+        self.reference = if sound { reference } else { self.reference };
+        if let Some(slot) = self.ring.get_mut(self.at) {
+            *slot = self.reference;
+        }
+        self.at += 1;
+        if self.at >= self.ring.len() {
+            self.at = 0;
+        }
+        sound
+    }
+
+    /// The voltage for the next period. `reference` is the newest that is known: as many samples ahead as the law was made for.
+    #[inline]
+    pub fn step(&mut self, reference: T) -> Drive<T> {
+        self.step_against(reference, T::of(0.0))
+    }
+
+    /// As [`Self::step`], against a `disturbance` that an [`Observer`](super::Observer) has found: what the stage stands beside the model's displacement. It
+    /// is taken off the whole reference at once. One that is not finite counts as none.
+    #[inline]
+    pub fn step_against(&mut self, reference: T, disturbance: T) -> Drive<T> {
+        let sound = self.know(reference);
+        let disturbance = if disturbance.is_finite() { disturbance } else { T::of(0.0) };
+        let wanted = self.wanted(disturbance);
+        let (limits, voltage) = (self.limits, self.hysteresis.voltage());
+        let low = within(voltage - limits.step, limits.low, limits.high);
+        let high = within(voltage + limits.step, limits.low, limits.high);
+        let reached = self.hysteresis.reach(self.output, wanted, [low, high], self.slope);
+        let Ok(output) = self.hysteresis.step(reached.voltage) else {
+            self.displacement = self.offset + self.dynamics.step(self.output);
+            return Drive { voltage, limited: Limited::Overflow };
+        };
+        let slope = (output - self.output) / (reached.voltage - voltage);
+        if slope > T::of(0.0) && slope.is_finite() {
+            self.slope = slope;
+        }
+        self.output = output;
+        self.displacement = self.offset + self.dynamics.step(output);
+        let limited = if !sound {
+            Limited::Reference
+        } else if !reached.missed {
+            Limited::No
+        } else if reached.voltage == limits.low || reached.voltage == limits.high {
+            Limited::Range
+        } else {
+            Limited::Step
+        };
+        Drive { voltage: reached.voltage, limited }
+    }
+
+    /// The law.
+    #[inline(always)]
+    fn wanted(&self, disturbance: T) -> T {
+        let (rest, [newest, recent @ ..]) = self.dynamics.inputs();
+        let states = self.dynamics.memory();
+        let mut sum = T::of(0.0);
+        for (gain, v) in self.law.recent.iter().zip(recent) {
+            sum = sum + *gain * (*v - *newest);
+        }
+        for (gains, state) in self.law.real.iter().zip(states.real.iter()) {
+            for (gain, x) in gains.iter().zip(&state.value) {
+                sum = sum + *gain * (*x - *newest);
+            }
+        }
+        for ([on_re, on_im], state) in self.law.pairs.iter().zip(states.pairs.iter()) {
+            let [re, im] = state.value;
+            sum = sum + *on_re * (re - *newest) + *on_im * im;
+        }
+        let settles = self.offset + self.dynamics.output_at_rest() + self.gain * *newest + disturbance;
+        let (older, newer) = self.ring.split_at_checked(self.at).unwrap_or((&[], self.ring));
+        let newest_first = older.iter().rev().chain(newer.iter().rev());
+        for (gain, r) in self.law.reference.iter().zip(newest_first) {
+            sum = sum + *gain * (*r - settles);
+        }
+        rest + (*newest + sum)
+    }
+
+    /// Displacement of the model now, or, of a model that is late by whole samples, that many samples from now.
+    pub fn displacement(&self) -> T {
+        self.displacement
+    }
+
+    /// The voltage put out last.
+    pub fn voltage(&self) -> T {
+        self.hysteresis.voltage()
+    }
+
+    /// What the drive keeps to.
+    pub fn limits(&self) -> Limits<T> {
+        self.limits
+    }
+}
+
+#[inline(always)]
+fn within<T: Real>(x: T, low: T, high: T) -> T {
+    if x < low {
+        low
+    } else if x > high {
+        high
+    } else {
+        x
+    }
+}

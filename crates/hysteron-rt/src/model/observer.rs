@@ -1,0 +1,73 @@
+//! What stands between a model and the stage it drives, from a measured displacement.
+
+use super::{Model, ModelError};
+use crate::real::Real;
+
+/// Model and measurement joined: displacement = model + disturbance, the disturbance (drift, load, what creeps beyond the model) a random walk,
+/// the measurement noisy.
+///
+/// The steady Kalman filter of a random walk is one number,
+///
+/// d ← d + g (y − ŷ − d),  g = (√(q² + 4q) − q)/2,  q = (rms of the disturbance's change in one sample / rms of the noise)²
+///
+/// (R. E. Kalman, *J. Basic Eng.* 82 (1960) 35–45, doi:10.1115/1.3662552). A measurement that is infinite or not a number is left out.
+#[derive(Debug)]
+pub struct Observer<'a, T> {
+    model: Model<'a, T>,
+    gain: T,
+    disturbance: T,
+}
+
+/// What an [`Observer`] knows after a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observed<T> {
+    /// Displacement of the stage.
+    pub displacement: T,
+    /// What of it is not the model's.
+    pub disturbance: T,
+}
+
+impl<'a, T: Real> Observer<'a, T> {
+    /// The observer with the gain 0 < g ≤ 1.
+    ///
+    /// # Errors
+    /// [`ModelError::Coefficient`] for a gain outside.
+    pub fn new(model: Model<'a, T>, gain: T) -> Result<Self, ModelError<T>> {
+        if !(gain > T::of(0.0) && gain <= T::of(1.0)) {
+            return Err(ModelError::Coefficient);
+        }
+        Ok(Self { model, gain, disturbance: T::of(0.0) })
+    }
+
+    /// The gain from the ratio of rms change of the disturbance in one sample to rms noise.
+    pub fn gain_for(change_over_noise: T) -> T {
+        let q = change_over_noise * change_over_noise;
+        T::of(0.5) * ((q * q + T::of(4.0) * q).sqrt() - q)
+    }
+
+    /// Puts the model at rest at `voltage`, driven there from `virgin`; what is `measured` there beside it is the disturbance.
+    ///
+    /// # Errors
+    /// As [`Model::rest_after`]; [`ModelError::Start`].
+    pub fn rest_after(&mut self, virgin: T, voltage: T, measured: T) -> Result<(), ModelError<T>> {
+        if !measured.is_finite() {
+            return Err(ModelError::Start { displacement: measured });
+        }
+        self.disturbance = measured - self.model.rest_after(virgin, voltage)?;
+        Ok(())
+    }
+
+    /// After the voltage of this period, and the displacement `measured` at its end.
+    ///
+    /// # Errors
+    /// As [`Model::step`]; disturbance as it was.
+    #[inline]
+    pub fn step(&mut self, voltage: T, measured: T) -> Result<Observed<T>, ModelError<T>> {
+        let own = self.model.step(voltage)?;
+        let left = measured - own - self.disturbance;
+        if left.is_finite() {
+            self.disturbance = self.disturbance + self.gain * left;
+        }
+        Ok(Observed { displacement: own + self.disturbance, disturbance: self.disturbance })
+    }
+}

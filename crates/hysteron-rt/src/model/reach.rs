@@ -1,0 +1,87 @@
+//! The voltage to which one monotone move gives an output: the exact inverse of a step of the hysteresis block.
+
+use super::Hysteresis;
+use crate::real::Real;
+
+/// Evaluations of a search at most. Most searches take four to seven; every third halves the bracket, whatever the operator does.
+pub const MOST_LOOKS: u8 = 48;
+
+/// Where a move ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached<T> {
+    /// The voltage.
+    pub voltage: T,
+    /// What the block puts out there.
+    pub output: T,
+    /// The target lies beyond the voltages allowed: this is the end of them.
+    pub missed: bool,
+}
+
+impl<T: Real> Hysteresis<'_, T> {
+    /// The voltage from `low` to `high`, about the present one, to which one monotone move gives `target`. The block is not moved. `output` is
+    /// what it puts out now, `slope` a guess of dv/du along the move.
+    ///
+    /// The output must rise with the voltage along the move, so that the present voltage and an end of those allowed bracket the
+    /// one sought. Secants kept within the bracket (Illinois: M. Dowell, P. Jarratt, *BIT* 11 (1971) 168–174,
+    /// doi:10.1007/BF01934364) find it, to the rounding of the output, in at most [`MOST_LOOKS`] evaluations of the block.
+    #[inline]
+    pub fn reach(&self, output: T, target: T, [low, high]: [T; 2], slope: T) -> Reached<T> {
+        let half = T::of(0.5);
+        let at = |voltage: T| Reached { voltage, output: self.look(voltage), missed: false };
+        let mut near = Reached { voltage: self.voltage(), output, missed: false };
+        let upwards = target > output;
+        let end = if upwards { high } else { low };
+        if target == output || end == near.voltage {
+            return Reached { missed: target != output, ..near };
+        }
+        let beyond = |v: T| if upwards { v >= target } else { v <= target };
+        // A step that overshoots a little, so that the search begins with a narrow bracket.
+        let guess = near.voltage + T::of(1.25) * (target - output) / slope;
+        let inside =
+            if upwards { near.voltage < guess && guess < end } else { end < guess && guess < near.voltage };
+        let mut far = at(if inside { guess } else { end });
+        if inside && !beyond(far.output) {
+            near = far;
+            far = at(end);
+        }
+        if !beyond(far.output) {
+            return Reached { missed: true, ..far };
+        }
+        let close = T::of(2.0) * T::EPSILON * (target.abs() + output.abs());
+        let (mut near_excess, mut far_excess) = (near.output - target, far.output - target);
+        let mut kept_near = None;
+        for count in 2..MOST_LOOKS {
+            if near_excess.abs() <= close || far_excess.abs() <= close {
+                break;
+            }
+            let width = far.voltage - near.voltage;
+            let share = near_excess / (near_excess - far_excess);
+            let halve = count % 3 == 1 || !share.is_finite();
+            let between = near.voltage + width * if halve { half } else { share };
+            let between = if between == near.voltage || between == far.voltage {
+                near.voltage + half * width
+            } else {
+                between
+            };
+            if between == near.voltage || between == far.voltage {
+                break;
+            }
+            let next = at(between);
+            // The value of an end that stays for the second time counts half.
+            if beyond(next.output) {
+                (far, far_excess) = (next, next.output - target);
+                if kept_near == Some(true) {
+                    near_excess = half * near_excess;
+                }
+                kept_near = Some(true);
+            } else {
+                (near, near_excess) = (next, next.output - target);
+                if kept_near == Some(false) {
+                    far_excess = half * far_excess;
+                }
+                kept_near = Some(false);
+            }
+        }
+        if (near.output - target).abs() < (far.output - target).abs() { near } else { far }
+    }
+}

@@ -1,0 +1,63 @@
+//! What a reference will be, from what it was.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+
+/// Samples of the past that a prediction is made of, at most, and those of a period of the highest frequency that are.
+const MOST_SAMPLES: usize = 128;
+const PERIODS: f64 = 1.0;
+
+/// How a reference goes on beyond what is known of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Prediction {
+    /// It stays where it is.
+    Stays,
+    /// It is a random motion whose spectrum is flat from 0 to `highest_hz`, about a level that is not known, with white noise of the share
+    /// `noise` of its rms on top.
+    Band {
+        /// Highest frequency \[Hz\].
+        highest_hz: f64,
+        /// Rms of the noise over that of the motion.
+        noise: f64,
+    },
+}
+
+impl Prediction {
+    /// Weights on the newest samples, the newest first, of the best linear unbiased prediction of each of `ahead` samples to come: least
+    /// mean square error, the weights adding up to 1 (ordinary kriging: G. Matheron, *Econ. Geol.* 58 (1963) 1246–1266,
+    /// doi:10.2113/gsecongeo.58.8.1246), so that a level is predicted exactly. One row a sample ahead.
+    pub(super) fn weights(self, ahead: usize, sample_rate_hz: f64) -> Option<DMatrix<f64>> {
+        let (highest_hz, noise) = match self {
+            Self::Stays => return Some(DMatrix::from_element(ahead, 1, 1.0)),
+            Self::Band { highest_hz, noise } => (highest_hz, noise),
+        };
+        let count = (PERIODS * sample_rate_hz / highest_hz).ceil().clamp(2.0, MOST_SAMPLES as f64) as usize;
+        let correlation = |samples: f64| {
+            let x = TAU * highest_hz * samples / sample_rate_hz;
+            if x == 0.0 { 1.0 } else { x.sin() / x }
+        };
+        let system = DMatrix::from_fn(count + 1, count + 1, |i, j| match (i < count, j < count) {
+            (true, true) => correlation(i as f64 - j as f64) + if i == j { noise * noise } else { 0.0 },
+            (false, false) => 0.0,
+            _ => 1.0,
+        });
+        let factors = system.lu();
+        let mut weights = DMatrix::zeros(ahead, count);
+        for step in 0..ahead {
+            let distance = (step + 1) as f64;
+            let right =
+                DVector::from_fn(
+                    count + 1,
+                    |i, _| {
+                        if i < count { correlation(distance + i as f64) } else { 1.0 }
+                    },
+                );
+            let solved = factors.solve(&right)?;
+            for i in 0..count {
+                weights[(step, i)] = solved[i];
+            }
+        }
+        weights.iter().all(|w| w.is_finite()).then_some(weights)
+    }
+}

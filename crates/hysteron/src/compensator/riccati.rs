@@ -1,0 +1,107 @@
+//! The discrete algebraic Riccati equation of a regulator with one input.
+
+use nalgebra::{DMatrix, DVector, RowDVector};
+
+/// x⁺ = A x + b u, y = c x + d u.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct StateSpace {
+    pub a: DMatrix<f64>,
+    pub b: DVector<f64>,
+    pub c: RowDVector<f64>,
+    pub d: f64,
+}
+
+/// Doublings at most: 2⁶⁰ samples of horizon.
+const DOUBLINGS: usize = 60;
+/// Relative change of P at which the doubling has settled.
+const SETTLED: f64 = 1e-14;
+
+/// What makes Σ q(x, u) smallest, q = xᵀQx + 2 xᵀs u + r u²: u = −K x.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Regulator {
+    /// K.
+    pub gains: RowDVector<f64>,
+    /// r + bᵀPb.
+    pub weight: f64,
+    /// Cost to come, P.
+    pub cost: DMatrix<f64>,
+}
+
+/// The stabilising solution, by structure-preserving doubling (E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, *Int. J. Control* 77 (2004)
+/// 767–788, doi:10.1080/00207170410001714988); `None` where it does not settle.
+pub(super) fn regulator(plant: &StateSpace, q: &DMatrix<f64>, s: &DVector<f64>, r: f64) -> Option<Regulator> {
+    let n = plant.b.len();
+    let identity = DMatrix::<f64>::identity(n, n);
+    // u = u' − sᵀx/r takes the cross term away.
+    let mut a = &plant.a - &plant.b * s.transpose() / r;
+    let mut g = &plant.b * plant.b.transpose() / r;
+    let mut p = q - s * s.transpose() / r;
+    for _ in 0..DOUBLINGS {
+        let factors = (&identity + &g * &p).lu();
+        let a_next = &a * factors.solve(&a)?;
+        let g_next = &g + &a * factors.solve(&(&g * a.transpose()))?;
+        let p_next = &p + a.transpose() * &p * factors.solve(&a)?;
+        let change = (&p_next - &p).amax();
+        let size = p_next.amax();
+        (a, g) = (a_next, symmetric(&g_next));
+        p = symmetric(&p_next);
+        if !(size.is_finite() && g.amax().is_finite()) {
+            return None;
+        }
+        if change <= SETTLED * size {
+            let weight = r + (plant.b.transpose() * &p * &plant.b)[(0, 0)];
+            let gains = (s.transpose() + plant.b.transpose() * &p * &plant.a) / weight;
+            return Some(Regulator {
+                gains: RowDVector::from_iterator(n, gains.iter().copied()),
+                weight,
+                cost: p,
+            });
+        }
+    }
+    None
+}
+
+fn symmetric(x: &DMatrix<f64>) -> DMatrix<f64> {
+    0.5 * (x + x.transpose())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    /// x⁺ = x + u with q = r = 1: P² − P − 1 = 0, the golden ratio.
+    #[test]
+    fn the_integrator_gives_the_golden_ratio() {
+        let one = || DMatrix::from_element(1, 1, 1.0);
+        let plant = StateSpace {
+            a: one(),
+            b: DVector::from_element(1, 1.0),
+            c: RowDVector::from_element(1, 1.0),
+            d: 0.0,
+        };
+        let found = regulator(&plant, &one(), &DVector::zeros(1), 1.0).unwrap();
+        let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+        assert!((found.cost[(0, 0)] - golden).abs() < 1e-14);
+        assert!((found.gains[0] - golden / (1.0 + golden)).abs() < 1e-14);
+    }
+
+    /// The equation itself, with a cross term: P = AᵀPA + Q − Kᵀ(r + bᵀPb)K.
+    #[test]
+    fn the_equation_is_met() {
+        let plant = StateSpace {
+            a: DMatrix::from_row_slice(3, 3, &[0.9, 0.3, 0.0, -0.2, 0.95, 0.1, 0.0, 0.0, 0.999]),
+            b: DVector::from_column_slice(&[0.1, 0.4, 0.01]),
+            c: RowDVector::zeros(3),
+            d: 0.0,
+        };
+        let q = DMatrix::from_row_slice(3, 3, &[2.0, 0.3, 0.0, 0.3, 1.0, 0.1, 0.0, 0.1, 0.5]);
+        let s = DVector::from_column_slice(&[0.1, -0.05, 0.02]);
+        let found = regulator(&plant, &q, &s, 0.3).unwrap();
+        let k = &found.gains;
+        let right = plant.a.transpose() * &found.cost * &plant.a + &q - k.transpose() * k * found.weight;
+        assert!((right - &found.cost).amax() < 1e-11 * found.cost.amax());
+        let closed = &plant.a - &plant.b * k;
+        assert!(closed.complex_eigenvalues().iter().all(|z| z.norm() < 1.0));
+    }
+}
