@@ -7,9 +7,9 @@
 use core::panic::PanicInfo;
 
 use hysteron_rt::{
-    BoucWen, BoucWenMemory, BoucWenState, Compensated, Dual, FitMonitor, Hysteresis, LANES, Linear, Model,
-    MonitorSettings, Nlms, NlmsSettings, Operator, PlayBank, PolePair, Real, RealPoles, Rls, RlsSettings,
-    Sections, SectionsMemory,
+    BoucWen, BoucWenMemory, BoucWenState, Compensated, Compensator, Drive, Dual, FitMonitor, Hysteresis,
+    LANES, Law, Limits, Linear, Model, MonitorSettings, Nlms, NlmsSettings, Observer, Operator, PlayBank,
+    PolePair, Real, RealPoles, Rls, RlsSettings, Sections, SectionsMemory,
 };
 
 unsafe extern "C" {
@@ -154,8 +154,78 @@ fn model<T: Real>(
     }
 }
 
+/// Gains of a law and its ring: recent, real poles, pairs, reference, ring.
+type Gains<'a, T> = (&'a [T], &'a [[T; LANES]], &'a [[T; 2]], &'a [T], &'a mut [T]);
+
+/// A compensator with any operator along references, in mid-stroke, against what an observer of its model finds.
+#[inline(always)]
+fn compensator<T: Real>(
+    (hysteresis, dynamics): (Hysteresis<'_, T>, Linear<'_, T>),
+    (recent, real, pairs, reference, ring): Gains<'_, T>,
+    limits: Limits<T>,
+    observer: Option<&mut Observer<'_, T>>,
+    measured: &[T],
+    out: &mut [Drive<T>],
+) -> bool {
+    let law = Law { recent, real, pairs, reference };
+    let Ok(mut compensator) = Compensator::new(hysteresis, dynamics, law, ring, limits, T::of(0.0)) else {
+        return false;
+    };
+    let Some(&first) = measured.first() else { return false };
+    if compensator.rest_after(first, limits.low).is_err() || compensator.measured_at_rest(first).is_err() {
+        return false;
+    }
+    let Some(observer) = observer else {
+        for (slot, &r) in out.iter_mut().zip(measured) {
+            compensator.know(r);
+            *slot = compensator.step(r);
+        }
+        return compensator.displacement() < compensator.voltage();
+    };
+    if observer.rest_after(first, first, first).is_err() {
+        return false;
+    }
+    for (slot, &r) in out.iter_mut().zip(measured) {
+        let Ok(observed) = observer.step(compensator.voltage(), r) else { return false };
+        *slot = compensator.step_against(r, observed.disturbance);
+    }
+    true
+}
+
 macro_rules! entries {
-    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident, $model:ident) => {
+    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident, $model:ident, $compensator:ident) => {
+        #[unsafe(no_mangle)]
+        #[allow(improper_ctypes_definitions, clippy::too_many_arguments)]
+        pub extern "C" fn $compensator(
+            coefficients: Coefficients<'_, $t>,
+            operators: (&[BoucWen<$t>], &mut [BoucWenMemory<$t>]),
+            plays: (&[$t], &[$t], &mut [$t]),
+            memory: Memory<'_, $t>,
+            gains: Gains<'_, $t>,
+            limits: Limits<$t>,
+            observed: Option<(Model<'_, $t>, $t)>,
+            (measured, out): (&[$t], &mut [Drive<$t>]),
+        ) -> bool {
+            let operator = match PlayBank::new(plays.0, plays.1) {
+                Ok(bank) => Operator::Plays { bank, states: plays.2 },
+                Err(_) => Operator::BoucWen { operators: operators.0, memory: operators.1 },
+            };
+            let (polynomial, taps, real, pairs, rest_gain, _) = coefficients;
+            let (real_memory, pair_memory, delay) = memory;
+            let Ok(hysteresis) = Hysteresis::new(polynomial, operator) else { return false };
+            let sections = Sections { taps, real, pairs, rest_gain };
+            let memory = SectionsMemory { real: real_memory, pairs: pair_memory, delay };
+            let Ok(dynamics) = Linear::new(sections, memory) else { return false };
+            let mut observer = match observed {
+                None => None,
+                Some((model, gain)) => match Observer::new(model, gain) {
+                    Ok(observer) => Some(observer),
+                    Err(_) => return false,
+                },
+            };
+            compensator((hysteresis, dynamics), gains, limits, observer.as_mut(), measured, out)
+        }
+
         #[unsafe(no_mangle)]
         #[allow(improper_ctypes_definitions)]
         pub extern "C" fn $model(
@@ -233,7 +303,8 @@ entries!(
     proof_sensitivities_f32,
     proof_plays_f32,
     proof_online_f32,
-    proof_model_f32
+    proof_model_f32,
+    proof_compensator_f32
 );
 entries!(
     f64,
@@ -242,7 +313,8 @@ entries!(
     proof_sensitivities_f64,
     proof_plays_f64,
     proof_online_f64,
-    proof_model_f64
+    proof_model_f64,
+    proof_compensator_f64
 );
 
 /// Negative control: an index that may be out of range.

@@ -42,7 +42,7 @@ pub enum Limited {
     Range,
     /// The largest change from one sample to the next.
     Step,
-    /// The reference was infinite or not a number: its last finite value was followed.
+    /// The reference was infinite or not a number (its last finite value was followed), or so large that no voltage follows (the stage was held).
     Reference,
     /// The hysteresis has left the range of the number type (inadmissible parameters): the voltage stays as it was.
     Overflow,
@@ -237,6 +237,9 @@ impl<'a, T: Real> Compensator<'a, T> {
         let sound = self.know(reference);
         let disturbance = if disturbance.is_finite() { disturbance } else { T::of(0.0) };
         let wanted = self.wanted(disturbance);
+        // Of a reference of the size of the largest number the law makes infinity, or nothing.
+        let sound = sound && wanted.is_finite();
+        let wanted = if wanted.is_finite() { wanted } else { self.output };
         let (limits, voltage) = (self.limits, self.hysteresis.voltage());
         let low = within(voltage - limits.step, limits.low, limits.high);
         let high = within(voltage + limits.step, limits.low, limits.high);
