@@ -36,9 +36,9 @@ impl<T: Real> CompensatorParts<T> {
     ) -> Result<Self, CompensatorError> {
         let [low, high] = range_v;
         if !(low < high && (high - low).is_finite()) {
-            return Err(HysteresisError::Range { low, high }).map_err(RealiseError::from)?;
+            return Err(RealiseError::from(HysteresisError::Range { low, high }).into());
         }
-        if !(slew_v_per_s > 0.0) {
+        if slew_v_per_s.is_nan() || slew_v_per_s <= 0.0 {
             let (value, allowed) = (slew_v_per_s, "positive");
             return Err(CompensatorError::Option { name: "largest rate of the drive [V/s]", value, allowed });
         }

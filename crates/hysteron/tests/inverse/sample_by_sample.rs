@@ -1,8 +1,6 @@
 //! The drive made one sample at a time.
 
-use hysteron::compensator::{
-    Compensation, CompensatorError, CompensatorOptions, CompensatorParts, Prediction,
-};
+use hysteron::compensator::{Compensation, CompensatorOptions, CompensatorParts, Prediction};
 use hysteron::invert::InverseOptions;
 use hysteron_rt::{Limited, Real};
 
@@ -49,13 +47,14 @@ fn rest(reference: &[f64]) -> f64 {
 
 #[test]
 fn with_preview_it_is_the_inverse_of_the_whole_reference() {
-    for (frequency_hz, amplitude, allowed) in [(20.0, 5.0, 1e-4), (100.0, 5.0, 1e-4), (500.0, 1.5, 1e-4)] {
+    // The inverse of the whole reference leaves out the images of the sampled spectrum: 1e-4 of the answer at 500 Hz.
+    for (frequency_hz, amplitude, allowed) in [(20.0, 5.0, 1e-5), (100.0, 5.0, 1e-5), (500.0, 1.5, 1e-3)] {
         let reference = reference(frequency_hz, amplitude);
         let whole = model().invert(&reference, RATE_HZ, &InverseOptions::within(RANGE_V)).unwrap();
         // As long as the gains reach.
         let own: Vec<f64> = drive(&law(Some(4000), Prediction::Stays), &reference, rest_of(&whole));
-        // The whole reference ends in nothing, which its inverse sees coming.
-        let compared = 0..SAMPLES - 100;
+        // The whole drive cannot begin before the record and does not know it; nor does it know that the reference stays where it ends.
+        let compared = 100..SAMPLES - 100;
         let pairs = whole.drive[compared.clone()].iter().zip(&own[compared]);
         let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("{frequency_hz} Hz: drives apart by {apart:.2e} V");
