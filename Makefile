@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo test bench study article figures clean check-toolchain check-components
+.PHONY: FORCE help demo test export-tools bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 OUT := out
@@ -33,7 +33,10 @@ demo: $(HYSTERON) ## build, identify the measured example record, print the scor
 	@echo "model   $(abspath $(OUT)/model.json)"
 	@echo "report  $(abspath $(OUT)/report.html)   (open it in a browser; it needs no network)"
 
-test: check-components ## format, lints, all tests, doc tests, documentation, no_std proof
+export-tools: ## install what the tests of exported source use: clang, ARM compiler and simulator, FMPy
+	@crates/hysteron-export/tests/install-tools.sh
+
+test: check-components export-tools ## format, lints, all tests, doc tests, documentation, no_std proof
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked

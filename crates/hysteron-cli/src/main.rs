@@ -15,6 +15,7 @@ mod compare;
 mod completions;
 mod console;
 mod excite;
+mod export;
 mod failure;
 mod frequency_response;
 mod identify;
@@ -66,6 +67,7 @@ enum Command {
     Simulate(simulate::Simulate),
     Invert(invert::Invert),
     Realise(realise::Realise),
+    Export(export::Export),
     Excite(excite::Excite),
     Rig(rig::Rig),
     Optimizers(optimizers::Optimizers),
@@ -86,6 +88,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Simulate(c) => c.run(),
         Command::Invert(c) => c.run(),
         Command::Realise(c) => c.run(),
+        Command::Export(c) => c.run(),
         Command::Excite(c) => c.run(),
         Command::Rig(c) => c.run(),
         Command::Optimizers(c) => c.run(),

@@ -70,22 +70,8 @@ impl Realise {
         let loaded = LoadedModel::read(&self.model)?;
         let range = loaded.file.valid_range.as_ref();
         let failed = |e: RealiseError| cannot(&self.model, &e);
-        let down_to = |lowest_frequency_hz| {
-            let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz };
-            realise(loaded.model(), self.sample_rate, &options)
-        };
-        let realisation = match (down_to(self.lowest_frequency), recorded_lowest(range)) {
-            (Err(RealiseError::LowestFrequency), Some(low)) => {
-                console::note(&format!(
-                    "the model creeps for ever; realised down to {} Hz, a thousandth of the lowest frequency of its records \
-                     (--lowest-frequency says otherwise)",
-                    significant(low, 3)
-                ));
-                down_to(Some(low))
-            }
-            (realised, _) => realised,
-        };
-        let realisation = realisation.map_err(failed)?;
+        let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };
+        let realisation = realised(&self.model, &loaded, self.sample_rate, &options)?;
         let voltages = range.map_or((0.0, 1.0), |r| (r.input.low, r.input.high));
         let frequencies_hz = frequencies(range, self.sample_rate);
         let drive = sweep(voltages, frequencies_hz, self.sample_rate, self.samples(frequencies_hz.0));
@@ -119,6 +105,37 @@ impl Realise {
     fn samples(&self, low_hz: f64) -> usize {
         ((2.0 * self.sample_rate / low_hz) as usize).clamp(SAMPLES, 20 * SAMPLES)
     }
+}
+
+/// The realisation of a loaded model. Where it creeps for ever and nobody names a lowest frequency, down to one that its records suggest.
+///
+/// # Errors
+/// As [`realise`], with what to do about it.
+pub fn realised(
+    path: &Path,
+    loaded: &LoadedModel,
+    sample_rate_hz: f64,
+    options: &RealiseOptions,
+) -> Result<Realisation, Failure> {
+    let realised = match (
+        realise(loaded.model(), sample_rate_hz, options),
+        recorded_lowest(loaded.file.valid_range.as_ref()),
+    ) {
+        (Err(RealiseError::LowestFrequency), Some(low)) => {
+            console::note(&format!(
+                "the model creeps for ever; realised down to {} Hz, a thousandth of the lowest frequency of its records \
+                 (--lowest-frequency says otherwise)",
+                significant(low, 3)
+            ));
+            realise(
+                loaded.model(),
+                sample_rate_hz,
+                &RealiseOptions { lowest_frequency_hz: Some(low), ..*options },
+            )
+        }
+        (realised, _) => realised,
+    };
+    realised.map_err(|e| cannot(path, &e))
 }
 
 /// A lowest frequency from the model's records.

@@ -59,6 +59,8 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     const FLOOR: Self;
     /// Least positive number that is not subnormal.
     const LEAST_NORMAL: Self;
+    /// A level far above any signal, from which linear dynamics do not leave the range of the number type.
+    const LARGEST: Self;
     /// Conversion of a literal, rounded to nearest.
     fn of(literal: f64) -> Self;
     /// Absolute value.
@@ -82,7 +84,7 @@ macro_rules! elementary {
 }
 
 macro_rules! real {
-    ($t:ident, $small:expr, $vanished:expr, $floor:expr, $exp:path, $ln_1p:path, $sqrt:path, $tan:path, $tanh:path, $atan:path, $pow:path, $ln:path) => {
+    ($t:ident, $small:expr, $vanished:expr, $floor:expr, $largest:expr, $exp:path, $ln_1p:path, $sqrt:path, $tan:path, $tanh:path, $atan:path, $pow:path, $ln:path) => {
         impl sealed::Sealed for $t {}
 
         impl Scalar for $t {
@@ -128,6 +130,7 @@ macro_rules! real {
             const VANISHED: $t = $vanished;
             const FLOOR: $t = $floor;
             const LEAST_NORMAL: $t = $t::MIN_POSITIVE;
+            const LARGEST: $t = $largest;
             #[inline(always)]
             #[allow(clippy::cast_possible_truncation)]
             fn of(literal: f64) -> $t {
@@ -152,6 +155,7 @@ real!(
     0.375,
     1e-30,
     1e-20,
+    1e15,
     libm::expf,
     libm::log1pf,
     libm::sqrtf,
@@ -166,6 +170,7 @@ real!(
     0.015625,
     1e-250,
     1e-200,
+    1e150,
     libm::exp,
     libm::log1p,
     libm::sqrt,

@@ -17,6 +17,7 @@ mod identify_can_be_interrupted;
 mod identify_makes_a_model;
 mod inspect_tells_what_is_in_a_record;
 mod invert_follows_a_reference;
+mod models_are_exported;
 mod models_are_realised;
 mod optimizers_are_compared;
 mod oscillators_are_identified;

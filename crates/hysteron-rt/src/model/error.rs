@@ -23,7 +23,8 @@ pub enum ModelError<T> {
     Coefficient,
     /// The voltage is infinite or not a number.
     NotFinite,
-    /// The hysteretic part leaves the range of the number type (inadmissible parameters).
+    /// The hysteresis block's output leaves the range that dynamics can be fed with (inadmissible parameters, or a voltage out of all
+    /// reason).
     Overflow,
     /// Limits that leave no room: low below high, both finite, a step above 0.
     Limits,
@@ -45,7 +46,8 @@ impl<T: Display> Display for ModelError<T> {
             Self::NotFinite => write!(f, "the voltage is not finite"),
             Self::Overflow => write!(
                 f,
-                "the hysteretic part leaves the range of the number type: its parameters are outside the bounded class"
+                "the output of the hysteresis leaves the range of the number type: its parameters are outside the bounded class, or the \
+                 voltage is out of all reason"
             ),
             Self::Limits => {
                 write!(

@@ -81,7 +81,7 @@ impl<'a, T: Real> Model<'a, T> {
     /// Puts the model at rest, and its hysteresis virgin, at `voltage`; the displacement there. It has been so for ever.
     ///
     /// # Errors
-    /// [`ModelError::NotFinite`]; the model is then as it was.
+    /// [`ModelError::NotFinite`], [`ModelError::Overflow`]; the model is then as it was.
     pub fn rest_at(&mut self, voltage: T) -> Result<T, ModelError<T>> {
         self.rest_after(voltage, voltage)
     }
@@ -106,7 +106,7 @@ impl<'a, T: Real> Model<'a, T> {
     /// no jump.
     ///
     /// # Errors
-    /// [`ModelError::NotFinite`], [`ModelError::Start`]; the model is then as it was.
+    /// As [`Self::rest_at`], and [`ModelError::Start`]; the model is then as it was.
     pub fn start_at(&mut self, voltage: T, displacement: T) -> Result<(), ModelError<T>> {
         if !displacement.is_finite() {
             return Err(ModelError::Start { displacement });

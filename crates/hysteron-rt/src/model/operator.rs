@@ -79,30 +79,36 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         Ok(block)
     }
 
+    /// Output of the block where it is virgin at `voltage`.
+    pub fn output_at_rest(&self, voltage: T) -> T {
+        let v = self.polynomial_at(voltage);
+        match &self.operator {
+            Operator::None | Operator::BoucWen { .. } => v,
+            Operator::Plays { bank, .. } => bank.weights().iter().fold(v, |v, weight| v + *weight * voltage),
+        }
+    }
+
     /// Makes the block virgin at `voltage` and returns its output there.
     pub fn rest_at(&mut self, voltage: T) -> T {
         self.voltage = voltage;
-        let mut v = self.polynomial_at(voltage);
         match &mut self.operator {
             Operator::None => {}
             Operator::BoucWen { memory, .. } => memory.fill(BoucWenMemory::new(T::of(0.0))),
-            Operator::Plays { bank, states } => {
-                states.fill(voltage);
-                for (weight, state) in bank.weights().iter().zip(states.iter()) {
-                    v = v + *weight * *state;
-                }
-            }
+            Operator::Plays { states, .. } => states.fill(voltage),
         }
-        v
+        self.output_at_rest(voltage)
     }
 
     /// Makes the block virgin at `virgin`, moves it monotonically to `voltage` and returns its output there.
     ///
     /// # Errors
-    /// As [`Self::step`].
+    /// As [`Self::step`]; as it was where the output at `virgin` is out of range, virgin there where that at `voltage` is.
     pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
         if !virgin.is_finite() {
             return Err(ModelError::NotFinite);
+        }
+        if !in_range(self.output_at_rest(virgin)) {
+            return Err(ModelError::Overflow);
         }
         let there = self.rest_at(virgin);
         if voltage == virgin { Ok(there) } else { self.step(voltage) }
@@ -111,8 +117,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     /// Moves monotonically to `voltage` and returns v.
     ///
     /// # Errors
-    /// [`ModelError::NotFinite`] for the voltage; [`ModelError::Overflow`] where v leaves the range of the number type (inadmissible
-    /// parameters). The memory is then as it was, but for plays, which stand at the voltage.
+    /// [`ModelError::NotFinite`] for the voltage; [`ModelError::Overflow`] where |v| exceeds [`Real::LARGEST`] (inadmissible
+    /// parameters, a voltage out of all reason). The memory is then as it was, but for plays, which stand at the voltage.
     #[inline]
     pub fn step(&mut self, voltage: T) -> Result<T, ModelError<T>> {
         if !voltage.is_finite() {
@@ -129,7 +135,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
                     accumulate(z, carry, operator.increment(memory.z, du));
                     v = v - *z;
                 }
-                if !v.is_finite() {
+                if !in_range(v) {
                     return Err(ModelError::Overflow);
                 }
                 for memory in memory.iter_mut() {
@@ -138,10 +144,10 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             }
             Operator::Plays { bank, states } => {
                 v = v + bank.step(states, voltage).map_err(|_| ModelError::Overflow)?;
-                if !v.is_finite() {
-                    return Err(ModelError::Overflow);
-                }
             }
+        }
+        if !in_range(v) {
+            return Err(ModelError::Overflow);
         }
         self.voltage = voltage;
         Ok(v)
@@ -156,6 +162,12 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         let half = T::of(0.5);
         // From the start of the move, as its end is: neither waits for the other.
         let middle = self.look(half * self.voltage + half * voltage);
+        if !voltage.is_finite() {
+            return Err(ModelError::NotFinite);
+        }
+        if !in_range(middle) {
+            return Err(ModelError::Overflow);
+        }
         Ok((middle, self.step(voltage)?))
     }
 
@@ -191,4 +203,10 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     pub fn voltage(&self) -> T {
         self.voltage
     }
+}
+
+/// Whether dynamics can be fed with `v`; not so for a number that is not one.
+#[inline(always)]
+pub(super) fn in_range<T: Real>(v: T) -> bool {
+    v.abs() <= T::LARGEST
 }

@@ -19,7 +19,9 @@ pub use cost::{Cost, side_by_side};
 pub use error::RealiseError;
 pub use linear::LinearRealisation;
 pub use sections::Section;
-pub use stream::{RuntimeParts, Stream, StreamParts, nanoseconds_per_sample};
+pub use stream::{
+    Coefficients, OperatorCoefficients, RuntimeParts, Stream, StreamParts, nanoseconds_per_sample,
+};
 pub use verify::{Verification, sweep, verify};
 
 use crate::dynamics::Dynamics;

@@ -20,6 +20,37 @@ pub struct RuntimeParts<T> {
     joins_means: bool,
 }
 
+/// The numbers of [`RuntimeParts`], as another program would run them.
+#[derive(Clone, Copy, Debug)]
+pub struct Coefficients<'a, T> {
+    /// l\[u\] = Σ_{i≥1} polynomial\[i−1\] uⁱ.
+    pub polynomial: &'a [T],
+    /// What adds memory to it.
+    pub operator: OperatorCoefficients<'a, T>,
+    /// The dynamic block.
+    pub sections: Sections<'a, T>,
+    /// Whole samples of delay in front of it.
+    pub delay_samples: usize,
+    /// Constant of the output \[µm\].
+    pub offset: T,
+    /// Whether moves are looked at half-way ([`Means`]).
+    pub joins_means: bool,
+}
+
+/// The numbers of a hysteresis operator.
+#[derive(Clone, Copy, Debug)]
+pub enum OperatorCoefficients<'a, T> {
+    /// v = l\[u\] − Σ zₖ.
+    BoucWen(&'a [hysteron_rt::BoucWen<T>]),
+    /// v = l\[u\] + Σ wᵢ F_rᵢ\[u\].
+    Plays {
+        /// rᵢ \[V\].
+        thresholds: &'a [T],
+        /// wᵢ \[µm/V\].
+        weights: &'a [T],
+    },
+}
+
 #[derive(Clone, Debug)]
 enum OperatorParts<T> {
     BoucWen { operators: Vec<hysteron_rt::BoucWen<T>>, memory: Vec<BoucWenMemory<T>> },
@@ -69,6 +100,10 @@ impl<T: Real> LinearParts<T> {
             rest_gain: of(linear.rest_gain),
             delay: vec![of(0.0); linear.delay_samples],
         }
+    }
+
+    fn sections(&self) -> Sections<'_, T> {
+        Sections { taps: &self.taps, real: &self.real, pairs: &self.pairs, rest_gain: self.rest_gain }
     }
 
     fn block(&mut self) -> Result<Linear<'_, T>, ModelError<T>> {
@@ -129,6 +164,24 @@ impl<T: Real> RuntimeParts<T> {
             offset: of(model.offset),
             joins_means: realisation.joins_means,
         })
+    }
+
+    /// The coefficients, without the memory.
+    pub fn coefficients(&self) -> Coefficients<'_, T> {
+        let linear = &self.linear;
+        Coefficients {
+            polynomial: &self.polynomial,
+            operator: match &self.operator {
+                OperatorParts::BoucWen { operators, .. } => OperatorCoefficients::BoucWen(operators),
+                OperatorParts::Plays { thresholds, weights, .. } => {
+                    OperatorCoefficients::Plays { thresholds, weights }
+                }
+            },
+            sections: linear.sections(),
+            delay_samples: linear.delay.len(),
+            offset: self.offset,
+            joins_means: self.joins_means,
+        }
     }
 
     /// The model, at rest and virgin at 0 V. What it remembered before is forgotten.

@@ -1,0 +1,203 @@
+//! `hysteron export`: a model as source that runs without Hysteron.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use hysteron::realise::RealiseOptions;
+use hysteron_export::{
+    ExportError, ExportedFile, Precision, Runtime, Subject, c_files, fmu_files, rust_files, write_folder,
+};
+use serde::Serialize;
+
+use crate::console;
+use crate::failure::Failure;
+use crate::model::LoadedModel;
+use crate::output;
+use crate::realise::realised;
+
+/// Write a model as C99 source, a no_std Rust crate or an FMU.
+#[derive(Args)]
+#[command(
+    after_help = "The model is realised at the sample rate (see hysteron realise) and written into the folder:\n\n  \
+    --to c     NAME.h, NAME.c (no malloc, nothing but <math.h>), NAME_selftest.c with golden vectors\n  \
+    --to rust  a no_std crate on top of hysteron-rt, with the same golden vectors as a test\n  \
+    --to fmu   NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary made by $CC or cc\n\n\
+    A folder that does not exist is made; files of other names in it are left alone, and a file of the same name is replaced only \
+    where an export wrote it.\n\n\
+    Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000"
+)]
+pub struct Export {
+    /// The model file
+    #[arg(value_name = "MODEL.json")]
+    model: PathBuf,
+
+    /// What to write
+    #[arg(long, value_name = "FORM")]
+    to: Form,
+
+    /// Folder to write into
+    #[arg(short, long, value_name = "DIR")]
+    out_dir: PathBuf,
+
+    /// Number type of the source
+    #[arg(long, value_name = "TYPE", default_value = "f64")]
+    float: Float,
+
+    /// Sample rate of the controller [default: that of the model's records]
+    #[arg(long, value_name = "HZ")]
+    sample_rate: Option<f64>,
+
+    /// Largest error of the realised dynamics, as a share of the range
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-5)]
+    accuracy: f64,
+
+    /// Frequency down to which a model that creeps for ever is realised
+    #[arg(long, value_name = "HZ")]
+    lowest_frequency: Option<f64>,
+
+    /// Beginning of every name in the source: a to z, digits, _ [default: from the name of the model file]
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+
+    /// Folder of hysteron-rt, for --to rust [default: the registry's]
+    #[arg(long, value_name = "DIR")]
+    runtime: Option<PathBuf>,
+
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Form {
+    /// C99 source
+    C,
+    /// A no_std crate
+    Rust,
+    /// FMI 2.0 and 3.0 for co-simulation
+    Fmu,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Float {
+    /// Single precision
+    F32,
+    /// Double precision
+    F64,
+}
+
+impl Export {
+    pub fn run(&self) -> Result<(), Failure> {
+        output::check_folder("the source", &self.out_dir)?;
+        let runtime = self.runtime()?;
+        let loaded = LoadedModel::read(&self.model)?;
+        let rate = self.sample_rate.or(loaded.file.sample_rate_hz).ok_or_else(|| {
+            Failure::new(format!("cannot export {}", self.model.display()))
+                .because("it was identified from records without a sample rate, and the source runs at one")
+                .hint("give the controller's with --sample-rate HZ")
+        })?;
+        let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };
+        let realisation = realised(&self.model, &loaded, rate, &options)?;
+        let precision = match self.float {
+            Float::F32 => Precision::F32,
+            Float::F64 => Precision::F64,
+        };
+        let name = self.name.clone().unwrap_or_else(|| name_of(&self.model));
+        let subject = Subject::new(&name, precision, &loaded.file, realisation, self.accuracy)
+            .map_err(|e| self.cannot(&e))?;
+        let files = match self.to {
+            Form::C => c_files(&subject),
+            Form::Rust => rust_files(&subject, runtime.as_deref().map_or(Runtime::Registry, Runtime::Folder)),
+            Form::Fmu => fmu_files(&subject, &std::env::var("CC").unwrap_or_else(|_| "cc".into())),
+        };
+        let files = files.map_err(|e| self.cannot(&e))?;
+        write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
+        let summary = Summary::new(&self.out_dir, &subject, &files);
+        if self.json {
+            return console::json(&summary);
+        }
+        let lines: Vec<String> =
+            summary.files.iter().map(|f| format!("wrote {} ({} bytes)\n", f.path, f.bytes)).collect();
+        console::result(&lines.concat())
+    }
+
+    /// The folder of hysteron-rt, in full: the crate that names it is elsewhere.
+    fn runtime(&self) -> Result<Option<PathBuf>, Failure> {
+        let Some(folder) = &self.runtime else { return Ok(None) };
+        if !matches!(self.to, Form::Rust) {
+            return Err(Failure::usage("--runtime goes with --to rust alone"));
+        }
+        let manifest = folder.join("Cargo.toml");
+        let found = std::fs::read_to_string(&manifest).is_ok_and(|text| text.contains("\"hysteron-rt\""));
+        let folder = folder.canonicalize().ok().filter(|_| found);
+        folder.map(Some).ok_or_else(|| {
+            Failure::new(format!(
+                "{} is not the folder of hysteron-rt",
+                self.runtime.as_deref().unwrap_or(Path::new("")).display()
+            ))
+            .because(format!("{} is not its manifest", manifest.display()))
+            .hint("name crates/hysteron-rt of Hysteron's source")
+        })
+    }
+
+    fn cannot(&self, error: &ExportError) -> Failure {
+        let failure = Failure::new(format!("cannot export {}", self.model.display())).because(error);
+        match error {
+            ExportError::Name { .. } => failure.hint("name it with --name, e.g. --name stage"),
+            ExportError::Family { .. } => {
+                failure.hint("identify the model again with one of those (hysteron identify --hysteresis)")
+            }
+            ExportError::Compiler { .. } => failure
+                .hint("install a C compiler (e.g. apt-get install gcc), or name one in the variable CC"),
+            ExportError::Foreign { .. } => failure.hint("name another folder, or another --name"),
+            _ => failure,
+        }
+    }
+}
+
+/// A name in the source from that of a file: lower case, _ for what is no letter or digit.
+fn name_of(path: &Path) -> String {
+    let stem = path.file_stem().map(|s| s.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}
+
+#[derive(Serialize)]
+struct Summary {
+    name: String,
+    float: &'static str,
+    sample_rate_hz: f64,
+    states: usize,
+    taps: usize,
+    delay_samples: usize,
+    frequency_error: f64,
+    input_unit: String,
+    output_unit: String,
+    files: Vec<FileEntry>,
+}
+
+#[derive(Serialize)]
+struct FileEntry {
+    path: String,
+    bytes: usize,
+}
+
+impl Summary {
+    fn new(folder: &Path, subject: &Subject, files: &[ExportedFile]) -> Self {
+        let linear = &subject.realisation.dynamics;
+        Summary {
+            name: subject.name.clone(),
+            float: subject.precision.name(),
+            sample_rate_hz: subject.realisation.sample_rate_hz,
+            states: linear.states(),
+            taps: linear.taps.len(),
+            delay_samples: linear.delay_samples,
+            frequency_error: linear.frequency_error,
+            input_unit: subject.input_unit.clone(),
+            output_unit: subject.output_unit.clone(),
+            files: files
+                .iter()
+                .map(|f| FileEntry { path: folder.join(&f.name).display().to_string(), bytes: f.bytes.len() })
+                .collect(),
+        }
+    }
+}

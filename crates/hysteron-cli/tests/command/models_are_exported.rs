@@ -1,0 +1,149 @@
+//! `export` writes a model as source: all files or none, under names that compile, with what is known about the model.
+
+use std::process::Command;
+
+use hysteron::dynamics::{Dynamics, Scheme, TransferFunction};
+use hysteron::hammerstein::Model;
+use hysteron::hysteresis::{Family, FamilyForm, Hysteresis};
+use hysteron::model_file::SignalUnits;
+use serde_json::Value;
+
+use crate::bench::{Bench, static_model};
+
+fn stage() -> Model {
+    Model {
+        dynamics: Dynamics::Fractional(TransferFunction::article_eq13()),
+        scheme: Scheme::Tustin,
+        delay_s: 2.3e-4,
+        sample_rate_hz: Some(1e4),
+        ..static_model()
+    }
+}
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write_model("P-885_stage.json", &stage(), SignalUnits::default());
+    bench
+}
+
+fn names(bench: &Bench, folder: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(bench.path(folder)).unwrap();
+    let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn the_c_source_is_named_after_the_model_runs_at_its_rate_and_passes_its_selftest() {
+    let bench = bench();
+    let run = bench.run("export P-885_stage.json --to c -o firmware/stage");
+    assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""), "{run:?}");
+    assert_eq!(names(&bench, "firmware"), ["stage"]);
+    assert_eq!(names(&bench, "firmware/stage"), ["p_885_stage.c", "p_885_stage.h", "p_885_stage_selftest.c"]);
+    let header = std::fs::read_to_string(bench.path("firmware/stage/p_885_stage.h")).unwrap();
+    for part in [
+        "V in, um out, 10000 Hz, double precision",
+        "hysteron export 0.",
+        "#define P_885_STAGE_SAMPLE_RATE_HZ 10000.0",
+    ] {
+        assert!(header.contains(part), "{part}: {header}");
+    }
+    let folder = bench.path("firmware/stage");
+    let compiled = Command::new("cc")
+        .args(["-std=c99", "p_885_stage.c", "p_885_stage_selftest.c", "-o", "selftest", "-lm"])
+        .current_dir(&folder)
+        .status();
+    assert!(compiled.unwrap().success());
+    assert!(Command::new(folder.join("selftest")).status().unwrap().success());
+    // Again, over what is there, in single precision, for another rate.
+    let run =
+        bench.run("export P-885_stage.json --to c -o firmware/stage --float f32 --sample-rate 20000 --json");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!((found["name"].as_str(), found["float"].as_str()), (Some("p_885_stage"), Some("f32")));
+    assert_eq!((found["sample_rate_hz"].as_f64(), found["delay_samples"].as_u64()), (Some(2e4), Some(4)));
+    assert_eq!(found["files"].as_array().unwrap().len(), 3);
+    let header = std::fs::read_to_string(folder.join("p_885_stage.h")).unwrap();
+    assert!(header.contains("typedef float p_885_stage_real;"), "{header}");
+    assert!(names(&bench, "firmware/stage").contains(&"selftest".to_owned()));
+}
+
+#[test]
+fn the_other_forms_are_written_as_well() {
+    let bench = bench();
+    let runtime = concat!(env!("CARGO_MANIFEST_DIR"), "/../hysteron-rt");
+    let run =
+        bench.run(&format!("export P-885_stage.json --to rust -o crate --name stage --runtime {runtime}"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    assert_eq!(names(&bench, "crate"), ["Cargo.toml", "src", "tests"]);
+    let manifest = std::fs::read_to_string(bench.path("crate/Cargo.toml")).unwrap();
+    assert!(
+        manifest.contains("name = \"stage\"") && manifest.contains("hysteron-rt = { path = \"/"),
+        "{manifest}"
+    );
+    let run = bench.run("export P-885_stage.json --to rust -o crate --name stage");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let manifest = std::fs::read_to_string(bench.path("crate/Cargo.toml")).unwrap();
+    assert!(manifest.contains("hysteron-rt = \"0."), "{manifest}");
+    let run = bench.run("export P-885_stage.json --to fmu -o units");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    assert_eq!(names(&bench, "units"), ["p_885_stage_fmi2.fmu", "p_885_stage_fmi3.fmu"]);
+}
+
+#[test]
+fn what_cannot_be_exported_is_said_and_nothing_is_written() {
+    let bench = bench();
+    let family = Hysteresis::Family(Family {
+        form: FamilyForm::Dahl,
+        polynomial: vec![0.3],
+        shape: vec![1.0, 20.0],
+        weights: vec![0.05],
+    });
+    bench.write_model("dahl.json", &Model { hysteresis: family, ..stage() }, SignalUnits::default());
+    for (arguments, exit_code, parts) in [
+        ("export model.json --to c -o out", 1, ["without a sample rate", "--sample-rate HZ"]),
+        ("export dahl.json --to c -o out", 1, ["dahl cannot be exported", "prandtl-ishlinskii"]),
+        ("export P-885_stage.json --to c -o out --name 2nd", 1, ["`2nd`", "--name stage"]),
+        ("export P-885_stage.json --to c -o out --name int", 1, ["`int`", "--name stage"]),
+        ("export P-885_stage.json --to fortran -o out", 2, ["fortran", "possible values"]),
+        ("export P-885_stage.json --to c -o out --runtime .", 2, ["--runtime", "--to rust"]),
+        (
+            "export P-885_stage.json --to rust -o out --runtime .",
+            1,
+            ["not the folder of hysteron-rt", "crates/hysteron-rt"],
+        ),
+        ("export P-885_stage.json --to c -o model.json", 1, ["model.json", "folder"]),
+        ("export missing.json --to c -o out", 1, ["missing.json", "try:"]),
+    ] {
+        let run = bench.run(arguments);
+        assert_eq!((run.exit_code, run.stdout.as_str()), (exit_code, ""), "{arguments}: {run:?}");
+        for part in parts {
+            assert!(run.stderr.contains(part), "{arguments}: {part}: {run:?}");
+        }
+        assert!(!bench.path("out").exists(), "{arguments}");
+    }
+    // Somebody's own file of the same name.
+    std::fs::create_dir(bench.path("mine")).unwrap();
+    bench.write("mine/stage.c", "int mine;\n");
+    let run = bench.run("export P-885_stage.json --to c -o mine --name stage");
+    assert!(run.exit_code == 1 && run.stderr.contains("was not written by an export"), "{run:?}");
+    assert_eq!(names(&bench, "mine"), ["stage.c"]);
+    assert_eq!(std::fs::read_to_string(bench.path("mine/stage.c")).unwrap(), "int mine;\n");
+}
+
+#[test]
+fn a_unit_needs_a_compiler() {
+    let bench = bench();
+    let output = Command::new(env!("CARGO_BIN_EXE_hysteron"))
+        .args(["export", "P-885_stage.json", "--to", "fmu", "-o", "units"])
+        .env("CC", "no-such-compiler")
+        .current_dir(bench.path(""))
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.code() == Some(1) && said.contains("no-such-compiler") && said.contains("CC"),
+        "{said}"
+    );
+    assert!(!bench.path("units").exists());
+}

@@ -1,0 +1,299 @@
+//! C99 source.
+
+use hysteron::realise::{Coefficients, OperatorCoefficients, RuntimeParts};
+use hysteron_rt::{BoucWen, Real};
+
+use crate::error::ExportError;
+use crate::files::ExportedFile;
+use crate::golden::Golden;
+use crate::number::Precision;
+use crate::subject::{Subject, one_line};
+use crate::template::Filling;
+
+const HEADER: &str = concat!(
+    include_str!("../templates/c/model_top.h"),
+    include_str!("../templates/c/members.h"),
+    include_str!("../templates/c/model_bottom.h")
+);
+const SOURCE: &str = concat!(
+    include_str!("../templates/c/opening.c"),
+    include_str!("../templates/c/operator.c"),
+    include_str!("../templates/c/dynamics.c"),
+    include_str!("../templates/c/model.c")
+);
+const SELFTEST: &str = include_str!("../templates/c/selftest.c");
+
+/// The model as C99: `NAME.h`, `NAME.c`, and `NAME_selftest.c` with golden vectors.
+///
+/// # Errors
+/// [`ExportError::Realise`] where the library has no result along the golden drive.
+pub fn c_files(subject: &Subject) -> Result<Vec<ExportedFile>, ExportError> {
+    let mut filling = filling(subject, Numbers::Constant)?;
+    let name = &subject.name;
+    let mut files = core_files(subject, &filling)?;
+    golden_keys(&mut filling, subject, &Golden::new(subject)?, &|x| subject.precision.c_literal(x));
+    files.push(ExportedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
+    Ok(files)
+}
+
+/// Where the numbers of the hysteresis are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Numbers {
+    /// In constant tables.
+    Constant,
+    /// In the state, where they may be changed.
+    Tunable,
+}
+
+/// Header and source.
+pub(crate) fn core_files(subject: &Subject, filling: &Filling) -> Result<Vec<ExportedFile>, ExportError> {
+    Ok(vec![
+        ExportedFile::new(format!("{}.h", subject.name), filling.fill(HEADER)?),
+        ExportedFile::new(format!("{}.c", subject.name), filling.fill(SOURCE)?),
+    ])
+}
+
+/// Sets what a self-test is filled with, in literals of its language.
+pub(crate) fn golden_keys(
+    filling: &mut Filling,
+    subject: &Subject,
+    golden: &Golden,
+    literal: &dyn Fn(f64) -> String,
+) {
+    filling
+        .key("SAMPLES", golden.voltages.len())
+        .key("VOLTAGES", rows(golden.voltages.iter().map(|&x| literal(x))))
+        .key("DISPLACEMENTS", rows(golden.displacements.iter().map(|&x| literal(x))))
+        .key("TOLERANCE", literal(golden.tolerance))
+        .key(
+            "TOLERANCE_IN_WORDS",
+            match subject.precision {
+                Precision::F64 => "1e-12 of their range",
+                Precision::F32 => "16 units of rounding (2^-23) of all that is added up",
+            },
+        )
+        .flag("refuses_largest", golden.refuses_largest);
+}
+
+/// What the templates of a model are filled with.
+pub(crate) fn filling(subject: &Subject, numbers: Numbers) -> Result<Filling, ExportError> {
+    match subject.precision {
+        Precision::F32 => of_type::<f32>(subject, numbers),
+        Precision::F64 => of_type::<f64>(subject, numbers),
+    }
+}
+
+fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<Filling, ExportError> {
+    let parts = RuntimeParts::<T>::new(&subject.realisation)?;
+    let coefficients = parts.coefficients();
+    let mut filling = Filling::new(subject.precision);
+    let tunable = numbers == Numbers::Tunable;
+    let literal = |x: T| subject.precision.c_literal(x.into());
+    let lines: Vec<String> =
+        subject.description().iter().map(|line| format!(" * {}", one_line(line))).collect();
+    let unit = |unit: &str| one_line(unit);
+    filling
+        .key("name", &subject.name)
+        .key("NAME", subject.name.to_ascii_uppercase())
+        .key("real", subject.precision.c_type())
+        .key("DESCRIPTION", format!("/*\n{}\n */", lines.join("\n").replace(" \n", "\n")))
+        .key("RATE", subject.precision.c_literal(subject.realisation.sample_rate_hz))
+        .key("INPUT_UNIT", unit(&subject.input_unit))
+        .key("OUTPUT_UNIT", unit(&subject.output_unit))
+        .key("LARGEST_EXPONENT", T::LARGEST.into().log10().round())
+        .key(
+            "TUNED_AS_ARGUMENT_FIRST",
+            if tunable { format!("const {}_state *state, ", subject.name) } else { String::new() },
+        )
+        .key("TUNED_FIRST", if tunable { "state, " } else { "" })
+        .flag("tunable", tunable)
+        .flag("means", coefficients.joins_means)
+        .flag("looks", coefficients.joins_means)
+        .flag("range", subject.range.is_some());
+    if let Some(range) = &subject.range {
+        let literal = |x: f64| format!("({})", subject.precision.c_literal(x));
+        filling.key("RANGE_LOW", literal(range.input.low)).key("RANGE_HIGH", literal(range.input.high));
+    }
+    for (name, constant) in [("polynomial", "POLYNOMIAL"), ("operators", "OPERATORS"), ("weight", "WEIGHT")] {
+        let place = if tunable { format!("state->parameters.{name}") } else { constant.to_owned() };
+        filling.coefficients(name, place);
+    }
+    sizes(&mut filling, &coefficients);
+    let tables = tables(&subject.name, &coefficients, tunable, &literal);
+    filling.key("TABLES", tables);
+    Ok(filling)
+}
+
+fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
+    let sections = coefficients.sections;
+    let one = T::of(1.0);
+    let (operators, plays) = match coefficients.operator {
+        OperatorCoefficients::BoucWen(operators) => (operators, 0),
+        OperatorCoefficients::Plays { weights, .. } => (&[][..], weights.len()),
+    };
+    // One law for all: several in parallel have n = 1.
+    let exponent = operators.first().map(BoucWen::n);
+    let [linear, quadratic] = [one, T::of(2.0)].map(|n| exponent == Some(n));
+    let power = exponent.is_some() && !linear && !quadratic;
+    let real = real_poles(coefficients).len();
+    filling
+        .flag("bouc_wen", !operators.is_empty())
+        .flag("linear_law", linear)
+        .flag("quadratic_law", quadratic)
+        .flag("power_law", power)
+        .flag("relaxes", linear || power)
+        .flag("plays", plays > 0)
+        .flag("polynomial", !coefficients.polynomial.is_empty())
+        .flag("real_poles", real > 0)
+        .flag("pairs", !sections.pairs.is_empty())
+        .flag("delay", coefficients.delay_samples > 0)
+        .flag("accumulates", !operators.is_empty() || real + sections.pairs.len() > 0)
+        .key("N_OPERATORS", operators.len())
+        .key("N_PLAYS", plays)
+        .key("N_POLYNOMIAL", coefficients.polynomial.len())
+        .key("N_TAPS", sections.taps.len())
+        .key("N_REAL", real)
+        .key("N_PAIRS", sections.pairs.len())
+        .key("N_DELAY", coefficients.delay_samples);
+}
+
+/// Gain and weight of each real pole, without the lanes that fill up the last group.
+fn real_poles<T: Real>(coefficients: &Coefficients<'_, T>) -> Vec<(T, T)> {
+    let zero = T::of(0.0);
+    let groups = coefficients.sections.real.iter();
+    let mut poles: Vec<(T, T)> = groups.flat_map(|g| g.gain.into_iter().zip(g.weight)).collect();
+    while poles.last().is_some_and(|&(gain, weight)| gain == zero && weight == zero) {
+        poles.pop();
+    }
+    poles
+}
+
+/// The constant tables.
+fn tables<T: Real>(
+    name: &str,
+    coefficients: &Coefficients<'_, T>,
+    tunable: bool,
+    literal: &dyn Fn(T) -> String,
+) -> String {
+    let mut out = String::new();
+    let all = |numbers: &[T]| rows(numbers.iter().map(|&x| literal(x)));
+    let pairs = |numbers: &mut dyn Iterator<Item = [T; 2]>| {
+        rows(numbers.map(|[re, im]| format!("{{{}, {}}}", literal(re), literal(im))))
+    };
+    let mut table = |comment: &str, declaration: &str, content: &str| {
+        out.push_str(&format!("/* {comment} */\nstatic const {declaration} = {{\n{content}\n}};\n"));
+    };
+    let operators = |operators: &[BoucWen<T>]| {
+        rows(operators.iter().map(|p| {
+            format!(
+                "{{{}, {}, {}, {}}}",
+                literal(p.alpha()),
+                literal(p.beta()),
+                literal(p.gamma()),
+                literal(p.n())
+            )
+        }))
+    };
+    let mut opening = String::new();
+    if let OperatorCoefficients::BoucWen(_) = coefficients.operator {
+        opening = if tunable {
+            format!("typedef {name}_bouc_wen bouc_wen;\n\n")
+        } else {
+            "/* A Bouc-Wen operator. */\ntypedef struct {\n    real alpha, beta, gamma, n;\n} bouc_wen;\n\n"
+                .into()
+        };
+    }
+    let polynomial = all(coefficients.polynomial);
+    if tunable {
+        let mut members = Vec::new();
+        if !coefficients.polynomial.is_empty() {
+            members.push(format!("    {{\n{polynomial}\n    }}"));
+        }
+        members.push(match coefficients.operator {
+            OperatorCoefficients::BoucWen(list) => format!("    {{\n{}\n    }}", operators(list)),
+            OperatorCoefficients::Plays { weights, .. } => format!("    {{\n{}\n    }}", all(weights)),
+        });
+        table(
+            "The numbers of the hysteresis to begin with.",
+            &format!("{name}_parameters DEFAULTS"),
+            &members.join(",\n"),
+        );
+    } else if !coefficients.polynomial.is_empty() {
+        table(
+            "Coefficients of u, u^2, ... of the polynomial.",
+            &format!("real POLYNOMIAL[{}]", coefficients.polynomial.len()),
+            &polynomial,
+        );
+    }
+    match coefficients.operator {
+        OperatorCoefficients::BoucWen(list) if !tunable => {
+            table("alpha, beta, gamma, n.", &format!("bouc_wen OPERATORS[{}]", list.len()), &operators(list));
+        }
+        OperatorCoefficients::BoucWen(_) => {}
+        OperatorCoefficients::Plays { thresholds, weights } => {
+            table(
+                "Half-widths of the plays.",
+                &format!("real THRESHOLD[{}]", thresholds.len()),
+                &all(thresholds),
+            );
+            if !tunable {
+                table("Weights of the plays.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
+            }
+        }
+    }
+    let sections = coefficients.sections;
+    table(
+        "Taps on the newest inputs of the dynamics.",
+        &format!("real TAP[{}]", sections.taps.len()),
+        &all(sections.taps),
+    );
+    let real = real_poles(coefficients);
+    if !real.is_empty() {
+        let (gains, weights): (Vec<T>, Vec<T>) = real.into_iter().unzip();
+        table(
+            "Real poles: x <- x + g (w - x), g.",
+            &format!("real REAL_GAIN[{}]", gains.len()),
+            &all(&gains),
+        );
+        table("Their shares of the output.", &format!("real REAL_WEIGHT[{}]", weights.len()), &all(&weights));
+    }
+    if !sections.pairs.is_empty() {
+        let size = sections.pairs.len();
+        table(
+            "Pole pairs: x <- x + g (w - x), Re g and Im g.",
+            &format!("real PAIR_GAIN[{size}][2]"),
+            &pairs(&mut sections.pairs.iter().map(|p| p.gain)),
+        );
+        table(
+            "Their shares of the output, Re(c x): Re c and Im c.",
+            &format!("real PAIR_WEIGHT[{size}][2]"),
+            &pairs(&mut sections.pairs.iter().map(|p| p.weight)),
+        );
+    }
+    format!(
+        "{opening}{out}/* What the dynamics put out at rest, over their input. */\nstatic const real REST_GAIN = {};\n/* Constant of the displacement. */\nstatic const real OFFSET = {};\n",
+        literal(sections.rest_gain),
+        literal(coefficients.offset)
+    )
+}
+
+/// Texts in rows, separated by commas.
+pub(crate) fn rows(texts: impl Iterator<Item = String>) -> String {
+    let mut out = String::from("   ");
+    let mut width = 3;
+    let mut first = true;
+    for text in texts {
+        if !first {
+            out.push(',');
+            if width + text.len() > 110 {
+                out.push_str("\n   ");
+                width = 3;
+            }
+        }
+        first = false;
+        out.push(' ');
+        out.push_str(&text);
+        width += text.len() + 2;
+    }
+    out
+}

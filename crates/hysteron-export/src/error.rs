@@ -1,0 +1,62 @@
+//! Why a model was not exported.
+
+use std::path::PathBuf;
+
+use hysteron::realise::RealiseError;
+
+/// Error of an export.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// The name is no identifier of C and Rust.
+    #[error(
+        "`{name}` cannot be the beginning of names in C and Rust: wanted are 1 to 48 of the letters a to z, digits and _, a letter first, \
+         no keyword"
+    )]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// The family of hysteresis has no exported form.
+    #[error(
+        "the hysteresis family {family} cannot be exported; these can: bouc-wen (any exponent), parallel-bouc-wen, prandtl-ishlinskii \
+         (plays)"
+    )]
+    Family {
+        /// Its name.
+        family: &'static str,
+    },
+    /// The model cannot be realised.
+    #[error(transparent)]
+    Realise(#[from] RealiseError),
+    /// A file in the folder is not one that an export wrote.
+    #[error("{} is there already and was not written by an export", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder or a file of it cannot be written.
+    #[error("{action} {} failed: {source}", path.display())]
+    Write {
+        /// The step that failed.
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// No binary could be made.
+    #[error("the C compiler `{compiler}` {problem}")]
+    Compiler {
+        /// Its name.
+        compiler: String,
+        /// What went wrong.
+        problem: String,
+    },
+    /// A template asks for what is not there.
+    #[error("internal: the template has no filling for {place}")]
+    Template {
+        /// Where.
+        place: String,
+    },
+}

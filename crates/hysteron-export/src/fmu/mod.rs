@@ -1,0 +1,152 @@
+//! Functional mock-up units: FMI 2.0 and 3.0, co-simulation, source and binary.
+
+mod variables;
+mod zip;
+
+use std::path::Path;
+use std::process::Command;
+
+use hysteron::realise::RuntimeParts;
+use hysteron_rt::Real;
+
+use crate::c::{Numbers, core_files, filling};
+use crate::error::ExportError;
+use crate::files::ExportedFile;
+use crate::number::Precision;
+use crate::subject::Subject;
+use variables::{Parameter, build_description, cases, description, parameters};
+
+/// Version of the interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FmiVersion {
+    /// FMI 2.0.
+    Two,
+    /// FMI 3.0.
+    Three,
+}
+
+impl FmiVersion {
+    fn number(self) -> u8 {
+        match self {
+            Self::Two => 2,
+            Self::Three => 3,
+        }
+    }
+
+    /// Folder of the binary and its name's ending, on machines that a binary is made for.
+    fn binary(self) -> Option<(&'static str, &'static str)> {
+        if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+            return None;
+        }
+        Some(match self {
+            Self::Two => ("binaries/linux64", "so"),
+            Self::Three => ("binaries/x86_64-linux", "so"),
+        })
+    }
+}
+
+/// The model as FMUs of both versions, `NAME_fmi2.fmu` and `NAME_fmi3.fmu`: source and, on 64-bit Linux, a binary made by `compiler`.
+///
+/// # Errors
+/// [`ExportError::Compiler`] where the compiler is not there or fails; as [`crate::c_files`].
+pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<ExportedFile>, ExportError> {
+    let parameters = match subject.precision {
+        Precision::F32 => of_type::<f32>(subject)?,
+        Precision::F64 => of_type::<f64>(subject)?,
+    };
+    [FmiVersion::Two, FmiVersion::Three]
+        .into_iter()
+        .map(|version| {
+            let content = unit(subject, &parameters, version, compiler)?;
+            let too_large = || ExportError::Template { place: "an archive of more than 4 GB".into() };
+            let bytes = zip::archive(&content).ok_or_else(too_large)?;
+            Ok(ExportedFile::new(format!("{}_fmi{}.fmu", subject.name, version.number()), bytes))
+        })
+        .collect()
+}
+
+fn of_type<T: Real + Into<f64>>(subject: &Subject) -> Result<Vec<Parameter>, ExportError> {
+    Ok(parameters(subject, &RuntimeParts::<T>::new(&subject.realisation)?.coefficients()))
+}
+
+/// Files of one unit.
+fn unit(
+    subject: &Subject,
+    parameters: &[Parameter],
+    version: FmiVersion,
+    compiler: &str,
+) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
+    let mut filling = filling(subject, Numbers::Tunable)?;
+    let mut sources = core_files(subject, &filling)?;
+    let token = token(&sources, version);
+    filling.key("TOKEN", &token).key("PARAMETER_CASES", cases(parameters));
+    let (types, functions, name) = match version {
+        FmiVersion::Two => (
+            include_str!("../../templates/fmu/fmi2_types.h"),
+            include_str!("../../templates/fmu/fmi2.c"),
+            "fmi2",
+        ),
+        FmiVersion::Three => (
+            include_str!("../../templates/fmu/fmi3_types.h"),
+            include_str!("../../templates/fmu/fmi3.c"),
+            "fmi3",
+        ),
+    };
+    sources
+        .push(ExportedFile::new("instance.h", filling.fill(include_str!("../../templates/fmu/instance.h"))?));
+    sources.push(ExportedFile::new(format!("{name}_types.h"), types));
+    sources.push(ExportedFile::new(format!("{name}.c"), filling.fill(functions)?));
+    let mut files = vec![(
+        "modelDescription.xml".to_owned(),
+        description(subject, parameters, version, &token).into_bytes(),
+    )];
+    if let Some((folder, ending)) = version.binary() {
+        let main = [format!("{}.c", subject.name), format!("{name}.c")];
+        files.push((format!("{folder}/{}.{ending}", subject.name), binary(&sources, &main, compiler)?));
+    }
+    if version == FmiVersion::Three {
+        files.push(("sources/buildDescription.xml".into(), build_description(&subject.name).into_bytes()));
+    }
+    files.extend(sources.into_iter().map(|f| (format!("sources/{}", f.name), f.bytes)));
+    Ok(files)
+}
+
+/// What ties description and binary to each other: two 64-bit FNV-1a sums of the sources.
+fn token(sources: &[ExportedFile], version: FmiVersion) -> String {
+    let sum = |start: u64| {
+        sources
+            .iter()
+            .flat_map(|f| &f.bytes)
+            .fold(start, |sum, &b| (sum ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+    };
+    format!("{{{:016x}{:016x}}}", sum(0xcbf2_9ce4_8422_2325), sum(u64::from(version.number())))
+}
+
+/// Compiles the sources into a shared library.
+fn binary(sources: &[ExportedFile], main: &[String], compiler: &str) -> Result<Vec<u8>, ExportError> {
+    let failed = |problem: String| ExportError::Compiler { compiler: compiler.to_owned(), problem };
+    let folder = tempfile::tempdir().map_err(|e| failed(format!("has no folder to work in: {e}")))?;
+    let at = |name: &str| folder.path().join(name);
+    for file in sources {
+        std::fs::write(at(&file.name), &file.bytes)
+            .map_err(|e| failed(format!("has no folder to work in: {e}")))?;
+    }
+    compile(folder.path(), main, compiler).map_err(&failed)?;
+    std::fs::read(at("unit")).map_err(|e| failed(format!("left nothing behind: {e}")))
+}
+
+fn compile(folder: &Path, main: &[String], compiler: &str) -> Result<(), String> {
+    let flags = ["-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-s"];
+    let output = Command::new(compiler)
+        .args(flags)
+        .args(main)
+        .args(["-o", "unit", "-lm"])
+        .current_dir(folder)
+        .output()
+        .map_err(|e| format!("could not be started: {e}"))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    Err(format!("failed ({}): {}", output.status, said.lines().next().unwrap_or_default()))
+}

@@ -1,0 +1,157 @@
+//! A `no_std` Rust crate.
+
+use std::path::Path;
+
+use hysteron::realise::{OperatorCoefficients, RuntimeParts};
+use hysteron_rt::{BoucWen, Real};
+
+use crate::c::{Numbers, filling, golden_keys, rows};
+use crate::error::ExportError;
+use crate::files::ExportedFile;
+use crate::golden::Golden;
+use crate::number::Precision;
+use crate::subject::{Subject, one_line};
+
+const SOURCE: &str = include_str!("../templates/rust/model.rs");
+const SELFTEST: &str = include_str!("../templates/rust/selftest.rs");
+
+/// Where the exported crate finds `hysteron-rt`, its only dependency.
+#[derive(Clone, Copy, Debug)]
+pub enum Runtime<'a> {
+    /// In the registry, in this program's version.
+    Registry,
+    /// In a folder.
+    Folder(&'a Path),
+}
+
+/// The model as a `no_std` crate: `Cargo.toml`, `src/lib.rs` and a test with golden vectors.
+///
+/// # Errors
+/// As [`crate::c_files`].
+pub fn rust_files(subject: &Subject, runtime: Runtime<'_>) -> Result<Vec<ExportedFile>, ExportError> {
+    let mut filling = filling(subject, Numbers::Constant)?;
+    let literal = |x: f64| subject.precision.rust_literal(x);
+    let description: Vec<String> = subject
+        .description()
+        .iter()
+        .map(|line| format!("//! {}", escaped(&one_line(line))).trim_end().to_owned())
+        .collect();
+    filling
+        .key("DESCRIPTION", description.join("\n"))
+        .key("real", subject.precision.name())
+        .key("RATE", literal(subject.realisation.sample_rate_hz))
+        .key(
+            "TABLES",
+            match subject.precision {
+                Precision::F32 => tables::<f32>(subject)?,
+                Precision::F64 => tables::<f64>(subject)?,
+            },
+        );
+    if let Some(range) = &subject.range {
+        filling.key("RANGE_LOW", literal(range.input.low)).key("RANGE_HIGH", literal(range.input.high));
+    }
+    let source = filling.fill(SOURCE)?;
+    golden_keys(&mut filling, subject, &Golden::new(subject)?, &literal);
+    Ok(vec![
+        ExportedFile::new("Cargo.toml", manifest(subject, runtime)),
+        ExportedFile::new("src/lib.rs", source),
+        ExportedFile::new("tests/selftest.rs", filling.fill(SELFTEST)?),
+    ])
+}
+
+/// Rustdoc's own characters are text in here.
+fn escaped(text: &str) -> String {
+    text.replace('[', "\\[")
+        .replace(']', "\\]")
+        .replace('<', "\\<")
+        .replace('*', "\\*")
+        .replace('_', "\\_")
+        .replace('`', "'")
+}
+
+fn manifest(subject: &Subject, runtime: Runtime<'_>) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    let runtime = match runtime {
+        Runtime::Registry => format!("\"{version}\""),
+        Runtime::Folder(path) => {
+            let path = path.to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"");
+            format!("{{ path = \"{path}\" }}")
+        }
+    };
+    format!(
+        "# Written by hysteron export {version}.\n[package]\nname = \"{}\"\nversion = \"0.1.0\"\nedition = \"2024\"\npublish = false\n\n\
+         [dependencies]\nhysteron-rt = {runtime}\n\n# Not part of any workspace around it.\n[workspace]\n",
+        subject.name
+    )
+}
+
+fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError> {
+    let parts = RuntimeParts::<T>::new(&subject.realisation)?;
+    let coefficients = parts.coefficients();
+    let literal = |x: T| subject.precision.rust_literal(x.into());
+    let all = |numbers: &[T]| rows(numbers.iter().map(|&x| literal(x)));
+    let mut out = String::new();
+    let mut table = |comment: &str, name: &str, kind: &str, size: usize, content: &str| {
+        let content = if size == 0 { "[]".to_owned() } else { format!("[\n{content},\n]") };
+        out.push_str(&format!("/// {comment}\nstatic {name}: [{kind}; {size}] = {content};\n"));
+    };
+    let polynomial = coefficients.polynomial;
+    table(
+        "Coefficients of u, u², … of the polynomial.",
+        "POLYNOMIAL",
+        "Real",
+        polynomial.len(),
+        &all(polynomial),
+    );
+    match coefficients.operator {
+        OperatorCoefficients::BoucWen(operators) => {
+            let four = |p: &BoucWen<T>| {
+                format!(
+                    "[{}, {}, {}, {}]",
+                    literal(p.alpha()),
+                    literal(p.beta()),
+                    literal(p.gamma()),
+                    literal(p.n())
+                )
+            };
+            table(
+                "α, β, γ, n.",
+                "OPERATORS",
+                "[Real; 4]",
+                operators.len(),
+                &rows(operators.iter().map(four)),
+            );
+        }
+        OperatorCoefficients::Plays { thresholds, weights } => {
+            table("Half-widths of the plays.", "THRESHOLD", "Real", thresholds.len(), &all(thresholds));
+            table("Weights of the plays.", "WEIGHT", "Real", weights.len(), &all(weights));
+        }
+    }
+    let sections = coefficients.sections;
+    let list = |numbers: &[T]| numbers.iter().map(|&x| literal(x)).collect::<Vec<_>>().join(", ");
+    let section = |kind: &str, gain: &[T], weight: &[T]| {
+        format!("{kind} {{ gain: [{}], weight: [{}] }}", list(gain), list(weight))
+    };
+    table(
+        "Taps on the newest inputs of the dynamics.",
+        "TAP",
+        "Real",
+        sections.taps.len(),
+        &all(sections.taps),
+    );
+    if !sections.real.is_empty() {
+        let real = sections.real.iter().map(|p| section("RealPoles", &p.gain, &p.weight));
+        table("Real poles.", "REAL", "RealPoles<Real>", sections.real.len(), &rows(real));
+    }
+    if !sections.pairs.is_empty() {
+        let pairs = sections.pairs.iter().map(|p| section("PolePair", &p.gain, &p.weight));
+        table("Pole pairs.", "PAIRS", "PolePair<Real>", sections.pairs.len(), &rows(pairs));
+    }
+    out.push_str(&format!(
+        "/// What the dynamics put out at rest, over their input.\nconst REST_GAIN: Real = {};\n/// Constant of the displacement.\nconst \
+         OFFSET: Real = {};\n",
+        literal(sections.rest_gain),
+        literal(coefficients.offset)
+    ));
+    Ok(out.replace("static OPERATORS", "const OPERATORS"))
+}

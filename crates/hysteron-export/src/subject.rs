@@ -1,0 +1,236 @@
+//! What is exported: a realised model with what is known about it.
+
+use hysteron::hysteresis::Hysteresis;
+use hysteron::model_file::{ModelFile, ScoreEntry, ScoreRole, ValidRange};
+use hysteron::realise::{Realisation, RealiseError, RuntimeParts};
+use hysteron_rt::Real;
+
+use crate::error::ExportError;
+use crate::number::Precision;
+
+/// A model on its way out.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Beginning of every name in the source.
+    pub name: String,
+    /// Number type of the source.
+    pub precision: Precision,
+    /// The model at its rate.
+    pub realisation: Realisation,
+    /// Unit of the input, as in the model file.
+    pub input_unit: String,
+    /// Unit of the output, as in the model file.
+    pub output_unit: String,
+    /// Name of the model for people.
+    pub title: Option<String>,
+    /// What the records covered.
+    pub range: Option<ValidRange>,
+    /// How well the model describes its records.
+    pub scores: Vec<ScoreEntry>,
+    /// The accuracy the realisation was asked for.
+    pub accuracy: f64,
+}
+
+impl Subject {
+    /// The realisation of the model in `file`, to be exported under `name`.
+    ///
+    /// # Errors
+    /// [`ExportError::Name`]; [`ExportError::Family`] for a family that the runtime does not hold; [`ExportError::Realise`] where the
+    /// numbers do not survive the rounding to `precision`.
+    pub fn new(
+        name: &str,
+        precision: Precision,
+        file: &ModelFile,
+        realisation: Realisation,
+        accuracy: f64,
+    ) -> Result<Self, ExportError> {
+        check_name(name)?;
+        match precision {
+            Precision::F32 => check_numbers::<f32>(&realisation)?,
+            Precision::F64 => check_numbers::<f64>(&realisation)?,
+        }
+        Ok(Self {
+            name: name.to_owned(),
+            precision,
+            realisation,
+            input_unit: file.units.input.clone(),
+            output_unit: file.units.output.clone(),
+            title: file.name.clone(),
+            range: file.valid_range.clone(),
+            scores: file.scores.clone(),
+            accuracy,
+        })
+    }
+
+    /// Lowest and highest voltage that the model is meant for; 0 to 1 where the file does not say.
+    pub fn voltages(&self) -> (f64, f64) {
+        self.range.as_ref().map_or((0.0, 1.0), |range| (range.input.low, range.input.high))
+    }
+
+    /// What the source says about itself, a line each.
+    pub(crate) fn description(&self) -> Vec<String> {
+        let linear = &self.realisation.dynamics;
+        let (input, output) = (&self.input_unit, &self.output_unit);
+        let number = |x: f64| format!("{}", significant(x));
+        let title = self.title.as_deref().map(|t| format!(" ({})", one_line(t))).unwrap_or_default();
+        let mut lines = vec![
+            format!(
+                "{}{title}: {input} in, {output} out, {} Hz, {} precision.",
+                self.name,
+                number(self.realisation.sample_rate_hz),
+                match self.precision {
+                    Precision::F32 => "single",
+                    Precision::F64 => "double",
+                }
+            ),
+            format!("Written by hysteron export {}.", env!("CARGO_PKG_VERSION")),
+            String::new(),
+            "displacement = offset + (H * v)(t), v = l[u] + memory, u the voltage:".into(),
+            format!("  {}", operator_in_words(&self.realisation.model.hysteresis)),
+            format!(
+                "  H = q^{} (sum of {} tap(s) + {} states behind them), q the unit delay; gain at rest {}.",
+                linear.delay_samples,
+                linear.taps.len(),
+                linear.states(),
+                number(linear.rest_gain)
+            ),
+        ];
+        if self.realisation.joins_means {
+            lines.push(
+                "  Every move is looked at half-way too: what v does between samples enters H with its mean."
+                    .into(),
+            );
+        }
+        lines.push(format!(
+            "Accuracy of H: {} of the gain over {} to {} Hz ({} asked for).",
+            number(linear.frequency_error),
+            number(linear.band_hz.0),
+            number(linear.band_hz.1),
+            number(self.accuracy)
+        ));
+        match &self.range {
+            Some(range) => {
+                let frequency =
+                    range.frequency.as_ref().map(|f| format!(", {} to {} Hz", number(f.low), number(f.high)));
+                lines.push(format!(
+                    "Identified from {} to {} {input}{}; it extrapolates beyond.",
+                    number(range.input.low),
+                    number(range.input.high),
+                    frequency.unwrap_or_default()
+                ));
+            }
+            None => lines.push("The model file does not say which range it was identified in.".into()),
+        }
+        for score in &self.scores {
+            let of = match score.role {
+                ScoreRole::Training => "fitted to",
+                ScoreRole::Validation => "held out",
+            };
+            let percent = score.rmse_percent_of_stroke.map(|p| format!(", {} % of the stroke", number(p)));
+            lines.push(format!(
+                "Error on {} ({of}): {} {} rms{}.",
+                one_line(&score.record),
+                number(score.rmse),
+                one_line(&score.unit),
+                percent.unwrap_or_default()
+            ));
+        }
+        lines
+    }
+}
+
+/// Four significant digits.
+fn significant(x: f64) -> String {
+    if x != 0.0 && !(1e-3..1e6).contains(&x.abs()) {
+        return format!("{x:.3e}");
+    }
+    let text = format!("{:.*}", (3 - x.abs().max(1e-3).log10().floor() as i32).max(0) as usize, x);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// ASCII without anything that could end a comment or a line.
+pub(crate) fn one_line(text: &str) -> String {
+    text.replace('µ', "u")
+        .chars()
+        .map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' })
+        .collect::<String>()
+        .replace("*/", "* /")
+        .replace("/*", "/ *")
+        .replace('\\', "/")
+        .replace("??", "? ?")
+}
+
+fn operator_in_words(hysteresis: &Hysteresis) -> String {
+    match hysteresis {
+        Hysteresis::BoucWen(b) => format!(
+            "memory = -z, dz/du = alpha - beta s z |z|^(n-1) - gamma |z|^n, s = sign du, n = {} (Bouc-Wen).",
+            significant(b.n)
+        ),
+        Hysteresis::PrandtlIshlinskii(p) => format!(
+            "memory = sum of {} plays w_i F_i, F_i <- max(u - r_i, min(u + r_i, F_i)) (Prandtl-Ishlinskii).",
+            p.weights.len()
+        ),
+        Hysteresis::Family(f) => format!(
+            "memory = -(sum of {} z_k), dz/du = alpha - beta s z - gamma |z|, s = sign du (Bouc-Wen in parallel).",
+            f.weights.len()
+        ),
+    }
+}
+
+fn check_numbers<T: Real>(realisation: &Realisation) -> Result<(), ExportError> {
+    match RuntimeParts::<T>::new(realisation).and_then(|mut parts| parts.model().map(drop)) {
+        Ok(()) => Ok(()),
+        Err(RealiseError::NotInRuntime { family }) => Err(ExportError::Family { family }),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Words that names must not be, in C, C++ or Rust; those with a capital or a leading _ are no names in here anyway.
+const KEYWORDS: &str = " as asm auto bool break case catch char class const continue crate default delete do double else enum explicit \
+    export extern false final float fn for friend goto if impl in inline int let long loop main match mod move mut namespace new \
+    operator override private protected pub public ref register restrict return self short signed sizeof static struct super switch \
+    template test this throw trait true try type typedef typename union unsafe unsigned use using virtual void volatile where while async await dyn ";
+
+fn check_name(name: &str) -> Result<(), ExportError> {
+    let first = name.starts_with(|c: char| c.is_ascii_lowercase());
+    let rest = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+    if first && rest && name.len() <= 48 && !KEYWORDS.contains(&format!(" {name} ")) {
+        Ok(())
+    } else {
+        Err(ExportError::Name { name: name.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_identifiers_of_both_languages() {
+        for good in ["stage", "p_885", "x2"] {
+            assert!(check_name(good).is_ok(), "{good}");
+        }
+        for bad in ["", "2x", "_x", "Stage", "a-b", "a b", "int", "fn", "é", &"a".repeat(49)] {
+            assert!(check_name(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn figures_have_four_digits() {
+        for (x, text) in [
+            (10_000.0, "10000"),
+            (0.957, "0.957"),
+            (1.234567, "1.235"),
+            (1e-5, "1.000e-5"),
+            (0.0, "0"),
+            (-123.4567, "-123.5"),
+        ] {
+            assert_eq!(significant(x), text);
+        }
+    }
+
+    #[test]
+    fn a_comment_cannot_be_left() {
+        assert_eq!(one_line("a*/ \n/*b\\ µm"), "a* / ?/ *b/ um");
+    }
+}

@@ -1,0 +1,91 @@
+/* The dynamics: their output after the input w. The same number of operations every time. */
+static real dynamics_step($name_state *state, real w)
+{
+    /* States decay towards a level far below any signal instead of through the subnormal numbers. */
+    real newest = w - state->rest + R(FLOOR);
+    real sum = REST_GAIN * state->rest;
+    int i;
+//{ delay
+    {
+        const real oldest = state->delayed[state->at];
+        state->delayed[state->at] = newest;
+        newest = oldest;
+        state->at = state->at + 1u < (unsigned)$NAME_DELAY ? state->at + 1u : 0u;
+    }
+//}
+    for (i = $NAME_TAPS; i > 0; i--) {
+        state->recent[i] = state->recent[i - 1];
+    }
+    state->recent[0] = newest;
+    for (i = 0; i < $NAME_TAPS; i++) {
+        sum = sum + TAP[i] * state->recent[i];
+    }
+//{ real_poles
+    {
+        const real drive = state->recent[$NAME_TAPS];
+        real lane[4] = {R(0), R(0), R(0), R(0)};
+        for (i = 0; i < $NAME_REAL_POLES; i++) {
+            accumulate(&state->real_x[i], &state->real_carry[i], REAL_GAIN[i] * (drive - state->real_x[i]));
+            lane[i & 3] = lane[i & 3] + REAL_WEIGHT[i] * state->real_x[i];
+        }
+        sum = sum + ((lane[0] + lane[1]) + (lane[2] + lane[3]));
+    }
+//}
+//{ pairs
+    for (i = 0; i < $NAME_PAIRS; i++) {
+        real *x = state->pair_x[i], *carry = state->pair_carry[i];
+        const real *g = PAIR_GAIN[i], *c = PAIR_WEIGHT[i];
+        const real left_re = state->recent[$NAME_TAPS] - x[0], left_im = R(FLOOR) - x[1];
+        accumulate(&x[0], &carry[0], g[0] * left_re - g[1] * left_im);
+        accumulate(&x[1], &carry[1], g[0] * left_im + g[1] * left_re);
+        sum = sum + (c[0] * x[0] - c[1] * x[1]);
+    }
+//}
+    return sum;
+}
+
+/* At rest, and virgin, at u, where the hysteresis puts out v. */
+static void settle($name_state *state, real u, real v)
+{
+    int i;
+    state->voltage = u;
+//{ bouc_wen
+    for (i = 0; i < $NAME_OPERATORS; i++) {
+        state->z[i] = R(0);
+        state->z_carry[i] = R(0);
+    }
+//}
+//{ plays
+    for (i = 0; i < $NAME_PLAYS; i++) {
+        state->play[i] = u;
+    }
+//}
+//{ means
+    state->last_v = v;
+//}
+    state->rest = v;
+    for (i = 0; i <= $NAME_TAPS; i++) {
+        state->recent[i] = R(0);
+    }
+//{ real_poles
+    for (i = 0; i < $NAME_REAL_POLES; i++) {
+        state->real_x[i] = R(0);
+        state->real_carry[i] = R(0);
+    }
+//}
+//{ pairs
+    for (i = 0; i < $NAME_PAIRS; i++) {
+        state->pair_x[i][0] = R(0);
+        state->pair_x[i][1] = R(0);
+        state->pair_carry[i][0] = R(0);
+        state->pair_carry[i][1] = R(0);
+    }
+//}
+//{ delay
+    for (i = 0; i < $NAME_DELAY; i++) {
+        state->delayed[i] = R(0);
+    }
+    state->at = 0u;
+//}
+}
+

@@ -1,0 +1,21 @@
+//{ bouc_wen
+    $name_real z[$NAME_OPERATORS], z_carry[$NAME_OPERATORS];
+//}
+//{ plays
+    $name_real play[$NAME_PLAYS];
+//}
+//{ means
+    $name_real last_v; /* output of the hysteresis at the last voltage */
+//}
+    $name_real rest;                     /* what the dynamics have rested at */
+    $name_real recent[$NAME_TAPS + 1]; /* newest inputs of the dynamics, the newest first */
+//{ real_poles
+    $name_real real_x[$NAME_REAL_POLES], real_carry[$NAME_REAL_POLES];
+//}
+//{ pairs
+    $name_real pair_x[$NAME_PAIRS][2], pair_carry[$NAME_PAIRS][2];
+//}
+//{ delay
+    $name_real delayed[$NAME_DELAY]; /* a ring */
+    unsigned at;                         /* where it is written next */
+//}

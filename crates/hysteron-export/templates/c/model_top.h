@@ -1,0 +1,82 @@
+$DESCRIPTION
+#ifndef $NAME_H
+#define $NAME_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The number type of everything in here. */
+typedef $real $name_real;
+
+/* What a call has come to. 0 and above: there is a result. Below 0: the state is what it was, and the result handed back is that of the
+   last call that had one. */
+typedef enum {
+    $NAME_OK = 0,
+//{ range
+    /* There is a result, but the voltage lies outside of the range that the model was identified in ($NAME_VOLTAGE_LOW to
+       $NAME_VOLTAGE_HIGH and a hundredth of it to either side): the model extrapolates. */
+    $NAME_EXTRAPOLATED = 1,
+//}
+    /* A voltage or a displacement is infinite or not a number. */
+    $NAME_NOT_FINITE = -1,
+    /* The hysteresis leaves the range that can be computed with (above 1e$LARGEST_EXPONENT): a voltage out of all reason. */
+    $NAME_OVERFLOW = -2
+} $name_status;
+
+/* Samples a second [Hz]. The coefficients belong to this rate. */
+#define $NAME_SAMPLE_RATE_HZ $RATE
+//{ range
+/* Range of the voltage that the model was identified in [$INPUT_UNIT]. */
+#define $NAME_VOLTAGE_LOW $RANGE_LOW
+#define $NAME_VOLTAGE_HIGH $RANGE_HIGH
+//}
+/* Numbers in the tables of the model. */
+//{ bouc_wen
+#define $NAME_OPERATORS $N_OPERATORS
+//}
+//{ plays
+#define $NAME_PLAYS $N_PLAYS
+//}
+#define $NAME_TAPS $N_TAPS
+//{ real_poles
+#define $NAME_REAL_POLES $N_REAL
+//}
+//{ pairs
+#define $NAME_PAIRS $N_PAIRS
+//}
+//{ delay
+/* Whole samples of delay. */
+#define $NAME_DELAY $N_DELAY
+//}
+//{ tunable
+
+//{ bouc_wen
+/* A Bouc-Wen operator. */
+typedef struct {
+    $name_real alpha, beta, gamma, n;
+} $name_bouc_wen;
+
+//}
+/* The numbers of the hysteresis, which may be changed while the model runs. */
+typedef struct {
+//{ polynomial
+    $name_real polynomial[$N_POLYNOMIAL];
+//}
+//{ bouc_wen
+    $name_bouc_wen operators[$NAME_OPERATORS];
+//}
+//{ plays
+    $name_real weight[$NAME_PLAYS];
+//}
+} $name_parameters;
+//}
+
+/* Everything the model remembers. The caller's: static, on the stack, one for each device. Its members are nobody else's business. */
+typedef struct {
+//{ tunable
+    $name_parameters parameters;
+//}
+    $name_real offset;       /* constant of the displacement */
+    $name_real voltage;      /* last voltage */
+    $name_real displacement; /* last displacement */

@@ -1,0 +1,104 @@
+/* Self-test of $name: hysteron export's golden vectors, and what happens with bad numbers. Exit code 0: passed. */
+#include <stdio.h>
+
+#include "$name.h"
+
+typedef $name_real real;
+
+#define SAMPLES $SAMPLES
+
+/* Voltages [$INPUT_UNIT], and the displacements [$OUTPUT_UNIT] that the library puts out for them in double precision. */
+static const real voltages[SAMPLES] = {
+$VOLTAGES
+};
+static const real displacements[SAMPLES] = {
+$DISPLACEMENTS
+};
+/* Largest difference allowed [$OUTPUT_UNIT]: $TOLERANCE_IN_WORDS. */
+static const real tolerance = $TOLERANCE;
+
+static $name_state state, twin;
+
+static real difference(real a, real b)
+{
+    return a > b ? a - b : b - a;
+}
+
+static int passed(const char *what, int holds)
+{
+    printf("%s: %s\n", holds ? "passed" : "FAILED", what);
+    return holds;
+}
+
+/* Along the golden voltages. */
+static int golden(void)
+{
+    real worst = R(0), y;
+    int k, status = $NAME_OK;
+    $name_init(&state);
+    if ($name_rest_at(&state, voltages[0], &y) < $NAME_OK) {
+        return passed("rest", 0);
+    }
+    for (k = 0; k < SAMPLES; k++) {
+        const $name_status now = $name_step(&state, voltages[k], &y);
+        /* Written so that a NaN is a difference. */
+        if (!(difference(y, displacements[k]) <= worst)) {
+            worst = difference(y, displacements[k]);
+        }
+        if (now < $NAME_OK) {
+            status = now;
+        }
+    }
+    printf("golden vectors: %d samples, largest difference %.2e $OUTPUT_UNIT, allowed %.2e $OUTPUT_UNIT\n", SAMPLES, (double)worst,
+           (double)tolerance);
+    return passed("golden vectors", status == $NAME_OK && worst <= tolerance);
+}
+
+/* A start has no jump. */
+static int start(void)
+{
+    real y;
+    $name_init(&state);
+    if ($name_start_at(&state, voltages[SAMPLES / 3], R(17.25)) < $NAME_OK) {
+        return passed("start", 0);
+    }
+    if ($name_step(&state, voltages[SAMPLES / 3], &y) < $NAME_OK) {
+        return passed("start", 0);
+    }
+    return passed("a start has no jump", difference(y, R(17.25)) <= tolerance);
+}
+
+/* Bad numbers are refused, put out what was put out before, and leave no trace. */
+static int bad_numbers(void)
+{
+    const real zero = voltages[0] - voltages[0];
+    real bad[3], y = R(0), held = R(0), other = R(0);
+    int k, same = 1;
+    bad[0] = zero / zero;
+    bad[1] = R(1) / zero;
+    bad[2] = -bad[1];
+    $name_init(&state);
+    $name_init(&twin);
+    for (k = 0; k < SAMPLES; k++) {
+        const $name_status status = $name_step(&state, voltages[k], &y);
+        (void)$name_step(&twin, voltages[k], &other);
+        same = same && status >= $NAME_OK && !(difference(y, other) > zero);
+        if (k % 7 == 0) {
+            const real u = bad[(k / 7) % 3];
+            same = same && $name_step(&state, u, &held) == $NAME_NOT_FINITE && !(difference(held, y) > zero);
+            same = same && $name_rest_at(&state, u, &held) == $NAME_NOT_FINITE && !(difference(held, y) > zero);
+            same = same && $name_start_at(&state, voltages[k], u) == $NAME_NOT_FINITE;
+//{ refuses_largest
+            same = same && $name_step(&state, R(MAX), &held) == $NAME_OVERFLOW && !(difference(held, y) > zero);
+//}
+        }
+    }
+    return passed("bad numbers are refused, hold the output and leave no trace", same);
+}
+
+int main(void)
+{
+    const int all = golden() & start() & bad_numbers();
+    printf("%s: $name\n", all ? "PASSED" : "FAILED");
+    return all ? 0 : 1;
+}

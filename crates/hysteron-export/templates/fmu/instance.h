@@ -1,0 +1,168 @@
+/* What an instance of the FMU holds and does, the same for every version of the interface. Written by hysteron export.
+ *
+ * Sample k of the model is taken at the time start + k/rate with the voltage set before the communication step that begins at or before
+ * it; a communication step from t to t + H takes all samples with t <= time < t + H, so that the displacement at t + H is that of the last of
+ * them. */
+#ifndef FMU_INSTANCE_H
+#define FMU_INSTANCE_H
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "$name.h"
+
+#if defined(_WIN32)
+#define FMU_EXPORT __declspec(dllexport)
+#else
+#define FMU_EXPORT __attribute__((visibility("default")))
+#endif
+
+#define FMU_TOKEN "$TOKEN"
+
+/* Numbers of the variables; parameters follow. */
+enum { FMU_TIME = 0, FMU_VOLTAGE = 1, FMU_DISPLACEMENT = 2, FMU_STATUS = 3 };
+
+typedef enum { FMU_INSTANTIATED, FMU_INITIALIZING, FMU_STEPPING, FMU_TERMINATED } fmu_phase;
+
+/* All that changes, and that a saved state holds. */
+typedef struct {
+    $name_state model;
+    double voltage, displacement;
+    double start, time; /* of the first sample, of the last communication point [s] */
+    double samples;     /* taken since; whole, exact up to 2^53 */
+    int status;         /* of the last call of the model */
+    fmu_phase phase;
+} fmu_memory;
+
+typedef struct {
+    fmu_memory now;
+    void *environment;
+    void (*log)(void *environment, const char *name, const char *message, int is_error);
+    void *log_function; /* where the version's logger is kept */
+    char name[64];
+} fmu_instance;
+
+static $name_real *fmu_parameter($name_state *state, unsigned reference)
+{
+    switch (reference) {
+$PARAMETER_CASES
+    default:
+        return NULL;
+    }
+}
+
+static void fmu_clear(fmu_instance *fmu)
+{
+    memset(&fmu->now, 0, sizeof fmu->now);
+    $name_init(&fmu->now.model);
+    fmu->now.voltage = (double)fmu->now.model.voltage;
+    fmu->now.displacement = (double)fmu->now.model.displacement;
+}
+
+static fmu_instance *fmu_new(const char *name, const char *token)
+{
+    fmu_instance *fmu;
+    if (token == NULL || strcmp(token, FMU_TOKEN) != 0) {
+        return NULL;
+    }
+    fmu = calloc(1, sizeof *fmu);
+    if (fmu != NULL) {
+        if (name != NULL) {
+            strncpy(fmu->name, name, sizeof fmu->name - 1);
+        }
+        fmu_clear(fmu);
+    }
+    return fmu;
+}
+
+static int fmu_fail(const fmu_instance *fmu, const char *message)
+{
+    if (fmu->log != NULL) {
+        fmu->log(fmu->environment, fmu->name, message, 1);
+    }
+    return 0;
+}
+
+/* The functions below give 1, or 0 where they refuse. */
+
+static int fmu_get(fmu_instance *fmu, unsigned reference, double *value)
+{
+    const $name_real *parameter = fmu_parameter(&fmu->now.model, reference);
+    switch (reference) {
+    case FMU_TIME:
+        *value = fmu->now.time;
+        return 1;
+    case FMU_VOLTAGE:
+        *value = fmu->now.voltage;
+        return 1;
+    case FMU_DISPLACEMENT:
+        *value = fmu->now.displacement;
+        return 1;
+    default:
+        break;
+    }
+    if (parameter == NULL) {
+        return fmu_fail(fmu, "no real variable has this value reference");
+    }
+    *value = (double)*parameter;
+    return 1;
+}
+
+static int fmu_set(fmu_instance *fmu, unsigned reference, double value)
+{
+    $name_real *parameter = fmu_parameter(&fmu->now.model, reference);
+    if (reference == FMU_VOLTAGE) {
+        /* Any number: the model refuses what it cannot take, and the variable status says so. */
+        fmu->now.voltage = value;
+        return 1;
+    }
+    if (parameter == NULL) {
+        return fmu_fail(fmu, "no input or parameter has this value reference");
+    }
+    if (!(value - value >= 0.0) || !(($name_real)value - ($name_real)value >= R(0))) {
+        return fmu_fail(fmu, "a parameter must be finite");
+    }
+    *parameter = ($name_real)value;
+    return 1;
+}
+
+/* Where the model rests before the first sample. */
+static int fmu_settle(fmu_instance *fmu)
+{
+    $name_real y;
+    fmu->now.status = (int)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.voltage, &y);
+    fmu->now.displacement = (double)y;
+    return fmu->now.status >= (int)$NAME_OK || fmu_fail(fmu, "the model cannot rest at the voltage it is to start at");
+}
+
+static int fmu_step(fmu_instance *fmu, double time, double length)
+{
+    const double period = 1.0 / (double)$NAME_SAMPLE_RATE_HZ;
+    double end;
+    if (fmu->now.phase != FMU_STEPPING) {
+        return fmu_fail(fmu, "a step before the initialization has ended, or after termination");
+    }
+    if (!(length >= 0.0) || !(time + length - (time + length) >= 0.0)) {
+        return fmu_fail(fmu, "the length of a communication step must not be negative, and finite");
+    }
+    end = time + length - 1e-3 * period;
+    while (fmu->now.start + fmu->now.samples * period < end) {
+        $name_real y;
+        fmu->now.status = (int)$name_step(&fmu->now.model, ($name_real)fmu->now.voltage, &y);
+        fmu->now.displacement = (double)y;
+        fmu->now.samples += 1.0;
+    }
+    fmu->now.time = time + length;
+    return 1;
+}
+
+static fmu_memory *fmu_saved(const fmu_memory *now)
+{
+    fmu_memory *saved = malloc(sizeof *saved);
+    if (saved != NULL) {
+        *saved = *now;
+    }
+    return saved;
+}
+
+#endif

@@ -1,0 +1,130 @@
+$DESCRIPTION
+//!
+//! ```
+//! let mut memory = $name::Memory::new()?;
+//! let mut model = memory.model()?;
+//! model.rest_at(0.0)?;
+//! let displacement = model.step(1.0)?;
+//! assert!(displacement.is_finite());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+
+//{ bouc_wen
+use hysteron_rt::{BoucWen, BoucWenMemory};
+//}
+//{ plays
+use hysteron_rt::PlayBank;
+//}
+//{ real_poles|pairs
+use hysteron_rt::Compensated;
+//}
+//{ real_poles
+use hysteron_rt::{LANES, RealPoles};
+//}
+//{ pairs
+use hysteron_rt::PolePair;
+//}
+use hysteron_rt::{Hysteresis, Linear, Model, ModelError, Operator, Sections, SectionsMemory};
+
+/// The number type of everything in here.
+pub type Real = $real;
+
+/// Samples a second \[Hz\]. The coefficients belong to this rate.
+pub const SAMPLE_RATE_HZ: Real = $RATE;
+//{ range
+/// Range of the voltage that the model was identified in \[$INPUT_UNIT\].
+pub const VOLTAGE_RANGE: (Real, Real) = ($RANGE_LOW, $RANGE_HIGH);
+//}
+
+$TABLES
+/// What the model remembers: the caller's, one for each device.
+#[derive(Clone, Debug)]
+pub struct Memory {
+//{ bouc_wen
+    operators: [BoucWen<Real>; OPERATORS.len()],
+    z: [BoucWenMemory<Real>; OPERATORS.len()],
+//}
+//{ plays
+    plays: [Real; WEIGHT.len()],
+//}
+//{ real_poles
+    real: [Compensated<Real, LANES>; REAL.len()],
+//}
+//{ pairs
+    pairs: [Compensated<Real, 2>; PAIRS.len()],
+//}
+    delay: [Real; $N_DELAY],
+}
+
+impl Memory {
+    /// Memory for [`Self::model`].
+    ///
+    /// # Errors
+    /// None with the tables as they were exported: whoever changes them learns here what a parameter must be.
+    pub fn new() -> Result<Self, ModelError<Real>> {
+        Ok(Self {
+//{ bouc_wen
+            operators: operators().ok_or(ModelError::Coefficient)?,
+            z: [BoucWenMemory::new(0.0); OPERATORS.len()],
+//}
+//{ plays
+            plays: [0.0; WEIGHT.len()],
+//}
+//{ real_poles
+            real: [Compensated::zero(); REAL.len()],
+//}
+//{ pairs
+            pairs: [Compensated::zero(); PAIRS.len()],
+//}
+            delay: [0.0; $N_DELAY],
+        })
+    }
+
+    /// The model, at rest and virgin at 0 $INPUT_UNIT: `step` takes a voltage \[$INPUT_UNIT\] and gives the displacement \[$OUTPUT_UNIT\].
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn model(&mut self) -> Result<Model<'_, Real>, ModelError<Real>> {
+//{ bouc_wen
+        let operator = Operator::BoucWen { operators: &self.operators, memory: &mut self.z };
+//}
+//{ plays
+        let bank = PlayBank::new(&THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;
+        let operator = Operator::Plays { bank, states: &mut self.plays };
+//}
+        let hysteresis = Hysteresis::new(&POLYNOMIAL, operator)?;
+//{ real_poles
+        let (real, real_memory) = (&REAL[..], &mut self.real[..]);
+//}
+//{ !real_poles
+        let (real, real_memory) = (&[][..], &mut [][..]);
+//}
+//{ pairs
+        let (pairs, pair_memory) = (&PAIRS[..], &mut self.pairs[..]);
+//}
+//{ !pairs
+        let (pairs, pair_memory) = (&[][..], &mut [][..]);
+//}
+        let sections = Sections { taps: &TAP, real, pairs, rest_gain: REST_GAIN };
+        let memory = SectionsMemory { real: real_memory, pairs: pair_memory, delay: &mut self.delay };
+//{ means
+        Model::new(hysteresis, Linear::new(sections, memory)?, OFFSET)?.with_means()
+//}
+//{ !means
+        Model::new(hysteresis, Linear::new(sections, memory)?, OFFSET)
+//}
+    }
+}
+//{ bouc_wen
+
+fn operators() -> Option<[BoucWen<Real>; OPERATORS.len()]> {
+    let [alpha, beta, gamma, n] = OPERATORS[0];
+    let mut all = [BoucWen::new(alpha, beta, gamma, n).ok()?; OPERATORS.len()];
+    for (operator, [alpha, beta, gamma, n]) in all.iter_mut().zip(OPERATORS) {
+        *operator = BoucWen::new(alpha, beta, gamma, n).ok()?;
+    }
+    Some(all)
+}
+//}

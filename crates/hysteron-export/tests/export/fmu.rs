@@ -1,0 +1,86 @@
+//! FMPy finds nothing wrong with the FMUs and simulates what the library does; the source compiles against the standard's headers.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::Command;
+
+use hysteron::realise::RuntimeParts;
+use hysteron_export::{Golden, Precision, fmu_files, write_folder};
+
+use crate::models::{self, RATE_HZ};
+use crate::tools::{c_compilers, run, skipped};
+
+/// The Python that FMPy is installed for: `target/fmpy-venv`, made by `make test`.
+fn python() -> Option<String> {
+    let own = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../target/fmpy-venv/bin/python");
+    let python = if own.exists() { own.display().to_string() } else { "python3".into() };
+    let there = Command::new(&python).args(["-c", "import fmpy"]).output().is_ok_and(|o| o.status.success());
+    if !there {
+        skipped("FMPy", "the exported FMUs were not judged");
+    }
+    there.then_some(python)
+}
+
+#[test]
+fn fmpy_judges_both_versions() {
+    let Some(python) = python() else { return };
+    let Some(compiler) = c_compilers().first().copied() else { return };
+    let headers = run(
+        &std::env::temp_dir(),
+        &python,
+        &["-c", "import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), 'c-code'))"],
+    );
+    for (name, model) in models::all() {
+        if !["stage", "quadratic", "plays", "parallel"].contains(&name) {
+            continue;
+        }
+        for precision in [Precision::F64, Precision::F32] {
+            let place = tempfile::tempdir().unwrap();
+            let subject = models::subject(name, &model, precision);
+            let folder = place.path().join("out");
+            write_folder(&folder, &fmu_files(&subject, compiler).unwrap()).unwrap();
+            std::fs::write(folder.join("fmu.py"), include_str!("fmu.py")).unwrap();
+            let golden = Golden::new(&subject).unwrap();
+            let mut parts = RuntimeParts::<f64>::new(&subject.realisation).unwrap();
+            let mut library = parts.model().unwrap();
+            // Row k + 1 holds the displacement after sample k.
+            let mut rows =
+                format!("0,{:?},{:?}\n", golden.voltages[0], library.rest_at(golden.voltages[0]).unwrap());
+            for (k, pair) in golden.voltages.windows(2).enumerate() {
+                let y = library.step(pair[0]).unwrap();
+                writeln!(rows, "{:?},{:?},{y:?}", (k + 1) as f64 / RATE_HZ, pair[1]).unwrap();
+            }
+            std::fs::write(folder.join("record.csv"), rows).unwrap();
+            for version in [2, 3] {
+                let unit = format!("{name}_fmi{version}.fmu");
+                let (rate, tolerance) = (format!("{RATE_HZ}"), format!("{:e}", golden.tolerance));
+                let said = run(&folder, &python, &["fmu.py", &unit, "record.csv", &rate, &tolerance]);
+                println!("{name} {}: {}", precision.name(), said.lines().last().unwrap_or_default());
+                assert!(said.contains(": valid;"), "{said}");
+                // Every function is declared as in the standard's own headers.
+                let unpacked = folder.join(format!("fmi{version}"));
+                run(&folder, &python, &["-m", "zipfile", "-e", &unit, unpacked.to_str().unwrap()]);
+                let include = format!("-I{}", headers.trim());
+                let main = format!("fmi{version}.c");
+                let flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-DFMI_STANDARD_HEADERS", &include];
+                run(
+                    &unpacked.join("sources"),
+                    compiler,
+                    &[&flags[..], &["-c", &main, "-o", "check.o"]].concat(),
+                );
+                let own = [
+                    "-std=c99",
+                    "-pedantic-errors",
+                    "-Wall",
+                    "-Wextra",
+                    "-Werror",
+                    "-c",
+                    &main,
+                    "-o",
+                    "check.o",
+                ];
+                run(&unpacked.join("sources"), compiler, &own);
+            }
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! Promise: what is exported does what the library does, builds without a warning, and takes any number.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test stops at the first surprise"
+)]
+
+mod arm;
+mod c_agrees;
+mod c_builds;
+mod fmu;
+mod models;
+mod rust_crate;
+mod tools;

@@ -1,0 +1,56 @@
+//! The exported crate builds without std on top of `hysteron-rt` alone and passes its own test.
+
+use std::path::PathBuf;
+
+use hysteron_export::{Precision, Runtime, rust_files, write_folder};
+
+use crate::models;
+use crate::tools::run;
+
+#[test]
+fn every_kind_of_model_builds_and_passes_its_selftest() {
+    let place = tempfile::tempdir().unwrap();
+    let runtime = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../hysteron-rt").canonicalize().unwrap();
+    // One workspace, so that the runtime is compiled once.
+    let mut members = Vec::new();
+    for (name, model) in models::all() {
+        for precision in [Precision::F32, Precision::F64] {
+            let name = format!("{name}_{}", precision.name());
+            let mut files =
+                rust_files(&models::subject(&name, &model, precision), Runtime::Folder(&runtime)).unwrap();
+            let manifest = files.iter_mut().find(|f| f.name == "Cargo.toml").unwrap();
+            let text = String::from_utf8(manifest.bytes.clone()).unwrap();
+            let dependencies: Vec<&str> =
+                text.lines().skip_while(|l| *l != "[dependencies]").take_while(|l| !l.is_empty()).collect();
+            assert_eq!(dependencies.len(), 2, "{text}");
+            let inside = text.replace("[workspace]", "");
+            assert_ne!(text, inside);
+            manifest.bytes = inside.into_bytes();
+            write_folder(&place.path().join(&name), &files).unwrap();
+            members.push(format!("\"{name}\""));
+        }
+    }
+    let workspace = format!("[workspace]\nresolver = \"3\"\nmembers = [{}]\n", members.join(", "));
+    std::fs::write(place.path().join("Cargo.toml"), workspace).unwrap();
+    let lock = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../Cargo.lock");
+    std::fs::copy(lock, place.path().join("Cargo.lock")).unwrap();
+    let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("exported-crates");
+    let target = target.to_str().unwrap();
+    let said =
+        run(place.path(), env!("CARGO"), &["test", "--offline", "--workspace", "--target-dir", target]);
+    assert_eq!(said.matches("test golden_vectors ... ok").count(), members.len(), "{said}");
+    // Without a warning, with those for documentation.
+    let check = [
+        "clippy",
+        "--offline",
+        "--workspace",
+        "--target-dir",
+        target,
+        "--",
+        "-D",
+        "warnings",
+        "-W",
+        "missing-docs",
+    ];
+    run(place.path(), env!("CARGO"), &check);
+}
