@@ -71,7 +71,7 @@ impl Subject {
     pub(crate) fn description(&self) -> Vec<String> {
         let linear = &self.realisation.dynamics;
         let (input, output) = (&self.input_unit, &self.output_unit);
-        let number = |x: f64| format!("{}", significant(x));
+        let number = significant;
         let title = self.title.as_deref().map(|t| format!(" ({})", one_line(t))).unwrap_or_default();
         let mut lines = vec![
             format!(
