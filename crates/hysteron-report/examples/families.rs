@@ -4,9 +4,10 @@
 use std::path::Path;
 
 use hysteron::hysteresis::{
-    BrokenLine, ColumnKernel, ColumnModel, ColumnStart, Dahl, DensityLaw, Duhem, GeneralisedPlays,
-    HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip, ModifiedPrandtlIshlinskii,
-    NonSymmetricBoucWen, PlayStart, PrandtlIshlinskii, Preisach, PreisachDensity, SongDerKiureghian,
+    BrokenLine, ColumnKernel, ColumnModel, ColumnStart, Dahl, DeadZonePlays, DensityLaw, Duhem,
+    GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip,
+    ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, PlayStart, PrandtlIshlinskii, Preisach, PreisachDensity,
+    RateDependentPlays, SongDerKiureghian,
 };
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
 
@@ -22,6 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("maxwell-slip", maxwell_slip()?),
         ("generalised-play", generalised_play()?),
         ("modified-prandtl-ishlinskii", modified_prandtl_ishlinskii()?),
+        ("dead-zone-plays", dead_zone_plays()?),
+        ("rate-dependent-plays", rate_dependent_plays()?),
         ("krasnoselskii-pokrovskii", krasnoselskii_pokrovskii()?),
         ("preisach", preisach()?),
         ("jiles-atherton", jiles_atherton()?),
@@ -171,6 +174,47 @@ fn modified_prandtl_ishlinskii() -> Result<Figure, HysteresisError> {
             panel("bend above r = 2", &[("−0.7", -0.7), ("0", 0.0), ("0.5", 0.5)], |s| run(0.3, [0.0, s]))?,
             panel("bend below r = −2", &[("−0.7", -0.7), ("0", 0.0), ("0.5", 0.5)], |s| {
                 run(0.3, [s, 0.0])
+            })?,
+        ],
+    ))
+}
+
+fn dead_zone_plays() -> Result<Figure, HysteresisError> {
+    let run = |share: f64, reach: f64, plays: f64, slopes: [f64; 6]| {
+        let kernel = DeadZonePlays::regular([-5.0, 5.0], 8);
+        let weights: Vec<f64> = std::iter::repeat_n(plays, 8).chain(slopes).collect();
+        columns(&[0.3], kernel, &[share, reach], &weights)
+    };
+    let bent = |by: f64| [0, 1, 2, 3, 4, 5].map(|k| 0.6 * (1.0 + by * (f64::from(k) - 2.5) / 2.5));
+    Ok(family(
+        "Plays and bands of what they put out",
+        vec![
+            panel("loop", &[("", 0.0)], |_| run(0.6, 3.0, 0.02, bent(0.7)))?,
+            panel("bend of the six slopes", &[("−0.7", -0.7), ("0", 0.0), ("0.7", 0.7)], |b| {
+                run(0.6, 3.0, 0.02, bent(b))
+            })?,
+            panel("loop share s", &[("0", 0.0), ("0.3", 0.3), ("0.9", 0.9)], |s| {
+                run(s, 3.0, 0.0, bent(0.7))
+            })?,
+            panel("reach ρ", &[("0.5", 0.5), ("2", 2.0), ("20 V", 20.0)], |r| run(0.6, r, 0.0, bent(0.7)))?,
+        ],
+    ))
+}
+
+fn rate_dependent_plays() -> Result<Figure, HysteresisError> {
+    // A hundred samples a leg of up to 10 V: a leg of 1 s is the rate of up to 10 V/s.
+    let run = |gain: f64, leg_s: f64| {
+        let thresholds: Vec<f64> = (1..=8).map(|j| 0.4 * f64::from(j)).collect();
+        let kernel = RateDependentPlays { thresholds, interval_s: 0.01 * leg_s };
+        columns(&[0.6], kernel, &[1.0, gain], &[0.1; 8])
+    };
+    Ok(family(
+        "Rate-dependent plays",
+        vec![
+            panel("loop, 1 s a leg", &[("", 0.0)], |_| run(0.05, 1.0))?,
+            panel("time a leg takes", &[("10", 10.0), ("1", 1.0), ("0.5 s", 0.5)], |t| run(0.05, t))?,
+            panel("rate gain λ, 1 s a leg", &[("0", 0.0), ("0.05", 0.05), ("0.15 s", 0.15)], |g| {
+                run(g, 1.0)
             })?,
         ],
     ))

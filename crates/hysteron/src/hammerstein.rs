@@ -6,7 +6,9 @@
 
 use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
-use crate::hysteresis::{Hysteresis, HysteresisError, Memory, Origin, RecordEnds, polygon_of_means};
+use crate::hysteresis::{
+    DriveGrid, Hysteresis, HysteresisError, Memory, Origin, RecordEnds, polygon_of_means,
+};
 use crate::record::InterSample;
 use std::borrow::Cow;
 
@@ -150,7 +152,7 @@ impl Model {
         sample_rate_hz: Option<f64>,
         start: &Start,
     ) -> Result<Vec<f64>, SimulationError> {
-        let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, start)?;
+        let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, sample_rate_hz, start)?;
         self.check_sample_rate(sample_rate_hz)?;
         if let (Some(rate), Dynamics::None | Dynamics::Arx(_)) = (sample_rate_hz, &self.dynamics) {
             delay_in_place(&mut v, self.delay_s * rate, rest);
@@ -190,12 +192,17 @@ impl Model {
         Ok((0..u.len()).map(|k| between(&y, k as f64 / ratio)).collect())
     }
 
-    /// Output v of the static block \[µm\], before delay and dynamics.
+    /// Output v of the static block \[µm\], before delay and dynamics. The sample rate is needed for hysteresis that depends on it.
     ///
     /// # Errors
     /// [`SimulationError::Hysteresis`], [`SimulationError::Period`].
-    pub fn simulate_hysteresis(&self, u: &[f64], start: &Start) -> Result<Vec<f64>, SimulationError> {
-        let (mut v, prologue, _) = self.simulate_hysteresis_extended(u, start)?;
+    pub fn simulate_hysteresis(
+        &self,
+        u: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let (mut v, prologue, _) = self.simulate_hysteresis_extended(u, sample_rate_hz, start)?;
         v.drain(..prologue);
         Ok(v)
     }
@@ -203,8 +210,10 @@ impl Model {
     fn simulate_hysteresis_extended(
         &self,
         u: &[f64],
+        sample_rate_hz: Option<f64>,
         start: &Start,
     ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
+        let grid = |finer, factor| DriveGrid::new(sample_rate_hz, finer, factor);
         let (extended, prologue, rest_voltage_v) = start.extend(u)?;
         let mut v = vec![0.0; extended.len()];
         let operator = &self.hysteresis;
@@ -218,13 +227,13 @@ impl Model {
         if extended.len() > 1 && filtered && joins_means(self.scheme, self.inter_sample) {
             let drive = self.inter_sample.upsample(&extended, 2, RecordEnds::Open)?;
             let mut fine = vec![0.0; drive.len()];
-            operator.simulate(&drive, origin, &mut fine)?;
+            operator.simulate_every(grid(2, 1), &drive, origin, &mut fine)?;
             polygon_of_means(&fine, &mut v);
         } else if self.inter_sample == InterSample::BandLimited && extended.len() > 1 {
             let fine = self.inter_sample.upsample(&extended, FINER, RecordEnds::Open)?;
-            operator.simulate_every(FINER, &fine, origin, &mut v)?;
+            operator.simulate_every(grid(FINER, FINER), &fine, origin, &mut v)?;
         } else {
-            operator.simulate(&extended, origin, &mut v)?;
+            operator.simulate_every(grid(1, 1), &extended, origin, &mut v)?;
         }
         Ok((v, prologue, operator.at_rest(rest, memory)))
     }

@@ -14,7 +14,7 @@ use crate::dynamics::{
     SimulationPlan, Term, TransferFunction,
 };
 use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError, Start};
-use crate::hysteresis::{DriveLimits, Followed, HysteresisError, Origin};
+use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError, Origin};
 
 /// Share of the reference that is missing at the bandwidth, where nobody says otherwise.
 pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
@@ -214,7 +214,8 @@ impl Model {
             Some(memory) => Origin::Remembering { rest, memory },
             None => Origin::Virgin { rest },
         };
-        self.hysteresis.simulate(last.drive, origin, &mut wanted)?;
+        let grid = DriveGrid::new(Some(sample_rate_hz), 1, 1);
+        self.hysteresis.simulate_every(grid, last.drive, origin, &mut wanted)?;
         let left = || reference.iter().zip(last.measured).map(|(r, y)| r - y);
         let zero = left().sum::<f64>() / samples as f64;
         let mut left: Vec<f64> = left().map(|e| e - zero).collect();
@@ -322,7 +323,11 @@ impl<'a> Task<'a> {
     /// The drive that makes the hysteresis put out `wanted`, and what the model then does.
     fn drive(&self, wanted: &[f64]) -> Result<InverseDrive, InversionError> {
         let Self { options, rest_v, .. } = *self;
-        let limits = DriveLimits { range: options.range_v, step: options.slew_v_per_s / self.sample_rate_hz };
+        let limits = DriveLimits {
+            range: options.range_v,
+            step: options.slew_v_per_s / self.sample_rate_hz,
+            interval_s: Some(1.0 / self.sample_rate_hz),
+        };
         let hysteresis = &self.model.hysteresis;
         let Followed { drive, output, at_range, at_step } = if self.periodic {
             let settled = SETTLING_PERIODS * wanted.len();

@@ -14,9 +14,9 @@ use hysteron::dynamics::{
 };
 
 use hysteron::hysteresis::{
-    ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, Duhem, GeneralisedPlays, JilesAtherton,
-    KrasnoselskiiPokrovskii, MaxwellSlip, PlayStart, Plays, PrandtlIshlinskii, Preisach, Sensitivities,
-    SongDerKiureghian, Start, UnitShape,
+    ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, DeadZonePlays, Duhem, GeneralisedPlays,
+    JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip, PlayStart, Plays, PrandtlIshlinskii, Preisach,
+    RateDependentPlays, Sensitivities, SongDerKiureghian, Start, UnitShape,
 };
 use hysteron::online::{Adapter, Estimator, Row};
 use hysteron_rt::{FitMonitor, MonitorSettings, Rls, RlsSettings, Unexcited};
@@ -197,6 +197,8 @@ fn families_of_columns_allocate_a_state_and_nothing_a_sample() {
     a_sample_costs_nothing(&Dahl, &[2.0, 1.5]);
     a_sample_costs_nothing(&Plays { thresholds: vec![0.5, 1.5] }, &[1.0]);
     a_sample_costs_nothing(&MaxwellSlip { thresholds: vec![0.5, 1.5] }, &[1.0]);
+    a_sample_costs_nothing(&RateDependentPlays { thresholds: vec![0.5, 1.5], interval_s: 0.1 }, &[1.0, 0.05]);
+    a_sample_costs_nothing(&DeadZonePlays::regular([-3.0, 3.0], 4), &[0.4, 1.0]);
     a_sample_costs_nothing(&GeneralisedPlays { thresholds: vec![0.2, 0.5] }, &[0.3, 0.1, 0.3, -0.1]);
     a_sample_costs_nothing(&KrasnoselskiiPokrovskii { range: [-4.0, 4.0], lines: 5 }, &[2.0]);
     a_sample_costs_nothing(&Preisach::regular([-5.0, 5.0], 6), &[]);

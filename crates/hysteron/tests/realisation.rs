@@ -188,6 +188,8 @@ fn every_family_streams_as_it_is_simulated() {
         family(FamilyForm::Duhem { degree: 2 }, &[0.7]),
         family(FamilyForm::MaxwellSlip { elements: 3 }, &[3.1]),
         family(FamilyForm::OneSidedPlays { plays: 3 }, &[5.3]),
+        family(FamilyForm::RateDependentPlays { plays: 3 }, &[5.3, 2e-5]),
+        family(FamilyForm::DeadZonePlays { plays: 3 }, &[-1.03, 11.21, 0.37, 2.3]),
         family(FamilyForm::GeneralisedPlays { plays: 3 }, &[0.21, 4.3, 0.19, 4.1]),
         family(FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }, &[-1.0, 11.3, 2.7]),
         family(FamilyForm::Preisach { intervals: 4 }, &[-1.03, 11.21]),

@@ -1,7 +1,7 @@
 //! What each candidate costs a controller, and whether its hysteresis has an inverse.
 
 use hysteron::hammerstein::Model;
-use hysteron::hysteresis::Invertibility;
+use hysteron::hysteresis::{Invertibility, TimedDrive};
 use hysteron::identify::CampaignRecord;
 use hysteron::identify::structure::Comparison;
 use hysteron::realise::{Cost, RealiseOptions, side_by_side};
@@ -34,7 +34,8 @@ pub fn costs(comparison: &Comparison, campaign: &[CampaignRecord]) -> Vec<Candid
     let lowest_frequency_hz = (seconds > 0.0).then(|| 0.01 / seconds);
     let options = RealiseOptions { lowest_frequency_hz, ..RealiseOptions::default() };
     let mut costs = side_by_side(&fitted, sample_rate_hz, &options, drive, ROUNDS).into_iter();
-    let drives: Vec<&[f64]> = campaign.iter().map(|r| r.data.u.as_slice()).collect();
+    let drives: Vec<TimedDrive<'_>> =
+        campaign.iter().map(|r| (r.data.u.as_slice(), rate(r).map(|rate| 1.0 / rate))).collect();
     models
         .into_iter()
         .map(|model| {

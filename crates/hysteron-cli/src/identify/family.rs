@@ -26,6 +26,10 @@ pub enum HysteresisArg {
     MaxwellSlip,
     /// 12 plays for a drive to one side of rest
     OneSidedPlays,
+    /// 12 plays that get wider with the rate of the drive
+    RateDependentPlays,
+    /// 12 plays and six bands of what they put out: minor loops that differ with bias
+    DeadZonePlays,
     /// 8 plays behind saturating, unequal envelopes
     GeneralisedPlays,
     /// Ramped relays on a grid of 8 lines (36 weights)
@@ -70,6 +74,8 @@ impl HysteresisArg {
             FamilyForm::Duhem { .. } => FamilyForm::Duhem { degree: within(9)? },
             FamilyForm::MaxwellSlip { .. } => FamilyForm::MaxwellSlip { elements: within(MOST)? },
             FamilyForm::OneSidedPlays { .. } => FamilyForm::OneSidedPlays { plays: within(MOST)? },
+            FamilyForm::RateDependentPlays { .. } => FamilyForm::RateDependentPlays { plays: within(MOST)? },
+            FamilyForm::DeadZonePlays { .. } => FamilyForm::DeadZonePlays { plays: within(MOST)? },
             FamilyForm::GeneralisedPlays { .. } => FamilyForm::GeneralisedPlays { plays: within(MOST)? },
             FamilyForm::KrasnoselskiiPokrovskii { .. } => {
                 FamilyForm::KrasnoselskiiPokrovskii { lines: within(MOST_OF_A_PLANE)? }

@@ -105,6 +105,6 @@ fn invertible(hysteresis: &Hysteresis, [low, high]: [f64; 2]) -> Result<(), Comp
             0.5 * (low + high) + 0.5 * (high - low) * size * (2.0 * along - 1.0)
         })
         .collect();
-    let found = hysteresis.invertibility(&[&loops]).map_err(RealiseError::from)?;
+    let found = hysteresis.invertibility(&[(&loops, None)]).map_err(RealiseError::from)?;
     if found.is_invertible() { Ok(()) } else { Err(CompensatorError::NotInvertible(found)) }
 }

@@ -35,6 +35,9 @@ pub enum HysteresisError {
     /// A memory of an operator of another family.
     #[error("the memory that the record is to start with belongs to a hysteresis operator of another family")]
     Memory,
+    /// The operator sees the rate, and the time between samples is not known.
+    #[error("this hysteresis depends on the rate of the voltage: it needs the time between samples")]
+    Interval,
     /// The output does not have the length the input asks for.
     #[error("the output has {found} samples but {expected} are needed for this input")]
     Lengths {

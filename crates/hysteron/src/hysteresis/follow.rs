@@ -14,6 +14,8 @@ pub struct DriveLimits {
     pub range: [f64; 2],
     /// Largest change from one sample to the next \[V\]; infinite for none.
     pub step: f64,
+    /// Seconds from one sample to the next, where they are known (see [`super::DriveGrid`]).
+    pub interval_s: Option<f64>,
 }
 
 /// A drive and what the operator puts out for it.
@@ -126,15 +128,18 @@ fn along<S: Clone>(
         at_step: 0,
     };
     let [low, high] = limits.range;
-    let mut now = Point { u: rest, v: step(&mut state, rest)? };
+    // What comes next is the first move of a device at rest, whatever it is asked here.
+    let mut now = Point { u: rest, v: step(&mut state.clone(), rest)? };
     let mut slope = None;
     for (index, &target) in wanted.iter().enumerate() {
         let allowed = [(now.u - limits.step).max(low), (now.u + limits.step).min(high)];
-        let trial = |u: f64| -> Result<Point, HysteresisError> {
+        let mut trial = |u: f64| -> Result<Point, HysteresisError> {
             let v = step(&mut state.clone(), u).map_err(|error| error.at_sample(index))?;
             if v.is_finite() { Ok(Point { u, v }) } else { Err(HysteresisError::Overflow { index }) }
         };
-        let found = reach(trial, now, target, allowed, slope).map_err(|refused| match refused {
+        // What the operator puts out where the voltage stays, which one that sees the rate has not put out yet.
+        let still = trial(now.u)?;
+        let found = reach(trial, still, target, allowed, slope).map_err(|refused| match refused {
             Refused::Move(error) => error,
             Refused::Falls(u) => HysteresisError::NotIncreasing { index, u },
         })?;
@@ -143,7 +148,7 @@ fn along<S: Clone>(
             if found.at.u == end { followed.at_range += 1 } else { followed.at_step += 1 }
         }
         if found.at.u != now.u {
-            slope = Some((found.at.v - now.v) / (found.at.u - now.u));
+            slope = Some((found.at.v - still.v) / (found.at.u - now.u));
         }
         now =
             Point { u: found.at.u, v: step(&mut state, found.at.u).map_err(|error| error.at_sample(index))? };

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Admissibility, BoucWen, Family, Hysteresis, HysteresisError, Origin, polynomial};
+use super::{Admissibility, BoucWen, DriveGrid, Family, Hysteresis, HysteresisError, Origin, polynomial};
 use crate::display::short;
 
 /// Moves shorter than this share of the range of the drive say nothing about a slope.
@@ -70,6 +70,9 @@ impl fmt::Display for Invertibility {
     }
 }
 
+/// Voltages \[V\] and the seconds between them, where these are known.
+pub type TimedDrive<'a> = (&'a [f64], Option<f64>);
+
 impl Hysteresis {
     /// Whether the operator can be inverted over the voltages of `drives` \[V\]: by the exact condition of its family where that decides,
     /// else by the slopes of the moves along the drives, each from rest at its first sample.
@@ -81,12 +84,11 @@ impl Hysteresis {
     ///
     /// # Errors
     /// As [`Self::simulate`].
-    pub fn invertibility(&self, drives: &[&[f64]]) -> Result<Invertibility, HysteresisError> {
+    pub fn invertibility(&self, drives: &[TimedDrive<'_>]) -> Result<Invertibility, HysteresisError> {
         self.validate()?;
         let [low, high] = drives
             .iter()
-            .copied()
-            .flatten()
+            .flat_map(|(drive, _)| *drive)
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &u| [low.min(u), high.max(u)]);
         if !(low < high && (high - low).is_finite()) {
             return Err(HysteresisError::Range { low, high });
@@ -109,12 +111,13 @@ impl Hysteresis {
         }
     }
 
-    fn along(&self, drives: &[&[f64]], shortest: f64) -> Result<Invertibility, HysteresisError> {
+    fn along(&self, drives: &[TimedDrive<'_>], shortest: f64) -> Result<Invertibility, HysteresisError> {
         let mut least_slope = f64::INFINITY;
-        for drive in drives {
+        for &(drive, interval_s) in drives {
             let Some(&rest) = drive.first() else { continue };
             let mut v = vec![0.0; drive.len()];
-            self.simulate(drive, Origin::Virgin { rest }, &mut v)?;
+            let grid = DriveGrid { factor: 1, interval_s };
+            self.simulate_every(grid, drive, Origin::Virgin { rest }, &mut v)?;
             // From turn to turn of what moves at all, so that noise on a held drive is no branch.
             let mut from = (rest, v.first().copied().unwrap_or(0.0));
             for (&u, &v) in drive.iter().zip(&v) {
@@ -145,6 +148,7 @@ fn bouc_wen(model: &BoucWen, range: [f64; 2]) -> Option<Invertibility> {
 
 fn rising(model: &Family, range: [f64; 2]) -> bool {
     model.form.is_monotone()
+        && !model.form.depends_on_rate()
         && model.weights.iter().all(|w| *w >= 0.0)
         && polynomial::not_steeper(&model.polynomial, 0.0, range).is_none()
 }
@@ -165,7 +169,7 @@ mod tests {
     #[test]
     fn bouc_wen_by_its_bound_and_by_its_drive() {
         let drive = drive();
-        let of = |model: Hysteresis| model.invertibility(&[&drive]).unwrap();
+        let of = |model: Hysteresis| model.invertibility(&[(&drive, None)]).unwrap();
         // 2β/(β + γ) = 1.5: a slope of 1.5 α is the limit. Just above it every history is safe.
         assert_eq!(of(bouc_wen(1.51, 1.0)), Invertibility::Everywhere);
         // Below it a loop that saturates falls behind its turn: dz/du there is 1.5 α.
@@ -173,7 +177,7 @@ mod tests {
         assert!((-0.25..-0.1).contains(&least_slope), "{least_slope}");
         // A drive that does not saturate does not find the fall.
         let short: Vec<f64> = drive.iter().map(|u| 0.02 * u).collect();
-        let on_short = bouc_wen(1.3, 1.0).invertibility(&[&short]).unwrap();
+        let on_short = bouc_wen(1.3, 1.0).invertibility(&[(&short, None)]).unwrap();
         assert!(matches!(on_short, Invertibility::AlongDrives { .. }), "{on_short}");
         // α < 0 adds to the slope.
         assert_eq!(of(bouc_wen(0.1, -1.0)), Invertibility::Everywhere);
@@ -184,7 +188,7 @@ mod tests {
         let drive = drive();
         let of = |weights: Vec<f64>| {
             let model = PrandtlIshlinskii::new(vec![1.0], vec![0.5, 1.5], weights).unwrap();
-            Hysteresis::PrandtlIshlinskii(model).invertibility(&[&drive]).unwrap()
+            Hysteresis::PrandtlIshlinskii(model).invertibility(&[(&drive, None)]).unwrap()
         };
         assert_eq!(of(vec![-0.5, -0.4]), Invertibility::Everywhere);
         assert!(matches!(of(vec![-0.5, -0.6]), Invertibility::Nowhere { .. }));
@@ -196,7 +200,7 @@ mod tests {
         let of = |form: FamilyForm, shape: &[f64], weight: f64| {
             let weights = vec![weight; form.columns()];
             let model = Family::new(vec![1.0], form, shape.to_vec(), weights).unwrap();
-            Hysteresis::Family(model).invertibility(&[&drive]).unwrap()
+            Hysteresis::Family(model).invertibility(&[(&drive, None)]).unwrap()
         };
         let plays = FamilyForm::OneSidedPlays { plays: 3 };
         assert_eq!(of(plays, &[5.3], 0.2), Invertibility::Everywhere);
@@ -208,7 +212,7 @@ mod tests {
     #[test]
     fn a_drive_that_does_not_move_decides_nothing() {
         let constant = [2.0; 5];
-        let error = bouc_wen(1.0, 0.5).invertibility(&[&constant]);
+        let error = bouc_wen(1.0, 0.5).invertibility(&[(&constant, None)]);
         assert!(matches!(error, Err(HysteresisError::Range { .. })));
     }
 }

@@ -4,11 +4,11 @@
 //! * [`NormalisedBoucWen`], [`ClassicalBoucWen`]: the same operator in other symbols.
 //! * [`PrandtlIshlinskii`] (plays) with its inverses, and [`PlayStart`].
 //! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
-//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`], [`GeneralisedPlays`], [`DeadZones`],
+//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`], [`GeneralisedPlays`], [`DeadZones`], [`DeadZonePlays`],
 //!   [`KrasnoselskiiPokrovskii`], [`Preisach`], [`PreisachDensity`], [`JilesAtherton`], [`SongDerKiureghian`],
 //!   [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
 //! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives.
-//! * [`RateDependentPrandtlIshlinskii`], the one operator here that sees the rate.
+//! * [`RateDependentPlays`] and [`RateDependentPrandtlIshlinskii`], the operators here that see the rate; [`DriveGrid`] tells it them.
 //! * [`Family`]: a model of any of these families, [`FamilyForm`], whose columns a fit can take; [`FamilyStream`] runs it sample by
 //!   sample.
 //! * [`Origin`]: where an operator stands before the first sample; [`Start`] and [`Sensitivities`] are Bouc–Wen's own.
@@ -21,7 +21,9 @@ pub mod bouc_wen;
 mod bouc_wen_forms;
 mod columns;
 mod dahl;
+mod dead_zone_plays;
 mod dead_zones;
+mod drive_grid;
 mod duhem;
 mod error;
 mod family;
@@ -49,7 +51,9 @@ pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use bouc_wen_forms::{ClassicalBoucWen, NormalisedBoucWen};
 pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities, ColumnStart, MOST_SHAPE_PARAMETERS};
 pub use dahl::Dahl;
+pub use dead_zone_plays::DeadZonePlays;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
+pub use drive_grid::DriveGrid;
 pub use duhem::Duhem;
 pub use error::HysteresisError;
 pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};
@@ -58,7 +62,7 @@ pub use form::{Columns, HysteresisForm, Memory, Origin, Partial};
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
 pub(crate) use inter_sample::polygon_of_means;
-pub use invertibility::Invertibility;
+pub use invertibility::{Invertibility, TimedDrive};
 pub use jiles_atherton::JilesAtherton;
 pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
 pub use maxwell_slip::MaxwellSlip;
@@ -66,7 +70,7 @@ pub use parallel_bouc_wen::ParallelBoucWen;
 pub use plays::{OneSidedPlays, Plays};
 pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};
 pub use preisach::{DensityLaw, Preisach, PreisachDensity, ReversalCurve};
-pub use rate_dependent_plays::RateDependentPrandtlIshlinskii;
+pub use rate_dependent_plays::{RateDependentPlays, RateDependentPrandtlIshlinskii};
 pub use sensitivities::Sensitivities;
 
 /// A rate-independent hysteresis operator.
@@ -117,18 +121,20 @@ impl Hysteresis {
         self.simulate_every(1, u, origin, out)
     }
 
-    /// As [`Self::simulate`] for a drive `u` given on a time base finer by `factor` ([`InterSample::upsample`]):
-    /// `out[k]` belongs to `u[k * factor]`.
+    /// As [`Self::simulate`] for a drive `u` given on a time base finer by a factor ([`InterSample::upsample`]):
+    /// `out[k]` belongs to `u[k * factor]`. An operator that sees the rate takes it from the grid.
     ///
     /// # Errors
     /// As the model's own `simulate`.
     pub fn simulate_every(
         &self,
-        factor: usize,
+        grid: impl Into<DriveGrid>,
         u: &[f64],
         origin: Origin,
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
+        let grid = grid.into();
+        let factor = grid.factor;
         match self {
             Self::BoucWen(model) => {
                 let start = match origin {
@@ -146,7 +152,7 @@ impl Hysteresis {
                 };
                 model.simulate_every(factor, u, start, &mut plays, out)
             }
-            Self::Family(model) => model.simulate_every(factor, u, origin, out),
+            Self::Family(model) => model.simulate_every(grid, u, origin, out),
         }
     }
 

@@ -4,8 +4,11 @@
 //! hysteresis in a piezomicropositioning actuator", *IEEE/ASME Trans. Mechatronics* 18 (2013) 1498–1507,
 //! doi:10.1109/TMECH.2012.2205265.
 
+use hysteron_rt::Scalar;
+
+use super::columns::{ColumnKernel, between, parameter, positive};
 use super::pass::Every;
-use super::plays::check_thresholds;
+use super::plays::{PlayStates, check_thresholds};
 use super::{HysteresisError, PlayStart, polynomial};
 
 /// Prandtl–Ishlinskii operator with thresholds that move with the rate:
@@ -28,6 +31,82 @@ pub struct RateDependentPrandtlIshlinskii {
     pub weights: Vec<f64>,
     /// λ ≥ 0 \[s\]: what a threshold grows for 1 V/s.
     pub rate_gain_s: f64,
+}
+
+/// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|: the plays of
+/// [`RateDependentPrandtlIshlinskii`].
+///
+/// Shape: `scale`, 1 for the thresholds as they are; `rate_gain` λ ≥ 0 \[s\]. The rate is that of the straight line between two
+/// samples; the first move of a device at rest has none. A virgin play stands at its voltage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RateDependentPlays {
+    /// Half-widths at rest \[V\], positive and increasing.
+    pub thresholds: Vec<f64>,
+    /// Time from one sample to the next \[s\].
+    pub interval_s: f64,
+}
+
+/// Where plays stand, and the voltage of the sample before, if there was one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RateDependentPlayStates<S> {
+    plays: PlayStates<S>,
+    before: Option<f64>,
+}
+
+impl ColumnKernel for RateDependentPlays {
+    type State<S: Scalar<Real = f64>> = RateDependentPlayStates<S>;
+
+    fn shape_names(&self) -> &'static [&'static str] {
+        &["scale", "rate_gain"]
+    }
+
+    fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
+        check_thresholds(&self.thresholds)?;
+        positive("time between samples", self.interval_s)?;
+        positive("scale of the thresholds", parameter(shape, 0))?;
+        check_rate_gain(parameter(shape, 1))
+    }
+
+    fn columns(&self) -> usize {
+        self.thresholds.len()
+    }
+
+    fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> RateDependentPlayStates<S> {
+        RateDependentPlayStates { plays: PlayStates::at(self.thresholds.len(), u), before: None }
+    }
+
+    fn advance<S: Scalar<Real = f64>>(
+        &self,
+        shape: &[S],
+        state: &mut RateDependentPlayStates<S>,
+        u: f64,
+    ) -> Result<(), HysteresisError> {
+        let rate = state.before.replace(u).map_or(0.0, |before| (u - before).abs() / self.interval_s);
+        let [scale, wider] = [parameter(shape, 0), parameter(shape, 1).scale(rate)];
+        for (play, &threshold) in state.plays.plays.iter_mut().zip(&self.thresholds) {
+            let r = scale.scale(threshold) + wider;
+            *play = between((-r).shift(u), *play, r.shift(u));
+        }
+        Ok(())
+    }
+
+    fn preceded<S: Scalar<Real = f64>>(state: &mut RateDependentPlayStates<S>, by: Option<f64>) {
+        state.before = by;
+    }
+
+    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &RateDependentPlayStates<S>, out: &mut [S]) {
+        out.iter_mut().zip(&state.plays.plays).for_each(|(out, play)| *out = *play);
+    }
+}
+
+/// λ ≥ 0.
+fn check_rate_gain(value: f64) -> Result<(), HysteresisError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        let (name, must) = ("rate gain λ", "finite and not negative");
+        Err(HysteresisError::ShapeParameter { name, value, must })
+    }
 }
 
 impl RateDependentPrandtlIshlinskii {
@@ -61,13 +140,7 @@ impl RateDependentPrandtlIshlinskii {
         if let Some(index) = self.weights.iter().position(|w| !w.is_finite()) {
             return Err(HysteresisError::Weight { index, value: self.weights[index] });
         }
-        let value = self.rate_gain_s;
-        if value.is_finite() && value >= 0.0 {
-            Ok(())
-        } else {
-            let (name, must) = ("rate gain λ", "finite and not negative");
-            Err(HysteresisError::ShapeParameter { name, value, must })
-        }
+        check_rate_gain(self.rate_gain_s)
     }
 
     /// v \[µm\] for the voltages `u` \[V\] at `sample_rate_hz`, of which every `factor`-th is put out: `out[k]` belongs to
@@ -90,7 +163,7 @@ impl RateDependentPrandtlIshlinskii {
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
         self.validate()?;
-        super::columns::positive("sample rate", sample_rate_hz)?;
+        positive("sample rate", sample_rate_hz)?;
         let mut every = Every::new(factor)?;
         let expected = u.len().div_ceil(factor);
         if out.len() != expected {

@@ -1,6 +1,7 @@
 //! What the fit says about the device and what the records leave open, in plain words.
 
 use super::engine::Search;
+use super::joint::Smoothing;
 use super::options::{Choice, Method, Options, RecordRole};
 use super::result::{Finding, FindingKind, Identification, RecordFit};
 use super::{IdentifyError, RecordFacts, identifiability};
@@ -72,6 +73,23 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     }
 }
 
+/// How the weights of a plane were chosen.
+fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) -> String {
+    let without = short(left_out_without);
+    if share == 0.0 {
+        return format!(
+            "Weights of neighbouring cells are not drawn together: parts of the records that are left out in turn are met best \
+             without (weighted error {without})."
+        );
+    }
+    format!(
+        "Weights of neighbouring cells are drawn together ({} of what weighs as much as the records), chosen on parts of the records \
+         that are left out in turn: weighted error {} instead of {without}.",
+        short(share),
+        short(left_out),
+    )
+}
+
 pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Identification) {
     let mut findings = Vec::new();
     let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
@@ -94,6 +112,9 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));
     let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
     say(FindingKind::Verdict, "admissibility", verdict(&result.model.hysteresis, span, &unit));
+    if let Some(smoothing) = result.structure.smoothing {
+        say(FindingKind::Verdict, "weights", drawn_together(smoothing));
+    }
     if let Dynamics::Fractional(g) | Dynamics::Integer(g) = &result.model.dynamics {
         let text = match stability(g) {
             Stability::Stable => "Dynamic block: stable.".to_owned(),

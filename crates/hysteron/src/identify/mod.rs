@@ -37,6 +37,7 @@ pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
 pub use error::IdentifyError;
 pub use joint::{
     Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,
+    Smoothing,
 };
 pub use layout::Demands;
 pub use options::{

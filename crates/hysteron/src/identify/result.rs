@@ -1,7 +1,7 @@
 //! What an identification hands out.
 
 use super::engine::{Search, Searches};
-use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand};
+use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand, Smoothing};
 use super::options::{Method, RecordRole};
 use crate::hammerstein::{Model, Start};
 use crate::optimize::Bounds;
@@ -156,6 +156,8 @@ pub struct StructureChoice {
     pub creeps: Vec<f64>,
     /// Samples left out at the start of each quasi-static record.
     pub left_out: Vec<usize>,
+    /// How the weights of a plane were drawn together.
+    pub smoothing: Option<Smoothing>,
 }
 
 /// A statement in plain words.

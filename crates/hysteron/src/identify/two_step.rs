@@ -83,6 +83,7 @@ pub(super) fn identify(
     }
     findings::require_fit(&fits, facts, options)?;
     let structure = StructureChoice {
+        smoothing: None,
         degrees: step1.degrees.clone(),
         degree: step1.solution.hysteresis.polynomial.len(),
         delay_and_lag_from_start: step1.shift_searched,

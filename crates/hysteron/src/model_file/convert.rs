@@ -56,6 +56,7 @@ impl Units {
         };
         let output = power(&self.output, unit.output);
         match unit.input {
+            0 if unit.output == 0 => power("s", unit.time),
             0 => output,
             input if input < 0 => format!("{output}/{}", power(&self.input, -input)),
             input if unit.output == 0 => power(&self.input, input),

@@ -182,6 +182,10 @@ pub enum HysteresisKind {
     MaxwellSlip,
     /// weight_j F_j ← max(u − r_j, min(u, F_j)), r_j = scale · j/(number + 1).
     OneSidedPlays,
+    /// weight_j F_j, plays of scale · j/(number + 1) + rate_gain |du/dt|.
+    RateDependentPlays,
+    /// weight_j F_j, r_j = j (high − low)/(2 (number + 1)); then six bands of (1 − s) u + s Σ g_j F_j, g_j ∝ exp(−r_j/reach), s = loop_share.
+    DeadZonePlays,
     /// weight_j F_j, plays of (j − ½)/number behind the envelopes tanh(rise (u − centre)).
     GeneralisedPlays,
     /// Krasnosel'skii–Pokrovskii kernels on a grid from low to high, ramps of length rise.
@@ -204,6 +208,8 @@ impl HysteresisKind {
             FamilyForm::Duhem { .. } => Self::Duhem,
             FamilyForm::MaxwellSlip { .. } => Self::MaxwellSlip,
             FamilyForm::OneSidedPlays { .. } => Self::OneSidedPlays,
+            FamilyForm::RateDependentPlays { .. } => Self::RateDependentPlays,
+            FamilyForm::DeadZonePlays { .. } => Self::DeadZonePlays,
             FamilyForm::GeneralisedPlays { .. } => Self::GeneralisedPlays,
             FamilyForm::KrasnoselskiiPokrovskii { .. } => Self::KrasnoselskiiPokrovskii,
             FamilyForm::Preisach { .. } => Self::Preisach,
@@ -223,6 +229,8 @@ impl HysteresisKind {
             Self::Duhem => FamilyForm::Duhem { degree: 0 },
             Self::MaxwellSlip => FamilyForm::MaxwellSlip { elements: 1 },
             Self::OneSidedPlays => FamilyForm::OneSidedPlays { plays: 1 },
+            Self::RateDependentPlays => FamilyForm::RateDependentPlays { plays: 1 },
+            Self::DeadZonePlays => FamilyForm::DeadZonePlays { plays: 1 },
             Self::GeneralisedPlays => FamilyForm::GeneralisedPlays { plays: 1 },
             Self::KrasnoselskiiPokrovskii => FamilyForm::KrasnoselskiiPokrovskii { lines: 1 },
             Self::Preisach => FamilyForm::Preisach { intervals: 1 },

@@ -571,6 +571,8 @@ fn every_family_survives_writing_and_reading() {
         (family(FamilyForm::Duhem { degree: 3 }, &[0.7]), "duhem"),
         (family(FamilyForm::MaxwellSlip { elements: 3 }, &[3.1]), "maxwell-slip"),
         (family(FamilyForm::OneSidedPlays { plays: 5 }, &[5.3]), "one-sided-plays"),
+        (family(FamilyForm::RateDependentPlays { plays: 3 }, &[4.1, 2e-4]), "rate-dependent-plays"),
+        (family(FamilyForm::DeadZonePlays { plays: 3 }, &[-1.0, 9.2, 0.37, 2.3]), "dead-zone-plays"),
         (family(FamilyForm::GeneralisedPlays { plays: 3 }, &[0.21, 4.3, 0.19, 4.1]), "generalised-plays"),
         (
             family(FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }, &[-1.0, 9.3, 2.7]),

@@ -8,7 +8,7 @@ use hysteron_rt::{
 use hysteron_rt::{Linear, Means, Operator, PlayBank, Real};
 
 use super::{LinearRealisation, Realisation, RealiseError, Section};
-use crate::hysteresis::{Family, FamilyForm, FamilyStream, Hysteresis};
+use crate::hysteresis::{DriveGrid, Family, FamilyForm, FamilyStream, Hysteresis};
 
 /// Coefficients and memory of a model that `hysteron-rt` runs.
 #[derive(Clone, Debug)]
@@ -251,7 +251,15 @@ impl StreamParts {
         let parts = match RuntimeParts::new(realisation) {
             Err(RealiseError::NotInRuntime { .. }) => match &realisation.model.hysteresis {
                 Hysteresis::Family(family) => Parts::Family {
-                    hysteresis: FamilyStream::new(family)?,
+                    hysteresis: FamilyStream::new(
+                        family,
+                        DriveGrid::new(
+                            Some(realisation.sample_rate_hz),
+                            1 + usize::from(realisation.joins_means),
+                            1,
+                        )
+                        .interval_s,
+                    )?,
                     linear: LinearParts::new(&realisation.dynamics),
                     offset: realisation.model.offset,
                     joins_means: realisation.joins_means,

@@ -16,6 +16,52 @@ proptest! {
     }
 
     #[test]
+    fn laws_of_plays_and_bands(
+        share in 0.01..0.9_f64, reach in 0.3..5.0_f64, u in drive(), moves in moves(), rest in -3.0..3.0_f64,
+        inner in vec(0.0..1.0_f64, 0..8),
+    ) {
+        let kernel = DeadZonePlays::regular([-4.0, 5.0], 4);
+        let shape = [share, reach];
+        only_turning_points_count(&kernel, &shape, &u, 7, 0.0)?;
+        the_periodic_start_closes(&kernel, &shape, &u, 0.0)?;
+        continuous(&kernel, &shape, &moves, 1.0)?;
+        return_point_memory(&kernel, &shape, &u, &inner, 0.0)?;
+        a_memory_is_a_move(&kernel, &shape, &u, (rest, 0.5))?;
+        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-6)?;
+        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Periodic, 1e-6)?;
+    }
+
+    /// Bands of one slope each are Kuhnen's S(H\[u\]); no band falls where the voltage rises.
+    #[test]
+    fn bands_are_a_broken_line_of_the_plays(
+        share in 0.0..0.9_f64, reach in 0.3..5.0_f64, u in drive(), slopes in prop::array::uniform5(0.0..2.0_f64),
+    ) {
+        // Corners at −2, −1, 0, 1, 2; none at 0, since both bands beside it have one slope.
+        let kernel = DeadZonePlays::regular([-3.0, 3.0], 3);
+        let [a, b, c, d, e] = slopes;
+        let bands = [a, b, c, c, d, e];
+        let law: Vec<f64> = kernel.thresholds.iter().map(|r| (-r / reach).exp()).collect();
+        let total: f64 = law.iter().sum();
+        let weights = law.iter().map(|g| share * g / total).collect();
+        let plays = PrandtlIshlinskii::new(vec![1.0 - share], kernel.thresholds.clone(), weights).unwrap();
+        let thresholds = vec![-2.0, -1.0, 1.0, 2.0];
+        let line = BrokenLine { linear: c, thresholds, weights: vec![a - b, b - c, d - c, e - d] };
+        let model = ModifiedPrandtlIshlinskii::new(plays, line).unwrap();
+        let mut v = vec![0.0; u.len()];
+        model.simulate_every(1, &u, PlayStart::Rest { u: 0.0 }, &mut [0.0; 3], &mut v).unwrap();
+        let all = rows(&kernel, &[share, reach], &u, REST);
+        let sum = |row: &[f64]| row[3..].iter().zip(bands).map(|(band, s)| s * band).sum::<f64>();
+        let zero = sum(&rows(&kernel, &[share, reach], &[0.0], REST)[0]);
+        for (row, v) in all.iter().zip(&v) {
+            prop_assert!((sum(row) - zero - v).abs() < 1e-12, "{row:?} {v}");
+        }
+        for ((row, next), u) in all.iter().zip(&all[1..]).zip(u.windows(2)) {
+            let rises = row.iter().zip(next).all(|(a, b)| (b - a) * (u[1] - u[0]) >= -1e-12);
+            prop_assert!(rises, "{u:?} {row:?} {next:?}");
+        }
+    }
+
+    #[test]
     fn the_modified_operator_remembers_turning_points_but_its_minor_loops_are_not_congruent(
         inner in vec(-3.0..5.0_f64, 0..8),
     ) {

@@ -11,12 +11,14 @@ mod jiles_atherton;
 mod krasnoselskii_pokrovskii;
 mod plays_and_stops;
 mod preisach;
+mod rate_dependent_plays;
 
 use hysteron::hysteresis::{
-    BrokenLine, ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, DeadZones, DensityLaw, Duhem,
-    GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip,
-    ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, OneSidedPlays, PlayStart, Plays, PrandtlIshlinskii,
-    Preisach, PreisachDensity, SongDerKiureghian,
+    BrokenLine, ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, DeadZonePlays, DeadZones, DensityLaw,
+    DriveGrid, Duhem, Family, FamilyForm, FamilyStream, GeneralisedPlays, HysteresisError, JilesAtherton,
+    KrasnoselskiiPokrovskii, MaxwellSlip, ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, OneSidedPlays,
+    Origin, PlayStart, Plays, PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPlays,
+    RateDependentPrandtlIshlinskii, SongDerKiureghian,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -67,3 +67,25 @@ proptest! {
         derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Periodic, 1e-8)?;
     }
 }
+
+proptest! {
+    #![proptest_config(config(30))]
+
+    /// The sum that is kept up move by move is that of the plane's columns, over more moves than one reckoning of it, on the diagonal
+    /// and off it, beyond the levels too.
+    #[test]
+    fn a_density_is_its_plane_with_its_weights(
+        turns in vec(-7.0..7.0_f64, 1..12), count in 1..9_usize, rest in -3.0..3.0_f64, h in 0.0..2.0_f64,
+    ) {
+        let plane = Preisach::regular([-5.0, 4.0], count + 1);
+        let kernel = PreisachDensity { plane: plane.clone(), law: DensityLaw::Gaussian };
+        let shape = [h, 1.3, 0.4, 2.5];
+        let weights: Vec<f64> = kernel.weights(&shape);
+        let u = dense(&turns, 60);
+        let start = ColumnStart::Virgin { u: rest };
+        for (own, cells) in rows(&kernel, &shape, &u, start).iter().zip(rows(&plane, &[], &u, start)) {
+            let sum: f64 = cells.iter().zip(&weights).map(|(cell, w)| cell * w).sum();
+            prop_assert!((own[0] - sum).abs() < 1e-12, "{} {sum}", own[0]);
+        }
+    }
+}

@@ -33,7 +33,7 @@ fn a_plant_in_continuous_time_follows_the_reference() {
                 5.1 + amplitude * gain * (TAU * frequency_hz * t + lead).sin()
             })
             .collect();
-        let limits = DriveLimits { range: [-5.0, 25.0], step: f64::INFINITY };
+        let limits = DriveLimits { range: [-5.0, 25.0], step: f64::INFINITY, interval_s: None };
         let ideal = model().hysteresis.follow(&v, rest_of(&found), None, &limits).unwrap().drive;
         let part = samples * 3 / 10..samples * 9 / 10;
         let ratio = roughness(&found.drive[part.clone()]) / roughness(&ideal[part]);

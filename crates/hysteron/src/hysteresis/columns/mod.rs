@@ -91,6 +91,11 @@ pub trait ColumnKernel {
         &mut []
     }
 
+    /// Tells a memory that sees the rate which voltage comes before the next one; nothing moves.
+    fn preceded<S: Scalar<Real = f64>>(state: &mut Self::State<S>, by: Option<f64>) {
+        let _ = (state, by);
+    }
+
     /// [`Self::advance`] and [`Self::read`].
     ///
     /// # Errors

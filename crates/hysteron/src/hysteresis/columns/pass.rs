@@ -84,7 +84,10 @@ pub(super) fn simulate<K: ColumnKernel>(
     match start {
         ColumnStart::Virgin { .. } => {}
         ColumnStart::Remembering { rest, .. } => kernel.advance(shape, &mut state, rest)?,
-        ColumnStart::Periodic => settle(kernel, shape, u, &mut state)?,
+        ColumnStart::Periodic => {
+            K::preceded(&mut state, u.last().copied());
+            settle(kernel, shape, u, &mut state)?;
+        }
     }
     write(kernel, shape, &mut state, Every::new(factor)?, u, samples, out)?;
     Ok(state)
@@ -233,6 +236,7 @@ pub(super) fn differentiate<const P: usize, K: ColumnKernel>(
         kernel.advance(duals, &mut state, rest)?;
     }
     if start == ColumnStart::Periodic {
+        K::preceded(&mut state, u.last().copied());
         run(kernel, duals, &mut state, u, |_| {})?;
         if !K::relaxing(&mut state).is_empty() {
             let mut settled = kernel.virgin(shape, voltage);

@@ -1,11 +1,12 @@
 //! The families, their numbers and the units of these.
 
+use super::super::dead_zone_plays::BANDS;
 use super::super::parallel_bouc_wen::MOST_STATES;
 use super::super::preisach::DensityLaw;
 use super::super::{
-    ColumnKernel, Dahl, Duhem, GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii,
-    MaxwellSlip, NonSymmetricBoucWen, OneSidedPlays, ParallelBoucWen, Preisach, PreisachDensity,
-    SongDerKiureghian,
+    ColumnKernel, Dahl, DeadZonePlays, DriveGrid, Duhem, GeneralisedPlays, HysteresisError, JilesAtherton,
+    KrasnoselskiiPokrovskii, MaxwellSlip, NonSymmetricBoucWen, OneSidedPlays, ParallelBoucWen, Preisach,
+    PreisachDensity, RateDependentPlays, SongDerKiureghian,
 };
 use super::run;
 use super::stream::Runner;
@@ -44,6 +45,16 @@ pub enum FamilyForm {
         /// Number of plays.
         plays: usize,
     },
+    /// [`RateDependentPlays`] with half-widths `scale` · j/(plays + 1).
+    RateDependentPlays {
+        /// Number of plays.
+        plays: usize,
+    },
+    /// [`DeadZonePlays`] over the voltages from `low` to `high`, with half-widths up to half of that.
+    DeadZonePlays {
+        /// Number of plays; the columns are six more.
+        plays: usize,
+    },
     /// [`GeneralisedPlays`] with thresholds (j − ½)/plays.
     GeneralisedPlays {
         /// Number of plays.
@@ -65,24 +76,28 @@ pub enum FamilyForm {
     JilesAtherton,
 }
 
-/// Unit of a number: powers of the output's and of the input's unit.
+/// Unit of a number: powers of the output's and of the input's unit, and of the second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NumberUnit {
     /// Power of the output's unit.
     pub output: i32,
     /// Power of the input's unit.
     pub input: i32,
+    /// Power of the second.
+    pub time: i32,
 }
 
-const NONE: NumberUnit = NumberUnit { output: 0, input: 0 };
-const INPUT: NumberUnit = NumberUnit { output: 0, input: 1 };
-const PER_INPUT: NumberUnit = NumberUnit { output: 0, input: -1 };
-const OUTPUT: NumberUnit = NumberUnit { output: 1, input: 0 };
-const SLOPE: NumberUnit = NumberUnit { output: 1, input: -1 };
+const NONE: NumberUnit = NumberUnit { output: 0, input: 0, time: 0 };
+const INPUT: NumberUnit = NumberUnit { input: 1, ..NONE };
+const PER_INPUT: NumberUnit = NumberUnit { input: -1, ..NONE };
+const OUTPUT: NumberUnit = NumberUnit { output: 1, ..NONE };
+const SLOPE: NumberUnit = NumberUnit { output: 1, input: -1, ..NONE };
+const TIME: NumberUnit = NumberUnit { time: 1, ..NONE };
 
-/// Runs `$body` with the kernel of a family, and the number of leading shape numbers that the kernel's structure takes.
+/// Runs `$body` with the kernel of a family, and the number of leading shape numbers that the kernel's structure takes. `$interval`:
+/// seconds between samples.
 macro_rules! with_kernel {
-    ($form:expr, $shape:expr, |$kernel:ident, $fixed:ident| $body:expr) => {{
+    ($form:expr, $shape:expr, $interval:expr, |$kernel:ident, $fixed:ident| $body:expr) => {{
         let at = |index: usize| $shape.get(index).copied().unwrap_or(f64::NAN);
         let range = [at(0), at(1)];
         match $form {
@@ -112,6 +127,15 @@ macro_rules! with_kernel {
             }
             FamilyForm::OneSidedPlays { plays } => {
                 let ($kernel, $fixed) = (OneSidedPlays { thresholds: inner_grid(plays) }, 0);
+                $body
+            }
+            FamilyForm::RateDependentPlays { plays } => {
+                let (thresholds, interval_s) = (inner_grid(plays), $interval);
+                let ($kernel, $fixed) = (RateDependentPlays { thresholds, interval_s }, 0);
+                $body
+            }
+            FamilyForm::DeadZonePlays { plays } => {
+                let ($kernel, $fixed) = (DeadZonePlays::regular(range, plays), 2);
                 $body
             }
             FamilyForm::GeneralisedPlays { plays } => {
@@ -156,6 +180,8 @@ impl FamilyForm {
             Self::Duhem { .. } => "duhem",
             Self::MaxwellSlip { .. } => "maxwell-slip",
             Self::OneSidedPlays { .. } => "one-sided-plays",
+            Self::RateDependentPlays { .. } => "rate-dependent-plays",
+            Self::DeadZonePlays { .. } => "dead-zone-plays",
             Self::GeneralisedPlays { .. } => "generalised-plays",
             Self::KrasnoselskiiPokrovskii { .. } => "krasnoselskii-pokrovskii",
             Self::Preisach { .. } => "preisach",
@@ -170,7 +196,10 @@ impl FamilyForm {
             Self::ParallelBoucWen { states } => states,
             Self::Duhem { degree } => degree + 1,
             Self::MaxwellSlip { elements } => elements,
-            Self::OneSidedPlays { plays } | Self::GeneralisedPlays { plays } => plays,
+            Self::OneSidedPlays { plays }
+            | Self::RateDependentPlays { plays }
+            | Self::GeneralisedPlays { plays } => plays,
+            Self::DeadZonePlays { plays } => plays + BANDS,
             Self::KrasnoselskiiPokrovskii { lines: n } | Self::Preisach { intervals: n } => n * (n + 1) / 2,
             Self::NonSymmetricBoucWen
             | Self::SongDerKiureghian
@@ -189,6 +218,8 @@ impl FamilyForm {
             Self::Duhem { .. } => Self::Duhem { degree: weights.checked_sub(1)? },
             Self::MaxwellSlip { .. } => Self::MaxwellSlip { elements: weights },
             Self::OneSidedPlays { .. } => Self::OneSidedPlays { plays: weights },
+            Self::RateDependentPlays { .. } => Self::RateDependentPlays { plays: weights },
+            Self::DeadZonePlays { .. } => Self::DeadZonePlays { plays: weights.checked_sub(BANDS)? },
             Self::GeneralisedPlays { .. } => Self::GeneralisedPlays { plays: weights },
             Self::KrasnoselskiiPokrovskii { .. } => {
                 let lines = if side * (side + 1) / 2 == weights { side } else { side.checked_sub(1)? };
@@ -206,7 +237,7 @@ impl FamilyForm {
     /// Names and units of the weights.
     pub fn weight_numbers(self) -> Vec<(String, NumberUnit)> {
         let unit = |j: usize| match self {
-            Self::Duhem { .. } => NumberUnit { output: 1, input: -(j as i32 + 1) },
+            Self::Duhem { .. } => NumberUnit { output: 1, input: -(j as i32 + 1), ..NONE },
             Self::GeneralisedPlays { .. }
             | Self::KrasnoselskiiPokrovskii { .. }
             | Self::Preisach { .. }
@@ -232,6 +263,10 @@ impl FamilyForm {
             Self::Dahl => named(&[("reach", INPUT), ("exponent", NONE)]),
             Self::Duhem { .. } => named(&[("rate", PER_INPUT)]),
             Self::MaxwellSlip { .. } | Self::OneSidedPlays { .. } => named(&[("scale", INPUT)]),
+            Self::RateDependentPlays { .. } => named(&[("scale", INPUT), ("rate_gain", TIME)]),
+            Self::DeadZonePlays { .. } => {
+                named(&[("low", INPUT), ("high", INPUT), ("loop_share", NONE), ("reach", INPUT)])
+            }
             Self::GeneralisedPlays { .. } => named(&[
                 ("rise_right", PER_INPUT),
                 ("centre_right", INPUT),
@@ -259,15 +294,39 @@ impl FamilyForm {
         }
     }
 
-    /// Whether every column rises with u and falls with it, so that weights of one sign make a monotone model.
+    /// Whether every column of a slow drive rises with u and falls with it, so that weights of one sign make a monotone model.
     pub fn is_monotone(self) -> bool {
         matches!(
             self,
             Self::OneSidedPlays { .. }
+                | Self::RateDependentPlays { .. }
+                | Self::DeadZonePlays { .. }
                 | Self::GeneralisedPlays { .. }
                 | Self::KrasnoselskiiPokrovskii { .. }
                 | Self::Preisach { .. }
         )
+    }
+
+    /// Pairs of weights whose cells lie side by side on a plane of relays; none for other families. Those on the diagonal, which are
+    /// without hysteresis, are neighbours of one another alone.
+    pub fn neighbours(self) -> Vec<(usize, usize)> {
+        let (Self::KrasnoselskiiPokrovskii { lines: n } | Self::Preisach { intervals: n }) = self else {
+            return Vec::new();
+        };
+        let at = |i: usize, j: usize| i * (i + 1) / 2 + j;
+        let beside = |i: usize, j: usize| {
+            let next = match i == j {
+                true => [(i + 1, j + 1), (n, n)],
+                false => [(i + 1, j), if j + 1 < i { (i, j + 1) } else { (n, n) }],
+            };
+            next.into_iter().filter(|(i, _)| *i < n).map(move |(k, l)| (at(i, j), at(k, l)))
+        };
+        (0..n).flat_map(|i| (0..=i).flat_map(move |j| beside(i, j).collect::<Vec<_>>())).collect()
+    }
+
+    /// Whether the memory depends on how fast the voltage moves, so that the time between samples must be known.
+    pub fn depends_on_rate(self) -> bool {
+        matches!(self, Self::RateDependentPlays { .. })
     }
 
     /// Checks structure and shape.
@@ -282,36 +341,57 @@ impl FamilyForm {
         let [low, high] = [0, 1].map(|index| shape.get(index).copied().unwrap_or(f64::NAN));
         let gridded = matches!(
             self,
-            Self::KrasnoselskiiPokrovskii { .. } | Self::Preisach { .. } | Self::PreisachDensity
+            Self::DeadZonePlays { .. }
+                | Self::KrasnoselskiiPokrovskii { .. }
+                | Self::Preisach { .. }
+                | Self::PreisachDensity
         );
         if gridded && !(low < high && (high - low).is_finite()) {
             return Err(HysteresisError::Range { low, high });
         }
-        with_kernel!(self, shape, |kernel, fixed| kernel.check(shape.get(fixed..).unwrap_or_default()))
+        with_kernel!(self, shape, 1.0, |kernel, fixed| kernel.check(shape.get(fixed..).unwrap_or_default()))
+    }
+
+    /// Seconds between samples where the family asks for them; any number where it does not.
+    fn interval(self, interval_s: Option<f64>) -> Result<f64, HysteresisError> {
+        match interval_s {
+            Some(interval_s) => Ok(interval_s),
+            None if self.depends_on_rate() => Err(HysteresisError::Interval),
+            None => Ok(1.0),
+        }
     }
 
     /// The kernel, virgin at the voltage `u` \[V\], to be moved sample by sample. The shape has been checked.
-    pub(super) fn runner(self, shape: &[f64], u: f64) -> Runner {
-        with_kernel!(self, shape, |kernel, fixed| {
+    pub(super) fn runner(
+        self,
+        shape: &[f64],
+        interval_s: Option<f64>,
+        u: f64,
+    ) -> Result<Runner, HysteresisError> {
+        let interval_s = self.interval(interval_s)?;
+        Ok(with_kernel!(self, shape, interval_s, |kernel, fixed| {
             Runner::from((kernel, shape.get(fixed..).unwrap_or_default().to_vec(), u))
-        })
+        }))
     }
 
     /// As [`crate::hysteresis::HysteresisForm::run`].
     ///
     /// # Errors
-    /// [`HysteresisError`]: a shape that the family has not, a drive that is not finite, a state that runs away.
+    /// [`HysteresisError`]: a shape that the family has not, a drive that is not finite, a state that runs away, a time between
+    /// samples that is not known where the family asks for it.
     pub fn run(
         self,
         shape: &[f64],
-        factor: usize,
+        grid: impl Into<DriveGrid>,
         u: &[f64],
         origin: Origin,
         wanted: Option<&[bool]>,
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
+        let DriveGrid { factor, interval_s } = grid.into();
         self.check(shape)?;
-        with_kernel!(self, shape, |kernel, fixed| run::run(
+        let interval_s = self.interval(interval_s)?;
+        with_kernel!(self, shape, interval_s, |kernel, fixed| run::run(
             &kernel,
             (shape, fixed),
             factor,
@@ -332,7 +412,8 @@ impl FamilyForm {
         start: (f64, Option<f64>),
         limits: &DriveLimits,
     ) -> Result<Followed, HysteresisError> {
-        with_kernel!(self, shape, |kernel, fixed| {
+        let interval_s = self.interval(limits.interval_s)?;
+        with_kernel!(self, shape, interval_s, |kernel, fixed| {
             let own = shape.get(fixed..).unwrap_or_default();
             follow::columns(&kernel, own, weights, anhysteretic, wanted, start, limits)
         })

@@ -9,7 +9,7 @@ pub(super) use run::Scratch;
 pub use stream::FamilyStream;
 
 use super::form::{Columns, Origin};
-use super::{HysteresisError, polynomial};
+use super::{DriveGrid, HysteresisError, polynomial};
 
 /// Static model v = Σ_{i≥1} polynomial\[i−1\] uⁱ + Σⱼ weightsⱼ Hⱼ\[u; shape\] \[µm\] of one [`FamilyForm`].
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl Family {
         }
     }
 
-    /// v \[µm\] for the voltages `u` \[V\] given on a time base finer by `factor`: `out[k]` belongs to `u[k * factor]`. The memory
+    /// v \[µm\] for the voltages `u` \[V\] given on a time base finer by a factor: `out[k]` belongs to `u[k * factor]`. The memory
     /// of an [`Origin::Remembering`] is the voltage at which the device was virgin.
     ///
     /// # Errors
@@ -66,11 +66,13 @@ impl Family {
     /// not finite.
     pub fn simulate_every(
         &self,
-        factor: usize,
+        grid: impl Into<DriveGrid>,
         u: &[f64],
         origin: Origin,
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
+        let grid = grid.into();
+        let factor = grid.factor;
         self.validate()?;
         if factor == 0 {
             return Err(HysteresisError::Factor);
@@ -80,7 +82,7 @@ impl Family {
             return Err(HysteresisError::Lengths { expected, found: out.len() });
         }
         let mut columns = Columns::default();
-        self.form.run(&self.shape, factor, u, origin, None, &mut columns)?;
+        self.form.run(&self.shape, grid, u, origin, None, &mut columns)?;
         for (slot, &u) in out.iter_mut().zip(u.iter().step_by(factor)) {
             *slot = polynomial::value(&self.polynomial, u);
         }
@@ -98,7 +100,9 @@ impl Family {
     pub fn at_rest(&self, virgin: f64, rest: f64) -> f64 {
         let mut columns = Columns::default();
         let origin = Origin::Virgin { rest: virgin };
-        match self.form.run(&self.shape, 1, &[rest], origin, None, &mut columns) {
+        // The one move is without rate, whatever the time.
+        let grid = DriveGrid { factor: 1, interval_s: Some(1.0) };
+        match self.form.run(&self.shape, grid, &[rest], origin, None, &mut columns) {
             Ok(()) => {
                 let sum: f64 = columns
                     .values

@@ -2,9 +2,9 @@
 
 use super::super::columns::ColumnKernel;
 use super::super::{
-    Dahl, Duhem, GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip,
-    NonSymmetricBoucWen, OneSidedPlays, ParallelBoucWen, Preisach, PreisachDensity, SongDerKiureghian,
-    polynomial,
+    Dahl, DeadZonePlays, Duhem, GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii,
+    MaxwellSlip, NonSymmetricBoucWen, OneSidedPlays, ParallelBoucWen, Preisach, PreisachDensity,
+    RateDependentPlays, SongDerKiureghian, polynomial,
 };
 use super::Family;
 
@@ -52,6 +52,8 @@ runners!(
     Duhem,
     MaxwellSlip,
     OneSidedPlays,
+    RateDependentPlays,
+    DeadZonePlays,
     GeneralisedPlays,
     KrasnoselskiiPokrovskii,
     Preisach,
@@ -69,13 +71,13 @@ pub struct FamilyStream {
 }
 
 impl FamilyStream {
-    /// The model, virgin at 0 V.
+    /// The model, virgin at 0 V; `interval_s`: seconds between samples, for a family that sees the rate.
     ///
     /// # Errors
-    /// As [`Family::validate`].
-    pub fn new(model: &Family) -> Result<Self, HysteresisError> {
+    /// As [`Family::validate`]; [`HysteresisError::Interval`].
+    pub fn new(model: &Family, interval_s: Option<f64>) -> Result<Self, HysteresisError> {
         model.validate()?;
-        let runner = model.form.runner(&model.shape, 0.0);
+        let runner = model.form.runner(&model.shape, interval_s, 0.0)?;
         let row = vec![0.0; model.weights.len()];
         Ok(Self { runner, polynomial: model.polynomial.clone(), weights: model.weights.clone(), row })
     }

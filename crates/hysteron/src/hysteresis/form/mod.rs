@@ -12,7 +12,9 @@ mod plays;
 pub use columns::{Columns, Origin, Partial};
 pub use memory::Memory;
 
-use super::{BoucWen, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape};
+use super::{
+    BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape,
+};
 
 /// A family of hysteresis operators with its fixed structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -32,7 +34,7 @@ pub enum HysteresisForm {
 
 impl HysteresisForm {
     /// Every family with its usual number of elements, the article's first.
-    pub fn usual() -> [Self; 14] {
+    pub fn usual() -> [Self; 16] {
         let family = Self::Family;
         [
             Self::BoucWen,
@@ -44,6 +46,8 @@ impl HysteresisForm {
             family(FamilyForm::Duhem { degree: 2 }),
             family(FamilyForm::MaxwellSlip { elements: 12 }),
             family(FamilyForm::OneSidedPlays { plays: 12 }),
+            family(FamilyForm::RateDependentPlays { plays: 12 }),
+            family(FamilyForm::DeadZonePlays { plays: 12 }),
             family(FamilyForm::GeneralisedPlays { plays: 8 }),
             family(FamilyForm::KrasnoselskiiPokrovskii { lines: 8 }),
             family(FamilyForm::Preisach { intervals: 10 }),
@@ -105,7 +109,15 @@ impl HysteresisForm {
         }
     }
 
-    /// Runs the operators over the drive `u` \[V\], given on a time base finer by `factor`, from `origin`; derivatives with
+    /// Pairs of weights whose cells lie side by side on a plane ([`FamilyForm::neighbours`]).
+    pub fn neighbours(self) -> Vec<(usize, usize)> {
+        match self {
+            Self::BoucWen | Self::PrandtlIshlinskii { .. } => Vec::new(),
+            Self::Family(form) => form.neighbours(),
+        }
+    }
+
+    /// Runs the operators over the drive `u` \[V\], given on a time base finer by a factor, from `origin`; derivatives with
     /// respect to those shape numbers that `wanted` marks, and to the memory, where it is given.
     ///
     /// # Errors
@@ -113,16 +125,18 @@ impl HysteresisForm {
     pub fn run(
         self,
         shape: &[f64],
-        factor: usize,
+        grid: impl Into<DriveGrid>,
         u: &[f64],
         origin: Origin,
         wanted: Option<&[bool]>,
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
+        let grid = grid.into();
+        let factor = grid.factor;
         match self {
             Self::BoucWen => bouc_wen::run(unit_shape(shape)?, factor, u, origin, wanted, out),
             Self::PrandtlIshlinskii { .. } => plays::run(shape, factor, u, origin, wanted, out),
-            Self::Family(form) => form.run(shape, factor, u, origin, wanted, out),
+            Self::Family(form) => form.run(shape, grid, u, origin, wanted, out),
         }
     }
 

@@ -11,6 +11,13 @@ fn drive() -> Vec<f64> {
         .collect()
 }
 
+/// Seconds between samples of the drive.
+const INTERVAL_S: f64 = 0.05;
+
+fn every(factor: usize) -> DriveGrid {
+    DriveGrid { factor, interval_s: Some(INTERVAL_S) }
+}
+
 fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
     vec![
         (HysteresisForm::BoucWen, vec![0.4, 0.1, 1.0]),
@@ -23,6 +30,8 @@ fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
         (HysteresisForm::Family(FamilyForm::Duhem { degree: 2 }), vec![0.7]),
         (HysteresisForm::Family(FamilyForm::MaxwellSlip { elements: 3 }), vec![3.1]),
         (HysteresisForm::Family(FamilyForm::OneSidedPlays { plays: 3 }), vec![5.3]),
+        (HysteresisForm::Family(FamilyForm::RateDependentPlays { plays: 3 }), vec![3.1, 0.02]),
+        (HysteresisForm::Family(FamilyForm::DeadZonePlays { plays: 3 }), vec![-1.03, 9.21, 0.37, 2.3]),
         (HysteresisForm::Family(FamilyForm::GeneralisedPlays { plays: 3 }), vec![0.21, 4.3, 0.19, 4.1]),
         (HysteresisForm::Family(FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }), vec![-1.0, 9.3, 2.7]),
         (HysteresisForm::Family(FamilyForm::Preisach { intervals: 4 }), vec![-1.03, 9.21]),
@@ -34,7 +43,7 @@ fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
 fn run(form: HysteresisForm, shape: &[f64], factor: usize, origin: Origin, derivatives: bool) -> Columns {
     let mut out = Columns::default();
     let wanted = vec![true; shape.len()];
-    form.run(shape, factor, &drive(), origin, derivatives.then_some(&wanted[..]), &mut out).unwrap();
+    form.run(shape, every(factor), &drive(), origin, derivatives.then_some(&wanted[..]), &mut out).unwrap();
     out
 }
 
@@ -56,7 +65,7 @@ fn columns_add_up_to_the_operator() {
             };
             let u = drive();
             let mut v = vec![0.0; u.len() / 2];
-            operator.simulate_every(2, &u, own, &mut v).unwrap();
+            operator.simulate_every(every(2), &u, own, &mut v).unwrap();
             for (k, v) in v.iter().enumerate() {
                 let sum: f64 = weights.iter().zip(&columns.values).map(|(w, h)| w * h[k]).sum();
                 let u = u[2 * k];
@@ -75,7 +84,7 @@ fn columns_add_up_to_the_operator() {
                 &operator.shape(),
             );
             let mut same = vec![0.0; v.len()];
-            again.unwrap().simulate_every(2, &u, own, &mut same).unwrap();
+            again.unwrap().simulate_every(every(2), &u, own, &mut same).unwrap();
             assert!(v.iter().zip(&same).all(|(a, b)| (a - b).abs() < 1e-12 * a.abs().max(1.0)));
         }
     }
@@ -149,7 +158,8 @@ fn rising() -> impl Iterator<Item = Hysteresis> {
     })
 }
 
-const FREE: DriveLimits = DriveLimits { range: [-2.0, 10.0], step: f64::INFINITY };
+const FREE: DriveLimits =
+    DriveLimits { range: [-2.0, 10.0], step: f64::INFINITY, interval_s: Some(INTERVAL_S) };
 
 #[test]
 fn the_drive_that_gives_an_output_is_found_in_one_step() {
@@ -162,7 +172,7 @@ fn the_drive_that_gives_an_output_is_found_in_one_step() {
                 Some(memory) => Origin::Remembering { rest, memory },
             };
             let mut v = vec![0.0; u.len()];
-            operator.simulate(&u, origin, &mut v).unwrap();
+            operator.simulate_every(every(1), &u, origin, &mut v).unwrap();
             let followed = operator.follow(&v, rest, memory, &FREE);
             let followed = followed.unwrap_or_else(|e| panic!("{operator:?}: {e}"));
             assert_eq!([followed.at_range, followed.at_step], [0, 0], "{operator:?}");
@@ -201,8 +211,8 @@ fn plays_follow_as_their_closed_form_does() {
 fn a_drive_keeps_to_its_limits() {
     for operator in rising() {
         let mut v = vec![0.0; drive().len()];
-        operator.simulate(&drive(), Origin::Virgin { rest: 4.2 }, &mut v).unwrap();
-        let limits = DriveLimits { range: [1.0, 6.5], step: 0.11 };
+        operator.simulate_every(every(1), &drive(), Origin::Virgin { rest: 4.2 }, &mut v).unwrap();
+        let limits = DriveLimits { range: [1.0, 6.5], step: 0.11, ..FREE };
         let followed = operator.follow(&v, 4.2, None, &limits).unwrap();
         assert!(followed.at_range > 0 && followed.at_step > 0, "{operator:?}");
         let mut last = 4.2;
@@ -211,7 +221,7 @@ fn a_drive_keeps_to_its_limits() {
             last = u;
         }
         let mut again = vec![0.0; v.len()];
-        operator.simulate(&followed.drive, Origin::Virgin { rest: 4.2 }, &mut again).unwrap();
+        operator.simulate_every(every(1), &followed.drive, Origin::Virgin { rest: 4.2 }, &mut again).unwrap();
         for (a, b) in again.iter().zip(&followed.output) {
             assert!((a - b).abs() < 1e-12 * b.abs().max(1.0), "{operator:?}");
         }

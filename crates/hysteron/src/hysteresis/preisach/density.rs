@@ -2,7 +2,7 @@
 
 use hysteron_rt::Scalar;
 
-use super::super::columns::{ColumnKernel, parameter, positive};
+use super::super::columns::{ColumnKernel, between, parameter, positive};
 use super::{HysteresisError, Preisach, PreisachState};
 
 /// Form of a factor of the density over its standardised variable.
@@ -38,11 +38,37 @@ pub struct PreisachDensity {
     pub law: DensityLaw,
 }
 
+/// Moves after which the sum of the relays is added up anew, so that rounding does not pile up.
+const RECOUNT: usize = 256;
+
 /// The relays, and the weights of their cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreisachDensityState<S> {
     relays: PreisachState<S>,
     weights: Vec<S>,
+    /// Weights of the diagonal below each level.
+    below: Vec<S>,
+    /// Weighted sum of the relays away from the diagonal.
+    sum: S,
+    /// Moves since it was added up.
+    moves: usize,
+}
+
+impl<S: Scalar<Real = f64>> PreisachDensityState<S> {
+    fn recount(&mut self) {
+        let cells = self.relays.cells.iter().zip(&self.weights).enumerate();
+        let mut diagonal = (0, 0);
+        self.sum = cells.fold(S::constant(0.0), |sum, (at, (cell, weight))| {
+            if at == diagonal.0 {
+                // i (i + 3)/2 of row i.
+                diagonal = (at + diagonal.1 + 2, diagonal.1 + 1);
+                sum
+            } else {
+                sum + *weight * *cell
+            }
+        });
+        self.moves = 0;
+    }
 }
 
 /// Gauss–Legendre points on \[0, 1\] with their weights.
@@ -123,7 +149,17 @@ impl ColumnKernel for PreisachDensity {
     }
 
     fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> PreisachDensityState<S> {
-        PreisachDensityState { relays: self.plane.virgin_state(u), weights: self.weights(shape) }
+        let weights = self.weights(shape);
+        let mut total = S::constant(0.0);
+        let diagonal = (0..self.plane.intervals()).map(|i| {
+            total = total + weights.get(i * (i + 3) / 2).copied().unwrap_or(S::constant(0.0));
+            total
+        });
+        let below = std::iter::once(S::constant(0.0)).chain(diagonal).collect();
+        let relays = self.plane.virgin_state(u);
+        let mut state = PreisachDensityState { relays, weights, below, sum: S::constant(0.0), moves: 0 };
+        state.recount();
+        state
     }
 
     fn advance<S: Scalar<Real = f64>>(
@@ -132,20 +168,32 @@ impl ColumnKernel for PreisachDensity {
         state: &mut PreisachDensityState<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        self.plane.move_to(&mut state.relays, u);
+        let PreisachDensityState { relays, weights, sum, moves, .. } = state;
+        self.plane.move_to(relays, u, |at, change| {
+            if let Some(weight) = weights.get(at) {
+                *sum = *sum + *weight * change;
+            }
+        });
+        *moves += 1;
+        if *moves == RECOUNT {
+            state.recount();
+        }
         Ok(())
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &PreisachDensityState<S>, out: &mut [S]) {
-        let mut sum = S::constant(0.0);
-        let mut weights = state.weights.iter();
-        self.plane.read_cells(&state.relays, |_, cell| {
-            if let Some(&weight) = weights.next() {
-                sum = sum + weight * cell;
-            }
-        });
+        let u = state.relays.stairs.voltage();
+        let last = self.plane.intervals() - 1;
+        let here = self.plane.levels.partition_point(|x| *x <= u.value()).saturating_sub(1).min(last);
+        // Ramps below stand at 1, those above at −1.
+        let zero = S::constant(0.0);
+        let [below, with, all] =
+            [here, here + 1, last + 1].map(|k| state.below.get(k).copied().unwrap_or(zero));
+        let [low, high] = self.plane.interval(here);
+        let ramp =
+            between(S::constant(-1.0), u.shift(-low).scale(2.0 / (high - low)).shift(-1.0), S::constant(1.0));
         if let Some(slot) = out.first_mut() {
-            *slot = sum;
+            *slot = state.sum + below - (all - with) + (with - below) * ramp;
         }
     }
 }

@@ -92,19 +92,30 @@ impl Preisach {
         PreisachState { stairs: Staircase::virgin(u), cells: cells.collect() }
     }
 
-    fn move_to<S: Scalar<Real = f64>>(&self, state: &mut PreisachState<S>, u: f64) {
+    /// Moves monotonically to `u`; `changed` is handed the number of a cell and by how much its mean changes.
+    fn move_to<S: Scalar<Real = f64>>(
+        &self,
+        state: &mut PreisachState<S>,
+        u: f64,
+        mut changed: impl FnMut(usize, S),
+    ) {
         let PreisachState { stairs, cells } = state;
         stairs.advance(u, |rising, piece| {
             if rising {
-                self.raise(piece, cells);
+                self.raise(piece, cells, &mut changed);
             } else {
-                self.lower(piece.mirrored(), cells);
+                self.lower(piece.mirrored(), cells, &mut changed);
             }
         });
     }
 
     /// Switches relays up. Rows that the piece has passed are up whatever they were.
-    fn raise<S: Scalar<Real = f64>>(&self, piece: Piece<S>, cells: &mut [S]) {
+    fn raise<S: Scalar<Real = f64>>(
+        &self,
+        piece: Piece<S>,
+        cells: &mut [S],
+        changed: &mut impl FnMut(usize, S),
+    ) {
         let (from, to) = (piece.from.value(), piece.to.value());
         let first = self.levels.partition_point(|x| *x <= from).saturating_sub(1);
         for i in first..self.intervals() {
@@ -115,18 +126,25 @@ impl Preisach {
             }
             let begin = i * (i + 1) / 2;
             for (j, cell) in cells.iter_mut().skip(begin).take(i).enumerate() {
+                let before = *cell;
                 *cell = if to >= high {
                     S::constant(1.0)
                 } else {
                     let [c, d] = self.interval(j);
                     *cell + swept(piece, row, [c, d]).scale(2.0 / ((high - low) * (d - c)))
                 };
+                changed(begin + j, *cell - before);
             }
         }
     }
 
     /// Switches relays down, given the mirrored piece.
-    fn lower<S: Scalar<Real = f64>>(&self, piece: Piece<S>, cells: &mut [S]) {
+    fn lower<S: Scalar<Real = f64>>(
+        &self,
+        piece: Piece<S>,
+        cells: &mut [S],
+        changed: &mut impl FnMut(usize, S),
+    ) {
         let (from, to) = (-piece.from.value(), -piece.to.value());
         let beyond = self.levels.partition_point(|x| *x < from).min(self.intervals());
         for j in (0..beyond).rev() {
@@ -135,13 +153,16 @@ impl Preisach {
                 break;
             }
             for i in j + 1..self.intervals() {
-                let Some(cell) = cells.get_mut(i * (i + 1) / 2 + j) else { continue };
+                let at = i * (i + 1) / 2 + j;
+                let Some(cell) = cells.get_mut(at) else { continue };
+                let before = *cell;
                 *cell = if to <= c {
                     S::constant(-1.0)
                 } else {
                     let [low, high] = self.interval(i);
                     *cell - swept(piece, [-d, -c], [-high, -low]).scale(2.0 / ((high - low) * (d - c)))
                 };
+                changed(at, *cell - before);
             }
         }
     }
@@ -219,7 +240,7 @@ impl ColumnKernel for Preisach {
         state: &mut PreisachState<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        self.move_to(state, u);
+        self.move_to(state, u, |_, _| {});
         Ok(())
     }
 

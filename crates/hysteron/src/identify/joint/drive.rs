@@ -24,6 +24,14 @@ impl Thinning {
         }
     }
 
+    /// By how much the fine drive is finer than the record.
+    pub(super) fn finer(self) -> usize {
+        match self {
+            Self::Pick(factor) => factor,
+            Self::Means => 2,
+        }
+    }
+
     /// Samples at the record's rate.
     pub(super) fn samples(self, drive: usize) -> usize {
         match self {

@@ -1,5 +1,7 @@
 //! What a joint fit asks of each family of hysteresis operators: roles and ranges of its numbers, and where to start.
 
+use std::f64::consts::TAU;
+
 use super::super::layout::{BoxBuilder, Role};
 use super::super::options::Choice;
 use super::super::static_step::Scales;
@@ -116,7 +118,14 @@ impl JointSetup<'_> {
                 (_, name) if name.starts_with("beta") || name == "rate" => {
                     searched(Range::linear(name, straightest, steepest))
                 }
+                (FamilyForm::DeadZonePlays { .. }, "reach") => {
+                    searched(Range::logarithmic(&name, 0.02 * range_v, 2.0 * range_v))
+                }
                 (_, "reach") => searched(Range::logarithmic(&name, 1.0 / steepest, 1.0 / straightest)),
+                (FamilyForm::RateDependentPlays { .. }, "scale") => held(0.5 * range_v),
+                // A play at the fastest drive is wider by λ times its rate.
+                (_, "rate_gain") => searched(Range::linear(&name, 0.0, 1.0 / self.fastest_rate())),
+                (_, "loop_share") => searched(Range::linear(&name, 0.0, 0.95)),
                 (_, "exponent") => searched(Range::linear(&name, 0.2, 3.0)),
                 (_, "rise_right" | "rise_left") => {
                     searched(Range::logarithmic(&name, 0.05 / range_v, 20.0 / range_v))
@@ -150,6 +159,11 @@ impl JointSetup<'_> {
         spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)))
     }
 
+    /// Rate of the fastest drive at its mean, for a drive of half the range either side \[1/s\].
+    fn fastest_rate(&self) -> f64 {
+        TAU * self.fastest_hz
+    }
+
     /// Shapes of a family of columns to start from.
     fn shapes_of(&self, form: FamilyForm) -> Vec<Vec<f64>> {
         let range_v = self.scales.range_v;
@@ -170,6 +184,13 @@ impl JointSetup<'_> {
             FamilyForm::Duhem { .. } => bends().map(|bend| vec![bend]).collect(),
             FamilyForm::MaxwellSlip { .. } => vec![vec![0.5 * range_v]],
             FamilyForm::OneSidedPlays { .. } => vec![vec![range_v]],
+            FamilyForm::RateDependentPlays { .. } => {
+                [0.0, 0.1, 0.4].map(|wider| vec![0.5 * range_v, wider / self.fastest_rate()]).into()
+            }
+            FamilyForm::DeadZonePlays { .. } => [0.1, 0.5]
+                .iter()
+                .flat_map(|share| [0.1, 0.5].map(|reach| vec![low, high, *share, reach * range_v]))
+                .collect(),
             FamilyForm::GeneralisedPlays { .. } => {
                 [0.3, 1.0, 3.0].map(|rise| vec![rise / range_v, middle, rise / range_v, middle]).into()
             }

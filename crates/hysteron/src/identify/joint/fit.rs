@@ -13,6 +13,7 @@ use super::knowledge::{self, Covariance};
 use super::parameters;
 use super::problem::{JointProblem, JointSolution};
 use super::setup::{self, JointSetup, memory_name};
+use super::smoothing::smoothed;
 use super::starts::Starts;
 use crate::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use crate::hammerstein::Model;
@@ -79,8 +80,12 @@ pub(in super::super) fn identify(
         search.outcome.best.clone_from(&best);
         (whole, best, None)
     };
+    let smoothed = smoothed(&problem, &x);
     let (linearisation, known_small) = rayon::join(
-        || problem.linearise(&x),
+        || match &smoothed {
+            Some((coefficients, _)) => problem.linearise_at(&x, coefficients),
+            None => problem.linearise(&x),
+        },
         || small.as_ref().and_then(|small| knowledge::knowledge(small, &at_small)),
     );
     let solution = match &linearisation {
@@ -114,21 +119,24 @@ pub(in super::super) fn identify(
     let of_numbers = own.and_then(|own| parameters::of_numbers(own, &problem, &solution, &form));
     let covariances = (covariance.as_ref(), of_numbers.as_ref());
     let mut parameters = parameters::parameters(&solution, &form, &problem, covariances, &model);
-    if let Some(known) = &known {
-        let found = match (&small, &known_small) {
-            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance),
-            (Some(_), None) => Vec::new(),
-            (None, _) => intervals(&problem, known, &known.covariance),
-        };
-        parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
-    }
     let structure = StructureChoice {
         degrees,
         degree,
         delay_and_lag_from_start: false,
         creeps: Vec::new(),
         left_out: Vec::new(),
+        smoothing: smoothed.map(|(_, smoothing)| smoothing),
     };
+    if let Some(known) = &known {
+        let found = match (&small, &known_small) {
+            // The likelihood of weights that are drawn together is not that of the records.
+            _ if structure.smoothing.is_some() => Vec::new(),
+            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance),
+            (Some(_), None) => Vec::new(),
+            (None, _) => intervals(&problem, known, &known.covariance),
+        };
+        parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
+    }
     let mut identification = Identification {
         method: Method::Joint,
         model,

@@ -15,6 +15,7 @@ mod record;
 mod reduction;
 mod resonances;
 mod setup;
+mod smoothing;
 mod starts;
 #[cfg(test)]
 mod tests;
@@ -28,3 +29,4 @@ pub(super) use knowledge::coloured_square;
 pub use objective::{JointObjective, JointScratch};
 pub(super) use problem::JointProblem;
 pub(super) use setup::{JointSetup, form, memory_name, scheme, without_number};
+pub use smoothing::Smoothing;

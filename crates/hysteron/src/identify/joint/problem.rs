@@ -96,6 +96,8 @@ pub(in super::super) struct JointWorkspace {
     column: Vec<f64>,
     target: Vec<f64>,
     projection: Projection,
+    /// Columns of the weights of one sign, without those eliminated before.
+    signed: Vec<f64>,
     /// Which coefficients the columns of `projection` belong to.
     eliminated: Vec<usize>,
     /// Where the columns, the sensitivities and the residual of this workspace belong to; empty: nowhere.
@@ -238,9 +240,9 @@ impl JointProblem {
     /// Takes off the target its part in the cone of the `signed` columns, beside the span of those eliminated so far: those
     /// whose coefficients are not 0 join these.
     fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) {
-        let JointWorkspace { records, target, projection, eliminated, .. } = ws;
+        let JointWorkspace { records, target, projection, signed: columns, eliminated, .. } = ws;
         let count = target.len();
-        let mut columns = vec![0.0; signed.len() * count];
+        columns.resize(signed.len() * count, 0.0);
         columns.par_chunks_exact_mut(count.max(1)).zip(signed).for_each(|(column, &(index, sign))| {
             self.gather(index, records, column);
             column.iter_mut().for_each(|c| *c *= sign);
@@ -253,6 +255,22 @@ impl JointProblem {
             eliminated.push(index);
         }
         projection.project(target);
+    }
+
+    /// Weighted columns of u, u², … and of the weights at `x`, one after the other, and the target, none of them with its part in the
+    /// records' own columns.
+    pub(super) fn linear_columns(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let mut ws = self.workspace();
+        if !self.respond(x, None, &mut ws) {
+            return None;
+        }
+        let count = self.residual_count();
+        let mut columns = vec![0.0; count * self.layout.linear().count()];
+        for (index, column) in columns.chunks_exact_mut(count.max(1)).enumerate() {
+            self.gather(index, &ws.records, column);
+        }
+        let target = ws.records.iter().flat_map(|record| record.target.iter().copied()).collect();
+        Some((columns, target))
     }
 
     /// Coefficients of u, u², … and weights at `x`, after [`Self::eliminate`].
@@ -438,6 +456,7 @@ impl Problem for JointProblem {
             column: vec![0.0; count],
             target: vec![0.0; count],
             projection: Projection::new(count, degree + weights),
+            signed: Vec::new(),
             eliminated: Vec::with_capacity(degree + weights),
             at: Vec::with_capacity(self.bounds.dimension()),
         }

@@ -16,7 +16,7 @@ use super::reduction::Reduction;
 use crate::dynamics::{
     InputSpectrum, Linearised, Response, Sampling, SimulationPlan, Workspace as PlanWorkspace,
 };
-use crate::hysteresis::{Columns, HysteresisForm, Origin};
+use crate::hysteresis::{Columns, DriveGrid, HysteresisForm, Origin};
 use rayon::prelude::*;
 
 mod derivatives;
@@ -44,6 +44,8 @@ pub(in super::super) enum Before {
 pub(in super::super) struct JointRecord {
     /// Drive on the grid that the hysteresis runs over \[V\].
     drive: Vec<f64>,
+    /// How its samples lie in time.
+    grid: DriveGrid,
     thinning: Thinning,
     reduction: Option<Reduction>,
     before: Before,
@@ -205,8 +207,7 @@ impl JointRecord {
             return true;
         }
         *of = None;
-        let every = self.thinning.every();
-        if form.run(shape, every, &self.drive, self.origin(memory), derivatives, columns).is_err() {
+        if form.run(shape, self.grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;
         }
         let share = spectra.len().div_ceil(lanes.len().max(1)).max(1);

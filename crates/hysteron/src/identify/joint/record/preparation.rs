@@ -5,6 +5,7 @@ use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
 use super::{Before, JointRecord, rest_voltage};
 use crate::dynamics::{DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
+use crate::hysteresis::DriveGrid;
 
 /// What a joint record is made from, all of it at the record's own rate.
 pub(in crate::identify) struct Ingredients<'a> {
@@ -86,6 +87,7 @@ impl JointRecord {
         let valid = weight.iter().filter(|w| **w > 0.0).count();
         Ok(Self {
             drive: parts.drive.to_vec(),
+            grid: DriveGrid::new(Some(parts.sample_rate_hz), parts.thinning.finer(), parts.thinning.every()),
             thinning: parts.thinning,
             before: parts.before,
             nuisance,
