@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use hysteron::compensator::{Compensation, CompensatorError, CompensatorOptions, Prediction};
 use hysteron::display::short;
 use hysteron::hammerstein::{SimulationError, Start};
 use hysteron::invert::{
     BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
+use hysteron::realise::{RealiseError, RealiseOptions};
 use hysteron::record::{Channel, Record, TimeBase, Unit, shortest_swing};
 use hysteron_io::write_csv;
 use hysteron_report::number::significant;
@@ -19,13 +21,15 @@ use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
 use crate::numbers::{number, positive};
 use crate::output;
+use crate::realise::recorded_lowest;
 
 /// Compute the drive that makes a model's output follow a reference
 #[derive(Args)]
 #[command(
     after_help = "The file written holds the time, the drive, the output that the model predicts for it and the reference, e.g. \
     t_s,u_V,y_um,reference_um. The reference's sample rate is the controller's; each voltage is held for one period, which the inverse \
-    takes into account, as it does the model's delay. It looks ahead: the whole reference must be known.\n\n\
+    takes into account, as it does the model's delay. It looks ahead: the whole reference must be known, unless \
+    --preview or --predict-to asks for what a controller does with a reference that it knows a few samples ahead, or not at all.\n\n\
     The output follows up to the bandwidth; above it the inverse fades, so that noise and rounding of the reference do not ring in \
     the drive. A higher bandwidth follows faster references and passes more noise.\n\n\
     Where a limit holds the drive back, the rest of the reference is followed as well as can be; how many samples it touched is \
@@ -75,6 +79,15 @@ pub struct Invert {
     #[arg(long, value_name = "RUN.csv")]
     learn_from: Option<PathBuf>,
 
+    /// Make the drive one sample at a time, as a controller does, with this many samples of the reference known ahead; 0 knows the
+    /// present one [default: the whole reference is known; with --predict-to: 0]
+    #[arg(long, value_name = "SAMPLES", conflicts_with_all = ["periodic", "learn_from"])]
+    preview: Option<usize>,
+
+    /// One sample at a time; what is not known of the reference is predicted from its past, taken for a random motion of frequencies up to this
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, conflicts_with_all = ["periodic", "learn_from"])]
+    predict_to: Option<f64>,
+
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -83,6 +96,8 @@ pub struct Invert {
     columns: ReferenceFlags,
 }
 
+/// Noise of a reference that is predicted, as a share of its motion.
+const PREDICTION_NOISE: f64 = 1e-3;
 /// Excess of a reference's frequency over the model's that is worth a remark.
 const FASTER: f64 = 1.1;
 
@@ -159,6 +174,9 @@ impl Invert {
         };
         self.remark_fast(&model, &reference.samples, sample_rate_hz);
         let found = match &self.learn_from {
+            None if self.preview.is_some() || self.predict_to.is_some() => {
+                self.sample_by_sample(&model, &reference.samples, sample_rate_hz, &options)
+            }
             None => model.model().invert(&reference.samples, sample_rate_hz, &options),
             Some(path) => {
                 let run = self.columns.read_run(path)?;
@@ -174,6 +192,9 @@ impl Invert {
                 ),
                 InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => failure
                     .hint(format!("sample the reference at {model_hz} Hz, or identify the model without --scheme grunwald-letnikov and ARX")),
+                InversionError::Compensator(CompensatorError::Realise(RealiseError::NotInRuntime { .. })) => {
+                    failure.hint("leave --preview and --predict-to out: a reference known as a whole is followed with every family")
+                }
                 InversionError::Dynamics(_) => failure.hint(format!(
                     "the bandwidth is {} of the sample rate unless --bandwidth HZ says otherwise",
                     short(BANDWIDTH_SHARE)
@@ -185,6 +206,36 @@ impl Invert {
         let summary = summary(&reference.samples, &found, sample_rate_hz, band, &model);
         self.write(reference.time, &reference.samples, &unit, &model.file.units.input, found)?;
         if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
+    }
+
+    /// As a controller would.
+    fn sample_by_sample(
+        &self,
+        model: &LoadedModel,
+        reference: &[f64],
+        sample_rate_hz: f64,
+        options: &InverseOptions,
+    ) -> Result<InverseDrive, InversionError> {
+        let prediction = self
+            .predict_to
+            .map_or(Prediction::Stays, |highest_hz| Prediction::Band { highest_hz, noise: PREDICTION_NOISE });
+        let realise = RealiseOptions {
+            lowest_frequency_hz: recorded_lowest(model.file.valid_range.as_ref()),
+            ..RealiseOptions::default()
+        };
+        let wanted = CompensatorOptions {
+            bandwidth_hz: self.bandwidth,
+            preview: Some(self.preview.unwrap_or(0)),
+            prediction,
+            realise,
+            ..CompensatorOptions::default()
+        };
+        let law = Compensation::new(model.model(), sample_rate_hz, &wanted)?;
+        console::message(&format!(
+            "one sample at a time: {} samples known ahead, of {} that make a difference",
+            law.preview, law.useful_preview
+        ));
+        law.follow(reference, options)
     }
 
     /// A remark where the reference moves faster than what the model was identified with.

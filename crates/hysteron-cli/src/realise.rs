@@ -139,7 +139,7 @@ pub fn realised(
 }
 
 /// A lowest frequency from the model's records.
-fn recorded_lowest(range: Option<&ValidRange>) -> Option<f64> {
+pub fn recorded_lowest(range: Option<&ValidRange>) -> Option<f64> {
     let frequency = range?.frequency.as_ref()?;
     (frequency.low > 0.0).then_some(BELOW_RECORDS * frequency.low)
 }

@@ -4,6 +4,7 @@
 //! that all contestants take one after the other. Every model is article Eq. 13 to 1e-5 of the range with a delay of 3.37 samples.
 //!
 //! - `n = 1`, `n = 2`, `n = 1.5`: Bouc–Wen, single and double precision; `means`: moves looked at half-way (scheme `band-limited`);
+//! - `inverse`: the voltage for a reference known so many samples ahead;
 //! - `plays`: twelve; `dynamics`: no hysteresis; `static`: no dynamics;
 //! - `short memory`: Eq. 13 alone by Grünwald–Letnikov over the last 1000 samples, and its error against all of them.
 
@@ -12,6 +13,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use hysteron::compensator::{Compensation, CompensatorOptions, CompensatorParts};
 use hysteron::dynamics::{Dynamics, InterSample, Scheme, TransferFunction};
 use hysteron::fractional::{grunwald_letnikov_weights, simulate_recursion};
 use hysteron::hammerstein::Model;
@@ -53,6 +55,27 @@ fn contestant<T: Real>(model: &Model, drive: &[f64]) -> Pass {
         let start = Instant::now();
         for (y, &u) in out.iter_mut().zip(&drive) {
             *y = model.step(u).unwrap();
+        }
+        black_box(&out);
+        start.elapsed().as_secs_f64()
+    })
+}
+
+/// One pass of the model's inverse over what the model does with the drive.
+fn inverse<T: Real>(model: &Model, preview: usize, drive: &[f64]) -> Pass {
+    let options = CompensatorOptions { preview: Some(preview), ..CompensatorOptions::default() };
+    let law = Compensation::new(model, FS, &options).unwrap();
+    let mut parts = CompensatorParts::<T>::new(&law, [-1.0, 11.0], f64::INFINITY).unwrap();
+    let realised = realise(model, FS, &RealiseOptions::default()).unwrap();
+    let mut forward = RuntimeParts::<f64>::new(&realised).unwrap();
+    let mut forward = forward.model().unwrap();
+    let reference: Vec<T> = drive.iter().map(|&u| T::of(forward.step(u).unwrap())).collect();
+    let mut out = vec![T::of(0.0); reference.len()];
+    Box::new(move || {
+        let mut compensator = parts.compensator().unwrap();
+        let start = Instant::now();
+        for (u, &r) in out.iter_mut().zip(&reference) {
+            *u = compensator.step(r).voltage;
         }
         black_box(&out);
         start.elapsed().as_secs_f64()
@@ -129,6 +152,7 @@ fn main() {
     let single = |model: &Model| contestant::<f32>(model, &drive);
     let tustin = Scheme::Tustin;
     let still = Model { dynamics: Dynamics::None, delay_s: 0.0, ..of_n(1.0, tustin) };
+    let plays = model(Hysteresis::PrandtlIshlinskii(plays.unwrap()), tustin);
     let mut contestants: Vec<(&str, Pass)> = vec![
         ("n = 1, f64", double(&of_n(1.0, tustin))),
         ("n = 1, f32", single(&of_n(1.0, tustin))),
@@ -136,7 +160,10 @@ fn main() {
         ("n = 2, f64", double(&of_n(2.0, tustin))),
         ("n = 1.5, f64", double(&of_n(1.5, tustin))),
         ("n = 1.5, f32", single(&of_n(1.5, tustin))),
-        ("12 plays, f64", double(&model(Hysteresis::PrandtlIshlinskii(plays.unwrap()), tustin))),
+        ("12 plays, f64", double(&plays)),
+        ("n = 1, inverse, 10 ahead, f64", inverse::<f64>(&of_n(1.0, tustin), 10, &drive)),
+        ("n = 1, inverse, 10 ahead, f32", inverse::<f32>(&of_n(1.0, tustin), 10, &drive)),
+        ("12 plays, inverse, 10 ahead, f64", inverse::<f64>(&plays, 10, &drive)),
         ("dynamics alone, f64", double(&model(nothing, tustin))),
         ("n = 1, static, f64", double(&still)),
         ("short memory of 1000, dynamics alone, f64", short_memory(&drive)),

@@ -9,18 +9,24 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use hysteron_rt::Limited;
+
+use crate::compensator::{Compensation, CompensatorError, CompensatorParts};
 use crate::dynamics::{
     Dynamics, DynamicsError, InitialCondition, InterSample, Inverse, InverseAim, Response, Sampling, Scheme,
     SimulationPlan, Term, TransferFunction,
 };
 use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError, Start};
 use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError, Origin};
+use crate::realise::RealiseError;
 
 /// Share of the reference that is missing at the bandwidth, where nobody says otherwise.
 pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
 /// Bandwidth as a share of the sample rate, where nobody says otherwise.
 pub const BANDWIDTH_SHARE: f64 = 0.05;
 
+/// Share of the reference that is missing at what counts as the bandwidth of a law that works sample by sample.
+const ERROR_OF_A_LAW: f64 = 0.01;
 /// Cycles of the bandwidth, at the beginning of a record, over which learning sets in.
 const FIRST_CYCLES: f64 = 2.0;
 
@@ -151,6 +157,17 @@ pub enum InversionError {
         /// Output at rest at the largest voltage \[µm\].
         to: f64,
     },
+    /// A reference that repeats was to be followed one sample at a time.
+    #[error(
+        "a reference that repeats is followed as a whole: one sample at a time it has no steady state to begin in"
+    )]
+    Repeats,
+    /// There is no compensator.
+    #[error(transparent)]
+    Compensator(#[from] CompensatorError),
+    /// The runtime refuses where the device rests.
+    #[error(transparent)]
+    Realise(#[from] RealiseError),
     /// The model cannot be run at this rate.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
@@ -258,6 +275,52 @@ impl Model {
     }
 }
 
+impl Compensation {
+    /// The drive along `reference` \[µm\], made one sample at a time: what the law previews is known ahead, what lies beyond is not looked at; after its
+    /// end the reference stays where it is. Of `options` the limits and what was before count; bandwidth and error are the law's.
+    ///
+    /// # Errors
+    /// [`InversionError`]; a reference that repeats is refused, for its steady state belongs to the whole of it.
+    pub fn follow(
+        &self,
+        reference: &[f64],
+        options: &InverseOptions,
+    ) -> Result<InverseDrive, InversionError> {
+        let Before::Rest { virgin_v, .. } = options.before else { return Err(InversionError::Repeats) };
+        let task = Task::new(&self.model, reference, self.sample_rate_hz, options)?;
+        let mut parts = CompensatorParts::<f64>::new(self, options.range_v, options.slew_v_per_s)?;
+        let mut compensator = parts.compensator()?;
+        let rest_v = task.rest_v;
+        compensator.rest_after(virgin_v.unwrap_or(rest_v), rest_v).map_err(RealiseError::from)?;
+        let last = reference.last().copied().unwrap_or(task.output_at_rest);
+        let ahead = |k: usize| reference.get(k).copied().unwrap_or(last);
+        for k in 0..self.preview {
+            compensator.know(ahead(k));
+        }
+        let mut followed = Followed { drive: Vec::new(), output: Vec::new(), at_range: 0, at_step: 0 };
+        for k in 0..reference.len() {
+            let sample = compensator.step(ahead(k + self.preview));
+            match sample.limited {
+                Limited::No => {}
+                Limited::Range => followed.at_range += 1,
+                Limited::Step => followed.at_step += 1,
+                Limited::Reference | Limited::Overflow => {
+                    return Err(HysteresisError::Overflow { index: k }.into());
+                }
+            }
+            followed.drive.push(sample.voltage);
+            followed.output.push(compensator.output());
+        }
+        let figures = self.bandwidth_hz.is_finite().then(|| InverseOfDynamics {
+            bandwidth_hz: self.follows_to(ERROR_OF_A_LAW),
+            error_at_bandwidth: ERROR_OF_A_LAW,
+            peak: self.peak,
+            noise_gain: self.noise_gain,
+        });
+        Ok(InverseDrive { dynamics: figures, ..task.answer(followed)? })
+    }
+}
+
 /// What a reference is followed with.
 struct Task<'a> {
     model: &'a Model,
@@ -329,7 +392,7 @@ impl<'a> Task<'a> {
             interval_s: Some(1.0 / self.sample_rate_hz),
         };
         let hysteresis = &self.model.hysteresis;
-        let Followed { drive, output, at_range, at_step } = if self.periodic {
+        self.answer(if self.periodic {
             let settled = SETTLING_PERIODS * wanted.len();
             let mut followed =
                 hysteresis.follow(&wanted.repeat(SETTLING_PERIODS + 1), rest_v, None, &limits)?;
@@ -338,7 +401,12 @@ impl<'a> Task<'a> {
             followed
         } else {
             hysteresis.follow(wanted, rest_v, self.memory, &limits)?
-        };
+        })
+    }
+
+    /// What the model does with a drive.
+    fn answer(&self, followed: Followed) -> Result<InverseDrive, InversionError> {
+        let Followed { drive, output, at_range, at_step } = followed;
         let held: Vec<f64> = output.iter().map(|v| v - self.level).collect();
         let mut predicted = vec![0.0; held.len()];
         self.linear.forwards(&held, &mut predicted)?;
@@ -346,7 +414,7 @@ impl<'a> Task<'a> {
         Ok(InverseDrive {
             drive,
             predicted,
-            rest: (!self.periodic).then(|| Start::at_rest(hysteresis, rest_v, self.memory)),
+            rest: (!self.periodic).then(|| Start::at_rest(&self.model.hysteresis, self.rest_v, self.memory)),
             at_range,
             at_slew: at_step,
             dynamics: self.linear.figures(),

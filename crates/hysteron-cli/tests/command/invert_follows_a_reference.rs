@@ -70,6 +70,31 @@ fn the_model_follows_the_drive_that_was_made_for_it() {
 }
 
 #[test]
+fn a_drive_made_one_sample_at_a_time_knows_what_it_previews_and_predicts_the_rest() {
+    let bench = Bench::new();
+    bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
+    bench.write("scan.csv", scan("um", 1.0));
+    let made = |flags: &str| {
+        let made = summary(
+            &bench.run(&format!("invert stage.json scan.csv -o drive.csv --range 1:100 --json {flags}")),
+        );
+        made["predicted_rms_percent_of_stroke"].as_f64().unwrap()
+    };
+    let (whole, previewed) = (made(""), made("--preview 60"));
+    let (predicted, neither) = (made("--predict-to 20"), made("--preview 0"));
+    println!("whole {whole} %, preview {previewed} %, prediction {predicted} %, neither {neither} %");
+    // Either way the first samples are missed, as many as the delay lasts; one sample at a time the drive sets out from rest, without a jump.
+    assert!(whole < 0.02 && previewed < 0.03, "{previewed} {whole}");
+    assert!(predicted < 0.1 * neither && neither > 1.0, "{predicted} {neither}");
+    for flags in ["--preview 3 --periodic", "--predict-to 20 --learn-from scan.csv", "--predict-to 0"] {
+        let run = bench.run(&format!("invert stage.json scan.csv -o drive.csv --range 1:100 {flags}"));
+        assert_eq!(run.exit_code, 2, "{flags}: {run:?}");
+    }
+    let run = bench.run("invert stage.json scan.csv -o drive.csv --range 1:100 --predict-to 700");
+    assert!(run.exit_code == 1 && run.stderr.contains("below half the sample rate"), "{run:?}");
+}
+
+#[test]
 fn the_next_drive_is_learned_from_a_run() {
     let bench = Bench::new();
     // The device is not quite the model.

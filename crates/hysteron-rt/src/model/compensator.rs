@@ -298,6 +298,11 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.displacement
     }
 
+    /// What the hysteresis puts out at the voltage put out last.
+    pub fn output(&self) -> T {
+        self.output
+    }
+
     /// The voltage put out last.
     pub fn voltage(&self) -> T {
         self.hysteresis.voltage()

@@ -39,6 +39,8 @@ const IN_A_ROW: usize = 32;
 const LEFT_TO_PREDICTION: f64 = 1e-4;
 /// Angles at which noise is added up.
 const ANGLES: usize = 4096;
+/// Lowest frequency at which an error is looked for, as a share of half the sample rate.
+const LOWEST_SHARE: f64 = 1e-6;
 
 /// How a reference is to be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +120,8 @@ pub struct Compensation {
     pub bandwidth_hz: f64,
     /// Factor from white noise on the reference to noise on the output of the hysteresis, both rms.
     pub noise_gain: f64,
+    /// Largest gain from the reference to the output of the hysteresis.
+    pub peak: f64,
 }
 
 impl Compensation {
@@ -175,11 +179,16 @@ impl Compensation {
             sample_rate_hz,
             bandwidth_hz,
             noise_gain: 0.0,
+            peak: 0.0,
         };
         let angle = |k: usize| PI * (k as f64 + 0.5) / ANGLES as f64;
-        let squares: f64 =
-            (0..ANGLES).map(|k| found.response(angle(k) / TAU * sample_rate_hz).norm_sqr()).sum();
-        found.noise_gain = (squares / ANGLES as f64).sqrt();
+        let (mut sum, mut largest) = (0.0, 0.0_f64);
+        for k in 0..ANGLES {
+            let square = found.response(angle(k) / TAU * sample_rate_hz).norm_sqr();
+            sum += square;
+            largest = largest.max(square);
+        }
+        (found.noise_gain, found.peak) = ((sum / ANGLES as f64).sqrt(), largest.sqrt());
         Ok(found)
     }
 
@@ -211,6 +220,14 @@ impl Compensation {
     /// From the reference to the displacement at a frequency \[Hz\]; 1 is ideal.
     pub fn tracking(&self, frequency_hz: f64) -> Complex64 {
         self.response(frequency_hz) * self.dynamics.response(frequency_hz, self.sample_rate_hz)
+    }
+
+    /// Frequency \[Hz\] up to which no more than a share `error` of a sine is missing, delay and all.
+    pub fn follows_to(&self, error: f64) -> f64 {
+        let half = 0.5 * self.sample_rate_hz;
+        let missed = |f: &f64| (1.0 - self.tracking(*f)).norm() > error;
+        let at = |k: usize| half * LOWEST_SHARE.powf(1.0 - k as f64 / ANGLES as f64);
+        (0..ANGLES).map(at).find(missed).unwrap_or(half)
     }
 
     /// What taps and sections add up to at rest.

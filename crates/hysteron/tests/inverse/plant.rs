@@ -38,6 +38,12 @@ pub fn model() -> Model {
 
 /// Output of the plant [`FINER`] times a period, from rest, virgin, at `rest`.
 pub fn plant(drive: &[f64], rest: f64) -> Vec<f64> {
+    let on_time: Vec<usize> = (0..drive.len()).map(|k| k * FINER).collect();
+    plant_with(drive, &on_time, rest)
+}
+
+/// The same, each voltage put out at a time of its own, in steps of the plant.
+pub fn plant_with(drive: &[f64], at: &[usize], rest: f64) -> Vec<f64> {
     let mut z = 0.0;
     let mut u = rest;
     let v_of = |u: f64, z: f64| 1.1 * u + 0.02 * u * u - 0.001 * u * u * u - z;
@@ -62,9 +68,13 @@ pub fn plant(drive: &[f64], rest: f64) -> Vec<f64> {
     let (sigma, omega) = (DAMPING * NATURAL, NATURAL * (1.0 - DAMPING * DAMPING).sqrt());
     let (mut x, mut rate) = (v_of(rest, 0.0), 0.0);
     let mut y = Vec::new();
+    let mut arrived = 0;
     for k in 0..drive.len() * FINER {
         y.push(x + OFFSET);
-        let v = if k < late { v_of(rest, 0.0) } else { held[(k - late) / FINER] };
+        while at.get(arrived).is_some_and(|at| at + late <= k) {
+            arrived += 1;
+        }
+        let v = if arrived == 0 { v_of(rest, 0.0) } else { held[arrived - 1] };
         // Free motion about v over dt, in closed form.
         let (e, c, s) = ((-sigma * dt).exp(), (omega * dt).cos(), (omega * dt).sin());
         let from = x - v;
@@ -106,7 +116,11 @@ pub fn options() -> InverseOptions {
 
 /// Error of the plant over what follows the growth, rms in per cent of stroke.
 pub fn tracking_error(drive: &[f64], rest_v: f64, frequency_hz: f64, amplitude: f64, samples: usize) -> f64 {
-    let y = plant(drive, rest_v);
+    error_of(&plant(drive, rest_v), frequency_hz, amplitude, samples)
+}
+
+/// That of an output.
+pub fn error_of(y: &[f64], frequency_hz: f64, amplitude: f64, samples: usize) -> f64 {
     let wanted = sine(frequency_hz, amplitude, samples * FINER, RATE_HZ * FINER as f64);
     let error = y.iter().enumerate().map(|(k, y)| y - wanted(k));
     let (from, to) = (samples * FINER * 3 / 10, samples * FINER * 9 / 10);
