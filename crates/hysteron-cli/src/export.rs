@@ -3,17 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use hysteron::realise::RealiseOptions;
+use hysteron::compensator::{Compensation, CompensatorError, CompensatorOptions};
+use hysteron::realise::{RealiseError, RealiseOptions};
 use hysteron_export::{
-    ExportError, ExportedFile, Precision, Runtime, Subject, c_files, fmu_files, rust_files, write_folder,
+    ExportError, ExportedFile, Inverse, Precision, Runtime, Subject, c_files, fmu_files, inverse_files,
+    inverse_fmu_files, rust_files, write_folder,
 };
 use serde::Serialize;
 
 use crate::console;
 use crate::failure::Failure;
+use crate::invert::range;
 use crate::model::LoadedModel;
+use crate::numbers::positive;
 use crate::output;
-use crate::realise::realised;
+use crate::realise::{realised, recorded_lowest};
 
 /// Write a model as C99 source, a no_std Rust crate or an FMU.
 #[derive(Args)]
@@ -24,6 +28,8 @@ use crate::realise::realised;
     --to fmu   NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary made by $CC or cc\n\n\
     A folder that does not exist is made; files of other names in it are left alone, and a file of the same name is replaced only \
     where an export wrote it.\n\n\
+    --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within --range and --slew whatever is handed in; in C \
+    with an example loop.\n\n\
     Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000"
 )]
 pub struct Export {
@@ -58,6 +64,26 @@ pub struct Export {
     /// Beginning of every name in the source: a to z, digits, _ [default: from the name of the model file]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
+
+    /// Write the inverse too: reference in, voltage out, sample by sample
+    #[arg(long)]
+    inverse: bool,
+
+    /// Least and largest voltage of the inverse [default: the range the model was identified in]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true, requires = "inverse")]
+    range: Option<[f64; 2]>,
+
+    /// Largest rate of the inverse's voltage, per second [default: none]
+    #[arg(long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
+    slew: Option<f64>,
+
+    /// Frequency up to which the inverse follows, in Hz [default: a twentieth of the sample rate]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
+    bandwidth: Option<f64>,
+
+    /// Samples of the reference that are known ahead [default: as many as make a difference]
+    #[arg(long, value_name = "SAMPLES", requires = "inverse")]
+    preview: Option<usize>,
 
     /// Folder of hysteron-rt, for --to rust [default: the registry's]
     #[arg(long, value_name = "DIR")]
@@ -105,12 +131,9 @@ impl Export {
         let name = self.name.clone().unwrap_or_else(|| name_of(&self.model));
         let subject = Subject::new(&name, precision, &loaded.file, realisation, self.accuracy)
             .map_err(|e| self.cannot(&e))?;
-        let files = match self.to {
-            Form::C => c_files(&subject),
-            Form::Rust => rust_files(&subject, runtime.as_deref().map_or(Runtime::Registry, Runtime::Folder)),
-            Form::Fmu => fmu_files(&subject, &std::env::var("CC").unwrap_or_else(|_| "cc".into())),
-        };
-        let files = files.map_err(|e| self.cannot(&e))?;
+        let inverse = if self.inverse { Some(self.inverted(&loaded, &subject, &options)?) } else { None };
+        let files =
+            self.files(&subject, inverse.as_ref(), runtime.as_deref()).map_err(|e| self.cannot(&e))?;
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
         let summary = Summary::new(&self.out_dir, &subject, &files);
         if self.json {
@@ -119,6 +142,59 @@ impl Export {
         let lines: Vec<String> =
             summary.files.iter().map(|f| format!("wrote {} ({} bytes)\n", f.path, f.bytes)).collect();
         console::result(&lines.concat())
+    }
+
+    fn files(
+        &self,
+        subject: &Subject,
+        inverse: Option<&Inverse>,
+        runtime: Option<&Path>,
+    ) -> Result<Vec<ExportedFile>, ExportError> {
+        let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+        let mut files = match self.to {
+            Form::C => c_files(subject)?,
+            Form::Rust => rust_files(subject, inverse, runtime.map_or(Runtime::Registry, Runtime::Folder))?,
+            Form::Fmu => fmu_files(subject, &compiler)?,
+        };
+        match (self.to, inverse) {
+            (Form::C, Some(inverse)) => files.extend(inverse_files(inverse)?),
+            (Form::Fmu, Some(inverse)) => files.extend(inverse_fmu_files(inverse, &compiler)?),
+            _ => {}
+        }
+        Ok(files)
+    }
+
+    /// The inverse of the model within its limits.
+    fn inverted(
+        &self,
+        loaded: &LoadedModel,
+        subject: &Subject,
+        realise: &RealiseOptions,
+    ) -> Result<Inverse, Failure> {
+        let range = self.range.or(loaded.file.valid_range.as_ref().map(|r| [r.input.low, r.input.high]));
+        let range = range.ok_or_else(|| {
+            Failure::new(format!("cannot invert {}", self.model.display()))
+                .because("the model file does not say which range it was identified in")
+                .hint("give the amplifier's with --range LOW:HIGH")
+        })?;
+        let options = CompensatorOptions {
+            bandwidth_hz: self.bandwidth,
+            preview: self.preview,
+            ..CompensatorOptions::default()
+        };
+        let rate = subject.realisation.sample_rate_hz;
+        let law = |lowest_frequency_hz| {
+            let realise = RealiseOptions { lowest_frequency_hz, ..*realise };
+            Compensation::new(loaded.model(), rate, &CompensatorOptions { realise, ..options })
+        };
+        let compensation =
+            match (law(realise.lowest_frequency_hz), recorded_lowest(loaded.file.valid_range.as_ref())) {
+                (Err(CompensatorError::Realise(RealiseError::LowestFrequency)), Some(low)) => law(Some(low)),
+                (law, _) => law,
+            };
+        let compensation = compensation.map_err(|e| self.cannot(&e.into()))?;
+        Inverse::new(subject, compensation, range, self.slew.unwrap_or(f64::INFINITY))
+            .map_err(|e| self.cannot(&e))
     }
 
     /// The folder of hysteron-rt, in full: the crate that names it is elsewhere.

@@ -101,7 +101,8 @@ const PREDICTION_NOISE: f64 = 1e-3;
 /// Excess of a reference's frequency over the model's that is worth a remark.
 const FASTER: f64 = 1.1;
 
-fn range(text: &str) -> Result<[f64; 2], String> {
+/// `LOW:HIGH`.
+pub fn range(text: &str) -> Result<[f64; 2], String> {
     let wrong = || "expected LOW:HIGH, e.g. 0:100".to_owned();
     let (low, high) = text.split_once(':').ok_or_else(wrong)?;
     match (number(low.trim()), number(high.trim())) {

@@ -12,6 +12,8 @@ use crate::template::Filling;
 
 const HEADER: &str = concat!(
     include_str!("../templates/c/model_top.h"),
+    include_str!("../templates/c/parameters.h"),
+    include_str!("../templates/c/model_state.h"),
     include_str!("../templates/c/members.h"),
     include_str!("../templates/c/model_bottom.h")
 );

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use hysteron::compensator::CompensatorError;
 use hysteron::realise::RealiseError;
 
 /// Error of an export.
@@ -29,6 +30,9 @@ pub enum ExportError {
     /// The model cannot be realised.
     #[error(transparent)]
     Realise(#[from] RealiseError),
+    /// There is no inverse.
+    #[error(transparent)]
+    Inverse(#[from] CompensatorError),
     /// A file in the folder is not one that an export wrote.
     #[error("{} is there already and was not written by an export", path.display())]
     Foreign {

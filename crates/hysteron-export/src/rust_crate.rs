@@ -3,17 +3,20 @@
 use std::path::Path;
 
 use hysteron::realise::{OperatorCoefficients, RuntimeParts};
-use hysteron_rt::{BoucWen, Real};
+use hysteron_rt::{BoucWen, LANES, Real};
 
 use crate::c::{Numbers, filling, golden_keys, rows};
 use crate::error::ExportError;
 use crate::files::ExportedFile;
 use crate::golden::Golden;
+use crate::inverse::{Inverse, golden_inverse_keys};
 use crate::number::Precision;
 use crate::subject::{Subject, one_line};
+use crate::template::Filling;
 
 const SOURCE: &str = include_str!("../templates/rust/model.rs");
 const SELFTEST: &str = include_str!("../templates/rust/selftest.rs");
+const INVERSE_SELFTEST: &str = include_str!("../templates/rust/inverse_selftest.rs");
 
 /// Where the exported crate finds `hysteron-rt`, its only dependency.
 #[derive(Clone, Copy, Debug)]
@@ -24,15 +27,42 @@ pub enum Runtime<'a> {
     Folder(&'a Path),
 }
 
-/// The model as a `no_std` crate: `Cargo.toml`, `src/lib.rs` and a test with golden vectors.
+/// The model, and its inverse where there is one, as a `no_std` crate: `Cargo.toml`, `src/lib.rs`, `src/inverse.rs` and tests with golden
+/// vectors.
 ///
 /// # Errors
 /// As [`crate::c_files`].
-pub fn rust_files(subject: &Subject, runtime: Runtime<'_>) -> Result<Vec<ExportedFile>, ExportError> {
+pub fn rust_files(
+    subject: &Subject,
+    inverse: Option<&Inverse>,
+    runtime: Runtime<'_>,
+) -> Result<Vec<ExportedFile>, ExportError> {
+    let mut files = vec![ExportedFile::new("Cargo.toml", manifest(subject, runtime))];
+    let literal = |x: f64| subject.precision.rust_literal(x);
+    let mut filling = common(subject, subject.description(), numbers(subject)?)?;
+    filling.flag("has_inverse", inverse.is_some());
+    files.push(ExportedFile::new("src/lib.rs", filling.fill(SOURCE)?));
+    golden_keys(&mut filling, subject, &Golden::new(subject)?, &literal);
+    files.push(ExportedFile::new("tests/selftest.rs", filling.fill(SELFTEST)?));
+    if let Some(inverse) = inverse {
+        let tables = numbers(&inverse.subject)? + &law(inverse);
+        let mut filling = common(&inverse.subject, inverse.description(), tables)?;
+        filling
+            .flag("inverse", true)
+            .key("crate", &subject.name)
+            .key("N_PREVIEW", inverse.compensation.preview);
+        files.push(ExportedFile::new("src/inverse.rs", filling.fill(SOURCE)?));
+        golden_inverse_keys(&mut filling, inverse, &literal)?;
+        files.push(ExportedFile::new("tests/inverse_selftest.rs", filling.fill(INVERSE_SELFTEST)?));
+    }
+    Ok(files)
+}
+
+/// What both files of source are filled with.
+fn common(subject: &Subject, description: Vec<String>, tables: String) -> Result<Filling, ExportError> {
     let mut filling = filling(subject, Numbers::Constant)?;
     let literal = |x: f64| subject.precision.rust_literal(x);
-    let description: Vec<String> = subject
-        .description()
+    let description: Vec<String> = description
         .iter()
         .map(|line| format!("//! {}", escaped(&one_line(line))).trim_end().to_owned())
         .collect();
@@ -40,23 +70,58 @@ pub fn rust_files(subject: &Subject, runtime: Runtime<'_>) -> Result<Vec<Exporte
         .key("DESCRIPTION", description.join("\n"))
         .key("real", subject.precision.name())
         .key("RATE", literal(subject.realisation.sample_rate_hz))
-        .key(
-            "TABLES",
-            match subject.precision {
-                Precision::F32 => tables::<f32>(subject)?,
-                Precision::F64 => tables::<f64>(subject)?,
-            },
-        );
+        .key("TABLES", tables);
     if let Some(range) = &subject.range {
         filling.key("RANGE_LOW", literal(range.input.low)).key("RANGE_HIGH", literal(range.input.high));
     }
-    let source = filling.fill(SOURCE)?;
-    golden_keys(&mut filling, subject, &Golden::new(subject)?, &literal);
-    Ok(vec![
-        ExportedFile::new("Cargo.toml", manifest(subject, runtime)),
-        ExportedFile::new("src/lib.rs", source),
-        ExportedFile::new("tests/selftest.rs", filling.fill(SELFTEST)?),
-    ])
+    Ok(filling)
+}
+
+fn numbers(subject: &Subject) -> Result<String, ExportError> {
+    match subject.precision {
+        Precision::F32 => tables::<f32>(subject),
+        Precision::F64 => tables::<f64>(subject),
+    }
+}
+
+/// The tables of a law.
+fn law(inverse: &Inverse) -> String {
+    let literal = |x: f64| inverse.subject.precision.rust_literal(x);
+    let list = |numbers: &[f64]| numbers.iter().map(|&x| literal(x)).collect::<Vec<_>>().join(", ");
+    let law = &inverse.compensation;
+    let sections = || law.dynamics.sections.iter().zip(&law.states);
+    let single: Vec<f64> = sections().filter(|(s, _)| !s.is_pair()).map(|(_, [re, _])| *re).collect();
+    let groups = single.chunks(LANES).map(|some| {
+        let mut lanes = [0.0; LANES];
+        lanes.iter_mut().zip(some).for_each(|(lane, gain)| *lane = *gain);
+        format!("[{}]", list(&lanes))
+    });
+    let pairs = sections().filter(|(s, _)| s.is_pair()).map(|(_, gains)| format!("[{}]", list(gains)));
+    let table = |comment: &str, name: &str, kind: &str, entries: Vec<String>| {
+        let content = if entries.is_empty() {
+            "[]".to_owned()
+        } else {
+            format!("[\n{},\n]", rows(entries.iter().cloned()))
+        };
+        format!("/// {comment}\nstatic {name}: [{kind}; {}] = {content};\n", entries.len())
+    };
+    let plain = |numbers: &[f64]| numbers.iter().map(|&x| literal(x)).collect::<Vec<_>>();
+    let [low, high] = inverse.range_v;
+    let step = inverse.slew_v_per_s / law.sample_rate_hz;
+    let step = if step.is_finite() { literal(step) } else { "Real::INFINITY".into() };
+    [
+        table("Gains on the outputs of the hysteresis before the last.", "LAW_RECENT", "Real", plain(&law.recent)),
+        table("Gains on the real poles.", "LAW_REAL", "[Real; 4]", groups.collect()),
+        table("Gains on the pole pairs.", "LAW_PAIRS", "[Real; 2]", pairs.collect()),
+        table("Gains on the reference, the newest first.", "LAW_REFERENCE", "Real", plain(&law.reference))
+            .replace("static", "const"),
+        format!(
+            "/// Least and largest voltage, and its largest change in a sample.\nconst LIMITS: [Real; 3] = [{}, {}, {step}];\n",
+            literal(low),
+            literal(high)
+        ),
+    ]
+    .concat()
 }
 
 /// Rustdoc's own characters are text in here.

@@ -31,6 +31,11 @@ impl Filling {
         self
     }
 
+    /// The text of `$key`; empty where it is not set.
+    pub fn text(&self, key: &str) -> &str {
+        self.keys.get(key).map_or("", String::as_str)
+    }
+
     /// Sets a flag where `on`.
     pub fn flag(&mut self, flag: &'static str, on: bool) -> &mut Self {
         if on {

@@ -147,3 +147,46 @@ fn a_unit_needs_a_compiler() {
     );
     assert!(!bench.path("units").exists());
 }
+
+#[test]
+fn the_inverse_comes_in_the_same_forms() {
+    let bench = bench();
+    let limits = "--inverse --range 0:100 --slew 200000 --name stage";
+    let run = bench.run(&format!("export P-885_stage.json --to c -o source {limits} --preview 12"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let all = [
+        "stage.c",
+        "stage.h",
+        "stage_inverse.c",
+        "stage_inverse.h",
+        "stage_inverse_loop.c",
+        "stage_inverse_selftest.c",
+        "stage_selftest.c",
+    ];
+    assert_eq!(names(&bench, "source"), all);
+    let header = std::fs::read_to_string(bench.path("source/stage_inverse.h")).unwrap();
+    for part in [
+        "STAGE_INVERSE_PREVIEW 12",
+        "STAGE_INVERSE_VOLTAGE_HIGH (100.0)",
+        "STAGE_INVERSE_VOLTAGE_STEP (20.0)",
+    ] {
+        assert!(header.contains(part), "{part}: {header}");
+    }
+    let folder = bench.path("source");
+    let arguments = ["-std=c99", "stage_inverse.c", "stage_inverse_selftest.c", "-o", "selftest", "-lm"];
+    assert!(Command::new("cc").args(arguments).current_dir(&folder).status().unwrap().success());
+    assert!(Command::new(folder.join("selftest")).status().unwrap().success());
+    let run = bench.run(&format!("export P-885_stage.json --to fmu -o units {limits}"));
+    assert_eq!((run.exit_code, names(&bench, "units").len()), (0, 4), "{run:?}");
+    let run = bench.run(&format!("export P-885_stage.json --to rust -o crate {limits}"));
+    assert_eq!((run.exit_code, bench.path("crate/src/inverse.rs").exists()), (0, true), "{run:?}");
+    for (arguments, exit_code, part) in [
+        ("export P-885_stage.json --to c -o out --inverse", 1, "--range LOW:HIGH"),
+        ("export P-885_stage.json --to c -o out --slew 3", 2, "--inverse"),
+        ("export P-885_stage.json --to c -o out --inverse --range 0:100 --bandwidth 6000", 1, "bandwidth"),
+    ] {
+        let run = bench.run(arguments);
+        assert_eq!(run.exit_code, exit_code, "{arguments}: {run:?}");
+        assert!(run.stderr.contains(part) && !bench.path("out").exists(), "{arguments}: {run:?}");
+    }
+}

@@ -12,6 +12,7 @@ use hysteron_rt::Real;
 use crate::c::{Numbers, core_files, filling};
 use crate::error::ExportError;
 use crate::files::ExportedFile;
+use crate::inverse::{Inverse, inverse_core, inverse_filling};
 use crate::number::Precision;
 use crate::subject::Subject;
 use variables::{Parameter, build_description, cases, description, parameters};
@@ -50,6 +51,22 @@ impl FmiVersion {
 /// # Errors
 /// [`ExportError::Compiler`] where the compiler is not there or fails; as [`crate::c_files`].
 pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<ExportedFile>, ExportError> {
+    both(subject, None, compiler)
+}
+
+/// The inverse as FMUs of both versions, `NAME_inverse_fmi2.fmu` and `NAME_inverse_fmi3.fmu`; as [`fmu_files`].
+///
+/// # Errors
+/// As [`fmu_files`].
+pub fn inverse_fmu_files(inverse: &Inverse, compiler: &str) -> Result<Vec<ExportedFile>, ExportError> {
+    both(&inverse.subject, Some(inverse), compiler)
+}
+
+fn both(
+    subject: &Subject,
+    inverse: Option<&Inverse>,
+    compiler: &str,
+) -> Result<Vec<ExportedFile>, ExportError> {
     let parameters = match subject.precision {
         Precision::F32 => of_type::<f32>(subject)?,
         Precision::F64 => of_type::<f64>(subject)?,
@@ -57,7 +74,7 @@ pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<ExportedFile>,
     [FmiVersion::Two, FmiVersion::Three]
         .into_iter()
         .map(|version| {
-            let content = unit(subject, &parameters, version, compiler)?;
+            let content = unit(subject, inverse, &parameters, version, compiler)?;
             let too_large = || ExportError::Template { place: "an archive of more than 4 GB".into() };
             let bytes = zip::archive(&content).ok_or_else(too_large)?;
             Ok(ExportedFile::new(format!("{}_fmi{}.fmu", subject.name, version.number()), bytes))
@@ -72,12 +89,24 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject) -> Result<Vec<Parameter>, Exp
 /// Files of one unit.
 fn unit(
     subject: &Subject,
+    inverse: Option<&Inverse>,
     parameters: &[Parameter],
     version: FmiVersion,
     compiler: &str,
 ) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
-    let mut filling = filling(subject, Numbers::Tunable)?;
-    let mut sources = core_files(subject, &filling)?;
+    let (mut filling, mut sources) = match inverse {
+        None => {
+            let filling = filling(subject, Numbers::Tunable)?;
+            let sources = core_files(subject, &filling)?;
+            (filling, sources)
+        }
+        Some(inverse) => {
+            let filling = inverse_filling(inverse, Numbers::Tunable)?;
+            let sources = inverse_core(inverse, &filling)?;
+            (filling, sources)
+        }
+    };
+    filling.flag("inverse", inverse.is_some());
     let token = token(&sources, version);
     filling.key("TOKEN", &token).key("PARAMETER_CASES", cases(parameters));
     let (types, functions, name) = match version {
@@ -98,7 +127,7 @@ fn unit(
     sources.push(ExportedFile::new(format!("{name}.c"), filling.fill(functions)?));
     let mut files = vec![(
         "modelDescription.xml".to_owned(),
-        description(subject, parameters, version, &token).into_bytes(),
+        description(subject, inverse, parameters, version, &token).into_bytes(),
     )];
     if let Some((folder, ending)) = version.binary() {
         let main = [format!("{}.c", subject.name), format!("{name}.c")];

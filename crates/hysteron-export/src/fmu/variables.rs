@@ -4,10 +4,11 @@ use hysteron::realise::{Coefficients, OperatorCoefficients};
 use hysteron_rt::Real;
 
 use super::FmiVersion;
+use crate::inverse::Inverse;
 use crate::subject::{Subject, one_line};
 
 /// First value reference of a parameter.
-const FIRST_PARAMETER: usize = 4;
+const FIRST_PARAMETER: usize = 6;
 
 /// A number that may be changed while the model runs.
 #[derive(Clone, Debug)]
@@ -126,140 +127,159 @@ fn units(subject: &Subject, parameters: &[Parameter]) -> String {
     format!("  <UnitDefinitions>\n{}  </UnitDefinitions>\n", names.iter().map(unit).collect::<String>())
 }
 
+/// A variable that is no tunable parameter.
+struct Variable {
+    name: &'static str,
+    reference: usize,
+    /// Causality, variability and initial, as attributes of either version.
+    attributes: &'static str,
+    about: String,
+    /// None: a whole number.
+    unit: Option<String>,
+    start: Option<f64>,
+}
+
+const INPUT: &str = r#"causality="input" variability="continuous""#;
+const OUTPUT: &str = r#"causality="output" variability="continuous" initial="calculated""#;
+const WHOLE_OUTPUT: &str = r#"causality="output" variability="discrete" initial="calculated""#;
+const FIXED: &str = r#"causality="parameter" variability="fixed" initial="exact""#;
+const TUNABLE: &str = r#"causality="parameter" variability="tunable" initial="exact""#;
+
+/// What goes in and comes out, in the order of the file.
+fn signals(subject: &Subject, inverse: Option<&Inverse>) -> Vec<Variable> {
+    let variable = |name, reference, attributes, about: &str, unit: Option<&str>, start| Variable {
+        name,
+        reference,
+        attributes,
+        about: about.to_owned(),
+        unit: unit.map(xml),
+        start,
+    };
+    let (input, output) = (Some(subject.input_unit.as_str()), Some(subject.output_unit.as_str()));
+    let range =
+        subject.range.as_ref().map(|r| format!(" Identified from {} to {}.", r.input.low, r.input.high));
+    let Some(inverse) = inverse else {
+        let about = format!("Voltage.{}", range.unwrap_or_default());
+        let status = "Status of the last sample: 0 done, 1 voltage outside of the range identified, -1 voltage not finite, -2 out of all reason";
+        return vec![
+            variable("voltage", 1, INPUT, &about, input, Some(0.0)),
+            variable("displacement", 2, OUTPUT, "Displacement after the last sample", output, None),
+            variable("status", 3, WHOLE_OUTPUT, status, None, None),
+        ];
+    };
+    let about = format!("Reference, {} samples ahead", inverse.compensation.preview);
+    let status = "Status of the last sample: 0 followed, 1 held back by the range, 2 by the slew limit, -1 reference not finite, -2 out of all reason";
+    let [low, high] = inverse.range_v;
+    vec![
+        variable("reference", 1, INPUT, &about, output, Some(subject.realisation.model.offset)),
+        variable("voltage", 2, OUTPUT, &format!("Voltage for the next period, {low} to {high}"), input, None),
+        variable("status", 3, WHOLE_OUTPUT, status, None, None),
+        variable("displacement", 4, OUTPUT, "Displacement of the model", output, None),
+        variable(
+            "rest_voltage",
+            5,
+            FIXED,
+            "Voltage that the stage rests at before",
+            input,
+            Some(0.0_f64.clamp(low, high)),
+        ),
+    ]
+}
+
 /// The whole `modelDescription.xml`.
 pub(super) fn description(
     subject: &Subject,
+    inverse: Option<&Inverse>,
     parameters: &[Parameter],
     version: FmiVersion,
     token: &str,
 ) -> String {
     let name = &subject.name;
-    let rate = subject.realisation.sample_rate_hz;
-    let (low, high) = subject.voltages();
-    let (input, output) = (xml(&subject.input_unit), xml(&subject.output_unit));
-    let about = xml(&subject
-        .description()
-        .iter()
-        .filter(|l| !l.is_empty())
-        .map(|l| l.trim())
-        .collect::<Vec<_>>()
-        .join(" "));
-    let range =
-        if subject.range.is_some() { format!(" Identified from {low} to {high}.") } else { String::new() };
+    let lines = inverse.map_or_else(|| subject.description(), Inverse::description);
+    let about = lines.iter().map(|l| l.trim()).filter(|l| !l.is_empty()).collect::<Vec<_>>().join(" ");
+    let about = xml(&about);
     let tool = format!("hysteron export {}", env!("CARGO_PKG_VERSION"));
-    let period = 1.0 / rate;
-    let in_words = "Status of the last sample: 0 done, 1 voltage outside of the range identified, -1 voltage not finite, -2 out of all reason";
+    let period = 1.0 / subject.realisation.sample_rate_hz;
+    let mut all = signals(subject, inverse);
+    let outputs: Vec<usize> =
+        (1..).zip(&all).filter(|(_, v)| v.attributes.contains("output")).map(|(k, _)| k).collect();
+    let references: Vec<usize> = outputs.iter().filter_map(|k| Some(all.get(k - 1)?.reference)).collect();
+    let lines_of =
+        |list: &[usize], line: &dyn Fn(usize) -> String| list.iter().map(|&k| line(k)).collect::<String>();
+    let tuned = parameters.iter().enumerate().map(|(k, p)| (p, k + FIRST_PARAMETER));
+    let start = |x: Option<f64>| x.map(|s| format!(" start=\"{s:?}\"")).unwrap_or_default();
+    let experiment =
+        format!("  <DefaultExperiment startTime=\"0\" stopTime=\"1\" stepSize=\"{period:e}\"/>\n");
+    let units = units(subject, parameters);
     match version {
         FmiVersion::Two => {
-            let real = |name: &str,
-                        reference: usize,
-                        attributes: &str,
-                        about: &str,
-                        unit: &str,
-                        start: Option<f64>| {
-                let start = start.map(|s| format!(" start=\"{s:?}\"")).unwrap_or_default();
+            let line = |name: &str, reference: usize, attributes: &str, about: &str, kind: &str| {
                 format!(
-                    "    <ScalarVariable name=\"{name}\" valueReference=\"{reference}\" {attributes} description=\"{about}\"><Real \
-                     unit=\"{unit}\"{start}/></ScalarVariable>\n"
+                    "    <ScalarVariable name=\"{name}\" valueReference=\"{reference}\" {attributes} description=\"{about}\">{kind}</ScalarVariable>\n"
                 )
             };
-            let mut variables = real(
-                "voltage",
-                1,
-                r#"causality="input" variability="continuous""#,
-                &format!("Voltage.{range}"),
-                &input,
-                Some(0.0),
-            );
-            variables += &real(
-                "displacement",
-                2,
-                r#"causality="output" variability="continuous" initial="calculated""#,
-                "Displacement after the last sample",
-                &output,
-                None,
-            );
-            variables += &format!(
-                "    <ScalarVariable name=\"status\" valueReference=\"3\" causality=\"output\" variability=\"discrete\" initial=\"calculated\" description=\"{in_words}\"><Integer/></ScalarVariable>\n"
-            );
-            for (k, p) in parameters.iter().enumerate() {
-                variables += &real(
-                    &p.name,
-                    k + FIRST_PARAMETER,
-                    r#"causality="parameter" variability="tunable" initial="exact""#,
-                    p.description,
-                    &xml(&p.unit),
-                    Some(p.start),
-                );
+            let real = |unit: &str, from: Option<f64>| format!("<Real unit=\"{unit}\"{}/>", start(from));
+            let mut variables = String::new();
+            for v in all.drain(..) {
+                let kind =
+                    v.unit.as_ref().map_or_else(|| "<Integer/>".to_owned(), |unit| real(unit, v.start));
+                variables += &line(v.name, v.reference, v.attributes, &v.about, &kind);
             }
+            for (p, reference) in tuned {
+                variables +=
+                    &line(&p.name, reference, TUNABLE, p.description, &real(&xml(&p.unit), Some(p.start)));
+            }
+            let unknowns = lines_of(&outputs, &|k| format!("      <Unknown index=\"{k}\"/>\n"));
             format!(
                 "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" guid=\"{token}\" \
                  description=\"{about}\" generationTool=\"{tool}\" variableNamingConvention=\"flat\" numberOfEventIndicators=\"0\">\n  \
                  <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" \
                  canSerializeFMUstate=\"true\" needsExecutionTool=\"false\">\n    <SourceFiles>\n      <File name=\"{name}.c\"/>\n      <File \
-                 name=\"fmi2.c\"/>\n    </SourceFiles>\n  </CoSimulation>\n{}  <DefaultExperiment startTime=\"0\" stopTime=\"1\" stepSize=\"{period:e}\"/>\n  \
-                 <ModelVariables>\n{variables}  </ModelVariables>\n  <ModelStructure>\n    <Outputs>\n      <Unknown index=\"2\"/>\n      <Unknown index=\"3\"/>\n    \
-                 </Outputs>\n    <InitialUnknowns>\n      <Unknown index=\"2\"/>\n      <Unknown index=\"3\"/>\n    </InitialUnknowns>\n  </ModelStructure>\n</fmiModelDescription>\n",
-                units(subject, parameters)
+                 name=\"fmi2.c\"/>\n    </SourceFiles>\n  </CoSimulation>\n{units}{experiment}  <ModelVariables>\n{variables}  </ModelVariables>\n  \
+                 <ModelStructure>\n    <Outputs>\n{unknowns}    </Outputs>\n    <InitialUnknowns>\n{unknowns}    </InitialUnknowns>\n  \
+                 </ModelStructure>\n</fmiModelDescription>\n"
             )
         }
         FmiVersion::Three => {
-            let real = |name: &str,
+            let line = |kind: &str,
+                        name: &str,
                         reference: usize,
                         attributes: &str,
                         about: &str,
-                        unit: &str,
-                        start: Option<f64>| {
-                let start = start.map(|s| format!(" start=\"{s:?}\"")).unwrap_or_default();
+                        rest: &str| {
                 format!(
-                    "    <Float64 name=\"{name}\" valueReference=\"{reference}\" {attributes} description=\"{about}\" unit=\"{unit}\"{start}/>\n"
+                    "    <{kind} name=\"{name}\" valueReference=\"{reference}\" {attributes} description=\"{about}\"{rest}/>\n"
                 )
             };
-            let mut variables = real(
-                "time",
-                0,
-                r#"causality="independent" variability="continuous""#,
-                "Simulation time",
-                "s",
-                None,
-            );
-            variables += &real(
-                "voltage",
-                1,
-                r#"causality="input" variability="continuous""#,
-                &format!("Voltage.{range}"),
-                &input,
-                Some(0.0),
-            );
-            variables += &real(
-                "displacement",
-                2,
-                r#"causality="output" variability="continuous" initial="calculated""#,
-                "Displacement after the last sample",
-                &output,
-                None,
-            );
-            variables += &format!(
-                "    <Int32 name=\"status\" valueReference=\"3\" causality=\"output\" variability=\"discrete\" initial=\"calculated\" description=\"{in_words}\"/>\n"
-            );
-            for (k, p) in parameters.iter().enumerate() {
-                variables += &real(
+            let real = |unit: &str, from: Option<f64>| format!(" unit=\"{unit}\"{}", start(from));
+            let time = r#"causality="independent" variability="continuous""#;
+            let mut variables = line("Float64", "time", 0, time, "Simulation time", &real("s", None));
+            for v in all.drain(..) {
+                let (kind, rest) = v
+                    .unit
+                    .as_ref()
+                    .map_or_else(|| ("Int32", String::new()), |unit| ("Float64", real(unit, v.start)));
+                variables += &line(kind, v.name, v.reference, v.attributes, &v.about, &rest);
+            }
+            for (p, reference) in tuned {
+                variables += &line(
+                    "Float64",
                     &p.name,
-                    k + FIRST_PARAMETER,
-                    r#"causality="parameter" variability="tunable" initial="exact""#,
+                    reference,
+                    TUNABLE,
                     p.description,
-                    &xml(&p.unit),
-                    Some(p.start),
+                    &real(&xml(&p.unit), Some(p.start)),
                 );
             }
+            let list =
+                |tag: &str| lines_of(&references, &|r| format!("    <{tag} valueReference=\"{r}\"/>\n"));
+            let (results, unknowns) = (list("Output"), list("InitialUnknown"));
             format!(
                 "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"3.0\" modelName=\"{name}\" \
                  instantiationToken=\"{token}\" description=\"{about}\" generationTool=\"{tool}\" variableNamingConvention=\"flat\">\n  \
                  <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUState=\"true\" \
-                 canSerializeFMUState=\"true\" fixedInternalStepSize=\"{period:e}\"/>\n{}  <DefaultExperiment startTime=\"0\" stopTime=\"1\" \
-                 stepSize=\"{period:e}\"/>\n  <ModelVariables>\n{variables}  </ModelVariables>\n  <ModelStructure>\n    <Output valueReference=\"2\"/>\n    <Output \
-                 valueReference=\"3\"/>\n    <InitialUnknown valueReference=\"2\"/>\n    <InitialUnknown valueReference=\"3\"/>\n  </ModelStructure>\n</fmiModelDescription>\n",
-                units(subject, parameters)
+                 canSerializeFMUState=\"true\" fixedInternalStepSize=\"{period:e}\"/>\n{units}{experiment}  <ModelVariables>\n{variables}  \
+                 </ModelVariables>\n  <ModelStructure>\n{results}{unknowns}  </ModelStructure>\n</fmiModelDescription>\n"
             )
         }
     }

@@ -89,3 +89,26 @@ static void settle($name_state *state, real u, real v)
 //}
 }
 
+/* Virgin at `virgin`, moved to u without turning, and at rest there: *v is what the hysteresis puts out. 0 where that is out of range:
+   the state is as it was, or at rest at `virgin` where it was the move that failed. */
+static int settle_after($name_state *state, real virgin, real u, real *v)
+{
+    *v = hysteresis_at_rest($TUNED_FIRSTvirgin);
+    if (!is_in_range(*v)) {
+        return 0;
+    }
+    settle(state, virgin, *v);
+    state->displacement = state->offset + REST_GAIN * *v;
+    if (u != virgin) {
+        if (!hysteresis_move(state, u, v)) {
+            return 0;
+        }
+        state->rest = *v;
+        state->displacement = state->offset + REST_GAIN * *v;
+//{ means
+        state->last_v = *v;
+//}
+    }
+    return 1;
+}
+

@@ -1,3 +1,6 @@
+//{ tunable
+    $name_parameters parameters;
+//}
 //{ bouc_wen
     $name_real z[$NAME_OPERATORS], z_carry[$NAME_OPERATORS];
 //}

@@ -24,17 +24,19 @@ void $name_init($name_state *state)
 
 $name_status $name_rest_at($name_state *state, real voltage, real *displacement)
 {
+    return $name_rest_after(state, voltage, voltage, displacement);
+}
+
+$name_status $name_rest_after($name_state *state, real virgin, real voltage, real *displacement)
+{
     real v;
     *displacement = state->displacement;
-    if (!is_finite(voltage)) {
+    if (!is_finite(voltage) || !is_finite(virgin)) {
         return $NAME_NOT_FINITE;
     }
-    v = hysteresis_at_rest($TUNED_FIRSTvoltage);
-    if (!is_in_range(v)) {
+    if (!settle_after(state, virgin, voltage, &v)) {
         return $NAME_OVERFLOW;
     }
-    settle(state, voltage, v);
-    state->displacement = state->offset + REST_GAIN * v;
     *displacement = state->displacement;
     return status_of(voltage);
 }

@@ -6,6 +6,10 @@ void $name_init($name_state *state);
 /* Puts the model at rest, and the hysteresis virgin, at `voltage` [$INPUT_UNIT]: it has been so for ever. `displacement` [$OUTPUT_UNIT] is that there. */
 $name_status $name_rest_at($name_state *state, $name_real voltage, $name_real *displacement);
 
+/* As $name_rest_at, having been driven there, without turning, from the voltage `virgin` where the hysteresis was virgin. $NAME_OVERFLOW may leave it
+   at rest at `virgin`. */
+$name_status $name_rest_after($name_state *state, $name_real virgin, $name_real voltage, $name_real *displacement);
+
 /* As $name_rest_at, with the constant of the displacement chosen so that the displacement there is the one given: the first
    step has no jump. */
 $name_status $name_start_at($name_state *state, $name_real voltage, $name_real displacement);

@@ -49,34 +49,3 @@ typedef enum {
 /* Whole samples of delay. */
 #define $NAME_DELAY $N_DELAY
 //}
-//{ tunable
-
-//{ bouc_wen
-/* A Bouc-Wen operator. */
-typedef struct {
-    $name_real alpha, beta, gamma, n;
-} $name_bouc_wen;
-
-//}
-/* The numbers of the hysteresis, which may be changed while the model runs. */
-typedef struct {
-//{ polynomial
-    $name_real polynomial[$N_POLYNOMIAL];
-//}
-//{ bouc_wen
-    $name_bouc_wen operators[$NAME_OPERATORS];
-//}
-//{ plays
-    $name_real weight[$NAME_PLAYS];
-//}
-} $name_parameters;
-//}
-
-/* Everything the model remembers. The caller's: static, on the stack, one for each device. Its members are nobody else's business. */
-typedef struct {
-//{ tunable
-    $name_parameters parameters;
-//}
-    $name_real offset;       /* constant of the displacement */
-    $name_real voltage;      /* last voltage */
-    $name_real displacement; /* last displacement */

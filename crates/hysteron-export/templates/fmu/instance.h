@@ -1,8 +1,7 @@
 /* What an instance of the FMU holds and does, the same for every version of the interface. Written by hysteron export.
  *
- * Sample k of the model is taken at the time start + k/rate with the voltage set before the communication step that begins at or before
- * it; a communication step from t to t + H takes all samples with t <= time < t + H, so that the displacement at t + H is that of the last of
- * them. */
+ * Sample k is taken at the time start + k/rate with the input set before the communication step that begins at or before it; a communication
+ * step from t to t + H takes all samples with t <= time < t + H, so that the output at t + H is that of the last of them. */
 #ifndef FMU_INSTANCE_H
 #define FMU_INSTANCE_H
 
@@ -20,14 +19,17 @@
 #define FMU_TOKEN "$TOKEN"
 
 /* Numbers of the variables; parameters follow. */
-enum { FMU_TIME = 0, FMU_VOLTAGE = 1, FMU_DISPLACEMENT = 2, FMU_STATUS = 3 };
+enum { FMU_TIME = 0, FMU_INPUT = 1, FMU_OUTPUT = 2, FMU_STATUS = 3, FMU_DISPLACEMENT = 4, FMU_REST_VOLTAGE = 5 };
 
 typedef enum { FMU_INSTANTIATED, FMU_INITIALIZING, FMU_STEPPING, FMU_TERMINATED } fmu_phase;
 
 /* All that changes, and that a saved state holds. */
 typedef struct {
     $name_state model;
-    double voltage, displacement;
+    double input, output;
+//{ inverse
+    double rest_voltage;
+//}
     double start, time; /* of the first sample, of the last communication point [s] */
     double samples;     /* taken since; whole, exact up to 2^53 */
     int status;         /* of the last call of the model */
@@ -55,8 +57,15 @@ static void fmu_clear(fmu_instance *fmu)
 {
     memset(&fmu->now, 0, sizeof fmu->now);
     $name_init(&fmu->now.model);
-    fmu->now.voltage = (double)fmu->now.model.voltage;
-    fmu->now.displacement = (double)fmu->now.model.displacement;
+//{ inverse
+    fmu->now.rest_voltage = (double)fmu->now.model.voltage;
+    fmu->now.input = (double)fmu->now.model.displacement;
+    fmu->now.output = (double)fmu->now.model.voltage;
+//}
+//{ !inverse
+    fmu->now.input = (double)fmu->now.model.voltage;
+    fmu->now.output = (double)fmu->now.model.displacement;
+//}
 }
 
 static fmu_instance *fmu_new(const char *name, const char *token)
@@ -92,12 +101,20 @@ static int fmu_get(fmu_instance *fmu, unsigned reference, double *value)
     case FMU_TIME:
         *value = fmu->now.time;
         return 1;
-    case FMU_VOLTAGE:
-        *value = fmu->now.voltage;
+    case FMU_INPUT:
+        *value = fmu->now.input;
         return 1;
+    case FMU_OUTPUT:
+        *value = fmu->now.output;
+        return 1;
+//{ inverse
     case FMU_DISPLACEMENT:
-        *value = fmu->now.displacement;
+        *value = (double)fmu->now.model.displacement;
         return 1;
+    case FMU_REST_VOLTAGE:
+        *value = fmu->now.rest_voltage;
+        return 1;
+//}
     default:
         break;
     }
@@ -111,11 +128,17 @@ static int fmu_get(fmu_instance *fmu, unsigned reference, double *value)
 static int fmu_set(fmu_instance *fmu, unsigned reference, double value)
 {
     $name_real *parameter = fmu_parameter(&fmu->now.model, reference);
-    if (reference == FMU_VOLTAGE) {
-        /* Any number: the model refuses what it cannot take, and the variable status says so. */
-        fmu->now.voltage = value;
+    if (reference == FMU_INPUT) {
+        /* Any number: what cannot be taken is refused by a step, and the variable status says so. */
+        fmu->now.input = value;
         return 1;
     }
+//{ inverse
+    if (reference == FMU_REST_VOLTAGE) {
+        fmu->now.rest_voltage = value;
+        return 1;
+    }
+//}
     if (parameter == NULL) {
         return fmu_fail(fmu, "no input or parameter has this value reference");
     }
@@ -126,12 +149,18 @@ static int fmu_set(fmu_instance *fmu, unsigned reference, double value)
     return 1;
 }
 
-/* Where the model rests before the first sample. */
+/* At rest before the first sample. */
 static int fmu_settle(fmu_instance *fmu)
 {
     $name_real y;
-    fmu->now.status = (int)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.voltage, &y);
-    fmu->now.displacement = (double)y;
+//{ inverse
+    fmu->now.status = (int)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.rest_voltage, &y);
+    fmu->now.output = (double)fmu->now.model.voltage;
+//}
+//{ !inverse
+    fmu->now.status = (int)$name_rest_at(&fmu->now.model, ($name_real)fmu->now.input, &y);
+    fmu->now.output = (double)y;
+//}
     return fmu->now.status >= (int)$NAME_OK || fmu_fail(fmu, "the model cannot rest at the voltage it is to start at");
 }
 
@@ -148,8 +177,8 @@ static int fmu_step(fmu_instance *fmu, double time, double length)
     end = time + length - 1e-3 * period;
     while (fmu->now.start + fmu->now.samples * period < end) {
         $name_real y;
-        fmu->now.status = (int)$name_step(&fmu->now.model, ($name_real)fmu->now.voltage, &y);
-        fmu->now.displacement = (double)y;
+        fmu->now.status = (int)$name_step(&fmu->now.model, ($name_real)fmu->now.input, &y);
+        fmu->now.output = (double)y;
         fmu->now.samples += 1.0;
     }
     fmu->now.time = time + length;

@@ -1,5 +1,6 @@
 $DESCRIPTION
 //!
+//{ !inverse
 //! ```
 //! let mut memory = $name::Memory::new()?;
 //! let mut model = memory.model()?;
@@ -10,6 +11,26 @@ $DESCRIPTION
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]
+//{ has_inverse
+
+pub mod inverse;
+//}
+//}
+//{ inverse
+//! ```
+//! use $crate::inverse::{Memory, PREVIEW};
+//!
+//! let mut memory = Memory::new()?;
+//! let mut compensator = memory.compensator()?;
+//! let displacement = compensator.rest_at(0.0)?;
+//! for _ in 0..PREVIEW {
+//!     compensator.know(displacement);
+//! }
+//! let drive = compensator.step(displacement);
+//! assert!(drive.voltage >= compensator.limits().low);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//}
 
 //{ bouc_wen
 use hysteron_rt::{BoucWen, BoucWenMemory};
@@ -26,7 +47,16 @@ use hysteron_rt::{LANES, RealPoles};
 //{ pairs
 use hysteron_rt::PolePair;
 //}
-use hysteron_rt::{Hysteresis, Linear, Model, ModelError, Operator, Sections, SectionsMemory};
+//{ inverse
+use hysteron_rt::{Compensator, Law, Limits};
+
+use crate::Real;
+//}
+//{ !inverse
+use hysteron_rt::Model;
+//}
+use hysteron_rt::{Hysteresis, Linear, ModelError, Operator, Sections, SectionsMemory};
+//{ !inverse
 
 /// The number type of everything in here.
 pub type Real = $real;
@@ -37,9 +67,15 @@ pub const SAMPLE_RATE_HZ: Real = $RATE;
 /// Range of the voltage that the model was identified in \[$INPUT_UNIT\].
 pub const VOLTAGE_RANGE: (Real, Real) = ($RANGE_LOW, $RANGE_HIGH);
 //}
+//}
+//{ inverse
+
+/// Samples that the reference handed to a step is ahead.
+pub const PREVIEW: usize = $N_PREVIEW;
+//}
 
 $TABLES
-/// What the model remembers: the caller's, one for each device.
+/// What is remembered: the caller's, one for each device.
 #[derive(Clone, Debug)]
 pub struct Memory {
 //{ bouc_wen
@@ -56,10 +92,18 @@ pub struct Memory {
     pairs: [Compensated<Real, 2>; PAIRS.len()],
 //}
     delay: [Real; $N_DELAY],
+//{ inverse
+    ring: [Real; LAW_REFERENCE.len()],
+//}
 }
 
 impl Memory {
+//{ inverse
+    /// Memory for [`Self::compensator`].
+//}
+//{ !inverse
     /// Memory for [`Self::model`].
+//}
     ///
     /// # Errors
     /// None with the tables as they were exported: whoever changes them learns here what a parameter must be.
@@ -79,14 +123,27 @@ impl Memory {
             pairs: [Compensated::zero(); PAIRS.len()],
 //}
             delay: [0.0; $N_DELAY],
+//{ inverse
+            ring: [0.0; LAW_REFERENCE.len()],
+//}
         })
     }
 
+//{ inverse
+    /// The inverse, at rest and virgin at the voltage within its limits that is next to 0 $INPUT_UNIT: `step` takes a reference \[$OUTPUT_UNIT\], [`PREVIEW`]
+    /// samples ahead, and gives the voltage \[$INPUT_UNIT\].
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn compensator(&mut self) -> Result<Compensator<'_, Real>, ModelError<Real>> {
+//}
+//{ !inverse
     /// The model, at rest and virgin at 0 $INPUT_UNIT: `step` takes a voltage \[$INPUT_UNIT\] and gives the displacement \[$OUTPUT_UNIT\].
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn model(&mut self) -> Result<Model<'_, Real>, ModelError<Real>> {
+//}
 //{ bouc_wen
         let operator = Operator::BoucWen { operators: &self.operators, memory: &mut self.z };
 //}
@@ -109,11 +166,18 @@ impl Memory {
 //}
         let sections = Sections { taps: &TAP, real, pairs, rest_gain: REST_GAIN };
         let memory = SectionsMemory { real: real_memory, pairs: pair_memory, delay: &mut self.delay };
+//{ inverse
+        let law = Law { recent: &LAW_RECENT, real: &LAW_REAL, pairs: &LAW_PAIRS, reference: &LAW_REFERENCE };
+        let limits = Limits { low: LIMITS[0], high: LIMITS[1], step: LIMITS[2] };
+        Compensator::new(hysteresis, Linear::new(sections, memory)?, law, &mut self.ring, limits, OFFSET)
+//}
+//{ !inverse
 //{ means
         Model::new(hysteresis, Linear::new(sections, memory)?, OFFSET)?.with_means()
 //}
 //{ !means
         Model::new(hysteresis, Linear::new(sections, memory)?, OFFSET)
+//}
 //}
     }
 }

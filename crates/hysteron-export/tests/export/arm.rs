@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use hysteron_export::{Precision, c_files, write_folder};
+use hysteron::compensator::Prediction;
+use hysteron_export::{Precision, c_files, inverse_files, write_folder};
 
 use crate::models;
 use crate::tools::{STRICT, is_there, run, skipped};
@@ -71,62 +72,52 @@ fn the_selftest_passes_on_the_microcontrollers() {
         }
         for precision in [Precision::F32, Precision::F64] {
             let folder = place.path().join(format!("{name}_{}", precision.name()));
+            let inverse = models::inverse(name, &model, precision, Prediction::Stays);
             write_folder(&folder, &c_files(&models::subject(name, &model, precision)).unwrap()).unwrap();
+            write_folder(&folder, &inverse_files(&inverse).unwrap()).unwrap();
+            let own = format!("{name}_inverse");
             for (file, text) in [
                 ("mps2.ld", include_str!("arm/mps2.ld")),
                 ("startup.c", include_str!("arm/startup.c")),
-                ("count.c", &include_str!("arm/count.c").replace("MODEL", name)),
+                ("count.c", &include_str!("arm/count.c").replace("MODEL", name).replace("SCALE", "1")),
+                (
+                    "count_inverse.c",
+                    &include_str!("arm/count.c").replace("MODEL", &own).replace("SCALE", "0.3"),
+                ),
             ] {
                 std::fs::write(folder.join(file), text).unwrap();
             }
-            for board in &BOARDS {
-                let source = format!("{name}.c");
-                let test = format!("{name}_selftest.c");
-                let strict =
-                    [&STRICT[..], &board.flags, &["-O2", "-fstack-usage", "-c", &source, "-o", "model.o"]]
-                        .concat();
-                run(&folder, COMPILER, &strict);
-                for (main, program) in [(test.as_str(), "selftest.elf"), ("count.c", "count.elf")] {
-                    let link = [
-                        "--specs=rdimon.specs",
-                        "-nostartfiles",
-                        "-T",
-                        "mps2.ld",
-                        "startup.c",
-                        main,
-                        "model.o",
-                        "-lm",
-                        "-o",
-                        program,
-                    ];
-                    run(
-                        &folder,
-                        COMPILER,
-                        &[
-                            &["-std=c99", "-O2", "-ffunction-sections", "-Wl,--gc-sections"][..],
-                            &board.flags,
-                            &link,
-                        ]
-                        .concat(),
-                    );
-                }
-                let said = simulate(&folder, board, "selftest.elf");
-                assert!(said.contains(&format!("PASSED: {name}")), "{}: {said}", board.name);
-                let counted = simulate(&folder, board, "count.elf");
-                let sizes = run(&folder, "arm-none-eabi-size", &["model.o"]);
-                let flash =
-                    sizes.lines().nth(1).and_then(|l| l.split_whitespace().next()).unwrap_or("?").to_owned();
-                let usage = std::fs::read_to_string(folder.join("model.su")).unwrap();
-                let stack =
-                    usage.lines().filter_map(|l| l.split('\t').nth(1)?.parse::<u32>().ok()).sum::<u32>();
-                println!(
-                    "{} {name} {}: {}; flash {flash} bytes without <math.h>, stack {stack} bytes (all functions, without <math.h>); {}",
-                    board.name,
-                    precision.name(),
-                    counted.trim(),
-                    said.lines().next().unwrap_or_default()
-                );
+            for (board, (name, counter)) in
+                BOARDS.iter().flat_map(|b| [(b, (name, "count.c")), (b, (own.as_str(), "count_inverse.c"))])
+            {
+                measure(&folder, board, name, precision, counter);
             }
         }
     }
+}
+
+fn measure(folder: &Path, board: &Board, name: &str, precision: Precision, counter: &str) {
+    let (source, test) = (format!("{name}.c"), format!("{name}_selftest.c"));
+    let own = ["-O2", "-fstack-usage", "-c", &source, "-o", "model.o"];
+    run(folder, COMPILER, &[&STRICT[..], &board.flags, &own].concat());
+    for (main, program) in [(test.as_str(), "selftest.elf"), (counter, "count.elf")] {
+        let sections = ["-std=c99", "-O2", "-ffunction-sections", "-Wl,--gc-sections"];
+        let library = ["--specs=rdimon.specs", "-nostartfiles", "-T", "mps2.ld"];
+        let files = ["startup.c", main, "model.o", "-lm", "-o", program];
+        run(folder, COMPILER, &[&sections[..], &board.flags, &library, &files].concat());
+    }
+    let said = simulate(folder, board, "selftest.elf");
+    assert!(said.contains(&format!("PASSED: {name}")), "{}: {said}", board.name);
+    let counted = simulate(folder, board, "count.elf");
+    let sizes = run(folder, "arm-none-eabi-size", &["model.o"]);
+    let flash = sizes.lines().nth(1).and_then(|l| l.split_whitespace().next()).unwrap_or("?").to_owned();
+    let usage = std::fs::read_to_string(folder.join("model.su")).unwrap();
+    let stack = usage.lines().filter_map(|l| l.split('\t').nth(1)?.parse::<u32>().ok()).sum::<u32>();
+    println!(
+        "{} {name} {}: {}; flash {flash} bytes without <math.h>, stack {stack} bytes (all functions, without <math.h>); {}",
+        board.name,
+        precision.name(),
+        counted.trim(),
+        said.lines().next().unwrap_or_default()
+    );
 }

@@ -22,7 +22,7 @@ enum Call {
 }
 
 /// Status as in the source, and what was put out.
-type Answer = (f64, f64);
+pub type Answer = (f64, f64);
 
 /// Slow and fast moves, holds and jumps within the range; where `wild`, far beyond it and with bad numbers too.
 fn calls(seed: u64, count: usize, wild: Option<Precision>) -> Vec<Call> {
@@ -95,17 +95,17 @@ fn of_runtime<T: Real + Into<f64>>(subject: &Subject, calls: &[Call]) -> Vec<Ans
 }
 
 fn of_source(program: &Path, calls: &[Call]) -> Vec<Answer> {
-    let mut bytes = Vec::with_capacity(24 * calls.len());
-    for call in calls {
-        let (which, a, b) = match *call {
-            Call::Step(u) => (0.0, u, 0.0),
-            Call::RestAt(u) => (1.0, u, 0.0),
-            Call::StartAt(u, displacement) => (2.0, u, displacement),
-        };
-        for number in [which, a, b] {
-            bytes.extend(f64::to_ne_bytes(number));
-        }
-    }
+    let sent = calls.iter().map(|call| match *call {
+        Call::Step(u) => [0.0, u, 0.0],
+        Call::RestAt(u) => [1.0, u, 0.0],
+        Call::StartAt(u, displacement) => [2.0, u, displacement],
+    });
+    exchange(program, sent)
+}
+
+/// Three numbers a call to a driver, two back.
+pub fn exchange(program: &Path, calls: impl Iterator<Item = [f64; 3]>) -> Vec<Answer> {
+    let bytes: Vec<u8> = calls.flatten().flat_map(f64::to_ne_bytes).collect();
     let mut child = Command::new(program)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

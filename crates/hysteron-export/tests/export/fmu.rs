@@ -4,8 +4,9 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::Command;
 
+use hysteron::compensator::Prediction;
 use hysteron::realise::RuntimeParts;
-use hysteron_export::{Golden, Precision, fmu_files, write_folder};
+use hysteron_export::{Golden, GoldenInverse, Precision, fmu_files, inverse_fmu_files, write_folder};
 
 use crate::models::{self, RATE_HZ};
 use crate::tools::{c_compilers, run, skipped};
@@ -80,6 +81,39 @@ fn fmpy_judges_both_versions() {
                     "check.o",
                 ];
                 run(&unpacked.join("sources"), compiler, &own);
+            }
+        }
+    }
+}
+
+#[test]
+fn fmpy_judges_the_inverse() {
+    let Some(python) = python() else { return };
+    let Some(compiler) = c_compilers().first().copied() else { return };
+    for (name, model) in models::invertible() {
+        for precision in [Precision::F64, Precision::F32] {
+            let inverse = models::inverse(name, &model, precision, Prediction::Stays);
+            let place = tempfile::tempdir().unwrap();
+            let folder = place.path().join("out");
+            write_folder(&folder, &inverse_fmu_files(&inverse, compiler).unwrap()).unwrap();
+            std::fs::write(folder.join("fmu.py"), include_str!("fmu_inverse.py")).unwrap();
+            let golden = GoldenInverse::new(&inverse).unwrap();
+            let mut rows = String::new();
+            for (r, u) in golden.references.iter().zip(&golden.voltages) {
+                writeln!(rows, "{r:?},{u:?}").unwrap();
+            }
+            std::fs::write(folder.join("record.csv"), rows).unwrap();
+            let [low, high] = inverse.range_v;
+            let step = inverse.slew_v_per_s / RATE_HZ;
+            let numbers =
+                [RATE_HZ, golden.tolerance, golden.rest_v, low, high, step].map(|x| format!("{x:e}"));
+            for version in [2, 3] {
+                let unit = format!("{name}_inverse_fmi{version}.fmu");
+                let mut arguments = vec!["fmu.py", &unit, "record.csv"];
+                arguments.extend(numbers.iter().map(String::as_str));
+                let said = run(&folder, &python, &arguments);
+                println!("{name} {}: {}", precision.name(), said.lines().last().unwrap_or_default());
+                assert!(said.contains(": valid;"), "{said}");
             }
         }
     }

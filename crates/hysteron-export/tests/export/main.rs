@@ -10,6 +10,7 @@ mod arm;
 mod c_agrees;
 mod c_builds;
 mod fmu;
+mod inverse_agrees;
 mod models;
 mod rust_crate;
 mod tools;

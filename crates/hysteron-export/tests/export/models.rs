@@ -1,12 +1,13 @@
 //! Models of every kind that can be exported.
 
+use hysteron::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron::hammerstein::Model;
 use hysteron::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
 use hysteron::model_file::{Interval, ModelFile, SignalUnits, ValidRange};
 use hysteron::realise::{RealiseOptions, realise};
 use hysteron::record::InterSample;
-use hysteron_export::{Precision, Subject};
+use hysteron_export::{Inverse, Precision, Subject};
 
 /// Rate that all are realised at \[Hz\].
 pub const RATE_HZ: f64 = 1e4;
@@ -103,4 +104,19 @@ pub fn subject(name: &str, model: &Model, precision: Precision) -> Subject {
     let interval = |low, high, unit: &str| Interval { low, high, unit: unit.into() };
     file.valid_range = Some(ValidRange { input: interval(0.0, 100.0, "V"), frequency: None, rate: None });
     Subject::new(name, precision, &file, realisation, 1e-5).unwrap()
+}
+
+/// Models with an inverse: one of each law, with and without dynamics.
+pub fn invertible() -> Vec<(&'static str, Model)> {
+    all()
+        .into_iter()
+        .filter(|(name, _)| ["stage", "quadratic", "power", "plays", "bare"].contains(name))
+        .collect()
+}
+
+/// The inverse of a model for 0 to 100 V and 200 kV/s, 20 V a sample.
+pub fn inverse(name: &str, model: &Model, precision: Precision, prediction: Prediction) -> Inverse {
+    let options = CompensatorOptions { prediction, ..CompensatorOptions::default() };
+    let compensation = Compensation::new(model, RATE_HZ, &options).unwrap();
+    Inverse::new(&subject(name, model, precision), compensation, [0.0, 100.0], 2e5).unwrap()
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use hysteron::compensator::Prediction;
 use hysteron_export::{Precision, Runtime, rust_files, write_folder};
 
 use crate::models;
@@ -12,12 +13,19 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
     let place = tempfile::tempdir().unwrap();
     let runtime = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../hysteron-rt").canonicalize().unwrap();
     // One workspace, so that the runtime is compiled once.
-    let mut members = Vec::new();
+    let (mut members, mut inverses) = (Vec::new(), 0);
     for (name, model) in models::all() {
         for precision in [Precision::F32, Precision::F64] {
+            let has_inverse = models::invertible().iter().any(|(other, _)| *other == name);
             let name = format!("{name}_{}", precision.name());
-            let mut files =
-                rust_files(&models::subject(&name, &model, precision), Runtime::Folder(&runtime)).unwrap();
+            let inverse = has_inverse.then(|| models::inverse(&name, &model, precision, Prediction::Stays));
+            inverses += usize::from(has_inverse);
+            let mut files = rust_files(
+                &models::subject(&name, &model, precision),
+                inverse.as_ref(),
+                Runtime::Folder(&runtime),
+            )
+            .unwrap();
             let manifest = files.iter_mut().find(|f| f.name == "Cargo.toml").unwrap();
             let text = String::from_utf8(manifest.bytes.clone()).unwrap();
             let dependencies: Vec<&str> =
@@ -38,7 +46,7 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
     let target = target.to_str().unwrap();
     let said =
         run(place.path(), env!("CARGO"), &["test", "--offline", "--workspace", "--target-dir", target]);
-    assert_eq!(said.matches("test golden_vectors ... ok").count(), members.len(), "{said}");
+    assert_eq!(said.matches("test golden_vectors ... ok").count(), members.len() + inverses, "{said}");
     // Without a warning, with those for documentation.
     let check = [
         "clippy",

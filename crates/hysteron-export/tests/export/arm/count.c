@@ -53,9 +53,9 @@ int main(void)
 {
     int k;
     for (k = 0; k < SAMPLES; k++) {
-        /* A triangle of 200 samples, 0 to 100 V. */
+        /* A triangle of 200 samples, 0 to 100 V, or what a displacement makes of it. */
         const int at = k % 200;
-        drive[k] = (MODEL_real)(at < 100 ? at : 200 - at);
+        drive[k] = (MODEL_real)(SCALE * (at < 100 ? at : 200 - at));
     }
     RELOAD = 0xFFFFFFu;
     CONTROL = 5u;

@@ -1,0 +1,270 @@
+//! The inverse as C99 source: reference in, voltage out.
+
+use hysteron::compensator::{Compensation, CompensatorParts};
+use hysteron::realise::Realisation;
+use hysteron_rt::Real;
+
+use crate::c::{Numbers, filling, rows};
+use crate::error::ExportError;
+use crate::files::ExportedFile;
+use crate::number::Precision;
+use crate::subject::Subject;
+use crate::template::Filling;
+
+const HEADER: &str = concat!(
+    include_str!("../templates/c/inverse_top.h"),
+    include_str!("../templates/c/parameters.h"),
+    include_str!("../templates/c/inverse_state.h"),
+    include_str!("../templates/c/members.h"),
+    include_str!("../templates/c/inverse_bottom.h")
+);
+const SOURCE: &str = concat!(
+    include_str!("../templates/c/opening.c"),
+    include_str!("../templates/c/operator.c"),
+    include_str!("../templates/c/dynamics.c"),
+    include_str!("../templates/c/inverse.c")
+);
+const SELFTEST: &str = include_str!("../templates/c/inverse_selftest.c");
+const LOOP: &str = include_str!("../templates/c/loop.c");
+
+/// A compensator on its way out, beside its model.
+#[derive(Clone, Debug)]
+pub struct Inverse {
+    /// The model with the dynamics that the compensator runs: for held voltages, without the whole samples of delay.
+    pub subject: Subject,
+    /// The law.
+    pub compensation: Compensation,
+    /// Least and largest voltage.
+    pub range_v: [f64; 2],
+    /// Largest rate of the voltage \[V/s\]; infinite for none.
+    pub slew_v_per_s: f64,
+}
+
+impl Inverse {
+    /// The inverse of the model of `subject`, under its name and `_inverse`.
+    ///
+    /// # Errors
+    /// As [`CompensatorParts::new`]; as [`Subject::new`].
+    pub fn new(
+        subject: &Subject,
+        compensation: Compensation,
+        range_v: [f64; 2],
+        slew_v_per_s: f64,
+    ) -> Result<Self, ExportError> {
+        CompensatorParts::<f64>::new(&compensation, range_v, slew_v_per_s)?;
+        let mut dynamics = compensation.dynamics.clone();
+        dynamics.delay_samples = 0;
+        let realisation = Realisation {
+            model: compensation.model.clone(),
+            dynamics,
+            sample_rate_hz: compensation.sample_rate_hz,
+            joins_means: false,
+        };
+        let subject = Subject { name: format!("{}_inverse", subject.name), realisation, ..subject.clone() };
+        Ok(Self { subject, compensation, range_v, slew_v_per_s })
+    }
+
+    /// What the source says about itself.
+    pub(crate) fn description(&self) -> Vec<String> {
+        let subject = &self.subject;
+        let mut lines = vec![
+            format!(
+                "{}: the inverse of a model, sample by sample: reference in {}, voltage out {}.",
+                subject.name, subject.output_unit, subject.input_unit
+            ),
+            format!(
+                "Follows up to {} Hz; the reference is known {} samples ahead; white noise on the reference is passed on {:.3} times as large.",
+                self.compensation.bandwidth_hz, self.compensation.preview, self.compensation.noise_gain
+            ),
+            String::new(),
+            "The model:".into(),
+        ];
+        lines.extend(subject.description());
+        lines
+    }
+}
+
+/// The inverse as C99: `NAME_inverse.h`, `NAME_inverse.c`, `NAME_inverse_selftest.c` with golden vectors and `NAME_inverse_loop.c`, a loop around it.
+///
+/// # Errors
+/// As [`Inverse::new`].
+pub fn inverse_files(inverse: &Inverse) -> Result<Vec<ExportedFile>, ExportError> {
+    let mut filling = inverse_filling(inverse, Numbers::Constant)?;
+    let name = &inverse.subject.name;
+    let mut files = inverse_core(inverse, &filling)?;
+    files.push(ExportedFile::new(format!("{name}_loop.c"), filling.fill(LOOP)?));
+    golden_inverse_keys(&mut filling, inverse, &|x| inverse.subject.precision.c_literal(x))?;
+    files.push(ExportedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
+    Ok(files)
+}
+
+/// Header and source.
+pub(crate) fn inverse_core(inverse: &Inverse, filling: &Filling) -> Result<Vec<ExportedFile>, ExportError> {
+    let name = &inverse.subject.name;
+    Ok(vec![
+        ExportedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
+        ExportedFile::new(format!("{name}.c"), filling.fill(SOURCE)?),
+    ])
+}
+
+pub(crate) fn inverse_filling(inverse: &Inverse, numbers: Numbers) -> Result<Filling, ExportError> {
+    match inverse.subject.precision {
+        Precision::F32 => of_type::<f32>(inverse, numbers),
+        Precision::F64 => of_type::<f64>(inverse, numbers),
+    }
+}
+
+fn of_type<T: Real + Into<f64>>(inverse: &Inverse, numbers: Numbers) -> Result<Filling, ExportError> {
+    let precision = inverse.subject.precision;
+    let mut filling = filling(&inverse.subject, numbers)?;
+    let law = &inverse.compensation;
+    let literal = |x: f64| precision.c_literal(x);
+    let limit =
+        |x: f64| if x.is_finite() { format!("({})", literal(x)) } else { precision.c_infinity().into() };
+    let [low, high] = inverse.range_v;
+    let (low, high, step) = (limit(low), limit(high), limit(inverse.slew_v_per_s / law.sample_rate_hz));
+    let mut tables = filling.text("TABLES").to_owned();
+    let mut table = |comment: &str, declaration: String, content: String| {
+        tables.push_str(&format!("/* {comment} */\nstatic const {declaration} = {{\n{content}\n}};\n"));
+    };
+    let all = |numbers: &[f64]| rows(numbers.iter().map(|&x| literal(x)));
+    let sections = || law.dynamics.sections.iter().zip(&law.states);
+    let real: Vec<f64> = sections().filter(|(s, _)| !s.is_pair()).map(|(_, [re, _])| *re).collect();
+    let pairs: Vec<[f64; 2]> = sections().filter(|(s, _)| s.is_pair()).map(|(_, gains)| *gains).collect();
+    if !law.recent.is_empty() {
+        table(
+            "The law: gains on the outputs of the hysteresis before the last.",
+            format!("real LAW_RECENT[{}]", law.recent.len()),
+            all(&law.recent),
+        );
+    }
+    if !real.is_empty() {
+        table("Gains on the real poles.", format!("real LAW_REAL[{}]", real.len()), all(&real));
+    }
+    if !pairs.is_empty() {
+        let content = rows(pairs.iter().map(|[re, im]| format!("{{{}, {}}}", literal(*re), literal(*im))));
+        table("Gains on the pole pairs.", format!("real LAW_PAIR[{}][2]", pairs.len()), content);
+    }
+    table(
+        "Gains on the reference, the newest first.",
+        format!("real LAW_REFERENCE[{}]", law.reference.len()),
+        all(&law.reference),
+    );
+    tables.push_str(&format!(
+        "/* What taps and sections add up to at rest. */\nstatic const real GAIN = {};\n",
+        literal(gain::<T>(law).into())
+    ));
+    let lines: Vec<String> = inverse
+        .description()
+        .iter()
+        .map(|line| format!(" * {}", crate::subject::one_line(line)).trim_end().to_owned())
+        .collect();
+    filling
+        .key("TABLES", tables)
+        .key("DESCRIPTION", format!("/*\n{}\n */", lines.join("\n")))
+        .key("LIMIT_LOW", low)
+        .key("LIMIT_HIGH", high)
+        .key("LIMIT_STEP", step)
+        .key("N_PREVIEW", law.preview)
+        .key("N_REFERENCES", law.reference.len())
+        .key("N_LAW_RECENT", law.recent.len())
+        .key("MOST_LOOKS", hysteron_rt::MOST_LOOKS)
+        .flag("looks", true)
+        .flag("no_slew", !inverse.slew_v_per_s.is_finite())
+        .flag("law_recent", !law.recent.is_empty());
+    Ok(filling)
+}
+
+/// Σ taps + Σ weights, added up as the runtime does.
+fn gain<T: Real>(law: &Compensation) -> T {
+    let sum = |sum: T, x: f64| sum + T::of(x);
+    let dynamics = &law.dynamics;
+    let taps = dynamics.taps.iter().fold(T::of(0.0), |s, &x| sum(s, x));
+    let single: Vec<f64> = dynamics.sections.iter().filter(|s| !s.is_pair()).map(|s| s.weight.re).collect();
+    let real = single
+        .chunks(hysteron_rt::LANES)
+        .fold(taps, |all, group| all + group.iter().fold(T::of(0.0), |s, &x| sum(s, x)));
+    dynamics.sections.iter().filter(|s| s.is_pair()).fold(real, |s, pair| sum(s, pair.weight.re))
+}
+
+/// Double precision: share of the range of the voltage.
+const DOUBLE: f64 = 1e-12;
+/// Single precision: units of rounding (2^-23) of everything that is added up for a voltage.
+const SINGLE: f64 = 16.0;
+const SAMPLES: usize = 640;
+
+/// Sets what the self-test is filled with, in literals of its language.
+pub(crate) fn golden_inverse_keys(
+    filling: &mut Filling,
+    inverse: &Inverse,
+    literal: &dyn Fn(f64) -> String,
+) -> Result<(), ExportError> {
+    let vectors = GoldenInverse::new(inverse)?;
+    filling
+        .key("SAMPLES", SAMPLES)
+        .key("REST", literal(vectors.rest_v))
+        .key("REFERENCES", rows(vectors.references.iter().map(|&x| literal(x))))
+        .key("VOLTAGES", rows(vectors.voltages.iter().map(|&x| literal(x))))
+        .key("TOLERANCE", literal(vectors.tolerance))
+        .key(
+            "TOLERANCE_IN_WORDS",
+            match inverse.subject.precision {
+                Precision::F64 => "1e-12 of their range",
+                Precision::F32 => "16 units of rounding (2^-23) of all that is added up for a voltage",
+            },
+        );
+    Ok(())
+}
+
+/// Golden vectors of a compensator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GoldenInverse {
+    /// At rest here first.
+    pub rest_v: f64,
+    /// References, exact in the number type of the export.
+    pub references: Vec<f64>,
+    /// The library's voltages in double precision.
+    pub voltages: Vec<f64>,
+    /// Largest difference that the exported source may show.
+    pub tolerance: f64,
+}
+
+impl GoldenInverse {
+    /// The vectors: a sweep through most of the range, then steps that the limits hold back.
+    ///
+    /// # Errors
+    /// As [`Inverse::new`].
+    pub fn new(inverse: &Inverse) -> Result<Self, ExportError> {
+        let precision = inverse.subject.precision;
+        let [low, high] = inverse.range_v;
+        let mut parts =
+            CompensatorParts::<f64>::new(&inverse.compensation, inverse.range_v, inverse.slew_v_per_s)?;
+        let mut compensator = parts.compensator()?;
+        let rest_v = precision.round(0.5 * (low + high));
+        let ends = [compensator.rest_at(low), compensator.rest_at(high), compensator.rest_at(rest_v)];
+        let [Ok(bottom), Ok(top), Ok(middle)] = ends else {
+            return Err(ExportError::Template { place: "the displacement at the ends of the range".into() });
+        };
+        let references: Vec<f64> = (0..SAMPLES)
+            .map(|k| {
+                let phase = 4.0 * std::f64::consts::TAU * k as f64 / SAMPLES as f64;
+                let swing = if k < 3 * SAMPLES / 4 { 0.35 * phase.sin() } else { 0.7 * phase.sin().signum() };
+                precision.round(middle + swing * (top - bottom).abs())
+            })
+            .collect();
+        let voltages: Vec<f64> = references.iter().map(|&r| compensator.step(r).voltage).collect();
+        let law = &inverse.compensation;
+        let gains = law.recent.iter().chain(law.states.iter().flatten()).map(|k| k.abs()).sum::<f64>()
+            + law.reference.iter().map(|k| k.abs()).sum::<f64>()
+                * law.dynamics.amplification()
+                * law.dynamics.reference_gain;
+        let span = references.iter().fold(0.0_f64, |most, r| most.max(r.abs())) + (top - bottom).abs();
+        // A unit of rounding of what the law adds up, as voltage.
+        let added_up = (1.0 + gains) * span * (high - low) / (top - bottom).abs();
+        let tolerance = match precision {
+            Precision::F64 => DOUBLE * (high - low),
+            Precision::F32 => SINGLE * precision.epsilon() * added_up,
+        };
+        Ok(Self { rest_v, references, voltages, tolerance })
+    }
+}

@@ -1,0 +1,47 @@
+//! Self-test of the inverse of $crate: hysteron export's golden vectors, and what happens with bad numbers.
+#![allow(clippy::excessive_precision, clippy::unreadable_literal)]
+
+use $crate::Real;
+use $crate::inverse::Memory;
+
+/// Voltage to rest at first \[$INPUT_UNIT\].
+const REST: Real = $REST;
+/// References \[$OUTPUT_UNIT\], and the voltages \[$INPUT_UNIT\] that the library puts out for them in double precision.
+const REFERENCES: [Real; $SAMPLES] = [
+$REFERENCES
+];
+const VOLTAGES: [Real; $SAMPLES] = [
+$VOLTAGES
+];
+/// Largest difference allowed \[$INPUT_UNIT\]: $TOLERANCE_IN_WORDS.
+const TOLERANCE: Real = $TOLERANCE;
+
+#[test]
+fn golden_vectors() {
+    let mut memory = Memory::new().unwrap();
+    let mut compensator = memory.compensator().unwrap();
+    compensator.rest_at(REST).unwrap();
+    let mut worst: Real = 0.0;
+    for (reference, wanted) in REFERENCES.into_iter().zip(VOLTAGES) {
+        let voltage = compensator.step(reference).voltage;
+        assert!(voltage.is_finite());
+        worst = worst.max((voltage - wanted).abs());
+    }
+    println!("largest difference {worst:e}, allowed {TOLERANCE:e}");
+    assert!(worst <= TOLERANCE, "{worst:e}");
+}
+
+#[test]
+fn whatever_is_handed_in_every_voltage_keeps_to_the_limits() {
+    let mut memory = Memory::new().unwrap();
+    let mut compensator = memory.compensator().unwrap();
+    compensator.rest_at(REST).unwrap();
+    let limits = compensator.limits();
+    let bad = [Real::NAN, Real::INFINITY, Real::NEG_INFINITY, Real::MAX, Real::MIN];
+    for (reference, bad) in REFERENCES.into_iter().zip(bad.into_iter().cycle()) {
+        for reference in [reference, bad] {
+            let voltage = compensator.step(reference).voltage;
+            assert!(voltage >= limits.low && voltage <= limits.high, "{voltage}");
+        }
+    }
+}

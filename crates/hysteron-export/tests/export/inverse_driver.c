@@ -1,0 +1,28 @@
+/* Reads calls, three doubles each (which, and two numbers), and writes two doubles each: the status and the voltage. */
+#include <stdio.h>
+
+#include "MODEL.h"
+
+int main(void)
+{
+    static MODEL_state state;
+    double call[3], answer[2];
+    MODEL_real u = 0, y = 0;
+    MODEL_init(&state);
+    while (fread(call, sizeof call, 1, stdin) == 1) {
+        MODEL_status status;
+        if (call[0] < 1.0) {
+            status = MODEL_step(&state, (MODEL_real)call[1], &u);
+        } else if (call[0] < 2.0) {
+            status = MODEL_rest_after(&state, (MODEL_real)call[1], (MODEL_real)call[2], &y);
+        } else {
+            status = MODEL_measured_at_rest(&state, (MODEL_real)call[1]);
+        }
+        answer[0] = (double)status;
+        answer[1] = (double)u;
+        if (fwrite(answer, sizeof answer, 1, stdout) != 1) {
+            return 1;
+        }
+    }
+    return 0;
+}
