@@ -90,13 +90,13 @@ fn the_selftest_passes_on_the_microcontrollers() {
             for (board, (name, counter)) in
                 BOARDS.iter().flat_map(|b| [(b, (name, "count.c")), (b, (own.as_str(), "count_inverse.c"))])
             {
-                measure(&folder, board, name, precision, counter);
+                println!("{}", measure(&folder, board, name, precision, counter));
             }
         }
     }
 }
 
-fn measure(folder: &Path, board: &Board, name: &str, precision: Precision, counter: &str) {
+fn measure(folder: &Path, board: &Board, name: &str, precision: Precision, counter: &str) -> String {
     let (source, test) = (format!("{name}.c"), format!("{name}_selftest.c"));
     let own = ["-O2", "-fstack-usage", "-c", &source, "-o", "model.o"];
     run(folder, COMPILER, &[&STRICT[..], &board.flags, &own].concat());
@@ -113,11 +113,11 @@ fn measure(folder: &Path, board: &Board, name: &str, precision: Precision, count
     let flash = sizes.lines().nth(1).and_then(|l| l.split_whitespace().next()).unwrap_or("?").to_owned();
     let usage = std::fs::read_to_string(folder.join("model.su")).unwrap();
     let stack = usage.lines().filter_map(|l| l.split('\t').nth(1)?.parse::<u32>().ok()).sum::<u32>();
-    println!(
+    format!(
         "{} {name} {}: {}; flash {flash} bytes without <math.h>, stack {stack} bytes (all functions, without <math.h>); {}",
         board.name,
         precision.name(),
         counted.trim(),
         said.lines().next().unwrap_or_default()
-    );
+    )
 }
