@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use hysteron::compensator::{Compensation, CompensatorError, CompensatorOptions};
+use hysteron::compensator::{Compensation, CompensatorError, CompensatorOptions, Prediction};
 use hysteron::realise::{RealiseError, RealiseOptions};
 use hysteron_export::{
     ExportError, ExportedFile, Inverse, Precision, Runtime, Subject, c_files, fmu_files, inverse_files,
@@ -81,9 +81,13 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     bandwidth: Option<f64>,
 
-    /// Samples of the reference that are known ahead [default: as many as make a difference]
+    /// Samples of the reference that are known ahead [default: as many as make a difference; with --predict-to: 0]
     #[arg(long, value_name = "SAMPLES", requires = "inverse")]
     preview: Option<usize>,
+
+    /// What is not known of the reference is predicted from its past, taken for a random motion of frequencies up to this
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
+    predict_to: Option<f64>,
 
     /// Folder of hysteron-rt, for --to rust [default: the registry's]
     #[arg(long, value_name = "DIR")]
@@ -179,7 +183,8 @@ impl Export {
         })?;
         let options = CompensatorOptions {
             bandwidth_hz: self.bandwidth,
-            preview: self.preview,
+            preview: self.preview.or(self.predict_to.map(|_| 0)),
+            prediction: Prediction::up_to(self.predict_to),
             ..CompensatorOptions::default()
         };
         let rate = subject.realisation.sample_rate_hz;

@@ -96,8 +96,6 @@ pub struct Invert {
     columns: ReferenceFlags,
 }
 
-/// Noise of a reference that is predicted, as a share of its motion.
-const PREDICTION_NOISE: f64 = 1e-3;
 /// Excess of a reference's frequency over the model's that is worth a remark.
 const FASTER: f64 = 1.1;
 
@@ -217,9 +215,6 @@ impl Invert {
         sample_rate_hz: f64,
         options: &InverseOptions,
     ) -> Result<InverseDrive, InversionError> {
-        let prediction = self
-            .predict_to
-            .map_or(Prediction::Stays, |highest_hz| Prediction::Band { highest_hz, noise: PREDICTION_NOISE });
         let realise = RealiseOptions {
             lowest_frequency_hz: recorded_lowest(model.file.valid_range.as_ref()),
             ..RealiseOptions::default()
@@ -227,7 +222,7 @@ impl Invert {
         let wanted = CompensatorOptions {
             bandwidth_hz: self.bandwidth,
             preview: Some(self.preview.unwrap_or(0)),
-            prediction,
+            prediction: Prediction::up_to(self.predict_to),
             realise,
             ..CompensatorOptions::default()
         };

@@ -23,7 +23,15 @@ pub enum Prediction {
     },
 }
 
+/// Noise that a reference of which nobody says otherwise carries, as a share of its motion.
+const USUAL_NOISE: f64 = 1e-3;
+
 impl Prediction {
+    /// The random motion of frequencies up to `highest_hz`, with noise of a thousandth of it; without a frequency: it stays.
+    pub fn up_to(highest_hz: Option<f64>) -> Self {
+        highest_hz.map_or(Self::Stays, |highest_hz| Self::Band { highest_hz, noise: USUAL_NOISE })
+    }
+
     /// Weights on the newest samples, the newest first, of the best linear unbiased prediction of each of `ahead` samples to come: least
     /// mean square error, the weights adding up to 1 (ordinary kriging: G. Matheron, *Econ. Geol.* 58 (1963) 1246–1266,
     /// doi:10.2113/gsecongeo.58.8.1246), so that a level is predicted exactly. One row a sample ahead.
