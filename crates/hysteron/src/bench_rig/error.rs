@@ -78,6 +78,11 @@ pub enum RigError {
         /// What is allowed.
         expected: &'static str,
     },
+    /// A converter that draws a line to the next sample, in a loop that does not know it yet.
+    #[error(
+        "truth: the converter draws straight lines to samples that a controller does not know yet; set dac to \"hold\""
+    )]
+    Ahead,
     /// A waveform of the campaign was refused.
     #[error(transparent)]
     Excitation(#[from] crate::excitation::ExcitationError),

@@ -2,7 +2,8 @@
 //!
 //! The truth is either the user's ([`Plant::BoucWenFractional`]) or the default, which lies outside every model class this
 //! library identifies ([`PlayStack`]): asymmetric plays, two modes, fractional creep, amplifier lag, delay, 16-bit converter,
-//! noise. [`measure`] plays one waveform; [`run_campaign`] the article's set of records.
+//! noise. [`measure`] plays one waveform; [`run_campaign`] the article's set of records; [`LiveRig`] stands in a loop with a
+//! controller.
 //!
 //! The bench shares no code with the simulators it is used to test. It works in continuous time: operators without
 //! memory of rate are stepped exactly on a grid at least 20 times finer than the record, and linear dynamics, fractional
@@ -11,7 +12,9 @@
 mod bouc_wen;
 mod campaign;
 mod error;
+mod live;
 mod partial_fractions;
+mod period;
 mod plant;
 mod plays;
 mod propagation;
@@ -26,6 +29,7 @@ mod facts;
 
 pub use campaign::{CampaignPlan, CampaignRun, Role, run_campaign};
 pub use error::RigError;
+pub use live::{LiveRig, LiveSample};
 pub use plays::Play;
 pub use run::measure;
 pub use truth::{Adc, BoucWenFractional, Creep, Dac, Mode, Plant, PlayStack, PowerTerm, Sensor, Truth};
