@@ -10,7 +10,7 @@ library="$target/release/libhysteron_rt_proof.a"
 log="$target/log"
 entries="proof_step_f32 proof_step_f64 proof_simulate_f32 proof_simulate_f64 proof_sensitivities_f32 proof_sensitivities_f64
 proof_plays_f32 proof_plays_f64 proof_online_f32 proof_online_f64 proof_model_f32 proof_model_f64
-proof_compensator_f32 proof_compensator_f64"
+proof_compensator_f32 proof_compensator_f64 proof_controller_f32 proof_controller_f64"
 
 build() { cargo build --quiet --locked --release --target-dir "$target" "$@" >"$log" 2>&1; }
 # Links the entries named, with everything they reach and nothing else.

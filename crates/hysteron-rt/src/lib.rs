@@ -6,7 +6,7 @@
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs, taps, delay), voltage
 //!   in, displacement out, the same number of operations every sample.
 //! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`], [`Hysteresis::reach`]);
-//!   [`Observer`]: what stands between model and stage.
+//!   [`Observer`]: what stands between model and stage; [`Feedback`]: PI, PI^λ and integral with notch; [`FilteredLms`]: feedforward that adapts.
 //! * [`Rls`], [`Nlms`]: least squares with forgetting and gradient correction of parameters while samples come in;
 //!   [`FitMonitor`] says when they no longer fit.
 //! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of its own
@@ -44,9 +44,9 @@ mod series;
 pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepError};
 pub use dual::Dual;
 pub use model::{
-    BoucWenMemory, Compensated, Compensator, Drive, Hysteresis, LANES, Law, Limited, Limits, Linear,
-    MOST_LOOKS, MOST_TAPS, Means, Model, ModelError, Observed, Observer, Operator, PolePair, Reached,
-    RealPoles, Sections, SectionsMemory,
+    BoucWenMemory, Compensated, Compensator, Drive, Feedback, FilteredLms, Held, Hysteresis, LANES, Law,
+    Limited, Limits, Line, Linear, LmsSettings, MOST_LOOKS, MOST_TAPS, Means, Model, ModelError, Observed,
+    Observer, Operator, PolePair, Reached, RealPoles, Sections, SectionsMemory,
 };
 pub use online::{
     FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, OnlineError, Residual, Rls, RlsSettings,

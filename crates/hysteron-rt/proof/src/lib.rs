@@ -7,9 +7,10 @@
 use core::panic::PanicInfo;
 
 use hysteron_rt::{
-    BoucWen, BoucWenMemory, BoucWenState, Compensated, Compensator, Drive, Dual, FitMonitor, Hysteresis,
-    LANES, Law, Limits, Linear, Model, MonitorSettings, Nlms, NlmsSettings, Observer, Operator, PlayBank,
-    PolePair, Real, RealPoles, Rls, RlsSettings, Sections, SectionsMemory,
+    BoucWen, BoucWenMemory, BoucWenState, Compensated, Compensator, Drive, Dual, Feedback, FilteredLms,
+    FitMonitor, Held, Hysteresis, LANES, Law, Limits, Line, Linear, LmsSettings, Model, MonitorSettings,
+    Nlms, NlmsSettings, Observer, Operator, PlayBank, PolePair, Real, RealPoles, Rls, RlsSettings, Sections,
+    SectionsMemory,
 };
 
 unsafe extern "C" {
@@ -192,8 +193,53 @@ fn compensator<T: Real>(
     true
 }
 
+/// Feedback and weights that adapt along readings, through a line.
+#[inline(always)]
+fn controller<T: Real>(
+    dynamics: Linear<'_, T>,
+    [proportional, integral, offset, slope]: [T; 4],
+    limits: Limits<T>,
+    (weights, secondary, rings, stride, settings): Adapting<'_, T>,
+    measured: &[T],
+    out: &mut [Drive<T>],
+) -> bool {
+    let Ok(mut feedback) = Feedback::new(proportional, integral, dynamics) else { return false };
+    let Ok(mut line) = Line::new(offset, slope, limits, limits.low) else { return false };
+    let Ok(mut lms) = FilteredLms::new(weights, secondary, rings, stride, settings) else { return false };
+    let mut held = Held::No;
+    for (slot, &y) in out.iter_mut().zip(measured) {
+        let before = line.voltage();
+        let drive = line.step(feedback.step(y, held) + lms.step(y, y));
+        held = Held::of(drive, before, line.limits());
+        *slot = drive;
+    }
+    feedback.rest();
+    lms.weights().len() > 1
+}
+
+/// Weights, secondary path, rings, stride.
+type Adapting<'a, T> = (&'a mut [T], &'a [T], [&'a mut [T]; 2], usize, LmsSettings<T>);
+
 macro_rules! entries {
-    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident, $model:ident, $compensator:ident) => {
+    ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident, $model:ident, $compensator:ident, $controller:ident) => {
+        #[unsafe(no_mangle)]
+        #[allow(improper_ctypes_definitions)]
+        pub extern "C" fn $controller(
+            coefficients: Coefficients<'_, $t>,
+            memory: Memory<'_, $t>,
+            gains: [$t; 4],
+            limits: Limits<$t>,
+            adapting: Adapting<'_, $t>,
+            (measured, out): (&[$t], &mut [Drive<$t>]),
+        ) -> bool {
+            let (_, taps, real, pairs, rest_gain, _) = coefficients;
+            let (real_memory, pair_memory, delay) = memory;
+            let sections = Sections { taps, real, pairs, rest_gain };
+            let memory = SectionsMemory { real: real_memory, pairs: pair_memory, delay };
+            let Ok(dynamics) = Linear::new(sections, memory) else { return false };
+            controller(dynamics, gains, limits, adapting, measured, out)
+        }
+
         #[unsafe(no_mangle)]
         #[allow(improper_ctypes_definitions, clippy::too_many_arguments)]
         pub extern "C" fn $compensator(
@@ -304,7 +350,8 @@ entries!(
     proof_plays_f32,
     proof_online_f32,
     proof_model_f32,
-    proof_compensator_f32
+    proof_compensator_f32,
+    proof_controller_f32
 );
 entries!(
     f64,
@@ -314,7 +361,8 @@ entries!(
     proof_plays_f64,
     proof_online_f64,
     proof_model_f64,
-    proof_compensator_f64
+    proof_compensator_f64,
+    proof_controller_f64
 );
 
 /// Negative control: an index that may be out of range.

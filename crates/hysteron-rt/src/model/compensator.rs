@@ -315,7 +315,7 @@ impl<'a, T: Real> Compensator<'a, T> {
 }
 
 #[inline(always)]
-fn within<T: Real>(x: T, low: T, high: T) -> T {
+pub(super) fn within<T: Real>(x: T, low: T, high: T) -> T {
     if x < low {
         low
     } else if x > high {

@@ -2,6 +2,8 @@
 
 mod compensator;
 mod error;
+mod feedback;
+mod lms;
 mod means;
 mod observer;
 mod operator;
@@ -10,6 +12,8 @@ mod sections;
 
 pub use compensator::{Compensator, Drive, Law, Limited, Limits};
 pub use error::ModelError;
+pub use feedback::{Feedback, Held, Line};
+pub use lms::{FilteredLms, LmsSettings};
 pub use means::Means;
 pub use observer::{Observed, Observer};
 pub use operator::{BoucWenMemory, Hysteresis, Operator};

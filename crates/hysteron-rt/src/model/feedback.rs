@@ -1,0 +1,162 @@
+//! Feedback beside feedforward: what the measured error adds to the reference.
+
+use super::sections::accumulate;
+use super::{Limited, Limits, Linear, ModelError};
+use crate::model::Drive;
+use crate::real::Real;
+
+/// c = k e + i Σ e + H e: proportional, integral and linear dynamics in parallel, which holds PI, PI^λ (the fractional integral as real poles) and an
+/// integral with a notch (its partial fractions: integral and pair of poles).
+///
+/// While the drive is held back, what has memory takes in only errors that lead away from the limit, so that nothing winds up. An error that is
+/// infinite or not a number is left out.
+#[derive(Debug)]
+pub struct Feedback<'a, T> {
+    proportional: T,
+    integral: T,
+    dynamics: Linear<'a, T>,
+    sum: T,
+    carry: T,
+    /// What the parts with memory put out last.
+    remembered: T,
+    correction: T,
+}
+
+/// To which side a drive was held back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// It was not.
+    No,
+    /// It would have gone higher.
+    Above,
+    /// It would have gone lower.
+    Below,
+}
+
+impl Held {
+    /// From a sample of the drive and the voltage before it.
+    pub fn of<T: Real>(drive: Drive<T>, before: T, limits: Limits<T>) -> Self {
+        match drive.limited {
+            Limited::No | Limited::Reference | Limited::Overflow => Self::No,
+            Limited::Range | Limited::Step => {
+                if drive.voltage > before || drive.voltage >= limits.high {
+                    Self::Above
+                } else {
+                    Self::Below
+                }
+            }
+        }
+    }
+}
+
+impl<'a, T: Real> Feedback<'a, T> {
+    /// The controller, at rest: `integral` a sample.
+    ///
+    /// # Errors
+    /// [`ModelError::Coefficient`] for a gain that is not finite.
+    pub fn new(proportional: T, integral: T, dynamics: Linear<'a, T>) -> Result<Self, ModelError<T>> {
+        if !(proportional.is_finite() && integral.is_finite()) {
+            return Err(ModelError::Coefficient);
+        }
+        let zero = T::of(0.0);
+        Ok(Self {
+            proportional,
+            integral,
+            dynamics,
+            sum: zero,
+            carry: zero,
+            remembered: zero,
+            correction: zero,
+        })
+    }
+
+    /// Forgets everything.
+    pub fn rest(&mut self) {
+        let zero = T::of(0.0);
+        self.dynamics.rest_at(zero);
+        (self.sum, self.carry, self.remembered, self.correction) = (zero, zero, zero, zero);
+    }
+
+    /// What is to be added to the reference, from the newest error and to which side the drive was held back since the last one.
+    #[inline]
+    pub fn step(&mut self, error: T, held: Held) -> T {
+        if !error.is_finite() {
+            return self.correction;
+        }
+        let zero = T::of(0.0);
+        let outwards = match held {
+            Held::No => false,
+            Held::Above => error > zero,
+            Held::Below => error < zero,
+        };
+        if !outwards {
+            accumulate(&mut self.sum, &mut self.carry, self.integral * error);
+            self.remembered = self.sum + self.dynamics.step(error);
+        }
+        self.correction = self.proportional * error + self.remembered;
+        self.correction
+    }
+}
+
+/// Reference to voltage along a straight line, displacement = offset + slope · voltage, within limits: a stage without compensation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line<T> {
+    offset: T,
+    slope: T,
+    limits: Limits<T>,
+    voltage: T,
+}
+
+impl<T: Real> Line<T> {
+    /// The line, standing at `voltage` (moved into the range).
+    ///
+    /// # Errors
+    /// [`ModelError::Coefficient`] for a slope of 0 or numbers that are not finite, [`ModelError::Limits`].
+    pub fn new(offset: T, slope: T, limits: Limits<T>, voltage: T) -> Result<Self, ModelError<T>> {
+        let zero = T::of(0.0);
+        if !(offset.is_finite() && slope.is_finite() && voltage.is_finite()) || slope == zero {
+            return Err(ModelError::Coefficient);
+        }
+        let width = limits.high - limits.low;
+        if !(width > zero && width.is_finite() && limits.step > zero) {
+            return Err(ModelError::Limits);
+        }
+        Ok(Self {
+            offset,
+            slope,
+            limits,
+            voltage: super::compensator::within(voltage, limits.low, limits.high),
+        })
+    }
+
+    /// The voltage for the next period.
+    #[inline]
+    pub fn step(&mut self, reference: T) -> Drive<T> {
+        let wanted = (reference - self.offset) / self.slope;
+        if !wanted.is_finite() {
+            return Drive { voltage: self.voltage, limited: Limited::Reference };
+        }
+        let Limits { low, high, step } = self.limits;
+        let ranged = super::compensator::within(wanted, low, high);
+        let voltage = super::compensator::within(ranged, self.voltage - step, self.voltage + step);
+        self.voltage = voltage;
+        let limited = if voltage != ranged {
+            Limited::Step
+        } else if ranged != wanted {
+            Limited::Range
+        } else {
+            Limited::No
+        };
+        Drive { voltage, limited }
+    }
+
+    /// What the drive keeps to.
+    pub fn limits(&self) -> Limits<T> {
+        self.limits
+    }
+
+    /// The voltage put out last.
+    pub fn voltage(&self) -> T {
+        self.voltage
+    }
+}

@@ -1,0 +1,146 @@
+//! Promise: feedback does not wind up, a line keeps to its limits, weights that adapt find the filter that is missing.
+
+#![allow(clippy::unwrap_used)] // A failure is a failed test.
+
+use hysteron_rt::Compensated;
+use hysteron_rt::{
+    Feedback, FilteredLms, Held, LANES, Limited, Limits, Line, Linear, LmsSettings, ModelError, Real,
+    RealPoles, Sections, SectionsMemory,
+};
+
+/// 3 e + 0.01 Σ e + 0.5 of a pole 0.9.
+fn with_feedback<T: Real>(run: impl FnOnce(&mut Feedback<'_, T>)) {
+    let of = |x: f64| T::of(x);
+    let zero = of(0.0);
+    let real = [RealPoles { gain: [of(0.1), zero, zero, zero], weight: [of(0.5), zero, zero, zero] }];
+    let mut states = [Compensated::<T, LANES>::zero()];
+    let sections = Sections { taps: &[zero], real: &real, pairs: &[], rest_gain: of(0.5) };
+    let memory = SectionsMemory { real: &mut states, pairs: &mut [], delay: &mut [] };
+    let mut feedback = Feedback::new(of(3.0), of(0.01), Linear::new(sections, memory).unwrap()).unwrap();
+    run(&mut feedback);
+}
+
+#[test]
+fn a_constant_error_adds_up() {
+    with_feedback::<f64>(|feedback| {
+        for k in 1..=100 {
+            let c = feedback.step(2.0, Held::No);
+            // The pole sees the error behind its tap, one sample later.
+            let expected = 6.0 + 0.02 * f64::from(k) + (1.0 - 0.9_f64.powi(k - 1));
+            assert!((c - expected).abs() < 1e-12, "{k}: {c} {expected}");
+        }
+        // One that is not a number leaves it where it is.
+        let before = feedback.step(0.0, Held::No);
+        assert_eq!(feedback.step(f64::NAN, Held::No), before);
+        feedback.rest();
+        assert_eq!(feedback.step(0.0, Held::No), 0.0);
+    });
+}
+
+#[test]
+fn in_single_precision_a_slow_integral_loses_nothing() {
+    with_feedback::<f32>(|feedback| {
+        let mut last = 0.0;
+        for _ in 0..2_000_000 {
+            last = feedback.step(1e-3, Held::No);
+        }
+        // 3e-3 + 0.01 · 2000 + 0.5e-3.
+        assert!((last - 20.0035).abs() < 2e-5, "{last}");
+    });
+}
+
+#[test]
+fn what_is_held_back_does_not_wind_up() {
+    with_feedback::<f64>(|feedback| {
+        feedback.step(1.0, Held::No);
+        let standing = feedback.step(0.0, Held::Above);
+        for _ in 0..1000 {
+            feedback.step(5.0, Held::Above);
+        }
+        // 15 of the proportional part come and go.
+        let after = feedback.step(5.0, Held::Above) - 15.0;
+        assert!((after - standing).abs() < 0.1, "{after} {standing}");
+        // Away from the limit it moves at once.
+        let away = feedback.step(-1.0, Held::Above);
+        assert!(away + 3.0 < after + 0.1, "{away}");
+        let below = feedback.step(-5.0, Held::Below);
+        assert!((feedback.step(-5.0, Held::Below) - below).abs() < 1e-15);
+    });
+}
+
+#[test]
+fn a_line_keeps_to_its_limits_and_says_so() {
+    let limits = Limits { low: 0.0, high: 10.0, step: 2.0 };
+    let mut line = Line::new(1.0, 2.0, limits, 4.0).unwrap();
+    let drive = line.step(13.0);
+    assert_eq!((drive.voltage, drive.limited), (6.0, Limited::No));
+    let drive = line.step(21.0);
+    assert_eq!((drive.voltage, drive.limited), (8.0, Limited::Step));
+    assert_eq!(Held::of(drive, 6.0, limits), Held::Above);
+    line.step(21.0);
+    let drive = line.step(99.0);
+    assert_eq!((drive.voltage, drive.limited), (10.0, Limited::Range));
+    assert_eq!(Held::of(drive, 10.0, limits), Held::Above);
+    let drive = line.step(0.0);
+    assert_eq!((drive.voltage, drive.limited), (8.0, Limited::Step));
+    assert_eq!(Held::of(drive, 10.0, limits), Held::Below);
+    assert_eq!(line.step(f64::NAN).limited, Limited::Reference);
+    for (offset, slope, limits) in [
+        (f64::NAN, 1.0, limits),
+        (0.0, 0.0, limits),
+        (0.0, 1.0, Limits { high: 0.0, ..limits }),
+        (0.0, 1.0, Limits { step: 0.0, ..limits }),
+    ] {
+        assert!(Line::new(offset, slope, limits, 1.0).is_err());
+    }
+}
+
+/// The error is the reference behind a filter of 5 taps that is missing, less what the weights put out, both behind the secondary path.
+#[test]
+fn weights_find_the_filter_that_is_missing() {
+    const STRIDE: usize = 2;
+    let missing = [0.5, -0.2, 0.1, 0.05, 0.3];
+    let secondary = [0.0, 0.7, 0.2, 0.1];
+    let mut weights = [0.0; 5];
+    let (mut references, mut filtered) = ([0.0; 10], [0.0; 10]);
+    let settings = LmsSettings { rate: 0.05, leak: 0.0, floor: 1e-9 };
+    let mut lms =
+        FilteredLms::new(&mut weights, &secondary, [&mut references, &mut filtered], STRIDE, settings)
+            .unwrap();
+    let mut seed = 1_u64;
+    let (mut x, mut put): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+    let mut error = 0.0;
+    for k in 0..60_000_usize {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        x.push((seed >> 33) as f64 / (1_u64 << 31) as f64 - 0.5);
+        let correction = lms.step(x[k], error);
+        let wanted: f64 = missing
+            .iter()
+            .enumerate()
+            .filter_map(|(i, m)| k.checked_sub(i * STRIDE).map(|at| m * x[at]))
+            .sum();
+        put.push(wanted - correction);
+        error =
+            secondary.iter().enumerate().filter_map(|(j, s)| k.checked_sub(j).map(|at| s * put[at])).sum();
+    }
+    for (found, wanted) in lms.weights().iter().zip(missing) {
+        assert!((found - wanted).abs() < 1e-6, "{:?}", lms.weights());
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let settings = LmsSettings { rate: 0.1, leak: 0.0, floor: 1.0 };
+    let refused = |rate: f64, leak: f64, floor: f64, ring: usize| {
+        let (mut weights, mut a, mut b) = ([0.0; 4], vec![0.0; ring], vec![0.0; ring]);
+        let settings = LmsSettings { rate, leak, floor };
+        FilteredLms::new(&mut weights, &[1.0], [&mut a, &mut b], 2, settings).err()
+    };
+    assert_eq!(refused(settings.rate, settings.leak, settings.floor, 8), None);
+    assert_eq!(refused(0.1, 0.0, 1.0, 7), Some(ModelError::Memory { expected: 8, found: 7 }));
+    for (rate, leak, floor) in
+        [(0.0, 0.0, 1.0), (2.0, 0.0, 1.0), (0.1, 1.0, 1.0), (0.1, 0.0, 0.0), (f64::NAN, 0.0, 1.0)]
+    {
+        assert_eq!(refused(rate, leak, floor, 8), Some(ModelError::Coefficient));
+    }
+}
