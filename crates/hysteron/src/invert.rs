@@ -250,7 +250,7 @@ impl Model {
     }
 
     /// The voltage at which the device rests at this output, driven there from where it was virgin.
-    fn rest_for(
+    pub(crate) fn rest_for(
         &self,
         output: f64,
         virgin_v: Option<f64>,

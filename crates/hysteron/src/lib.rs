@@ -61,7 +61,7 @@
 //! 7. [`realise`] turns a model into real poles and pole pairs that run sample by sample.
 //! 8. [`online`] corrects a model while it runs and says when it no longer fits.
 //! 9. [`invert`] makes the drive that lets the output follow a reference.
-//!    [`compensator`] does it sample by sample, in a controller.
+//!    [`compensator`] does it sample by sample, in a controller; [`control`] closes the loop around it.
 //! 10. [`baselines`] are black-box models to compare with.
 //! 11. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
 //!
@@ -73,6 +73,7 @@ pub mod axes;
 pub mod baselines;
 pub mod bench_rig;
 pub mod compensator;
+pub mod control;
 pub mod display;
 pub mod dynamics;
 pub mod excitation;

@@ -196,6 +196,22 @@ impl Compensation {
     pub fn response(&self, frequency_hz: f64) -> Complex64 {
         let theta = TAU * frequency_hz / self.sample_rate_hz;
         let back = |samples: usize| Complex64::from_polar(1.0, -theta * samples as f64);
+        let forward: Complex64 = self.reference.iter().enumerate().map(|(j, gain)| *gain * back(j)).sum();
+        forward * back(self.preview).conj() / self.without_feedback(frequency_hz)
+    }
+
+    /// From a displacement that is added to the whole reference at once, as [`hysteron_rt::Compensator::step_against`] takes a disturbance off, to
+    /// what the stage does: the way that a correction by feedback goes.
+    pub fn correction(&self, frequency_hz: f64) -> Complex64 {
+        let all: f64 = self.reference.iter().sum();
+        let dynamics = self.dynamics.response(frequency_hz, self.sample_rate_hz);
+        all * dynamics / self.without_feedback(frequency_hz)
+    }
+
+    /// 1 − what of v comes back to it by way of the states and the past.
+    fn without_feedback(&self, frequency_hz: f64) -> Complex64 {
+        let theta = TAU * frequency_hz / self.sample_rate_hz;
+        let back = |samples: usize| Complex64::from_polar(1.0, -theta * samples as f64);
         let last = back(1);
         let mut fed_back = last;
         for (l, gain) in self.recent.iter().enumerate() {
@@ -207,14 +223,9 @@ impl Compensation {
             let (own, other) = (state(section.gain), state(section.gain.conj()));
             fed_back += *re * (0.5 * (own + other) - last) + *im * (-0.5 * Complex64::I * (own - other));
         }
-        let mut forward = Complex64::ZERO;
-        let mut sum = 0.0;
-        for (j, gain) in self.reference.iter().enumerate() {
-            forward += *gain * back(j);
-            sum += gain;
-        }
+        let sum: f64 = self.reference.iter().sum();
         fed_back -= sum * self.gain() * last;
-        forward * back(self.preview).conj() / (1.0 - fed_back)
+        1.0 - fed_back
     }
 
     /// From the reference to the displacement at a frequency \[Hz\]; 1 is ideal.

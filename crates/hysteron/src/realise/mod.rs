@@ -19,6 +19,7 @@ pub use cost::{Cost, side_by_side};
 pub use error::RealiseError;
 pub use linear::LinearRealisation;
 pub use sections::Section;
+pub(crate) use stream::LinearParts;
 pub use stream::{
     Coefficients, OperatorCoefficients, RuntimeParts, Stream, StreamParts, nanoseconds_per_sample,
 };

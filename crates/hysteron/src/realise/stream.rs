@@ -59,7 +59,7 @@ enum OperatorParts<T> {
 
 /// Coefficients and memory of a dynamic block.
 #[derive(Clone, Debug)]
-struct LinearParts<T> {
+pub(crate) struct LinearParts<T> {
     taps: Vec<T>,
     real: Vec<RealPoles<T>>,
     pairs: Vec<PolePair<T>>,
@@ -70,7 +70,7 @@ struct LinearParts<T> {
 }
 
 impl<T: Real> LinearParts<T> {
-    fn new(linear: &LinearRealisation) -> Self {
+    pub(crate) fn new(linear: &LinearRealisation) -> Self {
         let of = |x: f64| T::of(x);
         let (pairs, single): (Vec<Section>, Vec<Section>) =
             linear.sections.iter().copied().partition(Section::is_pair);
@@ -106,7 +106,7 @@ impl<T: Real> LinearParts<T> {
         Sections { taps: &self.taps, real: &self.real, pairs: &self.pairs, rest_gain: self.rest_gain }
     }
 
-    fn block(&mut self) -> Result<Linear<'_, T>, ModelError<T>> {
+    pub(crate) fn block(&mut self) -> Result<Linear<'_, T>, ModelError<T>> {
         let sections =
             Sections { taps: &self.taps, real: &self.real, pairs: &self.pairs, rest_gain: self.rest_gain };
         let memory = SectionsMemory {

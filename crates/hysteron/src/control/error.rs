@@ -1,0 +1,40 @@
+//! What can stand in the way of a loop.
+
+use hysteron_rt::ModelError;
+
+use super::TuningError;
+use crate::bench_rig::RigError;
+use crate::compensator::CompensatorError;
+use crate::hysteresis::HysteresisError;
+use crate::invert::InversionError;
+use crate::realise::RealiseError;
+
+/// Why a loop was not made, or not played.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ControlError {
+    /// The inverse.
+    #[error(transparent)]
+    Compensator(#[from] CompensatorError),
+    /// The feedback.
+    #[error(transparent)]
+    Tuning(#[from] TuningError),
+    /// The model does not run sample by sample.
+    #[error(transparent)]
+    Realise(#[from] RealiseError),
+    /// The simulated bench.
+    #[error(transparent)]
+    Rig(#[from] RigError),
+    /// The reference does not begin where the stage can rest.
+    #[error(transparent)]
+    Begins(#[from] InversionError),
+    /// The hysteresis refuses.
+    #[error(transparent)]
+    Hysteresis(#[from] HysteresisError),
+    /// A controller refuses.
+    #[error(transparent)]
+    Runtime(#[from] ModelError<f64>),
+    /// There is nothing to follow.
+    #[error("a reference needs at least 2 samples, all of them finite")]
+    Reference,
+}
