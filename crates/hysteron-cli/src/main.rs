@@ -37,6 +37,7 @@ mod schema;
 mod scores;
 mod simulate;
 mod start;
+mod track;
 mod validate;
 
 use failure::Failure;
@@ -66,6 +67,7 @@ enum Command {
     FrequencyResponse(Box<frequency_response::FrequencyResponseCommand>),
     Simulate(simulate::Simulate),
     Invert(invert::Invert),
+    Track(Box<track::Track>),
     Realise(realise::Realise),
     Export(export::Export),
     Excite(excite::Excite),
@@ -87,6 +89,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::FrequencyResponse(c) => c.run(),
         Command::Simulate(c) => c.run(),
         Command::Invert(c) => c.run(),
+        Command::Track(c) => c.run(),
         Command::Realise(c) => c.run(),
         Command::Export(c) => c.run(),
         Command::Excite(c) => c.run(),

@@ -143,7 +143,7 @@ impl Rig {
 }
 
 /// Reads a JSON file of settings; without a file, the defaults.
-fn read_or_default<T: DeserializeOwned + Default>(path: Option<&Path>, what: &str) -> Result<T, Failure> {
+pub fn read_or_default<T: DeserializeOwned + Default>(path: Option<&Path>, what: &str) -> Result<T, Failure> {
     use std::io::Read;
     let Some(path) = path else { return Ok(T::default()) };
     let failure = || Failure::new(format!("cannot read the {what} {}", path.display()));

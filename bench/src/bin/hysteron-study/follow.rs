@@ -19,15 +19,15 @@ use rand_xoshiro::rand_core::SeedableRng;
 use crate::Outcome;
 use crate::table;
 
-const RATE_HZ: f64 = 10_000.0;
-const SAMPLES: usize = 20_000;
+pub(crate) const RATE_HZ: f64 = 10_000.0;
+pub(crate) const SAMPLES: usize = 20_000;
 const CENTRE_UM: f64 = 14.0;
 const AMPLITUDE_UM: f64 = 10.0;
 /// Drive of the bench \[V\].
-const RANGE_V: [f64; 2] = [0.0, 10.5];
+pub(crate) const RANGE_V: [f64; 2] = [0.0, 10.5];
 
 /// Grows from rest to the full motion in 0.3 s.
-fn reference(motion: impl Fn(f64) -> f64) -> Vec<f64> {
+pub(crate) fn reference(motion: impl Fn(f64) -> f64) -> Vec<f64> {
     let at = |k: usize| {
         let t = k as f64 / RATE_HZ;
         let grown = (t / 0.3).min(1.0);
@@ -37,7 +37,7 @@ fn reference(motion: impl Fn(f64) -> f64) -> Vec<f64> {
 }
 
 /// 200 lines of one size from 0.5 to 100 Hz, phases at random, largest value 1.
-fn random(seed: u64) -> impl Fn(f64) -> f64 {
+pub(crate) fn random(seed: u64) -> impl Fn(f64) -> f64 {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut uniform = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
     let lines: Vec<(f64, f64)> = (1..=200).map(|k| (0.5 * f64::from(k), TAU * uniform())).collect();
@@ -46,11 +46,11 @@ fn random(seed: u64) -> impl Fn(f64) -> f64 {
     move |t| sum(t) / largest
 }
 
-fn truth() -> Truth {
+pub(crate) fn truth() -> Truth {
     Truth { dac: Dac::Hold, ..Truth::default() }
 }
 
-fn campaign(seed: u64) -> Outcome<Vec<CampaignRecord>> {
+pub(crate) fn campaign(seed: u64) -> Outcome<Vec<CampaignRecord>> {
     let plan = CampaignPlan { nested_amplitudes: vec![1.0, 0.75, 0.5, 0.25], ..CampaignPlan::default() };
     run_campaign(&truth(), &plan, seed)?
         .iter()

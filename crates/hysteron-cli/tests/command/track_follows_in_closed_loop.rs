@@ -1,0 +1,113 @@
+//! `track` plays a reference on the simulated bench and on the model, and says what each controller leaves.
+
+use std::f64::consts::TAU;
+
+use crate::bench::Bench;
+use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+use hysteron::hammerstein::Model;
+use hysteron::hysteresis::{BoucWen, Hysteresis};
+use hysteron::model_file::SignalUnits;
+use hysteron::record::InterSample;
+use serde_json::Value;
+
+/// About the default bench: its size, its first mode, its delay.
+fn stage() -> Model {
+    let natural = TAU * 475.0;
+    let term = |coefficient, order| Term { coefficient, order };
+    let square = natural * natural;
+    let mode = TransferFunction::new(
+        vec![term(square, 0.0)],
+        vec![term(square, 0.0), term(0.06 * natural, 1.0), term(1.0, 2.0)],
+    );
+    Model {
+        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![2.6, 0.01], -0.9, 0.3, 0.0, 1.0).unwrap()),
+        dynamics: Dynamics::Integer(mode.unwrap()),
+        offset: 0.0,
+        delay_s: 2e-4,
+        scheme: Scheme::BandLimited,
+        inter_sample: InterSample::Hold,
+        sample_rate_hz: Some(1e4),
+    }
+}
+
+fn scan(samples: usize) -> String {
+    let rows = (0..samples).map(|k| {
+        let t = k as f64 / 1e4;
+        format!("{t},{}\n", 12.0 - 5.0 * (TAU * 20.0 * t).cos())
+    });
+    format!("t_s,target_um\n{}", rows.collect::<String>())
+}
+
+fn bench(samples: usize) -> Bench {
+    let bench = Bench::new();
+    bench.write_model("stage.json", &stage(), SignalUnits::default());
+    bench.write("scan.csv", scan(samples));
+    bench
+}
+
+fn rms(made: &Value, controller: &str) -> f64 {
+    let rows = made["controllers"].as_array().unwrap();
+    let row = rows.iter().find(|row| row["controller"] == controller).unwrap();
+    row["rms_percent_of_stroke"].as_f64().unwrap()
+}
+
+#[test]
+fn every_controller_is_played_and_the_files_are_written() {
+    let bench = bench(2000);
+    let run = bench.run(
+        "track stage.json scan.csv --plant rig --range 0:10.5 --json -o track.csv --report track.html --seed 3",
+    );
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let made: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!((&made["simulated"], &made["plant"]), (&Value::from(true), &Value::from("rig")));
+    assert_eq!(made["controllers"].as_array().unwrap().len(), 14);
+    for row in made["controllers"].as_array().unwrap() {
+        if !row["law"].is_null() {
+            assert!(row["gain_margin"].as_f64().is_none_or(|m| m >= 2.0), "{row}");
+            assert!(row["phase_margin_deg"].as_f64().is_none_or(|m| m >= 60.0), "{row}");
+        }
+    }
+    // The model is not the bench's: feedback takes off what it gets wrong.
+    assert!(rms(&made, "feedforward-pi") < 0.5 * rms(&made, "feedforward"), "{made}");
+    let csv = std::fs::read_to_string(bench.path("track.csv")).unwrap();
+    assert!(csv.starts_with("t_s,reference_um,u_uncompensated_V,y_uncompensated_um,"), "{}", &csv[..80]);
+    assert_eq!(csv.lines().count(), 2001);
+    let page = std::fs::read_to_string(bench.path("track.html")).unwrap();
+    for words in ["simulated", "Error over time", "inverse, preview + observer", "phase margin"] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn on_the_model_itself_the_inverse_is_exact_and_a_slow_amplifier_is_seen() {
+    let bench = bench(3000);
+    let flags = "--range 0:10.5 --plant model --controller feedforward --controller causal --json";
+    let run = bench.run(&format!("track stage.json scan.csv {flags}"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let made: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert!(rms(&made, "feedforward") < 1e-3 && rms(&made, "causal") > 0.1, "{made}");
+    // 2 mA into 10 µF: 200 V/s; 5 µm of 20 Hz are about 2 V.
+    let run = bench.run(&format!("track stage.json scan.csv {flags} --current 2 --capacitance 10"));
+    let made: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert!((made["slew_per_s"].as_f64().unwrap() - 200.0).abs() < 1e-9, "{made}");
+    assert!(made["controllers"][0]["samples_at_slew"].as_u64().unwrap() > 100, "{made}");
+    assert_eq!(made["reach"].as_array().unwrap().len(), 5);
+    let run = bench.run("track stage.json scan.csv --range 0:10.5 --plant model --controller pi");
+    assert!(run.stdout.contains("Simulated") && run.stdout.contains("phase margin"), "{}", run.stdout);
+}
+
+#[test]
+fn what_cannot_be_followed_is_refused() {
+    let bench = bench(500);
+    let refused = |arguments: &str, words: &str, code: i32| {
+        let run = bench.run(&format!("track {arguments}"));
+        assert_eq!(run.exit_code, code, "{run:?}");
+        assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
+    };
+    refused("stage.json scan.csv", "--range", 1);
+    refused("stage.json scan.csv --range 0:1 --controller feedforward", "widen --range", 1);
+    refused("model.json scan.csv --range 0:100 --controller notch-integral", "no resonance", 1);
+    refused("stage.json scan.csv --range 0:10 --current 5", "capacitance", 2);
+    refused("stage.json scan.csv --range 0:10 --out missing/track.csv", "mkdir", 1);
+    refused("stage.json scan.csv --range 0:10 --truth missing.json", "truth", 1);
+}
