@@ -13,8 +13,8 @@ const CURVES: usize = 6;
 pub fn page(found: &Found) -> Page {
     let columns = HEADER.iter().enumerate().map(|(i, name)| match (i, *name) {
         (0, name) => Column::text(name),
-        (_, "rms" | "largest") => Column::number(HEADER[i], found.output.symbol()),
-        (_, "lowest drive" | "highest drive") => Column::number(HEADER[i], found.input.symbol()),
+        (_, "rms" | "largest") => Column::number(HEADER[i], found.output.to_string()),
+        (_, "lowest drive" | "highest drive") => Column::number(HEADER[i], found.input.to_string()),
         (_, name) => Column::number(name, ""),
     });
     let table = found.runs.iter().fold(Table::new(columns), |table, run| table.row(cells(run)));
@@ -45,7 +45,7 @@ fn time(found: &Found) -> Vec<f64> {
 }
 
 fn motion(found: &Found) -> Figure {
-    let unit = found.output.symbol();
+    let unit = found.output.to_string();
     let mut panel = Panel::new(Axis::linear("time", "s"), Axis::linear("displacement", unit))
         .series(Series::line("reference", time(found), found.reference.clone(), Style::nth(0)));
     for (i, run) in found.runs.iter().enumerate().filter(|(i, _)| *i == 0 || *i + 1 == found.runs.len()) {
@@ -60,7 +60,7 @@ fn motion(found: &Found) -> Figure {
 
 /// Error over time of the controllers that leave least, and of the first.
 fn errors(found: &Found) -> Figure {
-    let unit = found.output.symbol();
+    let unit = found.output.to_string();
     let mut order: Vec<usize> = (0..found.runs.len()).collect();
     order.sort_by(|a, b| found.runs[*b].score.rms.total_cmp(&found.runs[*a].score.rms));
     let skipped = order.len().saturating_sub(CURVES - 1);
@@ -73,12 +73,8 @@ fn errors(found: &Found) -> Figure {
         let error = found.reference.iter().zip(&run.played.displacement).skip(from);
         let error: Vec<f64> = error.map(|(r, y)| r - y - run.score.mean).collect();
         let time = time(found).split_off(from);
-        let panel = Panel::new(Axis::linear("time", "s"), Axis::linear("error", unit)).series(Series::line(
-            run.controller.words(),
-            time,
-            error,
-            Style::nth(place),
-        ));
+        let panel = Panel::new(Axis::linear("time", "s"), Axis::linear("error", unit.clone()))
+            .series(Series::line(run.controller.words(), time, error, Style::nth(place)));
         figure = figure.panel(panel);
     }
     figure.captioned("Reference less displacement, mean taken off: the first controller and those that leave least. Each panel has its own scale.")
@@ -86,7 +82,7 @@ fn errors(found: &Found) -> Figure {
 
 fn reach(found: &Found) -> Figure {
     let (x, y) = found.reach.iter().map(|r| (r.amplitude, r.highest_hz)).unzip();
-    let axis = Axis::log("amplitude", found.output.symbol());
+    let axis = Axis::log("amplitude", found.output.to_string());
     let panel = Panel::new(axis, Axis::log("highest frequency", "Hz")).series(Series::line(
         "largest rate of the drive",
         x,

