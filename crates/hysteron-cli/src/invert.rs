@@ -99,6 +99,17 @@ pub struct Invert {
 /// Excess of a reference's frequency over the model's that is worth a remark.
 const FASTER: f64 = 1.1;
 
+/// Where a model that creeps for ever stops creeping, from its records; `None` for one that does not.
+pub fn lowest_frequency(model: &LoadedModel, sample_rate_hz: f64) -> Option<f64> {
+    let law = Compensation::new(model.model(), sample_rate_hz, &CompensatorOptions::default());
+    match law {
+        Err(CompensatorError::Realise(RealiseError::LowestFrequency)) => {
+            recorded_lowest(model.file.valid_range.as_ref())
+        }
+        _ => None,
+    }
+}
+
 /// `LOW:HIGH`.
 pub fn range(text: &str) -> Result<[f64; 2], String> {
     let wrong = || "expected LOW:HIGH, e.g. 0:100".to_owned();
@@ -216,7 +227,7 @@ impl Invert {
         options: &InverseOptions,
     ) -> Result<InverseDrive, InversionError> {
         let realise = RealiseOptions {
-            lowest_frequency_hz: recorded_lowest(model.file.valid_range.as_ref()),
+            lowest_frequency_hz: lowest_frequency(model, sample_rate_hz),
             ..RealiseOptions::default()
         };
         let wanted = CompensatorOptions {

@@ -23,7 +23,7 @@ use serde::Serialize;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::invert::range;
+use crate::invert::{lowest_frequency, range};
 use crate::model::{LoadedModel, Signal};
 use crate::numbers::{not_negative, number, positive, whole};
 use crate::output;
@@ -108,7 +108,7 @@ pub struct Track {
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = positive, allow_hyphen_values = true)]
     phase_margin: f64,
 
-    /// Lowest frequency in Hz of creep that never ends, below which it stops
+    /// Lowest frequency in Hz of creep that never ends, below which it stops [default: a thousandth of the lowest of the model's records]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
@@ -235,7 +235,9 @@ impl Track {
                 ..Wanted::default()
             },
             realise: RealiseOptions {
-                lowest_frequency_hz: self.lowest_frequency,
+                lowest_frequency_hz: self
+                    .lowest_frequency
+                    .or_else(|| lowest_frequency(model, sample_rate_hz)),
                 ..RealiseOptions::default()
             },
         })
