@@ -7,7 +7,7 @@
 use hysteron_rt::{BoucWen, Scalar};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, finite, parameter};
+use super::columns::{ColumnKernel, finite, parameter, simulate_with_sensitivities};
 use super::duhem::moments;
 
 /// Column ζ \[V\] of Song and Der Kiureghian's six coefficients, in the form with slope 1 from rest:
@@ -66,6 +66,8 @@ impl SongDerKiureghian {
 
 impl ColumnKernel for SongDerKiureghian {
     type State<S: Scalar<Real = f64>> = AsymmetricState<S>;
+
+    simulate_with_sensitivities!(6);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["beta_1", "beta_2", "beta_3", "beta_4", "beta_5", "beta_6"]
@@ -174,6 +176,8 @@ impl NonSymmetricBoucWen {
 
 impl ColumnKernel for NonSymmetricBoucWen {
     type State<S: Scalar<Real = f64>> = AsymmetricState<S>;
+
+    simulate_with_sensitivities!(3);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["beta", "gamma", "delta"]

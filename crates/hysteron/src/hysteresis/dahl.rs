@@ -6,7 +6,7 @@
 use hysteron_rt::{Scalar, log_distance};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, ColumnModel, parameter, positive};
+use super::columns::{ColumnKernel, ColumnModel, parameter, positive, simulate_with_sensitivities};
 
 /// Dahl's operator dz/du = σ (1 − s z/z_c)ⁱ, s = sign Δu, in the form with slope 1 from rest: z = σ ζ,
 ///
@@ -46,6 +46,8 @@ impl Dahl {
 
 impl ColumnKernel for Dahl {
     type State<S: Scalar<Real = f64>> = DahlState<S>;
+
+    simulate_with_sensitivities!(2);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["reach", "exponent"]

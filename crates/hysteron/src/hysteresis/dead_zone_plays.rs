@@ -6,7 +6,7 @@
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, positive};
+use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 use super::plays::PlayStates;
 
 /// Bands that the output of the plays is cut into.
@@ -54,6 +54,8 @@ impl DeadZonePlays {
 
 impl ColumnKernel for DeadZonePlays {
     type State<S: Scalar<Real = f64>> = DeadZonePlayStates<S>;
+
+    simulate_with_sensitivities!(2);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["loop_share", "reach"]

@@ -5,7 +5,7 @@
 
 use hysteron_rt::Scalar;
 
-use super::columns::ColumnKernel;
+use super::columns::{ColumnKernel, simulate_with_sensitivities};
 use super::{HysteresisError, PlayStart, PrandtlIshlinskii};
 
 /// Columns S_r(u) = max(u − r, 0) for r > 0, min(u − r, 0) for r < 0 \[V\]: one-sided dead zones.
@@ -45,6 +45,8 @@ fn check_zones(thresholds: &[f64]) -> Result<(), HysteresisError> {
 impl ColumnKernel for DeadZones {
     /// The present voltage.
     type State<S: Scalar<Real = f64>> = S;
+
+    simulate_with_sensitivities!(0);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &[]

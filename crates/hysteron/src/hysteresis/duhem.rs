@@ -7,7 +7,7 @@
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, ColumnModel, parameter, positive};
+use super::columns::{ColumnKernel, ColumnModel, parameter, positive, simulate_with_sensitivities};
 
 /// Highest power of u in a slope.
 const MOST: usize = 9;
@@ -71,6 +71,8 @@ impl ColumnModel<Duhem> {
 
 impl ColumnKernel for Duhem {
     type State<S: Scalar<Real = f64>> = DuhemState<S>;
+
+    simulate_with_sensitivities!(1);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["rate"]

@@ -7,7 +7,7 @@
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, ColumnModel, between, parameter, positive};
+use super::columns::{ColumnKernel, ColumnModel, between, parameter, positive, simulate_with_sensitivities};
 
 /// Columns Fⱼ ← max(γ_r(u) − rⱼ, min(γ_l(u) + rⱼ, Fⱼ)) with the envelopes
 ///
@@ -44,6 +44,8 @@ fn envelopes<S: Scalar<Real = f64>>(shape: &[S], u: S) -> (S, S) {
 
 impl ColumnKernel for GeneralisedPlays {
     type State<S: Scalar<Real = f64>> = GeneralisedPlayStates<S>;
+
+    simulate_with_sensitivities!(4);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["rise_right", "centre_right", "rise_left", "centre_left"]

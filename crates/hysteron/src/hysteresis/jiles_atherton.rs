@@ -7,7 +7,7 @@
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, finite, parameter, positive};
+use super::columns::{ColumnKernel, finite, parameter, positive, simulate_with_sensitivities};
 
 /// Column m, the magnetisation (polarisation) relative to saturation:
 ///
@@ -179,6 +179,8 @@ fn refined<S: Scalar<Real = f64>>(root: f64, excess: S, slope: f64) -> S {
 
 impl ColumnKernel for JilesAtherton {
     type State<S: Scalar<Real = f64>> = JilesAthertonState<S>;
+
+    simulate_with_sensitivities!(4);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["anhysteretic", "pinning", "reversibility", "coupling"]

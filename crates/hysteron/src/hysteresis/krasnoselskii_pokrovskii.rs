@@ -8,7 +8,7 @@
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, positive};
+use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 
 /// Columns ξ ← max(ρ(u − p₂), min(ρ(u − p₁), ξ)), ρ(x) = max(−1, min(1, 2x/a)), for every pair p₁ ≤ p₂ of a regular grid.
 ///
@@ -47,6 +47,8 @@ fn ramp<S: Scalar<Real = f64>>(x: S, rise: S) -> S {
 
 impl ColumnKernel for KrasnoselskiiPokrovskii {
     type State<S: Scalar<Real = f64>> = KrasnoselskiiPokrovskiiState<S>;
+
+    simulate_with_sensitivities!(1);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["rise"]

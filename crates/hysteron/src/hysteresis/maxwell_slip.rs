@@ -6,7 +6,7 @@
 
 use hysteron_rt::Scalar;
 
-use super::columns::{ColumnKernel, ColumnModel, between, parameter, positive};
+use super::columns::{ColumnKernel, ColumnModel, between, parameter, positive, simulate_with_sensitivities};
 use super::plays::check_thresholds;
 use super::{HysteresisError, PrandtlIshlinskii};
 
@@ -34,6 +34,8 @@ pub struct MaxwellSlipState<S> {
 
 impl ColumnKernel for MaxwellSlip {
     type State<S: Scalar<Real = f64>> = MaxwellSlipState<S>;
+
+    simulate_with_sensitivities!(1);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["scale"]

@@ -49,7 +49,7 @@ pub use admissibility::Admissibility;
 pub use asymmetric_bouc_wen::{NonSymmetricBoucWen, SongDerKiureghian};
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use bouc_wen_forms::{ClassicalBoucWen, NormalisedBoucWen};
-pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities, ColumnStart, MOST_SHAPE_PARAMETERS};
+pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities, ColumnStart};
 pub use dahl::Dahl;
 pub use dead_zone_plays::DeadZonePlays;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};

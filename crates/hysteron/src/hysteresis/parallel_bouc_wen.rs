@@ -3,7 +3,7 @@
 use hysteron_rt::{BoucWen, Scalar};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, finite, parameter};
+use super::columns::{ColumnKernel, finite, parameter, simulate_with_sensitivities};
 
 /// Most states: three of two shape numbers each.
 pub const MOST_STATES: usize = 3;
@@ -29,6 +29,8 @@ pub struct ParallelState<S> {
 
 impl ColumnKernel for ParallelBoucWen {
     type State<S: Scalar<Real = f64>> = ParallelState<S>;
+
+    simulate_with_sensitivities!(2 | 4 | 6);
 
     fn shape_names(&self) -> &'static [&'static str] {
         const NAMES: [&str; 2 * MOST_STATES] =

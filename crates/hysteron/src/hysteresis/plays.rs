@@ -3,7 +3,7 @@
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, positive};
+use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 
 /// Columns Fⱼ ← max(u − rⱼ, min(u + rⱼ, Fⱼ)) \[V\], rⱼ = scale · `thresholds`\[j\]: the plays of
 /// [`super::PrandtlIshlinskii`].
@@ -64,6 +64,8 @@ macro_rules! play_columns {
     ($kernel:ty, $sides:expr) => {
         impl ColumnKernel for $kernel {
             type State<S: Scalar<Real = f64>> = PlayStates<S>;
+
+            simulate_with_sensitivities!(1);
 
             fn shape_names(&self) -> &'static [&'static str] {
                 &["scale"]

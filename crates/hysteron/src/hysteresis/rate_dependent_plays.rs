@@ -6,7 +6,7 @@
 
 use hysteron_rt::Scalar;
 
-use super::columns::{ColumnKernel, between, parameter, positive};
+use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 use super::pass::Every;
 use super::plays::{PlayStates, check_thresholds};
 use super::{HysteresisError, PlayStart, polynomial};
@@ -55,6 +55,8 @@ pub struct RateDependentPlayStates<S> {
 
 impl ColumnKernel for RateDependentPlays {
     type State<S: Scalar<Real = f64>> = RateDependentPlayStates<S>;
+
+    simulate_with_sensitivities!(2);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["scale", "rate_gain"]

@@ -9,13 +9,11 @@ mod pass;
 
 pub use model::ColumnModel;
 pub use pass::ColumnSensitivities;
+pub(super) use pass::differentiate;
 
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-
-/// Most shape parameters of a family.
-pub const MOST_SHAPE_PARAMETERS: usize = 6;
 
 /// Where the columns stand before the first sample of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +53,7 @@ pub trait ColumnKernel {
     /// Present voltage and memory.
     type State<S: Scalar<Real = f64>>: Clone;
 
-    /// Names of the shape parameters θ, at most [`MOST_SHAPE_PARAMETERS`].
+    /// Names of the shape parameters θ.
     fn shape_names(&self) -> &'static [&'static str];
 
     /// Checks the structure and the values of a shape that has one number a name.
@@ -167,19 +165,33 @@ pub trait ColumnKernel {
         out: &mut ColumnSensitivities,
     ) -> Result<(), HysteresisError>
     where
-        Self: Sized,
-    {
-        match shape.len() {
-            0 => pass::differentiate::<1, _>(self, shape, factor, u, start, out),
-            1 => pass::differentiate::<2, _>(self, shape, factor, u, start, out),
-            2 => pass::differentiate::<3, _>(self, shape, factor, u, start, out),
-            3 => pass::differentiate::<4, _>(self, shape, factor, u, start, out),
-            4 => pass::differentiate::<5, _>(self, shape, factor, u, start, out),
-            5 => pass::differentiate::<6, _>(self, shape, factor, u, start, out),
-            _ => pass::differentiate::<{ MOST_SHAPE_PARAMETERS + 1 }, _>(self, shape, factor, u, start, out),
-        }
-    }
+        Self: Sized;
 }
+
+/// [`ColumnKernel::simulate_with_sensitivities`] of a kernel with so many shape parameters: its numbers carry that many derivatives and
+/// the one with respect to the start. A literal, so that no kernel is compiled for other counts than its own.
+macro_rules! simulate_with_sensitivities {
+    ($($parameters:literal)|+) => {
+        fn simulate_with_sensitivities(
+            &self,
+            shape: &[f64],
+            factor: usize,
+            u: &[f64],
+            start: $crate::hysteresis::ColumnStart,
+            out: &mut $crate::hysteresis::ColumnSensitivities,
+        ) -> Result<(), $crate::hysteresis::HysteresisError> {
+            use $crate::hysteresis::columns::differentiate;
+            match shape.len() {
+                $($parameters => differentiate::<{ $parameters + 1 }, _>(self, shape, factor, u, start, out),)+
+                given => Err($crate::hysteresis::HysteresisError::ShapeCount {
+                    expected: self.shape_names().len(),
+                    found: given,
+                }),
+            }
+        }
+    };
+}
+pub(super) use simulate_with_sensitivities;
 
 /// Shape parameter number `index`.
 #[inline(always)]

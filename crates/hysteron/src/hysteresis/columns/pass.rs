@@ -208,7 +208,7 @@ fn settle<K: ColumnKernel>(
 }
 
 /// As [`simulate`] in duals: the partials are θ, then the start.
-pub(super) fn differentiate<const P: usize, K: ColumnKernel>(
+pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
     factor: usize,

@@ -2,7 +2,7 @@
 
 use hysteron_rt::Scalar;
 
-use super::super::columns::{ColumnKernel, between, parameter, positive};
+use super::super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 use super::{HysteresisError, Preisach, PreisachState};
 
 /// Form of a factor of the density over its standardised variable.
@@ -118,6 +118,8 @@ impl PreisachDensity {
 
 impl ColumnKernel for PreisachDensity {
     type State<S: Scalar<Real = f64>> = PreisachDensityState<S>;
+
+    simulate_with_sensitivities!(4);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &["half_width", "half_width_spread", "bias", "bias_spread"]

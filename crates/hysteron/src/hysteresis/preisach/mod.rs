@@ -14,7 +14,7 @@ pub use everett::ReversalCurve;
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between};
+use super::columns::{ColumnKernel, between, simulate_with_sensitivities};
 use staircase::{Edge, Piece, Staircase};
 
 /// Most levels of a plane.
@@ -217,6 +217,8 @@ fn swept<S: Scalar<Real = f64>>(piece: Piece<S>, [low, high]: [f64; 2], [c, d]: 
 
 impl ColumnKernel for Preisach {
     type State<S: Scalar<Real = f64>> = PreisachState<S>;
+
+    simulate_with_sensitivities!(0);
 
     fn shape_names(&self) -> &'static [&'static str] {
         &[]
