@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::super::layout::{BoxBuilder, Role};
 use super::super::options::Choice;
 use super::super::static_step::Scales;
+use super::record::Before;
 use super::setup::JointSetup;
 use crate::hysteresis::{FamilyForm, HysteresisForm};
 use crate::optimize::Range;
@@ -88,6 +89,7 @@ impl JointSetup<'_> {
         let demands = &self.options.demands;
         let Scales { range_v, largest_v, slope, .. } = self.scales;
         let (low, high) = self.span();
+        let (lowest, highest) = self.grid(form);
         let weights = form.weight_numbers().into_iter().map(|(name, unit)| {
             // µm per unit of the column, whose size goes with its power of the drive.
             let most = 10.0 * slope.abs() * range_v.max(largest_v).powi(1 + unit.input);
@@ -102,12 +104,12 @@ impl JointSetup<'_> {
             let held = |value: f64| (value, None);
             let searched = |range: Range| (f64::NAN, Some(range));
             let (value, range) = match (form, name.as_str()) {
-                (_, "low") => held(low),
-                (_, "high") => held(high),
+                (_, "low") => held(lowest),
+                (_, "high") => held(highest),
                 (FamilyForm::MaxwellSlip { .. }, _) => held(0.5 * range_v),
                 (FamilyForm::OneSidedPlays { .. }, _) => held(range_v),
                 (FamilyForm::KrasnoselskiiPokrovskii { lines }, _) => {
-                    held((high - low) / (lines.max(2) - 1) as f64)
+                    held((highest - lowest) / (lines.max(2) - 1) as f64)
                 }
                 (FamilyForm::SongDerKiureghian, _) if index > 0 => {
                     searched(Range::linear(&name, -steepest, steepest))
@@ -153,6 +155,28 @@ impl JointSetup<'_> {
         (weights, shape)
     }
 
+    /// Ends of what a family's grid covers: of a plane of relays all that a drive can switch. A device that was virgin where a record
+    /// begins has relays that close on the first way up and open far below the lowest voltage only: a plane that ends at the
+    /// voltages of the records leaves them out, and with them the first branch.
+    fn grid(&self, form: FamilyForm) -> (f64, f64) {
+        let (low, high) = self.span();
+        let is_plane = matches!(
+            form,
+            FamilyForm::KrasnoselskiiPokrovskii { .. }
+                | FamilyForm::Preisach { .. }
+                | FamilyForm::PreisachDensity
+        );
+        let begins = self.members.iter().filter(|m| is_plane && m.before != Before::Periodic);
+        let virgin = begins.filter_map(|member| match member.before {
+            Before::Rest { voltage_v } => Some(voltage_v),
+            _ => member.facts.data.u.first().copied(),
+        });
+        // Virgin at v, relays with α + β < 2v are closed: mirror images of the ends.
+        virgin.fold((low, high), |(lowest, highest), v| {
+            (lowest.min(2.0 * v - high), highest.max(2.0 * v - low))
+        })
+    }
+
     /// Lowest and highest voltage of all records.
     fn span(&self) -> (f64, f64) {
         let spans = self.members.iter().map(|member| range_of(&member.facts.data.u));
@@ -168,6 +192,7 @@ impl JointSetup<'_> {
     fn shapes_of(&self, form: FamilyForm) -> Vec<Vec<f64>> {
         let range_v = self.scales.range_v;
         let (low, high) = self.span();
+        let (lowest, highest) = self.grid(form);
         let middle = 0.5 * (low + high);
         let bends = || SHARPNESSES.iter().map(|sharpness| sharpness / range_v);
         match form {
@@ -195,13 +220,14 @@ impl JointSetup<'_> {
                 [0.3, 1.0, 3.0].map(|rise| vec![rise / range_v, middle, rise / range_v, middle]).into()
             }
             FamilyForm::KrasnoselskiiPokrovskii { lines } => {
-                vec![vec![low, high, (high - low) / (lines.max(2) - 1) as f64]]
+                vec![vec![lowest, highest, (highest - lowest) / (lines.max(2) - 1) as f64]]
             }
-            FamilyForm::Preisach { .. } => vec![vec![low, high]],
+            FamilyForm::Preisach { .. } => vec![vec![lowest, highest]],
             FamilyForm::PreisachDensity => [0.1, 0.3]
                 .iter()
                 .flat_map(|width| {
-                    [0.3, 1.0].map(|spread| vec![low, high, 0.0, width * range_v, middle, spread * range_v])
+                    [0.3, 1.0]
+                        .map(|spread| vec![lowest, highest, 0.0, width * range_v, middle, spread * range_v])
                 })
                 .collect(),
             FamilyForm::JilesAtherton => [0.1, 0.3, 1.0]
