@@ -1,7 +1,7 @@
 //! C99 source.
 
 use hysteron::realise::{Coefficients, OperatorCoefficients, RuntimeParts};
-use hysteron_rt::{BoucWen, Real};
+use hysteron_rt::{BoucWen, Real, Sides};
 
 use crate::error::ExportError;
 use crate::files::ExportedFile;
@@ -121,6 +121,9 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
         filling.coefficients(name, place);
     }
     sizes(&mut filling, &coefficients);
+    if let OperatorCoefficients::Plane { intervals, .. } = coefficients.operator {
+        filling.key("REAL_INTERVALS", literal(T::of(intervals as f64)));
+    }
     let tables = tables(&subject.name, &coefficients, tunable, &literal);
     filling.key("TABLES", tables);
     Ok(filling)
@@ -129,9 +132,9 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
 fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
     let sections = coefficients.sections;
     let one = T::of(1.0);
-    let (operators, plays) = match coefficients.operator {
-        OperatorCoefficients::BoucWen(operators) => (operators, 0),
-        OperatorCoefficients::Plays { weights, .. } => (&[][..], weights.len()),
+    let operators = match coefficients.operator {
+        OperatorCoefficients::BoucWen(operators) => operators,
+        _ => &[],
     };
     // One law for all: several in parallel have n = 1.
     let exponent = operators.first().map(BoucWen::n);
@@ -144,19 +147,59 @@ fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
         .flag("quadratic_law", quadratic)
         .flag("power_law", power)
         .flag("relaxes", linear || power)
-        .flag("plays", plays > 0)
         .flag("polynomial", !coefficients.polynomial.is_empty())
         .flag("real_poles", real > 0)
         .flag("pairs", !sections.pairs.is_empty())
         .flag("delay", coefficients.delay_samples > 0)
         .flag("accumulates", !operators.is_empty() || real + sections.pairs.len() > 0)
         .key("N_OPERATORS", operators.len())
-        .key("N_PLAYS", plays)
         .key("N_POLYNOMIAL", coefficients.polynomial.len())
         .key("N_TAPS", sections.taps.len())
         .key("N_REAL", real)
         .key("N_PAIRS", sections.pairs.len())
         .key("N_DELAY", coefficients.delay_samples);
+    operator_sizes(filling, coefficients.operator);
+}
+
+/// Flags and sizes of plays and planes.
+fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients<'_, T>) {
+    for (key, text) in
+        [("RATE_PARAMETER", ""), ("RATE_IN_WORDS", ""), ("THROUGH_PARAMETER", ""), ("THROUGH_IN_WORDS", "")]
+    {
+        filling.key(key, text);
+    }
+    match operator {
+        OperatorCoefficients::BoucWen(_) => {}
+        OperatorCoefficients::Plays { weights, .. } => {
+            filling.flag("plays", !weights.is_empty()).key("N_PLAYS", weights.len());
+        }
+        OperatorCoefficients::SidedPlays { sides, thresholds, weights, corners, slopes, .. } => {
+            let kind = match sides {
+                Sides::Even { widening } if widening > T::of(0.0) => "rate",
+                Sides::Even { .. } => "even",
+                Sides::Below => "below",
+                Sides::Envelopes { .. } => "envelopes",
+                Sides::Ramps { .. } => "ramps",
+            };
+            filling
+                .flag("sided", true)
+                .flag(kind, true)
+                .flag("line", !slopes.is_empty())
+                .key("N_PLAYS", weights.len())
+                .key("N_THRESHOLDS", thresholds.len())
+                .key("N_CORNERS", corners.len());
+            if kind == "rate" {
+                filling
+                    .key("RATE_PARAMETER", ", real du")
+                    .key("RATE_IN_WORDS", " in a sample that moves by du")
+                    .key("THROUGH_PARAMETER", "real middle, real du, ")
+                    .key("THROUGH_IN_WORDS", " through `middle`, in a sample that moves by du,");
+            }
+        }
+        OperatorCoefficients::Plane { intervals, turns, .. } => {
+            filling.flag("plane", true).key("N_INTERVALS", intervals).key("N_TURNS", turns);
+        }
+    }
 }
 
 /// Gain and weight of each real pole, without the lanes that fill up the last group.
@@ -211,10 +254,16 @@ fn tables<T: Real>(
         if !coefficients.polynomial.is_empty() {
             members.push(format!("    {{\n{polynomial}\n    }}"));
         }
-        members.push(match coefficients.operator {
-            OperatorCoefficients::BoucWen(list) => format!("    {{\n{}\n    }}", operators(list)),
-            OperatorCoefficients::Plays { weights, .. } => format!("    {{\n{}\n    }}", all(weights)),
-        });
+        match coefficients.operator {
+            OperatorCoefficients::BoucWen(list) => {
+                members.push(format!("    {{\n{}\n    }}", operators(list)))
+            }
+            OperatorCoefficients::Plays { weights, .. }
+            | OperatorCoefficients::SidedPlays { weights, .. } => {
+                members.push(format!("    {{\n{}\n    }}", all(weights)));
+            }
+            OperatorCoefficients::Plane { .. } => {}
+        }
         table(
             "The numbers of the hysteresis to begin with.",
             &format!("{name}_parameters DEFAULTS"),
@@ -242,7 +291,54 @@ fn tables<T: Real>(
                 table("Weights of the plays.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
             }
         }
+        OperatorCoefficients::SidedPlays { sides, thresholds, weights, shares, corners, slopes } => {
+            if let Sides::Envelopes { right, left } = sides {
+                for (comment, name, side) in [
+                    ("Rise and centre of the right envelope.", "RIGHT", right),
+                    ("Rise and centre of the left envelope.", "LEFT", left),
+                ] {
+                    table(comment, &format!("real {name}[2]"), &all(&side));
+                }
+            }
+            let (comment, size) = (of_thresholds(sides), thresholds.len());
+            table(comment, &format!("real THRESHOLD[{size}]"), &all(thresholds));
+            if !tunable {
+                table("Weights of the plays.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
+            }
+            for (comment, name, numbers) in [
+                ("Shares of the plays in their mean.", "SHARE", shares),
+                ("Corners of the line that the mean goes through.", "CORNER", corners),
+                ("Slopes between them, one more.", "SLOPE", slopes),
+            ] {
+                if !numbers.is_empty() {
+                    table(comment, &format!("real {name}[{}]", numbers.len()), &all(numbers));
+                }
+            }
+        }
+        OperatorCoefficients::Plane { everett, .. } => {
+            let comment = "Sums over the relays between two levels: (1, 0), (2, 0), (2, 1), (3, 0), ...";
+            table(comment, &format!("real EVERETT[{}]", everett.len()), &all(everett));
+        }
     }
+    let mut constant = |comment: &str, name: &str, value: T| {
+        out.push_str(&format!("/* {comment} */\nstatic const real {name} = {};\n", literal(value)));
+    };
+    match coefficients.operator {
+        OperatorCoefficients::SidedPlays { sides: Sides::Even { widening }, .. } if widening > T::of(0.0) => {
+            constant("What a half-width grows by for a move of 1 in a sample.", "WIDENING", widening);
+        }
+        OperatorCoefficients::SidedPlays { sides: Sides::Ramps { steepness }, .. } => {
+            constant("Slope of a ramp.", "STEEPNESS", steepness);
+        }
+        OperatorCoefficients::Plane { range: [low, _], density, .. } => {
+            constant("Lowest level.", "LOWEST", low);
+            constant("Intervals between levels a unit of voltage.", "DENSITY", density);
+        }
+        _ => {}
+    }
+    let mut table = |comment: &str, declaration: &str, content: &str| {
+        out.push_str(&format!("/* {comment} */\nstatic const {declaration} = {{\n{content}\n}};\n"));
+    };
     let sections = coefficients.sections;
     table(
         "Taps on the newest inputs of the dynamics.",
@@ -277,6 +373,14 @@ fn tables<T: Real>(
         literal(sections.rest_gain),
         literal(coefficients.offset)
     )
+}
+
+/// What the thresholds of plays are.
+pub(crate) fn of_thresholds<T>(sides: Sides<T>) -> &'static str {
+    match sides {
+        Sides::Ramps { .. } => "Lines of the grid.",
+        _ => "Half-widths of the plays.",
+    }
 }
 
 /// Texts in rows, separated by commas.

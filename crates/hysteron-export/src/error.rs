@@ -20,8 +20,7 @@ pub enum ExportError {
     },
     /// The family of hysteresis has no exported form.
     #[error(
-        "the hysteresis family {family} cannot be exported; these can: bouc-wen (any exponent), parallel-bouc-wen, prandtl-ishlinskii \
-         (plays)"
+        "the hysteresis family {family} cannot be exported; these cannot: non-symmetric-bouc-wen, song-der-kiureghian, dahl, duhem, jiles-atherton"
     )]
     Family {
         /// Its name.

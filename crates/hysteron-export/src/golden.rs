@@ -1,6 +1,6 @@
 //! Golden vectors: what the library puts out along a drive that goes everywhere.
 
-use hysteron::hysteresis::Origin;
+use hysteron::hysteresis::{DriveGrid, Origin};
 use hysteron::realise::{RuntimeParts, sweep};
 use hysteron_rt::{Model, ModelError, Real};
 
@@ -73,9 +73,10 @@ fn added_up(subject: &Subject, voltages: &[f64]) -> Result<f64, ExportError> {
     let linear = &subject.realisation.dynamics;
     let mut v = vec![0.0; voltages.len()];
     let rest = voltages.first().copied().unwrap_or(0.0);
+    let grid = DriveGrid { factor: 1, interval_s: Some(1.0 / subject.realisation.sample_rate_hz) };
     model
         .hysteresis
-        .simulate(voltages, Origin::Virgin { rest }, &mut v)
+        .simulate_every(grid, voltages, Origin::Virgin { rest }, &mut v)
         .map_err(|e| ExportError::Realise(e.into()))?;
     let polynomial = model.hysteresis.polynomial();
     let (mut line, mut memory) = (0.0_f64, 0.0_f64);

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use hysteron::realise::{OperatorCoefficients, RuntimeParts};
-use hysteron_rt::{BoucWen, LANES, Real};
+use hysteron_rt::{BoucWen, LANES, Real, Sides};
 
-use crate::c::{Numbers, filling, golden_keys, rows};
+use crate::c::{Numbers, filling, golden_keys, of_thresholds, rows};
 use crate::error::ExportError;
 use crate::files::ExportedFile;
 use crate::golden::Golden;
@@ -191,7 +191,46 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
             table("Half-widths of the plays.", "THRESHOLD", "Real", thresholds.len(), &all(thresholds));
             table("Weights of the plays.", "WEIGHT", "Real", weights.len(), &all(weights));
         }
+        OperatorCoefficients::SidedPlays { sides, thresholds, weights, shares, corners, slopes } => {
+            table(of_thresholds(sides), "THRESHOLD", "Real", thresholds.len(), &all(thresholds));
+            table("Weights of the plays.", "WEIGHT", "Real", weights.len(), &all(weights));
+            for (comment, name, numbers) in [
+                ("Shares of the plays in their mean.", "SHARE", shares),
+                ("Corners of the line that the mean goes through.", "CORNER", corners),
+                ("Slopes between them, one more.", "SLOPE", slopes),
+            ] {
+                if !numbers.is_empty() {
+                    table(comment, name, "Real", numbers.len(), &all(numbers));
+                }
+            }
+            let side = |[rise, centre]: [T; 2]| format!("[{}, {}]", literal(rise), literal(centre));
+            let sides = match sides {
+                Sides::Even { widening } => format!("Sides::Even {{ widening: {} }}", literal(widening)),
+                Sides::Below => "Sides::Below".into(),
+                Sides::Envelopes { right, left } => {
+                    format!("Sides::Envelopes {{ right: {}, left: {} }}", side(right), side(left))
+                }
+                Sides::Ramps { steepness } => {
+                    format!("Sides::Ramps {{ steepness: {} }}", literal(steepness))
+                }
+            };
+            out.push_str(&format!("/// Sides of the plays.\nconst SIDES: Sides<Real> = {sides};\n"));
+        }
+        OperatorCoefficients::Plane { range: [low, high], intervals, everett, turns, .. } => {
+            let comment = "Sums over the relays between two levels: (1, 0), (2, 0), (2, 1), (3, 0), …";
+            table(comment, "EVERETT", "Real", everett.len(), &all(everett));
+            out.push_str(&format!(
+                "/// Lowest and highest level.\nconst LEVELS: [Real; 2] = [{}, {}];\n/// Intervals between levels.\nconst INTERVALS: usize = \
+                 {intervals};\n/// Turning points that are remembered at once.\nconst TURNS: usize = {turns};\n",
+                literal(low),
+                literal(high)
+            ));
+        }
     }
+    let mut table = |comment: &str, name: &str, kind: &str, size: usize, content: &str| {
+        let content = if size == 0 { "[]".to_owned() } else { format!("[\n{content},\n]") };
+        out.push_str(&format!("/// {comment}\nstatic {name}: [{kind}; {size}] = {content};\n"));
+    };
     let sections = coefficients.sections;
     let list = |numbers: &[T]| numbers.iter().map(|&x| literal(x)).collect::<Vec<_>>().join(", ");
     let section = |kind: &str, gain: &[T], weight: &[T]| {

@@ -1,6 +1,6 @@
 //! What is exported: a realised model with what is known about it.
 
-use hysteron::hysteresis::Hysteresis;
+use hysteron::hysteresis::{Family, FamilyForm, Hysteresis};
 use hysteron::model_file::{ModelFile, ScoreEntry, ScoreRole, ValidRange};
 use hysteron::realise::{Realisation, RealiseError, RuntimeParts};
 use hysteron_rt::Real;
@@ -170,10 +170,45 @@ fn operator_in_words(hysteresis: &Hysteresis) -> String {
             "memory = sum of {} plays w_i F_i, F_i <- max(u - r_i, min(u + r_i, F_i)) (Prandtl-Ishlinskii).",
             p.weights.len()
         ),
-        Hysteresis::Family(f) => format!(
-            "memory = -(sum of {} z_k), dz/du = alpha - beta s z - gamma |z|, s = sign du (Bouc-Wen in parallel).",
-            f.weights.len()
+        Hysteresis::Family(f) => family_in_words(f),
+    }
+}
+
+fn family_in_words(family: &Family) -> String {
+    let count = family.weights.len();
+    match family.form {
+        FamilyForm::ParallelBoucWen { .. } => format!(
+            "memory = -(sum of {count} z_k), dz/du = alpha - beta s z - gamma |z|, s = sign du (Bouc-Wen in parallel)."
         ),
+        FamilyForm::MaxwellSlip { .. } => {
+            format!("memory = sum of {count} stops, each the voltage without its play (Maxwell slip).")
+        }
+        FamilyForm::OneSidedPlays { .. } => {
+            format!(
+                "memory = sum of {count} plays w_i F_i, F_i <- max(u - r_i, min(u, F_i)) (one-sided plays)."
+            )
+        }
+        FamilyForm::RateDependentPlays { .. } => format!(
+            "memory = sum of {count} plays w_i F_i of half-width r_i + lambda |du/dt| (rate-dependent plays)."
+        ),
+        FamilyForm::DeadZonePlays { plays } => {
+            format!("memory = sum of {plays} plays, and a broken line of their mean (plays with dead zones).")
+        }
+        FamilyForm::GeneralisedPlays { .. } => format!(
+            "memory = sum of {count} plays w_i F_i, F_i <- max(right(u) - r_i, min(left(u) + r_i, F_i)) (generalised plays)."
+        ),
+        FamilyForm::KrasnoselskiiPokrovskii { .. } => {
+            format!("memory = sum of {count} relays with ramps (Krasnosel'skii-Pokrovskii).")
+        }
+        FamilyForm::Preisach { .. } | FamilyForm::PreisachDensity => {
+            "memory = a plane of relays, by its Everett function and the turns that still count (Preisach)."
+                .into()
+        }
+        FamilyForm::NonSymmetricBoucWen
+        | FamilyForm::SongDerKiureghian
+        | FamilyForm::Dahl
+        | FamilyForm::Duhem { .. }
+        | FamilyForm::JilesAtherton => format!("memory = {}.", family.form.name()),
     }
 }
 

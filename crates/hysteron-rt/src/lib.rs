@@ -3,6 +3,8 @@
 //! * [`BoucWen`]: parameters of the Bouc–Wen operator; [`BoucWen::step`] moves a [`BoucWenState`] to the next
 //!   voltage exactly, whatever the distance, because the operator is rate independent.
 //! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of the step.
+//! * [`SidedPlays`]: plays between other sides (one-sided, generalised, widening with the rate, Krasnosel'skii–Pokrovskii), with a [`BrokenLine`] behind them;
+//!   [`Plane`]: a plane of relays (Preisach) by its Everett function and the [`Turns`] that still count.
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs, taps, delay), voltage
 //!   in, displacement out, the same number of operations every sample.
 //! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`], [`Hysteresis::reach`]);
@@ -37,6 +39,7 @@ mod bouc_wen;
 mod dual;
 mod model;
 mod online;
+mod plane;
 mod play;
 mod real;
 mod series;
@@ -52,6 +55,7 @@ pub use online::{
     FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, OnlineError, Residual, Rls, RlsSettings,
     SampleError, Unexcited,
 };
-pub use play::{Piece, PlayBank, PlayBankError, PlayError, play};
+pub use plane::{LEAST_TURNS, Plane, PlaneError, Turn, Turns};
+pub use play::{BrokenLine, Piece, PlayBank, PlayBankError, PlayError, SidedPlays, Sides, play};
 pub use real::{Real, Scalar};
 pub use series::log_distance;

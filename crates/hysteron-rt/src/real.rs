@@ -69,6 +69,8 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     fn is_finite(self) -> bool;
     /// ln x.
     fn ln(self) -> Self;
+    /// The whole number below a positive number; 0 for what is not one.
+    fn truncated(self) -> usize;
 }
 
 macro_rules! elementary {
@@ -145,6 +147,11 @@ macro_rules! real {
                 $t::is_finite(self)
             }
             elementary!(ln, $t::ln, $ln);
+            #[inline(always)]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            fn truncated(self) -> usize {
+                self as usize
+            }
         }
     };
 }

@@ -84,7 +84,7 @@ fn what_cannot_be_is_refused_with_its_numbers() {
     assert_eq!(states, [0.5, 0.25]);
     assert_eq!(bank.step(&mut [f64::NAN, 0.0], 1.0), Err(PlayError::NotFinite));
     assert_eq!(bank.step(&mut states, 1.5e308), Err(PlayError::Overflow));
-    assert_eq!(states, [1.5e308, 1.5e308]);
+    assert_eq!(states, [0.5, 0.25]);
 
     assert_eq!(bank.inverse(0.5, &[0.0, 0.0], 1.0), Err(PlayError::Slope { least: 0.0 }));
     assert!(matches!(bank.inverse(f64::NAN, &[0.0, 0.0], 1.0), Err(PlayError::Slope { .. })));

@@ -1,7 +1,7 @@
 //! Variables of an FMU and its `modelDescription.xml`.
 
 use hysteron::realise::{Coefficients, OperatorCoefficients};
-use hysteron_rt::Real;
+use hysteron_rt::{Real, Sides};
 
 use super::FmiVersion;
 use crate::inverse::Inverse;
@@ -48,7 +48,13 @@ pub(super) fn parameters<T: Real + Into<f64>>(
             description: "Coefficient of a power of the voltage",
         });
     }
+    // Plays between envelopes, and ramps, are bare numbers.
+    let weighs_output = matches!(
+        coefficients.operator,
+        OperatorCoefficients::SidedPlays { sides: Sides::Envelopes { .. } | Sides::Ramps { .. }, .. }
+    );
     match coefficients.operator {
+        OperatorCoefficients::Plane { .. } => {}
         OperatorCoefficients::BoucWen(operators) => {
             for (k, p) in operators.iter().enumerate() {
                 let n: f64 = p.n().into();
@@ -70,7 +76,8 @@ pub(super) fn parameters<T: Real + Into<f64>>(
                 }
             }
         }
-        OperatorCoefficients::Plays { weights, .. } => {
+        OperatorCoefficients::Plays { weights, .. } | OperatorCoefficients::SidedPlays { weights, .. } => {
+            let per = |power| if weighs_output { per(power - 1) } else { per(power) };
             for (k, &w) in weights.iter().enumerate() {
                 all.push(Parameter {
                     name: format!("weight_{}", k + 1),

@@ -60,6 +60,22 @@ static void settle($name_state *state, real u, real v)
         state->play[i] = u;
     }
 //}
+//{ sided
+    for (i = 0; i < $NAME_PLAYS; i++) {
+        state->play[i] = virgin_play(u, i);
+    }
+//}
+//{ rate
+    state->rested = 1;
+//}
+//{ plane
+    state->virgin = u;
+    state->plane_virgin = plane_at_rest(u);
+    state->plane = state->plane_virgin;
+    state->kept = 0;
+    state->moved = 0;
+    state->rising = 0;
+//}
 //{ means
     state->last_v = v;
 //}

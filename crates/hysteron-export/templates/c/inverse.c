@@ -15,7 +15,12 @@ static reached reached_at(const $name_state *state, real voltage)
 {
     reached there;
     there.voltage = voltage;
+//{ rate
+    there.output = hysteresis_look(state, voltage, voltage - state->voltage);
+//}
+//{ !rate
     there.output = hysteresis_look(state, voltage);
+//}
     there.missed = 0;
     return there;
 }
@@ -24,7 +29,13 @@ static reached reached_at(const $name_state *state, real voltage)
    P. Jarratt 1971, doi:10.1007/BF01934364), every third step a halving, at most $MOST_LOOKS looks. */
 static reached reach(const $name_state *state, real target, real low, real high)
 {
+//{ rate
+    /* Plays that a fast move has left behind come on where the voltage stays. */
+    const real output = hysteresis_look(state, state->voltage, R(0));
+//}
+//{ !rate
     const real output = state->output;
+//}
     const int upwards = target > output;
     const real end = upwards ? high : low;
     reached near, far;
@@ -163,7 +174,12 @@ $name_status $name_rest_after($name_state *state, real virgin, real voltage, rea
     state->output = v;
     stand_at(state, state->displacement);
     /* The slope from rest, for the first guess. */
+//{ rate
+    rise = (hysteresis_look(state, voltage + away, away) - v) / away;
+//}
+//{ !rate
     rise = (hysteresis_look(state, voltage + away) - v) / away;
+//}
     state->slope = rise > R(0) && is_finite(rise) ? rise : R(1);
     *displacement = state->displacement;
     return $NAME_OK;

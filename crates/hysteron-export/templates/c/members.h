@@ -7,6 +7,18 @@
 //{ plays
     $name_real play[$NAME_PLAYS];
 //}
+//{ sided
+    $name_real play[$NAME_PLAYS];
+//}
+//{ rate
+    int rested; /* has not moved since it was virgin */
+//}
+//{ plane
+    $name_real turn_voltage[$NAME_TURNS], turn_output[$NAME_TURNS]; /* of the loops that are open, the widest first */
+    $name_real virgin, plane_virgin; /* where the relays were virgin, and what they put out there */
+    $name_real plane;                /* what they put out now */
+    int kept, moved, rising;             /* turns; whether there has been a move, and upwards */
+//}
 //{ means
     $name_real last_v; /* output of the hysteresis at the last voltage */
 //}

@@ -68,7 +68,12 @@ $name_status $name_step($name_state *state, real voltage, real *displacement)
     }
 //{ means
     /* Half-way: from the start of the move, as its end is. */
+//{ rate
+    middle = hysteresis_look(state, R(0.5) * state->voltage + R(0.5) * voltage, voltage - state->voltage);
+//}
+//{ !rate
     middle = hysteresis_look(state, R(0.5) * state->voltage + R(0.5) * voltage);
+//}
     if (!is_in_range(middle)) {
         return $NAME_OVERFLOW;
     }

@@ -35,8 +35,12 @@ typedef enum {
 //{ bouc_wen
 #define $NAME_OPERATORS $N_OPERATORS
 //}
-//{ plays
+//{ plays|sided
 #define $NAME_PLAYS $N_PLAYS
+//}
+//{ plane
+/* Turning points that are remembered at once. */
+#define $NAME_TURNS $N_TURNS
 //}
 #define $NAME_TAPS $N_TAPS
 //{ real_poles

@@ -335,6 +335,311 @@ static real play(real r, real state, real u)
 }
 
 //}
+//{ sided
+/* `state`, pushed as far as its sides push it; at low where they cross. */
+static real between(real low, real high, real state)
+{
+    const real held = state > high ? high : state;
+    return held < low ? low : held;
+}
+
+//}
+//{ ramps
+static real ramp(real x)
+{
+    return between(R(-1), R(1), STEEPNESS * x);
+}
+
+//}
+//{ line
+/* The broken line of the mean of the plays. */
+static real line_at(real h)
+{
+    real sum = h < CORNER[0] ? SLOPE[0] * (h - CORNER[0]) : R(0);
+    int i;
+    for (i = 1; i < $N_CORNERS; i++) {
+        const real inside = h > CORNER[i] ? CORNER[i] : h;
+        if (inside > CORNER[i - 1]) {
+            sum = sum + SLOPE[i] * (inside - CORNER[i - 1]);
+        }
+    }
+    return h > CORNER[$N_CORNERS - 1] ? sum + SLOPE[$N_CORNERS] * (h - CORNER[$N_CORNERS - 1]) : sum;
+}
+
+//}
+//{ sided
+/* What the plays put out after a monotone move$THROUGH_IN_WORDS to u; they go there in `moved`, where that is given. */
+static real plays_at(const $name_state *state, $THROUGH_PARAMETERreal u, real *moved)
+{
+    real sum = R(0);
+//{ line
+    real behind = R(0);
+//}
+//{ rate
+    /* First the sides in the middle, then those at the end: upwards the low one at the end decides, downwards the high one. */
+    const real wider = WIDENING * F(fabs)(du), above = middle > u ? u : middle, below = middle > u ? middle : u;
+//}
+//{ envelopes
+    const real right = F(tanh)(RIGHT[0] * (u - RIGHT[1])), left = F(tanh)(LEFT[0] * (u - LEFT[1]));
+//}
+//{ ramps
+    real first = ramp(u - THRESHOLD[0]);
+    int row = 0, column = 0;
+//}
+    int i;
+//{ envelopes
+    if (right - left > R(2) * THRESHOLD[0] + R(4) * R(EPSILON)) {
+        return F(HUGE_VAL); /* the narrowest has no place to stand */
+    }
+//}
+    for (i = 0; i < $NAME_PLAYS; i++) {
+//{ even
+        const real low = u - THRESHOLD[i], high = u + THRESHOLD[i];
+//}
+//{ rate
+        const real r = THRESHOLD[i] + wider, high = above + r;
+        const real low = middle > u && below - r > high ? high : below - r;
+//}
+//{ below
+        const real low = u - THRESHOLD[i], high = u;
+//}
+//{ envelopes
+        const real low = right - THRESHOLD[i], high = left + THRESHOLD[i];
+//}
+//{ ramps
+        const real low = first, high = ramp(u - THRESHOLD[column]);
+//}
+        const real stands = between(low, high, state->play[i]);
+        sum = sum + K(weight)[i] * stands;
+//{ line
+        behind = behind + SHARE[i] * (stands - u);
+//}
+        if (moved) {
+            moved[i] = stands;
+        }
+//{ ramps
+        if (++column > row) {
+            row++;
+            column = 0;
+            first = row < $N_THRESHOLDS ? ramp(u - THRESHOLD[row]) : R(0);
+        }
+//}
+    }
+//{ line
+    return sum + line_at(u + behind);
+//}
+//{ !line
+    return sum;
+//}
+}
+
+/* Where play number i is virgin at u. */
+static real virgin_play(real u, int i)
+{
+//{ even|rate|below
+    (void)i;
+    return u;
+//}
+//{ envelopes
+    (void)i;
+    return R(0.5) * (F(tanh)(RIGHT[0] * (u - RIGHT[1])) + F(tanh)(LEFT[0] * (u - LEFT[1])));
+//}
+//{ ramps
+    int row = 0;
+    while (i > row) {
+        row++;
+        i -= row;
+    }
+    return ramp(u - (R(0.5) * THRESHOLD[row] + R(0.5) * THRESHOLD[i]));
+//}
+}
+
+//}
+//{ plane
+/* Half of the Everett function at levels p and q: weight of the relays that switch between them. */
+static real node(int p, int q)
+{
+    return p <= q ? R(0) : EVERETT[p * (p - 1) / 2 + q];
+}
+
+/* u in intervals from the lowest level. */
+static real scaled(real u)
+{
+    return (u - LOWEST) * DENSITY;
+}
+
+/* The interval of x, held to the levels, and the share of it passed. */
+static int place(real x, real *share)
+{
+    int interval;
+    x = x > $REAL_INTERVALS ? $REAL_INTERVALS : x;
+    x = x > R(0) ? x : R(0);
+    interval = (int)x;
+    interval = interval > $N_INTERVALS - 1 ? $N_INTERVALS - 1 : interval;
+    *share = x - (real)interval;
+    return interval;
+}
+
+/* Half of the Everett function at alpha >= beta, scaled: bilinear, in the interval of the diagonal linear. */
+static real weight_between(real alpha, real beta)
+{
+    real a, b, first, second;
+    const int i = place(alpha, &a), j = place(beta, &b);
+    if (i == j) {
+        return node(i + 1, i) * (a - b);
+    }
+    first = node(i, j) + b * (node(i, j + 1) - node(i, j));
+    second = node(i + 1, j) + b * (node(i + 1, j + 1) - node(i + 1, j));
+    return first + a * (second - first);
+}
+
+/* Of the plane, or of the plane mirrored at an antidiagonal. */
+static real mirror_node(int mirrored, int p, int q)
+{
+    return mirrored ? node($N_INTERVALS - q, $N_INTERVALS - p) : node(p, q);
+}
+
+/* Weight of the relays with alpha up to `to` above the antidiagonal through `rest`: along it, cell by cell. */
+static real virgin_weight(int mirrored, real rest, real to)
+{
+    real x = rest > R(0) ? rest : R(0), share, sum = R(0), row, column;
+    int i, j, below, count;
+    to = to > $REAL_INTERVALS ? $REAL_INTERVALS : to;
+    i = place(x, &share);
+    j = place(rest + rest - x, &share);
+    row = (real)i;
+    column = (real)j;
+    below = rest + rest - x <= R(0);
+    for (count = 0; count < 2 * $N_INTERVALS + 2; count++) {
+        const real row_end = row + R(1), column_end = rest + rest - column;
+        const int by_column = !below && column_end < row_end;
+        real end = by_column ? column_end : row_end;
+        if (x >= to || i >= $N_INTERVALS) {
+            break;
+        }
+        end = end < to ? end : to;
+        if (end > x) {
+            const real middle = R(0.5) * (x + end);
+            const real beta = below ? R(0) : rest + rest - middle;
+            real slope;
+            if (i == j) {
+                slope = mirror_node(mirrored, i + 1, i);
+            } else {
+                const real b = below ? R(0) : beta - column;
+                const real first = mirror_node(mirrored, i + 1, j) - mirror_node(mirrored, i, j);
+                const real second = mirror_node(mirrored, i + 1, j + 1) - mirror_node(mirrored, i, j + 1);
+                slope = first + b * (second - first);
+            }
+            sum = sum + (end - x) * slope;
+            x = end;
+        }
+        if (by_column) {
+            below = j == 0;
+            j -= j > 0;
+            column = (real)j;
+        } else {
+            i++;
+            row = row + R(1);
+        }
+    }
+    return sum;
+}
+
+/* What the plane puts out where it is virgin at u. */
+static real plane_at_rest(real u)
+{
+    return node($N_INTERVALS, 0) - R(2) * virgin_weight(0, scaled(u), $REAL_INTERVALS);
+}
+
+/* A move that has been looked at: turns left at its end, and what the plane puts out there. */
+typedef struct {
+    int left;
+    real output;
+} plane_move;
+
+/* A turn; the present place behind those that are kept. */
+static real turn_voltage(const $name_state *state, int index)
+{
+    return index < state->kept ? state->turn_voltage[index] : state->voltage;
+}
+
+/* A loop ends where it began, the widest where the virgin curve does. */
+static plane_move plane_look(const $name_state *state, real u)
+{
+    const int rising = u > state->voltage;
+    plane_move to;
+    to.left = state->kept;
+    to.output = state->plane;
+    if (u == state->voltage) {
+        return to;
+    }
+    to.left += state->moved && state->rising != rising;
+    while (to.left > 1 && (rising ? u >= turn_voltage(state, to.left - 2) : u <= turn_voltage(state, to.left - 2))) {
+        to.left -= 2;
+    }
+    if (to.left == 1) {
+        const real limit = R(2) * state->virgin - turn_voltage(state, 0);
+        if (rising ? u >= limit : u <= limit) {
+            to.left = 0;
+        }
+    }
+    if (to.left == 0) {
+        const real rest = scaled(state->virgin), end = scaled(u);
+        to.output = state->plane_virgin
+                    + (end > rest ? R(2) * virgin_weight(0, rest, end)
+                                  : R(-2) * virgin_weight(1, $REAL_INTERVALS - rest, $REAL_INTERVALS - end));
+    } else {
+        const int last = to.left - 1;
+        const real turn = turn_voltage(state, last);
+        to.output = (last < state->kept ? state->turn_output[last] : state->plane)
+                    + (u > turn ? R(2) * weight_between(scaled(u), scaled(turn))
+                                : R(-2) * weight_between(scaled(turn), scaled(u)));
+    }
+    return to;
+}
+
+/* Makes room for a turn at the present place: of the pairs of neighbours between two others, the one that least lies between is forgotten. */
+static void forget_turns($name_state *state)
+{
+    real least = F(HUGE_VAL);
+    int at = 1, i;
+    for (i = 0; i + 3 <= $NAME_TURNS; i++) {
+        const real across = F(fabs)(state->turn_voltage[i] - state->turn_voltage[i + 2]);
+        const real size = across * F(fabs)(turn_voltage(state, i + 3) - state->turn_voltage[i + 1]);
+        if (size < least) {
+            least = size;
+            at = i + 1;
+        }
+    }
+    for (i = at; i + 2 < state->kept; i++) {
+        state->turn_voltage[i] = state->turn_voltage[i + 2];
+        state->turn_output[i] = state->turn_output[i + 2];
+    }
+    state->kept -= 2;
+}
+
+/* Makes a move that has been looked at; the voltage is still that before it. */
+static void plane_make($name_state *state, plane_move to, real u)
+{
+    if (u == state->voltage) {
+        return;
+    }
+    if (to.left > state->kept) {
+        if (state->kept >= $NAME_TURNS) {
+            forget_turns(state);
+        }
+        state->turn_voltage[state->kept] = state->voltage;
+        state->turn_output[state->kept] = state->plane;
+        state->kept++;
+    } else {
+        state->kept = to.left;
+    }
+    state->moved = 1;
+    state->rising = u > state->voltage;
+    state->plane = to.output;
+}
+
+//}
 /* The polynomial l[u]. */
 static real polynomial_at($TUNED_AS_ARGUMENT_FIRSTreal u)
 {
@@ -366,28 +671,69 @@ static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
     }
     return v;
 //}
+//{ sided
+    real sum = R(0);
+    int i;
+    for (i = 0; i < $NAME_PLAYS; i++) {
+        sum = sum + K(weight)[i] * virgin_play(u, i);
+    }
+//{ line
+    sum = sum + line_at(u);
+//}
+    return polynomial_at($TUNED_FIRSTu) + sum;
+//}
+//{ plane
+    return polynomial_at($TUNED_FIRSTu) + plane_at_rest(u);
+//}
 //{ !plays
+//{ !sided
+//{ !plane
     return polynomial_at($TUNED_FIRSTu);
+//}
+//}
 //}
 }
 
 //{ looks
-/* What a monotone move to u would put out; nothing is moved. */
-static real hysteresis_look(const $name_state *state, real u)
+/* What a monotone move to u would put out$RATE_IN_WORDS; nothing is moved. */
+static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 {
+//{ bouc_wen
     real v = polynomial_at($TUNED_FIRSTu);
     int i;
-//{ bouc_wen
     for (i = 0; i < $NAME_OPERATORS; i++) {
         v = v - (state->z[i] + increment(&K(operators)[i], state->z[i], u - state->voltage));
     }
+    return v;
 //}
 //{ plays
+    real sum = R(0);
+    int i;
     for (i = 0; i < $NAME_PLAYS; i++) {
-        v = v + K(weight)[i] * play(THRESHOLD[i], state->play[i], u);
+        sum = sum + K(weight)[i] * play(THRESHOLD[i], state->play[i], u);
     }
+    return polynomial_at($TUNED_FIRSTu) + sum;
 //}
-    return v;
+//{ rate
+    return polynomial_at($TUNED_FIRSTu) + plays_at(state, u, state->rested ? R(0) : du, u, (real *)0);
+//}
+//{ sided
+//{ !rate
+    return polynomial_at($TUNED_FIRSTu) + plays_at(state, u, (real *)0);
+//}
+//}
+//{ plane
+    return polynomial_at($TUNED_FIRSTu) + plane_look(state, u).output;
+//}
+//{ !bouc_wen
+//{ !plays
+//{ !sided
+//{ !plane
+    return polynomial_at($TUNED_FIRSTu);
+//}
+//}
+//}
+//}
 }
 
 //}
@@ -401,7 +747,21 @@ static int hysteresis_move($name_state *state, real u, real *v)
 //{ plays
     real moved[$NAME_PLAYS], sum = R(0);
 //}
+//{ plane
+    const plane_move to = plane_look(state, u);
+//}
+//{ rate
+    const real du = state->rested ? R(0) : u - state->voltage;
+//{ means
+    const real middle = R(0.5) * state->voltage + R(0.5) * u;
+//}
+//{ !means
+    const real middle = u;
+//}
+//}
+//{ bouc_wen|plays
     int i;
+//}
     real out = polynomial_at($TUNED_FIRSTu);
 //{ bouc_wen
     for (i = 0; i < $NAME_OPERATORS; i++) {
@@ -418,6 +778,17 @@ static int hysteresis_move($name_state *state, real u, real *v)
     }
     out = out + sum;
 //}
+//{ rate
+    out = out + plays_at(state, middle, du, u, (real *)0);
+//}
+//{ sided
+//{ !rate
+    out = out + plays_at(state, u, (real *)0);
+//}
+//}
+//{ plane
+    out = out + to.output;
+//}
     if (!is_in_range(out)) {
         return 0;
     }
@@ -431,6 +802,18 @@ static int hysteresis_move($name_state *state, real u, real *v)
     for (i = 0; i < $NAME_PLAYS; i++) {
         state->play[i] = moved[i];
     }
+//}
+//{ rate
+    (void)plays_at(state, middle, du, u, state->play);
+    state->rested = 0;
+//}
+//{ sided
+//{ !rate
+    (void)plays_at(state, u, state->play);
+//}
+//}
+//{ plane
+    plane_make(state, to, u);
 //}
     state->voltage = u;
     *v = out;

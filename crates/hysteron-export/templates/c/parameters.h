@@ -15,7 +15,7 @@ typedef struct {
 //{ bouc_wen
     $name_bouc_wen operators[$NAME_OPERATORS];
 //}
-//{ plays
+//{ plays|sided
     $name_real weight[$NAME_PLAYS];
 //}
 } $name_parameters;

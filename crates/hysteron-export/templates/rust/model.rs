@@ -38,6 +38,15 @@ use hysteron_rt::{BoucWen, BoucWenMemory};
 //{ plays
 use hysteron_rt::PlayBank;
 //}
+//{ line
+use hysteron_rt::BrokenLine;
+//}
+//{ sided
+use hysteron_rt::{SidedPlays, Sides};
+//}
+//{ plane
+use hysteron_rt::{Plane, Turn, Turns};
+//}
 //{ real_poles|pairs
 use hysteron_rt::Compensated;
 //}
@@ -82,8 +91,11 @@ pub struct Memory {
     operators: [BoucWen<Real>; OPERATORS.len()],
     z: [BoucWenMemory<Real>; OPERATORS.len()],
 //}
-//{ plays
+//{ plays|sided
     plays: [Real; WEIGHT.len()],
+//}
+//{ plane
+    turns: [Turn<Real>; TURNS],
 //}
 //{ real_poles
     real: [Compensated<Real, LANES>; REAL.len()],
@@ -113,8 +125,11 @@ impl Memory {
             operators: operators().ok_or(ModelError::Coefficient)?,
             z: [BoucWenMemory::new(0.0); OPERATORS.len()],
 //}
-//{ plays
+//{ plays|sided
             plays: [0.0; WEIGHT.len()],
+//}
+//{ plane
+            turns: [Turn::none(); TURNS],
 //}
 //{ real_poles
             real: [Compensated::zero(); REAL.len()],
@@ -150,6 +165,18 @@ impl Memory {
 //{ plays
         let bank = PlayBank::new(&THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;
         let operator = Operator::Plays { bank, states: &mut self.plays };
+//}
+//{ sided
+        let plays = SidedPlays::new(SIDES, &THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;
+//{ line
+        let line = BrokenLine::new(&SHARE, &CORNER, &SLOPE).map_err(|_| ModelError::Coefficient)?;
+        let plays = plays.with_line(line).map_err(|_| ModelError::Coefficient)?;
+//}
+        let operator = Operator::SidedPlays { plays, states: &mut self.plays };
+//}
+//{ plane
+        let plane = Plane::new(LEVELS, INTERVALS, &EVERETT).map_err(|_| ModelError::Coefficient)?;
+        let operator = Operator::Plane { plane, turns: Turns::new(&mut self.turns) };
 //}
         let hysteresis = Hysteresis::new(&POLYNOMIAL, operator)?;
 //{ real_poles

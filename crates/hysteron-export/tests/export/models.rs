@@ -44,6 +44,23 @@ fn parallel() -> Hysteresis {
     })
 }
 
+/// Families of the library, by name; Maxwell slip is exported as plays, Preisach from weights as from a density.
+fn families() -> Vec<(&'static str, Hysteresis)> {
+    let family = |form: FamilyForm, shape: &[f64], weight: f64| {
+        let weights = (0..form.columns()).map(|k| weight * (1.0 + 0.7 * (k as f64 * 1.7).sin())).collect();
+        let polynomial = vec![0.3, 1e-4];
+        Hysteresis::Family(Family { polynomial, form, shape: shape.to_vec(), weights })
+    };
+    vec![
+        ("one_sided", family(FamilyForm::OneSidedPlays { plays: 8 }, &[80.0], 0.02)),
+        ("rate", family(FamilyForm::RateDependentPlays { plays: 8 }, &[40.0, 5e-5], 0.02)),
+        ("dead_zone", family(FamilyForm::DeadZonePlays { plays: 8 }, &[0.0, 100.0, 0.6, 15.0], 0.02)),
+        ("generalised", family(FamilyForm::GeneralisedPlays { plays: 8 }, &[0.02, 55.0, 0.02, 48.0], 2.0)),
+        ("ramps", family(FamilyForm::KrasnoselskiiPokrovskii { lines: 6 }, &[0.0, 100.0, 14.0], 0.3)),
+        ("density", family(FamilyForm::PreisachDensity, &[0.0, 100.0, 12.0, 9.0, 50.0, 20.0], 9.0)),
+    ]
+}
+
 fn resonance() -> Dynamics {
     // 300 Hz, lightly damped.
     let omega = std::f64::consts::TAU * 300.0;
@@ -56,7 +73,10 @@ pub fn all() -> Vec<(&'static str, Model)> {
     let stage = stage();
     let with = |hysteresis| Model { hysteresis, ..stage.clone() };
     let bare = Model { dynamics: Dynamics::None, delay_s: 0.0, ..stage.clone() };
-    vec![
+    let rate = families().swap_remove(1).1;
+    let others = families().into_iter().map(|(name, hysteresis)| (name, with(hysteresis)));
+    let means = ("means_rate", Model { scheme: Scheme::BandLimited, ..with(rate) });
+    let mut all = vec![
         ("stage", stage.clone()),
         ("quadratic", Model { dynamics: resonance(), delay_s: 0.0, ..with(bouc_wen(2.0)) }),
         ("power", with(bouc_wen(1.5))),
@@ -94,7 +114,10 @@ pub fn all() -> Vec<(&'static str, Model)> {
                 ..bare
             },
         ),
-    ]
+    ];
+    all.extend(others);
+    all.push(means);
+    all
 }
 
 /// A model realised at its rate, meant for 0 to 100 V.
@@ -108,10 +131,9 @@ pub fn subject(name: &str, model: &Model, precision: Precision) -> Subject {
 
 /// Models with an inverse: one of each law, with and without dynamics.
 pub fn invertible() -> Vec<(&'static str, Model)> {
-    all()
-        .into_iter()
-        .filter(|(name, _)| ["stage", "quadratic", "power", "plays", "bare"].contains(name))
-        .collect()
+    let mut kinds = vec!["stage", "quadratic", "power", "plays", "bare"];
+    kinds.extend(families().into_iter().map(|(name, _)| name));
+    all().into_iter().filter(|(name, _)| kinds.contains(name)).collect()
 }
 
 /// The inverse of a model for 0 to 100 V and 200 kV/s, 20 V a sample.

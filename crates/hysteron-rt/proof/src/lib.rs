@@ -7,10 +7,10 @@
 use core::panic::PanicInfo;
 
 use hysteron_rt::{
-    BoucWen, BoucWenMemory, BoucWenState, Compensated, Compensator, Drive, Dual, Feedback, FilteredLms,
-    FitMonitor, Held, Hysteresis, LANES, Law, Limits, Line, Linear, LmsSettings, Model, MonitorSettings,
-    Nlms, NlmsSettings, Observer, Operator, PlayBank, PolePair, Real, RealPoles, Rls, RlsSettings, Sections,
-    SectionsMemory,
+    BoucWen, BoucWenMemory, BoucWenState, BrokenLine, Compensated, Compensator, Drive, Dual, Feedback,
+    FilteredLms, FitMonitor, Held, Hysteresis, LANES, Law, Limits, Line, Linear, LmsSettings, Model,
+    MonitorSettings, Nlms, NlmsSettings, Observer, Operator, Plane, PlayBank, PolePair, Real, RealPoles, Rls,
+    RlsSettings, Sections, SectionsMemory, SidedPlays, Sides, Turn, Turns,
 };
 
 unsafe extern "C" {
@@ -111,6 +111,36 @@ fn online<T: Real>(
         }
     }
     nlms.predict(out) < rls.predict(out)
+}
+
+/// What an operator is made of.
+#[allow(missing_docs)]
+pub enum Numbers<'a, T> {
+    BoucWen(&'a [BoucWen<T>], &'a mut [BoucWenMemory<T>]),
+    Plays([&'a [T]; 2], &'a mut [T]),
+    SidedPlays(Sides<T>, [&'a [T]; 5], &'a mut [T]),
+    Plane([T; 2], usize, &'a [T], &'a mut [Turn<T>]),
+}
+
+/// Every operator.
+#[inline(always)]
+fn operator<T: Real>(numbers: Numbers<'_, T>) -> Option<Operator<'_, T>> {
+    Some(match numbers {
+        Numbers::BoucWen(operators, memory) => Operator::BoucWen { operators, memory },
+        Numbers::Plays([thresholds, weights], states) => {
+            Operator::Plays { bank: PlayBank::new(thresholds, weights).ok()?, states }
+        }
+        Numbers::SidedPlays(sides, [thresholds, weights, shares, corners, slopes], states) => {
+            let mut plays = SidedPlays::new(sides, thresholds, weights).ok()?;
+            if !slopes.is_empty() {
+                plays = plays.with_line(BrokenLine::new(shares, corners, slopes).ok()?).ok()?;
+            }
+            Operator::SidedPlays { plays, states }
+        }
+        Numbers::Plane(range, intervals, everett, turns) => {
+            Operator::Plane { plane: Plane::new(range, intervals, everett).ok()?, turns: Turns::new(turns) }
+        }
+    })
 }
 
 /// Coefficients of a model: polynomial, taps, real poles, pairs, gain at rest and offset.
@@ -244,18 +274,14 @@ macro_rules! entries {
         #[allow(improper_ctypes_definitions, clippy::too_many_arguments)]
         pub extern "C" fn $compensator(
             coefficients: Coefficients<'_, $t>,
-            operators: (&[BoucWen<$t>], &mut [BoucWenMemory<$t>]),
-            plays: (&[$t], &[$t], &mut [$t]),
+            hysteresis: Numbers<'_, $t>,
             memory: Memory<'_, $t>,
             gains: Gains<'_, $t>,
             limits: Limits<$t>,
             observed: Option<(Model<'_, $t>, $t)>,
             (measured, out): (&[$t], &mut [Drive<$t>]),
         ) -> bool {
-            let operator = match PlayBank::new(plays.0, plays.1) {
-                Ok(bank) => Operator::Plays { bank, states: plays.2 },
-                Err(_) => Operator::BoucWen { operators: operators.0, memory: operators.1 },
-            };
+            let Some(operator) = operator(hysteresis) else { return false };
             let (polynomial, taps, real, pairs, rest_gain, _) = coefficients;
             let (real_memory, pair_memory, delay) = memory;
             let Ok(hysteresis) = Hysteresis::new(polynomial, operator) else { return false };
@@ -276,16 +302,12 @@ macro_rules! entries {
         #[allow(improper_ctypes_definitions)]
         pub extern "C" fn $model(
             coefficients: Coefficients<'_, $t>,
-            operators: (&[BoucWen<$t>], &mut [BoucWenMemory<$t>]),
-            plays: (&[$t], &[$t], &mut [$t]),
+            hysteresis: Numbers<'_, $t>,
             memory: Memory<'_, $t>,
             u: &[$t],
             out: &mut [$t],
         ) -> bool {
-            let operator = match PlayBank::new(plays.0, plays.1) {
-                Ok(bank) => Operator::Plays { bank, states: plays.2 },
-                Err(_) => Operator::BoucWen { operators: operators.0, memory: operators.1 },
-            };
+            let Some(operator) = operator(hysteresis) else { return false };
             model(coefficients, operator, memory, u, out)
         }
 

@@ -123,7 +123,7 @@ impl<'a, T: Real> Model<'a, T> {
     /// Displacement after a monotone move to `voltage` within one sample period.
     ///
     /// # Errors
-    /// [`ModelError::NotFinite`] and [`ModelError::Overflow`]; dynamics and, but for plays, hysteresis are then as they were.
+    /// [`ModelError::NotFinite`] and [`ModelError::Overflow`]; the model is then as it was.
     #[inline]
     pub fn step(&mut self, voltage: T) -> Result<T, ModelError<T>> {
         let Some(means) = &mut self.means else {

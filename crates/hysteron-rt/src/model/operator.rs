@@ -3,7 +3,8 @@
 use super::ModelError;
 use super::sections::accumulate;
 use crate::bouc_wen::BoucWen;
-use crate::play::{PlayBank, play};
+use crate::plane::{LEAST_TURNS, Plane, Turns};
+use crate::play::{PlayBank, SidedPlays};
 use crate::real::Real;
 
 /// z of a Bouc–Wen operator and what rounding has left of its increments.
@@ -46,6 +47,20 @@ pub enum Operator<'a, T> {
         /// Their states, one each.
         states: &'a mut [T],
     },
+    /// v = l\[u\] + plays between other sides.
+    SidedPlays {
+        /// The plays.
+        plays: SidedPlays<'a, T>,
+        /// Their states, one each.
+        states: &'a mut [T],
+    },
+    /// v = l\[u\] + a plane of relays.
+    Plane {
+        /// The relays.
+        plane: Plane<'a, T>,
+        /// The turning points that still count.
+        turns: Turns<'a, T>,
+    },
 }
 
 /// v = l\[u\] + memory, l\[u\] = Σ_{i≥1} polynomial\[i−1\] uⁱ.
@@ -54,6 +69,8 @@ pub struct Hysteresis<'a, T> {
     polynomial: &'a [T],
     operator: Operator<'a, T>,
     voltage: T,
+    /// Virgin still: the first move is without rate.
+    rested: bool,
 }
 
 impl<'a, T: Real> Hysteresis<'a, T> {
@@ -67,6 +84,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::None => (0, 0),
             Operator::BoucWen { operators, memory } => (operators.len(), memory.len()),
             Operator::Plays { bank, states } => (bank.weights().len(), states.len()),
+            Operator::SidedPlays { plays, states } => (plays.count(), states.len()),
+            Operator::Plane { turns, .. } => (turns.room().max(LEAST_TURNS), turns.room()),
         };
         if expected != found {
             return Err(ModelError::Memory { expected, found });
@@ -74,7 +93,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         if !polynomial.iter().all(|c| c.is_finite()) {
             return Err(ModelError::Coefficient);
         }
-        let mut block = Self { polynomial, operator, voltage: T::of(0.0) };
+        let mut block = Self { polynomial, operator, voltage: T::of(0.0), rested: true };
         block.rest_at(T::of(0.0));
         Ok(block)
     }
@@ -85,16 +104,21 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         match &self.operator {
             Operator::None | Operator::BoucWen { .. } => v,
             Operator::Plays { bank, .. } => bank.weights().iter().fold(v, |v, weight| v + *weight * voltage),
+            Operator::SidedPlays { plays, .. } => v + plays.output_at_rest(voltage),
+            Operator::Plane { plane, .. } => v + plane.output_at_rest(voltage),
         }
     }
 
     /// Makes the block virgin at `voltage` and returns its output there.
     pub fn rest_at(&mut self, voltage: T) -> T {
         self.voltage = voltage;
+        self.rested = true;
         match &mut self.operator {
             Operator::None => {}
             Operator::BoucWen { memory, .. } => memory.fill(BoucWenMemory::new(T::of(0.0))),
             Operator::Plays { states, .. } => states.fill(voltage),
+            Operator::SidedPlays { plays, states } => plays.rest_at(states, voltage),
+            Operator::Plane { plane, turns } => turns.rest_at(plane, voltage),
         }
         self.output_at_rest(voltage)
     }
@@ -118,16 +142,22 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     ///
     /// # Errors
     /// [`ModelError::NotFinite`] for the voltage; [`ModelError::Overflow`] where |v| exceeds [`Real::LARGEST`] (inadmissible
-    /// parameters, a voltage out of all reason). The memory is then as it was, but for plays, which stand at the voltage.
+    /// parameters, a voltage out of all reason) or a generalised play has no place to stand. The memory is then as it was.
     #[inline]
     pub fn step(&mut self, voltage: T) -> Result<T, ModelError<T>> {
+        self.step_through(voltage, voltage)
+    }
+
+    /// As [`Self::step`], plays that see the rate being moved at `middle` too.
+    #[inline(always)]
+    fn step_through(&mut self, middle: T, voltage: T) -> Result<T, ModelError<T>> {
         if !voltage.is_finite() {
             return Err(ModelError::NotFinite);
         }
         let mut v = self.polynomial_at(voltage);
         let du = voltage - self.voltage;
         match &mut self.operator {
-            Operator::None => {}
+            Operator::None => in_range_or_overflow(v)?,
             Operator::BoucWen { operators, memory } => {
                 for (operator, memory) in operators.iter().zip(memory.iter_mut()) {
                     memory.next = (memory.z, memory.carry);
@@ -135,21 +165,31 @@ impl<'a, T: Real> Hysteresis<'a, T> {
                     accumulate(z, carry, operator.increment(memory.z, du));
                     v = v - *z;
                 }
-                if !in_range(v) {
-                    return Err(ModelError::Overflow);
-                }
+                in_range_or_overflow(v)?;
                 for memory in memory.iter_mut() {
                     (memory.z, memory.carry) = memory.next;
                 }
             }
             Operator::Plays { bank, states } => {
-                v = v + bank.step(states, voltage).map_err(|_| ModelError::Overflow)?;
+                v = v + bank.look(states, voltage);
+                in_range_or_overflow(v)?;
+                bank.advance(states, voltage);
+            }
+            Operator::SidedPlays { plays, states } => {
+                let du = if self.rested { T::of(0.0) } else { du };
+                v = v + plays.look(states, [middle, voltage], du);
+                in_range_or_overflow(v)?;
+                plays.advance(states, [middle, voltage], du);
+            }
+            Operator::Plane { plane, turns } => {
+                let to = turns.look(plane, voltage);
+                v = v + to.output();
+                in_range_or_overflow(v)?;
+                turns.make(to);
             }
         }
-        if !in_range(v) {
-            return Err(ModelError::Overflow);
-        }
         self.voltage = voltage;
+        self.rested = false;
         Ok(v)
     }
 
@@ -161,36 +201,45 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     pub fn step_with_middle(&mut self, voltage: T) -> Result<(T, T), ModelError<T>> {
         let half = T::of(0.5);
         // From the start of the move, as its end is: neither waits for the other.
-        let middle = self.look(half * self.voltage + half * voltage);
+        let place = half * self.voltage + half * voltage;
+        let middle = self.look_during(place, voltage - self.voltage);
         if !voltage.is_finite() {
             return Err(ModelError::NotFinite);
         }
-        if !in_range(middle) {
-            return Err(ModelError::Overflow);
-        }
-        Ok((middle, self.step(voltage)?))
+        in_range_or_overflow(middle)?;
+        Ok((middle, self.step_through(place, voltage)?))
     }
 
     /// What a monotone move to `voltage` would put out; nothing is moved. Not finite where [`Self::step`] would fail.
     #[inline]
     pub fn look(&self, voltage: T) -> T {
-        let mut v = self.polynomial_at(voltage);
+        self.look_during(voltage, voltage - self.voltage)
+    }
+
+    /// What it would put out at `voltage`, in a sample that moves by `whole`.
+    #[inline]
+    fn look_during(&self, voltage: T, whole: T) -> T {
+        let v = self.polynomial_at(voltage);
         match &self.operator {
-            Operator::None => {}
+            Operator::None => v,
             Operator::BoucWen { operators, memory } => {
                 let du = voltage - self.voltage;
-                for (operator, memory) in operators.iter().zip(memory.iter()) {
-                    v = v - (memory.z + operator.increment(memory.z, du));
-                }
+                let operators = operators.iter().zip(memory.iter());
+                operators.fold(v, |v, (operator, memory)| v - (memory.z + operator.increment(memory.z, du)))
             }
-            Operator::Plays { bank, states } => {
-                let plays = bank.thresholds().iter().zip(bank.weights()).zip(states.iter());
-                v = plays.fold(v, |v, ((threshold, weight), state)| {
-                    v + *weight * play(*threshold, *state, voltage)
-                });
+            Operator::Plays { bank, states } => v + bank.look(states, voltage),
+            Operator::SidedPlays { plays, states } => {
+                let du = if self.rested { T::of(0.0) } else { whole };
+                v + plays.look(states, [voltage, voltage], du)
             }
+            Operator::Plane { plane, turns } => v + turns.look(plane, voltage).output(),
         }
-        v
+    }
+
+    /// Whether plays are moved again where they stand, because the last sample was faster than none.
+    #[inline(always)]
+    pub(super) fn sees_rate(&self) -> bool {
+        matches!(&self.operator, Operator::SidedPlays { plays, .. } if plays.sees_rate())
     }
 
     /// The polynomial l\[u\] at `u`.
@@ -209,4 +258,9 @@ impl<'a, T: Real> Hysteresis<'a, T> {
 #[inline(always)]
 pub(super) fn in_range<T: Real>(v: T) -> bool {
     v.abs() <= T::LARGEST
+}
+
+#[inline(always)]
+fn in_range_or_overflow<T: Real>(v: T) -> Result<(), ModelError<T>> {
+    if in_range(v) { Ok(()) } else { Err(ModelError::Overflow) }
 }

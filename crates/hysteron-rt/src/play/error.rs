@@ -30,6 +30,8 @@ pub enum PlayBankError<T> {
         /// Its value.
         value: T,
     },
+    /// A number that says where the sides of plays stand is infinite, not a number, or not positive where it must be.
+    Sides,
 }
 
 /// A move, or the inverse of one, without a result.
@@ -74,6 +76,10 @@ impl<T: Display> Display for PlayBankError<T> {
             Self::Weight { index, value } => {
                 write!(f, "weight {index} (from 0) is {value}: it must be finite")
             }
+            Self::Sides => write!(
+                f,
+                "the numbers of the sides of the plays must be finite, rises and steepness positive, widening not negative"
+            ),
         }
     }
 }

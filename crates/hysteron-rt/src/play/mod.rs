@@ -1,8 +1,12 @@
 //! Play (backlash) operators, one monotone move at a time, and the exact inverse of the move.
 
+mod broken_line;
 mod error;
+mod sided;
 
+pub use broken_line::BrokenLine;
 pub use error::{PlayBankError, PlayError};
+pub use sided::{SidedPlays, Sides};
 
 use crate::real::Real;
 
@@ -91,26 +95,35 @@ impl<'a, T: Real> PlayBank<'a, T> {
     /// Moves the plays monotonically to `u` and returns Σ wᵢ F_rᵢ.
     ///
     /// # Errors
-    /// [`PlayError::Lengths`] and [`PlayError::NotFinite`] (u) leave the states as they were; where a state is not a
-    /// number ([`PlayError::NotFinite`]) or the sum overflows, the states stand at u.
+    /// [`PlayError::Lengths`], [`PlayError::NotFinite`] (u, or a state), [`PlayError::Overflow`]; the states are then as they were.
     #[inline]
     pub fn step(&self, states: &mut [T], u: T) -> Result<T, PlayError<T>> {
         self.check(states)?;
         if !u.is_finite() {
             return Err(PlayError::NotFinite);
         }
-        let mut sum = T::of(0.0);
-        for ((&threshold, &weight), state) in self.thresholds.iter().zip(self.weights).zip(states.iter_mut())
-        {
-            *state = play(threshold, *state, u);
-            sum = sum + weight * *state;
+        let sum = self.look(states, u);
+        if !sum.is_finite() {
+            let sound = states.iter().all(|state| state.is_finite());
+            return Err(if sound { PlayError::Overflow } else { PlayError::NotFinite });
         }
-        if sum.is_finite() {
-            Ok(sum)
-        } else if states.iter().all(|state| state.is_finite()) {
-            Err(PlayError::Overflow)
-        } else {
-            Err(PlayError::NotFinite)
+        self.advance(states, u);
+        Ok(sum)
+    }
+
+    /// Σ wᵢ F_rᵢ after a monotone move to `u`; nothing is moved.
+    #[inline(always)]
+    pub fn look(&self, states: &[T], u: T) -> T {
+        let plays = self.thresholds.iter().zip(self.weights).zip(states);
+        plays
+            .fold(T::of(0.0), |sum, ((threshold, weight), state)| sum + *weight * play(*threshold, *state, u))
+    }
+
+    /// Moves the plays to `u`.
+    #[inline(always)]
+    pub fn advance(&self, states: &mut [T], u: T) {
+        for (&threshold, state) in self.thresholds.iter().zip(states) {
+            *state = play(threshold, *state, u);
         }
     }
 

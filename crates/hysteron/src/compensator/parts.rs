@@ -43,7 +43,7 @@ impl<T: Real> CompensatorParts<T> {
             return Err(CompensatorError::Option { name: "largest rate of the drive [V/s]", value, allowed });
         }
         let model = &compensation.model;
-        invertible(&model.hysteresis, range_v)?;
+        invertible(&model.hysteresis, range_v, 1.0 / compensation.sample_rate_hz)?;
         let mut dynamics = compensation.dynamics.clone();
         dynamics.delay_samples = 0;
         let realisation = Realisation {
@@ -95,7 +95,11 @@ impl<T: Real> CompensatorParts<T> {
 }
 
 /// Whether every move within the range raises the output: by the exact condition of the family, else along loops of all sizes.
-fn invertible(hysteresis: &Hysteresis, [low, high]: [f64; 2]) -> Result<(), CompensatorError> {
+fn invertible(
+    hysteresis: &Hysteresis,
+    [low, high]: [f64; 2],
+    interval_s: f64,
+) -> Result<(), CompensatorError> {
     let samples = TURNS * SAMPLES_A_TURN;
     let loops: Vec<f64> = (0..samples)
         .map(|k| {
@@ -105,6 +109,6 @@ fn invertible(hysteresis: &Hysteresis, [low, high]: [f64; 2]) -> Result<(), Comp
             0.5 * (low + high) + 0.5 * (high - low) * size * (2.0 * along - 1.0)
         })
         .collect();
-    let found = hysteresis.invertibility(&[(&loops, None)]).map_err(RealiseError::from)?;
+    let found = hysteresis.invertibility(&[(&loops, Some(interval_s))]).map_err(RealiseError::from)?;
     if found.is_invertible() { Ok(()) } else { Err(CompensatorError::NotInvertible(found)) }
 }

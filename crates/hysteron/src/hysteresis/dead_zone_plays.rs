@@ -50,6 +50,23 @@ impl DeadZonePlays {
         let [low, high] = self.range;
         low + (high - low) * index as f64 / BANDS as f64
     }
+
+    /// The corners \[V\].
+    pub(crate) fn corners(&self) -> Vec<f64> {
+        (1..BANDS).map(|index| self.corner(index)).collect()
+    }
+
+    /// s gⱼ: what each play counts in the mean.
+    pub(crate) fn shares<S: Scalar<Real = f64>>(&self, shape: &[S]) -> Vec<S> {
+        let [share, reach] = [0, 1].map(|index| parameter(shape, index));
+        let narrowest = self.thresholds.first().copied().unwrap_or(0.0);
+        // Relative to the narrowest play, of which something is left however short the reach.
+        let mut shares: Vec<S> =
+            self.thresholds.iter().map(|r| (S::constant(narrowest - r) / reach).exp()).collect();
+        let total = shares.iter().fold(S::constant(0.0), |sum, g| sum + *g);
+        shares.iter_mut().for_each(|g| *g = *g / total * share);
+        shares
+    }
 }
 
 impl ColumnKernel for DeadZonePlays {
@@ -80,13 +97,7 @@ impl ColumnKernel for DeadZonePlays {
     }
 
     fn virgin<S: Scalar<Real = f64>>(&self, shape: &[S], u: S) -> DeadZonePlayStates<S> {
-        let [share, reach] = [0, 1].map(|index| parameter(shape, index));
-        let narrowest = self.thresholds.first().copied().unwrap_or(0.0);
-        // Relative to the narrowest play, of which something is left however short the reach.
-        let mut shares: Vec<S> =
-            self.thresholds.iter().map(|r| (S::constant(narrowest - r) / reach).exp()).collect();
-        let total = shares.iter().fold(S::constant(0.0), |sum, g| sum + *g);
-        shares.iter_mut().for_each(|g| *g = *g / total * share);
+        let shares = self.shares(shape);
         DeadZonePlayStates { plays: PlayStates::at(self.thresholds.len(), u), shares, u }
     }
 

@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{Admissibility, BoucWen, DriveGrid, Family, Hysteresis, HysteresisError, Origin, polynomial};
+use super::{
+    Admissibility, BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, Origin,
+    PrandtlIshlinskii, polynomial,
+};
 use crate::display::short;
 
 /// Moves shorter than this share of the range of the drive say nothing about a slope.
@@ -64,7 +67,11 @@ impl fmt::Display for Invertibility {
                 )
             }
             Self::FallsAlongDrives { least_slope } => {
-                write!(f, "a move of the records lowers the output: slope {} µm/V", short(*least_slope))
+                write!(
+                    f,
+                    "a move of the records does not raise the output: slope {} µm/V",
+                    short(*least_slope)
+                )
             }
         }
     }
@@ -80,7 +87,9 @@ impl Hysteresis {
     /// - Bouc–Wen in the bounded class: dζ/du lies between 0 and max(1, 2β'/(β' + γ')), so that l' above α times that (above 0 for α < 0)
     ///   is enough. Where it is not met only a saturated loop need fall, and the drives decide.
     /// - Plays: l' + w₁ + … + w_k > 0 for every k ≥ 0, enough and needed (P. Krejčí, K. Kuhnen 2001, doi:10.1049/ip-cta:20010375).
-    /// - Families whose columns all rise: weights ≥ 0 and l' > 0 are enough.
+    /// - Maxwell slip: as plays.
+    /// - Families whose columns all rise: weights ≥ 0 and l' > 0 are enough. Where plays widen with the rate, by λ for 1 V/s, so is l' > Σ w (λ/T − 1) for
+    ///   λ > T, T the least time between samples: a move then pushes a play back by λ/T − 1 for each volt.
     ///
     /// # Errors
     /// As [`Self::simulate`].
@@ -93,21 +102,22 @@ impl Hysteresis {
         if !(low < high && (high - low).is_finite()) {
             return Err(HysteresisError::Range { low, high });
         }
-        match self.by_condition([low, high]) {
+        let least = |least: Option<f64>, interval: &Option<f64>| Some(least?.min((*interval)?));
+        let interval_s = drives.iter().map(|(_, interval)| interval).fold(Some(f64::INFINITY), least);
+        match self.by_condition([low, high], interval_s) {
             Some(answer) => Ok(answer),
             None => self.along(drives, SHORTEST_MOVE * (high - low)),
         }
     }
 
-    fn by_condition(&self, range: [f64; 2]) -> Option<Invertibility> {
+    fn by_condition(&self, range: [f64; 2], interval_s: Option<f64>) -> Option<Invertibility> {
         match self {
             Self::BoucWen(model) => bouc_wen(model, range),
-            Self::PrandtlIshlinskii(model) => match model.step_inverse(range) {
-                Ok(_) => Some(Invertibility::Everywhere),
-                Err(HysteresisError::NotSteep { u, .. }) => Some(Invertibility::Nowhere { at_v: u }),
-                Err(_) => None,
+            Self::PrandtlIshlinskii(model) => plays(model, range),
+            Self::Family(model) => match model.form {
+                FamilyForm::MaxwellSlip { .. } => plays(&slip_as_plays(model), range),
+                _ => rising(model, range, interval_s).then_some(Invertibility::Everywhere),
             },
-            Self::Family(model) => rising(model, range).then_some(Invertibility::Everywhere),
         }
     }
 
@@ -146,17 +156,43 @@ fn bouc_wen(model: &BoucWen, range: [f64; 2]) -> Option<Invertibility> {
     }
 }
 
-fn rising(model: &Family, range: [f64; 2]) -> bool {
+fn plays(model: &PrandtlIshlinskii, range: [f64; 2]) -> Option<Invertibility> {
+    match model.step_inverse(range) {
+        Ok(_) => Some(Invertibility::Everywhere),
+        Err(HysteresisError::NotSteep { u, .. }) => Some(Invertibility::Nowhere { at_v: u }),
+        Err(_) => None,
+    }
+}
+
+/// A stop is the voltage without its play.
+fn slip_as_plays(model: &Family) -> PrandtlIshlinskii {
+    let mut polynomial = model.polynomial.clone();
+    if let Some(linear) = polynomial.first_mut() {
+        *linear += model.weights.iter().sum::<f64>();
+    }
+    PrandtlIshlinskii {
+        polynomial,
+        thresholds: model.form.thresholds(&model.shape),
+        weights: model.weights.iter().map(|k| -k).collect(),
+    }
+}
+
+fn rising(model: &Family, range: [f64; 2], interval_s: Option<f64>) -> bool {
+    let pushed_back = match (model.form, &model.shape[..], interval_s) {
+        (FamilyForm::RateDependentPlays { .. }, [_, rate_gain], Some(interval_s)) => {
+            model.weights.iter().sum::<f64>() * (rate_gain / interval_s - 1.0).max(0.0)
+        }
+        _ if model.form.depends_on_rate() => return false,
+        _ => 0.0,
+    };
     model.form.is_monotone()
-        && !model.form.depends_on_rate()
         && model.weights.iter().all(|w| *w >= 0.0)
-        && polynomial::not_steeper(&model.polynomial, 0.0, range).is_none()
+        && polynomial::not_steeper(&model.polynomial, pushed_back, range).is_none()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hysteresis::{FamilyForm, PrandtlIshlinskii};
 
     fn drive() -> Vec<f64> {
         (0..400).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.05).cos()).collect()
@@ -207,6 +243,33 @@ mod tests {
         assert!(matches!(of(plays, &[5.3], -0.1), Invertibility::AlongDrives { .. }));
         assert!(matches!(of(FamilyForm::Dahl, &[1.7, 1.4], 0.2), Invertibility::AlongDrives { .. }));
         assert!(matches!(of(FamilyForm::Dahl, &[1.7, 1.4], -2.0), Invertibility::FallsAlongDrives { .. }));
+    }
+
+    #[test]
+    fn slip_is_decided_as_plays_are() {
+        let drive = drive();
+        let of = |linear: f64| {
+            let form = FamilyForm::MaxwellSlip { elements: 2 };
+            let model = Family::new(vec![linear], form, vec![3.0], vec![0.5, 0.4]).unwrap();
+            Hysteresis::Family(model).invertibility(&[(&drive, None)]).unwrap()
+        };
+        // Stiffnesses 0.5 and 0.4 that give way: l' + 0.9 at a turn, l' once all slip.
+        assert_eq!(of(0.1), Invertibility::Everywhere);
+        assert!(matches!(of(-0.1), Invertibility::Nowhere { .. }));
+    }
+
+    #[test]
+    fn plays_that_a_sample_widens_by_more_than_its_move_need_a_steeper_line() {
+        let drive = drive();
+        let of = |linear: f64, rate_gain: f64| {
+            let form = FamilyForm::RateDependentPlays { plays: 2 };
+            let model = Family::new(vec![linear], form, vec![3.0, rate_gain], vec![0.3, 0.2]).unwrap();
+            Hysteresis::Family(model).invertibility(&[(&drive, Some(1e-3))]).unwrap()
+        };
+        assert_eq!(of(0.1, 9e-4), Invertibility::Everywhere);
+        // λ/T = 1.4: 0.5 · 0.4 back.
+        assert_eq!(of(0.21, 1.4e-3), Invertibility::Everywhere);
+        assert_ne!(of(0.19, 1.4e-3), Invertibility::Everywhere);
     }
 
     #[test]

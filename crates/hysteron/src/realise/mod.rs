@@ -9,6 +9,7 @@ mod cost;
 mod error;
 mod fit;
 mod linear;
+mod operator;
 mod poles;
 mod sections;
 mod stream;
@@ -18,11 +19,10 @@ mod verify;
 pub use cost::{Cost, side_by_side};
 pub use error::RealiseError;
 pub use linear::LinearRealisation;
+pub use operator::OperatorCoefficients;
 pub use sections::Section;
 pub(crate) use stream::LinearParts;
-pub use stream::{
-    Coefficients, OperatorCoefficients, RuntimeParts, Stream, StreamParts, nanoseconds_per_sample,
-};
+pub use stream::{Coefficients, RuntimeParts, Stream, StreamParts, nanoseconds_per_sample};
 pub use verify::{Verification, sweep, verify};
 
 use crate::dynamics::Dynamics;

@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use hysteron_rt::{
-    BoucWenMemory, Compensated, LANES, ModelError, PolePair, RealPoles, Sections, SectionsMemory,
+    Compensated, LANES, Linear, Means, ModelError, PolePair, Real, RealPoles, Sections, SectionsMemory,
 };
-use hysteron_rt::{Linear, Means, Operator, PlayBank, Real};
 
+use super::operator::{OperatorCoefficients, OperatorParts, parts};
 use super::{LinearRealisation, Realisation, RealiseError, Section};
-use crate::hysteresis::{DriveGrid, Family, FamilyForm, FamilyStream, Hysteresis};
+use crate::hysteresis::{DriveGrid, FamilyStream, Hysteresis};
 
 /// Coefficients and memory of a model that `hysteron-rt` runs.
 #[derive(Clone, Debug)]
@@ -35,26 +35,6 @@ pub struct Coefficients<'a, T> {
     pub offset: T,
     /// Whether moves are looked at half-way ([`Means`]).
     pub joins_means: bool,
-}
-
-/// The numbers of a hysteresis operator.
-#[derive(Clone, Copy, Debug)]
-pub enum OperatorCoefficients<'a, T> {
-    /// v = l\[u\] − Σ zₖ.
-    BoucWen(&'a [hysteron_rt::BoucWen<T>]),
-    /// v = l\[u\] + Σ wᵢ F_rᵢ\[u\].
-    Plays {
-        /// rᵢ \[V\].
-        thresholds: &'a [T],
-        /// wᵢ \[µm/V\].
-        weights: &'a [T],
-    },
-}
-
-#[derive(Clone, Debug)]
-enum OperatorParts<T> {
-    BoucWen { operators: Vec<hysteron_rt::BoucWen<T>>, memory: Vec<BoucWenMemory<T>> },
-    Plays { thresholds: Vec<T>, weights: Vec<T>, states: Vec<T> },
 }
 
 /// Coefficients and memory of a dynamic block.
@@ -125,43 +105,13 @@ impl<T: Real> RuntimeParts<T> {
     /// [`RealiseError::NotInRuntime`] for a family that `hysteron-rt` does not hold; [`RealiseError::Rounded`] where a parameter is not one
     /// any more once rounded.
     pub fn new(realisation: &Realisation) -> Result<Self, RealiseError> {
-        let of = |x: f64| T::of(x);
-        let all = |numbers: &[f64]| numbers.iter().copied().map(of).collect::<Vec<T>>();
-        let bouc_wen = |parameters: &[[f64; 4]]| -> Result<OperatorParts<T>, RealiseError> {
-            let operators: Result<Vec<_>, _> = parameters
-                .iter()
-                .map(|&[alpha, beta, gamma, n]| {
-                    hysteron_rt::BoucWen::new(of(alpha), of(beta), of(gamma), of(n))
-                })
-                .collect();
-            let operators = operators.map_err(|_| RealiseError::Rounded)?;
-            let memory = vec![BoucWenMemory::new(of(0.0)); operators.len()];
-            Ok(OperatorParts::BoucWen { operators, memory })
-        };
         let model = &realisation.model;
-        let operator = match &model.hysteresis {
-            Hysteresis::BoucWen(b) => bouc_wen(&[[b.alpha, b.beta, b.gamma, b.n]])?,
-            Hysteresis::PrandtlIshlinskii(plays) => OperatorParts::Plays {
-                thresholds: all(&plays.thresholds),
-                weights: all(&plays.weights),
-                states: vec![of(0.0); plays.weights.len()],
-            },
-            Hysteresis::Family(Family {
-                form: FamilyForm::ParallelBoucWen { .. }, shape, weights, ..
-            }) => {
-                // w ζ(β', γ') = −z with α = −w, β = β', γ = sign(α) γ'.
-                let own = |(w, shape): (&f64, &[f64])| [-w, shape[0], -w.signum() * shape[1], 1.0];
-                bouc_wen(&weights.iter().zip(shape.chunks_exact(2)).map(own).collect::<Vec<_>>())?
-            }
-            Hysteresis::Family(family) => {
-                return Err(RealiseError::NotInRuntime { family: family.form.name() });
-            }
-        };
+        let (polynomial, operator) = parts(&model.hysteresis, realisation.sample_rate_hz)?;
         Ok(Self {
-            polynomial: all(model.hysteresis.polynomial()),
+            polynomial,
             operator,
             linear: LinearParts::new(&realisation.dynamics),
-            offset: of(model.offset),
+            offset: T::of(model.offset),
             joins_means: realisation.joins_means,
         })
     }
@@ -171,12 +121,7 @@ impl<T: Real> RuntimeParts<T> {
         let linear = &self.linear;
         Coefficients {
             polynomial: &self.polynomial,
-            operator: match &self.operator {
-                OperatorParts::BoucWen { operators, .. } => OperatorCoefficients::BoucWen(operators),
-                OperatorParts::Plays { thresholds, weights, .. } => {
-                    OperatorCoefficients::Plays { thresholds, weights }
-                }
-            },
+            operator: self.operator.coefficients(),
             sections: linear.sections(),
             delay_samples: linear.delay.len(),
             offset: self.offset,
@@ -198,15 +143,7 @@ impl<T: Real> RuntimeParts<T> {
 
     /// Its two blocks, at rest and virgin at 0 V.
     pub(crate) fn blocks(&mut self) -> Result<(hysteron_rt::Hysteresis<'_, T>, Linear<'_, T>), RealiseError> {
-        let operator = match &mut self.operator {
-            OperatorParts::BoucWen { operators, memory } => Operator::BoucWen { operators, memory },
-            OperatorParts::Plays { thresholds, weights, states } => Operator::Plays {
-                bank: PlayBank::new(thresholds, weights).map_err(|_| RealiseError::Rounded)?,
-                states,
-            },
-        };
-        let hysteresis =
-            hysteron_rt::Hysteresis::new(&self.polynomial, operator).map_err(|_| RealiseError::Rounded)?;
+        let hysteresis = self.operator.block(&self.polynomial)?;
         let dynamics = self.linear.block().map_err(|_| RealiseError::Rounded)?;
         Ok((hysteresis, dynamics))
     }

@@ -139,8 +139,7 @@ macro_rules! with_kernel {
                 $body
             }
             FamilyForm::GeneralisedPlays { plays } => {
-                let thresholds = (0..plays).map(|j| (j as f64 + 0.5) / plays as f64).collect();
-                let ($kernel, $fixed) = (GeneralisedPlays { thresholds }, 0);
+                let ($kernel, $fixed) = (GeneralisedPlays { thresholds: middle_grid(plays) }, 0);
                 $body
             }
             FamilyForm::KrasnoselskiiPokrovskii { lines } => {
@@ -152,8 +151,7 @@ macro_rules! with_kernel {
                 $body
             }
             FamilyForm::PreisachDensity => {
-                let plane = Preisach::regular(range, DENSITY_INTERVALS + 1);
-                let ($kernel, $fixed) = (PreisachDensity { plane, law: DensityLaw::Lorentzian }, 2);
+                let ($kernel, $fixed) = (density(range), 2);
                 $body
             }
             FamilyForm::JilesAtherton => {
@@ -167,6 +165,17 @@ macro_rules! with_kernel {
 /// j/(count + 1), j = 1 … count.
 fn inner_grid(count: usize) -> Vec<f64> {
     (1..=count).map(|j| j as f64 / (count + 1) as f64).collect()
+}
+
+/// (j − ½)/count, j = 1 … count.
+fn middle_grid(count: usize) -> Vec<f64> {
+    (0..count).map(|j| (j as f64 + 0.5) / count as f64).collect()
+}
+
+/// The plane of [`FamilyForm::PreisachDensity`].
+fn density(range: [f64; 2]) -> PreisachDensity {
+    let plane = Preisach::regular(range, DENSITY_INTERVALS + 1);
+    PreisachDensity { plane, law: DensityLaw::Lorentzian }
 }
 
 impl FamilyForm {
@@ -305,6 +314,35 @@ impl FamilyForm {
                 | Self::KrasnoselskiiPokrovskii { .. }
                 | Self::Preisach { .. }
         )
+    }
+
+    /// Thresholds of a family of plays as they are, in volts or in units of the envelopes; none for others.
+    pub(crate) fn thresholds(self, shape: &[f64]) -> Vec<f64> {
+        let at = |index: usize| shape.get(index).copied().unwrap_or(f64::NAN);
+        match self {
+            Self::MaxwellSlip { elements: count }
+            | Self::OneSidedPlays { plays: count }
+            | Self::RateDependentPlays { plays: count } => {
+                inner_grid(count).into_iter().map(|threshold| at(0) * threshold).collect()
+            }
+            Self::DeadZonePlays { plays } => DeadZonePlays::regular([at(0), at(1)], plays).thresholds,
+            Self::GeneralisedPlays { plays } => middle_grid(plays),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Intervals of a plane of relays, and the weights of its cells where all of it has the weights `weights`.
+    pub(super) fn cells(self, shape: &[f64], weights: &[f64]) -> (usize, Vec<f64>) {
+        match self {
+            Self::Preisach { intervals } => (intervals, weights.to_vec()),
+            Self::PreisachDensity => {
+                let at = |index: usize| shape.get(index).copied().unwrap_or(f64::NAN);
+                let weight = weights.first().copied().unwrap_or(f64::NAN);
+                let cells = density([at(0), at(1)]).weights(shape.get(2..).unwrap_or_default());
+                (DENSITY_INTERVALS, cells.into_iter().map(|cell: f64| weight * cell).collect())
+            }
+            _ => (0, Vec::new()),
+        }
     }
 
     /// Pairs of weights whose cells lie side by side on a plane of relays; none for other families. Those on the diagonal, which are

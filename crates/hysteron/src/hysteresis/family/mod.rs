@@ -58,6 +58,21 @@ impl Family {
         }
     }
 
+    /// Intervals of the plane of a Preisach model, and the weights of its cells in the order of [`super::Preisach`]; none for other families.
+    pub(crate) fn cells(&self) -> (usize, Vec<f64>) {
+        self.form.cells(&self.shape, &self.weights)
+    }
+
+    /// Of plays with a broken line of their mean: the shares of the plays in it, and the corners of the line \[V\]; none for other families.
+    pub(crate) fn mean_and_corners(&self) -> (Vec<f64>, Vec<f64>) {
+        let (FamilyForm::DeadZonePlays { plays }, [low, high, own @ ..]) = (self.form, &self.shape[..])
+        else {
+            return Default::default();
+        };
+        let kernel = super::DeadZonePlays::regular([*low, *high], plays);
+        (kernel.shares(own), kernel.corners())
+    }
+
     /// v \[µm\] for the voltages `u` \[V\] given on a time base finer by a factor: `out[k]` belongs to `u[k * factor]`. The memory
     /// of an [`Origin::Remembering`] is the voltage at which the device was virgin.
     ///

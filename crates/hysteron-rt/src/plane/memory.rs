@@ -1,0 +1,148 @@
+//! The memory of a plane of relays: the turning points that still count.
+
+use super::Plane;
+use crate::real::Real;
+
+/// A turning point: the voltage, and what the plane put out there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn<T> {
+    voltage: T,
+    output: T,
+}
+
+impl<T: Real> Turn<T> {
+    /// Memory before it is used.
+    pub fn none() -> Self {
+        Self { voltage: T::of(0.0), output: T::of(0.0) }
+    }
+}
+
+/// Turns that there must be room for at least.
+pub const LEAST_TURNS: usize = 4;
+
+/// The turning points of a plane, the widest loop first, in memory of the caller's.
+///
+/// A loop that closes is forgotten with its two turns, and the output there is what it was before the loop: nothing adds up. Where the loops that are open at once have
+/// more turns than there is room for, the two neighbouring turns are forgotten whose relays take up least of the plane (by voltage): later outputs are
+/// wrong by at most twice the weight of those relays, until a wider loop wipes them out.
+#[derive(Debug)]
+pub struct Turns<'a, T> {
+    turns: &'a mut [Turn<T>],
+    kept: usize,
+    /// Virgin there.
+    rest: Turn<T>,
+    now: Turn<T>,
+    /// Whether the last move went up; none has been made from the rest.
+    rising: Option<bool>,
+}
+
+/// A move that has been looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Move<T> {
+    /// Turns left at its end, the present place among them where it has turned there.
+    left: usize,
+    turned: bool,
+    end: Turn<T>,
+}
+
+impl<T: Copy> Move<T> {
+    /// What the plane puts out at its end.
+    #[inline(always)]
+    pub(crate) fn output(&self) -> T {
+        self.end.output
+    }
+}
+
+impl<'a, T: Real> Turns<'a, T> {
+    /// Room for the turns of loops that are open at once, [`LEAST_TURNS`] at least.
+    pub fn new(turns: &'a mut [Turn<T>]) -> Self {
+        let none = Turn::none();
+        Self { turns, kept: 0, rest: none, now: none, rising: None }
+    }
+
+    /// Turns there is room for.
+    pub fn room(&self) -> usize {
+        self.turns.len()
+    }
+
+    /// Virgin at `u`.
+    pub(crate) fn rest_at(&mut self, plane: &Plane<'_, T>, u: T) {
+        self.kept = 0;
+        self.rest = Turn { voltage: u, output: plane.output_at_rest(u) };
+        self.now = self.rest;
+        self.rising = None;
+    }
+
+    /// A monotone move to `u`; nothing is moved.
+    #[inline]
+    pub(crate) fn look(&self, plane: &Plane<'_, T>, u: T) -> Move<T> {
+        if u == self.now.voltage {
+            return Move { left: self.kept, turned: false, end: self.now };
+        }
+        let rising = u > self.now.voltage;
+        let turned = self.rising.is_some_and(|before| before != rising);
+        let passes = |limit: T| if rising { u >= limit } else { u <= limit };
+        let turn = |index: usize| {
+            if index < self.kept { self.turns.get(index).copied().unwrap_or(self.now) } else { self.now }
+        };
+        let mut left = self.kept + usize::from(turned);
+        // A loop ends where it began, the widest where the virgin curve does.
+        while left > 1 && passes(turn(left - 2).voltage) {
+            left -= 2;
+        }
+        if left == 1 && passes(T::of(2.0) * self.rest.voltage - turn(0).voltage) {
+            left = 0;
+        }
+        let output = if left == 0 {
+            self.rest.output + plane.virgin_change(self.rest.voltage, u)
+        } else {
+            let turn = turn(left - 1);
+            turn.output + plane.change(turn.voltage, u)
+        };
+        Move { left, turned, end: Turn { voltage: u, output } }
+    }
+
+    /// Makes a move that has been looked at.
+    #[inline]
+    pub(crate) fn make(&mut self, to: Move<T>) {
+        if to.end.voltage == self.now.voltage {
+            return;
+        }
+        if to.left > self.kept {
+            // The turn was made here, and its loop is open.
+            if self.kept >= self.turns.len() {
+                self.forget();
+            }
+            if let Some(slot) = self.turns.get_mut(self.kept) {
+                *slot = self.now;
+                self.kept += 1;
+            }
+        } else {
+            self.kept = to.left;
+        }
+        self.rising = Some(to.end.voltage > self.now.voltage);
+        self.now = to.end;
+    }
+
+    /// Makes room for a turn at the present place: of the pairs of neighbours between two others, the one that least lies between.
+    fn forget(&mut self) {
+        let voltages = self.turns.iter().map(|turn| turn.voltage);
+        let next = voltages.clone().skip(1).chain(core::iter::once(self.now.voltage));
+        let (mut least, mut at) = (T::of(f64::INFINITY), 1);
+        let quadruples = voltages.clone().zip(next.clone()).zip(next.clone().skip(1).zip(next.skip(2)));
+        for (index, ((before, first), (second, after))) in quadruples.enumerate() {
+            let between = (before - second).abs() * (after - first).abs();
+            if between < least {
+                (least, at) = (between, index + 1);
+            }
+        }
+        for index in at..self.kept.saturating_sub(2) {
+            if let Some(&later) = self.turns.get(index + 2)
+                && let Some(slot) = self.turns.get_mut(index)
+            {
+                *slot = later;
+            }
+        }
+        self.kept = self.kept.saturating_sub(2);
+    }
+}

@@ -1,0 +1,66 @@
+//! A broken line of the mean of a bank of plays: Kuhnen's dead zones as bands.
+
+use super::PlayBankError;
+use crate::real::Real;
+
+/// Σ wₖ bₖ(h) of the mean h = u + Σ gⱼ (Fⱼ − u) of plays Fⱼ, with corners c₁ < c₂ < …: band k is max(0, min(h − cₖ, cₖ₊₁ − cₖ)), the
+/// outermost, which are one more than the corners, without end outwards: min(h − c₁, 0) and max(h − c_last, 0).
+///
+/// K. Kuhnen, *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrokenLine<'a, T> {
+    shares: &'a [T],
+    corners: &'a [T],
+    slopes: &'a [T],
+}
+
+impl<'a, T: Real> BrokenLine<'a, T> {
+    /// Shares gⱼ, one a play; corners, at least one, increasing; slopes wₖ, one more.
+    ///
+    /// # Errors
+    /// [`PlayBankError`].
+    pub fn new(shares: &'a [T], corners: &'a [T], slopes: &'a [T]) -> Result<Self, PlayBankError<T>> {
+        if corners.is_empty() || slopes.len() != corners.len() + 1 {
+            return Err(PlayBankError::Lengths { thresholds: corners.len() + 1, weights: slopes.len() });
+        }
+        let mut above = T::of(f64::NEG_INFINITY);
+        for (index, &value) in corners.iter().enumerate() {
+            if !(value.is_finite() && value > above) {
+                return Err(PlayBankError::Threshold { index, value, above });
+            }
+            above = value;
+        }
+        for (index, &value) in shares.iter().chain(slopes).enumerate() {
+            if !value.is_finite() {
+                return Err(PlayBankError::Weight { index, value });
+            }
+        }
+        Ok(Self { shares, corners, slopes })
+    }
+
+    /// Shares of the plays.
+    pub fn shares(&self) -> &'a [T] {
+        self.shares
+    }
+
+    /// Its value at h.
+    #[inline]
+    pub fn at(&self, h: T) -> T {
+        let mut corners = self.corners.iter();
+        let mut slopes = self.slopes.iter();
+        let (Some(&first), Some(&outer)) = (corners.next(), slopes.next()) else { return T::of(0.0) };
+        let mut sum = if h < first { outer * (h - first) } else { T::of(0.0) };
+        let mut low = first;
+        for (&high, &slope) in corners.zip(&mut slopes) {
+            let within = if h > high { high } else { h };
+            if within > low {
+                sum = sum + slope * (within - low);
+            }
+            low = high;
+        }
+        match slopes.next() {
+            Some(&slope) if h > low => sum + slope * (h - low),
+            _ => sum,
+        }
+    }
+}
