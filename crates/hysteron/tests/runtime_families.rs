@@ -1,6 +1,6 @@
 //! Promise: every family that `hysteron-rt` runs is the library's own, sample by sample: forwards, in single precision, and inverted.
 
-#![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
+#![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron::compensator::{
     Compensation, CompensatorError, CompensatorOptions, CompensatorParts, Prediction,
