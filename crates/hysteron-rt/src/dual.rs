@@ -41,46 +41,59 @@ impl<T: Real, const P: usize> Dual<T, P> {
 
     /// f(self) for a function with value `f` and derivative `slope` at `self.value`.
     #[inline(always)]
-    fn chain(self, f: T, slope: T) -> Self {
-        Dual { value: f, partials: self.partials.map(|p| slope * p) }
+    fn chain(mut self, f: T, slope: T) -> Self {
+        self.value = f;
+        // In place: `map` and `into_iter` of an array stay calls, one a number.
+        for p in &mut self.partials {
+            *p = slope * *p;
+        }
+        self
     }
 
     /// `value` with derivatives `x` · `self.partials` + `y` · `other.partials`.
     #[inline(always)]
-    fn join(self, other: Self, value: T, x: T, y: T) -> Self {
-        let mut partials = self.partials;
-        for (p, q) in partials.iter_mut().zip(other.partials) {
-            *p = x * *p + y * q;
+    fn join(mut self, other: Self, value: T, x: T, y: T) -> Self {
+        self.value = value;
+        for (p, q) in self.partials.iter_mut().zip(&other.partials) {
+            *p = x * *p + y * *q;
         }
-        Dual { value, partials }
+        self
     }
 }
 
 impl<T: Real, const P: usize> Add for Dual<T, P> {
     type Output = Self;
     #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        let mut partials = self.partials;
-        for (p, q) in partials.iter_mut().zip(other.partials) {
-            *p = *p + q;
+    fn add(mut self, other: Self) -> Self {
+        self.value = self.value + other.value;
+        for (p, q) in self.partials.iter_mut().zip(&other.partials) {
+            *p = *p + *q;
         }
-        Dual { value: self.value + other.value, partials }
+        self
     }
 }
 
 impl<T: Real, const P: usize> Neg for Dual<T, P> {
     type Output = Self;
     #[inline(always)]
-    fn neg(self) -> Self {
-        Dual { value: -self.value, partials: self.partials.map(|p| -p) }
+    fn neg(mut self) -> Self {
+        self.value = -self.value;
+        for p in &mut self.partials {
+            *p = -*p;
+        }
+        self
     }
 }
 
 impl<T: Real, const P: usize> Sub for Dual<T, P> {
     type Output = Self;
     #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self + -other
+    fn sub(mut self, other: Self) -> Self {
+        self.value = self.value - other.value;
+        for (p, q) in self.partials.iter_mut().zip(&other.partials) {
+            *p = *p - *q;
+        }
+        self
     }
 }
 

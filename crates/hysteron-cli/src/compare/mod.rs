@@ -33,8 +33,8 @@ use crate::result_flags::ResultFlags;
     after_help = "Each record (or part of one, where there are fewer than three of different content) is left out in turn, every candidate \
     fitted to the rest and simulated on what was left out. Records that are one experiment repeated are refused, with what to \
     measure instead.\n\n\
-    Without --candidates: the usual dynamic blocks (integer1 to integer4, fractional ones, arx, none), then variants of the best (creep, other polynomial degrees, n free), then plays, Dahl's and \
-    Duhem's hysteresis in front of the dynamics then preferred: two to three minutes of processor time for six records of 170 000 samples together. \
+    Without --candidates: a search. The usual dynamic blocks (none, integer1 to integer4, arx, fractional ones), then about the best so far the kinds of creep, plays, plays with dead \
+    zones, Dahl's and Duhem's hysteresis, other polynomial degrees and n free; again until nothing is better. Six minutes of processor time for four records of 45 000 samples together. \
     A candidate is \
     BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, \
     two-fractional, CREEP one of creep (fractional), log-creep, kelvin-voigt (two elements); the polynomial is a cubic, n = 1, and the family bouc-wen if not said. The families are those of identify \

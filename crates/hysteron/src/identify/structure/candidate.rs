@@ -9,8 +9,10 @@ use crate::hysteresis::HysteresisForm;
 
 /// Polynomial degree of a candidate that does not name one.
 const USUAL_DEGREE: usize = 3;
-/// Families that are compared unasked: one that wipes its memory out, and two that forget it, each quick to fit.
-const FAMILIES: [&str; 3] = ["prandtl-ishlinskii", "dahl", "duhem"];
+/// Highest degree that is compared unasked.
+const HIGHEST_USUAL_DEGREE: usize = 5;
+/// Families that are compared unasked: two that wipe their memory out, and three that forget it, each quick to fit.
+const FAMILIES: [&str; 5] = ["bouc-wen", "prandtl-ishlinskii", "dead-zone-plays", "dahl", "duhem"];
 
 /// Fewer poles in parallel than these are the same in series.
 const FEWEST_OF_MODES: usize = 4;
@@ -67,6 +69,24 @@ pub enum Block {
     FractionalFreeLowest,
     /// Two fractional modes in parallel.
     TwoFractional,
+}
+
+/// Part of a structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The dynamic block.
+    Block,
+    /// The kind of creep.
+    Creep,
+    /// The family of hysteresis.
+    Family,
+    /// Degree of the polynomial, and the exponent n of Bouc–Wen.
+    Shape,
+}
+
+impl Part {
+    /// All, in the order in which a search goes through them.
+    pub const ALL: [Self; 4] = [Self::Block, Self::Creep, Self::Family, Self::Shape];
 }
 
 impl Block {
@@ -137,30 +157,30 @@ impl Candidate {
         }
     }
 
-    /// The same dynamics with every kind of creep, with every other polynomial degree up to 5, and with n free.
-    pub fn variants(self) -> Vec<Self> {
-        let mut list = Vec::new();
-        if !self.block.takes_two_steps() && self.creep == Creep::None {
-            list.extend(CREEPS.map(|(_, creep)| Self { creep, ..self }));
-        }
-        list.extend((1..=5).filter(|d| *d != self.degree).map(|degree| Self { degree, ..self }));
-        if !self.n_free && self.hysteresis == HysteresisForm::BoucWen {
-            list.push(Self { n_free: true, ..self });
-        }
-        list
-    }
-
-    /// The same dynamics and polynomial behind other families of hysteresis: plays, Dahl's and Duhem's. None for blocks that
-    /// are identified in two steps, with Bouc–Wen alone.
-    pub fn families(self) -> Vec<Self> {
-        if self.block.takes_two_steps() {
-            return Vec::new();
-        }
-        let usual = HysteresisForm::usual().into_iter();
-        usual
-            .filter(|form| FAMILIES.contains(&form.name()) && *form != self.hysteresis)
-            .map(|hysteresis| Self { hysteresis, n_free: false, ..self })
-            .collect()
+    /// Every structure that differs from this one in that part alone, of those that are compared unasked, and this one. Blocks that are
+    /// identified in two steps go with Bouc–Wen and without creep only.
+    pub fn alternatives(self, part: Part) -> Vec<Self> {
+        let list: Vec<Self> = match part {
+            Part::Block => Block::USUAL.map(|block| Self { block, ..self }).into(),
+            Part::Creep => [Creep::None]
+                .into_iter()
+                .chain(CREEPS.map(|(_, creep)| creep))
+                .map(|creep| Self { creep, ..self })
+                .collect(),
+            Part::Family => HysteresisForm::usual()
+                .into_iter()
+                .filter(|form| FAMILIES.contains(&form.name()))
+                .map(|hysteresis| Self { hysteresis, n_free: false, ..self })
+                .collect(),
+            Part::Shape => {
+                let degrees = (1..=HIGHEST_USUAL_DEGREE).map(|degree| Self { degree, ..self });
+                let free =
+                    (self.hysteresis == HysteresisForm::BoucWen).then_some(Self { n_free: true, ..self });
+                degrees.chain(free).collect()
+            }
+        };
+        let of_its_own = |c: &Self| c.creep == Creep::None && c.hysteresis == HysteresisForm::BoucWen;
+        list.into_iter().filter(|c| !c.block.takes_two_steps() || of_its_own(c)).collect()
     }
 
     /// `base` with this structure.
@@ -247,7 +267,7 @@ mod tests {
     fn a_name_and_its_structure_are_one_to_one() {
         for block in Block::all() {
             let base = Candidate::of(block);
-            for candidate in base.variants().into_iter().chain([base]) {
+            for candidate in Part::ALL.into_iter().flat_map(|part| base.alternatives(part)) {
                 assert_eq!(candidate.to_string().parse(), Ok(candidate));
             }
         }
@@ -269,12 +289,27 @@ mod tests {
     }
 
     #[test]
-    fn other_families_keep_the_dynamics() {
+    fn alternatives_differ_in_their_part_alone() {
         let own: Candidate = "fractional+creep+degree2+n-free".parse().unwrap();
-        let names: Vec<String> = own.families().iter().map(ToString::to_string).collect();
-        let behind = |family: &str| format!("fractional+creep+degree2+{family}");
-        assert_eq!(names, ["prandtl-ishlinskii", "dahl", "duhem"].map(behind));
-        assert!(Candidate::of(Block::Arx).families().is_empty());
+        let names = |of: Candidate, part| -> Vec<String> {
+            of.alternatives(part).iter().map(ToString::to_string).collect()
+        };
+        let behind = |family: &str| format!("fractional+creep+degree2{family}");
+        let families = ["", "+prandtl-ishlinskii", "+dahl", "+duhem", "+dead-zone-plays"].map(behind);
+        let mut found = names(own, Part::Family);
+        found.sort_by_key(|name| families.iter().position(|f| f == name));
+        assert_eq!(found, families);
+        let plays: Candidate = "fractional+creep+prandtl-ishlinskii".parse().unwrap();
+        assert!(names(plays, Part::Block).iter().all(|name| !name.starts_with("arx")));
+        assert_eq!(names(plays, Part::Block).len(), Block::USUAL.len() - 1);
+        assert_eq!(names(plays, Part::Shape).len(), 5);
+        assert_eq!(names(own, Part::Creep).len(), 4);
+        let arx = Candidate::of(Block::Arx);
+        assert_eq!(
+            (names(arx, Part::Family), names(arx, Part::Creep)),
+            (vec!["arx".to_owned()], vec!["arx".to_owned()])
+        );
+        assert_eq!(names(arx, Part::Shape).len(), 6);
     }
 
     #[test]

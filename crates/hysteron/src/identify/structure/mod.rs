@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-pub use candidate::{Block, Candidate, UnknownCandidate};
+pub use candidate::{Block, Candidate, Part, UnknownCandidate};
 pub use content::Content;
 pub use folds::Fold;
 pub use neighbours::{Neighbour, Neighbours, neighbours};
@@ -34,6 +34,10 @@ use crate::hammerstein::Model;
 use crate::optimize::Settings;
 use fit::{Campaign, Named, NoFit, Training, WholeFit};
 
+/// Passes of a search at most.
+const PASSES: usize = 3;
+/// Candidates that a second pass is expected to add.
+const SECOND_PASS: usize = 15;
 /// Fits of other candidates that a fit may start from.
 const LEND: usize = 2;
 
@@ -111,8 +115,8 @@ impl Entry {
     }
 }
 
-/// Compares `candidates` on a campaign. `None`: every dynamic block, then variants of the preferred one (creep, other
-/// polynomial degrees, n free), then other families of hysteresis before the dynamics then preferred. Of `options`, structure, algorithm and demands are each candidate's own.
+/// Compares `candidates` on a campaign. `None`: a search through dynamic blocks, kinds of creep, families of hysteresis, polynomial
+/// degrees and n, one [`Part`] after the other about the best so far, until none is better. Of `options`, structure, algorithm and demands are each candidate's own.
 ///
 /// # Errors
 /// [`StructureError`]. A candidate that cannot be fitted is no error: its [`Entry::failures`] say why.
@@ -139,21 +143,7 @@ pub fn compare(
         Run { campaign, folds, watcher, done: AtomicUsize::new(0), planned: 0, finished: Vec::new() };
     match candidates {
         Some(candidates) => run.add(candidates),
-        None => {
-            let blocks = Block::USUAL.map(Candidate::of);
-            let spare = blocks[0].variants().len() + blocks[0].families().len();
-            run.planned = (blocks.len() + spare) * (run.folds.len() + 1);
-            run.add(&blocks);
-            if let Some(preferred) = run.ranking().map(|r| run.finished[r.preferred].entry.candidate) {
-                let variants = preferred.variants();
-                let families = preferred.families().len();
-                run.planned = (blocks.len() + variants.len() + families) * (run.folds.len() + 1);
-                run.add(&variants);
-            }
-            if let Some(preferred) = run.ranking().map(|r| run.finished[r.preferred].entry.candidate) {
-                run.add(&preferred.families());
-            }
-        }
+        None => run.search(),
     }
     let notes = prospect::limits(&contents, &run.folds);
     Ok(run.comparison(notes))
@@ -176,6 +166,32 @@ struct Finished {
 }
 
 impl Run<'_> {
+    /// One part of the structure after the other, the rest as in the best so far, until a pass changes nothing: which dynamics predict best
+    /// depends on the hysteresis before them, and the other way round.
+    fn search(&mut self) {
+        let mut best = Candidate::of(Block::None);
+        for pass in 1..=PASSES {
+            let before = best;
+            for (parts_left, part) in (0..Part::ALL.len()).rev().zip(Part::ALL) {
+                let alternatives = best.alternatives(part);
+                // An honest guess: as much again as this part for every one to come.
+                let to_come = parts_left * alternatives.len() + if pass == 1 { SECOND_PASS } else { 0 };
+                self.planned = self.done.load(Ordering::Relaxed)
+                    + (alternatives.len() + to_come) * (self.folds.len() + 1);
+                self.add(&alternatives);
+                match self.ranking() {
+                    Some(ranking) if !self.watcher.stop() => {
+                        best = self.finished[ranking.best].entry.candidate;
+                    }
+                    _ => return,
+                }
+            }
+            if best == before {
+                return;
+            }
+        }
+    }
+
     fn add(&mut self, candidates: &[Candidate]) {
         let fits = self.folds.len() + 1;
         self.planned = self.planned.max(self.done.load(Ordering::Relaxed) + candidates.len() * fits);
