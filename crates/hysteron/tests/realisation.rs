@@ -170,6 +170,32 @@ fn creep_is_realised_down_to_the_frequency_named() {
     }
 }
 
+/// The relaxations of creep beside fractional modes are poles on the branch cut, most of them far below the band.
+#[test]
+fn logarithmic_creep_beside_fractional_modes_is_realised() {
+    for (creep_start_s, scheme) in
+        [(0.01, Scheme::Tustin), (20.0, Scheme::BandLimited), (0.3, Scheme::BandLimited)]
+    {
+        let form = DynamicForm { modes: Modes::Fractional, creep: Creep::Logarithmic };
+        let g = form.transfer_function(&[320.0, 0.62, 1.94, 1.05, 0.02, creep_start_s]).unwrap();
+        let creeping = model(Dynamics::Fractional(g.clone()), scheme, 1.3e-4);
+        let options = RealiseOptions { lowest_frequency_hz: Some(0.02), ..to(1e-5) };
+        let realised = realise(&creeping, RATE_HZ, &options).unwrap();
+        let error = largest_difference(&realised);
+        println!(
+            "start {creep_start_s} s, {scheme}: {} states, sweep {error:.1e}",
+            realised.dynamics.states()
+        );
+        assert!(error < 2e-5, "{creep_start_s} s, {scheme}: {error:e}");
+        // Against the transfer function itself, below all that the sweep held.
+        for f in [0.02, 0.1, 0.5] {
+            let s = hysteron::numeric::Complex64::new(0.0, std::f64::consts::TAU * f);
+            let error = realised.dynamics.response(f, RATE_HZ) - g.response_at(s) * (-s * 1.3e-4).exp();
+            assert!(error.norm() < 1.1e-5 * realised.dynamics.reference_gain, "{f} Hz: {error}");
+        }
+    }
+}
+
 #[test]
 fn every_family_streams_as_it_is_simulated() {
     let family = |form: FamilyForm, shape: &[f64]| {

@@ -7,6 +7,9 @@ use super::transfer_function::{highest, lowest};
 use super::{DynamicsError, Term, TransferFunction};
 use crate::numeric::Complex64;
 
+/// What is nearer to the cut, as a share of π, is on it.
+const HAIR: f64 = 1e-9;
+
 impl TransferFunction {
     /// Poles of G on the main sheet |arg s| < π \[rad/s\], pairs as both members, by descending frequency |s|.
     ///
@@ -32,7 +35,7 @@ impl TransferFunction {
             (last.order - first.order) as usize
         } else {
             // A zero on the cut itself is nongeneric; a hair inside it the count is that of the open sheet.
-            zeros_within(terms, PI).or_else(|_| zeros_within(terms, PI * (1.0 - 1e-9))).unwrap_or(0)
+            zeros_within(terms, PI).or_else(|_| zeros_within(terms, PI * (1.0 - HAIR))).unwrap_or(0)
         };
         Ok(search(terms, count, whole))
     }
@@ -115,8 +118,9 @@ fn newton(terms: &[Term], start: Complex64, whole: bool) -> Option<Complex64> {
             if whole {
                 w.im = (w.im + PI).rem_euclid(2.0 * PI) - PI;
             }
-            // The cut itself belongs to the sheet only with whole orders.
-            return (w.im.abs() < PI + if whole { 1e-6 } else { 0.0 }).then_some(w);
+            // The cut itself belongs to the sheet only with whole orders; a zero on it is found to rounding.
+            let edge = if whole { PI + 1e-6 } else { PI * (1.0 - HAIR) };
+            return (w.im.abs() < edge).then_some(w);
         }
     }
     None
@@ -157,6 +161,15 @@ mod tests {
                 assert!((a - b).norm() < 1e-9, "{found:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_lag_on_the_cut_does_not_hide_the_resonance() {
+        // (s + 0.3)(s^1.8 + 10 s^0.9 + 400): the lag's zero lies on the cut.
+        let found = poles(&[(120.0, 0.0), (3.0, 0.9), (400.0, 1.0), (0.3, 1.8), (10.0, 1.9), (1.0, 2.8)]);
+        let alone = poles(&[(400.0, 0.0), (10.0, 0.9), (1.0, 1.8)]);
+        assert_eq!((found.len(), alone.len()), (2, 2), "{found:?}");
+        assert!((found[0] - alone[0]).norm() < 1e-9 * alone[0].norm(), "{found:?} {alone:?}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::fit::{Fitted, Point, weights};
-use super::poles::{Cut, about, logarithmic, of_arx, of_transfer_function, upper_half};
+use super::poles::{Cut, about, logarithmic, of_arx, of_transfer_function, on_the_cut, upper_half};
 use super::sections::{Discrete, Section, of_continuous, of_sampled};
 use super::target::{Pole, Target};
 use super::{RealiseError, RealiseOptions};
@@ -122,7 +122,9 @@ pub(super) fn realise(
                 Stability::Marginal { .. } => return Err(RealiseError::Unstable { poles: 2 }),
             }
             let found = g.poles()?;
-            let poles = of_transfer_function(target, &found, pole_count(g, found.len()));
+            let mut poles = of_transfer_function(target, &found, pole_count(g, found.len()));
+            let on_cut = if target.has_cut() { on_the_cut(g) } else { Vec::new() };
+            poles.extend(on_cut.iter().flat_map(|x| target.poles_of(Complex64::new(-x, 0.0))));
             let mut problem = Problem::new(target, poles, sample_rate_hz, options)?;
             problem.fall = if model.inter_sample == InterSample::Hold { 1 } else { 2 };
             problem.resonances = found.into_iter().filter(|s| s.im > 0.0).collect();

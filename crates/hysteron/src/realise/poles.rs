@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 
 use super::target::{Pole, Target};
-use crate::dynamics::Arx;
+use crate::dynamics::{Arx, TransferFunction};
 use crate::numeric::Complex64;
 
 /// Parts of a decade over which the density of a branch cut is summed.
@@ -14,6 +14,9 @@ const PER_DECADE: usize = 12;
 const DECADES: (i32, i32) = (-12, 12);
 /// Poles are spread over ln x as this power of the density: weak ends of the cut get fewer.
 const SPREAD: f64 = 0.2;
+/// Steps a decade in which poles on the cut are looked for, and what the denominator is there at most, as a share of its terms.
+const ON_CUT_PER_DECADE: usize = 48;
+const ON_CUT: f64 = 1e-9;
 /// Relative distance of the members of a multiple pole.
 const SPLIT: f64 = 1e-3;
 
@@ -79,6 +82,37 @@ pub(super) fn of_transfer_function(target: Target<'_>, found: &[Complex64], coun
     let copies = if found.is_empty() { 1 } else { count.div_ceil(found.len()).max(1) };
     let upper = found.iter().filter(|s| s.im >= 0.0);
     upper.flat_map(|&s| side_by_side(s, copies)).flat_map(|s| target.poles_of(s)).collect()
+}
+
+/// Poles of G that lie on its branch cut \[rad/s\], which no search of the main sheet finds: where the denominator has a factor of whole orders,
+/// as creep by relaxations beside fractional modes has, it vanishes on both sides of the cut at once. Between two of them, apart
+/// by more than a step, the denominator turns round.
+pub(super) fn on_the_cut(g: &TransferFunction) -> Vec<f64> {
+    // The denominator on the upper side of the cut at e^ln_x, and what rounding is measured by.
+    let at = |ln_x: f64| {
+        g.denominator.iter().fold((Complex64::ZERO, 0.0), |(sum, size), term| {
+            let magnitude = term.coefficient * (term.order * ln_x).exp();
+            (sum + Complex64::from_polar(magnitude, PI * term.order), size + magnitude.abs())
+        })
+    };
+    let turned = |a: Complex64, b: Complex64| (a * b.conj()).re < 0.0;
+    let step = std::f64::consts::LN_10 / ON_CUT_PER_DECADE as f64;
+    let grid = DECADES.0 * ON_CUT_PER_DECADE as i32..DECADES.1 * ON_CUT_PER_DECADE as i32;
+    grid.filter_map(|k| {
+        let (mut low, mut high) = (f64::from(k) * step, f64::from(k + 1) * step);
+        let before = at(low).0;
+        if !turned(before, at(high).0) {
+            return None;
+        }
+        while high - low > 4.0 * f64::EPSILON * high.abs().max(1.0) {
+            let middle = 0.5 * (low + high);
+            *(if turned(before, at(middle).0) { &mut high } else { &mut low }) = middle;
+        }
+        let (value, size) = at(low);
+        // One that turns without vanishing is no pole.
+        (value.norm() < ON_CUT * size).then(|| low.exp())
+    })
+    .collect()
 }
 
 /// Poles of an ARX model: eigenvalues of the companion matrix of its denominator.
