@@ -225,9 +225,6 @@ impl Export {
         let failure = Failure::new(format!("cannot export {}", self.model.display())).because(error);
         match error {
             ExportError::Name { .. } => failure.hint("name it with --name, e.g. --name stage"),
-            ExportError::Family { .. } => {
-                failure.hint("identify the model again with one of those (hysteron identify --hysteresis)")
-            }
             ExportError::Compiler { .. } => failure
                 .hint("install a C compiler (e.g. apt-get install gcc), or name one in the variable CC"),
             ExportError::Foreign { .. } => failure.hint("name another folder, or another --name"),

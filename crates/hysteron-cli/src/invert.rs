@@ -202,9 +202,6 @@ impl Invert {
                 ),
                 InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => failure
                     .hint(format!("sample the reference at {model_hz} Hz, or identify the model without --scheme grunwald-letnikov and ARX")),
-                InversionError::Compensator(CompensatorError::Realise(RealiseError::NotInRuntime { .. })) => {
-                    failure.hint("leave --preview and --predict-to out: a reference known as a whole is followed with every family")
-                }
                 InversionError::Dynamics(_) => failure.hint(format!(
                     "the bandwidth is {} of the sample rate unless --bandwidth HZ says otherwise",
                     short(BANDWIDTH_SHARE)

@@ -1,7 +1,7 @@
 //! C99 source.
 
 use hysteron::realise::{Coefficients, OperatorCoefficients, RuntimeParts};
-use hysteron_rt::{BoucWen, Real, Sides};
+use hysteron_rt::{BoucWen, Branch, MOST_PANELS, Real, Sides};
 
 use crate::error::ExportError;
 use crate::files::ExportedFile;
@@ -121,6 +121,7 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
         filling.coefficients(name, place);
     }
     sizes(&mut filling, &coefficients);
+    filling.key("REAL_PANELS", literal(T::of(f64::from(MOST_PANELS))));
     if let OperatorCoefficients::Plane { intervals, .. } = coefficients.operator {
         filling.key("REAL_INTERVALS", literal(T::of(intervals as f64)));
     }
@@ -141,17 +142,38 @@ fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
     let [linear, quadratic] = [one, T::of(2.0)].map(|n| exponent == Some(n));
     let power = exponent.is_some() && !linear && !quadratic;
     let real = real_poles(coefficients).len();
+    let branch = match coefficients.operator {
+        OperatorCoefficients::Branch { law, .. } => Some(law),
+        _ => None,
+    };
+    let [dahl, duhem, song, non_symmetric] = [
+        matches!(branch, Some(Branch::Dahl { .. })),
+        matches!(branch, Some(Branch::Duhem { .. })),
+        matches!(branch, Some(Branch::SongDerKiureghian { .. })),
+        matches!(branch, Some(Branch::NonSymmetric { .. })),
+    ];
+    let magnetic = matches!(branch, Some(Branch::JilesAtherton { .. }));
     filling
+        .flag("branch", branch.is_some())
+        .flag("dahl", dahl)
+        .flag("duhem", duhem)
+        .flag("song", song)
+        .flag("non_symmetric", non_symmetric)
+        .flag("magnetic", magnetic)
+        .flag("moments", duhem || non_symmetric)
+        .flag("roots", non_symmetric || magnetic)
+        .flag("linear_law", linear || song)
+        .flag("logs", linear || song || dahl)
+        .flag("relaxes", linear || power || song || dahl || duhem)
+        .flag("accumulates", !operators.is_empty() || branch.is_some() || real + sections.pairs.len() > 0)
+        .key("N_ROOT", 5)
         .flag("bouc_wen", !operators.is_empty())
-        .flag("linear_law", linear)
         .flag("quadratic_law", quadratic)
         .flag("power_law", power)
-        .flag("relaxes", linear || power)
         .flag("polynomial", !coefficients.polynomial.is_empty())
         .flag("real_poles", real > 0)
         .flag("pairs", !sections.pairs.is_empty())
         .flag("delay", coefficients.delay_samples > 0)
-        .flag("accumulates", !operators.is_empty() || real + sections.pairs.len() > 0)
         .key("N_OPERATORS", operators.len())
         .key("N_POLYNOMIAL", coefficients.polynomial.len())
         .key("N_TAPS", sections.taps.len())
@@ -169,8 +191,15 @@ fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients
         filling.key(key, text);
     }
     match operator {
-        OperatorCoefficients::BoucWen(_) => {}
+        OperatorCoefficients::BoucWen(operators) => {
+            filling.flag("memoryless", operators.is_empty());
+        }
+        OperatorCoefficients::Branch { law, weights } => {
+            let moments = if matches!(law, Branch::Duhem { .. }) { weights.len() } else { 2 };
+            filling.key("N_STATES", weights.len()).key("N_MOMENTS", moments).key("N_PANELS", MOST_PANELS);
+        }
         OperatorCoefficients::Plays { weights, .. } => {
+            filling.flag("memoryless", weights.is_empty());
             filling.flag("plays", !weights.is_empty()).key("N_PLAYS", weights.len());
         }
         OperatorCoefficients::SidedPlays { sides, thresholds, weights, corners, slopes, .. } => {
@@ -240,8 +269,12 @@ fn tables<T: Real>(
         }))
     };
     let mut opening = String::new();
-    if let OperatorCoefficients::BoucWen(_) = coefficients.operator {
-        opening = if tunable {
+    let on_branch = matches!(
+        coefficients.operator,
+        OperatorCoefficients::Branch { law: Branch::SongDerKiureghian { .. }, .. }
+    );
+    if on_branch || matches!(coefficients.operator, OperatorCoefficients::BoucWen(_)) {
+        opening = if tunable && !on_branch {
             format!("typedef {name}_bouc_wen bouc_wen;\n\n")
         } else {
             "/* A Bouc-Wen operator. */\ntypedef struct {\n    real alpha, beta, gamma, n;\n} bouc_wen;\n\n"
@@ -259,7 +292,8 @@ fn tables<T: Real>(
                 members.push(format!("    {{\n{}\n    }}", operators(list)))
             }
             OperatorCoefficients::Plays { weights, .. }
-            | OperatorCoefficients::SidedPlays { weights, .. } => {
+            | OperatorCoefficients::SidedPlays { weights, .. }
+            | OperatorCoefficients::Branch { weights, .. } => {
                 members.push(format!("    {{\n{}\n    }}", all(weights)));
             }
             OperatorCoefficients::Plane { .. } => {}
@@ -289,6 +323,13 @@ fn tables<T: Real>(
             );
             if !tunable {
                 table("Weights of the plays.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
+            }
+        }
+        OperatorCoefficients::Branch { law, weights } => {
+            let (comment, shape) = shape(law);
+            table(comment, &format!("real SHAPE[{}]", shape.len()), &all(&shape));
+            if !tunable {
+                table("Weights of the states.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
             }
         }
         OperatorCoefficients::SidedPlays { sides, thresholds, weights, shares, corners, slopes } => {
@@ -373,6 +414,19 @@ fn tables<T: Real>(
         literal(sections.rest_gain),
         literal(coefficients.offset)
     )
+}
+
+/// The numbers of a law, and what they are.
+fn shape<T: Copy>(law: Branch<T>) -> (&'static str, Vec<T>) {
+    match law {
+        Branch::Dahl { reach, exponent } => ("Reach and exponent.", vec![reach, exponent]),
+        Branch::Duhem { rate } => ("Rate.", vec![rate]),
+        Branch::NonSymmetric { beta, gamma, delta } => ("beta, gamma, delta.", vec![beta, gamma, delta]),
+        Branch::SongDerKiureghian { betas } => ("beta_1 to beta_6.", betas.to_vec()),
+        Branch::JilesAtherton { anhysteretic, pinning, reversibility, coupling } => {
+            ("a, k, c, alpha.", vec![anhysteretic, pinning, reversibility, coupling])
+        }
+    }
 }
 
 /// What the thresholds of plays are.

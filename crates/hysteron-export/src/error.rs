@@ -18,14 +18,6 @@ pub enum ExportError {
         /// The name.
         name: String,
     },
-    /// The family of hysteresis has no exported form.
-    #[error(
-        "the hysteresis family {family} cannot be exported; these cannot: non-symmetric-bouc-wen, song-der-kiureghian, dahl, duhem, jiles-atherton"
-    )]
-    Family {
-        /// Its name.
-        family: &'static str,
-    },
     /// The model cannot be realised.
     #[error(transparent)]
     Realise(#[from] RealiseError),

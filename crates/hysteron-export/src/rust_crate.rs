@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hysteron::realise::{OperatorCoefficients, RuntimeParts};
-use hysteron_rt::{BoucWen, LANES, Real, Sides};
+use hysteron_rt::{BoucWen, Branch, LANES, Real, Sides};
 
 use crate::c::{Numbers, filling, golden_keys, of_thresholds, rows};
 use crate::error::ExportError;
@@ -150,6 +150,36 @@ fn manifest(subject: &Subject, runtime: Runtime<'_>) -> String {
     )
 }
 
+/// The law as an expression.
+fn law_in_rust<T: Real>(law: Branch<T>, literal: &dyn Fn(T) -> String) -> String {
+    let fields = |numbers: &[(&str, T)]| {
+        numbers.iter().map(|(name, x)| format!("{name}: {}", literal(*x))).collect::<Vec<_>>().join(", ")
+    };
+    match law {
+        Branch::Dahl { reach, exponent } => {
+            format!("Branch::Dahl {{ {} }}", fields(&[("reach", reach), ("exponent", exponent)]))
+        }
+        Branch::Duhem { rate } => format!("Branch::Duhem {{ {} }}", fields(&[("rate", rate)])),
+        Branch::NonSymmetric { beta, gamma, delta } => {
+            let fields = fields(&[("beta", beta), ("gamma", gamma), ("delta", delta)]);
+            format!("Branch::NonSymmetric {{ {fields} }}")
+        }
+        Branch::SongDerKiureghian { betas } => {
+            let list = betas.iter().map(|&beta| literal(beta)).collect::<Vec<_>>().join(", ");
+            format!("Branch::SongDerKiureghian {{ betas: [{list}] }}")
+        }
+        Branch::JilesAtherton { anhysteretic, pinning, reversibility, coupling } => {
+            let fields = fields(&[
+                ("anhysteretic", anhysteretic),
+                ("pinning", pinning),
+                ("reversibility", reversibility),
+                ("coupling", coupling),
+            ]);
+            format!("Branch::JilesAtherton {{ {fields} }}")
+        }
+    }
+}
+
 fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError> {
     let parts = RuntimeParts::<T>::new(&subject.realisation)?;
     let coefficients = parts.coefficients();
@@ -190,6 +220,13 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         OperatorCoefficients::Plays { thresholds, weights } => {
             table("Half-widths of the plays.", "THRESHOLD", "Real", thresholds.len(), &all(thresholds));
             table("Weights of the plays.", "WEIGHT", "Real", weights.len(), &all(weights));
+        }
+        OperatorCoefficients::Branch { law, weights } => {
+            table("Weights of the states.", "WEIGHT", "Real", weights.len(), &all(weights));
+            out.push_str(&format!(
+                "/// The law.\nconst LAW: Branch<Real> = {};\n",
+                law_in_rust(law, &literal)
+            ));
         }
         OperatorCoefficients::SidedPlays { sides, thresholds, weights, shares, corners, slopes } => {
             table(of_thresholds(sides), "THRESHOLD", "Real", thresholds.len(), &all(thresholds));

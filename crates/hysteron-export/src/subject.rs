@@ -2,7 +2,7 @@
 
 use hysteron::hysteresis::{Family, FamilyForm, Hysteresis};
 use hysteron::model_file::{ModelFile, ScoreEntry, ScoreRole, ValidRange};
-use hysteron::realise::{Realisation, RealiseError, RuntimeParts};
+use hysteron::realise::{Realisation, RuntimeParts};
 use hysteron_rt::Real;
 
 use crate::error::ExportError;
@@ -35,7 +35,7 @@ impl Subject {
     /// The realisation of the model in `file`, to be exported under `name`.
     ///
     /// # Errors
-    /// [`ExportError::Name`]; [`ExportError::Family`] for a family that the runtime does not hold; [`ExportError::Realise`] where the
+    /// [`ExportError::Name`]; [`ExportError::Realise`] where the
     /// numbers do not survive the rounding to `precision`.
     pub fn new(
         name: &str,
@@ -204,20 +204,27 @@ fn family_in_words(family: &Family) -> String {
             "memory = a plane of relays, by its Everett function and the turns that still count (Preisach)."
                 .into()
         }
-        FamilyForm::NonSymmetricBoucWen
-        | FamilyForm::SongDerKiureghian
-        | FamilyForm::Dahl
-        | FamilyForm::Duhem { .. }
-        | FamilyForm::JilesAtherton => format!("memory = {}.", family.form.name()),
+        FamilyForm::Dahl => "memory = w y, dy/du = (1 - s y/reach)^i, s = sign du (Dahl).".into(),
+        FamilyForm::Duhem { .. } => {
+            format!("memory = sum of {count} w_j y_j, dy_j/du = u^j - s b y_j, s = sign du (Duhem).")
+        }
+        FamilyForm::NonSymmetricBoucWen => {
+            "memory = w y, dy/du = 1 - (beta s + gamma sign y) y + delta s u, s = sign du (non-symmetric Bouc-Wen)."
+                .into()
+        }
+        FamilyForm::SongDerKiureghian => {
+            "memory = w y, dy/du = 1 - |y| (six terms in the signs of du, u and y) (Song and Der Kiureghian)."
+                .into()
+        }
+        FamilyForm::JilesAtherton => {
+            "memory = w m, m the magnetisation p + c (m_an - p), dp/dh = s (m_an - p)/k, h = u + alpha m (Jiles-Atherton)."
+                .into()
+        }
     }
 }
 
 fn check_numbers<T: Real>(realisation: &Realisation) -> Result<(), ExportError> {
-    match RuntimeParts::<T>::new(realisation).and_then(|mut parts| parts.model().map(drop)) {
-        Ok(()) => Ok(()),
-        Err(RealiseError::NotInRuntime { family }) => Err(ExportError::Family { family }),
-        Err(error) => Err(error.into()),
-    }
+    Ok(RuntimeParts::<T>::new(realisation).and_then(|mut parts| parts.model().map(drop))?)
 }
 
 /// Words that names must not be, in C, C++ or Rust; those with a capital or a leading _ are no names in here anyway.

@@ -5,6 +5,7 @@
 //! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of the step.
 //! * [`SidedPlays`]: plays between other sides (one-sided, generalised, widening with the rate, Krasnosel'skii–Pokrovskii), with a [`BrokenLine`] behind them;
 //!   [`Plane`]: a plane of relays (Preisach) by its Everett function and the [`Turns`] that still count.
+//! * [`Branch`]: Dahl, Duhem, asymmetric Bouc–Wen and Jiles–Atherton, by what a move changes their states by.
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs, taps, delay), voltage
 //!   in, displacement out, the same number of operations every sample.
 //! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`], [`Hysteresis::reach`]);
@@ -36,6 +37,7 @@
 #![forbid(unsafe_code)]
 
 mod bouc_wen;
+mod branch;
 mod dual;
 mod model;
 mod online;
@@ -45,9 +47,10 @@ mod real;
 mod series;
 
 pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepError};
+pub use branch::{Branch, MOST_MOMENTS, MOST_PANELS, moments};
 pub use dual::Dual;
 pub use model::{
-    BoucWenMemory, Compensated, Compensator, Drive, Feedback, FilteredLms, Held, Hysteresis, LANES, Law,
+    Compensated, Compensator, Drive, Feedback, FilteredLms, Held, Hysteresis, IncrementMemory, LANES, Law,
     Limited, Limits, Line, Linear, LmsSettings, MOST_LOOKS, MOST_TAPS, Means, Model, ModelError, Observed,
     Observer, Operator, PolePair, Reached, RealPoles, Sections, SectionsMemory,
 };

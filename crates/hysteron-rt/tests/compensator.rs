@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_rt::{
-    BoucWen, BoucWenMemory, Compensated, Compensator, Hysteresis, LANES, Law, Limited, Limits, Linear, Model,
-    ModelError, Observer, Operator, PlayBank, Real, RealPoles, Sections, SectionsMemory,
+    BoucWen, Compensated, Compensator, Hysteresis, IncrementMemory, LANES, Law, Limited, Limits, Linear,
+    Model, ModelError, Observer, Operator, PlayBank, Real, RealPoles, Sections, SectionsMemory,
 };
 use proptest::prelude::*;
 
@@ -19,7 +19,7 @@ const LIMITS: Limits<f64> = Limits { low: -2.0, high: 10.0, step: 0.5 };
 struct Parts<T> {
     polynomial: [T; 3],
     bouc_wen: Vec<BoucWen<T>>,
-    bouc_wen_memory: Vec<BoucWenMemory<T>>,
+    bouc_wen_memory: Vec<IncrementMemory<T>>,
     thresholds: [T; 3],
     weights: [T; 3],
     plays: [T; 3],
@@ -51,7 +51,7 @@ impl<T: Real> Parts<T> {
         };
         Self {
             polynomial: [of(1.2), of(0.02), of(-0.001)],
-            bouc_wen_memory: vec![BoucWenMemory::new(of(0.0)); bouc_wen.len()],
+            bouc_wen_memory: vec![IncrementMemory::new(of(0.0)); bouc_wen.len()],
             bouc_wen,
             thresholds: THRESHOLDS.map(of),
             weights: WEIGHTS.map(of),

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_rt::{
-    BoucWen, BoucWenMemory, Compensated, Hysteresis, LANES, Linear, Model, ModelError, Operator, PlayBank,
+    BoucWen, Compensated, Hysteresis, IncrementMemory, LANES, Linear, Model, ModelError, Operator, PlayBank,
     PolePair, Real, RealPoles, Sections, SectionsMemory,
 };
 use proptest::prelude::*;
@@ -166,7 +166,7 @@ fn silence_leaves_no_subnormal_number_behind() {
 fn a_rest_is_a_rest_and_a_start_has_no_jump() {
     let mut block = Block::<f64>::new();
     let operators = [BoucWen::new(0.5, 0.11, 0.02, 1.0).unwrap()];
-    let mut memory = [BoucWenMemory::new(0.0)];
+    let mut memory = [IncrementMemory::new(0.0)];
     let operator = Operator::BoucWen { operators: &operators, memory: &mut memory };
     let hysteresis = Hysteresis::new(&[2.0, 0.003], operator).unwrap();
     let mut model = Model::new(hysteresis, block.linear(), 1.5).unwrap();
@@ -194,7 +194,7 @@ fn a_rest_is_a_rest_and_a_start_has_no_jump() {
 #[test]
 fn half_way_is_where_two_half_moves_meet() {
     let operators = [1.0, 2.0].map(|n| BoucWen::new(0.5, 0.11, 0.02, n).unwrap());
-    let (mut memory, mut oracle_memory) = ([BoucWenMemory::new(0.0); 2], [BoucWenMemory::new(0.0); 2]);
+    let (mut memory, mut oracle_memory) = ([IncrementMemory::new(0.0); 2], [IncrementMemory::new(0.0); 2]);
     let bouc_wen = |memory| Operator::BoucWen { operators: &operators, memory };
     let (thresholds, weights) = ([0.5, 1.5], [0.7, 0.2]);
     let bank = PlayBank::new(&thresholds, &weights).unwrap();
@@ -306,7 +306,7 @@ fn hysteresis_in_single_precision_follows_double_at_any_rate() {
         let (alpha, beta, gamma) = (0.5, 0.25, 0.125);
         let operators = [BoucWen::new(alpha, beta, gamma, n).unwrap()];
         let operators32 = [BoucWen::new(alpha as f32, beta as f32, gamma as f32, n as f32).unwrap()];
-        let (mut memory, mut memory32) = ([BoucWenMemory::new(0.0)], [BoucWenMemory::new(0.0)]);
+        let (mut memory, mut memory32) = ([IncrementMemory::new(0.0)], [IncrementMemory::new(0.0)]);
         let operator = Operator::BoucWen { operators: &operators, memory: &mut memory };
         let operator32 = Operator::BoucWen { operators: &operators32, memory: &mut memory32 };
         let mut double = Hysteresis::new(&[], operator).unwrap();

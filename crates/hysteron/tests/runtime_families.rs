@@ -30,6 +30,12 @@ fn families() -> Vec<(FamilyForm, Vec<f64>, f64)> {
         (FamilyForm::GeneralisedPlays { plays: 7 }, vec![0.2, 4.5, 0.22, 3.9], 0.5),
         (FamilyForm::KrasnoselskiiPokrovskii { lines: 6 }, vec![low, high, 1.7], 0.2),
         (FamilyForm::Preisach { intervals: 6 }, vec![low, high], 0.2),
+        (FamilyForm::Dahl, vec![1.7, 1.4], -0.2),
+        (FamilyForm::Dahl, vec![2.5, 0.4], -0.2),
+        (FamilyForm::Duhem { degree: 3 }, vec![0.6], -4e-4),
+        (FamilyForm::NonSymmetricBoucWen, vec![0.5, -0.2, 0.15], -0.1),
+        (FamilyForm::SongDerKiureghian, vec![0.5, 0.1, -0.08, 0.06, 0.05, -0.04], -0.2),
+        (FamilyForm::JilesAtherton, vec![2.5, 1.1, 0.3, 2.0], 1.0),
         (FamilyForm::PreisachDensity, vec![low, high, 1.5, 1.0, 4.0, 2.0], 4.0),
     ]
 }

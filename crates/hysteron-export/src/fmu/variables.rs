@@ -1,7 +1,7 @@
 //! Variables of an FMU and its `modelDescription.xml`.
 
 use hysteron::realise::{Coefficients, OperatorCoefficients};
-use hysteron_rt::{Real, Sides};
+use hysteron_rt::{Branch, Real, Sides};
 
 use super::FmiVersion;
 use crate::inverse::Inverse;
@@ -55,6 +55,21 @@ pub(super) fn parameters<T: Real + Into<f64>>(
     );
     match coefficients.operator {
         OperatorCoefficients::Plane { .. } => {}
+        OperatorCoefficients::Branch { law, weights } => {
+            for (k, &w) in weights.iter().enumerate() {
+                let power = match law {
+                    Branch::JilesAtherton { .. } => 0,
+                    _ => k + 1,
+                };
+                all.push(Parameter {
+                    name: format!("weight_{}", k + 1),
+                    unit: per(power),
+                    start: w.into(),
+                    member: format!("parameters.weight[{k}]"),
+                    description: "Weight of a state",
+                });
+            }
+        }
         OperatorCoefficients::BoucWen(operators) => {
             for (k, p) in operators.iter().enumerate() {
                 let n: f64 = p.n().into();

@@ -55,6 +55,12 @@ static void settle($name_state *state, real u, real v)
         state->z_carry[i] = R(0);
     }
 //}
+//{ branch
+    for (i = 0; i < $NAME_STATES; i++) {
+        state->y[i] = branch_virgin(u);
+        state->y_carry[i] = R(0);
+    }
+//}
 //{ plays
     for (i = 0; i < $NAME_PLAYS; i++) {
         state->play[i] = u;

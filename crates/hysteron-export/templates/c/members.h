@@ -4,6 +4,9 @@
 //{ bouc_wen
     $name_real z[$NAME_OPERATORS], z_carry[$NAME_OPERATORS];
 //}
+//{ branch
+    $name_real y[$NAME_STATES], y_carry[$NAME_STATES];
+//}
 //{ plays
     $name_real play[$NAME_PLAYS];
 //}

@@ -35,6 +35,9 @@ typedef enum {
 //{ bouc_wen
 #define $NAME_OPERATORS $N_OPERATORS
 //}
+//{ branch
+#define $NAME_STATES $N_STATES
+//}
 //{ plays|sided
 #define $NAME_PLAYS $N_PLAYS
 //}

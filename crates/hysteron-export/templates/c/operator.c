@@ -61,7 +61,7 @@ static real relaxation(real kappa, real d, real *decay)
 }
 
 //}
-//{ linear_law
+//{ logs
 /* ln(1 + kappa r)/kappa, which is r where kappa is 0. */
 static real log_distance(real kappa, real r)
 {
@@ -78,6 +78,8 @@ static real log_distance(real kappa, real r)
     return F(log1p)(y) / kappa;
 }
 
+//}
+//{ linear_law
 /* z after a move by du that passes through 0: there dz/d|u| = s alpha - kappa z changes its kappa. */
 static real move_through_zero(const bouc_wen *p, real z, real du)
 {
@@ -322,6 +324,387 @@ static real increment(const bouc_wen *p, real z, real du)
         now = kept;
     }
     return change;
+}
+
+//}
+//{ moments
+/* m_k(x), the integral of theta^k exp(-x (1 - theta)) from 0 to 1, x >= 0: a series of positive terms, far out the recurrence. */
+static void moments(real x, real *m)
+{
+    const real decay = F(exp)(-x);
+    real term = R(1);
+    int i, k;
+    if (x > R(30)) {
+        real last = (-decay + R(1)) / x;
+        for (k = 0; k < $N_MOMENTS; k++) {
+            if (k > 0) {
+                last = (-(last * (real)k) + R(1)) / x;
+            }
+            m[k] = last;
+        }
+        return;
+    }
+    for (k = 0; k < $N_MOMENTS; k++) {
+        m[k] = R(0);
+    }
+    for (i = 0; i < 200; i++) {
+        for (k = 0; k < $N_MOMENTS; k++) {
+            m[k] = m[k] + term * (R(1) / (real)(i + k + 1));
+        }
+        term = term * (x * (R(1) / (real)(i + 1)));
+        if (F(fabs)(term) <= R(0.0625) * R(EPSILON) * m[$N_MOMENTS - 1]) {
+            break;
+        }
+    }
+    for (k = 0; k < $N_MOMENTS; k++) {
+        m[k] = decay * m[k];
+    }
+}
+
+//}
+//{ roots
+/* A function that rises from one place to another, with what it depends on. */
+typedef struct rising_function {
+    real (*at)(const struct rising_function *f, real x, real *slope);
+    real number[$N_ROOT];
+} rising_function;
+
+/* Its zero: Newton's method, a halving where a step leaves the bracket. */
+static real rising_root(const rising_function *f, real low, real high, real start)
+{
+    real x = start < low ? low : start;
+    int count;
+    x = x > high ? high : x;
+    for (count = 0; count < 80; count++) {
+        real slope, newton, next;
+        const real value = f->at(f, x, &slope);
+        if (value == R(0)) {
+            return x;
+        }
+        if (value > R(0)) {
+            high = x;
+        } else {
+            low = x;
+        }
+        newton = x - value / slope;
+        next = low < newton && newton < high ? newton : R(0.5) * (low + high);
+        if (F(fabs)(next - x) <= R(2) * R(EPSILON) * F(fabs)(x) || next <= low || next >= high) {
+            return next;
+        }
+        x = next;
+    }
+    return x;
+}
+
+//}
+//{ dahl
+/* What a move by `by` changes y by. With x = 1 - s y/reach: x <- x exp(-ln(1 + (i - 1) q)/(i - 1)), q = x^(i-1) |by|/reach. */
+static real branch_increment(real y, real from, real to)
+{
+    const real by = to - from;
+    const int down = by < R(0);
+    const real x = R(1) - (down ? -y : y) / SHAPE[0];
+    real q, lost = R(1), ignored;
+    const real over = SHAPE[1] - R(1);
+    if (x <= R(0)) {
+        return down ? -(SHAPE[0] * x) : SHAPE[0] * x;
+    }
+    q = F(pow)(x, over) * ((down ? -by : by) / SHAPE[0]);
+    if (over * q > R(-1)) {
+        lost = relaxation(R(1), log_distance(over, q), &ignored);
+    }
+    lost = SHAPE[0] * (x * lost);
+    return down ? -lost : lost;
+}
+
+//}
+//{ song
+/* A move on one side of 0 is one of Bouc-Wen. */
+static real one_sided_increment(int negative, real y, real by)
+{
+    const int down = by < R(0);
+    const real b2 = negative ? -SHAPE[1] : SHAPE[1], b3 = negative ? -SHAPE[2] : SHAPE[2];
+    const real b6 = negative ? -SHAPE[5] : SHAPE[5];
+    const real turned = b3 + SHAPE[4], straight = b2 + SHAPE[3];
+    bouc_wen p;
+    p.alpha = R(1);
+    p.beta = SHAPE[0] + (down ? -turned : turned);
+    p.gamma = (down ? -straight : straight) + b6;
+    p.n = R(1);
+    return increment(&p, y, by);
+}
+
+/* What a move changes y by. */
+static real branch_increment(real y, real from, real to)
+{
+    if (from * to < R(0)) {
+        const real first = one_sided_increment(from < R(0), y, -from);
+        return first + one_sided_increment(to < R(0), y + first, to);
+    }
+    return one_sided_increment(to == R(0) ? from < R(0) : to < R(0), y, to - from);
+}
+
+//}
+//{ non_symmetric
+/* What a way t at the rate kappa changes y by. */
+static real along(real kappa, real s, real u, real y, real t)
+{
+    real m[2];
+    moments(kappa * t, m);
+    return t * m[0] * (s + SHAPE[2] * u - kappa * y) + SHAPE[2] * s * t * t * m[1];
+}
+
+/* y outwards from 0 after a way t: rate, s, start, y, and whether it is negative. */
+static real outwards(const rising_function *f, real t, real *slope)
+{
+    const real state = f->number[3] + along(f->number[0], f->number[1], f->number[2], f->number[3], t);
+    *slope = f->number[1] + SHAPE[2] * (f->number[2] + f->number[1] * t) - f->number[0] * state;
+    if (f->number[4] < R(0)) {
+        return state;
+    }
+    *slope = -*slope;
+    return -state;
+}
+
+/* A move on which 1 + delta s u keeps its sign. */
+static real one_way_increment(real s, real y, real from, real to)
+{
+    const real way = (to - from) * s;
+    const real drive = s + SHAPE[2] * (R(0.5) * from + R(0.5) * to);
+    const int negative = y == R(0) ? drive < R(0) : y < R(0);
+    const real turned = s * SHAPE[1];
+    const real rate = SHAPE[0] + (negative ? -turned : turned);
+    const real end = along(rate, s, from, y, way);
+    rising_function f;
+    real t;
+    if (negative ? y + end <= R(0) : y + end >= R(0)) {
+        return end;
+    }
+    f.at = outwards;
+    f.number[0] = rate;
+    f.number[1] = s;
+    f.number[2] = from;
+    f.number[3] = y;
+    f.number[4] = negative ? R(-1) : R(1);
+    t = rising_root(&f, R(0), way, R(0.5) * way);
+    return -y + along(SHAPE[0] + (negative ? turned : -turned), s, from + s * t, R(0), way - t);
+}
+
+/* What a move changes y by. */
+static real branch_increment(real y, real from, real to)
+{
+    const real s = to < from ? R(-1) : R(1);
+    if (SHAPE[2] != R(0)) {
+        const real turn = -s / SHAPE[2];
+        if ((turn - from) * s > R(0) && (to - turn) * s > R(0)) {
+            const real first = one_way_increment(s, y, from, turn);
+            return first + one_way_increment(s, y + first, turn, to);
+        }
+    }
+    return one_way_increment(s, y, from, to);
+}
+
+//}
+//{ magnetic
+/* L(x) = coth x - 1/x. */
+static real langevin(real x)
+{
+    if (F(fabs)(x) < R(2)) {
+        const real square = x * x;
+        real tail = R(27);
+        int k;
+        for (k = 12; k >= 1; k--) {
+            tail = square / tail + (real)(2 * k + 1);
+        }
+        return x / tail;
+    }
+    return R(1) / F(tanh)(x) - R(1) / x;
+}
+
+static real anhysteretic(real field)
+{
+    return langevin(field / SHAPE[0]);
+}
+
+/* And its slope. */
+static real anhysteretic_slope(real field)
+{
+    const real x = field / SHAPE[0];
+    real value, ratio;
+    if (F(fabs)(x) > R(50)) {
+        return R(1) / (x * x) / SHAPE[0];
+    }
+    value = langevin(x);
+    ratio = F(fabs)(x) < R(1e-8) ? R(1/3) : value / x;
+    return (R(1) - value * value - R(2) * ratio) / SHAPE[0];
+}
+
+/* p + c (m_an - p). */
+static real magnetisation(real c, real field, real p)
+{
+    return p + c * (anhysteretic(field) - p);
+}
+
+/* Voltage of a field less the one wanted: that, p, c. */
+static real voltage_excess(const rising_function *f, real h, real *slope)
+{
+    *slope = R(1) - SHAPE[3] * f->number[2] * anhysteretic_slope(h);
+    return h - f->number[0] - SHAPE[3] * magnetisation(f->number[2], h, f->number[1]);
+}
+
+/* The field at the voltage u while p stays. */
+static real frozen_field(real c, real u, real p)
+{
+    const real most = F(fabs)(p) > R(1) ? F(fabs)(p) : R(1);
+    const real reach = SHAPE[3] * most * (R(1) + R(16) * R(EPSILON));
+    rising_function f;
+    if (reach <= R(0)) {
+        return u;
+    }
+    f.at = voltage_excess;
+    f.number[0] = u;
+    f.number[1] = p;
+    f.number[2] = c;
+    return rising_root(&f, u - reach, u + reach, u);
+}
+
+/* m_an less the p wanted. */
+static real anhysteretic_excess(const rising_function *f, real h, real *slope)
+{
+    *slope = anhysteretic_slope(h);
+    return anhysteretic(h) - f->number[0];
+}
+
+/* What p changes by while the field moves by `way`, by eight Gauss points. */
+static real relaxed(real field, real p, real sign, real way)
+{
+    static const real point[8][2] = {
+        {R(0.019855071751231884), R(0.05061426814518813)}, {R(0.10166676129318663), R(0.11119051722668724)},
+        {R(0.2372337950418355), R(0.15685332293894363)}, {R(0.4082826787521751), R(0.181341891689181)},
+        {R(0.591717321247825), R(0.181341891689181)}, {R(0.7627662049581645), R(0.15685332293894363)},
+        {R(0.8983332387068134), R(0.11119051722668724)}, {R(0.9801449282487681), R(0.05061426814518813)}
+    };
+    static const real left[8] = {
+        R(0.9801449282487681), R(0.8983332387068134), R(0.7627662049581645), R(0.5917173212478248),
+        R(0.40828267875217505), R(0.2372337950418355), R(0.10166676129318664), R(0.019855071751231912)
+    };
+    const real x = way / SHAPE[1];
+    real sum = R(0);
+    int i;
+    for (i = 0; i < 8; i++) {
+        const real drawn = anhysteretic(field + sign * way * point[i][0]) - p;
+        sum = sum + F(exp)(-(x * left[i])) * drawn * point[i][1];
+    }
+    return x * sum;
+}
+
+/* What the voltage has passed its aim by once the field has moved by `way`: field, p, direction, what is left, m_an there. */
+static real gone(const rising_function *f, real way, real *slope)
+{
+    const real field = f->number[0], p = f->number[1], sign = f->number[2];
+    const real h = field + sign * way;
+    const real moved = relaxed(field, p, sign, way);
+    const real drawn = anhysteretic(h);
+    const real magnetised = (R(1) - SHAPE[2]) * moved + SHAPE[2] * (drawn - f->number[4]);
+    const real frozen = R(1) - SHAPE[3] * SHAPE[2] * anhysteretic_slope(h);
+    *slope = frozen - SHAPE[3] * (R(1) - SHAPE[2]) * (drawn - p - moved) * sign / SHAPE[1];
+    return way - SHAPE[3] * sign * magnetised - f->number[3];
+}
+
+/* What a move changes p by. */
+static real branch_increment(real p, real from, real to)
+{
+    const real sign = to < from ? R(-1) : R(1);
+    real field = frozen_field(SHAPE[2], from, p), left = sign * (to - from), change = R(0);
+    const real shortest = SHAPE[0] < SHAPE[1] ? SHAPE[0] : SHAPE[1];
+    real part, panel, slope;
+    int count;
+    rising_function f;
+    if (sign * (anhysteretic(field) - p) < R(0)) {
+        /* Frozen until m_an = p. */
+        const real frozen = frozen_field(SHAPE[2], to, p);
+        const real low = field < frozen ? field : frozen, high = field < frozen ? frozen : field;
+        if (sign * (anhysteretic(frozen) - p) <= R(0)) {
+            return R(0);
+        }
+        f.at = anhysteretic_excess;
+        f.number[0] = p;
+        field = rising_root(&f, low, high, R(0.5) * low + R(0.5) * high);
+        left = sign * (to - (field - SHAPE[3] * p));
+    }
+    part = (F(fabs)(left) + R(2) * SHAPE[3]) / $REAL_PANELS;
+    panel = part > shortest ? part : shortest;
+    f.at = gone;
+    f.number[2] = sign;
+    for (count = 0; count < $N_PANELS + 2; count++) {
+        real beyond;
+        f.number[0] = field;
+        f.number[1] = p + change;
+        f.number[3] = left;
+        f.number[4] = anhysteretic(field);
+        beyond = gone(&f, panel, &slope);
+        if (beyond < R(0)) {
+            change = change + relaxed(field, p + change, sign, panel);
+            field = field + sign * panel;
+            left = -beyond;
+        } else {
+            return change + relaxed(field, p + change, sign, rising_root(&f, R(0), panel, left));
+        }
+    }
+    return F(HUGE_VAL);
+}
+
+//}
+//{ branch
+/* What a move to u changes the states by: y[i] by own[i] - lost y[i], lost being handed back. */
+static real branch_change(const $name_state *state, real u, real *own)
+{
+//{ duhem
+    const real by = u - state->voltage;
+    const real x = SHAPE[0] * F(fabs)(by);
+    real a[$NAME_STATES], power = by, ignored;
+    int j, k;
+    moments(x, a);
+    for (k = 0; k < $NAME_STATES; k++) {
+        a[k] = power * a[k];
+        power = power * by;
+    }
+    for (j = 0; j < $NAME_STATES; j++) {
+        own[j] = a[0];
+        for (k = 0; k < $NAME_STATES - 1 - j; k++) {
+            a[k] = state->voltage * a[k] + a[k + 1];
+        }
+    }
+    return relaxation(R(1), x, &ignored);
+//}
+//{ !duhem
+    own[0] = branch_increment(state->y[0], state->voltage, u);
+    return R(0);
+//}
+}
+
+/* What a state puts out at u. */
+static real branch_output(real y, real u)
+{
+//{ magnetic
+    return magnetisation(SHAPE[2], frozen_field(SHAPE[2], u, y), y);
+//}
+//{ !magnetic
+    (void)u;
+    return y;
+//}
+}
+
+/* A state, virgin at u. */
+static real branch_virgin(real u)
+{
+//{ magnetic
+    return anhysteretic(frozen_field(R(1), u, R(0)));
+//}
+//{ !magnetic
+    (void)u;
+    return R(0);
+//}
 }
 
 //}
@@ -685,12 +1068,17 @@ static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
 //{ plane
     return polynomial_at($TUNED_FIRSTu) + plane_at_rest(u);
 //}
-//{ !plays
-//{ !sided
-//{ !plane
+//{ branch
+    const real state_there = branch_virgin(u);
+    real sum = R(0);
+    int i;
+    for (i = 0; i < $NAME_STATES; i++) {
+        sum = sum + K(weight)[i] * branch_output(state_there, u);
+    }
+    return polynomial_at($TUNED_FIRSTu) + sum;
+//}
+//{ bouc_wen|memoryless
     return polynomial_at($TUNED_FIRSTu);
-//}
-//}
 //}
 }
 
@@ -725,14 +1113,18 @@ static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
 //{ plane
     return polynomial_at($TUNED_FIRSTu) + plane_look(state, u).output;
 //}
-//{ !bouc_wen
-//{ !plays
-//{ !sided
-//{ !plane
+//{ branch
+    real own[$NAME_STATES], sum = R(0);
+    const real lost = branch_change(state, u, own);
+    int i;
+    for (i = 0; i < $NAME_STATES; i++) {
+        const real y = state->y[i] + (own[i] - lost * state->y[i]);
+        sum = sum + K(weight)[i] * branch_output(y, u);
+    }
+    return polynomial_at($TUNED_FIRSTu) + sum;
+//}
+//{ memoryless
     return polynomial_at($TUNED_FIRSTu);
-//}
-//}
-//}
 //}
 }
 
@@ -750,6 +1142,10 @@ static int hysteresis_move($name_state *state, real u, real *v)
 //{ plane
     const plane_move to = plane_look(state, u);
 //}
+//{ branch
+    real y[$NAME_STATES], y_carry[$NAME_STATES], own[$NAME_STATES], sum = R(0);
+    const real lost = branch_change(state, u, own);
+//}
 //{ rate
     const real du = state->rested ? R(0) : u - state->voltage;
 //{ means
@@ -759,7 +1155,7 @@ static int hysteresis_move($name_state *state, real u, real *v)
     const real middle = u;
 //}
 //}
-//{ bouc_wen|plays
+//{ bouc_wen|plays|branch
     int i;
 //}
     real out = polynomial_at($TUNED_FIRSTu);
@@ -789,6 +1185,15 @@ static int hysteresis_move($name_state *state, real u, real *v)
 //{ plane
     out = out + to.output;
 //}
+//{ branch
+    for (i = 0; i < $NAME_STATES; i++) {
+        y[i] = state->y[i];
+        y_carry[i] = state->y_carry[i];
+        accumulate(&y[i], &y_carry[i], own[i] - lost * state->y[i]);
+        sum = sum + K(weight)[i] * branch_output(y[i], u);
+    }
+    out = out + sum;
+//}
     if (!is_in_range(out)) {
         return 0;
     }
@@ -814,6 +1219,12 @@ static int hysteresis_move($name_state *state, real u, real *v)
 //}
 //{ plane
     plane_make(state, to, u);
+//}
+//{ branch
+    for (i = 0; i < $NAME_STATES; i++) {
+        state->y[i] = y[i];
+        state->y_carry[i] = y_carry[i];
+    }
 //}
     state->voltage = u;
     *v = out;

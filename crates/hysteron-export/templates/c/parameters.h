@@ -18,6 +18,9 @@ typedef struct {
 //{ plays|sided
     $name_real weight[$NAME_PLAYS];
 //}
+//{ branch
+    $name_real weight[$NAME_STATES];
+//}
 } $name_parameters;
 //}
 

@@ -33,7 +33,10 @@ pub mod inverse;
 //}
 
 //{ bouc_wen
-use hysteron_rt::{BoucWen, BoucWenMemory};
+use hysteron_rt::{BoucWen, IncrementMemory};
+//}
+//{ branch
+use hysteron_rt::{Branch, IncrementMemory};
 //}
 //{ plays
 use hysteron_rt::PlayBank;
@@ -89,7 +92,10 @@ $TABLES
 pub struct Memory {
 //{ bouc_wen
     operators: [BoucWen<Real>; OPERATORS.len()],
-    z: [BoucWenMemory<Real>; OPERATORS.len()],
+    z: [IncrementMemory<Real>; OPERATORS.len()],
+//}
+//{ branch
+    states: [IncrementMemory<Real>; WEIGHT.len()],
 //}
 //{ plays|sided
     plays: [Real; WEIGHT.len()],
@@ -123,7 +129,10 @@ impl Memory {
         Ok(Self {
 //{ bouc_wen
             operators: operators().ok_or(ModelError::Coefficient)?,
-            z: [BoucWenMemory::new(0.0); OPERATORS.len()],
+            z: [IncrementMemory::new(0.0); OPERATORS.len()],
+//}
+//{ branch
+            states: [IncrementMemory::new(0.0); WEIGHT.len()],
 //}
 //{ plays|sided
             plays: [0.0; WEIGHT.len()],
@@ -165,6 +174,9 @@ impl Memory {
 //{ plays
         let bank = PlayBank::new(&THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;
         let operator = Operator::Plays { bank, states: &mut self.plays };
+//}
+//{ branch
+        let operator = Operator::Branch { law: LAW, weights: &WEIGHT, memory: &mut self.states };
 //}
 //{ sided
         let plays = SidedPlays::new(SIDES, &THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;

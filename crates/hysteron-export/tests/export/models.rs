@@ -57,6 +57,11 @@ fn families() -> Vec<(&'static str, Hysteresis)> {
         ("dead_zone", family(FamilyForm::DeadZonePlays { plays: 8 }, &[0.0, 100.0, 0.6, 15.0], 0.02)),
         ("generalised", family(FamilyForm::GeneralisedPlays { plays: 8 }, &[0.02, 55.0, 0.02, 48.0], 2.0)),
         ("ramps", family(FamilyForm::KrasnoselskiiPokrovskii { lines: 6 }, &[0.0, 100.0, 14.0], 0.3)),
+        ("dahl", family(FamilyForm::Dahl, &[17.0, 1.4], -0.05)),
+        ("duhem", family(FamilyForm::Duhem { degree: 2 }, &[0.06], -1e-5)),
+        ("non_symmetric", family(FamilyForm::NonSymmetricBoucWen, &[0.05, -0.02, 0.003], -0.05)),
+        ("song", family(FamilyForm::SongDerKiureghian, &[0.05, 0.01, -0.008, 0.006, 0.005, -0.004], -0.05)),
+        ("magnetic", family(FamilyForm::JilesAtherton, &[25.0, 11.0, 0.3, 20.0], 5.0)),
         ("density", family(FamilyForm::PreisachDensity, &[0.0, 100.0, 12.0, 9.0, 50.0, 20.0], 9.0)),
     ]
 }

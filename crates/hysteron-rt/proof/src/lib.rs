@@ -7,8 +7,8 @@
 use core::panic::PanicInfo;
 
 use hysteron_rt::{
-    BoucWen, BoucWenMemory, BoucWenState, BrokenLine, Compensated, Compensator, Drive, Dual, Feedback,
-    FilteredLms, FitMonitor, Held, Hysteresis, LANES, Law, Limits, Line, Linear, LmsSettings, Model,
+    BoucWen, BoucWenState, Branch, BrokenLine, Compensated, Compensator, Drive, Dual, Feedback, FilteredLms,
+    FitMonitor, Held, Hysteresis, IncrementMemory, LANES, Law, Limits, Line, Linear, LmsSettings, Model,
     MonitorSettings, Nlms, NlmsSettings, Observer, Operator, Plane, PlayBank, PolePair, Real, RealPoles, Rls,
     RlsSettings, Sections, SectionsMemory, SidedPlays, Sides, Turn, Turns,
 };
@@ -116,7 +116,8 @@ fn online<T: Real>(
 /// What an operator is made of.
 #[allow(missing_docs)]
 pub enum Numbers<'a, T> {
-    BoucWen(&'a [BoucWen<T>], &'a mut [BoucWenMemory<T>]),
+    BoucWen(&'a [BoucWen<T>], &'a mut [IncrementMemory<T>]),
+    Branch(Branch<T>, &'a [T], &'a mut [IncrementMemory<T>]),
     Plays([&'a [T]; 2], &'a mut [T]),
     SidedPlays(Sides<T>, [&'a [T]; 5], &'a mut [T]),
     Plane([T; 2], usize, &'a [T], &'a mut [Turn<T>]),
@@ -127,6 +128,7 @@ pub enum Numbers<'a, T> {
 fn operator<T: Real>(numbers: Numbers<'_, T>) -> Option<Operator<'_, T>> {
     Some(match numbers {
         Numbers::BoucWen(operators, memory) => Operator::BoucWen { operators, memory },
+        Numbers::Branch(law, weights, memory) => Operator::Branch { law, weights, memory },
         Numbers::Plays([thresholds, weights], states) => {
             Operator::Plays { bank: PlayBank::new(thresholds, weights).ok()?, states }
         }

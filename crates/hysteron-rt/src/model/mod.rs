@@ -16,7 +16,7 @@ pub use feedback::{Feedback, Held, Line};
 pub use lms::{FilteredLms, LmsSettings};
 pub use means::Means;
 pub use observer::{Observed, Observer};
-pub use operator::{BoucWenMemory, Hysteresis, Operator};
+pub use operator::{Hysteresis, IncrementMemory, Operator};
 pub use reach::{MOST_LOOKS, Reached};
 pub use sections::{Compensated, LANES, Linear, MOST_TAPS, PolePair, RealPoles, Sections, SectionsMemory};
 

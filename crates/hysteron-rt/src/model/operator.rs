@@ -3,28 +3,43 @@
 use super::ModelError;
 use super::sections::accumulate;
 use crate::bouc_wen::BoucWen;
+use crate::branch::Branch;
 use crate::plane::{LEAST_TURNS, Plane, Turns};
 use crate::play::{PlayBank, SidedPlays};
 use crate::real::Real;
 
-/// z of a Bouc–Wen operator and what rounding has left of its increments.
+/// A state that moves by increments (z of a Bouc–Wen operator, say), and what rounding has left of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoucWenMemory<T> {
+pub struct IncrementMemory<T> {
     z: T,
     carry: T,
     /// Both after the move under way.
     next: (T, T),
 }
 
-impl<T: Real> BoucWenMemory<T> {
-    /// The memory z \[µm\].
+impl<T: Real> IncrementMemory<T> {
+    /// The state `z`.
     pub fn new(z: T) -> Self {
         Self { z, carry: T::of(0.0), next: (z, T::of(0.0)) }
     }
 
-    /// z \[µm\].
+    /// The state.
     pub fn z(&self) -> T {
         self.z
+    }
+
+    /// Readies a move by an increment; the state after it.
+    #[inline(always)]
+    pub(crate) fn ready(&mut self, increment: T) -> T {
+        self.next = (self.z, self.carry);
+        accumulate(&mut self.next.0, &mut self.next.1, increment);
+        self.next.0
+    }
+
+    /// Makes the move that is ready.
+    #[inline(always)]
+    fn make(&mut self) {
+        (self.z, self.carry) = self.next;
     }
 }
 
@@ -38,7 +53,16 @@ pub enum Operator<'a, T> {
         /// The operators.
         operators: &'a [BoucWen<T>],
         /// Their memory, one each.
-        memory: &'a mut [BoucWenMemory<T>],
+        memory: &'a mut [IncrementMemory<T>],
+    },
+    /// v = l\[u\] + Σ wⱼ yⱼ, yⱼ by one law on each branch.
+    Branch {
+        /// The law.
+        law: Branch<T>,
+        /// Weights of its states.
+        weights: &'a [T],
+        /// Their memory, one each.
+        memory: &'a mut [IncrementMemory<T>],
     },
     /// v = l\[u\] + Σ wᵢ F_rᵢ\[u\].
     Plays {
@@ -78,11 +102,12 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     ///
     /// # Errors
     /// [`ModelError::Memory`] where operators and memory differ in number, [`ModelError::Coefficient`] for a polynomial that is
-    /// not finite.
+    /// not finite, or numbers of a branch that are out of order.
     pub fn new(polynomial: &'a [T], operator: Operator<'a, T>) -> Result<Self, ModelError<T>> {
         let (expected, found) = match &operator {
             Operator::None => (0, 0),
             Operator::BoucWen { operators, memory } => (operators.len(), memory.len()),
+            Operator::Branch { weights, memory, .. } => (weights.len(), memory.len()),
             Operator::Plays { bank, states } => (bank.weights().len(), states.len()),
             Operator::SidedPlays { plays, states } => (plays.count(), states.len()),
             Operator::Plane { turns, .. } => (turns.room().max(LEAST_TURNS), turns.room()),
@@ -90,7 +115,13 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         if expected != found {
             return Err(ModelError::Memory { expected, found });
         }
-        if !polynomial.iter().all(|c| c.is_finite()) {
+        let sound = match &operator {
+            Operator::Branch { law, weights, .. } => {
+                law.is_sound(weights.len()) && weights.iter().all(|w| w.is_finite())
+            }
+            _ => true,
+        };
+        if !sound || !polynomial.iter().all(|c| c.is_finite()) {
             return Err(ModelError::Coefficient);
         }
         let mut block = Self { polynomial, operator, voltage: T::of(0.0), rested: true };
@@ -104,6 +135,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         match &self.operator {
             Operator::None | Operator::BoucWen { .. } => v,
             Operator::Plays { bank, .. } => bank.weights().iter().fold(v, |v, weight| v + *weight * voltage),
+            Operator::Branch { law, weights, .. } => v + law.output_at_rest(weights, voltage),
             Operator::SidedPlays { plays, .. } => v + plays.output_at_rest(voltage),
             Operator::Plane { plane, .. } => v + plane.output_at_rest(voltage),
         }
@@ -115,7 +147,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         self.rested = true;
         match &mut self.operator {
             Operator::None => {}
-            Operator::BoucWen { memory, .. } => memory.fill(BoucWenMemory::new(T::of(0.0))),
+            Operator::BoucWen { memory, .. } => memory.fill(IncrementMemory::new(T::of(0.0))),
+            Operator::Branch { law, memory, .. } => memory.fill(IncrementMemory::new(law.virgin(voltage))),
             Operator::Plays { states, .. } => states.fill(voltage),
             Operator::SidedPlays { plays, states } => plays.rest_at(states, voltage),
             Operator::Plane { plane, turns } => turns.rest_at(plane, voltage),
@@ -160,15 +193,15 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::None => in_range_or_overflow(v)?,
             Operator::BoucWen { operators, memory } => {
                 for (operator, memory) in operators.iter().zip(memory.iter_mut()) {
-                    memory.next = (memory.z, memory.carry);
-                    let (z, carry) = (&mut memory.next.0, &mut memory.next.1);
-                    accumulate(z, carry, operator.increment(memory.z, du));
-                    v = v - *z;
+                    v = v - memory.ready(operator.increment(memory.z, du));
                 }
                 in_range_or_overflow(v)?;
-                for memory in memory.iter_mut() {
-                    (memory.z, memory.carry) = memory.next;
-                }
+                memory.iter_mut().for_each(IncrementMemory::make);
+            }
+            Operator::Branch { law, weights, memory } => {
+                v = v + law.ready(weights, memory, self.voltage, voltage);
+                in_range_or_overflow(v)?;
+                memory.iter_mut().for_each(IncrementMemory::make);
             }
             Operator::Plays { bank, states } => {
                 v = v + bank.look(states, voltage);
@@ -227,6 +260,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
                 let operators = operators.iter().zip(memory.iter());
                 operators.fold(v, |v, (operator, memory)| v - (memory.z + operator.increment(memory.z, du)))
             }
+            Operator::Branch { law, weights, memory } => v + law.look(weights, memory, self.voltage, voltage),
             Operator::Plays { bank, states } => v + bank.look(states, voltage),
             Operator::SidedPlays { plays, states } => {
                 let du = if self.rested { T::of(0.0) } else { whole };

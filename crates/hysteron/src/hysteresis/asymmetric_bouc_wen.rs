@@ -4,11 +4,10 @@
 //! (2006) 610–618, doi:10.1061/(ASCE)0733-9399(2006)132:6(610); W. Zhu, D.-H. Wang, "Non-symmetrical Bouc–Wen model for
 //! piezoelectric ceramic actuators", *Sens. Actuators A* 181 (2012) 51–60, doi:10.1016/j.sna.2012.03.048.
 
-use hysteron_rt::{BoucWen, Scalar};
+use hysteron_rt::{BoucWen, Scalar, moments};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, finite, parameter, simulate_with_sensitivities};
-use super::duhem::moments;
 
 /// Column ζ \[V\] of Song and Der Kiureghian's six coefficients, in the form with slope 1 from rest:
 ///

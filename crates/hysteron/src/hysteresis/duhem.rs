@@ -4,13 +4,13 @@
 //! soft materials", *Int. J. Eng. Sci.* 24 (1986) 897–919; "On a class of constitutive relations for ferromagnetic
 //! hysteresis", *Arch. Rational Mech. Anal.* 99 (1987) 375–396, doi:10.1007/BF00282052.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{MOST_MOMENTS, Scalar, moments};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, ColumnModel, parameter, positive, simulate_with_sensitivities};
 
 /// Highest power of u in a slope.
-const MOST: usize = 9;
+const MOST: usize = MOST_MOMENTS - 1;
 
 /// Columns of the Coleman–Hodgdon model dv/du = ±b (f(u) − v) + g(u), + where u rises.
 ///
@@ -134,43 +134,6 @@ impl ColumnKernel for Duhem {
     fn relaxing<S: Scalar<Real = f64>>(state: &mut DuhemState<S>) -> &mut [S] {
         &mut state.y
     }
-}
-
-/// Beyond this x the recurrence upwards loses less than two digits over [`MOST`] steps.
-const LARGE: f64 = 30.0;
-
-/// mₖ(x) = ∫₀¹ θᵏ e^(−x(1−θ)) dθ, x ≥ 0, for k < `count`.
-///
-/// e^(−x) Σᵢ xⁱ/(i! (i + k + 1)) has positive terms only; far out, mₖ = (1 − k mₖ₋₁)/x.
-pub(super) fn moments<S: Scalar<Real = f64>>(x: S, count: usize) -> [S; MOST + 1] {
-    let zero = S::constant(0.0);
-    let mut m = [zero; MOST + 1];
-    let decay = (-x).exp();
-    if x.value() > LARGE {
-        let mut last = (-decay).shift(1.0) / x;
-        for (k, m) in m.iter_mut().take(count).enumerate() {
-            if k > 0 {
-                last = (-(last.scale(k as f64))).shift(1.0) / x;
-            }
-            *m = last;
-        }
-        return m;
-    }
-    let mut term = S::constant(1.0);
-    for i in 0..200_u8 {
-        for (m, k) in m.iter_mut().take(count).zip(1_u8..) {
-            *m = *m + term.scale(1.0 / (f64::from(i) + f64::from(k)));
-        }
-        term = term * x.scale(1.0 / (f64::from(i) + 1.0));
-        let sum = m.get(count.saturating_sub(1)).map_or(0.0, |m| m.value());
-        if term.magnitude() <= 0.0625 * f64::EPSILON * sum {
-            break;
-        }
-    }
-    for m in m.iter_mut().take(count) {
-        *m = decay * *m;
-    }
-    m
 }
 
 #[cfg(test)]

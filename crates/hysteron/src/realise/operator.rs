@@ -1,8 +1,8 @@
 //! The hysteresis block in one number type: coefficients and memory of the operator that `hysteron-rt` runs a family by.
 
 use hysteron_rt::{
-    BoucWen, BoucWenMemory, BrokenLine, ModelError, Operator, Plane, PlayBank, Real, SidedPlays, Sides, Turn,
-    Turns,
+    BoucWen, Branch, BrokenLine, IncrementMemory, ModelError, Operator, Plane, PlayBank, Real, SidedPlays,
+    Sides, Turn, Turns,
 };
 
 use super::RealiseError;
@@ -16,6 +16,13 @@ const TURNS: usize = 64;
 pub enum OperatorCoefficients<'a, T> {
     /// v = l\[u\] − Σ zₖ.
     BoucWen(&'a [BoucWen<T>]),
+    /// v = l\[u\] + Σ wⱼ yⱼ by one law on each branch ([`Branch`]).
+    Branch {
+        /// The law.
+        law: Branch<T>,
+        /// wⱼ.
+        weights: &'a [T],
+    },
     /// v = l\[u\] + Σ wᵢ F_rᵢ\[u\].
     Plays {
         /// rᵢ \[V\].
@@ -56,7 +63,8 @@ pub enum OperatorCoefficients<'a, T> {
 /// Coefficients and memory of an operator.
 #[derive(Clone, Debug)]
 pub(super) enum OperatorParts<T> {
-    BoucWen { operators: Vec<BoucWen<T>>, memory: Vec<BoucWenMemory<T>> },
+    BoucWen { operators: Vec<BoucWen<T>>, memory: Vec<IncrementMemory<T>> },
+    Branch { law: Branch<T>, weights: Vec<T>, memory: Vec<IncrementMemory<T>> },
     Plays { thresholds: Vec<T>, weights: Vec<T>, states: Vec<T> },
     SidedPlays { sides: Sides<T>, thresholds: Vec<T>, weights: Vec<T>, line: Line<T>, states: Vec<T> },
     Plane { range: [T; 2], density: T, intervals: usize, everett: Vec<T>, turns: Vec<Turn<T>> },
@@ -103,6 +111,7 @@ fn of_family<T: Real>(
 ) -> Result<OperatorParts<T>, RealiseError> {
     let Family { form, shape, weights, .. } = family;
     let at = |index: usize| shape.get(index).copied().unwrap_or(f64::NAN);
+    let of = |index: usize| T::of(at(index));
     let thresholds = || form.thresholds(shape);
     let weighted = || weights.iter().copied();
     match *form {
@@ -147,11 +156,24 @@ fn of_family<T: Real>(
             let (intervals, cells) = family.cells();
             OperatorParts::plane([at(0), at(1)], intervals, &cells)
         }
-        FamilyForm::NonSymmetricBoucWen
-        | FamilyForm::SongDerKiureghian
-        | FamilyForm::Dahl
-        | FamilyForm::Duhem { .. }
-        | FamilyForm::JilesAtherton => Err(RealiseError::NotInRuntime { family: form.name() }),
+        FamilyForm::Dahl => OperatorParts::branch(Branch::Dahl { reach: of(0), exponent: of(1) }, weighted()),
+        FamilyForm::Duhem { .. } => OperatorParts::branch(Branch::Duhem { rate: of(0) }, weighted()),
+        FamilyForm::NonSymmetricBoucWen => {
+            let law = Branch::NonSymmetric { beta: of(0), gamma: of(1), delta: of(2) };
+            OperatorParts::branch(law, weighted())
+        }
+        FamilyForm::SongDerKiureghian => {
+            OperatorParts::branch(Branch::SongDerKiureghian { betas: [0, 1, 2, 3, 4, 5].map(of) }, weighted())
+        }
+        FamilyForm::JilesAtherton => {
+            let law = Branch::JilesAtherton {
+                anhysteretic: of(0),
+                pinning: of(1),
+                reversibility: of(2),
+                coupling: of(3),
+            };
+            OperatorParts::branch(law, weighted())
+        }
     }
 }
 
@@ -183,8 +205,14 @@ impl<T: Real> OperatorParts<T> {
             })
             .collect();
         let operators = operators.map_err(|_| RealiseError::Rounded)?;
-        let memory = vec![BoucWenMemory::new(T::of(0.0)); operators.len()];
+        let memory = vec![IncrementMemory::new(T::of(0.0)); operators.len()];
         Ok(Self::BoucWen { operators, memory })
+    }
+
+    fn branch(law: Branch<T>, weights: impl IntoIterator<Item = f64>) -> Result<Self, RealiseError> {
+        let weights = all(weights);
+        let memory = vec![IncrementMemory::new(T::of(0.0)); weights.len()];
+        Ok(Self::Branch { law, weights, memory })
     }
 
     fn plays(thresholds: impl IntoIterator<Item = f64>, weights: impl IntoIterator<Item = f64>) -> Self {
@@ -215,6 +243,7 @@ impl<T: Real> OperatorParts<T> {
     pub(super) fn coefficients(&self) -> OperatorCoefficients<'_, T> {
         match self {
             Self::BoucWen { operators, .. } => OperatorCoefficients::BoucWen(operators),
+            Self::Branch { law, weights, .. } => OperatorCoefficients::Branch { law: *law, weights },
             Self::Plays { thresholds, weights, .. } => OperatorCoefficients::Plays { thresholds, weights },
             Self::SidedPlays { sides, thresholds, weights, line, .. } => OperatorCoefficients::SidedPlays {
                 sides: *sides,
@@ -239,6 +268,7 @@ impl<T: Real> OperatorParts<T> {
         let rounded = |_| RealiseError::Rounded;
         Ok(match self {
             Self::BoucWen { operators, memory } => Operator::BoucWen { operators, memory },
+            Self::Branch { law, weights, memory } => Operator::Branch { law: *law, weights, memory },
             Self::Plays { thresholds, weights, states } => {
                 Operator::Plays { bank: PlayBank::new(thresholds, weights).map_err(rounded)?, states }
             }

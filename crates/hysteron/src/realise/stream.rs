@@ -3,12 +3,11 @@
 use std::time::Instant;
 
 use hysteron_rt::{
-    Compensated, LANES, Linear, Means, ModelError, PolePair, Real, RealPoles, Sections, SectionsMemory,
+    Compensated, LANES, Linear, ModelError, PolePair, Real, RealPoles, Sections, SectionsMemory,
 };
 
 use super::operator::{OperatorCoefficients, OperatorParts, parts};
 use super::{LinearRealisation, Realisation, RealiseError, Section};
-use crate::hysteresis::{DriveGrid, FamilyStream, Hysteresis};
 
 /// Coefficients and memory of a model that `hysteron-rt` runs.
 #[derive(Clone, Debug)]
@@ -33,7 +32,7 @@ pub struct Coefficients<'a, T> {
     pub delay_samples: usize,
     /// Constant of the output \[µm\].
     pub offset: T,
-    /// Whether moves are looked at half-way ([`Means`]).
+    /// Whether moves are looked at half-way ([`hysteron_rt::Means`]).
     pub joins_means: bool,
 }
 
@@ -102,8 +101,7 @@ impl<T: Real> RuntimeParts<T> {
     /// The parts of a realisation, rounded to `T`.
     ///
     /// # Errors
-    /// [`RealiseError::NotInRuntime`] for a family that `hysteron-rt` does not hold; [`RealiseError::Rounded`] where a parameter is not one
-    /// any more once rounded.
+    /// [`RealiseError::Rounded`] where a parameter is not one any more once rounded.
     pub fn new(realisation: &Realisation) -> Result<Self, RealiseError> {
         let model = &realisation.model;
         let (polynomial, operator) = parts(&model.hysteresis, realisation.sample_rate_hz)?;
@@ -149,63 +147,21 @@ impl<T: Real> RuntimeParts<T> {
     }
 }
 
-/// Coefficients and memory of a realisation of any family, in `f64`.
+/// Coefficients and memory of a realisation in `f64`.
 #[derive(Clone, Debug)]
-pub struct StreamParts(Parts);
+pub struct StreamParts(RuntimeParts<f64>);
 
-#[derive(Clone, Debug)]
-enum Parts {
-    Runtime(RuntimeParts<f64>),
-    Family { hysteresis: FamilyStream, linear: LinearParts<f64>, offset: f64, joins_means: bool },
-}
-
-/// A realised model sample by sample: by `hysteron-rt` where that holds the family, else by the library's own kernel in front of the
-/// same sections.
+/// A realised model sample by sample, by `hysteron-rt`.
 #[derive(Debug)]
-pub struct Stream<'a>(Kind<'a>);
-
-#[derive(Debug)]
-enum Kind<'a> {
-    Runtime(hysteron_rt::Model<'a, f64>),
-    Family(FamilyModel<'a>),
-}
-
-#[derive(Debug)]
-struct FamilyModel<'a> {
-    hysteresis: &'a mut FamilyStream,
-    dynamics: Linear<'a, f64>,
-    offset: f64,
-    means: Option<Means<f64>>,
-    voltage: f64,
-}
+pub struct Stream<'a>(hysteron_rt::Model<'a, f64>);
 
 impl StreamParts {
     /// The parts of a realisation.
     ///
     /// # Errors
-    /// What the hysteresis block's own check refuses.
+    /// As [`RuntimeParts::new`].
     pub fn new(realisation: &Realisation) -> Result<Self, RealiseError> {
-        let parts = match RuntimeParts::new(realisation) {
-            Err(RealiseError::NotInRuntime { .. }) => match &realisation.model.hysteresis {
-                Hysteresis::Family(family) => Parts::Family {
-                    hysteresis: FamilyStream::new(
-                        family,
-                        DriveGrid::new(
-                            Some(realisation.sample_rate_hz),
-                            1 + usize::from(realisation.joins_means),
-                            1,
-                        )
-                        .interval_s,
-                    )?,
-                    linear: LinearParts::new(&realisation.dynamics),
-                    offset: realisation.model.offset,
-                    joins_means: realisation.joins_means,
-                },
-                _ => return Err(RealiseError::Rounded),
-            },
-            parts => Parts::Runtime(parts?),
-        };
-        Ok(Self(parts))
+        RuntimeParts::new(realisation).map(Self)
     }
 
     /// The model, at rest and virgin at 0 V.
@@ -213,16 +169,7 @@ impl StreamParts {
     /// # Errors
     /// As [`RuntimeParts::model`].
     pub fn stream(&mut self) -> Result<Stream<'_>, RealiseError> {
-        Ok(Stream(match &mut self.0 {
-            Parts::Runtime(parts) => Kind::Runtime(parts.model()?),
-            Parts::Family { hysteresis, linear, offset, joins_means } => {
-                let dynamics = linear.block().map_err(|_| RealiseError::Rounded)?;
-                let means = joins_means.then(|| Means::at(0.0));
-                let mut model = FamilyModel { hysteresis, dynamics, offset: *offset, means, voltage: 0.0 };
-                model.rest_at(0.0);
-                Kind::Family(model)
-            }
-        }))
+        self.0.model().map(Stream)
     }
 }
 
@@ -232,23 +179,16 @@ impl Stream<'_> {
     /// # Errors
     /// [`RealiseError::Step`] for a voltage that is not finite.
     pub fn rest_at(&mut self, voltage: f64) -> Result<f64, RealiseError> {
-        match &mut self.0 {
-            Kind::Runtime(model) => Ok(model.rest_at(voltage)?),
-            Kind::Family(_) if !voltage.is_finite() => Err(ModelError::NotFinite.into()),
-            Kind::Family(model) => Ok(model.rest_at(voltage)),
-        }
+        Ok(self.0.rest_at(voltage)?)
     }
 
     /// Displacement \[µm\] after a monotone move to `voltage` \[V\] within one sample period.
     ///
     /// # Errors
-    /// [`RealiseError::Step`], [`RealiseError::Hysteresis`].
+    /// [`RealiseError::Step`].
     #[inline]
     pub fn step(&mut self, voltage: f64) -> Result<f64, RealiseError> {
-        match &mut self.0 {
-            Kind::Runtime(model) => Ok(model.step(voltage)?),
-            Kind::Family(model) => model.step(voltage),
-        }
+        Ok(self.0.step(voltage)?)
     }
 
     /// Displacements along a drive.
@@ -260,30 +200,6 @@ impl Stream<'_> {
             *y = self.step(u)?;
         }
         Ok(())
-    }
-}
-
-impl FamilyModel<'_> {
-    fn rest_at(&mut self, voltage: f64) -> f64 {
-        self.voltage = voltage;
-        let v = self.hysteresis.rest_at(voltage);
-        if let Some(means) = &mut self.means {
-            *means = Means::at(v);
-        }
-        self.dynamics.rest_at(v);
-        self.offset + self.dynamics.output_at_rest()
-    }
-
-    fn step(&mut self, voltage: f64) -> Result<f64, RealiseError> {
-        let from = std::mem::replace(&mut self.voltage, voltage);
-        let w = match &mut self.means {
-            None => self.hysteresis.step(voltage)?,
-            Some(means) => {
-                let middle = self.hysteresis.step(0.5 * from + 0.5 * voltage)?;
-                means.join(middle, self.hysteresis.step(voltage)?)
-            }
-        };
-        Ok(self.offset + self.dynamics.step(w))
     }
 }
 
