@@ -66,23 +66,19 @@ FMU_EXPORT void fmi2FreeInstance(fmi2Component c)
 FMU_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
                                           fmi2Boolean has_stop, fmi2Real stop)
 {
-    fmu_instance *fmu = c;
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
-    fmu->now.start = start;
-    fmu->now.time = start;
+    fmu_begin(c, start);
     return fmi2OK;
 }
 
 FMU_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
-    ((fmu_instance *)c)->now.phase = FMU_INITIALIZING;
-    return STATUS(fmu_settle(c));
+    return STATUS(fmu_enter(c, FMU_INITIALIZING));
 }
 
 FMU_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    ((fmu_instance *)c)->now.phase = FMU_STEPPING;
-    return STATUS(fmu_settle(c));
+    return STATUS(fmu_enter(c, FMU_STEPPING));
 }
 
 FMU_EXPORT fmi2Status fmi2Terminate(fmi2Component c)
@@ -99,37 +95,17 @@ FMU_EXPORT fmi2Status fmi2Reset(fmi2Component c)
 
 FMU_EXPORT fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference references[], size_t n, fmi2Real values[])
 {
-    size_t k;
-    int holds = 1;
-    for (k = 0; k < n; k++) {
-        if (((fmu_instance *)c)->now.phase == FMU_INITIALIZING) {
-            (void)fmu_settle(c);
-        }
-        holds = fmu_get(c, references[k], &values[k]) && holds;
-    }
-    return STATUS(holds);
+    return STATUS(fmu_get_all(c, references, n, values));
 }
 
 FMU_EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference references[], size_t n, const fmi2Real values[])
 {
-    size_t k;
-    int holds = 1;
-    for (k = 0; k < n; k++) {
-        holds = fmu_set(c, references[k], values[k]) && holds;
-    }
-    return STATUS(holds);
+    return STATUS(fmu_set_all(c, references, n, values));
 }
 
 FMU_EXPORT fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference references[], size_t n, fmi2Integer values[])
 {
-    size_t k;
-    for (k = 0; k < n; k++) {
-        if (references[k] != FMU_STATUS) {
-            return STATUS(fmu_fail(c, "no integer variable has this value reference"));
-        }
-        values[k] = ((fmu_instance *)c)->now.status;
-    }
-    return fmi2OK;
+    return STATUS(fmu_get_status(c, references, n, values));
 }
 
 /* There are no variables of the other types: nothing to get or set but of none. */
@@ -147,18 +123,12 @@ NONE_OF_A_TYPE(fmi2SetString, const fmi2String)
 
 FMU_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
-    free(*state);
-    *state = fmu_saved(&((fmu_instance *)c)->now);
-    return STATUS(*state != NULL);
+    return STATUS(fmu_save(&((fmu_instance *)c)->now, state));
 }
 
 FMU_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state)
 {
-    if (state == NULL) {
-        return STATUS(fmu_fail(c, "no saved state"));
-    }
-    ((fmu_instance *)c)->now = *(const fmu_memory *)state;
-    return fmi2OK;
+    return STATUS(fmu_restore(c, state));
 }
 
 FMU_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
@@ -178,23 +148,12 @@ FMU_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s
 
 FMU_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
-    if (state == NULL || size < sizeof(fmu_memory)) {
-        return STATUS(fmu_fail(c, "no saved state, or too little room for it"));
-    }
-    memcpy(bytes, state, sizeof(fmu_memory));
-    return fmi2OK;
+    return STATUS(fmu_write(c, state, bytes, size));
 }
 
 FMU_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
-    fmu_memory memory;
-    if (size != sizeof memory) {
-        return STATUS(fmu_fail(c, "these bytes are no saved state of this model"));
-    }
-    memcpy(&memory, bytes, sizeof memory);
-    free(*state);
-    *state = fmu_saved(&memory);
-    return STATUS(*state != NULL);
+    return STATUS(fmu_read(c, bytes, size, state));
 }
 
 FMU_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknowns[], size_t n_unknowns,

@@ -76,18 +76,14 @@ FMU_EXPORT void fmi3FreeInstance(fmi3Instance c)
 FMU_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance, fmi3Float64 tolerance, fmi3Float64 start,
                                                   fmi3Boolean has_stop, fmi3Float64 stop)
 {
-    fmu_instance *fmu = c;
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
-    fmu->now.start = start;
-    fmu->now.time = start;
-    fmu->now.phase = FMU_INITIALIZING;
-    return STATUS(fmu_settle(fmu));
+    fmu_begin(c, start);
+    return STATUS(fmu_enter(c, FMU_INITIALIZING));
 }
 
 FMU_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
 {
-    ((fmu_instance *)c)->now.phase = FMU_STEPPING;
-    return STATUS(fmu_settle(c));
+    return STATUS(fmu_enter(c, FMU_STEPPING));
 }
 
 FMU_EXPORT fmi3Status fmi3Terminate(fmi3Instance c)
@@ -104,39 +100,18 @@ FMU_EXPORT fmi3Status fmi3Reset(fmi3Instance c)
 
 FMU_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference references[], size_t n, fmi3Float64 values[], size_t n_values)
 {
-    size_t k;
-    int holds = n == n_values || fmu_fail(c, "one value a variable is wanted");
-    for (k = 0; holds && k < n; k++) {
-        if (((fmu_instance *)c)->now.phase == FMU_INITIALIZING) {
-            (void)fmu_settle(c);
-        }
-        holds = fmu_get(c, references[k], &values[k]);
-    }
-    return STATUS(holds);
+    return STATUS((n == n_values || fmu_fail(c, "one value a variable is wanted")) && fmu_get_all(c, references, n, values));
 }
 
 FMU_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference references[], size_t n, const fmi3Float64 values[],
                                      size_t n_values)
 {
-    size_t k;
-    int holds = n == n_values || fmu_fail(c, "one value a variable is wanted");
-    for (k = 0; holds && k < n; k++) {
-        holds = fmu_set(c, references[k], values[k]);
-    }
-    return STATUS(holds);
+    return STATUS((n == n_values || fmu_fail(c, "one value a variable is wanted")) && fmu_set_all(c, references, n, values));
 }
 
 FMU_EXPORT fmi3Status fmi3GetInt32(fmi3Instance c, const fmi3ValueReference references[], size_t n, fmi3Int32 values[], size_t n_values)
 {
-    size_t k;
-    int holds = n == n_values || fmu_fail(c, "one value a variable is wanted");
-    for (k = 0; holds && k < n; k++) {
-        if (references[k] != FMU_STATUS) {
-            return STATUS(fmu_fail(c, "no integer variable has this value reference"));
-        }
-        values[k] = ((fmu_instance *)c)->now.status;
-    }
-    return STATUS(holds);
+    return STATUS((n == n_values || fmu_fail(c, "one value a variable is wanted")) && fmu_get_status(c, references, n, values));
 }
 
 /* There are no variables of the other types: nothing to get or set but of none. */
@@ -221,18 +196,12 @@ FMU_EXPORT fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueRefer
 
 FMU_EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state)
 {
-    free(*state);
-    *state = fmu_saved(&((fmu_instance *)c)->now);
-    return STATUS(*state != NULL);
+    return STATUS(fmu_save(&((fmu_instance *)c)->now, state));
 }
 
 FMU_EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
 {
-    if (state == NULL) {
-        return STATUS(fmu_fail(c, "no saved state"));
-    }
-    ((fmu_instance *)c)->now = *(const fmu_memory *)state;
-    return fmi3OK;
+    return STATUS(fmu_restore(c, state));
 }
 
 FMU_EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
@@ -252,23 +221,12 @@ FMU_EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState st
 
 FMU_EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
-    if (state == NULL || size < sizeof(fmu_memory)) {
-        return STATUS(fmu_fail(c, "no saved state, or too little room for it"));
-    }
-    memcpy(bytes, state, sizeof(fmu_memory));
-    return fmi3OK;
+    return STATUS(fmu_write(c, state, bytes, size));
 }
 
 FMU_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
 {
-    fmu_memory memory;
-    if (size != sizeof memory) {
-        return STATUS(fmu_fail(c, "these bytes are no saved state of this model"));
-    }
-    memcpy(&memory, bytes, sizeof memory);
-    free(*state);
-    *state = fmu_saved(&memory);
-    return STATUS(*state != NULL);
+    return STATUS(fmu_read(c, bytes, size, state));
 }
 
 #define NO_DERIVATIVE(name)                                                                                                         \

@@ -185,13 +185,94 @@ static int fmu_step(fmu_instance *fmu, double time, double length)
     return 1;
 }
 
-static fmu_memory *fmu_saved(const fmu_memory *now)
+/* Everything begins at this time. */
+static void fmu_begin(fmu_instance *fmu, double start)
+{
+    fmu->now.start = start;
+    fmu->now.time = start;
+}
+
+static int fmu_enter(fmu_instance *fmu, fmu_phase phase)
+{
+    fmu->now.phase = phase;
+    return fmu_settle(fmu);
+}
+
+/* All of them, whatever becomes of one. During initialization what is put out follows what is put in. */
+static int fmu_get_all(fmu_instance *fmu, const unsigned references[], size_t n, double values[])
+{
+    size_t k;
+    int holds = 1;
+    if (fmu->now.phase == FMU_INITIALIZING && n > 0) {
+        (void)fmu_settle(fmu);
+    }
+    for (k = 0; k < n; k++) {
+        holds = fmu_get(fmu, references[k], &values[k]) && holds;
+    }
+    return holds;
+}
+
+static int fmu_set_all(fmu_instance *fmu, const unsigned references[], size_t n, const double values[])
+{
+    size_t k;
+    int holds = 1;
+    for (k = 0; k < n; k++) {
+        holds = fmu_set(fmu, references[k], values[k]) && holds;
+    }
+    return holds;
+}
+
+/* The status is the only whole number. */
+static int fmu_get_status(const fmu_instance *fmu, const unsigned references[], size_t n, int values[])
+{
+    size_t k;
+    for (k = 0; k < n; k++) {
+        if (references[k] != FMU_STATUS) {
+            return fmu_fail(fmu, "no integer variable has this value reference");
+        }
+        values[k] = fmu->now.status;
+    }
+    return 1;
+}
+
+/* Saved states: *place is freed and filled anew. */
+static int fmu_save(const fmu_memory *now, void **place)
 {
     fmu_memory *saved = malloc(sizeof *saved);
     if (saved != NULL) {
         *saved = *now;
     }
-    return saved;
+    free(*place);
+    *place = saved;
+    return saved != NULL;
+}
+
+static int fmu_restore(fmu_instance *fmu, const void *saved)
+{
+    if (saved == NULL) {
+        return fmu_fail(fmu, "no saved state");
+    }
+    fmu->now = *(const fmu_memory *)saved;
+    return 1;
+}
+
+static int fmu_write(const fmu_instance *fmu, const void *saved, void *bytes, size_t size)
+{
+    if (saved == NULL || size < sizeof(fmu_memory)) {
+        return fmu_fail(fmu, "no saved state, or too little room for it");
+    }
+    memcpy(bytes, saved, sizeof(fmu_memory));
+    return 1;
+}
+
+static int fmu_read(const fmu_instance *fmu, const void *bytes, size_t size, void **place)
+{
+    fmu_memory memory;
+    if (size != sizeof memory) {
+        return fmu_fail(fmu, "these bytes are no saved state of this model");
+    }
+    memcpy(&memory, bytes, sizeof memory);
+    return fmu_save(&memory, place);
 }
 
 #endif

@@ -23,6 +23,15 @@ fn python() -> Option<String> {
 }
 
 #[test]
+fn every_kind_of_unit_is_compiled() {
+    let Some(compiler) = c_compilers().first().copied() else { return };
+    for (name, model) in models::all() {
+        let subject = models::subject(name, &model, Precision::F32);
+        assert_eq!(fmu_files(&subject, compiler).unwrap().len(), 2, "{name}");
+    }
+}
+
+#[test]
 fn fmpy_judges_both_versions() {
     let Some(python) = python() else { return };
     let Some(compiler) = c_compilers().first().copied() else { return };
@@ -32,7 +41,7 @@ fn fmpy_judges_both_versions() {
         &["-c", "import fmpy, os; print(os.path.join(os.path.dirname(fmpy.__file__), 'c-code'))"],
     );
     for (name, model) in models::all() {
-        if !["stage", "quadratic", "plays", "parallel"].contains(&name) {
+        if !["stage", "quadratic", "plays", "parallel", "rate", "density", "song"].contains(&name) {
             continue;
         }
         for precision in [Precision::F64, Precision::F32] {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use hysteron::compensator::Prediction;
-use hysteron_export::{Precision, Runtime, rust_files, write_folder};
+use hysteron_export::{Runtime, rust_files, write_folder};
 
 use crate::models;
 use crate::tools::run;
@@ -15,7 +15,7 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
     // One workspace, so that the runtime is compiled once.
     let (mut members, mut inverses) = (Vec::new(), 0);
     for (name, model) in models::all() {
-        for precision in [Precision::F32, Precision::F64] {
+        for precision in models::precisions(name) {
             let has_inverse = models::invertible().iter().any(|(other, _)| *other == name);
             let name = format!("{name}_{}", precision.name());
             let inverse = has_inverse.then(|| models::inverse(&name, &model, precision, Prediction::Stays));
