@@ -1,8 +1,8 @@
 //! What the types alone do not say about a model file.
 
 use super::{
-    DynamicsKind, FORMAT, HysteresisKind, Interval, ModelFile, ModelFileError, Parameters, Quantity,
-    ScoreEntry, StartKind, TermEntry, VERSION,
+    DynamicsKind, FORMAT, HysteresisKind, Interval, ModelFile, ModelFileError, ModesScoreEntry, Parameters,
+    Quantity, ScoreEntry, StartKind, TermEntry, VERSION, ValidRange,
     convert::{Units, form_of, numbers_of},
     polynomial_name,
 };
@@ -24,9 +24,7 @@ impl ModelFile {
         if self.format != FORMAT {
             return Err(ModelFileError::NotAModel { found: Some(format!("{:?}", self.format)) });
         }
-        if self.version != VERSION {
-            return Err(ModelFileError::UnknownVersion { found: Some(self.version.to_string()) });
-        }
+        version(self.version)?;
         let units = Units::new(&self.units);
         match self.hysteresis.kind {
             HysteresisKind::BoucWen => bouc_wen(&self.hysteresis.parameters, &units)?,
@@ -50,15 +48,7 @@ impl ModelFile {
             }
             quantity("start.voltage", voltage, &units.input, None)?;
         }
-        if let Some(range) = &self.valid_range {
-            interval("valid_range.input", &range.input, &units.input)?;
-            if let Some(frequency) = &range.frequency {
-                interval("valid_range.frequency", frequency, "Hz")?;
-            }
-            if let Some(rate) = &range.rate {
-                interval("valid_range.rate", rate, &units.rate())?;
-            }
-        }
+        valid_range(self.valid_range.as_ref(), &units)?;
         self.check_correlation()?;
         self.scores.iter().enumerate().try_for_each(|(i, s)| score(i, s))
     }
@@ -257,6 +247,46 @@ pub(super) fn quantity(
         )?;
     }
     same_unit(path, &quantity.unit, unit)
+}
+
+pub(super) fn version(found: u64) -> Result<(), ModelFileError> {
+    if found == VERSION {
+        Ok(())
+    } else {
+        Err(ModelFileError::UnknownVersion { found: Some(found.to_string()) })
+    }
+}
+
+/// Names of inputs and outputs: all there, none twice.
+pub(super) fn channels(inputs: &[String], outputs: &[String]) -> Result<(), ModelFileError> {
+    let mut names: Vec<&String> = inputs.iter().chain(outputs).collect();
+    names.sort();
+    match names.windows(2).find(|pair| pair[0] == pair[1] || pair[0].is_empty()) {
+        Some(twice) => Err(ModelFileError::Channels { name: twice[0].clone() }),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn sample_rate(rate: f64) -> Result<(), ModelFileError> {
+    allowed("sample_rate_hz", rate, rate.is_finite() && rate > 0.0, "a finite number above 0")
+}
+
+pub(super) fn valid_range(range: Option<&ValidRange>, units: &Units) -> Result<(), ModelFileError> {
+    let Some(range) = range else { return Ok(()) };
+    interval("valid_range.input", &range.input, &units.input)?;
+    if let Some(frequency) = &range.frequency {
+        interval("valid_range.frequency", frequency, "Hz")?;
+    }
+    match &range.rate {
+        Some(rate) => interval("valid_range.rate", rate, &units.rate()),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn axes_score(index: usize, score: &ModesScoreEntry) -> Result<(), ModelFileError> {
+    let path = format!("scores[{index}]");
+    let mut numbers = score.output_rmse.iter().chain([&score.level, &score.rmse, &score.fit_percent]);
+    numbers.try_for_each(|x| allowed(&path, *x, x.is_finite(), "finite numbers"))
 }
 
 pub(super) fn interval(path: &str, interval: &Interval, unit: &str) -> Result<(), ModelFileError> {

@@ -5,12 +5,12 @@ use std::path::Path as FilePath;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{allowed, interval, quantity};
+use super::check::{self, allowed, quantity};
 use super::convert::Units;
-use super::disk;
 use super::{
     ModelFileError, ModesScoreEntry, Provenance, Quantity, SignalUnits, StoredModel, VERSION, ValidRange,
 };
+use super::{disk, schema};
 use crate::axes::{CoupledHammerstein, Path};
 use crate::hysteresis::BoucWen;
 use crate::identify::coupled::CoupledErrors;
@@ -164,21 +164,16 @@ impl CoupledFile {
         if self.format != COUPLED_FORMAT {
             return Err(ModelFileError::NotCoupled { found: Some(format!("{:?}", self.format)) });
         }
-        if self.version != VERSION {
-            return Err(ModelFileError::UnknownVersion { found: Some(self.version.to_string()) });
-        }
-        let mut names: Vec<&String> = self.inputs.iter().chain(&self.outputs).collect();
-        names.sort();
-        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1] || pair[0].is_empty()) {
-            return Err(ModelFileError::Channels { name: twice[0].clone() });
-        }
+        check::version(self.version)?;
+        check::channels(&self.inputs, &self.outputs)?;
         let count = |path: &str, found: usize, expected: usize, what| {
             allowed(path, found as f64, found == expected && expected > 0, what)
         };
         count("actuators", self.actuators.len(), self.inputs.len(), "one entry an input")?;
         count("paths", self.paths.len(), self.outputs.len(), "one list an output")?;
         count("offsets", self.offsets.len(), self.outputs.len(), "one entry an output")?;
-        let Units { input, output } = Units::new(&self.units);
+        let units = Units::new(&self.units);
+        let Units { input, output } = &units;
         for (n, actuator) in self.actuators.iter().enumerate() {
             let path = |name: &str| format!("actuators[{n}].{name}");
             quantity(&path("alpha"), &actuator.alpha, "1", None)?;
@@ -201,19 +196,11 @@ impl CoupledFile {
             }
         }
         for (m, offset) in self.offsets.iter().enumerate() {
-            quantity(&format!("offsets[{m}]"), offset, &output, None)?;
+            quantity(&format!("offsets[{m}]"), offset, output, None)?;
         }
-        let rate = self.sample_rate_hz;
-        allowed("sample_rate_hz", rate, rate.is_finite() && rate > 0.0, "a finite number above 0")?;
-        if let Some(range) = &self.valid_range {
-            interval("valid_range.input", &range.input, &input)?;
-        }
-        for (i, score) in self.scores.iter().enumerate() {
-            let path = format!("scores[{i}]");
-            let numbers = score.output_rmse.iter().chain([&score.level, &score.rmse, &score.fit_percent]);
-            numbers.copied().try_for_each(|x| allowed(&path, x, x.is_finite(), "finite numbers"))?;
-        }
-        Ok(())
+        check::sample_rate(self.sample_rate_hz)?;
+        check::valid_range(self.valid_range.as_ref(), &units)?;
+        self.scores.iter().enumerate().try_for_each(|(i, score)| check::axes_score(i, score))
     }
 
     /// Reads and checks a file's bytes.
@@ -222,12 +209,9 @@ impl CoupledFile {
     /// [`ModelFileError`]: too large, not JSON, of another format or version, or a value that is missing, unknown or not
     /// allowed.
     pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        let foreign = |format: &str| ModelFileError::NotCoupled { found: Some(format!("{format:?}")) };
         match StoredModel::from_slice(bytes)? {
             StoredModel::Coupled(file) => Ok(*file),
-            StoredModel::Modes(file) => Err(foreign(&file.format)),
-            StoredModel::Hammerstein(file) => Err(foreign(&file.format)),
-            StoredModel::Oscillator(file) => Err(foreign(&file.format)),
+            other => Err(ModelFileError::NotCoupled { found: Some(format!("{:?}", other.format())) }),
         }
     }
 
@@ -251,9 +235,7 @@ impl CoupledFile {
 
 /// JSON Schema (draft 2020-12) of version 1 of the file of coupled branches, indented, with a final newline.
 pub fn coupled_schema() -> String {
-    let mut schema = schemars::schema_for!(CoupledFile);
-    schema.insert("title".into(), "Hysteron coupled branches file, version 1".into());
-    format!("{:#}\n", schema.as_value())
+    schema::of::<CoupledFile>("Hysteron coupled branches file, version 1")
 }
 
 #[cfg(test)]

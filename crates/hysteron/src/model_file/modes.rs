@@ -5,10 +5,10 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{allowed, interval};
+use super::check::{self, allowed};
 use super::convert::Units;
-use super::disk;
 use super::{ModelFileError, Provenance, SignalUnits, StoredModel, VERSION, ValidRange};
+use super::{disk, schema};
 use crate::axes::{FeedbackStrain, InfluenceMatrix, LevelLaw, ScheduledModes, StrainLaw};
 
 /// Value of the key `format` in the file of scheduled modes.
@@ -275,14 +275,8 @@ impl ModesFile {
         if self.format != MODES_FORMAT {
             return Err(ModelFileError::NotModes { found: Some(format!("{:?}", self.format)) });
         }
-        if self.version != VERSION {
-            return Err(ModelFileError::UnknownVersion { found: Some(self.version.to_string()) });
-        }
-        let mut names: Vec<&String> = self.inputs.iter().chain(&self.outputs).collect();
-        names.sort();
-        if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1] || pair[0].is_empty()) {
-            return Err(ModelFileError::Channels { name: twice[0].clone() });
-        }
+        check::version(self.version)?;
+        check::channels(&self.inputs, &self.outputs)?;
         // Lengths are products of these: they have to be sensible before they are multiplied.
         let most = [self.inputs.len(), self.outputs.len(), self.modes, self.steps].into_iter().max();
         let most = most.unwrap_or(0) as f64;
@@ -297,22 +291,8 @@ impl ModesFile {
             let numbers = numbers.chain(&influence.condition_number).chain([&influence.level]);
             numbers.copied().try_for_each(|x| allowed(&path, x, x.is_finite(), "finite numbers"))?;
         }
-        let signals = Units::new(&self.units);
-        if let Some(range) = &self.valid_range {
-            interval("valid_range.input", &range.input, &signals.input)?;
-            if let Some(frequency) = &range.frequency {
-                interval("valid_range.frequency", frequency, "Hz")?;
-            }
-            if let Some(rate) = &range.rate {
-                interval("valid_range.rate", rate, &signals.rate())?;
-            }
-        }
-        for (i, score) in self.scores.iter().enumerate() {
-            let path = format!("scores[{i}]");
-            let numbers = score.output_rmse.iter().chain([&score.level, &score.rmse, &score.fit_percent]);
-            numbers.copied().try_for_each(|x| allowed(&path, x, x.is_finite(), "finite numbers"))?;
-        }
-        Ok(())
+        check::valid_range(self.valid_range.as_ref(), &Units::new(&self.units))?;
+        self.scores.iter().enumerate().try_for_each(|(i, score)| check::axes_score(i, score))
     }
 
     /// Reads and checks a file's bytes.
@@ -321,12 +301,9 @@ impl ModesFile {
     /// [`ModelFileError`]: too large, not JSON, of another format or version, or a value that is missing, unknown or not
     /// allowed.
     pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        let foreign = |format: &str| ModelFileError::NotModes { found: Some(format!("{format:?}")) };
         match StoredModel::from_slice(bytes)? {
             StoredModel::Modes(file) => Ok(*file),
-            StoredModel::Hammerstein(file) => Err(foreign(&file.format)),
-            StoredModel::Oscillator(file) => Err(foreign(&file.format)),
-            StoredModel::Coupled(file) => Err(foreign(&file.format)),
+            other => Err(ModelFileError::NotModes { found: Some(format!("{:?}", other.format())) }),
         }
     }
 
@@ -350,9 +327,7 @@ impl ModesFile {
 
 /// JSON Schema (draft 2020-12) of version 1 of the file of scheduled modes, indented, with a final newline.
 pub fn modes_schema() -> String {
-    let mut schema = schemars::schema_for!(ModesFile);
-    schema.insert("title".into(), "Hysteron modes file, version 1".into());
-    format!("{:#}\n", schema.as_value())
+    schema::of::<ModesFile>("Hysteron modes file, version 1")
 }
 
 #[cfg(test)]

@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::check::{allowed, interval, quantity, score};
+use super::check::{self, allowed, quantity, score};
 use super::convert::Units;
 use super::disk::{self, Header, parse};
+use super::schema;
 use super::{
     COUPLED_FORMAT, CoupledFile, InterSampleName, MODES_FORMAT, ModelFile, ModelFileError, ModesFile,
     Provenance, Quantity, ScoreEntry, SignalUnits, StartKind, VERSION, ValidRange,
@@ -170,9 +172,7 @@ impl OscillatorFile {
         if self.format != OSCILLATOR_FORMAT {
             return Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", self.format)) });
         }
-        if self.version != VERSION {
-            return Err(ModelFileError::UnknownVersion { found: Some(self.version.to_string()) });
-        }
+        check::version(self.version)?;
         // The unit of the shape depends on n, which has to be right first.
         quantity("parameters.n", &self.parameters.n, "1", Some(1.0))?;
         let n = self.parameters.n.value;
@@ -189,17 +189,8 @@ impl OscillatorFile {
         allowed("parameters.mass.value", mass, mass > 0.0, "a number above 0")?;
         let signals = Units::new(&self.units);
         quantity("offset", &self.offset, &signals.output, None)?;
-        let rate = self.sample_rate_hz;
-        allowed("sample_rate_hz", rate, rate.is_finite() && rate > 0.0, "a finite number above 0")?;
-        if let Some(range) = &self.valid_range {
-            interval("valid_range.input", &range.input, &signals.input)?;
-            if let Some(frequency) = &range.frequency {
-                interval("valid_range.frequency", frequency, "Hz")?;
-            }
-            if let Some(rate) = &range.rate {
-                interval("valid_range.rate", rate, &signals.rate())?;
-            }
-        }
+        check::sample_rate(self.sample_rate_hz)?;
+        check::valid_range(self.valid_range.as_ref(), &signals)?;
         self.scores.iter().enumerate().try_for_each(|(i, s)| score(i, s))
     }
 
@@ -211,15 +202,7 @@ impl OscillatorFile {
     pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
         match StoredModel::from_slice(bytes)? {
             StoredModel::Oscillator(file) => Ok(*file),
-            StoredModel::Hammerstein(file) => {
-                Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", file.format)) })
-            }
-            StoredModel::Modes(file) => {
-                Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", file.format)) })
-            }
-            StoredModel::Coupled(file) => {
-                Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", file.format)) })
-            }
+            other => Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", other.format())) }),
         }
     }
 
@@ -268,34 +251,41 @@ impl StoredModel {
     /// # Errors
     /// As [`ModelFile::from_slice`].
     pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        fn checked<T: DeserializeOwned>(
+            bytes: &[u8],
+            check: fn(&T) -> Result<(), ModelFileError>,
+        ) -> Result<Box<T>, ModelFileError> {
+            Header::of(bytes)?.check_version()?;
+            let file = parse(bytes)?;
+            check(&file)?;
+            Ok(Box::new(file))
+        }
         let header = Header::of(bytes)?;
-        if header.is(COUPLED_FORMAT) {
-            header.check_version()?;
-            let file: CoupledFile = parse(bytes)?;
-            file.check()?;
-            return Ok(Self::Coupled(Box::new(file)));
+        Ok(if header.is(COUPLED_FORMAT) {
+            Self::Coupled(checked(bytes, CoupledFile::check)?)
+        } else if header.is(MODES_FORMAT) {
+            Self::Modes(checked(bytes, ModesFile::check)?)
+        } else if header.is(OSCILLATOR_FORMAT) {
+            Self::Oscillator(checked(bytes, OscillatorFile::check)?)
+        } else {
+            Self::Hammerstein(Box::new(ModelFile::from_slice(bytes)?))
+        })
+    }
+
+    /// The key `format` of its file.
+    pub fn format(&self) -> &str {
+        match self {
+            Self::Hammerstein(file) => &file.format,
+            Self::Oscillator(file) => &file.format,
+            Self::Modes(file) => &file.format,
+            Self::Coupled(file) => &file.format,
         }
-        if header.is(MODES_FORMAT) {
-            header.check_version()?;
-            let file: ModesFile = parse(bytes)?;
-            file.check()?;
-            return Ok(Self::Modes(Box::new(file)));
-        }
-        if !header.is(OSCILLATOR_FORMAT) {
-            return Ok(Self::Hammerstein(Box::new(ModelFile::from_slice(bytes)?)));
-        }
-        header.check_version()?;
-        let file: OscillatorFile = parse(bytes)?;
-        file.check()?;
-        Ok(Self::Oscillator(Box::new(file)))
     }
 }
 
 /// JSON Schema (draft 2020-12) of version 1 of an oscillator's file, indented, with a final newline.
 pub fn oscillator_schema() -> String {
-    let mut schema = schemars::schema_for!(OscillatorFile);
-    schema.insert("title".into(), "Hysteron oscillator file, version 1".into());
-    format!("{:#}\n", schema.as_value())
+    schema::of::<OscillatorFile>("Hysteron oscillator file, version 1")
 }
 
 #[cfg(test)]
