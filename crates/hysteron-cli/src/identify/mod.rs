@@ -1,37 +1,34 @@
 //! `hysteron identify`: records in, model file and report out.
 
+mod arguments;
 mod family;
+mod options;
 mod oscillator;
 mod outcome;
 mod parameters;
 mod report;
+mod search;
 mod starts;
 pub mod written;
 
 pub use written::command_line;
 
 use std::io::IsTerminal;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
-use clap::{Args, ValueEnum};
-use hysteron::dynamics::{Creep, Scheme};
+use clap::Args;
 use hysteron::identify::structure::neighbours;
-use hysteron::identify::{
-    CampaignRecord, Choice, Demands, DynamicsChoice, FindingKind, IdentifyError, Initial, Method, Options,
-    RecordRole, Searches, Watcher, identify,
-};
-use hysteron::model_file::ModelFile;
-use hysteron::optimize::{
-    AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError,
-    Progress as SearchProgress, PsoOptions, ResumeError,
-};
-use hysteron::record::InterSample;
+use hysteron::identify::{CampaignRecord, FindingKind, RecordRole, identify};
 use hysteron_report::identification::{IdentificationReportData, identification_report};
 use hysteron_report::write_figures;
 
+use self::arguments::{
+    ChoiceArg, CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg, SchemeArg,
+    StructureArg, degree, delay, exponent, name_range, name_value,
+};
 use self::family::HysteresisArg;
+use self::search::{Console, explain, read_searches};
 use crate::axes::{AxesFlags, ModesFlags, identify_branches};
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -39,11 +36,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::numbers::{count, number, whole};
 use crate::output;
-use crate::progress::Progress;
 use crate::result_flags::ResultFlags;
-
-/// Largest file of interrupted searches read \[bytes\].
-const MAX_RESUME_BYTES: u64 = 256 << 20;
 
 /// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
 #[derive(Args)]
@@ -207,157 +200,6 @@ pub struct Identify {
     modes: ModesFlags,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum StructureArg {
-    /// Hysteresis, then linear dynamics
-    Hammerstein,
-    /// A mass on a hysteretic spring: resonances move with the amplitude
-    Oscillator,
-    /// Several axes: structural modes with hysteresis in feedback, that move with the level of the drive
-    Modes,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MethodArg {
-    /// All records, both blocks, delay and initial states in one fit
-    Joint,
-    /// The article's way: hysteresis from slow records, then dynamics from the others
-    TwoStep,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum InitialArg {
-    /// Rest, judged by the record
-    Auto,
-    /// Rest at the first sample, with an unknown hysteresis memory
-    Rest,
-    /// The record is a steady state that repeats
-    Periodic,
-    /// Rest at 0 V without memory
-    Zero,
-    /// Rest, with motion left over from before
-    Free,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum DynamicsArg {
-    None,
-    /// Whole orders: pairs of poles and, for an odd --order, a lag in series
-    Integer,
-    /// Resonances in parallel and, for an odd --order, a lag behind them
-    Modes,
-    /// Equation error, sampled (two steps)
-    Arx,
-    /// Output error B/F, sampled (two steps)
-    Oe,
-    /// Box–Jenkins: output error B/F with a noise model C/D, sampled (two steps)
-    Bj,
-    /// B(s)/A(s) in continuous time by refined instrumental variables (two steps)
-    Srivc,
-    /// b / (s^a2 + c1 s^a1 + c0)
-    Fractional,
-    /// b / (s^a2 + c1 s^a1 + c0 s^a0)
-    FractionalFreeLowest,
-    /// Two fractional modes in parallel
-    TwoFractional,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum CreepArg {
-    /// 1 + k s^-mu: a power law without an end
-    Fractional,
-    /// 1 + gamma log10(1 + t/t0) after a unit step: the same amount every decade of time
-    Logarithmic,
-    /// 1 + sum of k/(1 + tau s): springs and dampers, creep that comes to an end
-    KelvinVoigt,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum OptimizerArg {
-    Auto,
-    DeAbc,
-    Abc,
-    De,
-    Pso,
-    CmaEs,
-    LeastSquares,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum SchemeArg {
-    Tustin,
-    GrunwaldLetnikov,
-    Bdf2,
-    BandLimited,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum InterSampleArg {
-    Hold,
-    Linear,
-    BandLimited,
-}
-
-impl From<InterSampleArg> for InterSample {
-    fn from(arg: InterSampleArg) -> Self {
-        match arg {
-            InterSampleArg::Hold => InterSample::Hold,
-            InterSampleArg::Linear => InterSample::Linear,
-            InterSampleArg::BandLimited => InterSample::BandLimited,
-        }
-    }
-}
-
-impl From<SchemeArg> for Scheme {
-    fn from(arg: SchemeArg) -> Self {
-        match arg {
-            SchemeArg::Tustin => Scheme::Tustin,
-            SchemeArg::GrunwaldLetnikov => Scheme::GrunwaldLetnikov,
-            SchemeArg::Bdf2 => Scheme::Bdf2,
-            SchemeArg::BandLimited => Scheme::BandLimited,
-        }
-    }
-}
-
-/// [`Choice`] as clap wants it.
-#[derive(Clone, Copy)]
-struct ChoiceArg<T>(Choice<T>);
-
-fn degree(text: &str) -> Result<ChoiceArg<usize>, String> {
-    if text == "auto" {
-        return Ok(ChoiceArg(Choice::Auto));
-    }
-    let degree = text.parse().map_err(|_| "expected a whole number or auto".to_owned())?;
-    Ok(ChoiceArg(Choice::Given(degree)))
-}
-
-fn exponent(text: &str) -> Result<ChoiceArg<f64>, String> {
-    number_or(text, "free")
-}
-
-fn delay(text: &str) -> Result<ChoiceArg<f64>, String> {
-    number_or(text, "auto")
-}
-
-fn number_or(text: &str, word: &str) -> Result<ChoiceArg<f64>, String> {
-    if text == word {
-        return Ok(ChoiceArg(Choice::Auto));
-    }
-    number(text).map(|x| ChoiceArg(Choice::Given(x))).map_err(|e| format!("{e} or {word}"))
-}
-
-fn name_value(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, e.g. gamma=0")?;
-    Ok((name.trim().to_owned(), number(value.trim())?))
-}
-
-fn name_range(text: &str) -> Result<(String, f64, f64), String> {
-    const WANTED: &str = "expected NAME=LOW:HIGH, e.g. beta=0:2";
-    let (name, range) = text.split_once('=').ok_or(WANTED)?;
-    let (low, high) = range.split_once(':').ok_or(WANTED)?;
-    Ok((name.trim().to_owned(), number(low.trim())?, number(high.trim())?))
-}
-
 impl Identify {
     pub fn run(&self) -> Result<(), Failure> {
         match (self.structure, self.axes.are_given()) {
@@ -382,7 +224,7 @@ impl Identify {
         let campaign = self.campaign()?;
         let resume = self.resume.as_deref().map(read_searches).transpose()?;
         let stop = interrupt::stop_flag("the best so far is kept")?;
-        let mut watcher = Console { stop: &stop, shown: None };
+        let mut watcher = Console::new(&stop);
         let found = identify(&campaign, &options, &mut watcher, resume);
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
@@ -466,105 +308,6 @@ impl Identify {
         Ok(())
     }
 
-    fn options(&self) -> Result<Options, Failure> {
-        let start = match &self.start {
-            Some(path) => {
-                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
-                let file = ModelFile::read(path).map_err(|e| failure().because(e))?;
-                Some(file.to_model().map_err(|e| failure().because(e))?)
-            }
-            None => None,
-        };
-        Ok(Options {
-            method: match self.method {
-                MethodArg::Joint => Method::Joint,
-                MethodArg::TwoStep => Method::TwoStep,
-            },
-            hysteresis: self.hysteresis.form(self.elements)?,
-            order: self.order,
-            creep: self.creep()?,
-            initial: match self.initial {
-                InitialArg::Auto => Initial::Auto,
-                InitialArg::Rest => Initial::Rest,
-                InitialArg::Periodic => Initial::Periodic,
-                InitialArg::Zero => Initial::Zero,
-                InitialArg::Free => Initial::Free,
-            },
-            drift: self.drift,
-            dynamics: match self.dynamics {
-                None => DynamicsChoice::Auto,
-                Some(DynamicsArg::None) => DynamicsChoice::None,
-                Some(DynamicsArg::Integer) => DynamicsChoice::Integer,
-                Some(DynamicsArg::Modes) => DynamicsChoice::Modes,
-                Some(DynamicsArg::Arx) => DynamicsChoice::Arx,
-                Some(DynamicsArg::Oe) => DynamicsChoice::OutputError,
-                Some(DynamicsArg::Bj) => DynamicsChoice::BoxJenkins,
-                Some(DynamicsArg::Srivc) => DynamicsChoice::Srivc,
-                Some(DynamicsArg::Fractional) => DynamicsChoice::Fractional,
-                Some(DynamicsArg::FractionalFreeLowest) => DynamicsChoice::FractionalFreeLowest,
-                Some(DynamicsArg::TwoFractional) => DynamicsChoice::TwoFractional,
-            },
-            algorithm: self.algorithm(),
-            generations: self.generations.unwrap_or(Options::default().generations),
-            seed: self.seed,
-            threads: self.threads,
-            degree: self.degree.0,
-            n: self.n.map_or(Choice::Given(1.0), |n| n.0),
-            delay_s: self.delay.0,
-            demands: Demands { fixed: self.fix.clone(), bounded: self.bound.clone() },
-            start,
-            scheme: self.scheme.map_or(Choice::Auto, |scheme| Choice::Given(scheme.into())),
-            inter_sample: self.inter_sample.map_or(InterSample::Linear, InterSampleArg::into),
-            least_fit_percent: self.least_fit,
-        })
-    }
-
-    fn creep(&self) -> Result<Creep, Failure> {
-        if self.creep_elements.is_some() && self.creep != Some(CreepArg::KelvinVoigt) {
-            return Err(Failure::usage("--creep-elements belongs to --creep kelvin-voigt"));
-        }
-        Ok(match self.creep {
-            None => Creep::None,
-            Some(CreepArg::Fractional) => Creep::Fractional,
-            Some(CreepArg::Logarithmic) => Creep::Logarithmic,
-            Some(CreepArg::KelvinVoigt) => Creep::KelvinVoigt { elements: self.creep_elements.unwrap_or(2) },
-        })
-    }
-
-    fn algorithm(&self) -> Option<Algorithm> {
-        let population = |default: usize| self.population.unwrap_or(default);
-        match self.optimizer {
-            OptimizerArg::Auto => None,
-            OptimizerArg::DeAbc => {
-                let options = DeAbcOptions::default();
-                Some(Algorithm::DeAbc(DeAbcOptions { population: population(options.population), ..options }))
-            }
-            OptimizerArg::Abc => {
-                let options = AbcOptions::default();
-                Some(Algorithm::Abc(AbcOptions { population: population(options.population), ..options }))
-            }
-            OptimizerArg::De => {
-                let options = DeOptions::default();
-                Some(Algorithm::De(DeOptions { population: population(options.population), ..options }))
-            }
-            OptimizerArg::Pso => {
-                let options = PsoOptions::default();
-                Some(Algorithm::Pso(PsoOptions { population: population(options.population), ..options }))
-            }
-            OptimizerArg::CmaEs => {
-                let options = CmaEsOptions::default();
-                Some(Algorithm::CmaEs(CmaEsOptions { population: self.population, ..options }))
-            }
-            OptimizerArg::LeastSquares => {
-                let options = LeastSquaresOptions::default();
-                Some(Algorithm::LeastSquares(LeastSquaresOptions {
-                    starts: population(options.starts),
-                    ..options
-                }))
-            }
-        }
-    }
-
     fn campaign(&self) -> Result<Vec<CampaignRecord>, Failure> {
         let given = |paths: &[PathBuf], role: Option<RecordRole>| {
             paths.iter().map(|path| (path.clone(), role)).collect::<Vec<_>>()
@@ -578,15 +321,6 @@ impl Identify {
         Ok(records.map(|(data, role)| CampaignRecord { data, role }).collect())
     }
 
-    fn write_searches(&self, searches: &Searches) -> Result<(), Failure> {
-        let path = self.out.with_extension("searches.json");
-        let failure = || Failure::new(format!("cannot write the interrupted searches to {}", path.display()));
-        let text = serde_json::to_string(searches).map_err(|e| failure().because(e))?;
-        hysteron::atomic_file::write_atomically(&path, text.as_bytes()).map_err(|e| failure().because(e))?;
-        console::note(&format!("interrupted; go on with the same command and --resume {}", path.display()));
-        Ok(())
-    }
-
     fn write_report(&self, data: &IdentificationReportData) -> Result<(), Failure> {
         let page = identification_report(data);
         self.result.write(|| &page)?;
@@ -598,72 +332,5 @@ impl Identify {
             console::message(&format!("{} figures written to {}", written.len(), folder.display()));
         }
         Ok(())
-    }
-}
-
-fn read_searches(path: &Path) -> Result<Searches, Failure> {
-    let failure = || {
-        Failure::new(format!("cannot resume from {}", path.display()))
-            .hint("it must be the MODEL.searches.json that an interrupted identification wrote")
-    };
-    let size = std::fs::metadata(path).map_err(|e| failure().because(e))?.len();
-    if size > MAX_RESUME_BYTES {
-        return Err(failure().because(format!("it has {size} bytes; at most {MAX_RESUME_BYTES} are read")));
-    }
-    let bytes = std::fs::read(path).map_err(|e| failure().because(e))?;
-    serde_json::from_slice(&bytes).map_err(|e| failure().because(e))
-}
-
-/// The library's error with what to do about it.
-fn explain(error: &IdentifyError) -> Failure {
-    const TITLE: &str = "no model was identified";
-    let failure = Failure::new(TITLE).because(error);
-    match error {
-        IdentifyError::UnknownParameter { .. }
-        | IdentifyError::Demand { .. }
-        | IdentifyError::CreepTakesJointFit
-        | IdentifyError::Option { .. } => Failure::usage(TITLE).because(error),
-        IdentifyError::Optimize(OptimizeError::Resume(error)) => {
-            let failure = Failure::new(TITLE).hint(
-                "resume with the records and options of the interrupted run; or leave --resume out and begin anew",
-            );
-            match error {
-                ResumeError::Problem { .. } => {
-                    failure.because("the interrupted searches are of other records or options")
-                }
-                error => failure.because(error),
-            }
-        }
-        IdentifyError::ModelClass { .. } => failure.hint(
-            "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 hands the model \
-             out all the same",
-        ),
-        IdentifyError::NotUniform { .. } => failure.hint("give --sample-rate HZ, or --dynamics none"),
-        IdentifyError::Constant { .. } => failure.hint("choose other columns with --input and --output"),
-        IdentifyError::Units { .. } => failure.hint("correct the headers, or choose columns with --input and --output"),
-        _ => failure,
-    }
-}
-
-/// Progress bar and Ctrl-C.
-struct Console<'a> {
-    stop: &'a AtomicBool,
-    shown: Option<(String, Progress)>,
-}
-
-impl Watcher for Console<'_> {
-    fn progress(
-        &mut self,
-        step: &str,
-        progress: &SearchProgress<'_>,
-        _: &dyn Fn() -> Searches,
-    ) -> ControlFlow<()> {
-        if self.shown.as_ref().is_none_or(|(name, _)| name != step) {
-            self.shown = Some((step.to_owned(), Progress::new(step, progress.generations as u64)));
-        }
-        if let Some((_, bar)) = &self.shown {
-            bar.set(progress.generation as u64, format!("best RMSE {:.5}", progress.best_cost));
-        }
-        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

@@ -15,8 +15,9 @@ use hysteron::record::{InputOutput, InterSample, Unit};
 use hysteron_report::number::with_std_error;
 use serde_json::{Value, json};
 
+use super::arguments::{InitialArg, InterSampleArg, MethodArg, OptimizerArg};
 use super::parameters::typographic;
-use super::{Identify, InitialArg, InterSampleArg, MethodArg, OptimizerArg, command_line};
+use super::{Identify, command_line};
 use crate::console;
 use crate::failure::Failure;
 use crate::output;

@@ -1,0 +1,114 @@
+//! What the flags ask of the library.
+
+use hysteron::dynamics::Creep;
+use hysteron::identify::{Choice, Demands, DynamicsChoice, Initial, Method, Options};
+use hysteron::model_file::ModelFile;
+use hysteron::optimize::{
+    AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions,
+};
+use hysteron::record::InterSample;
+
+use super::Identify;
+use super::arguments::{CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg};
+use crate::failure::Failure;
+
+impl Identify {
+    pub(super) fn options(&self) -> Result<Options, Failure> {
+        let start = match &self.start {
+            Some(path) => {
+                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
+                let file = ModelFile::read(path).map_err(|e| failure().because(e))?;
+                Some(file.to_model().map_err(|e| failure().because(e))?)
+            }
+            None => None,
+        };
+        Ok(Options {
+            method: match self.method {
+                MethodArg::Joint => Method::Joint,
+                MethodArg::TwoStep => Method::TwoStep,
+            },
+            hysteresis: self.hysteresis.form(self.elements)?,
+            order: self.order,
+            creep: self.creep()?,
+            initial: match self.initial {
+                InitialArg::Auto => Initial::Auto,
+                InitialArg::Rest => Initial::Rest,
+                InitialArg::Periodic => Initial::Periodic,
+                InitialArg::Zero => Initial::Zero,
+                InitialArg::Free => Initial::Free,
+            },
+            drift: self.drift,
+            dynamics: match self.dynamics {
+                None => DynamicsChoice::Auto,
+                Some(DynamicsArg::None) => DynamicsChoice::None,
+                Some(DynamicsArg::Integer) => DynamicsChoice::Integer,
+                Some(DynamicsArg::Modes) => DynamicsChoice::Modes,
+                Some(DynamicsArg::Arx) => DynamicsChoice::Arx,
+                Some(DynamicsArg::Oe) => DynamicsChoice::OutputError,
+                Some(DynamicsArg::Bj) => DynamicsChoice::BoxJenkins,
+                Some(DynamicsArg::Srivc) => DynamicsChoice::Srivc,
+                Some(DynamicsArg::Fractional) => DynamicsChoice::Fractional,
+                Some(DynamicsArg::FractionalFreeLowest) => DynamicsChoice::FractionalFreeLowest,
+                Some(DynamicsArg::TwoFractional) => DynamicsChoice::TwoFractional,
+            },
+            algorithm: self.algorithm(),
+            generations: self.generations.unwrap_or(Options::default().generations),
+            seed: self.seed,
+            threads: self.threads,
+            degree: self.degree.0,
+            n: self.n.map_or(Choice::Given(1.0), |n| n.0),
+            delay_s: self.delay.0,
+            demands: Demands { fixed: self.fix.clone(), bounded: self.bound.clone() },
+            start,
+            scheme: self.scheme.map_or(Choice::Auto, |scheme| Choice::Given(scheme.into())),
+            inter_sample: self.inter_sample.map_or(InterSample::Linear, InterSampleArg::into),
+            least_fit_percent: self.least_fit,
+        })
+    }
+
+    fn creep(&self) -> Result<Creep, Failure> {
+        if self.creep_elements.is_some() && self.creep != Some(CreepArg::KelvinVoigt) {
+            return Err(Failure::usage("--creep-elements belongs to --creep kelvin-voigt"));
+        }
+        Ok(match self.creep {
+            None => Creep::None,
+            Some(CreepArg::Fractional) => Creep::Fractional,
+            Some(CreepArg::Logarithmic) => Creep::Logarithmic,
+            Some(CreepArg::KelvinVoigt) => Creep::KelvinVoigt { elements: self.creep_elements.unwrap_or(2) },
+        })
+    }
+
+    fn algorithm(&self) -> Option<Algorithm> {
+        let population = |default: usize| self.population.unwrap_or(default);
+        match self.optimizer {
+            OptimizerArg::Auto => None,
+            OptimizerArg::DeAbc => {
+                let options = DeAbcOptions::default();
+                Some(Algorithm::DeAbc(DeAbcOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::Abc => {
+                let options = AbcOptions::default();
+                Some(Algorithm::Abc(AbcOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::De => {
+                let options = DeOptions::default();
+                Some(Algorithm::De(DeOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::Pso => {
+                let options = PsoOptions::default();
+                Some(Algorithm::Pso(PsoOptions { population: population(options.population), ..options }))
+            }
+            OptimizerArg::CmaEs => {
+                let options = CmaEsOptions::default();
+                Some(Algorithm::CmaEs(CmaEsOptions { population: self.population, ..options }))
+            }
+            OptimizerArg::LeastSquares => {
+                let options = LeastSquaresOptions::default();
+                Some(Algorithm::LeastSquares(LeastSquaresOptions {
+                    starts: population(options.starts),
+                    ..options
+                }))
+            }
+        }
+    }
+}
