@@ -56,3 +56,8 @@ pub fn table(header: &[&str]) -> comfy_table::Table {
     table.load_style(style).set_header(header.to_vec());
     table
 }
+
+/// A heading with its unit, where it has one.
+pub fn in_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
+}

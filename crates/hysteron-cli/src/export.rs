@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use hysteron::compensator::{Compensation, CompensatorError, CompensatorOptions, Prediction};
-use hysteron::realise::{RealiseError, RealiseOptions};
+use hysteron::compensator::{Compensation, CompensatorOptions, Prediction};
+use hysteron::realise::RealiseOptions;
 use hysteron_export::{
     ExportError, ExportedFile, Inverse, Precision, Runtime, Subject, c_files, fmu_files, inverse_files,
     inverse_fmu_files, rust_files, write_folder,
@@ -17,7 +17,7 @@ use crate::invert::range;
 use crate::model::LoadedModel;
 use crate::numbers::positive;
 use crate::output;
-use crate::realise::{realised, recorded_lowest};
+use crate::realise::{realised, where_creep_stops};
 
 /// Write a model as C99 source, a no_std Rust crate or an FMU.
 #[derive(Args)]
@@ -181,22 +181,15 @@ impl Export {
                 .because("the model file does not say which range it was identified in")
                 .hint("give the amplifier's with --range LOW:HIGH")
         })?;
+        let rate = subject.realisation.sample_rate_hz;
         let options = CompensatorOptions {
             bandwidth_hz: self.bandwidth,
             preview: self.preview.or(self.predict_to.map(|_| 0)),
             prediction: Prediction::up_to(self.predict_to),
+            realise: where_creep_stops(loaded, rate, *realise),
             ..CompensatorOptions::default()
         };
-        let rate = subject.realisation.sample_rate_hz;
-        let law = |lowest_frequency_hz| {
-            let realise = RealiseOptions { lowest_frequency_hz, ..*realise };
-            Compensation::new(loaded.model(), rate, &CompensatorOptions { realise, ..options })
-        };
-        let compensation =
-            match (law(realise.lowest_frequency_hz), recorded_lowest(loaded.file.valid_range.as_ref())) {
-                (Err(CompensatorError::Realise(RealiseError::LowestFrequency)), Some(low)) => law(Some(low)),
-                (law, _) => law,
-            };
+        let compensation = Compensation::new(loaded.model(), rate, &options);
         let compensation = compensation.map_err(|e| self.cannot(&e.into()))?;
         Inverse::new(subject, compensation, range, self.slew.unwrap_or(f64::INFINITY))
             .map_err(|e| self.cannot(&e))

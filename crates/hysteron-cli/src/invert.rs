@@ -3,25 +3,25 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron::compensator::{Compensation, CompensatorError, CompensatorOptions, Prediction};
+use hysteron::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron::display::short;
 use hysteron::hammerstein::{SimulationError, Start};
 use hysteron::invert::{
     BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
-use hysteron::realise::{RealiseError, RealiseOptions};
+use hysteron::realise::RealiseOptions;
 use hysteron::record::{Channel, Record, TimeBase, Unit, shortest_swing};
 use hysteron_io::write_csv;
 use hysteron_report::number::significant;
-use serde::Serialize;
 
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
-use crate::numbers::{number, positive};
+use crate::numbers::{ends, number, positive};
+use crate::object::{Object, key_in};
 use crate::output;
-use crate::realise::recorded_lowest;
+use crate::realise::where_creep_stops;
 
 /// Compute the drive that makes a model's output follow a reference
 #[derive(Args)]
@@ -99,17 +99,6 @@ pub struct Invert {
 /// Excess of a reference's frequency over the model's that is worth a remark.
 const FASTER: f64 = 1.1;
 
-/// Where a model that creeps for ever stops creeping, from its records; `None` for one that does not.
-pub fn lowest_frequency(model: &LoadedModel, sample_rate_hz: f64) -> Option<f64> {
-    let law = Compensation::new(model.model(), sample_rate_hz, &CompensatorOptions::default());
-    match law {
-        Err(CompensatorError::Realise(RealiseError::LowestFrequency)) => {
-            recorded_lowest(model.file.valid_range.as_ref())
-        }
-        _ => None,
-    }
-}
-
 /// `LOW:HIGH`.
 pub fn range(text: &str) -> Result<[f64; 2], String> {
     let wrong = || "expected LOW:HIGH, e.g. 0:100".to_owned();
@@ -121,7 +110,6 @@ pub fn range(text: &str) -> Result<[f64; 2], String> {
 }
 
 /// What is printed.
-#[derive(Serialize)]
 struct Summary {
     samples: usize,
     sample_rate_hz: f64,
@@ -137,10 +125,32 @@ struct Summary {
     predicted_rms_error: f64,
     predicted_max_error: f64,
     predicted_rms_percent_of_stroke: f64,
-    /// Half of the 95 % band of the model's output at its widest; null where the file holds no correlation.
+    /// Half of the 95 % band of the model's output at its widest; `None` where the file holds no correlation.
     band: Option<f64>,
     input_unit: String,
     output_unit: String,
+}
+
+impl Summary {
+    fn object(&self) -> Object {
+        let (input, output) = (self.input_unit.as_str(), self.output_unit.as_str());
+        Object::default()
+            .with("samples", self.samples)
+            .with("sample_rate_hz", self.sample_rate_hz)
+            .in_unit("rest", input, self.rest)
+            .in_unit("drive_low", input, self.drive_low)
+            .in_unit("drive_high", input, self.drive_high)
+            .with(key_in("fastest_drive", input) + "_per_s", self.fastest_drive_per_s)
+            .with("samples_at_range", self.samples_at_range)
+            .with("samples_at_slew", self.samples_at_slew)
+            .with("bandwidth_hz", self.bandwidth_hz)
+            .with("error_at_bandwidth", self.error_at_bandwidth)
+            .with("noise_gain", self.noise_gain)
+            .in_unit("predicted_rms_error", output, self.predicted_rms_error)
+            .in_unit("predicted_max_error", output, self.predicted_max_error)
+            .with("predicted_rms_percent_of_stroke", self.predicted_rms_percent_of_stroke)
+            .in_unit("band", output, self.band)
+    }
 }
 
 impl Invert {
@@ -212,7 +222,7 @@ impl Invert {
         let band = self.band(&model, &found, sample_rate_hz);
         let summary = summary(&reference.samples, &found, sample_rate_hz, band, &model);
         self.write(reference.time, &reference.samples, &unit, &model.file.units.input, found)?;
-        if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
+        if self.json { console::json(&summary.object()) } else { console::result(&text(&summary)) }
     }
 
     /// As a controller would.
@@ -223,15 +233,11 @@ impl Invert {
         sample_rate_hz: f64,
         options: &InverseOptions,
     ) -> Result<InverseDrive, InversionError> {
-        let realise = RealiseOptions {
-            lowest_frequency_hz: lowest_frequency(model, sample_rate_hz),
-            ..RealiseOptions::default()
-        };
         let wanted = CompensatorOptions {
             bandwidth_hz: self.bandwidth,
             preview: Some(self.preview.unwrap_or(0)),
             prediction: Prediction::up_to(self.predict_to),
-            realise,
+            realise: where_creep_stops(model, sample_rate_hz, RealiseOptions::default()),
             ..CompensatorOptions::default()
         };
         let law = Compensation::new(model.model(), sample_rate_hz, &wanted)?;
@@ -296,8 +302,6 @@ fn summary(
     band: Option<f64>,
     model: &LoadedModel,
 ) -> Summary {
-    let ends =
-        |x: &[f64]| x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
     let (drive_low, drive_high) = ends(&found.drive);
     let (low, high) = ends(reference);
     let errors = || reference.iter().zip(&found.predicted).map(|(r, y)| (r - y).abs());

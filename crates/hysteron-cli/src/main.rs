@@ -24,6 +24,7 @@ mod interrupt;
 mod invert;
 mod model;
 mod numbers;
+mod object;
 mod optimizers;
 mod oscillator;
 mod output;

@@ -12,6 +12,7 @@ use hysteron::validate::{Scoring, StartError, choose_start};
 
 use crate::console;
 use crate::failure::Failure;
+use crate::numbers::ends;
 use crate::start::{Drive, StartFlags, in_words};
 
 /// Excess over the valid range, as a fraction of it, that is not worth a remark.
@@ -145,7 +146,7 @@ impl LoadedModel {
 /// A remark where the input leaves the range that a model was identified in.
 pub fn remark_extrapolation(range: Option<&ValidRange>, record: &Path, u: &[f64]) {
     let Some(range) = range else { return };
-    let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+    let (low, high) = ends(u);
     let slack = RANGE_SLACK * (range.input.high - range.input.low);
     if low < range.input.low - slack || high > range.input.high + slack {
         console::note(&format!(

@@ -117,31 +117,29 @@ pub fn realised(
     sample_rate_hz: f64,
     options: &RealiseOptions,
 ) -> Result<Realisation, Failure> {
-    let realised = match (
-        realise(loaded.model(), sample_rate_hz, options),
-        recorded_lowest(loaded.file.valid_range.as_ref()),
-    ) {
-        (Err(RealiseError::LowestFrequency), Some(low)) => {
-            console::note(&format!(
-                "the model creeps for ever; realised down to {} Hz, a thousandth of the lowest frequency of its records \
-                 (--lowest-frequency says otherwise)",
-                significant(low, 3)
-            ));
-            realise(
-                loaded.model(),
-                sample_rate_hz,
-                &RealiseOptions { lowest_frequency_hz: Some(low), ..*options },
-            )
-        }
-        (realised, _) => realised,
-    };
-    realised.map_err(|e| cannot(path, &e))
+    let stopped = where_creep_stops(loaded, sample_rate_hz, *options);
+    if let (None, Some(low)) = (options.lowest_frequency_hz, stopped.lowest_frequency_hz) {
+        console::note(&format!(
+            "the model creeps for ever; realised down to {} Hz, a thousandth of the lowest frequency of its records \
+             (--lowest-frequency says otherwise)",
+            significant(low, 3)
+        ));
+    }
+    realise(loaded.model(), sample_rate_hz, &stopped).map_err(|e| cannot(path, &e))
 }
 
-/// A lowest frequency from the model's records.
-pub fn recorded_lowest(range: Option<&ValidRange>) -> Option<f64> {
-    let frequency = range?.frequency.as_ref()?;
-    (frequency.low > 0.0).then_some(BELOW_RECORDS * frequency.low)
+/// The same, with a lowest frequency from the model's records where it creeps for ever and nobody names one.
+pub fn where_creep_stops(
+    loaded: &LoadedModel,
+    sample_rate_hz: f64,
+    options: RealiseOptions,
+) -> RealiseOptions {
+    let frequency = loaded.file.valid_range.as_ref().and_then(|range| range.frequency.as_ref());
+    let low = frequency.map(|f| BELOW_RECORDS * f.low).filter(|low| *low > 0.0);
+    match realise(loaded.model(), sample_rate_hz, &options) {
+        Err(RealiseError::LowestFrequency) => RealiseOptions { lowest_frequency_hz: low, ..options },
+        _ => options,
+    }
 }
 
 /// The sweep that is compared: the frequencies of the records, within what the sample rate carries.

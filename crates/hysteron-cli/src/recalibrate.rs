@@ -190,7 +190,7 @@ fn text(found: &Recalibration, file: &ModelFile) -> String {
         numbers.add_row(row);
     }
     let unit = Unit::new(&file.units.output).to_string();
-    let rmse = if unit.is_empty() { "RMSE".to_owned() } else { format!("RMSE [{unit}]") };
+    let rmse = console::in_unit("RMSE", &unit);
     let mut scores = console::table(&[
         "record",
         "samples",

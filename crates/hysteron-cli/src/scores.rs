@@ -13,6 +13,7 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use crate::console;
+use crate::object::key_in;
 
 /// The scores shown in the table, by key.
 const SHOWN: [&str; 10] = [
@@ -159,7 +160,7 @@ impl Serialize for Scored {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let s = &self.scores;
         let symbol = self.unit.symbol();
-        let in_unit = |key: &str| if symbol.is_empty() { key.to_owned() } else { format!("{key}_{symbol}") };
+        let in_unit = |key: &str| key_in(key, symbol);
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("record", &self.record)?;
         map.serialize_entry("samples", &s.samples)?;
@@ -199,9 +200,9 @@ pub fn table(records: &[Scored]) -> Table {
     let unit = records.first().map(|r| r.unit.to_string()).filter(|unit| one_unit && !unit.is_empty());
     let mut metrics: Vec<String> = shown()
         .map(|d| match (d.unit, &unit) {
-            ("output", Some(unit)) => format!("{} [{unit}]", d.name),
-            ("output" | "1", _) => d.name.to_owned(),
-            (unit, _) => format!("{} [{unit}]", d.name),
+            ("output", unit) => console::in_unit(d.name, unit.as_deref().unwrap_or("")),
+            ("1", _) => d.name.to_owned(),
+            (unit, _) => console::in_unit(d.name, unit),
         })
         .collect();
     let mut values: Vec<Vec<String>> = records.iter().map(Scored::values).collect();

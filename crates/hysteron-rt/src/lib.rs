@@ -51,8 +51,8 @@ pub use branch::{Branch, MOST_MOMENTS, MOST_PANELS, moments};
 pub use dual::Dual;
 pub use model::{
     Compensated, Compensator, Drive, Feedback, FilteredLms, Held, Hysteresis, IncrementMemory, LANES, Law,
-    Limited, Limits, Line, Linear, LmsSettings, MOST_LOOKS, MOST_TAPS, Means, Model, ModelError, Observed,
-    Observer, Operator, PolePair, Reached, RealPoles, Sections, SectionsMemory,
+    Limited, Limits, Line, Linear, LmsFilter, LmsMemory, LmsSettings, MOST_LOOKS, MOST_TAPS, Means, Model,
+    ModelError, Observed, Observer, Operator, PolePair, Reached, RealPoles, Sections, SectionsMemory,
 };
 pub use online::{
     FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, OnlineError, Residual, Rls, RlsSettings,

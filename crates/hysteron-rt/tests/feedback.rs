@@ -4,8 +4,8 @@
 
 use hysteron_rt::Compensated;
 use hysteron_rt::{
-    Feedback, FilteredLms, Held, LANES, Limited, Limits, Line, Linear, LmsSettings, ModelError, Real,
-    RealPoles, Sections, SectionsMemory,
+    Feedback, FilteredLms, Held, LANES, Limited, Limits, Line, Linear, LmsFilter, LmsMemory, LmsSettings,
+    ModelError, Real, RealPoles, Sections, SectionsMemory,
 };
 
 /// 3 e + 0.01 Σ e + 0.5 of a pole 0.9.
@@ -95,24 +95,25 @@ fn a_line_keeps_to_its_limits_and_says_so() {
     }
 }
 
-/// The error is the reference behind a filter of 5 taps that is missing, less what the weights put out, both behind the secondary path.
-#[test]
-fn weights_find_the_filter_that_is_missing() {
+/// The error is the reference behind a filter of 5 taps that is missing, less what the weights put out, both behind the secondary path. What is left of the
+/// weights after `samples` of a reference behind the pole `slow`, over what was missing.
+fn left(slow: f64, whitening: &[f64], samples: usize) -> f64 {
     const STRIDE: usize = 2;
     let missing = [0.5, -0.2, 0.1, 0.05, 0.3];
     let secondary = [0.0, 0.7, 0.2, 0.1];
     let mut weights = [0.0; 5];
-    let (mut references, mut filtered) = ([0.0; 10], [0.0; 10]);
+    let filter = LmsFilter { weights: &mut weights, secondary: &secondary, whitening, stride: STRIDE };
+    let (mut references, mut filtered, mut turned) = ([0.0; 10], [0.0; 10], [0.0; 5]);
+    let memory = LmsMemory { references: &mut references, filtered: &mut filtered, turned: &mut turned };
     let settings = LmsSettings { rate: 0.05, leak: 0.0, floor: 1e-9 };
-    let mut lms =
-        FilteredLms::new(&mut weights, &secondary, [&mut references, &mut filtered], STRIDE, settings)
-            .unwrap();
+    let mut lms = FilteredLms::new(filter, memory, settings).unwrap();
     let mut seed = 1_u64;
     let (mut x, mut put): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-    let mut error = 0.0;
-    for k in 0..60_000_usize {
+    let (mut error, mut last) = (0.0, 0.0);
+    for k in 0..samples {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        x.push((seed >> 33) as f64 / (1_u64 << 31) as f64 - 0.5);
+        last = slow * last + (seed >> 33) as f64 / (1_u64 << 31) as f64 - 0.5;
+        x.push(last);
         let correction = lms.step(x[k], error);
         let wanted: f64 = missing
             .iter()
@@ -123,24 +124,49 @@ fn weights_find_the_filter_that_is_missing() {
         error =
             secondary.iter().enumerate().filter_map(|(j, s)| k.checked_sub(j).map(|at| s * put[at])).sum();
     }
-    for (found, wanted) in lms.weights().iter().zip(missing) {
-        assert!((found - wanted).abs() < 1e-6, "{:?}", lms.weights());
+    let square = |w: f64| w * w;
+    let apart: f64 = lms.weights().iter().zip(missing).map(|(w, m)| square(w - m)).sum();
+    (apart / missing.map(square).iter().sum::<f64>()).sqrt()
+}
+
+#[test]
+fn weights_find_the_filter_that_is_missing() {
+    assert!(left(0.0, &[], 60_000) < 1e-6);
+}
+
+/// A random walk's samples are nearly alike: white differences, the inverse covariance a tridiagonal matrix.
+#[test]
+fn whitened_they_find_it_as_fast_behind_a_slow_reference() {
+    let slow: f64 = 0.98;
+    let next = slow.powi(2);
+    // Samples two apart of x ← 0.98 x + white, by the closed form of an autoregressive covariance's inverse.
+    let mut whitening = [0.0; 25];
+    for i in 0..5 {
+        whitening[6 * i] = if i == 0 || i == 4 { 1.0 } else { 1.0 + next * next };
+        if i < 4 {
+            (whitening[6 * i + 1], whitening[6 * i + 5]) = (-next, -next);
+        }
     }
+    let (plain, whitened) = (left(slow, &[], 10_000), left(slow, &whitening, 10_000));
+    assert!(whitened < 1e-4 && plain > 1e2 * whitened, "{plain} {whitened}");
 }
 
 #[test]
 fn what_does_not_fit_is_refused() {
-    let settings = LmsSettings { rate: 0.1, leak: 0.0, floor: 1.0 };
-    let refused = |rate: f64, leak: f64, floor: f64, ring: usize| {
-        let (mut weights, mut a, mut b) = ([0.0; 4], vec![0.0; ring], vec![0.0; ring]);
-        let settings = LmsSettings { rate, leak, floor };
-        FilteredLms::new(&mut weights, &[1.0], [&mut a, &mut b], 2, settings).err()
+    let refused = |[rate, leak, floor]: [f64; 3], ring: usize, whitening: &[f64]| {
+        let (mut weights, mut turned, mut a, mut b) = ([0.0; 4], [0.0; 4], vec![0.0; ring], vec![0.0; ring]);
+        let filter = LmsFilter { weights: &mut weights, secondary: &[1.0], whitening, stride: 2 };
+        let memory = LmsMemory { references: &mut a, filtered: &mut b, turned: &mut turned };
+        FilteredLms::new(filter, memory, LmsSettings { rate, leak, floor }).err()
     };
-    assert_eq!(refused(settings.rate, settings.leak, settings.floor, 8), None);
-    assert_eq!(refused(0.1, 0.0, 1.0, 7), Some(ModelError::Memory { expected: 8, found: 7 }));
-    for (rate, leak, floor) in
-        [(0.0, 0.0, 1.0), (2.0, 0.0, 1.0), (0.1, 1.0, 1.0), (0.1, 0.0, 0.0), (f64::NAN, 0.0, 1.0)]
+    let sound = [0.1, 0.0, 1.0];
+    assert_eq!(refused(sound, 8, &[]), None);
+    assert_eq!(refused(sound, 8, &[1.0; 16]), None);
+    assert_eq!(refused(sound, 7, &[]), Some(ModelError::Memory { expected: 8, found: 7 }));
+    assert_eq!(refused(sound, 8, &[1.0; 4]), Some(ModelError::Memory { expected: 16, found: 4 }));
+    assert_eq!(refused(sound, 8, &[f64::NAN; 16]), Some(ModelError::Coefficient));
+    for numbers in [[0.0, 0.0, 1.0], [2.0, 0.0, 1.0], [0.1, 1.0, 1.0], [0.1, 0.0, 0.0], [f64::NAN, 0.0, 1.0]]
     {
-        assert_eq!(refused(rate, leak, floor, 8), Some(ModelError::Coefficient));
+        assert_eq!(refused(numbers, 8, &[]), Some(ModelError::Coefficient));
     }
 }

@@ -5,7 +5,6 @@ mod blocks;
 mod campaign;
 mod coverage;
 mod device;
-mod follow;
 mod optimum;
 mod parameters;
 mod rates;
@@ -28,14 +27,13 @@ struct Study {
     run: fn(usize) -> Outcome<()>,
 }
 
-const STUDIES: [Study; 9] = [
+const STUDIES: [Study; 8] = [
     Study { name: "optimum", counts: "random devices", usual: 200, least: 1, run: optimum::study },
     Study { name: "full-size", counts: "random devices", usual: 5, least: 1, run: optimum::full_size },
     Study { name: "seeds", counts: "seeds of the search", usual: 200, least: 1, run: seeds::study },
     Study { name: "parameters", counts: "campaigns a device", usual: 40, least: 1, run: parameters::study },
     Study { name: "rates", counts: "campaigns a rate", usual: 20, least: 2, run: rates::study },
     Study { name: "blocks", counts: "noise seed", usual: 1, least: 0, run: blocks::study },
-    Study { name: "follow", counts: "noise seed", usual: 1, least: 0, run: follow::study },
     Study { name: "track", counts: "noise seed", usual: 1, least: 0, run: track::study },
     Study { name: "coverage", counts: "campaigns", usual: 1000, least: 2, run: coverage::study },
 ];

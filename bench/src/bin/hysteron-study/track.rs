@@ -1,22 +1,72 @@
 //! What does the loop add? The default bench, which lies outside the model class, behind a converter that holds, identified from nested loops and a sweep;
 //! references that nobody has measured are followed sample by sample, without compensation, by feedforward, by feedback, and by both. The reading of one
-//! period makes the drive of the next. Errors as in `follow`.
+//! period makes the drive of the next. Errors are of the true displacement, its mean taken off (the sensor has a zero of its own), in per cent of the
+//! reference's stroke, rms, over the last three quarters.
 
 use std::f64::consts::TAU;
 
+use hysteron::bench_rig::{CampaignPlan, Dac, Role, Truth, measure, run_campaign};
 use hysteron::compensator::{CompensatorOptions, Prediction};
 use hysteron::control::{
-    Adaptive, FeedbackKind, Forward, LawFamily, Loop, LoopSettings, Stage, Strategy, TrackingScore, Wanted,
-    play, reach, slew_of_current,
+    Adaptive, Edge, FeedbackKind, Forward, LawFamily, Loop, LoopSettings, Sines, Stage, Strategy,
+    TrackingScore, Wanted, play, reach, slew_of_current,
 };
+use hysteron::excitation::Excitation;
+use hysteron::hammerstein::Model;
 use hysteron::hysteresis::HysteresisForm;
-use hysteron::identify::{Options, Unwatched, identify};
+use hysteron::identify::{CampaignRecord, Options, Unwatched, identify};
+use hysteron::invert::{Before, InverseOptions, LastRun};
 use hysteron::realise::RealiseOptions;
-use hysteron::record::InterSample;
+use hysteron::record::{ChannelChoice, InterSample};
+use rand::Rng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
 
 use crate::Outcome;
-use crate::follow::{RANGE_V, RATE_HZ, SAMPLES, campaign, random, reference, truth};
 use crate::table;
+
+const RATE_HZ: f64 = 10_000.0;
+const SAMPLES: usize = 20_000;
+const CENTRE_UM: f64 = 14.0;
+const AMPLITUDE_UM: f64 = 10.0;
+/// Drive of the bench \[V\].
+const RANGE_V: [f64; 2] = [0.0, 10.5];
+
+/// Grows from rest to the full motion in 0.3 s.
+fn reference(motion: impl Fn(f64) -> f64) -> Vec<f64> {
+    let at = |k: usize| {
+        let t = k as f64 / RATE_HZ;
+        let grown = (t / 0.3).min(1.0);
+        CENTRE_UM + AMPLITUDE_UM * grown * grown * (3.0 - 2.0 * grown) * motion(t)
+    };
+    (0..SAMPLES).map(at).collect()
+}
+
+/// 200 lines of one size from 0.5 to 100 Hz, phases at random, largest value 1.
+fn random(seed: u64) -> impl Fn(f64) -> f64 {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut uniform = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let lines: Vec<(f64, f64)> = (1..=200).map(|k| (0.5 * f64::from(k), TAU * uniform())).collect();
+    let sum = move |t: f64| lines.iter().map(|(f, phase)| (TAU * f * t + phase).sin()).sum::<f64>();
+    let largest = (0..SAMPLES).map(|k| sum(k as f64 / RATE_HZ).abs()).fold(0.0, f64::max);
+    move |t| sum(t) / largest
+}
+
+fn truth() -> Truth {
+    Truth { dac: Dac::Hold, ..Truth::default() }
+}
+
+fn campaign(seed: u64) -> Outcome<Vec<CampaignRecord>> {
+    let plan = CampaignPlan { nested_amplitudes: vec![1.0, 0.75, 0.5, 0.25], ..CampaignPlan::default() };
+    run_campaign(&truth(), &plan, seed)?
+        .iter()
+        .filter(|played| matches!(played.role, Role::NestedLoops | Role::Sweep))
+        .map(|played| {
+            let data = played.run.record.input_output(&ChannelChoice::default())?;
+            Ok(CampaignRecord { data, role: None })
+        })
+        .collect()
+}
 
 /// Highest frequency of the random reference, up to which it is predicted, and the noise it is taken to carry.
 const BAND: Prediction = Prediction::Band { highest_hz: 100.0, noise: 1e-3 };
@@ -26,7 +76,7 @@ const LOWEST_HZ: f64 = 0.01;
 const CURRENT_A: f64 = 5e-3;
 const CAPACITANCE_F: f64 = 10e-6;
 
-pub fn strategies() -> Vec<Strategy> {
+fn strategies() -> Vec<Strategy> {
     let inverse = |preview, prediction| {
         Forward::Inverse(CompensatorOptions { preview, prediction, ..CompensatorOptions::default() })
     };
@@ -47,8 +97,8 @@ pub fn strategies() -> Vec<Strategy> {
         Strategy::new("inverse, preview + observer", whole()).with_observer(),
         Strategy::new("inverse, causal, predictor + PI", predicted()).with_feedback(LawFamily::Pi),
         Strategy::new("inverse, causal, predictor + observer", predicted()).with_observer(),
-        Strategy::new("inverse, preview + filtered-x LMS", whole()).with_adaptive(Adaptive::default()),
-        Strategy::new("inverse, causal + filtered-x LMS", causal()).with_adaptive(Adaptive::default()),
+        Strategy::new("inverse, preview + filtered-x LMS", whole()).with_adaptive(Adaptive::up_to(100.0)),
+        Strategy::new("inverse, causal + filtered-x LMS", causal()).with_adaptive(Adaptive::up_to(100.0)),
     ]
 }
 
@@ -69,16 +119,37 @@ fn law(made: &Loop) -> String {
     }
 }
 
+/// Errors of a run with the drive that a whole run left to learn from.
+fn learned(model: &Model, reference: &[f64], seed: u64) -> Outcome<TrackingScore> {
+    const RESTED: usize = 1000;
+    let before = Before::Rest { voltage_v: None, virgin_v: Some(0.0) };
+    let options = InverseOptions { before, ..InverseOptions::within(RANGE_V) };
+    let made = model.invert(reference, RATE_HZ, &options)?;
+    let rest_v = made.rest.and_then(|start| start.voltage_v()).ok_or("a reference begins at rest")?;
+    let play = |drive: &[f64], run: usize| -> Outcome<(Vec<f64>, Vec<f64>)> {
+        let rested = std::iter::repeat_n(rest_v, RESTED).chain(drive.iter().copied()).collect();
+        let excitation =
+            Excitation::of_samples("drive".into(), "drive for a reference".into(), rested, RATE_HZ);
+        let run = measure(&truth(), &excitation, seed, run)?;
+        let reading = run.record.channels.get(1).ok_or("a run has a reading")?;
+        Ok((reading.samples[RESTED..].to_vec(), run.y_true_um[RESTED..].to_vec()))
+    };
+    let (measured, _) = play(&made.drive, 0)?;
+    let last = LastRun { drive: &made.drive, measured: &measured };
+    let (_, true_um) = play(&model.learn(reference, last, RATE_HZ, &options)?.drive, 1)?;
+    Ok(TrackingScore::of(&true_um, reference, SAMPLES / 4))
+}
+
 pub fn study(seed: usize) -> Outcome<()> {
     let seed = seed as u64;
     let records = campaign(seed)?;
-    let options = Options {
-        hysteresis: HysteresisForm::PrandtlIshlinskii { plays: 20 },
-        inter_sample: InterSample::Hold,
-        ..Options::default()
+    let fit = |hysteresis| -> Outcome<Model> {
+        let options = Options { hysteresis, inter_sample: InterSample::Hold, ..Options::default() };
+        Ok(identify(&records, &options, &mut Unwatched, None)?.model)
     };
-    let model = identify(&records, &options, &mut Unwatched, None)?.model;
+    let model = fit(HysteresisForm::PrandtlIshlinskii { plays: 20 })?;
     let truth = truth();
+    let stage = || Stage::Rig { truth: &truth, seed, stream: 0 };
     let settings = LoopSettings {
         sample_rate_hz: RATE_HZ,
         range_v: RANGE_V,
@@ -91,22 +162,31 @@ pub fn study(seed: usize) -> Outcome<()> {
     let mut references: Vec<(String, Vec<f64>)> =
         sines.iter().map(|f| (format!("{f} Hz"), reference(|t| (TAU * f * t).sin()))).collect();
     references.push(("random 0.5–100 Hz".to_owned(), reference(random(seed))));
-    let mut errors = Vec::new();
-    let mut loops = Vec::new();
+    let scored = |made: &Loop| -> Outcome<Vec<TrackingScore>> {
+        let scores = references.iter().map(|(_, reference)| {
+            let played = play(made, reference, stage(), Some(0.0))?;
+            Ok(TrackingScore::of(&played.displacement, reference, SAMPLES / 4))
+        });
+        scores.collect()
+    };
+    let row = |name: &str, scores: &[TrackingScore]| {
+        let mut line = vec![name.to_owned()];
+        line.extend(scores.iter().map(|score| format!("{:.3}", score.rms_percent)));
+        line.extend(scores.last().map(|score| format!("{:.3}", score.max_percent)));
+        line
+    };
     let number = |x: f64| if x.is_finite() { format!("{x:.2}") } else { "∞".to_owned() };
+    let edge = |edge: Edge| match edge {
+        Edge::Below(f) => format!("< {f:.0}"),
+        Edge::At(f) => format!("{f:.1}"),
+        Edge::Above(f) => format!("> {f:.0}"),
+    };
+    let swept = Sines { level: CENTRE_UM, amplitude: AMPLITUDE_UM, range_hz: [1.0, 1000.0] };
+    let (mut errors, mut loops, mut learning) = (Vec::new(), Vec::new(), Vec::new());
     for strategy in strategies() {
         let made = Loop::new(&model, &settings, &strategy)?;
-        let mut line = vec![strategy.name.clone()];
-        let mut last = None;
-        for (_, reference) in &references {
-            let stage = Stage::Rig { truth: &truth, seed, stream: 0 };
-            let played = play(&made, reference, stage, Some(0.0))?;
-            let score = TrackingScore::of(&played.displacement, reference, SAMPLES / 4);
-            line.push(format!("{:.3}", score.rms_percent));
-            last = Some(score);
-        }
-        line.push(last.map_or(String::new(), |score| format!("{:.3}", score.max_percent)));
-        errors.push(line);
+        let scores = scored(&made)?;
+        errors.push(row(&strategy.name, &scores));
         let mut line = vec![strategy.name.clone(), law(&made)];
         match made.margins() {
             Some(m) => {
@@ -114,9 +194,39 @@ pub fn study(seed: usize) -> Outcome<()> {
             }
             None => line.extend(std::iter::repeat_n("–".to_owned(), 4)),
         }
-        line.extend([number(made.bandwidth.minus_3_db_hz), number(made.bandwidth.one_percent_hz)]);
+        let followed = made.sines(&swept, stage(), Some(0.0))?;
+        line.extend([number(made.bandwidth.minus_3_db_hz), edge(followed.minus_3_db)]);
+        line.extend([number(made.bandwidth.one_percent_hz), edge(followed.one_percent)]);
         loops.push(line);
+        if let (Some(filter), Some((_, reference)), Some(score)) =
+            (&made.adaptive, references.last(), scores.last())
+        {
+            let alone = made.without_adaptation();
+            let phase = made.phase_error(&alone.sines(&swept, stage(), Some(0.0))?.answers);
+            let (degrees, at_hz) = phase.ok_or("sines below the highest frequency")?;
+            let left = play(&alone, reference, stage(), Some(0.0))?.displacement;
+            let left: Vec<f64> = reference.iter().zip(&left).map(|(r, y)| r - y).collect();
+            let ahead = made.inverse.as_ref().map_or(0, |inverse| inverse.preview);
+            let known: Vec<f64> =
+                (0..SAMPLES).map(|k| reference[(k + ahead).min(SAMPLES - 1)] - reference[0]).collect();
+            let best = filter.optimum(&known, &left, SAMPLES / 4) * score.rms_percent / score.rms;
+            learning.push(vec![
+                strategy.name.clone(),
+                format!("{:.4}", filter.rate),
+                format!("{:.4} at {:.0} Hz", filter.limit, filter.limit_at_hz),
+                format!("{:.2}", filter.limit / filter.rate),
+                format!("{degrees:.1} at {at_hz:.0} Hz"),
+                format!("{:.1}", 90.0 - degrees),
+                format!("{:.3}", score.rms_percent),
+                format!("{best:.3}"),
+            ]);
+        }
     }
+    let whole = Strategy::new("whole", Forward::Inverse(CompensatorOptions::default()));
+    let bouc_wen = Loop::new(&fit(HysteresisForm::BoucWen)?, &settings, &whole)?;
+    errors.push(row("inverse of a Bouc–Wen model, preview", &scored(&bouc_wen)?));
+    let runs = references.iter().map(|(_, reference)| learned(&model, reference, seed));
+    errors.push(row("inverse, whole reference, one run learned", &runs.collect::<Outcome<Vec<_>>>()?));
     let header: Vec<&str> = ["error, % of stroke rms"]
         .into_iter()
         .chain(references.iter().map(|(name, _)| name.as_str()))
@@ -130,15 +240,28 @@ pub fn study(seed: usize) -> Outcome<()> {
         "phase margin, °",
         "modulus margin",
         "crossover, Hz",
-        "−3 dB, Hz",
-        "1 %, Hz",
+        "−3 dB, Hz: formula",
+        "played",
+        "1 %, Hz: formula",
+        "played",
     ];
     table::print(&header, &loops)?;
+    let header = [
+        "weights that adapt",
+        "step",
+        "largest stable",
+        "margin",
+        "phase, stage to model, °",
+        "margin to 90°",
+        "random, % of stroke",
+        "best weights, %",
+    ];
+    table::print(&header, &learning)?;
     limits(&model, &settings, seed)
 }
 
 /// Highest frequency by formula of a sine within an amplifier's current, and the share of samples that it holds back just below and just above.
-fn limits(model: &hysteron::hammerstein::Model, settings: &LoopSettings, seed: u64) -> Outcome<()> {
+fn limits(model: &Model, settings: &LoopSettings, seed: u64) -> Outcome<()> {
     let slew_v_per_s = slew_of_current(CURRENT_A, CAPACITANCE_F);
     let settings = LoopSettings { slew_v_per_s, ..*settings };
     let forward = Forward::Inverse(CompensatorOptions::default());

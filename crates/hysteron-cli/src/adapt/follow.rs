@@ -9,6 +9,7 @@ use hysteron_rt::{
 };
 
 use super::{Method, Task};
+use crate::numbers::ends;
 
 /// A coefficient may move the output by this share of its stroke.
 const MAY_MOVE: f64 = 0.1;
@@ -88,8 +89,8 @@ impl Task<'_> {
             |parameters: &[f64; N]| regressors.rows().map(|r| r.output(parameters)).collect::<Vec<_>>();
         let as_it_was = output(&nominal);
         let spread = |y: &[f64]| {
-            let ends = y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &y| (l.min(y), h.max(y)));
-            ends.1 - ends.0
+            let (low, high) = ends(y);
+            high - low
         };
         let stroke = spread(&as_it_was);
         let deviations = regressors.spans().map(|span| MAY_MOVE * stroke / span);

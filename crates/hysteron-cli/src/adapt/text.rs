@@ -58,8 +58,8 @@ pub fn text(task: &Task, found: &Followed) -> String {
         ]);
     }
     let unit = task.data.y_unit.to_string();
-    let rmse = if unit.is_empty() { "RMSE".to_owned() } else { format!("RMSE [{unit}]") };
-    let largest = if unit.is_empty() { "max error".to_owned() } else { format!("max error [{unit}]") };
+    let rmse = console::in_unit("RMSE", &unit);
+    let largest = console::in_unit("max error", &unit);
     let mut errors = console::table(&["output", &rmse, &largest]);
     for (what, scores) in [
         ("model as it was", &found.before),

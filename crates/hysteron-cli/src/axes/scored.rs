@@ -67,7 +67,7 @@ impl AxesScored {
 /// The table for people, a row a record.
 pub fn table(records: &[AxesScored]) -> Table {
     let unit = records.first().map_or_else(String::new, |r| r.unit.to_string());
-    let in_unit = |name: &str| if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") };
+    let in_unit = |name: &str| console::in_unit(name, &unit);
     let mut header = vec![
         "record".to_owned(),
         "level".to_owned(),

@@ -43,9 +43,7 @@ pub fn table(found: &Found) -> String {
     if found.baselines.is_empty() {
         return String::new();
     }
-    let error = |what: &str| {
-        if found.unit.is_empty() { what.to_owned() } else { format!("{what} [{}]", found.unit) }
-    };
+    let error = |what: &str| console::in_unit(what, &found.unit);
     let mut table = console::table(&[
         "baseline",
         "parameters",

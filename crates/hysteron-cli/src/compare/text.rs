@@ -31,7 +31,7 @@ pub fn cells(found: &Found, index: usize) -> [String; 9] {
 }
 
 pub fn header(unit: &str) -> [String; 9] {
-    let error = |what: &str| if unit.is_empty() { what.to_owned() } else { format!("{what} [{unit}]") };
+    let error = |what: &str| console::in_unit(what, unit);
     [
         "structure".into(),
         "parameters".into(),

@@ -37,6 +37,29 @@ pub enum Controller {
     CausalLms,
 }
 
+/// Controllers that are drawn together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    Line,
+    Preview,
+    Predicted,
+    Causal,
+}
+
+impl Family {
+    pub const ALL: [Self; 4] = [Self::Line, Self::Preview, Self::Predicted, Self::Causal];
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Line => "straight line, with feedback",
+            Self::Preview => "inverse with preview",
+            Self::Predicted => "inverse with predictor",
+            Self::Causal => "inverse with neither",
+        }
+    }
+}
+
 /// What is known of the reference.
 pub struct Known {
     pub preview: Option<usize>,
@@ -70,6 +93,20 @@ impl Controller {
         }
     }
 
+    /// What its reference passes.
+    pub fn family(self) -> Family {
+        match self {
+            Self::Uncompensated | Self::Pi | Self::FractionalPi | Self::NotchIntegral => Family::Line,
+            Self::Predicted | Self::PredictedPi | Self::PredictedObserver => Family::Predicted,
+            Self::Causal | Self::CausalLms => Family::Causal,
+            Self::Feedforward
+            | Self::FeedforwardPi
+            | Self::FeedforwardFractionalPi
+            | Self::FeedforwardObserver
+            | Self::FeedforwardLms => Family::Preview,
+        }
+    }
+
     pub fn strategy(self, known: &Known) -> Strategy {
         let inverse = |preview, prediction| {
             let bandwidth_hz = known.bandwidth_hz;
@@ -95,8 +132,8 @@ impl Controller {
             Self::FeedforwardObserver => whole().with_observer(),
             Self::PredictedPi => predicted().with_feedback(LawFamily::Pi),
             Self::PredictedObserver => predicted().with_observer(),
-            Self::FeedforwardLms => whole().with_adaptive(Adaptive::default()),
-            Self::CausalLms => causal().with_adaptive(Adaptive::default()),
+            Self::FeedforwardLms => whole().with_adaptive(Adaptive::up_to(known.predict_to_hz)),
+            Self::CausalLms => causal().with_adaptive(Adaptive::up_to(known.predict_to_hz)),
         }
     }
 }

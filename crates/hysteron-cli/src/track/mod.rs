@@ -2,6 +2,9 @@
 
 mod controllers;
 mod report;
+mod runs;
+mod sheets;
+mod summary;
 mod text;
 
 use std::path::PathBuf;
@@ -10,8 +13,7 @@ use clap::{Args, ValueEnum};
 use hysteron::bench_rig::{Dac, Truth};
 use hysteron::compensator::CompensatorError;
 use hysteron::control::{
-    ControlError, Loop, LoopSettings, Played, Reach, Stage, TrackingScore, TuningError, Wanted, play, reach,
-    slew_of_current,
+    ControlError, LoopSettings, Reach, Sines, TuningError, Wanted, reach, slew_of_current,
 };
 use hysteron::display::short;
 use hysteron::realise::{RealiseError, RealiseOptions};
@@ -23,13 +25,15 @@ use serde::Serialize;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::invert::{lowest_frequency, range};
+use crate::invert::range;
 use crate::model::{LoadedModel, Signal};
-use crate::numbers::{not_negative, number, positive, whole};
+use crate::numbers::{ends, not_negative, number, positive, whole};
 use crate::output;
+use crate::realise::where_creep_stops;
 use crate::result_flags::ResultFlags;
 use crate::rig::read_or_default;
 use controllers::{Controller, Known};
+use runs::{Rehearsal, Run};
 
 /// Follow a reference in closed loop on the simulated bench or on the model itself, and say what each controller leaves
 #[derive(Args)]
@@ -116,6 +120,11 @@ pub struct Track {
     #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
     skip: Option<f64>,
 
+    /// Lowest and highest of the sines by which the bandwidths are measured, in Hz; they have the stroke and the middle of the reference where it is scored [default: 1e-4 to
+    /// 0.1 of the sample rate]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
+    sines: Option<[f64; 2]>,
+
     /// File to write: reference, and drive and displacement by each controller
     #[arg(short, long = "out", value_name = "TRACK.csv")]
     out: Option<PathBuf>,
@@ -142,14 +151,8 @@ fn factor(text: &str) -> Result<f64, String> {
 const AMPLITUDES: [f64; 5] = [0.05, 0.1, 0.25, 0.5, 1.0];
 /// Highest frequency that is predicted, as a share of the sample rate.
 const MOST_PREDICTED: f64 = 0.25;
-
-/// What a controller did.
-pub struct Run {
-    controller: Controller,
-    made: Loop,
-    played: Played,
-    score: TrackingScore,
-}
+/// Lowest and highest sine, as shares of the sample rate.
+const SINES: [f64; 2] = [1e-4, 0.1];
 
 /// All there is to say.
 pub struct Found {
@@ -160,6 +163,7 @@ pub struct Found {
     reference: Vec<f64>,
     scored_from: usize,
     settings: LoopSettings,
+    sines: Option<Sines>,
     reach: Vec<Reach>,
     runs: Vec<Run>,
     input: Unit,
@@ -182,15 +186,18 @@ impl Track {
                 .hint("give the sample rate with --sample-rate HZ, or a time column of even steps"));
         };
         let settings = self.settings(&model, sample_rate_hz)?;
-        let runs = self.play_all(&model, &reference.samples, &settings)?;
+        let scored_from = self.scored_from(&reference.samples, sample_rate_hz);
+        let sines = self.sines(&reference.samples[scored_from..], sample_rate_hz)?;
+        let runs = self.play_all(&model, &reference.samples, &settings, sines)?;
         let found = Found {
             name: self.reference_file.display().to_string(),
             plant: self.plant,
             plant_words: self.plant_words()?,
             sample_rate_hz,
-            scored_from: self.scored_from(&reference.samples, sample_rate_hz),
+            scored_from,
             reach: self.reaches(&runs, &reference.samples, &settings),
             reference: reference.samples,
+            sines,
             settings,
             runs,
             input: Unit::new(&model.file.units.input),
@@ -199,7 +206,7 @@ impl Track {
         self.write(reference.time, &found)?;
         self.result.write(|| report::page(&found))?;
         if self.result.json {
-            console::json(&text::summary(&found))
+            console::json(&summary::summary(&found))
         } else {
             console::result(&text::text(&found))
         }
@@ -234,12 +241,11 @@ impl Track {
                 trusted_to_hz,
                 ..Wanted::default()
             },
-            realise: RealiseOptions {
-                lowest_frequency_hz: self
-                    .lowest_frequency
-                    .or_else(|| lowest_frequency(model, sample_rate_hz)),
-                ..RealiseOptions::default()
-            },
+            realise: where_creep_stops(
+                model,
+                sample_rate_hz,
+                RealiseOptions { lowest_frequency_hz: self.lowest_frequency, ..RealiseOptions::default() },
+            ),
         })
     }
 
@@ -262,38 +268,51 @@ impl Track {
         }
     }
 
+    /// The sines that are played, about the middle of what is scored of the reference and as large; none where it does not move.
+    fn sines(&self, reference: &[f64], sample_rate_hz: f64) -> Result<Option<Sines>, Failure> {
+        let range_hz = self.sines.unwrap_or(SINES.map(|share| share * sample_rate_hz));
+        if !(range_hz[0] > 0.0 && range_hz[1] < 0.5 * sample_rate_hz) {
+            return Err(Failure::usage(format!(
+                "--sines must lie above 0 and below half the sample rate, {} Hz",
+                short(0.5 * sample_rate_hz)
+            )));
+        }
+        let (low, high) = ends(reference);
+        let (level, amplitude) = (0.5 * (low + high), 0.5 * (high - low));
+        Ok((amplitude > 0.0).then_some(Sines { level, amplitude, range_hz }))
+    }
+
     /// Every controller on the same plant. One that cannot be made is an error where it was asked for, a remark where all were.
     fn play_all(
         &self,
         model: &LoadedModel,
         reference: &[f64],
         settings: &LoopSettings,
+        sines: Option<Sines>,
     ) -> Result<Vec<Run>, Failure> {
-        let truth = self.truth()?;
         let [low, high] = settings.range_v;
-        let virgin_v = self.virgin_voltage.or((low <= 0.0 && 0.0 <= high).then_some(0.0));
         let fastest_hz = settings.sample_rate_hz / (2.0 * shortest_swing(reference).max(1) as f64);
-        let known = Known {
-            preview: self.preview,
-            predict_to_hz: self
-                .predict_to
-                .unwrap_or(fastest_hz.min(MOST_PREDICTED * settings.sample_rate_hz)),
-            bandwidth_hz: self.bandwidth,
+        let rehearsal = Rehearsal {
+            model: model.model(),
+            settings,
+            plant: self.plant,
+            truth: &self.truth()?,
+            seed: self.seed,
+            virgin_v: self.virgin_voltage.or((low <= 0.0 && 0.0 <= high).then_some(0.0)),
+            known: Known {
+                preview: self.preview,
+                predict_to_hz: self
+                    .predict_to
+                    .unwrap_or(fastest_hz.min(MOST_PREDICTED * settings.sample_rate_hz)),
+                bandwidth_hz: self.bandwidth,
+            },
+            reference,
+            scored_from: self.scored_from(reference, settings.sample_rate_hz),
+            sines,
         };
-        let from = self.scored_from(reference, settings.sample_rate_hz);
         let asked =
             if self.controllers.is_empty() { Controller::value_variants() } else { &self.controllers };
-        let own = |controller: &Controller| -> Result<Run, ControlError> {
-            let made = Loop::new(model.model(), settings, &controller.strategy(&known))?;
-            let stage = match self.plant {
-                PlantArg::Rig => Stage::Rig { truth: &truth, seed: self.seed, stream: 0 },
-                PlantArg::Model => Stage::Model,
-            };
-            let played = play(&made, reference, stage, virgin_v)?;
-            let score = TrackingScore::of(&played.displacement, reference, from);
-            Ok(Run { controller: *controller, made, played, score })
-        };
-        let outcomes: Vec<_> = asked.par_iter().map(|c| (c, own(c))).collect();
+        let outcomes: Vec<_> = asked.par_iter().map(|c| (c, rehearsal.run(*c))).collect();
         let mut runs = Vec::new();
         let mut last = None;
         for (controller, outcome) in outcomes {
@@ -337,8 +356,7 @@ impl Track {
 
     fn reaches(&self, runs: &[Run], reference: &[f64], settings: &LoopSettings) -> Vec<Reach> {
         let Some(run) = runs.first().filter(|_| settings.slew_v_per_s.is_finite()) else { return Vec::new() };
-        let (low, high) =
-            reference.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(*r), h.max(*r)));
+        let (low, high) = ends(reference);
         let own = |share: &f64| {
             let amplitude = 0.5 * share * (high - low);
             let (line, dynamics) = (&run.made.line, &run.made.dynamics);

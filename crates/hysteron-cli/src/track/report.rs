@@ -1,43 +1,119 @@
 //! The result as a page.
 
-use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
-use hysteron_report::page::{Block, Column, Page, Section, Table};
+use hysteron_report::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
+use hysteron_report::page::{Block, Page, Section};
 
-use super::Found;
-use super::text::{HEADER, MARGINS, cells, introduction, margins};
+use super::controllers::{Controller, Family};
+use super::sheets::{adaptations, bandwidths, errors, margins, reaches};
+use super::text::{OF_ADAPTATIONS, introduction, of_bandwidths};
+use super::{Found, Run};
 use crate::identify::command_line;
+use crate::numbers::ends;
 
 /// Curves of a figure at most.
 const CURVES: usize = 6;
 
 pub fn page(found: &Found) -> Page {
-    let columns = HEADER.iter().enumerate().map(|(i, name)| match (i, *name) {
-        (0, name) => Column::text(name),
-        (_, "rms" | "largest") => Column::number(HEADER[i], found.output.to_string()),
-        (_, "lowest drive" | "highest drive") => Column::number(HEADER[i], found.input.to_string()),
-        (_, name) => Column::number(name, ""),
-    });
-    let table = found.runs.iter().fold(Table::new(columns), |table, run| table.row(cells(run)));
-    let mut result = Section::new("What each controller leaves")
-        .block(Block::paragraph(introduction(found)))
-        .block(table)
-        .block(motion(found))
-        .block(errors(found));
-    let rows: Vec<_> = found.runs.iter().filter_map(margins).collect();
-    if !rows.is_empty() {
-        let columns = MARGINS
-            .iter()
-            .enumerate()
-            .map(|(i, name)| if i < 2 { Column::text(*name) } else { Column::number(*name, "") });
-        result = result.block(Block::paragraph("Margins of the feedback on the identified model:"));
-        result = result.block(rows.into_iter().fold(Table::new(columns), |table, row| table.row(row)));
+    let mut result = Section::new("What each controller leaves").block(Block::paragraph(introduction(found)));
+    if let Some(sheet) = errors(found) {
+        result = result.block(sheet.for_page());
     }
-    let mut page = Page::new(format!("Following {} (simulated)", found.name)).section(result);
-    if !found.reach.is_empty() {
-        page = page.section(Section::new("What the amplifier leaves").block(reach(found)));
+    let mut page = Page::new(format!("Following {} (simulated)", found.name))
+        .section(result.block(motion(found)).block(left_over(found)));
+    if let Some(sheet) = bandwidths(found) {
+        let words = Block::paragraph(of_bandwidths(found));
+        page = page.section(
+            Section::new("How far up").block(words).block(sheet.for_page()).block(over_frequency(found)),
+        );
+    }
+    if let Some(sheet) = margins(found) {
+        let words = Block::paragraph("Margins of the feedback on the identified model:");
+        page = page.section(Section::new("Feedback").block(words).block(sheet.for_page()));
+    }
+    if let Some(sheet) = adaptations(found) {
+        let words = Block::paragraph(OF_ADAPTATIONS);
+        page = page.section(Section::new("Weights that adapt").block(words).block(sheet.for_page()));
+    }
+    if let Some(sheet) = reaches(found) {
+        let section = Section::new("What the amplifier leaves");
+        page = page.section(section.block(sheet.for_page()).block(reach(found)));
     }
     page.section(Section::new("How it was made").block(Block::code(command_line())))
         .footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")))
+}
+
+/// Error of the sines over frequency: a panel for each family of controllers, the uncompensated stage in each.
+fn over_frequency(found: &Found) -> Figure {
+    let curve = |run: &Run| -> (Vec<f64>, Vec<f64>) {
+        let answers = run.followed.iter().flat_map(|followed| &followed.answers);
+        answers.map(|a| (a.frequency_hz, a.error_percent)).unzip()
+    };
+    let bare = found.runs.iter().find(|run| run.controller == Controller::Uncompensated);
+    let ends = found.sines.map_or([f64::NAN; 2], |sines| sines.range_hz);
+    let (lowest, highest) = ends_of_all(found);
+    let mut figure = Figure::new("Tracking error against frequency").panel_height(210.0).link_x();
+    for family in Family::ALL {
+        let own = found.runs.iter().filter(|run| run.controller.family() == family);
+        let own: Vec<&Run> = own.filter(|run| run.controller != Controller::Uncompensated).collect();
+        if own.is_empty() && !(family == Family::Line && bare.is_some()) {
+            continue;
+        }
+        let axis = Axis::log("error, rms", "% of stroke").with_range(lowest, highest);
+        let mut panel = Panel::new(Axis::log("frequency", "Hz"), axis).titled(family.words());
+        let limit = Style::line(Colour::Grey).with_dash(Dash::Dotted);
+        panel = panel.series(Series::line("", ends.to_vec(), vec![1.0, 1.0], limit));
+        if let Some(run) = bare {
+            let (x, y) = curve(run);
+            let style = Style::line(Colour::Grey).with_width(2.8);
+            panel = panel.series(Series::line("uncompensated", x, y, style));
+        }
+        for (i, run) in own.iter().enumerate() {
+            let (x, y) = curve(run);
+            panel = panel.series(Series::line(run.controller.words(), x, y, Style::nth(i)));
+        }
+        let marks = bare.into_iter().chain(own.iter().copied());
+        let (mut lost, mut above) = ((Vec::new(), Vec::new()), (Vec::new(), Vec::new()));
+        for run in marks {
+            let Some([(_, minus_3_db), (_, one_percent)]) = run.bandwidths() else { continue };
+            if let Some(f) = minus_3_db.found() {
+                lost.0.push(f);
+                lost.1.push(between(&curve(run), f));
+            }
+            if let Some(f) = one_percent.found() {
+                above.0.push(f);
+                above.1.push(1.0);
+            }
+        }
+        let mark = |marker| Style::line(Colour::Ink).with_dash(Dash::None).with_marker(marker);
+        for (label, (x, y), marker) in [("1 % error", above, Marker::Circle), ("−3 dB", lost, Marker::Square)]
+        {
+            if !x.is_empty() {
+                panel = panel.series(Series::line(label, x, y, mark(marker)));
+            }
+        }
+        figure = figure.panel(panel);
+    }
+    figure.captioned(
+        "Sines as large as the reference that were played: what is left, rms in per cent of the stroke, noise and harmonics included. ● where it rises above 1 %, \
+         ■ where less than 1/√2 of the sine is left. Simulated.",
+    )
+}
+
+/// Least and largest error of all sines, for axes that compare.
+fn ends_of_all(found: &Found) -> (f64, f64) {
+    let all = found.runs.iter().filter_map(|run| run.followed.as_ref());
+    let all: Vec<f64> = all.flat_map(|followed| &followed.answers).map(|a| a.error_percent).collect();
+    let (low, high) = ends(&all);
+    (0.7 * low.min(0.5), 1.4 * high.max(2.0))
+}
+
+/// The curve at a frequency, on logarithmic scales.
+fn between((x, y): &(Vec<f64>, Vec<f64>), f: f64) -> f64 {
+    let after = x.partition_point(|x| *x < f).clamp(1, x.len().saturating_sub(1).max(1));
+    let (Some([a, b]), Some([p, q])) = (x.get(after - 1..=after), y.get(after - 1..=after)) else {
+        return f64::NAN;
+    };
+    p * (q / p).powf((f / a).ln() / (b / a).ln())
 }
 
 fn time(found: &Found) -> Vec<f64> {
@@ -59,7 +135,7 @@ fn motion(found: &Found) -> Figure {
 }
 
 /// Error over time of the controllers that leave least, and of the first.
-fn errors(found: &Found) -> Figure {
+fn left_over(found: &Found) -> Figure {
     let unit = found.output.to_string();
     let mut order: Vec<usize> = (0..found.runs.len()).collect();
     order.sort_by(|a, b| found.runs[*b].score.rms.total_cmp(&found.runs[*a].score.rms));

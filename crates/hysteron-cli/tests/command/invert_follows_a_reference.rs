@@ -54,7 +54,7 @@ fn the_model_follows_the_drive_that_was_made_for_it() {
     assert_eq!((&made["samples_at_range"], &made["bandwidth_hz"]), (&Value::from(0), &Value::from(50.0)));
     let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
     assert!(drive.starts_with("t_s,u_V,y_um,reference_um\n"), "{}", &drive[..40]);
-    let rest = made["rest"].as_f64().unwrap();
+    let rest = made["rest_V"].as_f64().unwrap();
     let run = bench.run(&format!("simulate stage.json drive.csv -o out.csv --rest-voltage {rest}"));
     assert_eq!(run.exit_code, 0, "{run:?}");
     let out = std::fs::read_to_string(bench.path("out.csv")).unwrap();
@@ -103,7 +103,7 @@ fn the_next_drive_is_learned_from_a_run() {
     bench.write_model("device.json", &device, SignalUnits::default());
     bench.write("scan.csv", scan("um", 1.0));
     let follow = "invert stage.json scan.csv -o drive.csv --range 1:100 --json";
-    let rest = summary(&bench.run(follow))["rest"].as_f64().unwrap();
+    let rest = summary(&bench.run(follow))["rest_V"].as_f64().unwrap();
     let mut errors = Vec::new();
     for _ in 0..3 {
         let run = bench.run(&format!("simulate device.json drive.csv -o run.csv --rest-voltage {rest}"));
@@ -128,8 +128,8 @@ fn limits_are_kept_and_reported() {
     let made = summary(&bench.run("invert stage.json scan.csv -o drive.csv --range 20:60 --slew 400 --json"));
     let at = |key: &str| made[key].as_f64().unwrap();
     assert!(at("samples_at_range") > 0.0 && at("samples_at_slew") > 0.0, "{made}");
-    assert!(at("drive_low") >= 20.0 && at("drive_high") <= 60.0, "{made}");
-    assert!(at("fastest_drive_per_s") <= 400.0 * (1.0 + 1e-9), "{made}");
+    assert!(at("drive_low_V") >= 20.0 && at("drive_high_V") <= 60.0, "{made}");
+    assert!(at("fastest_drive_V_per_s") <= 400.0 * (1.0 + 1e-9), "{made}");
     let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
     let u = column(&drive, "u_V");
     assert!(u.windows(2).all(|w| (w[1] - w[0]).abs() <= 0.4 * (1.0 + 1e-9)));
@@ -141,7 +141,7 @@ fn a_period_of_a_scan_is_followed_in_its_steady_state() {
     bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
     bench.write("scan.csv", scan("um", 1.0));
     let made = summary(&bench.run("invert stage.json scan.csv -o drive.csv --range 0:100 --periodic --json"));
-    assert!(made["rest"].is_null(), "{made}");
+    assert!(made["rest_V"].is_null(), "{made}");
     assert!(made["predicted_rms_percent_of_stroke"].as_f64().unwrap() < 0.01, "{made}");
     let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
     let u = column(&drive, "u_V");

@@ -55,7 +55,8 @@ fn rms(made: &Value, controller: &str) -> f64 {
 fn every_controller_is_played_and_the_files_are_written() {
     let bench = bench(2000);
     let run = bench.run(
-        "track stage.json scan.csv --plant rig --range 0:10.5 --json -o track.csv --report track.html --seed 3",
+        "track stage.json scan.csv --plant rig --range 0:10.5 --json -o track.csv --report track.html --seed 3 \
+         --sines 10:1000",
     );
     assert_eq!(run.exit_code, 0, "{run:?}");
     let made: Value = serde_json::from_str(&run.stdout).unwrap();
@@ -66,12 +67,25 @@ fn every_controller_is_played_and_the_files_are_written() {
             assert!(row["gain_margin"].as_f64().is_none_or(|m| m >= 2.0), "{row}");
             assert!(row["phase_margin_deg"].as_f64().is_none_or(|m| m >= 60.0), "{row}");
         }
+        assert_eq!(row["adaptation"].is_null(), !row["controller"].as_str().unwrap().ends_with("lms"));
+        if let Some(margin) = row["adaptation"]["step_margin"].as_f64() {
+            assert!(margin >= 2.0, "{row}");
+            assert!(row["adaptation"]["phase_margin_deg"].as_f64().unwrap() > 0.0, "{row}");
+        }
+        assert!(row["sines"].as_array().unwrap().len() >= 5, "{row}");
     }
     let csv = std::fs::read_to_string(bench.path("track.csv")).unwrap();
     assert!(csv.starts_with("t_s,reference_um,u_uncompensated_V,y_uncompensated_um,"), "{}", &csv[..80]);
     assert_eq!(csv.lines().count(), 2001);
     let page = std::fs::read_to_string(bench.path("track.html")).unwrap();
-    for words in ["simulated", "Error over time", "inverse, preview + observer", "phase margin"] {
+    for words in [
+        "simulated",
+        "Error over time",
+        "inverse, preview + observer",
+        "phase margin",
+        "Tracking error against frequency",
+        "best weights",
+    ] {
         assert!(page.contains(words), "{words}");
     }
 }
@@ -79,7 +93,8 @@ fn every_controller_is_played_and_the_files_are_written() {
 #[test]
 fn on_the_model_itself_the_inverse_is_exact_and_a_slow_amplifier_is_seen() {
     let bench = bench(3000);
-    let flags = "--range 0:10.5 --plant model --controller feedforward --controller causal --json";
+    let flags =
+        "--range 0:10.5 --plant model --controller feedforward --controller causal --json --sines 10:1000";
     let run = bench.run(&format!("track stage.json scan.csv {flags}"));
     assert_eq!(run.exit_code, 0, "{run:?}");
     let made: Value = serde_json::from_str(&run.stdout).unwrap();
@@ -87,11 +102,31 @@ fn on_the_model_itself_the_inverse_is_exact_and_a_slow_amplifier_is_seen() {
     // 1 mA into 10 µF: 100 V/s, half of what 5 µm of 20 Hz need.
     let run = bench.run(&format!("track stage.json scan.csv {flags} --current 1 --capacitance 10"));
     let made: Value = serde_json::from_str(&run.stdout).unwrap();
-    assert!((made["slew_per_s"].as_f64().unwrap() - 100.0).abs() < 1e-9, "{made}");
+    assert!((made["slew_V_per_s"].as_f64().unwrap() - 100.0).abs() < 1e-9, "{made}");
     assert!(made["controllers"][0]["samples_at_slew"].as_u64().unwrap() > 100, "{made}");
     assert_eq!(made["reach"].as_array().unwrap().len(), 5);
     let run = bench.run("track stage.json scan.csv --range 0:10.5 --plant model --controller pi");
     assert!(run.stdout.contains("Simulated") && run.stdout.contains("phase margin"), "{}", run.stdout);
+}
+
+/// The uncompensated stage leaves its loop, which no formula of a linear model knows of; the inverse of a linear stage is what its formula says.
+#[test]
+fn bandwidths_are_measured_and_a_difference_is_said() {
+    let bench = bench(2000);
+    let flags = "--range 0:10.5 --plant model --controller uncompensated --controller causal --sines 5:1000";
+    let run = bench.run(&format!("track stage.json scan.csv {flags} --json"));
+    let made: Value = serde_json::from_str(&run.stdout).unwrap();
+    let row = |i: usize| &made["controllers"][i];
+    // Below the lowest sine.
+    assert!(row(0)["one_percent_error_played_hz"].is_null() && row(0)["bandwidths_differ"] == true, "{made}");
+    for key in ["minus_3_db", "one_percent_error"] {
+        let [formula, played] =
+            ["formula", "played"].map(|how| row(1)[format!("{key}_{how}_hz")].as_f64().unwrap());
+        assert!((played / formula - 1.0).abs() < 0.1, "{key}: {formula} {played}");
+    }
+    assert_eq!(row(1)["bandwidths_differ"], false);
+    let run = bench.run(&format!("track stage.json scan.csv {flags}"));
+    assert!(run.stdout.contains("For 1 of 2 controllers") && run.stdout.contains("| < 5"), "{}", run.stdout);
 }
 
 #[test]
@@ -106,6 +141,7 @@ fn what_cannot_be_followed_is_refused() {
     refused("stage.json scan.csv --range 0:1 --controller feedforward", "widen --range", 1);
     refused("model.json scan.csv --range 0:100 --controller notch-integral", "no resonance", 1);
     refused("stage.json scan.csv --range 0:10 --current 5", "capacitance", 2);
+    refused("stage.json scan.csv --range 0:10 --sines 10:5000", "--sines", 2);
     refused("stage.json scan.csv --range 0:10 --out missing/track.csv", "mkdir", 1);
     refused("stage.json scan.csv --range 0:10 --truth missing.json", "truth", 1);
 }

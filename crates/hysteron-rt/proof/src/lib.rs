@@ -8,9 +8,9 @@ use core::panic::PanicInfo;
 
 use hysteron_rt::{
     BoucWen, BoucWenState, Branch, BrokenLine, Compensated, Compensator, Drive, Dual, Feedback, FilteredLms,
-    FitMonitor, Held, Hysteresis, IncrementMemory, LANES, Law, Limits, Line, Linear, LmsSettings, Model,
-    MonitorSettings, Nlms, NlmsSettings, Observer, Operator, Plane, PlayBank, PolePair, Real, RealPoles, Rls,
-    RlsSettings, Sections, SectionsMemory, SidedPlays, Sides, Turn, Turns,
+    FitMonitor, Held, Hysteresis, IncrementMemory, LANES, Law, Limits, Line, Linear, LmsFilter, LmsMemory,
+    LmsSettings, Model, MonitorSettings, Nlms, NlmsSettings, Observer, Operator, Plane, PlayBank, PolePair,
+    Real, RealPoles, Rls, RlsSettings, Sections, SectionsMemory, SidedPlays, Sides, Turn, Turns,
 };
 
 unsafe extern "C" {
@@ -231,13 +231,13 @@ fn controller<T: Real>(
     dynamics: Linear<'_, T>,
     [proportional, integral, offset, slope]: [T; 4],
     limits: Limits<T>,
-    (weights, secondary, rings, stride, settings): Adapting<'_, T>,
+    (filter, memory, settings): Adapting<'_, T>,
     measured: &[T],
     out: &mut [Drive<T>],
 ) -> bool {
     let Ok(mut feedback) = Feedback::new(proportional, integral, dynamics) else { return false };
     let Ok(mut line) = Line::new(offset, slope, limits, limits.low) else { return false };
-    let Ok(mut lms) = FilteredLms::new(weights, secondary, rings, stride, settings) else { return false };
+    let Ok(mut lms) = FilteredLms::new(filter, memory, settings) else { return false };
     let mut held = Held::No;
     for (slot, &y) in out.iter_mut().zip(measured) {
         let before = line.voltage();
@@ -249,8 +249,7 @@ fn controller<T: Real>(
     lms.weights().len() > 1
 }
 
-/// Weights, secondary path, rings, stride.
-type Adapting<'a, T> = (&'a mut [T], &'a [T], [&'a mut [T]; 2], usize, LmsSettings<T>);
+type Adapting<'a, T> = (LmsFilter<'a, T>, LmsMemory<'a, T>, LmsSettings<T>);
 
 macro_rules! entries {
     ($t:ty, $step:ident, $simulate:ident, $sensitivities:ident, $plays:ident, $online:ident, $model:ident, $compensator:ident, $controller:ident) => {

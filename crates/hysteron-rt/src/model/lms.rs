@@ -5,20 +5,51 @@ use crate::real::Real;
 
 /// Filtered-x LMS: c = Σ wᵢ xᵢ, x the newest samples of the reference, every `stride`th of them, and
 ///
-/// w ← (1 − leak) w + rate · e x'/(ε + |x'|²),  x' = s ∗ x,
+/// w ← (1 − leak) w + rate · e M x'/(ε + x'ᵀ M x'),  x' = s ∗ x,
 ///
 /// s the answer of the displacement to c, e the error that was seen (D. R. Morgan, *IEEE Trans. Acoust. Speech Signal Process.* 28 (1980) 454–467,
 /// doi:10.1109/TASSP.1980.1163430). The weights are the caller's and start where they stand: 0 changes nothing.
+///
+/// Samples of a slow reference are nearly alike, and with M = 1 what they differ by is learnt as much more slowly as it is smaller. M, the inverse of the
+/// covariance that x' is expected to have, makes all of it equally fast (LMS in Newton's direction: B. Widrow, S. D. Stearns, *Adaptive Signal
+/// Processing*, Prentice-Hall 1985, chapter 8).
 #[derive(Debug)]
 pub struct FilteredLms<'a, T> {
-    weights: &'a mut [T],
-    /// The reference and the same behind the secondary path, rings: `at` is where the newest goes next.
-    references: &'a mut [T],
-    filtered: &'a mut [T],
-    secondary: &'a [T],
-    stride: usize,
+    filter: LmsFilter<'a, T>,
+    memory: LmsMemory<'a, T>,
     at: usize,
     settings: LmsSettings<T>,
+}
+
+/// What a [`FilteredLms`] is made of.
+#[derive(Debug)]
+pub struct LmsFilter<'a, T> {
+    /// w.
+    pub weights: &'a mut [T],
+    /// s, the newest first.
+    pub secondary: &'a [T],
+    /// M row by row, symmetric and positive definite; empty for M = 1.
+    pub whitening: &'a [T],
+    /// Samples from one weight to the next.
+    pub stride: usize,
+}
+
+/// What a [`FilteredLms`] remembers.
+#[derive(Debug)]
+pub struct LmsMemory<'a, T> {
+    /// The reference, a ring of [`LmsFilter::ring`] samples.
+    pub references: &'a mut [T],
+    /// The same behind the secondary path.
+    pub filtered: &'a mut [T],
+    /// M x', as many as weights.
+    pub turned: &'a mut [T],
+}
+
+impl<T> LmsFilter<'_, T> {
+    /// Samples of a ring: they hold weights × stride, and the secondary path.
+    pub fn ring(&self) -> usize {
+        self.weights.len().saturating_mul(self.stride.max(1)).max(self.secondary.len()).max(1)
+    }
 }
 
 /// How fast weights learn.
@@ -33,71 +64,91 @@ pub struct LmsSettings<T> {
 }
 
 impl<'a, T: Real> FilteredLms<'a, T> {
-    /// The filter, its past 0. The rings are of one length, which holds weights × stride and the secondary path.
+    /// The filter, its past 0.
     ///
     /// # Errors
     /// [`ModelError::Memory`] where the lengths do not fit, [`ModelError::Coefficient`] for a number that is not allowed.
     pub fn new(
-        weights: &'a mut [T],
-        secondary: &'a [T],
-        [references, filtered]: [&'a mut [T]; 2],
-        stride: usize,
+        filter: LmsFilter<'a, T>,
+        memory: LmsMemory<'a, T>,
         settings: LmsSettings<T>,
     ) -> Result<Self, ModelError<T>> {
-        let taps = weights.len().saturating_mul(stride.max(1)).max(secondary.len()).max(1);
-        for found in [references.len(), filtered.len()] {
-            if found != taps {
-                return Err(ModelError::Memory { expected: taps, found });
+        let (ring, taps) = (filter.ring(), filter.weights.len());
+        let square = if filter.whitening.is_empty() { 0 } else { taps.saturating_mul(taps) };
+        for (expected, found) in [
+            (ring, memory.references.len()),
+            (ring, memory.filtered.len()),
+            (taps, memory.turned.len()),
+            (square, filter.whitening.len()),
+        ] {
+            if found != expected {
+                return Err(ModelError::Memory { expected, found });
             }
         }
         let zero = T::of(0.0);
         let LmsSettings { rate, leak, floor } = settings;
+        let mut numbers = filter.weights.iter().chain(filter.secondary).chain(filter.whitening);
         let sound = rate > zero
             && rate < T::of(2.0)
             && leak >= zero
             && leak < T::of(1.0)
             && floor > zero
             && floor.is_finite()
-            && weights.iter().chain(secondary.iter()).all(|x| x.is_finite());
+            && numbers.all(|x| x.is_finite());
         if !sound {
             return Err(ModelError::Coefficient);
         }
-        references.fill(zero);
-        filtered.fill(zero);
-        Ok(Self { weights, references, filtered, secondary, stride: stride.max(1), at: 0, settings })
+        memory.references.fill(zero);
+        memory.filtered.fill(zero);
+        let filter = LmsFilter { stride: filter.stride.max(1), ..filter };
+        Ok(Self { filter, memory, at: 0, settings })
     }
 
     /// The correction for the next period, from the newest of the reference (less its level) and the newest error, reference less displacement; numbers
     /// that are not finite count as 0.
     #[inline]
     pub fn step(&mut self, reference: T, error: T) -> T {
+        let Self { filter, memory, at, settings } = self;
         let zero = T::of(0.0);
         let clean = |x: T| if x.is_finite() { x } else { zero };
         let (reference, error) = (clean(reference), clean(error));
         // The error belongs to what was put out before: learn first.
-        let mut power = self.settings.floor;
-        for x in strided(self.filtered, self.at, self.stride).take(self.weights.len()) {
-            power = power + x * x;
+        let seen = || strided(memory.filtered, *at, filter.stride);
+        let mut power = settings.floor;
+        if filter.whitening.is_empty() {
+            for (turned, x) in memory.turned.iter_mut().zip(seen()) {
+                *turned = x;
+                power = power + x * x;
+            }
+        } else {
+            let rows = filter.whitening.chunks(filter.weights.len().max(1));
+            for ((turned, x), row) in memory.turned.iter_mut().zip(seen()).zip(rows) {
+                *turned = zero;
+                for (m, x) in row.iter().zip(seen()) {
+                    *turned = *turned + *m * x;
+                }
+                power = power + x * *turned;
+            }
         }
-        let gain = self.settings.rate * error / power;
-        let keep = T::of(1.0) - self.settings.leak;
-        for (w, x) in self.weights.iter_mut().zip(strided(self.filtered, self.at, self.stride)) {
-            *w = clean(keep * *w + gain * x);
+        let gain = settings.rate * error / power;
+        let keep = T::of(1.0) - settings.leak;
+        for (w, turned) in filter.weights.iter_mut().zip(memory.turned.iter()) {
+            *w = clean(keep * *w + gain * *turned);
         }
-        if let Some(slot) = self.references.get_mut(self.at) {
+        if let Some(slot) = memory.references.get_mut(*at) {
             *slot = reference;
         }
-        let next = if self.at + 1 >= self.references.len() { 0 } else { self.at + 1 };
+        let next = if *at + 1 >= memory.references.len() { 0 } else { *at + 1 };
         let mut behind = zero;
-        for (s, x) in self.secondary.iter().zip(strided(self.references, next, 1)) {
+        for (s, x) in filter.secondary.iter().zip(strided(memory.references, next, 1)) {
             behind = behind + *s * x;
         }
-        if let Some(slot) = self.filtered.get_mut(self.at) {
+        if let Some(slot) = memory.filtered.get_mut(*at) {
             *slot = behind;
         }
-        self.at = next;
+        *at = next;
         let mut correction = zero;
-        for (w, x) in self.weights.iter().zip(strided(self.references, self.at, self.stride)) {
+        for (w, x) in filter.weights.iter().zip(strided(memory.references, next, filter.stride)) {
             correction = correction + *w * x;
         }
         correction
@@ -105,7 +156,7 @@ impl<'a, T: Real> FilteredLms<'a, T> {
 
     /// The weights.
     pub fn weights(&self) -> &[T] {
-        self.weights
+        self.filter.weights
     }
 }
 

@@ -137,8 +137,7 @@ impl Compensation {
         options.check(sample_rate_hz)?;
         let dynamics = held(model, sample_rate_hz, &options.realise)?;
         let plant = plant(&dynamics);
-        let gain =
-            dynamics.taps.iter().sum::<f64>() + dynamics.sections.iter().map(|s| s.weight.re).sum::<f64>();
+        let gain = dynamics.held_gain();
         if gain.abs() <= 1e-6 * dynamics.reference_gain {
             return Err(CompensatorError::NoGain);
         }
@@ -224,7 +223,7 @@ impl Compensation {
             fed_back += *re * (0.5 * (own + other) - last) + *im * (-0.5 * Complex64::I * (own - other));
         }
         let sum: f64 = self.reference.iter().sum();
-        fed_back -= sum * self.gain() * last;
+        fed_back -= sum * self.dynamics.held_gain() * last;
         1.0 - fed_back
     }
 
@@ -240,11 +239,12 @@ impl Compensation {
         let at = |k: usize| half * LOWEST_SHARE.powf(1.0 - k as f64 / ANGLES as f64);
         (0..ANGLES).map(at).find(missed).unwrap_or(half)
     }
+}
 
-    /// What taps and sections add up to at rest.
-    pub fn gain(&self) -> f64 {
-        self.dynamics.taps.iter().sum::<f64>()
-            + self.dynamics.sections.iter().map(|s| s.weight.re).sum::<f64>()
+impl LinearRealisation {
+    /// What taps and sections add up to at rest: (where it creeps for ever) the gain at which it stops.
+    pub fn held_gain(&self) -> f64 {
+        self.taps.iter().sum::<f64>() + self.sections.iter().map(|s| s.weight.re).sum::<f64>()
     }
 }
 

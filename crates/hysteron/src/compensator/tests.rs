@@ -107,7 +107,7 @@ fn sample_by_sample(law: &Compensation, r: &[f64]) -> Vec<f64> {
         }
         for (j, gain) in law.reference.iter().enumerate() {
             let r = (k + law.preview).checked_sub(j).and_then(|k| r.get(k)).copied().unwrap_or(0.0);
-            next += gain * (r - law.gain() * last);
+            next += gain * (r - law.dynamics.held_gain() * last);
         }
         v.push(next);
         let drive = at(&v, taps + 1);

@@ -10,6 +10,7 @@
 //! memory of the hysteresis as the reference does. Where the reading of one period makes the drive of the next, the loop is late by that period, by the
 //! hold and by the plant's own delay; all of it is in the loops that are tuned ([`tune`]) and whose [`Margins`] are stated. Theory: `docs/theory/control.md`.
 
+mod adaptive;
 mod amplifier;
 mod error;
 mod law;
@@ -17,9 +18,11 @@ mod line;
 mod margins;
 mod play;
 mod score;
+mod sines;
 mod strategy;
 mod tuning;
 
+pub use adaptive::{Adaptive, AdaptiveFilter, AdaptiveParts, step_limit};
 pub use amplifier::{Reach, reach, slew_of_current};
 pub use error::ControlError;
 pub use law::{FeedbackKind, FeedbackLaw, FeedbackParts, Notch};
@@ -27,5 +30,6 @@ pub use line::StraightLine;
 pub use margins::{Margins, loop_frequencies};
 pub use play::{Played, Stage, play};
 pub use score::TrackingScore;
-pub use strategy::{Adaptive, Bandwidth, Forward, Loop, LoopSettings, Strategy};
+pub use sines::{Edge, Followed, SineAnswer, Sines};
+pub use strategy::{Bandwidth, Forward, Loop, LoopSettings, Strategy};
 pub use tuning::{LawFamily, Tuned, TuningError, Wanted, tune, tune_observer};

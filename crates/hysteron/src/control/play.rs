@@ -1,10 +1,8 @@
 //! A loop, played on a stage.
 
-use hysteron_rt::{
-    Compensator, FilteredLms, Held, Limited, Limits, Line, LmsSettings, Model as RuntimeModel, Observer,
-};
+use hysteron_rt::{Compensator, Held, Limited, Limits, Line, Model as RuntimeModel, Observer};
 
-use super::{ControlError, FeedbackParts, Loop};
+use super::{AdaptiveParts, ControlError, FeedbackParts, Loop};
 use crate::bench_rig::{LiveRig, Truth};
 use crate::compensator::CompensatorParts;
 use crate::realise::{Realisation, RuntimeParts};
@@ -149,26 +147,10 @@ pub fn play(
         }
         (Stage::Model, None) => return Err(ControlError::Reference),
     };
-    let adaptive = made.strategy.adaptive;
-    let (taps, stride) = adaptive.map_or((0, 1), |a| (a.weights, a.stride));
-    let ring = || vec![0.0; (taps * stride).max(made.secondary.len()).max(1)];
-    let (mut weights, mut references, mut filtered) = (vec![0.0; taps], ring(), ring());
     let swing = reference.iter().map(|r| (r - first).powi(2)).sum::<f64>() / reference.len() as f64;
-    let mut lms = match adaptive {
-        Some(a) => {
-            let settings = LmsSettings {
-                rate: a.rate,
-                leak: a.leak_per_s / settings.sample_rate_hz,
-                floor: (1e-2 * swing * taps as f64).max(f64::MIN_POSITIVE),
-            };
-            Some(FilteredLms::new(
-                &mut weights,
-                &made.secondary,
-                [&mut references, &mut filtered],
-                stride,
-                settings,
-            )?)
-        }
+    let mut adaptive_parts = made.adaptive.as_ref().map(|adaptive| AdaptiveParts::new(adaptive, swing));
+    let mut lms = match &mut adaptive_parts {
+        Some(parts) => Some(parts.lms()?),
         None => None,
     };
 

@@ -4,7 +4,10 @@ use std::f64::consts::TAU;
 
 use super::margins::loop_frequencies;
 use super::tuning::LawFamily;
-use super::{ControlError, Margins, StraightLine, Tuned, TuningError, Wanted, tune, tune_observer};
+use super::{
+    Adaptive, AdaptiveFilter, ControlError, Margins, StraightLine, Tuned, TuningError, Wanted, tune,
+    tune_observer,
+};
 use crate::compensator::{Compensation, CompensatorOptions};
 use crate::hammerstein::Model;
 use crate::numeric::Complex64;
@@ -13,8 +16,8 @@ use crate::realise::{LinearRealisation, RealiseOptions, held};
 /// Frequency of the slow loops that the straight line goes through, as a share of the sample rate: 1 Hz at 10 kHz. (Of a model that creeps for ever the
 /// gain at rest says nothing.)
 pub(super) const SLOW: f64 = 1e-4;
-/// Points of the inverse transform that gives the answer of the displacement to a correction.
-const TRANSFORM: usize = 4096;
+/// |1 − T| of a sine whose error is 1 % of its stroke, rms: the stroke is 2 √2 times its rms.
+const ONE_PERCENT: f64 = 0.02 * std::f64::consts::SQRT_2;
 
 /// What makes the drive of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,26 +26,6 @@ pub enum Forward {
     Line,
     /// The inverse of the model.
     Inverse(CompensatorOptions),
-}
-
-/// Weights that adapt beside the inverse; see [`hysteron_rt::FilteredLms`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adaptive {
-    /// Their number.
-    pub weights: usize,
-    /// Samples from one to the next.
-    pub stride: usize,
-    /// Share of the error that a step takes off.
-    pub rate: f64,
-    /// Share of the weights that a second forgets.
-    pub leak_per_s: f64,
-}
-
-impl Default for Adaptive {
-    /// 24 weights that reach back over 9.6 ms at 10 kHz.
-    fn default() -> Self {
-        Self { weights: 24, stride: 4, rate: 5e-3, leak_per_s: 0.0 }
-    }
 }
 
 /// A way to follow a reference.
@@ -105,7 +88,7 @@ pub struct LoopSettings {
 pub struct Bandwidth {
     /// Lowest frequency \[Hz\] at which less than 1/√2 of the reference is left.
     pub minus_3_db_hz: f64,
-    /// Lowest frequency \[Hz\] at which the error is above 1 %.
+    /// Lowest frequency \[Hz\] at which the error is above 1 % of the stroke, rms.
     pub one_percent_hz: f64,
 }
 
@@ -128,8 +111,8 @@ pub struct Loop {
     pub feedback: Option<Tuned>,
     /// Gain of the observer, and margins of its loop.
     pub observer: Option<(f64, Margins)>,
-    /// Answer of the displacement to a correction, for the weights that adapt.
-    pub secondary: Vec<f64>,
+    /// The weights that adapt.
+    pub adaptive: Option<AdaptiveFilter>,
     /// How far up it follows: the model taken for linear and true.
     pub bandwidth: Bandwidth,
 }
@@ -178,15 +161,12 @@ impl Loop {
             let name = "observer or adaptive feedforward without the inverse (number of inverses)";
             return Err(TuningError::Number { name, value: 0.0 }.into());
         }
-        let observer = if strategy.observer {
-            let points: Vec<(f64, Complex64)> = frequencies.iter().map(|f| (*f, correction(*f))).collect();
-            Some(tune_observer(&points, rate, &settings.wanted)?)
-        } else {
-            None
-        };
-        let secondary = match strategy.adaptive {
-            Some(adaptive) => answer(&correction, rate, adaptive.weights * adaptive.stride),
-            None => Vec::new(),
+        let path = || -> Vec<(f64, Complex64)> { frequencies.iter().map(|f| (*f, correction(*f))).collect() };
+        let observer =
+            if strategy.observer { Some(tune_observer(&path(), rate, &settings.wanted)?) } else { None };
+        let adaptive = match strategy.adaptive {
+            Some(asked) => Some(AdaptiveFilter::new(&path(), &correction, rate, asked, &settings.wanted)?),
+            None => None,
         };
         let followed = |f: f64| {
             let forward = match &inverse {
@@ -207,7 +187,7 @@ impl Loop {
         };
         let bandwidth = Bandwidth {
             minus_3_db_hz: first(&|t| t.norm_sqr() < 0.5),
-            one_percent_hz: first(&|t| (t - 1.0).norm() > 0.01),
+            one_percent_hz: first(&|t| (t - 1.0).norm() > ONE_PERCENT),
         };
         Ok(Self {
             strategy: strategy.clone(),
@@ -218,7 +198,7 @@ impl Loop {
             inverse,
             feedback,
             observer,
-            secondary,
+            adaptive,
             bandwidth,
         })
     }
@@ -227,18 +207,4 @@ impl Loop {
     pub fn margins(&self) -> Option<Margins> {
         self.feedback.as_ref().map(|tuned| tuned.margins).or(self.observer.map(|(_, margins)| margins))
     }
-}
-
-/// The answer to one sample, from the response, by the inverse discrete Fourier transform.
-fn answer(response: &dyn Fn(f64) -> Complex64, sample_rate_hz: f64, samples: usize) -> Vec<f64> {
-    let half: Vec<Complex64> = (0..=TRANSFORM / 2)
-        .map(|k| response((k as f64).max(1e-9) / TRANSFORM as f64 * sample_rate_hz))
-        .collect();
-    let at = |j: usize| {
-        let turn =
-            |k: usize| Complex64::from_polar(1.0, TAU * ((k * j) % TRANSFORM) as f64 / TRANSFORM as f64);
-        let twice: f64 = (1..TRANSFORM / 2).map(|k| 2.0 * (half[k] * turn(k)).re).sum();
-        (half[0].re + twice + (half[TRANSFORM / 2] * turn(TRANSFORM / 2)).re) / TRANSFORM as f64
-    };
-    (0..samples).map(at).collect()
 }

@@ -1,0 +1,107 @@
+//! What a controller does on the stage.
+
+use hysteron::bench_rig::Truth;
+use hysteron::control::{
+    AdaptiveFilter, ControlError, Edge, Followed, Loop, LoopSettings, Played, Sines, Stage, TrackingScore,
+    play,
+};
+use hysteron::hammerstein::Model;
+
+use super::PlantArg;
+use super::controllers::{Controller, Known};
+
+/// Excess of one bandwidth over another that is worth a remark.
+const DIFFERENT: f64 = 1.1;
+
+/// What a controller did.
+pub struct Run {
+    pub controller: Controller,
+    pub made: Loop,
+    pub played: Played,
+    pub score: TrackingScore,
+    /// What became of sines; `None` where the reference does not move.
+    pub followed: Option<Followed>,
+    pub adaptation: Option<Adaptation>,
+}
+
+/// How weights adapted.
+pub struct Adaptation {
+    pub filter: AdaptiveFilter,
+    /// Rms of what the best constant weights would have left, in per cent of the stroke.
+    pub best_percent: f64,
+    /// By how much the stage differs in phase from the model, at most \[degrees\], and where \[Hz\].
+    pub phase_error: Option<(f64, f64)>,
+}
+
+/// Every controller is played on this.
+pub struct Rehearsal<'a> {
+    pub model: &'a Model,
+    pub settings: &'a LoopSettings,
+    pub plant: PlantArg,
+    pub truth: &'a Truth,
+    pub seed: u64,
+    pub virgin_v: Option<f64>,
+    pub known: Known,
+    pub reference: &'a [f64],
+    pub scored_from: usize,
+    pub sines: Option<Sines>,
+}
+
+impl Rehearsal<'_> {
+    fn stage(&self) -> Stage<'_> {
+        match self.plant {
+            PlantArg::Rig => Stage::Rig { truth: self.truth, seed: self.seed, stream: 0 },
+            PlantArg::Model => Stage::Model,
+        }
+    }
+
+    pub fn run(&self, controller: Controller) -> Result<Run, ControlError> {
+        let made = Loop::new(self.model, self.settings, &controller.strategy(&self.known))?;
+        let played = play(&made, self.reference, self.stage(), self.virgin_v)?;
+        let score = TrackingScore::of(&played.displacement, self.reference, self.scored_from);
+        let sines = |made: &Loop| match &self.sines {
+            Some(sines) => made.sines(sines, self.stage(), self.virgin_v).map(Some),
+            None => Ok(None),
+        };
+        let followed = sines(&made)?;
+        let adaptation = match &made.adaptive {
+            Some(filter) => {
+                let alone = made.without_adaptation();
+                let played = play(&alone, self.reference, self.stage(), self.virgin_v)?;
+                let left: Vec<f64> =
+                    self.reference.iter().zip(&played.displacement).map(|(r, y)| r - y).collect();
+                let ahead = made.inverse.as_ref().map_or(0, |inverse| inverse.preview);
+                let first = self.reference.first().copied().unwrap_or(f64::NAN);
+                let last = self.reference.last().copied().unwrap_or(f64::NAN);
+                let known: Vec<f64> = (0..self.reference.len())
+                    .map(|k| self.reference.get(k + ahead).copied().unwrap_or(last) - first)
+                    .collect();
+                Some(Adaptation {
+                    best_percent: filter.optimum(&known, &left, self.scored_from) * score.rms_percent
+                        / score.rms,
+                    phase_error: sines(&alone)?.and_then(|followed| made.phase_error(&followed.answers)),
+                    filter: filter.clone(),
+                })
+            }
+            None => None,
+        };
+        Ok(Run { controller, made, played, score, followed, adaptation })
+    }
+}
+
+impl Run {
+    /// By formula \[Hz\] and as played: −3 dB, 1 % error.
+    pub fn bandwidths(&self) -> Option<[(f64, Edge); 2]> {
+        let (formula, played) = (&self.made.bandwidth, self.followed.as_ref()?);
+        Some([(formula.minus_3_db_hz, played.minus_3_db), (formula.one_percent_hz, played.one_percent)])
+    }
+}
+
+/// Whether a bandwidth by formula \[Hz\] and one that was played are more than a tenth apart.
+pub fn differ(formula: f64, played: Edge) -> bool {
+    match played {
+        Edge::At(f) => (f / formula).max(formula / f) > DIFFERENT,
+        Edge::Below(f) => formula > DIFFERENT * f,
+        Edge::Above(f) => f > DIFFERENT * formula,
+    }
+}

@@ -1,0 +1,201 @@
+//! The tables of the result, for the terminal and for the page.
+
+use hysteron::control::{Edge, FeedbackKind, Loop};
+use hysteron_report::number::significant;
+use hysteron_report::page::{Column, Table};
+
+use super::Found;
+use super::runs::differ;
+use crate::console;
+use crate::numbers::ends;
+
+/// A table: headings with their units, the first ones over words.
+pub struct Sheet {
+    columns: Vec<(&'static str, String)>,
+    words: usize,
+    rows: Vec<Vec<String>>,
+}
+
+impl Sheet {
+    fn new(words: usize, columns: impl IntoIterator<Item = (&'static str, String)>) -> Self {
+        Self { columns: columns.into_iter().collect(), words, rows: Vec::new() }
+    }
+
+    fn filled(self, rows: impl IntoIterator<Item = Vec<String>>) -> Option<Self> {
+        let rows: Vec<_> = rows.into_iter().collect();
+        (!rows.is_empty()).then_some(Self { rows, ..self })
+    }
+
+    pub fn for_terminal(self) -> String {
+        let header: Vec<String> =
+            self.columns.iter().map(|(name, unit)| console::in_unit(name, unit)).collect();
+        let mut table = console::table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+        table.add_rows(self.rows);
+        table.to_string()
+    }
+
+    pub fn for_page(self) -> Table {
+        let words = self.words;
+        let columns =
+            self.columns.into_iter().enumerate().map(|(i, (name, unit))| {
+                if i < words { Column::text(name) } else { Column::number(name, unit) }
+            });
+        self.rows.into_iter().fold(Table::new(columns), Table::row)
+    }
+}
+
+fn number(x: f64, digits: usize) -> String {
+    if x.is_finite() { significant(x, digits) } else { "∞".to_owned() }
+}
+
+/// What each controller leaves.
+pub fn errors(found: &Found) -> Option<Sheet> {
+    let (input, output) = (found.input.to_string(), found.output.to_string());
+    let columns = [
+        ("controller", String::new()),
+        ("rms", output.clone()),
+        ("largest", output),
+        ("rms", "% of stroke".to_owned()),
+        ("largest", "% of stroke".to_owned()),
+        ("lowest drive", input.clone()),
+        ("highest drive", input),
+        ("held back", "samples".to_owned()),
+    ];
+    let row = |run: &super::Run| {
+        let (low, high) = ends(&run.played.drive);
+        let score = &run.score;
+        vec![
+            run.controller.words().to_owned(),
+            significant(score.rms, 3),
+            significant(score.max, 3),
+            significant(score.rms_percent, 3),
+            significant(score.max_percent, 3),
+            significant(low, 4),
+            significant(high, 4),
+            (run.played.at_range + run.played.at_slew).to_string(),
+        ]
+    };
+    Sheet::new(1, columns).filled(found.runs.iter().map(row))
+}
+
+/// How far up each controller follows: by formula, and sines that were played.
+pub fn bandwidths(found: &Found) -> Option<Sheet> {
+    let hz = || "Hz".to_owned();
+    let columns = [
+        ("controller", String::new()),
+        ("−3 dB, formula", hz()),
+        ("−3 dB, played", hz()),
+        ("1 % error, formula", hz()),
+        ("1 % error, played", hz()),
+        ("apart", String::new()),
+    ];
+    let edge = |edge: Edge| match edge {
+        Edge::Below(f) => format!("< {}", significant(f, 3)),
+        Edge::At(f) => significant(f, 3),
+        Edge::Above(f) => format!("> {}", significant(f, 3)),
+    };
+    let row = |run: &super::Run| {
+        let both = run.bandwidths()?;
+        let apart =
+            ["−3 dB", "1 %"].into_iter().zip(both).filter(|(_, (formula, played))| differ(*formula, *played));
+        let apart: Vec<&str> = apart.map(|(name, _)| name).collect();
+        let mut cells = vec![run.controller.words().to_owned()];
+        for (formula, played) in both {
+            cells.extend([significant(formula, 3), edge(played)]);
+        }
+        cells.push(if apart.is_empty() { "–".to_owned() } else { apart.join(", ") });
+        Some(cells)
+    };
+    Sheet::new(1, columns).filled(found.runs.iter().filter_map(row))
+}
+
+/// Margins of the controllers that have feedback.
+pub fn margins(found: &Found) -> Option<Sheet> {
+    let columns = [
+        ("feedback", String::new()),
+        ("law", String::new()),
+        ("gain margin", String::new()),
+        ("phase margin", "°".to_owned()),
+        ("least |1 + L|", String::new()),
+        ("crossover", "Hz".to_owned()),
+    ];
+    let row = |run: &super::Run| {
+        let m = run.made.margins()?;
+        Some(vec![
+            run.controller.words().to_owned(),
+            law(&run.made),
+            number(m.gain, 3),
+            number(m.phase_deg, 3),
+            number(m.modulus, 3),
+            significant(m.crossover_hz, 3),
+        ])
+    };
+    Sheet::new(2, columns).filled(found.runs.iter().filter_map(row))
+}
+
+/// How the weights of the controllers that have some adapted.
+pub fn adaptations(found: &Found) -> Option<Sheet> {
+    let columns = [
+        ("adaptation", String::new()),
+        ("step", String::new()),
+        ("largest stable", String::new()),
+        ("there, at", "Hz".to_owned()),
+        ("margin", String::new()),
+        ("phase, stage to model", "°".to_owned()),
+        ("there, at", "Hz".to_owned()),
+        ("margin to 90°", "°".to_owned()),
+        ("left, rms", "% of stroke".to_owned()),
+        ("best weights", "% of stroke".to_owned()),
+    ];
+    let row = |run: &super::Run| {
+        let own = run.adaptation.as_ref()?;
+        let filter = &own.filter;
+        let phase = own.phase_error.map_or([const { String::new() }; 3], |(degrees, at_hz)| {
+            [significant(degrees, 3), significant(at_hz, 3), significant(90.0 - degrees, 3)]
+        });
+        let step = [filter.rate, filter.limit].map(|x| significant(x, 3));
+        let mut cells = vec![run.controller.words().to_owned()];
+        cells.extend(step);
+        cells.extend([significant(filter.limit_at_hz, 3), significant(filter.limit / filter.rate, 3)]);
+        cells.extend(phase);
+        cells.extend([run.score.rms_percent, own.best_percent].map(|x| significant(x, 3)));
+        Some(cells)
+    };
+    Sheet::new(1, columns).filled(found.runs.iter().filter_map(row))
+}
+
+/// What the largest rate of the drive leaves.
+pub fn reaches(found: &Found) -> Option<Sheet> {
+    let columns = [
+        ("amplitude of a sine", found.output.to_string()),
+        ("of its drive", found.input.to_string()),
+        ("up to", "Hz".to_owned()),
+    ];
+    let rows = found
+        .reach
+        .iter()
+        .map(|r| [r.amplitude, r.amplitude_v, r.highest_hz].map(|x| significant(x, 3)).to_vec());
+    Sheet::new(0, columns).filled(rows)
+}
+
+/// The law as a formula, s in rad/s.
+pub fn law(made: &Loop) -> String {
+    if let Some((gain, _)) = made.observer {
+        return format!("observer, gain {}", significant(gain, 3));
+    }
+    let Some(tuned) = &made.feedback else { return "–".to_owned() };
+    let (k, i) = (significant(tuned.law.proportional, 3), significant(tuned.law.integral_per_s, 3));
+    match tuned.law.kind {
+        FeedbackKind::Integral => format!("{i}/s"),
+        FeedbackKind::Pi { corner_hz } => format!("{k} (1 + 2π {}/s)", significant(corner_hz, 3)),
+        FeedbackKind::FractionalPi { corner_hz, order } => {
+            format!("{k} (1 + (2π {}/s)^{order})", significant(corner_hz, 3))
+        }
+        FeedbackKind::NotchIntegral { notch } => format!(
+            "{i}/s, notch at {} Hz, damping {} over {}",
+            significant(notch.frequency_hz, 4),
+            significant(notch.zeros, 2),
+            significant(notch.poles, 2)
+        ),
+    }
+}
