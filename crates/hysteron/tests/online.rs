@@ -389,3 +389,29 @@ proptest! {
         }
     }
 }
+
+/// White noise is independent sample by sample; eₖ = ρ eₖ₋₁ + white has 1 + 2 Σ ρᵏ = (1 + ρ)/(1 − ρ) samples to an independent one; neither
+/// another gain nor a jump half-way makes that more.
+#[test]
+fn samples_that_carry_one_independent_one_are_counted() {
+    let u = drive(40.0);
+    let regressors = correction().regressors(&u, Some(RATE_HZ), &REST).unwrap();
+    let nominal = correction().nominal();
+    for rho in [0.0, 0.5, 0.9] {
+        for jump in [0.0, 0.5] {
+            let mut white = noise(5);
+            let mut e = 0.0;
+            let row_output = regressors.rows().enumerate().map(|(k, row)| {
+                e = rho * e + NOISE_UM * white();
+                let late = if k > u.len() / 2 { jump } else { 0.0 };
+                1.1 * row.output(&nominal) + late + e
+            });
+            let y = row_output.collect();
+            let found = regressors.samples_per_independent_one(&record(&u, y)).unwrap();
+            let expected = (1.0 + rho) / (1.0 - rho);
+            println!("rho {rho}, jump {jump}: {found:.2}, expected {expected:.2}");
+            // A sum of some hundred estimated correlations over 5000 samples.
+            assert!((found / expected - 1.0).abs() < 0.15, "rho {rho}, jump {jump}: {found} for {expected}");
+        }
+    }
+}

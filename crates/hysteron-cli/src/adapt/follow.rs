@@ -2,7 +2,7 @@
 
 use hysteron::hammerstein::Model;
 use hysteron::online::{Adapter, Alarm, Correction, CorrectionError, Estimator, Term};
-use hysteron::record::InputOutput;
+use hysteron::record::{InputOutput, shortest_swing};
 use hysteron::validate::{OffsetTreatment, ScoreError, Scores, Scoring, score};
 use hysteron_rt::{
     FitMonitor, MonitorSettings, Nlms, NlmsSettings, OnlineError, Rls, RlsSettings, Unexcited,
@@ -16,6 +16,8 @@ const MAY_MOVE: f64 = 0.1;
 /// What the monitor looks for: a shift of the mean and a growth of the spread, in units of the noise.
 const SHIFT: f64 = 0.5;
 const SPREAD: f64 = 1.5;
+/// Samples learnt from in half of the drive's shortest period, where nothing is said.
+const IN_A_SWING: usize = 20;
 /// Fewest samples an alarm is made of.
 const FEWEST: u16 = 3;
 
@@ -45,6 +47,8 @@ pub struct Path {
 
 /// What came of it.
 pub struct Followed {
+    /// One of so many samples was learnt from.
+    pub every: usize,
     pub paths: Vec<Path>,
     /// The model as it was.
     pub before: Scores,
@@ -74,9 +78,9 @@ impl Task<'_> {
     }
 
     /// The record with only one of `every` samples valid: the others are predicted.
-    fn learnt_from(&self) -> InputOutput {
+    fn learnt_from(&self, every: usize) -> InputOutput {
         let is_valid = |k: usize| self.data.valid.as_ref().is_none_or(|valid| valid[k]);
-        let mask = (0..self.data.len()).map(|k| k.is_multiple_of(self.every) && is_valid(k)).collect();
+        let mask = (0..self.data.len()).map(|k| k.is_multiple_of(every) && is_valid(k)).collect();
         InputOutput { valid: Some(mask), ..self.data.clone() }
     }
 
@@ -84,6 +88,13 @@ impl Task<'_> {
         let terms: [Term; N] = self.terms.try_into().map_err(|_| CannotFollow::Terms(self.terms.len()))?;
         let correction = Correction::new(self.model.clone(), terms)?;
         let regressors = correction.regressors(&self.data.u, Some(self.sample_rate_hz), &self.start)?;
+        let every = match self.every {
+            Some(every) => every,
+            None => {
+                let alike = regressors.samples_per_independent_one(self.data)?.ceil() as usize;
+                alike.max(shortest_swing(&self.data.u) / IN_A_SWING)
+            }
+        };
         let nominal = correction.nominal();
         let output =
             |parameters: &[f64; N]| regressors.rows().map(|r| r.output(parameters)).collect::<Vec<_>>();
@@ -99,7 +110,7 @@ impl Task<'_> {
                 start: nominal,
                 deviations,
                 noise: self.noise,
-                forgetting: 1.0 - 1.0 / (self.memory_s * self.sample_rate_hz / self.every as f64).max(2.0),
+                forgetting: 1.0 - 1.0 / (self.memory_s * self.sample_rate_hz / every as f64).max(2.0),
                 unexcited: Unexcited::Hold,
                 bounds: None,
             })?),
@@ -121,7 +132,7 @@ impl Task<'_> {
             fewest: FEWEST,
         })?;
         let mut adapter = Adapter::new(estimator, monitor, self.reopen);
-        let trace = adapter.run(&regressors, &self.learnt_from())?;
+        let trace = adapter.run(&regressors, &self.learnt_from(every))?;
         let end = *adapter.parameters();
         let path = |i: usize| {
             let over = trace.parameters.iter().map(|p| p[i]);
@@ -142,6 +153,7 @@ impl Task<'_> {
             score(self.data, simulated, &Scoring { offset, ..Scoring::default() })
         };
         Ok(Followed {
+            every,
             paths: (0..N).map(path).collect(),
             before: scored(&as_it_was, OffsetTreatment::Fixed)?,
             before_offset_estimated: scored(&as_it_was, OffsetTreatment::Estimated)?,

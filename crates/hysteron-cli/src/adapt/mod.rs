@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use hysteron::hammerstein::{Model, Start};
 use hysteron::model_file::ScoreRole;
 use hysteron::online::Term;
-use hysteron::record::{InputOutput, find_periods, noise_floor, shortest_swing};
+use hysteron::record::{InputOutput, find_periods, noise_floor};
 use hysteron::validate::Scoring;
 
 use crate::columns::ColumnFlags;
@@ -24,8 +24,6 @@ use follow::Followed;
 
 /// Memory of least squares where none is given, as a share of the record.
 const MEMORY: f64 = 0.2;
-/// Samples learnt from in half of the drive's shortest period, where nothing is said.
-const IN_A_SWING: usize = 20;
 
 /// Follow a drifting device: correct a model over a record sample by sample, and say when it no longer fits.
 #[derive(Args)]
@@ -69,8 +67,8 @@ pub struct Adapt {
     #[arg(long, value_name = "SIZE", value_parser = positive, allow_hyphen_values = true)]
     noise: Option<f64>,
 
-    /// Learn from every K-th sample (40 to the period of the fastest drive if not given): what a model leaves of samples
-    /// close together is no noise
+    /// Learn from every K-th sample (if not given 40 to the period of the fastest drive, fewer where what no coefficients explain stays
+    /// alike for longer): what a model leaves of samples close together is no noise
     #[arg(long, value_name = "K", value_parser = count::<usize>, allow_hyphen_values = true)]
     every: Option<usize>,
 
@@ -126,8 +124,8 @@ struct Task<'a> {
     method: Method,
     memory_s: f64,
     sample_rate_hz: f64,
-    /// One of so many samples is learnt from.
-    every: usize,
+    /// One of so many samples is learnt from; `None`: as the record asks.
+    every: Option<usize>,
     step: f64,
     noise: f64,
     run_length: f64,
@@ -166,7 +164,7 @@ impl Adapt {
             method: self.method,
             memory_s: self.memory.unwrap_or(MEMORY * data.len() as f64 / sample_rate_hz),
             sample_rate_hz,
-            every: self.every.unwrap_or_else(|| (shortest_swing(&data.u) / IN_A_SWING).max(1)),
+            every: self.every,
             step: self.step,
             noise,
             run_length: self.run_length,

@@ -75,7 +75,7 @@ pub fn text(task: &Task, found: &Followed) -> String {
         Method::Nlms => format!("normalised least mean squares, step {}", short(task.step)),
     };
     let from =
-        if task.every == 1 { "every sample".to_owned() } else { format!("one of {} samples", task.every) };
+        if found.every == 1 { "every sample".to_owned() } else { format!("one of {} samples", found.every) };
     format!(
         "{moved}\n\n{errors}\n\nmethod: {how}, from {from}; noise {}.\n{}",
         noise.trim_end(),
@@ -132,7 +132,7 @@ pub fn outcome(task: &Task, found: &Followed, model: Option<&Path>) -> Value {
         "unit": task.data.y_unit.symbol(),
         "method": method(task),
         "memory_s": (task.method == Method::Rls).then_some(task.memory_s),
-        "every": task.every,
+        "every": found.every,
         "noise": task.noise,
         "coefficients": coefficients,
         "rmse_before": found.before.rmse,

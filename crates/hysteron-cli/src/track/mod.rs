@@ -342,15 +342,10 @@ impl Track {
             | ControlError::Tuning(TuningError::Realise(e)) => e,
             _ => return failure,
         };
-        match realise {
-            RealiseError::LowestFrequency => {
-                failure.hint("say where creep stops with --lowest-frequency HZ, e.g. 0.01")
-            }
-            RealiseError::NotInRuntime { .. } => failure.hint(
-                "sample by sample run Bouc–Wen, several Bouc–Wen states and plays: identify with one of them (--hysteresis); \
-                 hysteron invert takes every family",
-            ),
-            _ => failure,
+        if matches!(realise, RealiseError::LowestFrequency) {
+            failure.hint("say where creep stops with --lowest-frequency HZ, e.g. 0.01")
+        } else {
+            failure
         }
     }
 

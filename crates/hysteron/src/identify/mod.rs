@@ -48,6 +48,7 @@ pub use result::{
     Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, Reduction, StructureChoice,
 };
 pub use static_fit::StaticFit;
+pub(crate) use uncertainty::correlation_time;
 
 use crate::dynamics::Creep;
 use crate::hysteresis::HysteresisForm;

@@ -86,7 +86,7 @@ pub(super) fn correlation(step: &str, names: Vec<String>, covariance: &DMatrix<f
 
 /// 1 + 2 Σ ρ_k of a series, summed up to the first ρ_k ≤ 0 or a tenth of the series (Geyer's initial positive sequence, doi:10.1214/ss/1177011137,
 /// in its simplest form): the number of samples that carry the information of one independent sample. At least 1.
-pub(super) fn correlation_time(e: &[f64]) -> f64 {
+pub(crate) fn correlation_time(e: &[f64]) -> f64 {
     initial_positive_sum(&autocorrelation(e)[..e.len()])
 }
 

@@ -47,6 +47,7 @@
 mod adapter;
 mod correction;
 mod error;
+mod spacing;
 
 pub use adapter::{Adapted, Adapter, Alarm, Estimator, Trace};
 pub use correction::{Correction, Regressors, Row, Term};

@@ -65,12 +65,6 @@ pub enum RealiseError {
         /// Most.
         most: usize,
     },
-    /// `hysteron-rt` does not hold the family.
-    #[error("hysteron-rt does not run the hysteresis family {family}; the library's own stream does")]
-    NotInRuntime {
-        /// Its name.
-        family: &'static str,
-    },
     /// Parameters that are in order in double precision are not in the number type asked for.
     #[error("the model's numbers are out of range, or not in order any more, in the number type asked for")]
     Rounded,
