@@ -71,7 +71,7 @@ fn the_selftest_passes_on_the_microcontrollers() {
         {
             continue;
         }
-        for precision in [Precision::F32, Precision::F64] {
+        for precision in models::precisions(name) {
             let folder = place.path().join(format!("{name}_{}", precision.name()));
             let inverse = models::inverse(name, &model, precision, Prediction::Stays);
             write_folder(&folder, &c_files(&models::subject(name, &model, precision)).unwrap()).unwrap();

@@ -44,9 +44,13 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
     std::fs::copy(lock, place.path().join("Cargo.lock")).unwrap();
     let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("exported-crates");
     let target = target.to_str().unwrap();
-    let said =
-        run(place.path(), env!("CARGO"), &["test", "--offline", "--workspace", "--target-dir", target]);
+    // The self-tests, and the examples of one: every crate's are the same, and take longer than its self-tests.
+    let tests = ["test", "--offline", "--workspace", "--test", "*", "--target-dir", target];
+    let said = run(place.path(), env!("CARGO"), &tests);
     assert_eq!(said.matches("test golden_vectors ... ok").count(), members.len() + inverses, "{said}");
+    let examples = ["test", "--offline", "--doc", "--package", "stage_f32", "--target-dir", target];
+    let said = run(place.path(), env!("CARGO"), &examples);
+    assert!(said.contains("test result: ok. 2 passed"), "{said}");
     // Without a warning, with those for documentation.
     let check = [
         "clippy",
