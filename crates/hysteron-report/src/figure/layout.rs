@@ -12,7 +12,7 @@ pub(crate) const TITLE: f64 = 15.5;
 pub(crate) const LEGEND_ROW: f64 = 18.0;
 pub(crate) const SWATCH: f64 = 26.0;
 /// Longest name at a categorical ordinate \[px\].
-const LONGEST_NAME: f64 = 140.0;
+const LONGEST_NAME: f64 = 340.0;
 
 /// A rectangle \[px\].
 #[derive(Debug, Clone, Copy, PartialEq)]
