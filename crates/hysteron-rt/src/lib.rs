@@ -47,7 +47,7 @@ mod real;
 mod series;
 
 pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepError};
-pub use branch::{Branch, MOST_MOMENTS, MOST_PANELS, moments};
+pub use branch::{Branch, GAUSS_LEGENDRE, MOST_MOMENTS, MOST_PANELS, langevin, moments};
 pub use dual::Dual;
 pub use model::{
     Compensated, Compensator, Drive, Feedback, FilteredLms, Held, Hysteresis, IncrementMemory, LANES, Law,

@@ -1,13 +1,13 @@
 //! Jiles and Atherton's model: its equation is linear in the effective field, and solved by its integral.
 
 use super::root::rising_root;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
 
 /// Parts of a move at most.
 pub const MOST_PANELS: u8 = 32;
 
-/// Gauss–Legendre points on \[0, 1\] with their weights.
-const EIGHT: [(f64, f64); 8] = [
+/// The eight Gauss–Legendre points on \[0, 1\] with their weights.
+pub const GAUSS_LEGENDRE: [(f64, f64); 8] = [
     (0.019_855_071_751_231_884, 0.050_614_268_145_188_13),
     (0.101_666_761_293_186_63, 0.111_190_517_226_687_24),
     (0.237_233_795_041_835_5, 0.156_853_322_938_943_64),
@@ -64,7 +64,7 @@ impl<T: Real> Shape<T> {
     fn relaxed(self, field: T, p: T, sign: T, way: T) -> T {
         let x = way / self.k;
         let mut sum = T::of(0.0);
-        for (theta, weight) in EIGHT {
+        for (theta, weight) in GAUSS_LEGENDRE {
             let drawn = self.anhysteretic(field + sign * way * T::of(theta)) - p;
             sum = sum + (-(x * T::of(1.0 - theta))).exp() * drawn * T::of(weight);
         }
@@ -120,14 +120,19 @@ impl<T: Real> Shape<T> {
     }
 }
 
-/// L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that settles soon.
-fn langevin<T: Real>(x: T) -> T {
-    if x.abs() < T::of(2.0) {
+/// Langevin's function L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that settles soon.
+#[inline]
+pub fn langevin<S: Scalar>(x: S) -> S {
+    let of = |x: f64| S::Real::of(x);
+    if x.value().abs() < of(2.0) {
         let square = x * x;
-        let tail = (1..=12_u8).rev().fold(T::of(27.0), |tail, k| square / tail + T::of(f64::from(2 * k + 1)));
+        let tail = (1..=12_u8)
+            .rev()
+            .fold(S::constant(of(27.0)), |tail, k| (square / tail).shift(of(f64::from(2 * k + 1))));
         x / tail
     } else {
-        T::of(1.0) / x.tanh() - T::of(1.0) / x
+        let one = S::constant(of(1.0));
+        one / x.tanh() - one / x
     }
 }
 

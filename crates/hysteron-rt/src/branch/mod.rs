@@ -6,7 +6,7 @@ mod jiles_atherton;
 mod root;
 
 pub use duhem::{MOST_MOMENTS, moments};
-pub use jiles_atherton::MOST_PANELS;
+pub use jiles_atherton::{GAUSS_LEGENDRE, MOST_PANELS, langevin};
 
 use crate::model::IncrementMemory;
 use crate::real::Real;

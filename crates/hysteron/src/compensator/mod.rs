@@ -241,13 +241,6 @@ impl Compensation {
     }
 }
 
-impl LinearRealisation {
-    /// What taps and sections add up to at rest: (where it creeps for ever) the gain at which it stops.
-    pub fn held_gain(&self) -> f64 {
-        self.taps.iter().sum::<f64>() + self.sections.iter().map(|s| s.weight.re).sum::<f64>()
-    }
-}
-
 impl CompensatorOptions {
     fn check(&self, sample_rate_hz: f64) -> Result<(), CompensatorError> {
         let refuse = |name, value, allowed| Err(CompensatorError::Option { name, value, allowed });

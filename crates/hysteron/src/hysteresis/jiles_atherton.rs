@@ -4,7 +4,7 @@
 //! doi:10.1016/0304-8853(86)90066-1; the freezing of the irreversible part right after a turn after J. H. B. Deane, *IEEE
 //! Trans. Magn.* 30 (1994) 2795–2801.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{GAUSS_LEGENDRE, Scalar, langevin};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, finite, parameter, positive, simulate_with_sensitivities};
@@ -38,36 +38,13 @@ pub struct JilesAthertonState<S> {
 /// Panels of a move at most.
 const PANELS: usize = 10_000;
 
-/// Gauss–Legendre points on \[0, 1\] with their weights: eight for a panel of full length, four for a tenth of it.
-const EIGHT: [(f64, f64); 8] = [
-    (0.019_855_071_751_231_884, 0.050_614_268_145_188_13),
-    (0.101_666_761_293_186_63, 0.111_190_517_226_687_24),
-    (0.237_233_795_041_835_5, 0.156_853_322_938_943_64),
-    (0.408_282_678_752_175_1, 0.181_341_891_689_181),
-    (0.591_717_321_247_825, 0.181_341_891_689_181),
-    (0.762_766_204_958_164_5, 0.156_853_322_938_943_64),
-    (0.898_333_238_706_813_4, 0.111_190_517_226_687_24),
-    (0.980_144_928_248_768_1, 0.050_614_268_145_188_13),
-];
+/// Gauss–Legendre points on \[0, 1\] with their weights for a tenth of a panel's full length; for that the eight of the runtime.
 const FOUR: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
-
-/// L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that settles soon.
-fn langevin<S: Scalar<Real = f64>>(x: S) -> S {
-    let one = S::constant(1.0);
-    if x.value().abs() < 2.0 {
-        let square = x * x;
-        let tail =
-            (1..=12_u8).rev().fold(S::constant(27.0), |tail, k| (square / tail).shift(f64::from(2 * k + 1)));
-        x / tail
-    } else {
-        one / x.tanh() - one / x
-    }
-}
 
 /// L'(x) = 1 − L² − 2 L/x.
 fn langevin_slope(x: f64) -> f64 {
@@ -139,7 +116,7 @@ impl<S: Scalar<Real = f64>> Shape<S> {
     fn relaxed(self, field: S, irreversible: S, sign: f64, way: S) -> S {
         let x = way / self.k;
         let points: &[(f64, f64)] =
-            if way.value() <= 0.1 * self.a.value().min(self.k.value()) { &FOUR } else { &EIGHT };
+            if way.value() <= 0.1 * self.a.value().min(self.k.value()) { &FOUR } else { &GAUSS_LEGENDRE };
         let mut sum = S::constant(0.0);
         for &(theta, weight) in points {
             let drawn = self.anhysteretic(field + way.scale(sign * theta));

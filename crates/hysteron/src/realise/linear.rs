@@ -54,6 +54,11 @@ impl LinearRealisation {
         self.sections.iter().map(Section::states).sum()
     }
 
+    /// What taps and sections add up to at rest: (where it creeps for ever) the gain at which it stops.
+    pub fn held_gain(&self) -> f64 {
+        self.taps.iter().sum::<f64>() + self.sections.iter().map(|s| s.weight.re).sum::<f64>()
+    }
+
     /// Σ |weights| over the gain that errors are measured against: what the rounding of a coefficient is amplified by.
     pub fn amplification(&self) -> f64 {
         let taps: f64 = self.taps.iter().map(|tap| tap.abs()).sum();
