@@ -218,6 +218,24 @@ fn half_way_is_where_two_half_moves_meet() {
 }
 
 #[test]
+fn a_move_out_of_range_leaves_the_operators_where_they_were() {
+    let operators = [1.0, 2.0, 1.5].map(|n| BoucWen::new(0.5, 0.11, 0.02, n).unwrap());
+    let (mut memory, mut untouched) = ([IncrementMemory::new(0.0); 3], [IncrementMemory::new(0.0); 3]);
+    let mut tried =
+        Hysteresis::new(&[1.0], Operator::BoucWen { operators: &operators, memory: &mut memory }).unwrap();
+    let operator = Operator::BoucWen { operators: &operators, memory: &mut untouched };
+    let mut oracle = Hysteresis::new(&[1.0], operator).unwrap();
+    for u in [0.3, 1.1, 0.4, 0.9] {
+        assert_eq!(tried.step(u), oracle.step(u));
+        for far in [1e200, -1e200] {
+            assert_eq!(tried.step(far), Err(ModelError::Overflow));
+        }
+        assert_eq!(tried.voltage(), u);
+    }
+    assert_eq!(memory.map(|m| m.z()), untouched.map(|m| m.z()));
+}
+
+#[test]
 fn memory_that_does_not_fit_is_refused() {
     let block = Block::<f64>::new();
     let sections = Sections { taps: &block.taps, real: &block.real, pairs: &[], rest_gain: 1.0 };

@@ -28,7 +28,7 @@ static real dynamics_step($name_state *state, real w)
             accumulate(&state->real_x[i], &state->real_carry[i], REAL_GAIN[i] * (drive - state->real_x[i]));
             lane[i & 3] = lane[i & 3] + REAL_WEIGHT[i] * state->real_x[i];
         }
-        sum = sum + ((lane[0] + lane[1]) + (lane[2] + lane[3]));
+        sum = sum + ((lane[0] + lane[2]) + (lane[1] + lane[3]));
     }
 //}
 //{ pairs

@@ -34,9 +34,9 @@ impl<T: Real> BoucWen<T> {
         let (rise, turn, distance) =
             if du < zero { (-self.alpha, -self.gamma, -du) } else { (self.alpha, self.gamma, du) };
         let lead = if z == zero { rise } else { z };
-        let kappa = if lead < zero { self.beta - turn } else { self.beta + turn };
-        let (_, reach) = relaxation(kappa, distance);
-        let change = (rise - kappa * z) * reach;
+        let along = |kappa: T| (rise - kappa * z) * relaxation(kappa, distance).1;
+        // Two branches, not a choice of κ: the exponential then waits for the voltage alone, not for the z of the sample before.
+        let change = if lead < zero { along(self.beta - turn) } else { along(self.beta + turn) };
         if (z + change) * z < zero { self.exact_increment(z, du) } else { change }
     }
 

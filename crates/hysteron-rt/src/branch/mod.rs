@@ -113,13 +113,13 @@ impl<T: Real> Branch<T> {
         })
     }
 
-    /// As [`Self::look`], with the states of the memory readied for the move.
+    /// As [`Self::look`], and the states of the memory make the move.
     #[inline]
-    pub(crate) fn ready(&self, weights: &[T], memory: &mut [IncrementMemory<T>], from: T, to: T) -> T {
+    pub(crate) fn advance(&self, weights: &[T], memory: &mut [IncrementMemory<T>], from: T, to: T) -> T {
         let Change { lost, own } = self.change(memory, from, to);
         let mut sum = T::of(0.0);
         for ((weight, memory), own) in weights.iter().zip(memory).zip(own) {
-            let y = memory.ready(own - lost * memory.z());
+            let y = memory.advance(own - lost * memory.z());
             sum = sum + *weight * self.output(y, to);
         }
         sum

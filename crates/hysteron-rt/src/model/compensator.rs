@@ -269,28 +269,29 @@ impl<'a, T: Real> Compensator<'a, T> {
     /// The law.
     #[inline(always)]
     fn wanted(&self, disturbance: T) -> T {
-        let (rest, [newest, recent @ ..]) = self.dynamics.inputs();
+        let (rest, recent) = self.dynamics.inputs();
+        let newest = recent.before(0);
         let states = self.dynamics.memory();
         let mut sum = T::of(0.0);
-        for (gain, v) in self.law.recent.iter().zip(recent) {
-            sum = sum + *gain * (*v - *newest);
+        for (older, gain) in self.law.recent.iter().enumerate() {
+            sum = sum + *gain * (recent.before(older + 1) - newest);
         }
         for (gains, state) in self.law.real.iter().zip(states.real.iter()) {
             for (gain, x) in gains.iter().zip(&state.value) {
-                sum = sum + *gain * (*x - *newest);
+                sum = sum + *gain * (*x - newest);
             }
         }
         for ([on_re, on_im], state) in self.law.pairs.iter().zip(states.pairs.iter()) {
             let [re, im] = state.value;
-            sum = sum + *on_re * (re - *newest) + *on_im * im;
+            sum = sum + *on_re * (re - newest) + *on_im * im;
         }
-        let settles = self.offset + self.dynamics.output_at_rest() + self.gain * *newest + disturbance;
+        let settles = self.offset + self.dynamics.output_at_rest() + self.gain * newest + disturbance;
         let (older, newer) = self.ring.split_at_checked(self.at).unwrap_or((&[], self.ring));
         let newest_first = older.iter().rev().chain(newer.iter().rev());
         for (gain, r) in self.law.reference.iter().zip(newest_first) {
             sum = sum + *gain * (*r - settles);
         }
-        rest + (*newest + sum)
+        rest + (newest + sum)
     }
 
     /// Displacement of the model now, or, of a model that is late by whole samples, that many samples from now.

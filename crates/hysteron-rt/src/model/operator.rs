@@ -13,14 +13,14 @@ use crate::real::Real;
 pub struct IncrementMemory<T> {
     z: T,
     carry: T,
-    /// Both after the move under way.
-    next: (T, T),
+    /// Both before the last move. Nothing waits for them unless that move is taken back.
+    before: (T, T),
 }
 
 impl<T: Real> IncrementMemory<T> {
     /// The state `z`.
     pub fn new(z: T) -> Self {
-        Self { z, carry: T::of(0.0), next: (z, T::of(0.0)) }
+        Self { z, carry: T::of(0.0), before: (z, T::of(0.0)) }
     }
 
     /// The state.
@@ -28,18 +28,17 @@ impl<T: Real> IncrementMemory<T> {
         self.z
     }
 
-    /// Readies a move by an increment; the state after it.
+    /// Moves by an increment; the state after it.
     #[inline(always)]
-    pub(crate) fn ready(&mut self, increment: T) -> T {
-        self.next = (self.z, self.carry);
-        accumulate(&mut self.next.0, &mut self.next.1, increment);
-        self.next.0
+    pub(crate) fn advance(&mut self, increment: T) -> T {
+        self.before = (self.z, self.carry);
+        accumulate(&mut self.z, &mut self.carry, increment);
+        self.z
     }
 
-    /// Makes the move that is ready.
-    #[inline(always)]
-    fn make(&mut self) {
-        (self.z, self.carry) = self.next;
+    /// As it was before the last move.
+    fn take_back(&mut self) {
+        (self.z, self.carry) = self.before;
     }
 }
 
@@ -193,15 +192,13 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::None => in_range_or_overflow(v)?,
             Operator::BoucWen { operators, memory } => {
                 for (operator, memory) in operators.iter().zip(memory.iter_mut()) {
-                    v = v - memory.ready(operator.increment(memory.z, du));
+                    v = v - memory.advance(operator.increment(memory.z, du));
                 }
-                in_range_or_overflow(v)?;
-                memory.iter_mut().for_each(IncrementMemory::make);
+                in_range_or_taken_back(v, memory)?;
             }
             Operator::Branch { law, weights, memory } => {
-                v = v + law.ready(weights, memory, self.voltage, voltage);
-                in_range_or_overflow(v)?;
-                memory.iter_mut().for_each(IncrementMemory::make);
+                v = v + law.advance(weights, memory, self.voltage, voltage);
+                in_range_or_taken_back(v, memory)?;
             }
             Operator::Plays { bank, states } => {
                 v = v + bank.look(states, voltage);
@@ -297,4 +294,13 @@ pub(super) fn in_range<T: Real>(v: T) -> bool {
 #[inline(always)]
 fn in_range_or_overflow<T: Real>(v: T) -> Result<(), ModelError<T>> {
     if in_range(v) { Ok(()) } else { Err(ModelError::Overflow) }
+}
+
+#[inline(always)]
+fn in_range_or_taken_back<T: Real>(v: T, memory: &mut [IncrementMemory<T>]) -> Result<(), ModelError<T>> {
+    let checked = in_range_or_overflow(v);
+    if checked.is_err() {
+        memory.iter_mut().for_each(IncrementMemory::take_back);
+    }
+    checked
 }

@@ -1,5 +1,7 @@
 //! Linear dynamics as real poles, pole pairs and a few taps, one sample at a time.
 
+use core::array::from_fn;
+
 use super::ModelError;
 use crate::real::Real;
 
@@ -95,9 +97,38 @@ pub struct Linear<'a, T> {
     memory: SectionsMemory<'a, T>,
     /// Where the ring of the delay is written next.
     at: usize,
-    /// The newest inputs, delayed, the newest first; what drives the poles behind the last tap.
-    recent: [T; MOST_TAPS + 1],
+    recent: Recent<T>,
     rest: T,
+}
+
+/// The newest inputs, delayed: [`MOST_TAPS`] and what drives the poles behind them. A ring, as moving them all up by one would
+/// have every sample wait for the stores of the sample before it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Recent<T> {
+    ring: [T; RING],
+    newest: usize,
+}
+
+/// A power of two above [`MOST_TAPS`].
+const RING: usize = 16;
+const _: () = assert!(RING.is_power_of_two() && RING > MOST_TAPS);
+
+impl<T: Real> Recent<T> {
+    fn zero() -> Self {
+        Self { ring: [T::of(0.0); RING], newest: 0 }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, input: T) {
+        self.newest = self.newest.wrapping_sub(1) % RING;
+        self.ring[self.newest % RING] = input;
+    }
+
+    /// The input `samples` before the newest.
+    #[inline(always)]
+    pub(super) fn before(&self, samples: usize) -> T {
+        self.ring[self.newest.wrapping_add(samples) % RING]
+    }
 }
 
 impl<'a, T: Real> Linear<'a, T> {
@@ -127,7 +158,7 @@ impl<'a, T: Real> Linear<'a, T> {
             return Err(ModelError::Coefficient);
         }
         let zero = T::of(0.0);
-        let mut block = Self { sections, memory, at: 0, recent: [zero; MOST_TAPS + 1], rest: zero };
+        let mut block = Self { sections, memory, at: 0, recent: Recent::zero(), rest: zero };
         block.rest_at(zero);
         Ok(block)
     }
@@ -136,7 +167,7 @@ impl<'a, T: Real> Linear<'a, T> {
     pub fn rest_at(&mut self, input: T) {
         self.rest = input;
         self.at = 0;
-        self.recent = [T::of(0.0); MOST_TAPS + 1];
+        self.recent = Recent::zero();
         self.memory.delay.fill(T::of(0.0));
         self.memory.real.fill(Compensated::zero());
         self.memory.pairs.fill(Compensated::zero());
@@ -159,25 +190,25 @@ impl<'a, T: Real> Linear<'a, T> {
                 self.at = 0;
             }
         }
-        let [a, b, c, d, e, f, g, h, _] = self.recent;
-        self.recent = [newest, a, b, c, d, e, f, g, h];
+        self.recent.push(newest);
         let mut sum = self.sections.rest_gain * self.rest;
-        let mut recent = self.recent.iter();
-        for (tap, x) in self.sections.taps.iter().zip(recent.by_ref()) {
-            sum = sum + *tap * *x;
+        for (samples, tap) in self.sections.taps.iter().enumerate() {
+            sum = sum + *tap * self.recent.before(samples);
         }
-        let drive = recent.next().copied().unwrap_or(newest);
+        let drive = self.recent.before(self.sections.taps.len());
         let mut sums = [T::of(0.0); LANES];
         for (poles, state) in self.sections.real.iter().zip(self.memory.real.iter_mut()) {
-            let lanes = poles.gain.iter().zip(&poles.weight).zip(&mut sums);
-            for (((gain, weight), sum), (x, carry)) in lanes.zip(state.value.iter_mut().zip(&mut state.carry))
-            {
-                accumulate(x, carry, *gain * (drive - *x));
-                *sum = *sum + *weight * *x;
-            }
+            // One operation on all lanes after the other, so that they become vectors.
+            let (x, carry) = (state.value, state.carry);
+            let delta: [T; LANES] = from_fn(|i| poles.gain[i] * (drive - x[i]) + carry[i]);
+            let moved: [T; LANES] = from_fn(|i| x[i] + delta[i]);
+            state.carry = from_fn(|i| delta[i] - (moved[i] - x[i]));
+            state.value = moved;
+            sums = from_fn(|i| sums[i] + poles.weight[i] * moved[i]);
         }
+        // In halves of the vector.
         let [a, b, c, d] = sums;
-        sum = sum + ((a + b) + (c + d));
+        sum = sum + ((a + c) + (b + d));
         for (pair, state) in self.sections.pairs.iter().zip(self.memory.pairs.iter_mut()) {
             let ([g_re, g_im], [c_re, c_im]) = (pair.gain, pair.weight);
             let ([re, im], [carry_re, carry_im]) = (&mut state.value, &mut state.carry);
@@ -196,7 +227,7 @@ impl<'a, T: Real> Linear<'a, T> {
 
     /// The input at rest, and the newest inputs counted from there.
     #[inline(always)]
-    pub(super) fn inputs(&self) -> (T, &[T; MOST_TAPS + 1]) {
+    pub(super) fn inputs(&self) -> (T, &Recent<T>) {
         (self.rest, &self.recent)
     }
 
