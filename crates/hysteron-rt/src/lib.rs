@@ -47,7 +47,9 @@ mod real;
 mod series;
 
 pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepError};
-pub use branch::{Branch, GAUSS_LEGENDRE, MOST_MOMENTS, MOST_PANELS, langevin, moments};
+pub use branch::{
+    Branch, GAUSS_LEGENDRE, MOST_MOMENTS, MOST_PANELS, langevin, langevin_slope, moments, rising_root,
+};
 pub use dual::Dual;
 pub use model::{
     Compensated, Compensator, Drive, Feedback, FilteredLms, Held, Hysteresis, IncrementMemory, LANES, Law,

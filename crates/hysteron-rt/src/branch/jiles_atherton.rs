@@ -136,8 +136,8 @@ pub fn langevin<S: Scalar>(x: S) -> S {
     }
 }
 
-/// L'(x) = 1 − L² − 2 L/x.
-fn langevin_slope<T: Real>(x: T) -> T {
+/// L'(x) = 1 − L² − 2 L/x; 1/x² where the rest, 4 e^(−2|x|), is far below the last place.
+pub fn langevin_slope<T: Real>(x: T) -> T {
     let (one, two) = (T::of(1.0), T::of(2.0));
     if x.abs() > T::of(50.0) {
         return one / (x * x);

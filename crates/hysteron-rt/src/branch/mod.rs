@@ -6,7 +6,8 @@ mod jiles_atherton;
 mod root;
 
 pub use duhem::{MOST_MOMENTS, moments};
-pub use jiles_atherton::{GAUSS_LEGENDRE, MOST_PANELS, langevin};
+pub use jiles_atherton::{GAUSS_LEGENDRE, MOST_PANELS, langevin, langevin_slope};
+pub use root::rising_root;
 
 use crate::model::IncrementMemory;
 use crate::real::Real;

@@ -4,7 +4,7 @@
 //! doi:10.1016/0304-8853(86)90066-1; the freezing of the irreversible part right after a turn after J. H. B. Deane, *IEEE
 //! Trans. Magn.* 30 (1994) 2795–2801.
 
-use hysteron_rt::{GAUSS_LEGENDRE, Scalar, langevin};
+use hysteron_rt::{GAUSS_LEGENDRE, Scalar, langevin, langevin_slope, rising_root};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, finite, parameter, positive, simulate_with_sensitivities};
@@ -45,40 +45,6 @@ const FOUR: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
-
-/// L'(x) = 1 − L² − 2 L/x.
-fn langevin_slope(x: f64) -> f64 {
-    if x.abs() > 1e4 {
-        return 1.0 / (x * x);
-    }
-    let value = langevin(x);
-    let ratio = if x.abs() < 1e-8 { 1.0 / 3.0 } else { value / x };
-    1.0 - value * value - 2.0 * ratio
-}
-
-/// The zero between `low` and `high` of a function that rises from one to the other: Newton's method, bisection where a
-/// step leaves the bracket.
-fn rising_root(f: impl Fn(f64) -> (f64, f64), mut low: f64, mut high: f64, start: f64) -> f64 {
-    let mut x = start.max(low).min(high);
-    for _ in 0..200 {
-        let (value, slope) = f(x);
-        if value == 0.0 {
-            return x;
-        }
-        if value > 0.0 {
-            high = x;
-        } else {
-            low = x;
-        }
-        let newton = x - value / slope;
-        let next = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - x).abs() <= 4.0 * f64::EPSILON * x.abs() || next <= low || next >= high {
-            return next;
-        }
-        x = next;
-    }
-    x
-}
 
 /// The shape in numbers with or without derivatives.
 #[derive(Clone, Copy)]

@@ -280,6 +280,8 @@ fn findings(
         let fall = |m: &ModeShift| 100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz);
         let mut falls: Vec<f64> = modes.iter().map(fall).collect();
         falls.sort_by(f64::total_cmp);
+        // Two digits, as the table has them.
+        let percent = |x: f64| short(format!("{x:.1e}").parse().unwrap_or(x));
         let (least, most) = (falls.first().copied().unwrap_or(0.0), falls.last().copied().unwrap_or(0.0));
         let median = falls[falls.len() / 2];
         say(
@@ -289,9 +291,9 @@ fn findings(
                 "from {} to {} V rms the resonances fall by {} % in the median of the modes ({} to {} %).",
                 short(model.level.lowest),
                 short(model.level.highest),
-                short(median),
-                short(least),
-                short(most)
+                percent(median),
+                percent(least),
+                percent(most)
             ),
         );
         let law = if campaign.levels.len() == 2 {
