@@ -7,13 +7,14 @@ mod sheets;
 mod summary;
 mod text;
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use hysteron::bench_rig::{Dac, Truth};
 use hysteron::compensator::CompensatorError;
 use hysteron::control::{
-    ControlError, LoopSettings, Reach, Sines, TuningError, Wanted, reach, slew_of_current,
+    ControlError, Loop, LoopSettings, Reach, Sines, TuningError, Wanted, reach, slew_of_current,
 };
 use hysteron::display::short;
 use hysteron::realise::{RealiseError, RealiseOptions};
@@ -116,7 +117,7 @@ pub struct Track {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
-    /// Seconds at the beginning that are not scored [default: a quarter of the reference]
+    /// Seconds at the beginning that are not scored [default: a quarter of the reference]; at the end it is what is known ahead
     #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
     skip: Option<f64>,
 
@@ -151,6 +152,8 @@ fn factor(text: &str) -> Result<f64, String> {
 const AMPLITUDES: [f64; 5] = [0.05, 0.1, 0.25, 0.5, 1.0];
 /// Highest frequency that is predicted, as a share of the sample rate.
 const MOST_PREDICTED: f64 = 0.25;
+/// Samples that are scored, at least.
+const LEAST_SCORED: usize = 10;
 /// Lowest and highest sine, as shares of the sample rate.
 const SINES: [f64; 2] = [1e-4, 0.1];
 
@@ -161,7 +164,7 @@ pub struct Found {
     plant_words: String,
     sample_rate_hz: f64,
     reference: Vec<f64>,
-    scored_from: usize,
+    scored: Range<usize>,
     settings: LoopSettings,
     sines: Option<Sines>,
     reach: Vec<Reach>,
@@ -186,15 +189,16 @@ impl Track {
                 .hint("give the sample rate with --sample-rate HZ, or a time column of even steps"));
         };
         let settings = self.settings(&model, sample_rate_hz)?;
-        let scored_from = self.scored_from(&reference.samples, sample_rate_hz);
-        let sines = self.sines(&reference.samples[scored_from..], sample_rate_hz)?;
-        let runs = self.play_all(&model, &reference.samples, &settings, sines)?;
+        let loops = self.loops(&model, &reference.samples, &settings)?;
+        let scored = self.scored(&loops, reference.samples.len(), sample_rate_hz)?;
+        let sines = self.sines(&reference.samples[scored.clone()], sample_rate_hz)?;
+        let runs = self.play_all(&loops, &reference.samples, &settings, &scored, sines)?;
         let found = Found {
             name: self.reference_file.display().to_string(),
             plant: self.plant,
             plant_words: self.plant_words()?,
             sample_rate_hz,
-            scored_from,
+            scored,
             reach: self.reaches(&runs, &reference.samples, &settings),
             reference: reference.samples,
             sines,
@@ -261,11 +265,24 @@ impl Track {
         })
     }
 
-    fn scored_from(&self, reference: &[f64], sample_rate_hz: f64) -> usize {
-        match self.skip {
-            Some(seconds) => ((seconds * sample_rate_hz) as usize).min(reference.len().saturating_sub(2)),
-            None => reference.len() / 4,
+    /// The samples that are scored: behind --skip, and before the end by what is known ahead, as what comes behind the end is known to no one.
+    fn scored(
+        &self,
+        loops: &[(Controller, Loop)],
+        samples: usize,
+        sample_rate_hz: f64,
+    ) -> Result<Range<usize>, Failure> {
+        let from = self.skip.map_or(samples / 4, |seconds| (seconds * sample_rate_hz) as usize);
+        let ahead = loops.iter().filter_map(|(_, made)| made.inverse.as_ref()).map(|inverse| inverse.preview);
+        let to = samples - ahead.max().unwrap_or(0).min(samples);
+        if from + LEAST_SCORED > to {
+            return Err(Failure::usage(format!(
+                "nothing is left to score: the reference has {samples} samples, {from} of them skipped at its beginning (--skip) and {} at its end, where \
+                 what is to be known ahead (--preview) is not there",
+                samples - to
+            )));
         }
+        Ok(from..to)
     }
 
     /// The sines that are played, about the middle of what is scored of the reference and as large; none where it does not move.
@@ -282,42 +299,55 @@ impl Track {
         Ok((amplitude > 0.0).then_some(Sines { level, amplitude, range_hz }))
     }
 
-    /// Every controller on the same plant. One that cannot be made is an error where it was asked for, a remark where all were.
-    fn play_all(
+    /// Every controller made ready. One that cannot be made is an error where it was asked for, a remark where all were.
+    fn loops(
         &self,
         model: &LoadedModel,
         reference: &[f64],
         settings: &LoopSettings,
+    ) -> Result<Vec<(Controller, Loop)>, Failure> {
+        let fastest_hz = settings.sample_rate_hz / (2.0 * shortest_swing(reference).max(1) as f64);
+        let predict_to_hz =
+            self.predict_to.unwrap_or(fastest_hz.min(MOST_PREDICTED * settings.sample_rate_hz));
+        let known = Known { preview: self.preview, predict_to_hz, bandwidth_hz: self.bandwidth };
+        let asked =
+            if self.controllers.is_empty() { Controller::value_variants() } else { &self.controllers };
+        let made = |c: &Controller| Loop::new(model.model(), settings, &c.strategy(&known));
+        self.sorted_out(asked.par_iter().map(|c| (*c, made(c))).collect())
+    }
+
+    /// Every controller on the same plant.
+    fn play_all(
+        &self,
+        loops: &[(Controller, Loop)],
+        reference: &[f64],
+        settings: &LoopSettings,
+        scored: &Range<usize>,
         sines: Option<Sines>,
     ) -> Result<Vec<Run>, Failure> {
         let [low, high] = settings.range_v;
-        let fastest_hz = settings.sample_rate_hz / (2.0 * shortest_swing(reference).max(1) as f64);
         let rehearsal = Rehearsal {
-            model: model.model(),
-            settings,
             plant: self.plant,
             truth: &self.truth()?,
             seed: self.seed,
             virgin_v: self.virgin_voltage.or((low <= 0.0 && 0.0 <= high).then_some(0.0)),
-            known: Known {
-                preview: self.preview,
-                predict_to_hz: self
-                    .predict_to
-                    .unwrap_or(fastest_hz.min(MOST_PREDICTED * settings.sample_rate_hz)),
-                bandwidth_hz: self.bandwidth,
-            },
             reference,
-            scored_from: self.scored_from(reference, settings.sample_rate_hz),
+            scored,
             sines,
         };
-        let asked =
-            if self.controllers.is_empty() { Controller::value_variants() } else { &self.controllers };
-        let outcomes: Vec<_> = asked.par_iter().map(|c| (c, rehearsal.run(*c))).collect();
-        let mut runs = Vec::new();
+        let outcomes = loops.par_iter().map(|(c, made)| (*c, rehearsal.run(*c, made))).collect();
+        Ok(self.sorted_out(outcomes)?.into_iter().map(|(_, run)| run).collect())
+    }
+
+    fn sorted_out<T>(
+        &self,
+        outcomes: Vec<(Controller, Result<T, ControlError>)>,
+    ) -> Result<Vec<(Controller, T)>, Failure> {
+        let mut sound = Vec::new();
         let mut last = None;
         for (controller, outcome) in outcomes {
             match outcome {
-                Ok(run) => runs.push(run),
+                Ok(one) => sound.push((controller, one)),
                 Err(e) if self.controllers.is_empty() => {
                     console::note(&format!("{} is left out: {e}", controller.name()));
                     last = Some(e);
@@ -326,8 +356,8 @@ impl Track {
             }
         }
         match last {
-            Some(e) if runs.is_empty() => Err(self.explained(&e)),
-            _ => Ok(runs),
+            Some(e) if sound.is_empty() => Err(self.explained(&e)),
+            _ => Ok(sound),
         }
     }
 

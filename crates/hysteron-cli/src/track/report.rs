@@ -5,7 +5,7 @@ use hysteron_report::page::{Block, Page, Section};
 
 use super::controllers::{Controller, Family};
 use super::sheets::{adaptations, bandwidths, errors, margins, reaches};
-use super::text::{OF_ADAPTATIONS, introduction, of_bandwidths};
+use super::text::{OF_ADAPTATIONS, introduction, of_bandwidths, of_runaways};
 use super::{Found, Run};
 use crate::identify::command_line;
 use crate::numbers::ends;
@@ -17,6 +17,9 @@ pub fn page(found: &Found) -> Page {
     let mut result = Section::new("What each controller leaves").block(Block::paragraph(introduction(found)));
     if let Some(sheet) = errors(found) {
         result = result.block(sheet.for_page());
+    }
+    if let Some(words) = of_runaways(found) {
+        result = result.block(Block::paragraph(words));
     }
     let mut page = Page::new(format!("Following {} (simulated)", found.name))
         .section(result.block(motion(found)).block(left_over(found)));
@@ -145,10 +148,10 @@ fn left_over(found: &Found) -> Figure {
     let mut figure = Figure::new("Error over time").panel_height(180.0);
     for (place, i) in shown.into_iter().enumerate() {
         let run = &found.runs[i];
-        let from = found.scored_from;
-        let error = found.reference.iter().zip(&run.played.displacement).skip(from);
+        let scored = || found.scored.clone();
+        let error = found.reference[scored()].iter().zip(&run.played.displacement[scored()]);
         let error: Vec<f64> = error.map(|(r, y)| r - y - run.score.mean).collect();
-        let time = time(found).split_off(from);
+        let time = time(found)[scored()].to_vec();
         let panel = Panel::new(Axis::linear("time", "s"), Axis::linear("error", unit.clone()))
             .series(Series::line(run.controller.words(), time, error, Style::nth(place)));
         figure = figure.panel(panel);

@@ -1,15 +1,17 @@
 //! What a controller does on the stage.
 
+use std::ops::Range;
+
 use hysteron::bench_rig::Truth;
 use hysteron::control::{
-    AdaptiveFilter, ControlError, Edge, Followed, Loop, LoopSettings, Played, Sines, Stage, TrackingScore,
-    play,
+    AdaptiveFilter, ControlError, Edge, Followed, Loop, Played, Sines, Stage, TrackingScore, play,
 };
-use hysteron::hammerstein::Model;
 
 use super::PlantArg;
-use super::controllers::{Controller, Known};
+use super::controllers::Controller;
 
+/// An error in per cent of the stroke at which a stage is not held.
+const RUN_AWAY: f64 = 100.0;
 /// Excess of one bandwidth over another that is worth a remark.
 const DIFFERENT: f64 = 1.1;
 
@@ -35,15 +37,12 @@ pub struct Adaptation {
 
 /// Every controller is played on this.
 pub struct Rehearsal<'a> {
-    pub model: &'a Model,
-    pub settings: &'a LoopSettings,
     pub plant: PlantArg,
     pub truth: &'a Truth,
     pub seed: u64,
     pub virgin_v: Option<f64>,
-    pub known: Known,
     pub reference: &'a [f64],
-    pub scored_from: usize,
+    pub scored: &'a Range<usize>,
     pub sines: Option<Sines>,
 }
 
@@ -55,41 +54,44 @@ impl Rehearsal<'_> {
         }
     }
 
-    pub fn run(&self, controller: Controller) -> Result<Run, ControlError> {
-        let made = Loop::new(self.model, self.settings, &controller.strategy(&self.known))?;
-        let played = play(&made, self.reference, self.stage(), self.virgin_v)?;
-        let score = TrackingScore::of(&played.displacement, self.reference, self.scored_from);
+    pub fn run(&self, controller: Controller, made: &Loop) -> Result<Run, ControlError> {
+        let Range { start: from, end: to } = *self.scored;
+        let played = play(made, self.reference, self.stage(), self.virgin_v)?;
+        let score = TrackingScore::of(&played.displacement[..to], &self.reference[..to], from);
         let sines = |made: &Loop| match &self.sines {
             Some(sines) => made.sines(sines, self.stage(), self.virgin_v).map(Some),
             None => Ok(None),
         };
-        let followed = sines(&made)?;
+        let followed = sines(made)?;
         let adaptation = match &made.adaptive {
             Some(filter) => {
                 let alone = made.without_adaptation();
                 let played = play(&alone, self.reference, self.stage(), self.virgin_v)?;
                 let left: Vec<f64> =
-                    self.reference.iter().zip(&played.displacement).map(|(r, y)| r - y).collect();
+                    self.reference.iter().zip(&played.displacement).map(|(r, y)| r - y).take(to).collect();
                 let ahead = made.inverse.as_ref().map_or(0, |inverse| inverse.preview);
                 let first = self.reference.first().copied().unwrap_or(f64::NAN);
                 let last = self.reference.last().copied().unwrap_or(f64::NAN);
-                let known: Vec<f64> = (0..self.reference.len())
-                    .map(|k| self.reference.get(k + ahead).copied().unwrap_or(last) - first)
-                    .collect();
+                let known: Vec<f64> =
+                    (0..to).map(|k| self.reference.get(k + ahead).copied().unwrap_or(last) - first).collect();
                 Some(Adaptation {
-                    best_percent: filter.optimum(&known, &left, self.scored_from) * score.rms_percent
-                        / score.rms,
+                    best_percent: filter.optimum(&known, &left, from) * score.rms_percent / score.rms,
                     phase_error: sines(&alone)?.and_then(|followed| made.phase_error(&followed.answers)),
                     filter: filter.clone(),
                 })
             }
             None => None,
         };
-        Ok(Run { controller, made, played, score, followed, adaptation })
+        Ok(Run { controller, made: made.clone(), played, score, followed, adaptation })
     }
 }
 
 impl Run {
+    /// Whether the stage does not stay with the reference: an error larger than its whole stroke.
+    pub fn runs_away(&self) -> bool {
+        self.score.max_percent > RUN_AWAY
+    }
+
     /// By formula \[Hz\] and as played: −3 dB, 1 % error.
     pub fn bandwidths(&self) -> Option<[(f64, Edge); 2]> {
         let (formula, played) = (&self.made.bandwidth, self.followed.as_ref()?);

@@ -87,7 +87,7 @@ pub fn bandwidths(found: &Found) -> Option<Sheet> {
         ("−3 dB, played", hz()),
         ("1 % error, formula", hz()),
         ("1 % error, played", hz()),
-        ("apart", String::new()),
+        ("more than 10 % apart", String::new()),
     ];
     let edge = |edge: Edge| match edge {
         Edge::Below(f) => format!("< {}", significant(f, 3)),

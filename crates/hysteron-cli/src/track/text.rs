@@ -8,7 +8,12 @@ use super::runs::differ;
 use super::sheets::{Sheet, adaptations, bandwidths, errors, margins, reaches};
 
 pub fn introduction(found: &Found) -> String {
-    let from = found.scored_from as f64 / found.sample_rate_hz;
+    let [from, to] = [found.scored.start, found.scored.end].map(|k| k as f64 / found.sample_rate_hz);
+    let to = if found.scored.end < found.reference.len() {
+        format!(" to {} s, behind which not all is there that is to be known ahead,", significant(to, 4))
+    } else {
+        String::from(" on,")
+    };
     let slew = if found.settings.slew_v_per_s.is_finite() {
         format!(", at most {} {}/s", significant(found.settings.slew_v_per_s, 3), found.input)
     } else {
@@ -16,7 +21,7 @@ pub fn introduction(found: &Found) -> String {
     };
     let [low, high] = found.settings.range_v;
     format!(
-        "Simulated: {} follows {} at {} Hz, driven from {} to {} {}{slew}. Errors are those of the displacement from {} s on, their mean taken off.",
+        "Simulated: {} follows {} at {} Hz, driven from {} to {} {}{slew}. Errors are those of the displacement from {} s{to} their mean taken off.",
         found.plant_words,
         found.name,
         short(found.sample_rate_hz),
@@ -25,6 +30,19 @@ pub fn introduction(found: &Found) -> String {
         found.input,
         significant(from, 3)
     )
+}
+
+/// The controllers that do not hold the stage.
+pub fn of_runaways(found: &Found) -> Option<String> {
+    let names: Vec<&str> =
+        found.runs.iter().filter(|run| run.runs_away()).map(|run| run.controller.words()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "Do not use: {}. The error exceeds the whole stroke: the stage is not held. Where there is feedback its loop oscillates, because the stage is not the model that \
+             the margins are of: identify the model up to higher frequencies, or ask for more margin (--gain-margin).",
+            names.join("; ")
+        )
+    })
 }
 
 /// How the bandwidths were found, and whether what was played is what the formula says.
@@ -66,18 +84,21 @@ pub const OF_ADAPTATIONS: &str = "Weights that adapt: the step, and the largest 
 
 pub fn text(found: &Found) -> String {
     let mut out = format!("{}\n\n", introduction(found));
-    let mut put = |words: &str, sheet: Option<Sheet>| {
+    let put = |out: &mut String, words: &str, sheet: Option<Sheet>| {
         if let Some(sheet) = sheet {
             if !words.is_empty() {
-                out += &format!("\n{words}\n\n");
+                *out += &format!("\n{words}\n\n");
             }
-            out += &format!("{}\n", sheet.for_terminal());
+            *out += &format!("{}\n", sheet.for_terminal());
         }
     };
-    put("", errors(found));
-    put(&of_bandwidths(found), bandwidths(found));
-    put("Margins of the feedback on the identified model:", margins(found));
-    put(OF_ADAPTATIONS, adaptations(found));
-    put("What the largest rate of the drive leaves, by formula:", reaches(found));
+    put(&mut out, "", errors(found));
+    if let Some(words) = of_runaways(found) {
+        out += &format!("\nverdict: {words}\n");
+    }
+    put(&mut out, &of_bandwidths(found), bandwidths(found));
+    put(&mut out, "Margins of the feedback on the identified model:", margins(found));
+    put(&mut out, OF_ADAPTATIONS, adaptations(found));
+    put(&mut out, "What the largest rate of the drive leaves, by formula:", reaches(found));
     out
 }

@@ -130,6 +130,50 @@ fn bandwidths_are_measured_and_a_difference_is_said() {
 }
 
 #[test]
+fn a_loop_that_oscillates_is_not_recommended() {
+    let bench = bench(2000);
+    // The model's only mode lies far above the bench's own, so that the feedback is tuned much too fast.
+    let natural = TAU * 4000.0;
+    let term = |coefficient, order| Term { coefficient, order };
+    let square = natural * natural;
+    let fast = TransferFunction::new(
+        vec![term(square, 0.0)],
+        vec![term(square, 0.0), term(1.4 * natural, 1.0), term(1.0, 2.0)],
+    );
+    let model = Model { dynamics: Dynamics::Integer(fast.unwrap()), delay_s: 0.0, ..stage() };
+    bench.write_model("fast.json", &model, SignalUnits::default());
+    let controllers = "--range 0:10.5 --controller feedforward --controller feedforward-pi --sines 10:100";
+    let run = bench.run(&format!("track fast.json scan.csv {controllers} --json"));
+    let made: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(
+        [0, 1].map(|i| made["controllers"][i]["runs_away"].as_bool().unwrap()),
+        [false, true],
+        "{made}"
+    );
+    let run = bench.run(&format!("track fast.json scan.csv {controllers}"));
+    assert!(run.stdout.contains("verdict: Do not use: inverse, preview + PI."), "{}", run.stdout);
+    let run = bench.run(&format!("track stage.json scan.csv {controllers}"));
+    assert!(!run.stdout.contains("Do not use"), "{}", run.stdout);
+}
+
+#[test]
+fn what_is_not_known_behind_the_end_is_not_scored() {
+    let bench = bench(2000);
+    // 2000 samples end at rest of a period; 1987 in mid-swing.
+    bench.write("cut.csv", scan(1987));
+    let run = bench.run("track stage.json cut.csv --plant model --range 0:10.5 --controller feedforward --json --sines 10:100");
+    let made: Value = serde_json::from_str(&run.stdout).unwrap();
+    let to = made["scored_to_s"].as_f64().unwrap();
+    assert!(0.15 < to && to < 0.1987, "{to}");
+    let row = &made["controllers"][0];
+    assert!(row["max_percent_of_stroke"].as_f64().unwrap() < 0.02, "{row}");
+    let run =
+        bench.run("track stage.json cut.csv --plant model --range 0:10.5 --controller feedforward --skip 5");
+    assert_eq!(run.exit_code, 2, "{run:?}");
+    assert!(run.stderr.contains("nothing is left to score"), "{}", run.stderr);
+}
+
+#[test]
 fn what_cannot_be_followed_is_refused() {
     let bench = bench(500);
     let refused = |arguments: &str, words: &str, code: i32| {
