@@ -20,7 +20,7 @@ use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
 use crate::numbers::{ends, number, positive};
 use crate::object::{Object, key_in};
-use crate::output;
+use crate::output::{self, OutFile};
 use crate::realise::where_creep_stops;
 
 /// Compute the drive that makes a model's output follow a reference
@@ -47,7 +47,7 @@ pub struct Invert {
 
     /// File to write
     #[arg(short, long = "out", value_name = "DRIVE.csv")]
-    out: PathBuf,
+    out: OutFile,
 
     /// Least and largest drive [default: the range the model was identified in]
     #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]

@@ -1,12 +1,92 @@
 //! Files to be written, looked at before the work whose result they are to hold: a fit of minutes must not end in a folder that
-//! does not exist.
+//! does not exist, nor in place of the record it was made from.
 
+use std::ffi::OsString;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::ops::Deref;
+use std::path::{Path, PathBuf};
 
+use clap::ArgMatches;
 use hysteron::atomic_file::{AtomicWriteError, check_writable};
 
 use crate::failure::Failure;
+
+/// A file that the command line names to be written. Files to be read are [`PathBuf`]: by their types [`check_distinct`] tells
+/// them apart.
+#[derive(Clone, Debug)]
+pub struct OutFile(PathBuf);
+
+impl From<OsString> for OutFile {
+    fn from(path: OsString) -> Self {
+        OutFile(path.into())
+    }
+}
+
+impl Deref for OutFile {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.0
+    }
+}
+
+/// Checks, for every command, that no file is both read and written, and none written twice.
+///
+/// # Errors
+/// If one is: wrong usage, which names it.
+pub fn check_distinct(matches: &ArgMatches) -> Result<(), Failure> {
+    let (mut read, mut written) = (Vec::new(), Vec::new());
+    let mut level = Some(matches);
+    while let Some(matches) = level {
+        read.extend(given::<PathBuf>(matches).cloned());
+        written.extend(given::<OutFile>(matches).map(|file| file.to_path_buf()));
+        level = matches.subcommand().map(|(_, below)| below);
+    }
+    for (i, path) in written.iter().enumerate() {
+        keep_input(path, &read)?;
+        if written[..i].iter().any(|other| is_same(other, path)) {
+            return Err(Failure::usage(format!("{} is named twice as the file to write", path.display()))
+                .because("one result would replace the other")
+                .hint("name another file for one of them"));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that `written` is none of the files that are read.
+///
+/// # Errors
+/// If it is: wrong usage, which names it.
+pub fn keep_input(written: &Path, read: &[PathBuf]) -> Result<(), Failure> {
+    match read.iter().find(|path| is_same(path, written)) {
+        None => Ok(()),
+        Some(path) => {
+            Err(Failure::usage(format!("{} would be written over {}", written.display(), path.display()))
+                .because("it is a file that this command reads, and what it holds would be lost")
+                .hint("name another file to write"))
+        }
+    }
+}
+
+/// The values of one type, of whatever flag.
+fn given<T: Clone + Send + Sync + 'static>(matches: &ArgMatches) -> impl Iterator<Item = &T> {
+    let of = |id: &clap::Id| matches.try_get_many::<T>(id.as_str()).ok().flatten();
+    matches.ids().filter_map(of).flatten()
+}
+
+/// Whether two paths lead to one file, through links or not; terminals and pipes may well be one. A second hard link is another file: writing
+/// replaces the name, not the content.
+fn is_same(a: &Path, b: &Path) -> bool {
+    let resolved = |path: &Path| match path.canonicalize() {
+        Ok(found) => found.is_file().then_some(found),
+        Err(_) => {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+            Some(folder.join(path.file_name()?))
+        }
+    };
+    resolved(a).is_some_and(|a| Some(a) == resolved(b))
+}
 
 /// Checks that the file `path` can be written; `what` it is to hold, e.g. `the model`.
 ///

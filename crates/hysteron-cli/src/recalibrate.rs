@@ -21,7 +21,7 @@ use crate::failure::Failure;
 use crate::identify::command_line;
 use crate::model::{LoadedModel, Signal};
 use crate::numbers::number;
-use crate::output;
+use crate::output::{self, OutFile};
 use crate::start::{Drive, StartFlags, in_words};
 
 /// Find gain, delay and offset of a model again from short records, and hold the rest of it.
@@ -44,7 +44,7 @@ pub struct Recalibrate {
 
     /// Model file to write
     #[arg(short, long = "output-model", value_name = "NEW.json")]
-    out: PathBuf,
+    out: OutFile,
 
     /// Refuse records of which the recalibrated model explains less than this share, in %
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]

@@ -1,7 +1,6 @@
 //! Flags of the commands whose result is also a page, and also an object.
 
 use std::borrow::Borrow;
-use std::path::PathBuf;
 
 use clap::Args;
 use hysteron_report::page::Page;
@@ -9,14 +8,14 @@ use hysteron_report::write_page;
 
 use crate::console;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{self, OutFile};
 
 /// How the result is handed out.
 #[derive(Args, Clone, Debug)]
 pub struct ResultFlags {
     /// Report to write, one self-contained HTML file
     #[arg(long, value_name = "FILE.html")]
-    report: Option<PathBuf>,
+    report: Option<OutFile>,
 
     /// Print one JSON object
     #[arg(long)]

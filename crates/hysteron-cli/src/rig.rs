@@ -81,6 +81,7 @@ impl Rig {
         }
         let drives = self.drives.iter().map(|path| self.drive(path)).collect::<Result<Vec<_>, _>>()?;
         for (i, drive) in drives.iter().enumerate() {
+            output::keep_input(&self.record_of(&drive.name), &self.drives)?;
             if drives[..i].iter().any(|d| d.name == drive.name) {
                 return Err(Failure::usage(format!("two drives are called {}", drive.name))
                     .because("each record is named after its drive, and one would overwrite the other"));
@@ -89,6 +90,11 @@ impl Rig {
         let measured =
             |(stream, drive)| measure(truth, drive, self.seed, stream).map_err(|e| failure().because(e));
         drives.iter().enumerate().map(measured).collect()
+    }
+
+    /// The record of a drive, named after it.
+    fn record_of(&self, name: &str) -> PathBuf {
+        self.out_dir.join(format!("{name}.csv"))
     }
 
     /// The drive in a file, as something to be played.
@@ -113,7 +119,7 @@ impl Rig {
     }
 
     fn write(&self, run: &RigRun) -> Result<(), Failure> {
-        let path = self.out_dir.join(format!("{}.csv", run.record.name));
+        let path = self.record_of(&run.record.name);
         let with_truth = self.with_truth.then(|| run.record_with_truth());
         let record = with_truth.as_ref().unwrap_or(&run.record);
         write_atomically_with(&path, |out| {

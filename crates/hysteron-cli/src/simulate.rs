@@ -13,7 +13,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
 use crate::oscillator::LoadedOscillator;
-use crate::output;
+use crate::output::{self, OutFile};
 use crate::start::{Drive, StartFlags};
 
 /// Simulate a model's output for the drive in a file.
@@ -37,7 +37,7 @@ pub struct Simulate {
 
     /// File to write
     #[arg(short, long = "out", value_name = "OUT.csv")]
-    out: PathBuf,
+    out: OutFile,
 
     /// Add the ends of a 95 % band around the output
     #[arg(long, value_enum)]

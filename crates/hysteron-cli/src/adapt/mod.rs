@@ -18,7 +18,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
 use crate::numbers::{count, positive};
-use crate::output;
+use crate::output::{self, OutFile};
 use crate::start::StartFlags;
 use follow::Followed;
 
@@ -82,7 +82,7 @@ pub struct Adapt {
 
     /// Model file to write, with the coefficients of the last sample
     #[arg(short, long = "output-model", value_name = "NEW.json")]
-    out: Option<PathBuf>,
+    out: Option<OutFile>,
 
     /// Print one JSON object
     #[arg(long)]

@@ -23,7 +23,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::identify::written;
 use crate::interrupt;
-use crate::output;
+use crate::output::{self, OutFile};
 use crate::progress::Progress;
 use crate::result_flags::ResultFlags;
 
@@ -63,7 +63,7 @@ pub struct Compare {
 
     /// Model file of the preferred structure to write, identified from all samples of all records
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
-    out: Option<PathBuf>,
+    out: Option<OutFile>,
 
     #[command(flatten)]
     result: ResultFlags,

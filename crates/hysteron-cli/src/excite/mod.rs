@@ -2,8 +2,6 @@
 
 mod waves;
 
-use std::path::PathBuf;
-
 use clap::Args;
 use hysteron::display::short;
 use hysteron::excitation::{AmplifierLimits, Excitation, ExcitationSpec};
@@ -13,7 +11,7 @@ use serde::Serialize;
 use crate::console;
 use crate::failure::Failure;
 use crate::numbers::{not_negative, number, positive, whole};
-use crate::output;
+use crate::output::{self, OutFile};
 use waves::Wave;
 
 /// A voltage beyond every amplifier: the limit where none is given.
@@ -60,7 +58,7 @@ pub struct Drive {
 
     /// File to write
     #[arg(short, long = "out", value_name = "OUT.csv")]
-    out: PathBuf,
+    out: OutFile,
 
     /// Print what was written as one JSON object: length, range, slew, excited and detection lines
     #[arg(long)]

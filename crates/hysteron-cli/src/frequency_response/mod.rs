@@ -16,7 +16,7 @@ use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::numbers::positive;
-use crate::output;
+use crate::output::{self, OutFile};
 use crate::result_flags::ResultFlags;
 
 /// Fit structures to a measured frequency response, or to records of periodic multisines, and say what each explains.
@@ -67,7 +67,7 @@ pub struct FrequencyResponseCommand {
 
     /// Model file to write: the structure with the lowest AIC among those that a model file can hold
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
-    out: Option<PathBuf>,
+    out: Option<OutFile>,
 
     #[command(flatten)]
     result: ResultFlags,

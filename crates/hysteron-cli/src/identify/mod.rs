@@ -35,7 +35,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::numbers::{count, number, whole};
-use crate::output;
+use crate::output::{self, OutFile};
 use crate::result_flags::ResultFlags;
 
 /// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
@@ -77,7 +77,7 @@ pub struct Identify {
 
     /// Model file to write
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
-    out: PathBuf,
+    out: OutFile,
 
     /// Where the hysteresis is: ahead of linear dynamics, or in feedback [default: hammerstein; modes with --inputs]
     #[arg(long, value_enum)]

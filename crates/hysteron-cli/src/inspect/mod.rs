@@ -15,6 +15,7 @@ use serde::Serialize;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
+use crate::output::{self, OutFile};
 
 /// Show what is in a record: rate, jitter, range, frequency, periods, noise floor, delay, loop, saturation, warnings; and what the
 /// records together can determine.
@@ -36,7 +37,7 @@ pub struct Inspect {
 
     /// Draw loop and time curves: an SVG (one record) or a self-contained HTML page, by the file's ending
     #[arg(long, value_name = "FILE.svg|html", value_parser = plot::target)]
-    plot: Option<plot::Target>,
+    plot: Option<OutFile>,
 
     #[command(flatten)]
     columns: ColumnFlags,
@@ -56,11 +57,11 @@ struct Report<'a> {
 
 impl Inspect {
     pub fn run(&self) -> Result<(), Failure> {
-        if let (Some(plot::Target::Svg(_)), 2..) = (&self.plot, self.records.len()) {
+        if self.records.len() > 1 && self.plot.as_deref().is_some_and(plot::is_figure) {
             return Err(Failure::usage("one SVG cannot hold several records")
                 .hint("write an HTML page: --plot FILE.html"));
         }
-        self.plot.as_ref().map_or(Ok(()), plot::Target::check)?;
+        self.plot.as_deref().map_or(Ok(()), |path| output::check_file("the plot", path))?;
         let mut inspected = Vec::with_capacity(self.records.len());
         for path in &self.records {
             let data = self.columns.read_silently(path)?;

@@ -1,6 +1,7 @@
 //! Loop and time curves of records.
 
-use std::path::PathBuf;
+use std::ffi::OsString;
+use std::path::Path;
 
 use hysteron::atomic_file::write_atomically;
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
@@ -10,45 +11,32 @@ use hysteron_report::write_page;
 use super::Inspected;
 use crate::console;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{self, OutFile};
 
-/// File to draw into.
-#[derive(Clone, Debug)]
-pub enum Target {
-    Svg(PathBuf),
-    Html(PathBuf),
+/// A file name whose ending says what is drawn.
+pub fn target(text: &str) -> Result<OutFile, String> {
+    let known = ["svg", "html", "htm"].iter().any(|ending| ends_in(Path::new(text), ending));
+    let wrong = || "expected a file name ending in .svg or .html".to_owned();
+    known.then(|| OutFile::from(OsString::from(text))).ok_or_else(wrong)
 }
 
-impl Target {
-    /// Checks that the file can be written.
-    ///
-    /// # Errors
-    /// If it cannot.
-    pub fn check(&self) -> Result<(), Failure> {
-        let (Target::Svg(path) | Target::Html(path)) = self;
-        output::check_file("the plot", path)
-    }
+/// Whether the file is to be one figure, not a page.
+pub fn is_figure(target: &Path) -> bool {
+    ends_in(target, "svg")
 }
 
-/// Parses a file name by its ending.
-pub fn target(text: &str) -> Result<Target, String> {
-    let path = PathBuf::from(text);
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("svg") => Ok(Target::Svg(path)),
-        Some("html" | "htm") => Ok(Target::Html(path)),
-        _ => Err("expected a file name ending in .svg or .html".into()),
-    }
+fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
 }
 
 /// Draws the records.
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write(target: &Target, records: &[Inspected]) -> Result<(), Failure> {
-    let (Target::Svg(path) | Target::Html(path)) = target;
+pub fn write(path: &Path, records: &[Inspected]) -> Result<(), Failure> {
     let failed = |e| output::cannot_write("the plot", path, e);
-    match (target, records) {
-        (Target::Svg(path), [record, ..]) => {
+    match records {
+        [record, ..] if is_figure(path) => {
             write_atomically(path, figure(record).to_svg().as_bytes()).map_err(failed)?;
         }
         _ => {

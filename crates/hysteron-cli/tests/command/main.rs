@@ -15,6 +15,7 @@ mod excite_writes_drives;
 mod frequency_responses_are_explained;
 mod identify_can_be_interrupted;
 mod identify_makes_a_model;
+mod inputs_are_kept;
 mod inspect_tells_what_is_in_a_record;
 mod invert_follows_a_reference;
 mod models_are_exported;
