@@ -151,6 +151,65 @@ fn it_starts_and_starts_again_without_a_jump() {
 }
 
 #[test]
+fn a_start_does_not_depend_on_the_starts_before() {
+    let mut parts = Parts::<f64>::new(Kind::Plays);
+    let mut compensator = parts.compensator(Kind::Plays, LIMITS);
+    for wild in [1e30, 1.7e308, -1.7e308] {
+        compensator.rest_at(4.0).unwrap();
+        let _ = compensator.measured_at_rest(wild);
+        compensator.rest_at(4.0).unwrap();
+        compensator.measured_at_rest(17.25).unwrap();
+        let drive = compensator.step(17.25);
+        assert!((drive.voltage - 4.0).abs() < 1e-12 && drive.limited == Limited::No, "{wild}: {drive:?}");
+    }
+}
+
+#[test]
+fn a_start_that_is_refused_does_not_move_the_drive() {
+    // dz/du = 1 + |z|: out of the range of numbers within a thousand volts.
+    let operators = [BoucWen::new(1.0, -1.0, 0.0, 1.0).unwrap()];
+    let mut memory = [IncrementMemory::new(0.0)];
+    let mut parts = Parts::<f64>::new(Kind::None);
+    let (_, dynamics, law, ring) = parts.blocks(Kind::None);
+    let operator = Operator::BoucWen { operators: &operators, memory: &mut memory };
+    let limits = Limits { low: 0.0, high: 10.0, step: 0.5 };
+    let hysteresis = Hysteresis::new(&[2.0], operator).unwrap();
+    let mut compensator = Compensator::new(hysteresis, dynamics, law, ring, limits, 0.0).unwrap();
+    compensator.rest_at(3.0).unwrap();
+    assert_eq!(compensator.rest_after(1000.0, 3.0), Err(ModelError::Overflow));
+    assert_eq!((compensator.voltage(), compensator.displacement()), (3.0, 6.0));
+    let drive = compensator.step(6.0);
+    assert!((drive.voltage - 3.0).abs() < 1e-12 && drive.limited == Limited::No, "{drive:?}");
+    assert_eq!(compensator.rest_after(f64::NAN, 3.0), Err(ModelError::NotFinite));
+}
+
+#[test]
+fn a_slew_below_the_resolution_of_the_voltage_is_refused() {
+    let mut parts = Parts::<f32>::new(Kind::None);
+    let (hysteresis, dynamics, law, ring) = parts.blocks(Kind::None);
+    let limits = Limits { low: 0.0, high: 100.0, step: 3e-6 };
+    let made = Compensator::new(hysteresis, dynamics, law, ring, limits, 0.0);
+    assert_eq!(made.err(), Some(ModelError::Limits));
+}
+
+#[test]
+fn the_gain_of_the_observer_does_not_cancel() {
+    for (ratio, expected) in [
+        (0.0, 0.0),
+        (1e-3, 9.995_001_249_687_5e-4),
+        (1.0, 0.618_033_988_749_895),
+        (1e4, 0.99999999),
+        (1e9, 1.0),
+        (1e78, 1.0),
+    ] {
+        let gain = Observer::<f64>::gain_for(ratio);
+        assert!((gain - expected).abs() < 1e-9 && gain <= 1.0, "{ratio}: {gain}");
+        let single = Observer::<f32>::gain_for(ratio as f32);
+        assert!((f64::from(single) - expected).abs() < 1e-6 && single <= 1.0, "{ratio}: {single}");
+    }
+}
+
+#[test]
 fn nothing_winds_up_at_a_limit() {
     for kind in KINDS {
         let (mut parts, mut twin) = (Parts::<f64>::new(kind), Parts::<f64>::new(kind));

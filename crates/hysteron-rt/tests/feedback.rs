@@ -4,8 +4,8 @@
 
 use hysteron_rt::Compensated;
 use hysteron_rt::{
-    Feedback, FilteredLms, Held, LANES, Limited, Limits, Line, Linear, LmsFilter, LmsMemory, LmsSettings,
-    ModelError, Real, RealPoles, Sections, SectionsMemory,
+    Drive, Feedback, FilteredLms, Held, LANES, Limited, Limits, Line, Linear, LmsFilter, LmsMemory,
+    LmsSettings, ModelError, Real, RealPoles, Sections, SectionsMemory,
 };
 
 /// 3 e + 0.01 Σ e + 0.5 of a pole 0.9.
@@ -59,13 +59,66 @@ fn what_is_held_back_does_not_wind_up() {
         }
         // 15 of the proportional part come and go.
         let after = feedback.step(5.0, Held::Above) - 15.0;
-        assert!((after - standing).abs() < 0.1, "{after} {standing}");
+        assert!((after - standing).abs() < 1e-12, "{after} {standing}");
         // Away from the limit it moves at once.
         let away = feedback.step(-1.0, Held::Above);
         assert!(away + 3.0 < after + 0.1, "{away}");
         let below = feedback.step(-5.0, Held::Below);
         assert!((feedback.step(-5.0, Held::Below) - below).abs() < 1e-15);
     });
+}
+
+#[test]
+fn a_drive_that_cannot_move_winds_nothing_up() {
+    with_feedback::<f64>(|feedback| {
+        let standing = feedback.step(0.0, Held::No);
+        for error in [0.3, -0.3].into_iter().cycle().take(1001) {
+            feedback.step(error, Held::Both);
+        }
+        assert_eq!(feedback.step(0.0, Held::Both), standing);
+    });
+    let limits = Limits { low: 0.0, high: 10.0, step: 1.0 };
+    let held = |voltage, limited, before| Held::of(Drive { voltage, limited }, before, limits);
+    assert_eq!(held(5.0, Limited::Overflow, 5.0), Held::Both);
+    assert_eq!(held(5.0, Limited::No, 4.0), Held::No);
+    assert_eq!([held(5.0, Limited::Step, 4.0), held(10.0, Limited::Range, 10.0)], [Held::Above; 2]);
+    assert_eq!([held(3.0, Limited::Step, 4.0), held(0.0, Limited::Range, 0.0)], [Held::Below; 2]);
+}
+
+#[test]
+fn errors_out_of_all_reason_are_left_out() {
+    with_feedback::<f64>(|feedback| {
+        for error in [1.7e308, -1.7e308, 1.7e308] {
+            feedback.step(error, Held::No);
+        }
+        assert_eq!(feedback.step(0.0, Held::No), 0.0);
+    });
+    with_feedback::<f32>(|feedback| {
+        (0..10).for_each(|_| {
+            feedback.step(f32::MAX, Held::No);
+        });
+        assert_eq!(feedback.step(0.0, Held::No), 0.0);
+    });
+}
+
+#[test]
+fn what_was_learned_outlives_numbers_out_of_all_reason_and_leaks() {
+    let (mut weights, mut a, mut b, mut turned) = ([0.5, -0.2], [0.0; 4], [0.0; 4], [0.0; 2]);
+    let filter = LmsFilter { weights: &mut weights, secondary: &[1.0, 0.9], whitening: &[], stride: 1 };
+    let ring = filter.ring();
+    let memory = LmsMemory { references: &mut a[..ring], filtered: &mut b[..ring], turned: &mut turned };
+    let mut lms =
+        FilteredLms::new(filter, memory, LmsSettings { rate: 0.1, leak: 0.01, floor: 1e-9 }).unwrap();
+    for (reference, error) in [(1.7e308, 1.0), (1.7e308, 1.7e308), (f64::NAN, f64::INFINITY), (1.0, f64::NAN)]
+    {
+        assert!(lms.step(reference, error).is_finite());
+    }
+    // Without an error that can be learnt from they fade by the leak alone.
+    let expected = 0.99_f64.powi(4);
+    assert!(
+        (lms.weights()[0] - 0.5 * expected).abs() < 1e-15
+            && (lms.weights()[1] + 0.2 * expected).abs() < 1e-15
+    );
 }
 
 #[test]

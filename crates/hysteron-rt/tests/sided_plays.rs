@@ -227,6 +227,34 @@ fn envelopes_that_cross_leave_no_place() {
     assert_eq!((block.look(4.0), block.voltage()), (before, 4.0));
 }
 
+/// The end of the voltages allowed has no place to stand, the target has.
+#[test]
+fn a_target_before_the_place_where_envelopes_cross_is_reached() {
+    let (thresholds, weights) = ([0.05, 0.2], [20.0, 10.0]);
+    let plays =
+        SidedPlays::new(Sides::Envelopes { right: [1.0, 0.0], left: [0.4, 0.0] }, &thresholds, &weights)
+            .unwrap();
+    let mut states = [0.0; 2];
+    let operator = Operator::SidedPlays { plays, states: &mut states };
+    let mut block = Hysteresis::new(&[1.0], operator).unwrap();
+    // Nor is there one to rest.
+    assert_eq!(block.rest_after(1.0, 1.0), Err(ModelError::Overflow));
+    block.rest_after(-0.3, -0.3).unwrap();
+    let output = block.step(-0.75).unwrap();
+    let target = block.look(-0.5);
+    assert!(target > output && !block.look(0.5).is_finite());
+    for slope in [1.0, 20.0, 1e-3] {
+        let reached = block.reach(output, target, [-2.0, 0.5], slope);
+        assert!(!reached.missed && (reached.output - target).abs() < 1e-12, "{slope}: {reached:?}");
+        // Beyond the last place it ends there.
+        let last = block.reach(output, 1e3, [-2.0, 0.5], slope);
+        assert!(
+            last.missed && last.output.is_finite() && last.voltage > -0.5 && last.voltage < 0.5,
+            "{last:?}"
+        );
+    }
+}
+
 #[test]
 fn single_precision_does_not_drift() {
     for kind in KINDS {

@@ -52,7 +52,8 @@ static reached reach(const $name_state *state, real target, real low, real high)
     guess = near.voltage + R(1.25) * (target - output) / state->slope;
     inside = upwards ? near.voltage < guess && guess < end : end < guess && guess < near.voltage;
     far = reached_at(state, inside ? guess : end);
-#define BEYOND(v) (upwards ? (v) >= target : (v) <= target)
+/* Where there is no place to stand it is beyond, too. */
+#define BEYOND(v) (!(is_finite(v) && (upwards ? (v) < target : (v) > target)))
     if (inside && !BEYOND(far.output)) {
         near = far;
         far = reached_at(state, end);
@@ -98,6 +99,10 @@ static reached reach(const $name_state *state, real target, real low, real high)
         }
     }
 #undef BEYOND
+    if (!is_finite(far.output)) {
+        near.missed = 1;
+        return near;
+    }
     return F(fabs)(near.output - target) < F(fabs)(far.output - target) ? near : far;
 }
 
@@ -151,6 +156,7 @@ void $name_init($name_state *state)
 //}
     state->offset = OFFSET;
     state->displacement = OFFSET;
+    state->voltage = R(0);
     (void)$name_rest_at(state, R(0), &ignored);
 }
 
@@ -162,6 +168,8 @@ $name_status $name_rest_at($name_state *state, real voltage, real *displacement)
 $name_status $name_rest_after($name_state *state, real virgin, real voltage, real *displacement)
 {
     const real away = R(0.001) * ($NAME_VOLTAGE_HIGH - $NAME_VOLTAGE_LOW);
+    const real stood = within(state->voltage, $NAME_VOLTAGE_LOW, $NAME_VOLTAGE_HIGH);
+    $name_status status = $NAME_OK;
     real rise, v;
     *displacement = state->displacement;
     if (!is_finite(voltage) || !is_finite(virgin)) {
@@ -169,7 +177,12 @@ $name_status $name_rest_after($name_state *state, real virgin, real voltage, rea
     }
     voltage = within(voltage, $NAME_VOLTAGE_LOW, $NAME_VOLTAGE_HIGH);
     if (!settle_after(state, virgin, voltage, &v)) {
-        return $NAME_OVERFLOW;
+        /* Virgin where it stood. */
+        voltage = stood;
+        v = hysteresis_at_rest($TUNED_FIRSTvoltage);
+        settle(state, voltage, v);
+        state->displacement = state->offset + REST_GAIN * v;
+        status = $NAME_OVERFLOW;
     }
     state->output = v;
     stand_at(state, state->displacement);
@@ -182,15 +195,16 @@ $name_status $name_rest_after($name_state *state, real virgin, real voltage, rea
 //}
     state->slope = rise > R(0) && is_finite(rise) ? rise : R(1);
     *displacement = state->displacement;
-    return $NAME_OK;
+    return status;
 }
 
 $name_status $name_measured_at_rest($name_state *state, real displacement)
 {
-    if (!is_finite(displacement)) {
+    const real offset = displacement - REST_GAIN * state->rest;
+    if (!is_finite(offset)) {
         return $NAME_NOT_FINITE;
     }
-    state->offset = state->offset + (displacement - state->displacement);
+    state->offset = offset;
     state->displacement = displacement;
     stand_at(state, displacement);
     return $NAME_OK;

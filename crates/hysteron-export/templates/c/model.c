@@ -50,7 +50,11 @@ $name_status $name_start_at($name_state *state, real voltage, real displacement)
     }
     status = $name_rest_at(state, voltage, &there);
     if (status >= $NAME_OK) {
-        state->offset = state->offset + (displacement - there);
+        there = displacement - REST_GAIN * state->rest;
+        if (!is_finite(there)) {
+            return $NAME_NOT_FINITE;
+        }
+        state->offset = there;
         state->displacement = displacement;
     }
     return status;

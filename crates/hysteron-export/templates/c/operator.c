@@ -115,7 +115,8 @@ static real increment(const bouc_wen *p, real z, real du)
     real ignored;
     const real reach = relaxation(kappa, distance, &ignored);
     const real change = (rise - kappa * z) * reach;
-    if ((z + change) * z < R(0)) {
+    const real end = z + change;
+    if ((end < R(0) && z > R(0)) || (end > R(0) && z < R(0))) {
         return move_through_zero(p, z, du) - z;
     }
     return change;
@@ -294,27 +295,32 @@ static real held(real z, real bound)
 }
 
 /* What a monotone move by du changes z by: dz/d|u| = s alpha - (beta + s gamma sign z) z |z|^(n-1) in two steps of an exponential
-   Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer 2009, doi:10.1137/080717717), |z| held within its saturation. */
+   Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer 2009, doi:10.1137/080717717), in more where one would go further than
+   an eighth of the saturation, |z| held within it. */
 static real increment(const bouc_wen *p, real z, real du)
 {
     const int down = du < R(0);
     const real rise = down ? -p->alpha : p->alpha;
     const real turn = down ? -p->gamma : p->gamma;
-    const real h = (down ? -du : du) * R(0.5);
+    const real distance = down ? -du : du, longest = distance * R(0.5);
     const real outwards = p->alpha < R(0) ? p->beta - p->gamma : p->beta + p->gamma;
     const real inwards = p->alpha < R(0) ? p->beta + p->gamma : p->beta - p->gamma;
     const real saturation = F(pow)(F(fabs)(p->alpha) / outwards, R(1) / p->n);
-    real bound = F(HUGE_VAL), now = z, change = R(0);
+    real bound = F(HUGE_VAL), now = z, change = R(0), left = distance;
     int k;
     if (outwards > R(0) && inwards >= R(0)) {
         bound = F(fabs)(z) > saturation ? F(fabs)(z) : saturation;
     }
-    for (k = 0; k < 2; k++) {
+    for (k = 1; k <= 32; k++) {
         const real pull = (now < R(0) ? p->beta - turn : p->beta + turn) * F(pow)(F(fabs)(now), p->n - R(1));
         const real f = rise - pull * now;
         const real rate = p->n * pull;
+        const real fair = R(0.125) * (F(fabs)(now) > saturation ? F(fabs)(now) : saturation) / F(fabs)(f);
+        const real wanted = fair < longest ? fair : longest;
+        const real h = wanted < left && k < 32 ? wanted : left;
         real ignored, stage, stage_pull, curve, own, kept;
         const real reach = relaxation(rate, h, &ignored);
+        left = left - h;
         stage = held(now + reach * f, bound);
         stage_pull = (stage < R(0) ? p->beta - turn : p->beta + turn) * F(pow)(F(fabs)(stage), p->n - R(1));
         curve = (rise - stage_pull * stage) - f + rate * (stage - now);
@@ -322,6 +328,9 @@ static real increment(const bouc_wen *p, real z, real du)
         kept = held(now + own, bound);
         change = kept == now + own ? change + own : kept - z;
         now = kept;
+        if (left <= R(0)) {
+            break;
+        }
     }
     return change;
 }
@@ -1060,6 +1069,11 @@ static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
     for (i = 0; i < $NAME_PLAYS; i++) {
         sum = sum + K(weight)[i] * virgin_play(u, i);
     }
+//{ envelopes
+    if (F(tanh)(RIGHT[0] * (u - RIGHT[1])) - F(tanh)(LEFT[0] * (u - LEFT[1])) > R(2) * THRESHOLD[0] + R(4) * R(EPSILON)) {
+        return F(HUGE_VAL); /* the narrowest has no place to stand */
+    }
+//}
 //{ line
     sum = sum + line_at(u);
 //}

@@ -29,8 +29,18 @@ pub struct Limits<T> {
     pub low: T,
     /// Largest voltage.
     pub high: T,
-    /// Largest change from one sample to the next; infinite for none.
+    /// Largest change from one sample to the next, to the rounding of the voltage; infinite for none, at least four units in the last place of the
+    /// voltages.
     pub step: T,
+}
+
+impl<T: Real> Limits<T> {
+    /// Whether there is a range, and a step that its voltages can make.
+    pub(super) fn are_sound(&self) -> bool {
+        let width = self.high - self.low;
+        let largest = if self.high.abs() > self.low.abs() { self.high.abs() } else { self.low.abs() };
+        width > T::of(0.0) && width.is_finite() && self.step >= T::of(4.0) * T::EPSILON * largest
+    }
 }
 
 /// What held a drive back.
@@ -126,8 +136,7 @@ impl<'a, T: Real> Compensator<'a, T> {
         if !sound {
             return Err(ModelError::Coefficient);
         }
-        let width = limits.high - limits.low;
-        if !(width > zero && width.is_finite() && limits.step > zero) {
+        if !limits.are_sound() {
             return Err(ModelError::Limits);
         }
         let sum = |numbers: &[T]| numbers.iter().fold(zero, |sum, &x| sum + x);
@@ -169,13 +178,19 @@ impl<'a, T: Real> Compensator<'a, T> {
     /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it was virgin.
     ///
     /// # Errors
-    /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves the hysteresis virgin at 0.
+    /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves it at rest and virgin at the voltage it stood at.
     pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
-        if !voltage.is_finite() {
+        if !(voltage.is_finite() && virgin.is_finite()) {
             return Err(ModelError::NotFinite);
         }
-        let voltage = within(voltage, self.limits.low, self.limits.high);
-        self.output = self.hysteresis.rest_after(virgin, voltage)?;
+        let [voltage, stood] =
+            [voltage, self.hysteresis.voltage()].map(|u| within(u, self.limits.low, self.limits.high));
+        let outcome = self.hysteresis.rest_after(virgin, voltage);
+        let (voltage, output) = match outcome {
+            Ok(output) => (voltage, output),
+            Err(_) => (stood, self.hysteresis.rest_at(stood)),
+        };
+        self.output = output;
         self.dynamics.rest_at(self.output);
         self.displacement = self.offset + self.dynamics.output_at_rest();
         self.stand_at(self.displacement);
@@ -183,7 +198,7 @@ impl<'a, T: Real> Compensator<'a, T> {
         let away = T::of(1e-3) * (self.limits.high - self.limits.low);
         let rise = (self.hysteresis.look(voltage + away) - self.output) / away;
         self.slope = if rise > T::of(0.0) && rise.is_finite() { rise } else { T::of(1.0) };
-        Ok(self.displacement)
+        outcome.map(|_| self.displacement)
     }
 
     /// The reference has been here for ever.
@@ -199,10 +214,11 @@ impl<'a, T: Real> Compensator<'a, T> {
     /// # Errors
     /// [`ModelError::Start`]; the compensator is then as it was.
     pub fn measured_at_rest(&mut self, displacement: T) -> Result<(), ModelError<T>> {
-        if !displacement.is_finite() {
+        let offset = displacement - self.dynamics.output_at_rest();
+        if !offset.is_finite() {
             return Err(ModelError::Start { displacement });
         }
-        self.offset = self.offset + (displacement - self.displacement);
+        self.offset = offset;
         self.displacement = displacement;
         self.stand_at(displacement);
         Ok(())

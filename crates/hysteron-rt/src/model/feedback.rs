@@ -1,5 +1,6 @@
 //! Feedback beside feedforward: what the measured error adds to the reference.
 
+use super::operator::in_range;
 use super::sections::accumulate;
 use super::{Limited, Limits, Linear, ModelError};
 use crate::model::Drive;
@@ -9,7 +10,7 @@ use crate::real::Real;
 /// integral with a notch (its partial fractions: integral and pair of poles).
 ///
 /// While the drive is held back, what has memory takes in only errors that lead away from the limit, so that nothing winds up. An error that is
-/// infinite or not a number is left out.
+/// infinite, above [`Real::LARGEST`] or not a number is left out.
 #[derive(Debug)]
 pub struct Feedback<'a, T> {
     proportional: T,
@@ -31,13 +32,16 @@ pub enum Held {
     Above,
     /// It would have gone lower.
     Below,
+    /// It could not move.
+    Both,
 }
 
 impl Held {
     /// From a sample of the drive and the voltage before it.
     pub fn of<T: Real>(drive: Drive<T>, before: T, limits: Limits<T>) -> Self {
         match drive.limited {
-            Limited::No | Limited::Reference | Limited::Overflow => Self::No,
+            Limited::No | Limited::Reference => Self::No,
+            Limited::Overflow => Self::Both,
             Limited::Range | Limited::Step => {
                 if drive.voltage > before || drive.voltage >= limits.high {
                     Self::Above
@@ -80,7 +84,7 @@ impl<'a, T: Real> Feedback<'a, T> {
     /// What is to be added to the reference, from the newest error and to which side the drive was held back since the last one.
     #[inline]
     pub fn step(&mut self, error: T, held: Held) -> T {
-        if !error.is_finite() {
+        if !in_range(error) {
             return self.correction;
         }
         let zero = T::of(0.0);
@@ -88,6 +92,7 @@ impl<'a, T: Real> Feedback<'a, T> {
             Held::No => false,
             Held::Above => error > zero,
             Held::Below => error < zero,
+            Held::Both => true,
         };
         if !outwards {
             accumulate(&mut self.sum, &mut self.carry, self.integral * error);
@@ -117,8 +122,7 @@ impl<T: Real> Line<T> {
         if !(offset.is_finite() && slope.is_finite() && voltage.is_finite()) || slope == zero {
             return Err(ModelError::Coefficient);
         }
-        let width = limits.high - limits.low;
-        if !(width > zero && width.is_finite() && limits.step > zero) {
+        if !limits.are_sound() {
             return Err(ModelError::Limits);
         }
         Ok(Self {

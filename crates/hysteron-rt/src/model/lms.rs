@@ -1,6 +1,7 @@
 //! Feedforward that adapts: what the reference leaves behind, taken off by weights that learn.
 
 use super::ModelError;
+use super::operator::in_range;
 use crate::real::Real;
 
 /// Filtered-x LMS: c = Σ wᵢ xᵢ, x the newest samples of the reference, every `stride`th of them, and
@@ -105,13 +106,14 @@ impl<'a, T: Real> FilteredLms<'a, T> {
     }
 
     /// The correction for the next period, from the newest of the reference (less its level) and the newest error, reference less displacement; numbers
-    /// that are not finite count as 0.
+    /// that are not finite, or above [`Real::LARGEST`], count as 0.
     #[inline]
     pub fn step(&mut self, reference: T, error: T) -> T {
         let Self { filter, memory, at, settings } = self;
         let zero = T::of(0.0);
         let clean = |x: T| if x.is_finite() { x } else { zero };
-        let (reference, error) = (clean(reference), clean(error));
+        let sane = |x: T| if in_range(x) { x } else { zero };
+        let (reference, error) = (sane(reference), sane(error));
         // The error belongs to what was put out before: learn first.
         let seen = || strided(memory.filtered, *at, filter.stride);
         let mut power = settings.floor;

@@ -110,13 +110,18 @@ impl<'a, T: Real> Model<'a, T> {
     /// no jump.
     ///
     /// # Errors
-    /// As [`Self::rest_at`], and [`ModelError::Start`]; the model is then as it was.
+    /// As [`Self::rest_at`], and [`ModelError::Start`], which leaves the offset as it was.
     pub fn start_at(&mut self, voltage: T, displacement: T) -> Result<(), ModelError<T>> {
         if !displacement.is_finite() {
             return Err(ModelError::Start { displacement });
         }
-        let there = self.rest_at(voltage)?;
-        self.offset = self.offset + (displacement - there);
+        self.rest_at(voltage)?;
+        // Not by a difference to the offset before: of one that was out of all reason nothing is left.
+        let offset = displacement - self.dynamics.output_at_rest();
+        if !offset.is_finite() {
+            return Err(ModelError::Start { displacement });
+        }
+        self.offset = offset;
         Ok(())
     }
 

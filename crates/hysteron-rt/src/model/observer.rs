@@ -42,7 +42,8 @@ impl<'a, T: Real> Observer<'a, T> {
     /// The gain from the ratio of rms change of the disturbance in one sample to rms noise.
     pub fn gain_for(change_over_noise: T) -> T {
         let q = change_over_noise * change_over_noise;
-        T::of(0.5) * ((q * q + T::of(4.0) * q).sqrt() - q)
+        // As 2/(1 + √(1 + 4/q)), which does not cancel.
+        T::of(2.0) / (T::of(1.0) + (T::of(1.0) + T::of(4.0) / q).sqrt())
     }
 
     /// Puts the model at rest at `voltage`, driven there from `virgin`; what is `measured` there beside it is the disturbance.

@@ -8,13 +8,19 @@ use crate::plane::{LEAST_TURNS, Plane, Turns};
 use crate::play::{PlayBank, SidedPlays};
 use crate::real::Real;
 
-/// A state that moves by increments (z of a Bouc–Wen operator, say), and what rounding has left of them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A state that moves by increments (z of a Bouc–Wen operator, say), and what rounding has left of them. Two are equal where they go on alike.
+#[derive(Clone, Copy, Debug)]
 pub struct IncrementMemory<T> {
     z: T,
     carry: T,
     /// Both before the last move. Nothing waits for them unless that move is taken back.
     before: (T, T),
+}
+
+impl<T: PartialEq> PartialEq for IncrementMemory<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.z == other.z && self.carry == other.carry
+    }
 }
 
 impl<T: Real> IncrementMemory<T> {
@@ -240,7 +246,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         Ok((middle, self.step_through(place, voltage)?))
     }
 
-    /// What a monotone move to `voltage` would put out; nothing is moved. Not finite where [`Self::step`] would fail.
+    /// What a monotone move to `voltage` would put out; nothing is moved. Where [`Self::step`] would fail: out of range, or not a number.
     #[inline]
     pub fn look(&self, voltage: T) -> T {
         self.look_during(voltage, voltage - self.voltage)

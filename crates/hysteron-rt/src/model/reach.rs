@@ -13,7 +13,7 @@ pub struct Reached<T> {
     pub voltage: T,
     /// What the block puts out there.
     pub output: T,
-    /// The target lies beyond the voltages allowed: this is the end of them.
+    /// The target lies beyond the voltages allowed, or beyond where there is a place to stand: this is the end of them.
     pub missed: bool,
 }
 
@@ -36,7 +36,8 @@ impl<T: Real> Hysteresis<'_, T> {
         if target == output || end == near.voltage {
             return Reached { missed: target != output, ..near };
         }
-        let beyond = |v: T| if upwards { v >= target } else { v <= target };
+        // Where there is no place to stand it is beyond, too: the search then ends before that.
+        let beyond = |v: T| !(v.is_finite() && if upwards { v < target } else { v > target });
         // A step that overshoots a little, so that the search begins with a narrow bracket.
         let guess = near.voltage + T::of(1.25) * (target - output) / slope;
         let inside =
@@ -83,6 +84,9 @@ impl<T: Real> Hysteresis<'_, T> {
                 }
                 kept_near = Some(false);
             }
+        }
+        if !far.output.is_finite() {
+            return Reached { missed: true, ..near };
         }
         if (near.output - target).abs() < (far.output - target).abs() { near } else { far }
     }

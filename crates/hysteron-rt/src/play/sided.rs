@@ -135,11 +135,12 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         self.each(through, du, states.iter_mut(), |state, sides| *state = between(sides, *state));
     }
 
-    /// What the plays put out where they are virgin at `u`.
+    /// What the plays put out where they are virgin at `u`; not a number where one has no place to stand.
     pub fn output_at_rest(&self, u: T) -> T {
         let mut sum = T::of(0.0);
         self.each_at_rest(u, self.weights.iter(), |weight, at| sum = sum + *weight * at);
         match self.line {
+            _ if !self.stands_at(u) => T::of(f64::NAN),
             None => sum,
             Some(line) => sum + line.at(u),
         }
@@ -150,7 +151,7 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         self.each_at_rest(u, states.iter_mut(), |state, at| *state = at);
     }
 
-    /// Hands each item the sides of its play. Whether the narrowest play has a place to stand.
+    /// Hands each item the sides of its play. Whether every one has a place to stand.
     #[inline(always)]
     fn each<I>(
         &self,
@@ -176,11 +177,10 @@ impl<'a, T: Real> SidedPlays<'a, T> {
                 }
             }
             Sides::Envelopes { right, left } => {
-                let (right, left) = (envelope(right, u), envelope(left, u));
-                let narrowest = self.thresholds.first().copied().unwrap_or(T::of(0.0));
-                if right - left > T::of(2.0) * narrowest + T::of(4.0) * T::EPSILON {
+                if !self.stands_at(u) {
                     return false;
                 }
+                let (right, left) = (envelope(right, u), envelope(left, u));
                 for (item, &r) in items.zip(self.thresholds) {
                     take(item, [right - r, left + r]);
                 }
@@ -196,6 +196,15 @@ impl<'a, T: Real> SidedPlays<'a, T> {
             }
         }
         true
+    }
+
+    /// Whether the narrowest play has a place to stand at `u`.
+    #[inline(always)]
+    fn stands_at(&self, u: T) -> bool {
+        let Sides::Envelopes { right, left } = self.sides else { return true };
+        let narrowest = self.thresholds.first().copied().unwrap_or(T::of(0.0));
+        let crossed = envelope(right, u) - envelope(left, u);
+        crossed <= T::of(2.0) * narrowest + T::of(4.0) * T::EPSILON
     }
 
     fn each_at_rest<I>(&self, u: T, items: impl Iterator<Item = I>, mut take: impl FnMut(I, T)) {
