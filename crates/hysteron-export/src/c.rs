@@ -5,7 +5,7 @@ use hysteron_rt::{BoucWen, Branch, MOST_PANELS, Real, Sides};
 
 use crate::error::ExportError;
 use crate::files::ExportedFile;
-use crate::golden::Golden;
+use crate::golden::{Golden, HELD_FROM};
 use crate::number::Precision;
 use crate::subject::{Subject, one_line};
 use crate::template::Filling;
@@ -64,6 +64,8 @@ pub(crate) fn golden_keys(
 ) {
     filling
         .key("SAMPLES", golden.voltages.len())
+        .key("HELD_FROM", HELD_FROM)
+        .key("HOLD", golden.hold)
         .key("VOLTAGES", rows(golden.voltages.iter().map(|&x| literal(x))))
         .key("DISPLACEMENTS", rows(golden.displacements.iter().map(|&x| literal(x))))
         .key("TOLERANCE", literal(golden.tolerance))

@@ -24,6 +24,14 @@ pub enum ExportError {
     /// There is no inverse.
     #[error(transparent)]
     Inverse(#[from] CompensatorError),
+    /// Nothing to test.
+    #[error(
+        "the {what} does not move along the drive of the self-test, which would pass whatever the source does"
+    )]
+    Still {
+        /// What stands still.
+        what: &'static str,
+    },
     /// A file in the folder is not one that an export wrote.
     #[error("{} is there already and was not written by an export", path.display())]
     Foreign {

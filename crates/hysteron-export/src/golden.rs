@@ -1,7 +1,7 @@
 //! Golden vectors: what the library puts out along a drive that goes everywhere.
 
 use hysteron::hysteresis::{DriveGrid, Origin};
-use hysteron::realise::{RuntimeParts, sweep};
+use hysteron::realise::{LinearRealisation, RuntimeParts, sweep};
 use hysteron_rt::{Model, ModelError, Real};
 
 use crate::error::ExportError;
@@ -13,16 +13,30 @@ use crate::subject::Subject;
 pub struct Golden {
     /// Voltages; at rest at the first before.
     pub voltages: Vec<f64>,
-    /// Displacements.
+    /// Samples that each voltage from the [`HELD_FROM`]th on is held; those before last one each.
+    pub hold: usize,
+    /// Displacements at the end of each voltage.
     pub displacements: Vec<f64>,
     /// Largest difference that the exported source may show.
     pub tolerance: f64,
+    /// Lowest to highest displacement.
+    pub span: f64,
     /// Whether a move to the largest number of the type is refused (not so where nothing but a bounded operator sees the voltage).
     pub refuses_largest: bool,
 }
 
 /// Samples of the sweep, of the jumps, of the crawl and of the rest.
 const PIECES: [usize; 4] = [360, 160, 60, 60];
+/// The sweep lasts a sample each; what comes after is held until it has come out of a long delay and of slow states.
+pub(crate) const HELD_FROM: usize = PIECES[0];
+/// Delays and taps that a self-test lasts.
+const DELAYS: usize = 4;
+/// Samples that slow states may make a self-test last: on a controller each is computed there.
+const MOST_FOR_STATES: f64 = 20_000.0;
+/// Share of the gain above which the weight of a state matters here.
+const MATTERS: f64 = 1e-3;
+/// Share of all that is added up below which a displacement stands still.
+const STILL: f64 = 1e-6;
 /// Double precision: share of the range.
 const DOUBLE: f64 = 1e-12;
 /// Single precision: units of rounding (2^-23) of everything that is added up.
@@ -32,22 +46,32 @@ impl Golden {
     /// The vectors of a model.
     ///
     /// # Errors
-    /// [`ExportError::Realise`] where the library has no result along the drive.
+    /// [`ExportError::Realise`] where the library has no result along the drive; [`ExportError::Still`] where nothing moves: a test of that would pass
+    /// whatever the source does.
     pub fn new(subject: &Subject) -> Result<Self, ExportError> {
         let voltages: Vec<f64> =
             drive(subject.voltages()).iter().map(|&u| subject.precision.round(u)).collect();
-        let displacements = of_library(subject, &voltages)?;
+        let linear = &subject.realisation.dynamics;
+        let lasts = patience(linear, linear.delay_samples, subject.realisation.sample_rate_hz);
+        let hold = lasts.div_ceil(voltages.len() - HELD_FROM);
+        let displacements = of_library(subject, &voltages, hold)?;
         let [low, high] =
             displacements.iter().fold([f64::MAX, f64::MIN], |[low, high], &y| [low.min(y), high.max(y)]);
+        let (span, added_up) = (high - low, added_up(subject, &voltages)?);
+        let moves = span > STILL * added_up;
+        if !moves {
+            return Err(ExportError::Still { what: "displacement" });
+        }
+        let offset = subject.realisation.model.offset.abs();
         let tolerance = match subject.precision {
-            Precision::F64 => DOUBLE * (high - low),
-            Precision::F32 => SINGLE * subject.precision.epsilon() * added_up(subject, &voltages)?,
+            Precision::F64 => DOUBLE * span,
+            Precision::F32 => SINGLE * subject.precision.epsilon() * (added_up + offset),
         };
         let refuses_largest = match subject.precision {
             Precision::F32 => refuses::<f32>(subject, f32::MAX)?,
             Precision::F64 => refuses::<f64>(subject, f64::MAX)?,
         };
-        Ok(Self { voltages, displacements, tolerance, refuses_largest })
+        Ok(Self { voltages, hold, displacements, tolerance, span, refuses_largest })
     }
 }
 
@@ -57,17 +81,41 @@ fn refuses<T: Real>(subject: &Subject, voltage: T) -> Result<bool, ExportError> 
 }
 
 /// Displacements of the library, in double precision, from rest at the first voltage.
-fn of_library(subject: &Subject, voltages: &[f64]) -> Result<Vec<f64>, ExportError> {
+fn of_library(subject: &Subject, voltages: &[f64], hold: usize) -> Result<Vec<f64>, ExportError> {
     let mut parts = RuntimeParts::<f64>::new(&subject.realisation)?;
     let mut model = parts.model()?;
     let run = |model: &mut Model<'_, f64>| -> Result<Vec<f64>, ModelError<f64>> {
         model.rest_at(voltages.first().copied().unwrap_or(0.0))?;
-        voltages.iter().map(|&u| model.step(u)).collect()
+        let held = |(k, &u): (usize, &f64)| {
+            let mut y = model.step(u)?;
+            for _ in 1..samples_of(k, HELD_FROM, hold) {
+                y = model.step(u)?;
+            }
+            Ok(y)
+        };
+        voltages.iter().enumerate().map(held).collect()
     };
     run(&mut model).map_err(|e| ExportError::Realise(e.into()))
 }
 
-/// Σ |weights| (max |l\[u\]| + max |memory|) + |offset|: what the rounding of a number type is in proportion to.
+/// Samples that entry k of a table lasts whose entries from `held_from` on are held.
+pub(crate) fn samples_of(k: usize, held_from: usize, hold: usize) -> usize {
+    if k < held_from { 1 } else { hold }
+}
+
+/// Samples in which a change has come out: some delays, and a time constant of the slowest state that matters, within reason.
+pub(crate) fn patience(linear: &LinearRealisation, delay_samples: usize, sample_rate_hz: f64) -> usize {
+    let matters = |weight: f64| weight >= MATTERS * linear.reference_gain;
+    let slowest = linear
+        .sections
+        .iter()
+        .filter(|s| matters(s.weight.norm()))
+        .map(|s| sample_rate_hz / s.rate(sample_rate_hz))
+        .fold(1.0, f64::max);
+    (DELAYS * (delay_samples + linear.taps.len())).max(slowest.min(MOST_FOR_STATES) as usize)
+}
+
+/// Σ |weights| (max |l\[u\]| + max |memory|): with the offset, what the rounding of a number type is in proportion to.
 fn added_up(subject: &Subject, voltages: &[f64]) -> Result<f64, ExportError> {
     let model = &subject.realisation.model;
     let linear = &subject.realisation.dynamics;
@@ -86,7 +134,7 @@ fn added_up(subject: &Subject, voltages: &[f64]) -> Result<f64, ExportError> {
         line = line.max(sizes);
         memory = memory.max((v - l).abs());
     }
-    Ok(linear.amplification() * linear.reference_gain * (line + memory) + model.offset.abs())
+    Ok(linear.amplification() * linear.reference_gain * (line + memory))
 }
 
 /// A sweep, jumps, a crawl and a rest, between two voltages.

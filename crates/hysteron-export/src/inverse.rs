@@ -7,6 +7,7 @@ use hysteron_rt::Real;
 use crate::c::{Numbers, filling, rows};
 use crate::error::ExportError;
 use crate::files::ExportedFile;
+use crate::golden::{patience, samples_of};
 use crate::number::Precision;
 use crate::subject::Subject;
 use crate::template::Filling;
@@ -192,6 +193,10 @@ const DOUBLE: f64 = 1e-12;
 /// Single precision: units of rounding (2^-23) of everything that is added up for a voltage.
 const SINGLE: f64 = 16.0;
 const SAMPLES: usize = 640;
+/// References from this one on are held, as voltages are in the self-test of a model.
+const HELD_FROM: usize = SAMPLES / 2;
+/// Share of the range of the voltage below which it stands still.
+const STILL: f64 = 1e-3;
 
 /// Sets what the self-test is filled with, in literals of its language.
 pub(crate) fn golden_inverse_keys(
@@ -202,6 +207,8 @@ pub(crate) fn golden_inverse_keys(
     let vectors = GoldenInverse::new(inverse)?;
     filling
         .key("SAMPLES", SAMPLES)
+        .key("HELD_FROM", HELD_FROM)
+        .key("HOLD", vectors.hold)
         .key("REST", literal(vectors.rest_v))
         .key("REFERENCES", rows(vectors.references.iter().map(|&x| literal(x))))
         .key("VOLTAGES", rows(vectors.voltages.iter().map(|&x| literal(x))))
@@ -223,7 +230,9 @@ pub struct GoldenInverse {
     pub rest_v: f64,
     /// References, exact in the number type of the export.
     pub references: Vec<f64>,
-    /// The library's voltages in double precision.
+    /// Samples that each of the second half is held; those before last one each.
+    pub hold: usize,
+    /// The library's voltages in double precision, at the end of each reference.
     pub voltages: Vec<f64>,
     /// Largest difference that the exported source may show.
     pub tolerance: f64,
@@ -233,7 +242,7 @@ impl GoldenInverse {
     /// The vectors: a sweep through most of the range, then steps that the limits hold back.
     ///
     /// # Errors
-    /// As [`Inverse::new`].
+    /// As [`Inverse::new`]; [`ExportError::Still`] where no voltage moves.
     pub fn new(inverse: &Inverse) -> Result<Self, ExportError> {
         let precision = inverse.subject.precision;
         let [low, high] = inverse.range_v;
@@ -252,8 +261,19 @@ impl GoldenInverse {
                 precision.round(middle + swing * (top - bottom).abs())
             })
             .collect();
-        let voltages: Vec<f64> = references.iter().map(|&r| compensator.step(r).voltage).collect();
         let law = &inverse.compensation;
+        let lasts = patience(&law.dynamics, law.reference.len(), law.sample_rate_hz);
+        let hold = lasts.div_ceil(SAMPLES - HELD_FROM);
+        let mut held = |(k, &r): (usize, &f64)| {
+            for _ in 1..samples_of(k, HELD_FROM, hold) {
+                compensator.step(r);
+            }
+            compensator.step(r).voltage
+        };
+        let voltages: Vec<f64> = references.iter().enumerate().map(&mut held).collect();
+        if !voltages.iter().any(|u| (u - rest_v).abs() > STILL * (high - low)) {
+            return Err(ExportError::Still { what: "voltage" });
+        }
         let gains = law.recent.iter().chain(law.states.iter().flatten()).map(|k| k.abs()).sum::<f64>()
             + law.reference.iter().map(|k| k.abs()).sum::<f64>()
                 * law.dynamics.amplification()
@@ -265,6 +285,6 @@ impl GoldenInverse {
             Precision::F64 => DOUBLE * (high - low),
             Precision::F32 => SINGLE * precision.epsilon() * added_up,
         };
-        Ok(Self { rest_v, references, voltages, tolerance })
+        Ok(Self { rest_v, references, hold, voltages, tolerance })
     }
 }

@@ -6,10 +6,13 @@
 typedef $name_real real;
 
 #define SAMPLES $SAMPLES
+/* The first references last a sample each, those from here on so many: what they do has come out of the preview and of slow states then. */
+#define HELD_FROM $HELD_FROM
+#define HOLD $HOLDL
 
 /* Voltage to rest at first [$INPUT_UNIT]. */
 static const real rest = $REST;
-/* References [$OUTPUT_UNIT], and the voltages [$INPUT_UNIT] that the library puts out for them in double precision. */
+/* References [$OUTPUT_UNIT], and the voltages [$INPUT_UNIT] at their ends that the library puts out in double precision. */
 static const real references[SAMPLES] = {
 $REFERENCES
 };
@@ -43,6 +46,7 @@ static int within_limits(real before, real voltage)
 static int golden(void)
 {
     real worst = R(0), before, u = R(0), y;
+    long run = 0;
     int k, good = 1;
     $name_init(&state);
     if ($name_rest_at(&state, rest, &y) != $NAME_OK) {
@@ -50,15 +54,18 @@ static int golden(void)
     }
     before = rest;
     for (k = 0; k < SAMPLES; k++) {
-        good = good && $name_step(&state, references[k], &u) >= $NAME_OK && within_limits(before, u);
-        before = u;
+        long held = k < HELD_FROM ? 1L : HOLD;
+        for (run += held; held > 0; held--) {
+            good = good && $name_step(&state, references[k], &u) >= $NAME_OK && within_limits(before, u);
+            before = u;
+        }
         /* Written so that a NaN is a difference. */
         if (!(difference(u, voltages[k]) <= worst)) {
             worst = difference(u, voltages[k]);
         }
     }
-    printf("golden vectors: %d samples, largest difference %.2e $INPUT_UNIT, allowed %.2e $INPUT_UNIT\n", SAMPLES, (double)worst,
-           (double)tolerance);
+    printf("golden vectors: %d of %ld samples, largest difference %.2e $INPUT_UNIT, allowed %.2e $INPUT_UNIT\n", SAMPLES, run,
+           (double)worst, (double)tolerance);
     return passed("golden vectors", good && worst <= tolerance);
 }
 

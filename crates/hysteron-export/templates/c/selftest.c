@@ -6,8 +6,11 @@
 typedef $name_real real;
 
 #define SAMPLES $SAMPLES
+/* The first voltages last a sample each, those from here on so many: what they do has come out of the delay and of slow states then. */
+#define HELD_FROM $HELD_FROM
+#define HOLD $HOLDL
 
-/* Voltages [$INPUT_UNIT], and the displacements [$OUTPUT_UNIT] that the library puts out for them in double precision. */
+/* Voltages [$INPUT_UNIT], and the displacements [$OUTPUT_UNIT] at their ends that the library puts out in double precision. */
 static const real voltages[SAMPLES] = {
 $VOLTAGES
 };
@@ -34,23 +37,27 @@ static int passed(const char *what, int holds)
 static int golden(void)
 {
     real worst = R(0), y;
+    long run = 0;
     int k, status = $NAME_OK;
     $name_init(&state);
     if ($name_rest_at(&state, voltages[0], &y) < $NAME_OK) {
         return passed("rest", 0);
     }
     for (k = 0; k < SAMPLES; k++) {
-        const $name_status now = $name_step(&state, voltages[k], &y);
+        long held = k < HELD_FROM ? 1L : HOLD;
+        for (run += held; held > 0; held--) {
+            const $name_status now = $name_step(&state, voltages[k], &y);
+            if (now < $NAME_OK) {
+                status = now;
+            }
+        }
         /* Written so that a NaN is a difference. */
         if (!(difference(y, displacements[k]) <= worst)) {
             worst = difference(y, displacements[k]);
         }
-        if (now < $NAME_OK) {
-            status = now;
-        }
     }
-    printf("golden vectors: %d samples, largest difference %.2e $OUTPUT_UNIT, allowed %.2e $OUTPUT_UNIT\n", SAMPLES, (double)worst,
-           (double)tolerance);
+    printf("golden vectors: %d of %ld samples, largest difference %.2e $OUTPUT_UNIT, allowed %.2e $OUTPUT_UNIT\n", SAMPLES, run,
+           (double)worst, (double)tolerance);
     return passed("golden vectors", status == $NAME_OK && worst <= tolerance);
 }
 

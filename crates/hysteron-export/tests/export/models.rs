@@ -7,7 +7,7 @@ use hysteron::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshli
 use hysteron::model_file::{Interval, ModelFile, SignalUnits, ValidRange};
 use hysteron::realise::{RealiseOptions, realise};
 use hysteron::record::InterSample;
-use hysteron_export::{Inverse, Precision, Subject};
+use hysteron_export::{ExportError, Inverse, Precision, Subject};
 
 /// Rate that all are realised at \[Hz\].
 pub const RATE_HZ: f64 = 1e4;
@@ -133,11 +133,21 @@ pub fn precisions(name: &str) -> Vec<Precision> {
 
 /// A model realised at its rate, meant for 0 to 100 V.
 pub fn subject(name: &str, model: &Model, precision: Precision) -> Subject {
-    let realisation = realise(model, RATE_HZ, &RealiseOptions::default()).unwrap();
+    subject_at(name, model, precision, RATE_HZ).unwrap()
+}
+
+/// The same at another rate.
+pub fn subject_at(
+    name: &str,
+    model: &Model,
+    precision: Precision,
+    rate_hz: f64,
+) -> Result<Subject, ExportError> {
+    let realisation = realise(model, rate_hz, &RealiseOptions::default()).unwrap();
     let mut file = ModelFile::from_model(model, SignalUnits::default());
     let interval = |low, high, unit: &str| Interval { low, high, unit: unit.into() };
     file.valid_range = Some(ValidRange { input: interval(0.0, 100.0, "V"), frequency: None, rate: None });
-    Subject::new(name, precision, &file, realisation, 1e-5).unwrap()
+    Subject::new(name, precision, &file, realisation, 1e-5)
 }
 
 /// Models with an inverse: one of each law, with and without dynamics.
