@@ -1,5 +1,6 @@
 //! Files of an export, written together: a folder that is complete, or as it was.
 
+use std::io::{self, ErrorKind};
 use std::path::Path;
 
 use crate::error::ExportError;
@@ -23,29 +24,23 @@ impl ExportedFile {
 const MARK: &[u8] = b"hysteron export";
 
 /// Writes all `files` into `folder`, made where it does not exist. Files of other names stay as they are; one of the same name is
-/// replaced where an export wrote it. Everything is written beside the folder first and then renamed.
+/// replaced where an export wrote it. Everything is written beside its place first, and then renamed; what was replaced is put back where a later
+/// rename fails.
 ///
 /// # Errors
-/// [`ExportError::Foreign`] for a file of the same name that no export wrote; [`ExportError::Write`]. Nothing has changed then, but for a
-/// rename that fails between two others.
+/// [`ExportError::Foreign`] for a file of the same name that no export wrote; [`ExportError::Write`]. Nothing has changed then.
 pub fn write_folder(folder: &Path, files: &[ExportedFile]) -> Result<(), ExportError> {
-    let failed = |action, path: &Path| {
-        let path = path.to_owned();
-        move |source| ExportError::Write { action, path, source }
-    };
     for file in files {
-        let path = folder.join(&file.name);
-        if let Ok(old) = std::fs::read(&path)
-            && !old.windows(MARK.len()).any(|part| part == MARK)
-        {
-            return Err(ExportError::Foreign { path });
-        }
+        check(&folder.join(&file.name))?;
     }
     let parent = match folder.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    std::fs::create_dir_all(parent).map_err(failed("making the folder", parent))?;
+    // In the folder itself where it is there: that one must be writable, and may be on a disk of its own.
+    let is_new = !folder.exists();
+    let place = if is_new { parent } else { folder };
+    std::fs::create_dir_all(place).map_err(failed("making the folder", place))?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".hysteron-").suffix(".tmp");
     #[cfg(unix)]
@@ -53,9 +48,11 @@ pub fn write_folder(folder: &Path, files: &[ExportedFile]) -> Result<(), ExportE
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o755));
     }
-    let beside = builder.tempdir_in(parent).map_err(failed("making a folder in", parent))?;
+    let beside = builder.tempdir_in(place).map_err(failed("making a folder in", place))?;
+    let (new, old) = (beside.path().join("new"), beside.path().join("old"));
+    let prepared = if is_new { beside.path() } else { &new };
     for file in files {
-        let path = beside.path().join(&file.name);
+        let path = prepared.join(&file.name);
         let own = path.parent().unwrap_or(parent);
         let write = || {
             std::fs::create_dir_all(own)?;
@@ -64,21 +61,74 @@ pub fn write_folder(folder: &Path, files: &[ExportedFile]) -> Result<(), ExportE
         };
         write().map_err(failed("writing", &folder.join(&file.name)))?;
     }
-    if !folder.exists() {
+    if is_new {
         let made = beside.keep();
         return std::fs::rename(&made, folder).map_err(|source| {
             let _ = std::fs::remove_dir_all(&made);
             ExportError::Write { action: "renaming the finished folder to", path: folder.to_owned(), source }
         });
     }
-    for file in files {
-        let path = folder.join(&file.name);
-        let own = path.parent().unwrap_or(folder);
-        std::fs::create_dir_all(own)
-            .and_then(|()| std::fs::rename(beside.path().join(&file.name), &path))
-            .map_err(failed("replacing", &path))?;
+    for (done, file) in files.iter().enumerate() {
+        if let Err(source) = replace(folder, &new, &old, &file.name) {
+            for file in files[..done].iter().rev() {
+                put_back(folder, &old, &file.name);
+            }
+            remove_empty(folder, &folder.join(&file.name));
+            return Err(failed("replacing", &folder.join(&file.name))(source));
+        }
     }
     Ok(())
+}
+
+fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> ExportError {
+    let path = path.to_owned();
+    move |source| ExportError::Write { action, path, source }
+}
+
+/// Whether a file can be replaced, or made.
+fn check(path: &Path) -> Result<(), ExportError> {
+    let refused = |kind: ErrorKind| failed("writing", path)(kind.into());
+    match std::fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(refused(ErrorKind::IsADirectory)),
+        Ok(_) => {
+            let old = std::fs::read(path).map_err(failed("reading", path))?;
+            let ours = old.windows(MARK.len()).any(|part| part == MARK);
+            if ours { Ok(()) } else { Err(ExportError::Foreign { path: path.to_owned() }) }
+        }
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
+        Err(e) => Err(failed("writing", path)(e)),
+    }
+}
+
+/// Moves the file `name` from `new` to its place in `folder`, and what was there to `old`.
+fn replace(folder: &Path, new: &Path, old: &Path, name: &str) -> io::Result<()> {
+    let (path, kept) = (folder.join(name), old.join(name));
+    for file in [&path, &kept] {
+        std::fs::create_dir_all(file.parent().unwrap_or(folder))?;
+    }
+    // A copy, so that its place is never empty.
+    if path.exists() {
+        std::fs::copy(&path, &kept)?;
+    }
+    std::fs::rename(new.join(name), &path)
+}
+
+/// Undoes [`replace`] as well as can be.
+fn put_back(folder: &Path, old: &Path, name: &str) {
+    let (path, kept) = (folder.join(name), old.join(name));
+    if kept.exists() {
+        let _ = std::fs::rename(&kept, &path);
+        return;
+    }
+    let _ = std::fs::remove_file(&path);
+    remove_empty(folder, &path);
+}
+
+/// Removes the folders between `folder` and `path` that are empty.
+fn remove_empty(folder: &Path, path: &Path) {
+    for between in path.ancestors().skip(1).take_while(|a| *a != folder) {
+        let _ = std::fs::remove_dir(between);
+    }
 }
 
 #[cfg(test)]
@@ -113,5 +163,63 @@ mod tests {
         std::fs::write(&path, "x").unwrap();
         assert!(write_folder(&path, &[file("a.c", "1")]).is_err());
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "x");
+    }
+
+    /// Everything in a folder, folders without content included.
+    fn tree(folder: &Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
+        let mut all = Vec::new();
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                all.push((path.clone(), Vec::new()));
+                all.extend(tree(&path));
+            } else {
+                all.push((path.clone(), std::fs::read(&path).unwrap()));
+            }
+        }
+        all.sort();
+        all
+    }
+
+    #[test]
+    fn where_one_file_cannot_be_written_none_is() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("out");
+        let files = [file("a.c", "2"), file("new/b.c", "2"), file("c.c", "2")];
+        // A folder of the name of a file, and a file of the name of a folder.
+        for (at, is_folder) in [("c.c", true), ("a.c", true), ("new", false)] {
+            std::fs::create_dir_all(&folder).unwrap();
+            if is_folder {
+                std::fs::create_dir(folder.join(at)).unwrap();
+            } else {
+                std::fs::write(folder.join(at), "/* hysteron export */").unwrap();
+            }
+            let before = tree(&folder);
+            let refused = write_folder(&folder, &files).unwrap_err();
+            assert!(matches!(refused, ExportError::Write { .. }), "{at}: {refused}");
+            assert_eq!(tree(place.path()).len(), 1 + before.len(), "{at}");
+            assert_eq!(tree(&folder), before, "{at}");
+            std::fs::remove_dir_all(&folder).unwrap();
+        }
+    }
+
+    /// What the checks beforehand cannot see: a rename that fails when others have been made.
+    #[test]
+    fn what_was_replaced_before_a_failure_is_put_back() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("out");
+        write_folder(&folder, &[file("a.c", "1")]).unwrap();
+        let before = tree(&folder);
+        let (new, old) = (place.path().join("new"), place.path().join("old"));
+        write_folder(&new, &[file("a.c", "2"), file("src/b.c", "2")]).unwrap();
+        for name in ["a.c", "src/b.c"] {
+            replace(&folder, &new, &old, name).unwrap();
+        }
+        assert_ne!(tree(&folder), before);
+        assert!(replace(&folder, &new, &old, "c.c").is_err());
+        for name in ["src/b.c", "a.c"] {
+            put_back(&folder, &old, name);
+        }
+        assert_eq!(tree(&folder), before);
     }
 }
