@@ -1,14 +1,16 @@
 //! `hysteron export`: a model as source that runs without Hysteron.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hysteron::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron::realise::RealiseOptions;
 use hysteron_export::{
-    ExportError, ExportedFile, Inverse, Precision, Runtime, Subject, c_files, fmu_files, inverse_files,
-    inverse_fmu_files, rust_files, write_folder,
+    ExportError, ExportedFile, Inverse, Precision, Rounding, Runtime, Subject, c_files, fmu_files,
+    inverse_files, inverse_fmu_files, rust_files, write_folder,
 };
+use hysteron_report::number::significant;
 use serde::Serialize;
 
 use crate::console;
@@ -17,7 +19,7 @@ use crate::invert::range;
 use crate::model::LoadedModel;
 use crate::numbers::positive;
 use crate::output;
-use crate::realise::{realised, where_creep_stops};
+use crate::realise::{along_sweep, realised, where_creep_stops};
 
 /// Write a model as C99 source, a no_std Rust crate or an FMU.
 #[derive(Args)]
@@ -133,8 +135,10 @@ impl Export {
             Float::F64 => Precision::F64,
         };
         let name = self.name.clone().unwrap_or_else(|| name_of(&self.model));
-        let subject = Subject::new(&name, precision, &loaded.file, realisation, self.accuracy)
+        let mut subject = Subject::new(&name, precision, &loaded.file, realisation, self.accuracy)
             .map_err(|e| self.cannot(&e))?;
+        remark_rounding("displacement", &subject.output_unit, subject.rounding);
+        subject.along_sweep = Some(along_sweep(&self.model, &loaded, &subject.realisation, self.accuracy)?);
         let inverse = if self.inverse { Some(self.inverted(&loaded, &subject, &options)?) } else { None };
         let files =
             self.files(&subject, inverse.as_ref(), runtime.as_deref()).map_err(|e| self.cannot(&e))?;
@@ -191,8 +195,17 @@ impl Export {
         };
         let compensation = Compensation::new(loaded.model(), rate, &options);
         let compensation = compensation.map_err(|e| self.cannot(&e.into()))?;
-        Inverse::new(subject, compensation, range, self.slew.unwrap_or(f64::INFINITY))
-            .map_err(|e| self.cannot(&e))
+        if let Some(wanted) = self.preview.filter(|wanted| *wanted > compensation.preview) {
+            let used = compensation.preview;
+            console::note(&format!(
+                "of the preview of {wanted} samples {used} are used, beyond which no voltage depends on the reference: hand in the reference {used} samples ahead, \
+                 not {wanted} (the source names the number)"
+            ));
+        }
+        let inverse = Inverse::new(subject, compensation, range, self.slew.unwrap_or(f64::INFINITY))
+            .map_err(|e| self.cannot(&e))?;
+        remark_rounding("voltage", &subject.input_unit, inverse.rounding);
+        Ok(inverse)
     }
 
     /// The folder of hysteron-rt, in full: the crate that names it is elsewhere.
@@ -221,8 +234,36 @@ impl Export {
             ExportError::Compiler { .. } => failure
                 .hint("install a C compiler (e.g. apt-get install gcc), or name one in the variable CC"),
             ExportError::Foreign { .. } => failure.hint("name another folder, or another --name"),
+            ExportError::Write { source, .. } => failure.hint(match source.kind() {
+                ErrorKind::IsADirectory | ErrorKind::NotADirectory => {
+                    "name another folder, or another --name"
+                }
+                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
+                    "choose a folder that you may write to"
+                }
+                _ => "choose another folder, or make room on the disk",
+            }),
+            ExportError::Rounding { what: "voltage", .. } => failure
+                .hint("export it with --float f64, for a lower --sample-rate, or for a lower --bandwidth"),
+            ExportError::Rounding { .. } => {
+                failure.hint("export it with --float f64, or for a lower --sample-rate")
+            }
+            ExportError::Still { .. } => {
+                failure.hint("look at it with hysteron simulate: what is exported must answer a voltage")
+            }
             _ => failure,
         }
+    }
+}
+
+/// A remark where single precision takes much from a result.
+fn remark_rounding(what: &str, unit: &str, rounding: Rounding) {
+    if rounding.share > Rounding::NOTED {
+        console::note(&format!(
+            "single precision may move the {what} by {} {unit}, {} % of its range (--float f64 does not)",
+            significant(rounding.bound, 2),
+            significant(100.0 * rounding.share, 2)
+        ));
     }
 }
 

@@ -72,9 +72,9 @@ impl Realise {
         let failed = |e: RealiseError| cannot(&self.model, &e);
         let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };
         let realisation = realised(&self.model, &loaded, self.sample_rate, &options)?;
-        let voltages = range.map_or((0.0, 1.0), |r| (r.input.low, r.input.high));
+        let voltages = voltages(range);
         let frequencies_hz = frequencies(range, self.sample_rate);
-        let drive = sweep(voltages, frequencies_hz, self.sample_rate, self.samples(frequencies_hz.0));
+        let drive = drive(range, self.sample_rate);
         let verification = verify(&realisation, &drive).map_err(failed)?;
         let mut parts = StreamParts::new(&realisation).map_err(failed)?;
         let mut streams = [parts.stream().map_err(failed)?];
@@ -90,20 +90,47 @@ impl Realise {
             accuracy: self.accuracy,
             units: (units.input.clone(), units.output.clone()),
         };
-        if found.verification.largest > self.accuracy {
-            console::note(&format!(
-                "along the sweep the difference to the batch simulation is {} of the range, more than {}: what is beyond the dynamics' error lies between \
-                 the samples (see docs/theory/realisation.md)",
-                significant(found.verification.largest, 2),
-                significant(self.accuracy, 2)
-            ));
-        }
+        remark_sweep(&found.verification, self.accuracy);
         if self.json { console::json(&Summary::new(&found)) } else { console::result(&text(&found)) }
     }
+}
 
-    /// Two periods of the lowest frequency, within reason.
-    fn samples(&self, low_hz: f64) -> usize {
-        ((2.0 * self.sample_rate / low_hz) as usize).clamp(SAMPLES, 20 * SAMPLES)
+/// The sweep over a model's own range: two periods of its lowest frequency, within reason.
+fn drive(range: Option<&ValidRange>, sample_rate_hz: f64) -> Vec<f64> {
+    let frequencies_hz = frequencies(range, sample_rate_hz);
+    let samples = ((2.0 * sample_rate_hz / frequencies_hz.0) as usize).clamp(SAMPLES, 20 * SAMPLES);
+    sweep(voltages(range), frequencies_hz, sample_rate_hz, samples)
+}
+
+fn voltages(range: Option<&ValidRange>) -> (f64, f64) {
+    range.map_or((0.0, 1.0), |r| (r.input.low, r.input.high))
+}
+
+/// What a realisation is off the batch simulation along that sweep, and its frequencies \[Hz\]; with a remark where that is more than the accuracy.
+///
+/// # Errors
+/// As [`verify`].
+pub fn along_sweep(
+    path: &Path,
+    loaded: &LoadedModel,
+    realisation: &Realisation,
+    accuracy: f64,
+) -> Result<(Verification, (f64, f64)), Failure> {
+    let range = loaded.file.valid_range.as_ref();
+    let rate = realisation.sample_rate_hz;
+    let found = verify(realisation, &drive(range, rate)).map_err(|e| cannot(path, &e))?;
+    remark_sweep(&found, accuracy);
+    Ok((found, frequencies(range, rate)))
+}
+
+fn remark_sweep(found: &Verification, accuracy: f64) {
+    if found.largest > accuracy {
+        console::note(&format!(
+            "along the sweep the difference to the batch simulation is {} of the range, more than {}: what is beyond the dynamics' error lies between \
+             the samples (see docs/theory/realisation.md)",
+            significant(found.largest, 2),
+            significant(accuracy, 2)
+        ));
     }
 }
 

@@ -32,6 +32,20 @@ pub enum ExportError {
         /// What stands still.
         what: &'static str,
     },
+    /// Single precision is too coarse.
+    #[error(
+        "single precision may move the {what} by {bound:.2e} {unit}, {percent:.2} % of its range: at most 1 % is exported"
+    )]
+    Rounding {
+        /// What is moved.
+        what: &'static str,
+        /// By how much.
+        bound: f64,
+        /// In this unit.
+        unit: String,
+        /// In percent of its range.
+        percent: f64,
+    },
     /// A file in the folder is not one that an export wrote.
     #[error("{} is there already and was not written by an export", path.display())]
     Foreign {

@@ -6,7 +6,7 @@ use hysteron_rt::{Model, ModelError, Real};
 
 use crate::error::ExportError;
 use crate::number::Precision;
-use crate::subject::Subject;
+use crate::subject::{Subject, significant};
 
 /// Voltages, exact in the number type of the export, and the library's displacements in double precision.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +23,44 @@ pub struct Golden {
     pub span: f64,
     /// Whether a move to the largest number of the type is refused (not so where nothing but a bounded operator sees the voltage).
     pub refuses_largest: bool,
+}
+
+/// What the number type may take from a result, by the bound of the self-test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rounding {
+    /// In the unit of the result.
+    pub bound: f64,
+    /// As a share of its range.
+    pub share: f64,
+}
+
+impl Rounding {
+    /// Share from which on it should be read about.
+    pub const NOTED: f64 = 1e-3;
+    /// Share above which nothing is exported.
+    pub const MOST: f64 = 1e-2;
+
+    /// A bound on the result `what` of this range.
+    ///
+    /// # Errors
+    /// [`ExportError::Rounding`] where it is too large a share.
+    pub(crate) fn new(what: &'static str, unit: &str, bound: f64, range: f64) -> Result<Self, ExportError> {
+        let share = bound / range;
+        if share <= Self::MOST {
+            return Ok(Self { bound, share });
+        }
+        Err(ExportError::Rounding { what, bound, unit: unit.to_owned(), percent: 100.0 * share })
+    }
+
+    /// In words, for the source.
+    pub(crate) fn in_words(self, what: &str, unit: &str) -> String {
+        let warning = if self.share > Self::NOTED { "NOTE: " } else { "" };
+        format!(
+            "{warning}Single precision may move the {what} by {} {unit}, {} of its range.",
+            significant(self.bound),
+            significant(self.share)
+        )
+    }
 }
 
 /// Samples of the sweep, of the jumps, of the crawl and of the rest.

@@ -7,9 +7,9 @@ use hysteron_rt::Real;
 use crate::c::{Numbers, filling, rows};
 use crate::error::ExportError;
 use crate::files::ExportedFile;
-use crate::golden::{patience, samples_of};
+use crate::golden::{Rounding, patience, samples_of};
 use crate::number::Precision;
-use crate::subject::Subject;
+use crate::subject::{Subject, significant};
 use crate::template::Filling;
 
 const HEADER: &str = concat!(
@@ -39,13 +39,16 @@ pub struct Inverse {
     pub range_v: [f64; 2],
     /// Largest rate of the voltage \[V/s\]; infinite for none.
     pub slew_v_per_s: f64,
+    /// What the number type may take from the voltage.
+    pub rounding: Rounding,
 }
 
 impl Inverse {
     /// The inverse of the model of `subject`, under its name and `_inverse`.
     ///
     /// # Errors
-    /// As [`CompensatorParts::new`]; as [`Subject::new`].
+    /// As [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision takes too much from the voltage, [`ExportError::Still`] where it
+    /// does not move.
     pub fn new(
         subject: &Subject,
         compensation: Compensation,
@@ -62,7 +65,12 @@ impl Inverse {
             joins_means: false,
         };
         let subject = Subject { name: format!("{}_inverse", subject.name), realisation, ..subject.clone() };
-        Ok(Self { subject, compensation, range_v, slew_v_per_s })
+        let rounding = Rounding { bound: 0.0, share: 0.0 };
+        let mut inverse = Self { subject, compensation, range_v, slew_v_per_s, rounding };
+        let bound = GoldenInverse::new(&inverse)?.tolerance;
+        inverse.rounding =
+            Rounding::new("voltage", &inverse.subject.input_unit, bound, range_v[1] - range_v[0])?;
+        Ok(inverse)
     }
 
     /// What the source says about itself.
@@ -77,9 +85,11 @@ impl Inverse {
                 "Follows up to {} Hz; the reference is known {} samples ahead; white noise on the reference is passed on {:.3} times as large.",
                 self.compensation.bandwidth_hz, self.compensation.preview, self.compensation.noise_gain
             ),
-            String::new(),
-            "The model:".into(),
         ];
+        if subject.precision == Precision::F32 {
+            lines.push(self.rounding.in_words("voltage", &subject.input_unit));
+        }
+        lines.extend([String::new(), "The model:".into()]);
         lines.extend(subject.description());
         lines
     }
@@ -93,10 +103,39 @@ pub fn inverse_files(inverse: &Inverse) -> Result<Vec<ExportedFile>, ExportError
     let mut filling = inverse_filling(inverse, Numbers::Constant)?;
     let name = &inverse.subject.name;
     let mut files = inverse_core(inverse, &filling)?;
+    let (samples, left) = settles(&inverse.compensation);
+    let of = significant(samples as f64 / inverse.compensation.sample_rate_hz);
+    let words = format!(
+        "Samples to wait after a move, {of} s: {} of what it does is still to come.",
+        significant(left)
+    );
+    filling.key("SETTLES", samples).key("SETTLES_IN_WORDS", words);
     files.push(ExportedFile::new(format!("{name}_loop.c"), filling.fill(LOOP)?));
     golden_inverse_keys(&mut filling, inverse, &|x| inverse.subject.precision.c_literal(x))?;
     files.push(ExportedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
     Ok(files)
+}
+
+/// Share of a move that may be left when the stage is taken for at rest, and the longest that is waited for it \[s\].
+const SETTLED: f64 = 1e-3;
+const LONGEST_S: f64 = 10.0;
+
+/// Samples in which all but [`SETTLED`] of a move has come out, and what is left then: creep that takes longer than [`LONGEST_S`] goes on.
+fn settles(law: &Compensation) -> (usize, f64) {
+    let dynamics = &law.dynamics;
+    let left = |samples: f64| {
+        let decays = dynamics.sections.iter().map(|s| {
+            let rate = s.rate(law.sample_rate_hz) / law.sample_rate_hz;
+            s.weight.norm() * (-rate * samples).exp()
+        });
+        decays.sum::<f64>() / dynamics.reference_gain
+    };
+    let (mut low, mut high) = (0.0, (LONGEST_S * law.sample_rate_hz).ceil());
+    while high - low > 1.0 {
+        let middle = (0.5 * (low + high)).floor();
+        if left(middle) > SETTLED { low = middle } else { high = middle }
+    }
+    (high as usize + dynamics.delay_samples + dynamics.taps.len(), left(high))
 }
 
 /// Header and source.
@@ -193,10 +232,14 @@ const DOUBLE: f64 = 1e-12;
 /// Single precision: units of rounding (2^-23) of everything that is added up for a voltage.
 const SINGLE: f64 = 16.0;
 const SAMPLES: usize = 640;
-/// References from this one on are held, as voltages are in the self-test of a model.
-const HELD_FROM: usize = SAMPLES / 2;
-/// Share of the range of the voltage below which it stands still.
-const STILL: f64 = 1e-3;
+/// References from this one on are held, as voltages are in the self-test of a model: the steps alone, for stairs of a swing would throw a fast law from
+/// limit to limit, where it forgets what single precision has in common with double.
+const HELD_FROM: usize = 3 * SAMPLES / 4;
+/// Bounds below which a voltage stands still.
+const STILL: f64 = 10.0;
+/// Share of the range that a slow slew limit is to cross in a self-test, and the samples that may take.
+const CROSSED: f64 = 0.4;
+const MOST_FOR_SLEW: f64 = 200_000.0;
 
 /// Sets what the self-test is filled with, in literals of its language.
 pub(crate) fn golden_inverse_keys(
@@ -230,7 +273,7 @@ pub struct GoldenInverse {
     pub rest_v: f64,
     /// References, exact in the number type of the export.
     pub references: Vec<f64>,
-    /// Samples that each of the second half is held; those before last one each.
+    /// Samples that each of the steps is held; those of the swing last one each.
     pub hold: usize,
     /// The library's voltages in double precision, at the end of each reference.
     pub voltages: Vec<f64>,
@@ -257,12 +300,14 @@ impl GoldenInverse {
         let references: Vec<f64> = (0..SAMPLES)
             .map(|k| {
                 let phase = 4.0 * std::f64::consts::TAU * k as f64 / SAMPLES as f64;
-                let swing = if k < 3 * SAMPLES / 4 { 0.35 * phase.sin() } else { 0.7 * phase.sin().signum() };
+                let swing = if k < HELD_FROM { 0.35 * phase.sin() } else { 0.7 * phase.sin().signum() };
                 precision.round(middle + swing * (top - bottom).abs())
             })
             .collect();
         let law = &inverse.compensation;
-        let lasts = patience(&law.dynamics, law.reference.len(), law.sample_rate_hz);
+        let slewed = CROSSED * (high - low) * law.sample_rate_hz / inverse.slew_v_per_s;
+        let lasts = patience(&law.dynamics, law.reference.len(), law.sample_rate_hz)
+            .max(slewed.min(MOST_FOR_SLEW) as usize);
         let hold = lasts.div_ceil(SAMPLES - HELD_FROM);
         let mut held = |(k, &r): (usize, &f64)| {
             for _ in 1..samples_of(k, HELD_FROM, hold) {
@@ -271,9 +316,6 @@ impl GoldenInverse {
             compensator.step(r).voltage
         };
         let voltages: Vec<f64> = references.iter().enumerate().map(&mut held).collect();
-        if !voltages.iter().any(|u| (u - rest_v).abs() > STILL * (high - low)) {
-            return Err(ExportError::Still { what: "voltage" });
-        }
         let gains = law.recent.iter().chain(law.states.iter().flatten()).map(|k| k.abs()).sum::<f64>()
             + law.reference.iter().map(|k| k.abs()).sum::<f64>()
                 * law.dynamics.amplification()
@@ -285,6 +327,11 @@ impl GoldenInverse {
             Precision::F64 => DOUBLE * (high - low),
             Precision::F32 => SINGLE * precision.epsilon() * added_up,
         };
+        // Once single precision has been found to leave enough, that is: what it leaves nothing of does not move either.
+        let too_coarse = tolerance > Rounding::MOST * (high - low);
+        if !too_coarse && !voltages.iter().any(|u| (u - rest_v).abs() > STILL * tolerance) {
+            return Err(ExportError::Still { what: "voltage" });
+        }
         Ok(Self { rest_v, references, hold, voltages, tolerance })
     }
 }

@@ -25,7 +25,7 @@ pub use c::c_files;
 pub use error::ExportError;
 pub use files::{ExportedFile, write_folder};
 pub use fmu::{fmu_files, inverse_fmu_files};
-pub use golden::Golden;
+pub use golden::{Golden, Rounding};
 pub use inverse::{GoldenInverse, Inverse, inverse_files};
 pub use number::Precision;
 pub use rust_crate::{Runtime, rust_files};

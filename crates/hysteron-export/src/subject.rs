@@ -2,10 +2,11 @@
 
 use hysteron::hysteresis::{Family, FamilyForm, Hysteresis};
 use hysteron::model_file::{ModelFile, ScoreEntry, ScoreRole, ValidRange};
-use hysteron::realise::{Realisation, RuntimeParts};
+use hysteron::realise::{Realisation, RuntimeParts, Verification};
 use hysteron_rt::Real;
 
 use crate::error::ExportError;
+use crate::golden::{Golden, Rounding};
 use crate::number::Precision;
 
 /// A model on its way out.
@@ -29,6 +30,10 @@ pub struct Subject {
     pub scores: Vec<ScoreEntry>,
     /// The accuracy the realisation was asked for.
     pub accuracy: f64,
+    /// What the number type may take from the displacement.
+    pub rounding: Rounding,
+    /// How far the realisation is off the batch simulation along a sweep between two frequencies \[Hz\], where it was compared.
+    pub along_sweep: Option<(Verification, (f64, f64))>,
 }
 
 impl Subject {
@@ -36,7 +41,8 @@ impl Subject {
     ///
     /// # Errors
     /// [`ExportError::Name`]; [`ExportError::Realise`] where the
-    /// numbers do not survive the rounding to `precision`.
+    /// numbers do not survive the rounding to `precision`; [`ExportError::Rounding`] where too little of the displacement does;
+    /// [`ExportError::Still`] where there is none.
     pub fn new(
         name: &str,
         precision: Precision,
@@ -49,7 +55,7 @@ impl Subject {
             Precision::F32 => check_numbers::<f32>(&realisation)?,
             Precision::F64 => check_numbers::<f64>(&realisation)?,
         }
-        Ok(Self {
+        let mut subject = Self {
             name: name.to_owned(),
             precision,
             realisation,
@@ -59,7 +65,13 @@ impl Subject {
             range: file.valid_range.clone(),
             scores: file.scores.clone(),
             accuracy,
-        })
+            rounding: Rounding { bound: 0.0, share: 0.0 },
+            along_sweep: None,
+        };
+        let golden = Golden::new(&subject)?;
+        subject.rounding =
+            Rounding::new("displacement", &subject.output_unit, golden.tolerance, golden.span)?;
+        Ok(subject)
     }
 
     /// Lowest and highest voltage that the model is meant for; 0 to 1 where the file does not say.
@@ -108,6 +120,18 @@ impl Subject {
             number(linear.band_hz.1),
             number(self.accuracy)
         ));
+        if let Some((found, (low, high))) = &self.along_sweep {
+            lines.push(format!(
+                "Off the batch simulation along a sweep of {} to {} Hz over its range: {} of the range at most, {} rms.",
+                number(*low),
+                number(*high),
+                number(found.largest),
+                number(found.rms)
+            ));
+        }
+        if self.precision == Precision::F32 {
+            lines.push(self.rounding.in_words("displacement", output));
+        }
         match &self.range {
             Some(range) => {
                 let frequency =
@@ -121,6 +145,10 @@ impl Subject {
             }
             None => lines.push("The model file does not say which range it was identified in.".into()),
         }
+        lines.push(format!(
+            "Any {input} up to the range of the number type is taken, and its creep decays only as slowly as the model's: limit it to what the amplifier can do \
+             before it is handed in."
+        ));
         for score in &self.scores {
             let of = match score.role {
                 ScoreRole::Training => "fitted to",
@@ -140,7 +168,7 @@ impl Subject {
 }
 
 /// Four significant digits.
-fn significant(x: f64) -> String {
+pub(crate) fn significant(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e6).contains(&x.abs()) {
         return format!("{x:.3e}");
     }

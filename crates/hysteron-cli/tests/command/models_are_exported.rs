@@ -4,7 +4,7 @@ use std::process::Command;
 
 use hysteron::dynamics::{Dynamics, Scheme, TransferFunction};
 use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{Family, FamilyForm, Hysteresis};
+use hysteron::hysteresis::{Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
 use hysteron::model_file::SignalUnits;
 use serde_json::Value;
 
@@ -158,6 +158,12 @@ fn what_cannot_be_exported_is_said_and_nothing_is_written() {
         }
         assert!(!bench.path("out").exists(), "{arguments}");
     }
+    // A folder in the place of a file.
+    std::fs::create_dir_all(bench.path("blocked/stage.c")).unwrap();
+    let run = bench.run("export P-885_stage.json --to c -o blocked --name stage");
+    assert!(run.exit_code == 1 && run.stderr.contains("stage.c failed"), "{run:?}");
+    assert!(run.stderr.contains("try: name another folder"), "{run:?}");
+    assert_eq!(names(&bench, "blocked"), ["stage.c"]);
     // Somebody's own file of the same name.
     std::fs::create_dir(bench.path("mine")).unwrap();
     bench.write("mine/stage.c", "int mine;\n");
@@ -165,6 +171,68 @@ fn what_cannot_be_exported_is_said_and_nothing_is_written() {
     assert!(run.exit_code == 1 && run.stderr.contains("was not written by an export"), "{run:?}");
     assert_eq!(names(&bench, "mine"), ["stage.c"]);
     assert_eq!(std::fs::read_to_string(bench.path("mine/stage.c")).unwrap(), "int mine;\n");
+}
+
+/// So that code for any model compiles.
+#[test]
+fn a_model_without_delay_says_so() {
+    let bench = Bench::new();
+    let run = bench.run("export model.json --to c -o out --sample-rate 1000");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let header = std::fs::read_to_string(bench.path("out/model.h")).unwrap();
+    assert!(header.contains("#define MODEL_DELAY 0\n"), "{header}");
+    assert!(header.contains("limit it to what the amplifier can do"), "{header}");
+}
+
+#[test]
+fn single_precision_that_takes_too_much_is_said_or_refused() {
+    let bench = bench();
+    let inverse = |rate: &str, float: &str| {
+        bench.run(&format!(
+            "export P-885_stage.json --to c -o out --name stage --inverse --range 0:100 --sample-rate {rate} --float {float}"
+        ))
+    };
+    let run = inverse("1e4", "f32");
+    assert!(run.exit_code == 0 && !run.stderr.contains("single precision"), "{run:?}");
+    let header = std::fs::read_to_string(bench.path("out/stage_inverse.h")).unwrap();
+    assert!(header.contains(" * Single precision may move the voltage by "), "{header}");
+    let run = inverse("1e5", "f32");
+    assert!(
+        run.exit_code == 0 && run.stderr.contains("note: single precision may move the voltage by"),
+        "{run:?}"
+    );
+    let header = std::fs::read_to_string(bench.path("out/stage_inverse.h")).unwrap();
+    assert!(header.contains(" * NOTE: Single precision may move the voltage by "), "{header}");
+    std::fs::remove_dir_all(bench.path("out")).unwrap();
+    let run = inverse("1e6", "f32");
+    for part in ["single precision may move the voltage by", "% of its range", "--float f64", "--bandwidth"] {
+        assert!(run.exit_code == 1 && run.stderr.contains(part), "{part}: {run:?}");
+    }
+    assert!(!bench.path("out").exists());
+    let run = inverse("1e6", "f64");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+}
+
+/// As realise says it.
+#[test]
+fn what_lies_between_the_samples_is_noted_and_stands_in_the_header() {
+    let bench = Bench::new();
+    // Plays that turn between two samples.
+    let plays =
+        PrandtlIshlinskii { polynomial: vec![0.3], thresholds: vec![0.1, 0.3], weights: vec![0.2, 0.3] };
+    let hysteresis = Hysteresis::PrandtlIshlinskii(plays);
+    let model = Model { hysteresis, scheme: Scheme::BandLimited, ..stage() };
+    bench.write_model("stage.json", &model, SignalUnits::default());
+    let realised = bench.run("realise stage.json --sample-rate 1000");
+    let exported = bench.run("export stage.json --to c -o out --sample-rate 1000");
+    assert_eq!((realised.exit_code, exported.exit_code), (0, 0), "{realised:?} {exported:?}");
+    assert!(
+        exported.stderr.contains("note: along the sweep the difference to the batch simulation is"),
+        "{exported:?}"
+    );
+    assert_eq!(realised.stderr, exported.stderr);
+    let header = std::fs::read_to_string(bench.path("out/stage.h")).unwrap();
+    assert!(header.contains(" * Off the batch simulation along a sweep of 0.1 to 10 Hz"), "{header}");
 }
 
 #[test]
@@ -212,6 +280,15 @@ fn the_inverse_comes_in_the_same_forms() {
     let arguments = ["-std=c99", "stage_inverse.c", "stage_inverse_selftest.c", "-o", "selftest", "-lm"];
     assert!(Command::new("cc").args(arguments).current_dir(&folder).status().unwrap().success());
     assert!(Command::new(folder.join("selftest")).status().unwrap().success());
+    let header = std::fs::read_to_string(bench.path("source/stage.h")).unwrap();
+    assert!(header.contains("#define STAGE_DELAY 2\n"), "{header}");
+    // More preview than any voltage depends on would put the reference elsewhere in time.
+    let run = bench.run(&format!("export P-885_stage.json --to c -o source {limits} --preview 100000"));
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let header = std::fs::read_to_string(bench.path("source/stage_inverse.h")).unwrap();
+    let used = header.lines().find_map(|l| l.strip_prefix("#define STAGE_INVERSE_PREVIEW ")).unwrap();
+    assert!(used.parse::<usize>().unwrap() < 5000, "{used}");
+    assert!(run.stderr.contains(&format!("of the preview of 100000 samples {used} are used")), "{run:?}");
     let run = bench.run(&format!("export P-885_stage.json --to fmu -o units {limits}"));
     assert_eq!((run.exit_code, names(&bench, "units").len()), (0, 4), "{run:?}");
     let run = bench.run(&format!("export P-885_stage.json --to rust -o crate {limits}"));

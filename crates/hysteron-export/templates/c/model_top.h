@@ -52,7 +52,5 @@ typedef enum {
 //{ pairs
 #define $NAME_PAIRS $N_PAIRS
 //}
-//{ delay
 /* Whole samples of delay. */
 #define $NAME_DELAY $N_DELAY
-//}
