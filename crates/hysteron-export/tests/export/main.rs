@@ -11,6 +11,7 @@ mod c_agrees;
 mod c_builds;
 mod fmu;
 mod inverse_agrees;
+mod loop_starts;
 mod models;
 mod rust_crate;
 mod tools;
