@@ -77,7 +77,8 @@ impl InputFlags {
     /// # Errors
     /// If the file is not a readable record or the input cannot be decided.
     pub fn read_drive(&self, path: &Path) -> Result<Signal, Failure> {
-        let options = ReadOptions { input: self.input.clone(), ..self.time.options() };
+        let options =
+            ReadOptions { input: self.input.clone(), choose_with: "--input", ..self.time.options() };
         let unreadable = |e: &dyn std::fmt::Display| cannot_read(path, e);
         let record =
             self.scaled(read_csv(path, &options).map_err(|e| unreadable(&e))?).map_err(|e| unreadable(&e))?;
@@ -128,7 +129,11 @@ impl ReferenceFlags {
     /// # Errors
     /// If the file is not a readable record or the reference cannot be decided.
     pub fn read(&self, path: &Path) -> Result<Signal, Failure> {
-        let options = ReadOptions { input: self.reference.clone(), ..self.time.options() };
+        let options = ReadOptions {
+            reference: self.reference.clone(),
+            choose_with: "--reference",
+            ..self.time.options()
+        };
         let record = read_csv(path, &options).map_err(|e| cannot_read(path, &e))?;
         let signal = record.reference(self.reference.as_deref()).map_err(|e| cannot_read(path, &e))?;
         notes(path, &signal.notes);

@@ -17,7 +17,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::invert::range;
 use crate::model::LoadedModel;
-use crate::numbers::positive;
+use crate::numbers::{positive, share, whole};
 use crate::output;
 use crate::realise::{along_sweep, realised, where_creep_stops};
 
@@ -52,15 +52,15 @@ pub struct Export {
     float: Float,
 
     /// Sample rate of the controller [default: that of the model's records]
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     sample_rate: Option<f64>,
 
     /// Largest error of the realised dynamics, as a share of the range
-    #[arg(long, value_name = "SHARE", default_value_t = 1e-5)]
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true)]
     accuracy: f64,
 
     /// Frequency down to which a model that creeps for ever is realised
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
     /// Beginning of every name in the source: a to z, digits, _ [default: from the name of the model file]
@@ -84,7 +84,7 @@ pub struct Export {
     bandwidth: Option<f64>,
 
     /// Samples of the reference that are known ahead [default: as many as make a difference; with --predict-to: 0]
-    #[arg(long, value_name = "SAMPLES", requires = "inverse")]
+    #[arg(long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true, requires = "inverse")]
     preview: Option<usize>,
 
     /// What is not known of the reference is predicted from its past, taken for a random motion of frequencies up to this
@@ -230,6 +230,9 @@ impl Export {
     fn cannot(&self, error: &ExportError) -> Failure {
         let failure = Failure::new(format!("cannot export {}", self.model.display())).because(error);
         match error {
+            ExportError::Name { .. } if self.name.is_some() => {
+                Failure::usage("--name is no name of the source").because(error).hint("e.g. --name stage")
+            }
             ExportError::Name { .. } => failure.hint("name it with --name, e.g. --name stage"),
             ExportError::Compiler { .. } => failure
                 .hint("install a C compiler (e.g. apt-get install gcc), or name one in the variable CC"),

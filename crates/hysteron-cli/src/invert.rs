@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use hysteron::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron::display::short;
+use hysteron::dynamics::DynamicsError;
 use hysteron::hammerstein::{SimulationError, Start};
 use hysteron::invert::{
     BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
@@ -18,7 +19,7 @@ use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::model::{LoadedModel, Signal};
-use crate::numbers::{ends, number, positive};
+use crate::numbers::{ends, number, positive, whole};
 use crate::object::{Object, key_in};
 use crate::output::{self, OutFile};
 use crate::realise::where_creep_stops;
@@ -81,7 +82,7 @@ pub struct Invert {
 
     /// Make the drive one sample at a time, as a controller does, with this many samples of the reference known ahead; 0 knows the
     /// present one [default: the whole reference is known; with --predict-to: 0]
-    #[arg(long, value_name = "SAMPLES", conflicts_with_all = ["periodic", "learn_from"])]
+    #[arg(long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true, conflicts_with_all = ["periodic", "learn_from"])]
     preview: Option<usize>,
 
     /// One sample at a time; what is not known of the reference is predicted from its past, taken for a random motion of frequencies up to this
@@ -158,7 +159,7 @@ impl Invert {
         output::check_file("the drive", &self.out)?;
         let model = LoadedModel::read(&self.model)?;
         let reference = self.columns.read(&self.reference_file)?;
-        let unit = model.agreed_unit(&self.reference_file, Signal::Output, &reference.unit)?;
+        let unit = model.agreed_unit(&self.reference_file, Signal::Reference, &reference.unit)?;
         let failure = || {
             Failure::new(format!(
                 "cannot follow {} with {}",
@@ -207,12 +208,26 @@ impl Invert {
         let found = found.map_err(|e| {
             let failure = failure().because(&e);
             match e {
-                InversionError::Begins { .. } => failure.hint(
+                InversionError::Begins { reference, low, high, from, to } => failure.because(format!(
+                    "the reference begins at {} {unit}, which no voltage from {} to {} {input} holds: at rest these give {} to {} {unit}",
+                    short(reference),
+                    short(low),
+                    short(high),
+                    short(from),
+                    short(to),
+                    input = Unit::new(&model.file.units.input),
+                )).hint(
                     "change the reference's offset, widen --range, or say where the device rests with --rest-voltage VOLTS",
                 ),
                 InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => failure
                     .hint(format!("sample the reference at {model_hz} Hz, or identify the model without --scheme grunwald-letnikov and ARX")),
-                InversionError::Dynamics(_) => failure.hint(format!(
+                InversionError::Dynamics(DynamicsError::InfiniteDcGain { .. }) => failure
+                    .because("the model creeps for ever: a drive that repeats drifts on, and there is no periodic steady state")
+                    .hint(
+                        "leave --periodic out and give several periods of the reference, or identify the model with creep that ends \
+                         (--creep kelvin-voigt, or --dynamics integer)",
+                    ),
+                InversionError::Dynamics(DynamicsError::Bandwidth { .. }) => failure.hint(format!(
                     "the bandwidth is {} of the sample rate unless --bandwidth HZ says otherwise",
                     short(BANDWIDTH_SHARE)
                 )),
@@ -245,6 +260,12 @@ impl Invert {
             "one sample at a time: {} samples known ahead, of {} that make a difference",
             law.preview, law.useful_preview
         ));
+        if let Some(wanted) = self.preview.filter(|wanted| *wanted > law.preview) {
+            console::note(&format!(
+                "{} of the {wanted} samples ahead are used: what lies further ahead would change nothing",
+                law.preview
+            ));
+        }
         law.follow(reference, options)
     }
 

@@ -7,7 +7,7 @@ use hysteron::dynamics::Dynamics;
 use hysteron::hammerstein::{Model, SimulationError, Start};
 use hysteron::identify::{PredictionBand, PredictionError};
 use hysteron::model_file::{ModelFile, ModelFileError, SignalUnits, ValidRange};
-use hysteron::record::{InputOutput, Unit};
+use hysteron::record::{InputOutput, Quantity, Unit};
 use hysteron::validate::{Scoring, StartError, choose_start};
 
 use crate::console;
@@ -166,6 +166,8 @@ pub fn remark_extrapolation(range: Option<&ValidRange>, record: &Path, u: &[f64]
 pub enum Signal {
     Input,
     Output,
+    /// What the output is to be.
+    Reference,
 }
 
 /// The unit that a model and a record agree on, for one of the signals: the record's, or the model's where the record
@@ -182,6 +184,7 @@ pub fn agreed_unit(
     let (name, flag, own) = match signal {
         Signal::Input => ("input", "--input", &units.input),
         Signal::Output => ("output", "--output", &units.output),
+        Signal::Reference => ("reference", "--reference", &units.output),
     };
     let own = Unit::new(own);
     if found.symbol().is_empty() {
@@ -194,9 +197,32 @@ pub fn agreed_unit(
     if own.symbol().is_empty() || own == *found {
         return Ok(found.clone());
     }
-    Err(Failure::new(format!("cannot run {} on {}", model.display(), record.display()))
-        .because(format!("the model's {name} is in {own}, the record's in {found}"))
-        .hint(format!("choose the column with {flag}, or correct the unit in its header")))
+    let (of_model, of_record) = match signal {
+        Signal::Input => ("input", "record's"),
+        Signal::Output => ("output", "record's"),
+        Signal::Reference => ("output", "reference"),
+    };
+    let converted = match own.base().0 {
+        Quantity::Voltage => "V, mV or kV".to_owned(),
+        Quantity::Length => "nm, µm, mm or m".to_owned(),
+        Quantity::Angle => "nrad, µrad, mrad, rad, arcsec or deg".to_owned(),
+        Quantity::Time | Quantity::Other => own.to_string(),
+    };
+    let failure = Failure::new(format!("cannot run {} on {}", model.display(), record.display())).because(
+        format!("the model's {of_model} is in {own}, the {of_record} in {found}: expected {converted}"),
+    );
+    Err(failure.hint(match signal {
+        Signal::Reference => {
+            format!("choose the column with {flag}, or correct the unit in its header and convert its numbers")
+        }
+        Signal::Input | Signal::Output => format!(
+            "choose the column with {flag}, correct the unit in its header, or say what it means with --scale, e.g. --scale \
+             {letter}=2.5{symbol}/{per}",
+            letter = if signal == Signal::Input { "u" } else { "y" },
+            symbol = own.symbol(),
+            per = found.symbol()
+        ),
+    }))
 }
 
 /// The failure to read the model file at `path`.

@@ -21,6 +21,12 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|x| *x >= 0.0).ok_or_else(|| "expected a number of at least 0".into())
 }
 
+/// A number between 0 and 1.
+pub fn share(text: &str) -> Result<f64, String> {
+    let within = number(text).ok().filter(|x| *x > 0.0 && *x < 1.0);
+    within.ok_or_else(|| "expected a number above 0 and below 1".into())
+}
+
 /// A whole number from 1.
 pub fn count<T: FromStr + PartialOrd + From<u8>>(text: &str) -> Result<T, String> {
     text.parse().ok().filter(|n| *n >= T::from(1)).ok_or_else(|| "expected a whole number above 0".into())

@@ -118,6 +118,10 @@ pub fn cannot_write(what: &str, path: &Path, error: AtomicWriteError) -> Failure
     };
     let failure = Failure::new(format!("cannot write {what} to {}", path.display()));
     match error.source.kind() {
+        ErrorKind::NotFound if Path::new(&folder).exists() => {
+            let said = format!("no file can be made in {folder}: {}", error.source);
+            failure.because(said).hint("choose another folder")
+        }
         ErrorKind::NotFound => failure
             .because(format!("there is no folder {folder}"))
             .hint(format!("make it first (mkdir -p {folder}), or name another place")),
@@ -131,5 +135,31 @@ pub fn cannot_write(what: &str, path: &Path, error: AtomicWriteError) -> Failure
             failure.because(error.source).hint("choose a folder that you may write to")
         }
         _ => failure.because(error).hint("choose another folder, or make room on the disk"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::any::TypeId;
+
+    use clap::{Command, CommandFactory};
+
+    use super::OutFile;
+
+    /// Long flags whose value is no file to write.
+    fn flags_of_other_types(command: &Command, of: &str) -> Vec<String> {
+        let own = command.get_arguments().filter(|argument| {
+            let flag = argument.get_long().unwrap_or_default();
+            let writes = ["out", "output-model", "report", "plot"].contains(&flag);
+            writes && argument.get_value_parser().type_id() != TypeId::of::<OutFile>()
+        });
+        let own = own.map(|argument| format!("{of} {argument}"));
+        let below = |c: &Command| flags_of_other_types(c, &format!("{of} {}", c.get_name()));
+        own.chain(command.get_subcommands().flat_map(below)).collect()
+    }
+
+    #[test]
+    fn every_flag_that_names_a_file_to_write_is_told_from_those_that_name_one_to_read() {
+        assert_eq!(flags_of_other_types(&crate::Cli::command(), "hysteron"), Vec::<String>::new());
     }
 }

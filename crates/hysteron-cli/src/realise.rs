@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::console;
 use crate::failure::Failure;
 use crate::model::LoadedModel;
+use crate::numbers::{positive, share};
 
 /// Turn a model into a fixed number of real poles and pole pairs for a controller's sample rate.
 #[derive(Args)]
@@ -32,15 +33,15 @@ pub struct Realise {
     model: PathBuf,
 
     /// Sample rate of the controller
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     sample_rate: f64,
 
     /// Largest error, as a share of the range
-    #[arg(long, value_name = "SHARE", default_value_t = 1e-5)]
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true)]
     accuracy: f64,
 
     /// Frequency down to which a model that creeps for ever is realised
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
     /// Print one JSON object

@@ -106,7 +106,8 @@ pub(crate) fn read_table(
     let mut delimiter = options.delimiter;
     let (first, comment) = next_fields(&mut lines, &mut delimiter)?;
     let Some(first) = first else {
-        return Err(IoError::Empty { file: file.to_string() });
+        let what = if comment.is_some() { "holds no data, only comments" } else { "is empty" };
+        return Err(IoError::Empty { file: file.to_string(), what });
     };
     let (header_line, first_row) = match comment.and_then(|c| commented_header(c, &first, delimiter)) {
         Some(header) => (header, Some(first)),
@@ -131,7 +132,7 @@ pub(crate) fn read_table(
     let Some(first_row) = first_row else {
         return Err(IoError::HeaderOnly { file: file.to_string(), line: header_line.number });
     };
-    let mut table = Table::new(file, header, delimiter, options.max_values);
+    let mut table = Table::new(file, header, delimiter, options);
     table.push_row(first_row.line())?;
     loop {
         let before = lines.line();

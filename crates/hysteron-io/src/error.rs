@@ -30,10 +30,12 @@ pub enum IoError {
     #[error(transparent)]
     Write(#[from] AtomicWriteError),
     /// Nothing but blank lines and comments.
-    #[error("`{file}` is empty: expected a header line such as `t_s,u_V,y_um` and one line a sample")]
+    #[error("`{file}` {what}: expected a header line such as `t_s,u_V,y_um` and one line a sample")]
     Empty {
         /// The file.
         file: String,
+        /// What it is instead.
+        what: &'static str,
     },
     /// A header without data.
     #[error(
@@ -81,7 +83,7 @@ pub enum IoError {
     },
     /// More numbers than allowed.
     #[error(
-        "`{file}`, line {line}: more than {limit} numbers to keep; choose columns with --input and --output, or crop the file"
+        "`{file}`, line {line}: more than {limit} numbers to keep; choose columns with {choose_with}, or crop the file"
     )]
     TooManyValues {
         /// The file.
@@ -90,6 +92,8 @@ pub enum IoError {
         line: u64,
         /// The limit.
         limit: usize,
+        /// The flags that choose columns.
+        choose_with: &'static str,
     },
     /// More columns than a record can mean.
     #[error(
@@ -331,7 +335,7 @@ pub enum IoError {
         /// The text found, cut to a readable length.
         found: String,
         /// What to do, where the text gives a clue; begins with a separator.
-        hint: &'static str,
+        hint: String,
     },
     /// An empty field.
     #[error(

@@ -61,7 +61,9 @@ fn read(file: &str, source: impl Read, options: &ResponseOptions) -> Result<Freq
         Ok(header)
     })?;
     let columns = table.into_columns();
-    let Some(layout) = wanted else { return Err(IoError::Empty { file: file.to_string() }) };
+    let Some(layout) = wanted else {
+        return Err(IoError::Empty { file: file.to_string(), what: "is empty" });
+    };
     let source = Source { path: file.to_string(), sha256 };
     let failed = |source| IoError::Response { file: file.to_string(), source: Box::new(source) };
     let mut response = layout.response.assemble(file, &columns, layout.frequency.0)?;

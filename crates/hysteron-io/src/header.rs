@@ -46,9 +46,11 @@ impl Header {
         let place = Place { file, line };
         let input = place.chosen(&columns, options.input.as_deref(), "--input")?;
         let output = place.chosen(&columns, options.output.as_deref(), "--output")?;
-        let time = place.time_column(&columns, options.time.as_deref(), [input, output])?;
+        let reference = place.chosen(&columns, options.reference.as_deref(), "--reference")?;
+        let chosen = [input, output, reference];
+        let time = place.time_column(&columns, options.time.as_deref(), chosen)?;
         if time.is_none()
-            && [input, output].iter().all(Option::is_none)
+            && chosen.iter().all(Option::is_none)
             && let Some(column) = columns.iter().find(|c| is_spectral(c))
         {
             return Err(IoError::FrequencyResponse {
@@ -59,7 +61,7 @@ impl Header {
         }
         let only_chosen = input.is_some() && output.is_some();
         for (i, column) in columns.iter_mut().enumerate() {
-            column.role = if Some(i) == input || Some(i) == output {
+            column.role = if chosen.contains(&Some(i)) {
                 ColumnRole::Channel
             } else if Some(i) == time {
                 ColumnRole::Time(match column.unit.base() {
@@ -178,7 +180,7 @@ impl Place<'_> {
         &self,
         columns: &[Column],
         asked: Option<&str>,
-        taken: [Option<usize>; 2],
+        taken: [Option<usize>; 3],
     ) -> Result<Option<usize>, IoError> {
         let free = |i: &usize| !taken.contains(&Some(*i));
         if let Some(index) = self.chosen(columns, asked, "--time")? {

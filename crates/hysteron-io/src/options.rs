@@ -9,6 +9,10 @@ pub struct ReadOptions {
     pub input: Option<String>,
     /// Output column, likewise (`--output`).
     pub output: Option<String>,
+    /// Reference column, likewise (`--reference`).
+    pub reference: Option<String>,
+    /// The flags that choose columns, as messages name them.
+    pub choose_with: &'static str,
     /// Sample rate \[Hz\] (`--sample-rate`): needed where there is no time column; where there is one, it must agree with it and
     /// replaces its stamps.
     pub sample_rate_hz: Option<f64>,
@@ -27,6 +31,8 @@ impl Default for ReadOptions {
             time: None,
             input: None,
             output: None,
+            reference: None,
+            choose_with: "--input and --output",
             sample_rate_hz: None,
             delimiter: None,
             max_bytes: 4 << 30,

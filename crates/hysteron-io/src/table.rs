@@ -4,12 +4,12 @@ use std::path::Path;
 
 use hysteron::record::{Channel, ChannelChoice, Record, RecordError, Source, TimeBase};
 
-use crate::IoError;
 use crate::dialect::{loosely_number, split_fields};
 use crate::header::{ColumnRole, Header};
 use crate::lines::{Line, is_spreadsheet_error};
 use crate::options::MAX_NUMBER_BYTES;
 use crate::plain::plain_columns;
+use crate::{IoError, ReadOptions};
 
 /// The columns read so far.
 pub(crate) struct Table {
@@ -21,13 +21,15 @@ pub(crate) struct Table {
     rows: usize,
     last_line: u64,
     values_left: usize,
+    /// The flags that choose columns, for messages.
+    choose_with: &'static str,
     /// First lines with a decimal point and with a decimal comma.
     point_line: Option<u64>,
     comma_line: Option<u64>,
 }
 
 impl Table {
-    pub fn new(file: &str, header: Header, delimiter: u8, max_values: usize) -> Self {
+    pub fn new(file: &str, header: Header, delimiter: u8, options: &ReadOptions) -> Self {
         Table {
             file: file.to_string(),
             columns: vec![Vec::new(); header.columns.len()],
@@ -35,7 +37,8 @@ impl Table {
             delimiter,
             rows: 0,
             last_line: 0,
-            values_left: max_values,
+            values_left: options.max_values,
+            choose_with: options.choose_with,
             point_line: None,
             comma_line: None,
         }
@@ -177,6 +180,7 @@ impl Table {
             file: self.file.clone(),
             line: line.number,
             limit: self.columns.iter().map(Vec::len).sum(),
+            choose_with: self.choose_with,
         })?;
         self.columns[column].push(value);
         Ok(())
@@ -263,9 +267,10 @@ impl Table {
         } else if text.contains([' ', '|', ';']) {
             "; is another delimiter used here?"
         } else {
-            "; correct it, or choose other columns with --input and --output"
+            &format!("; correct it, or choose other columns with {}", self.choose_with)
         };
-        IoError::NotANumber { file, line: number, column, name, found: shown(text.as_bytes()), hint }
+        let (found, hint) = (shown(text.as_bytes()), hint.to_string());
+        IoError::NotANumber { file, line: number, column, name, found, hint }
     }
 
     fn name(&self, column: usize) -> String {

@@ -21,7 +21,7 @@ fn refused(text: &str, parts: &[&str]) {
 #[test]
 fn an_empty_file() {
     refused("", &["empty", "t_s,u_V,y_um"]);
-    refused("\n\n# only a comment\n", &["empty"]);
+    refused("\n\n# only a comment\n", &["no data, only comments"]);
     refused("\u{feff}", &["empty"]);
 }
 

@@ -12,6 +12,7 @@ use std::f64::consts::FRAC_PI_2;
 use hysteron_rt::Limited;
 
 use crate::compensator::{Compensation, CompensatorError, CompensatorParts};
+use crate::display::short;
 use crate::dynamics::{
     Dynamics, DynamicsError, InitialCondition, InterSample, Inverse, InverseAim, Response, Sampling, Scheme,
     SimulationPlan, Term, TransferFunction,
@@ -29,6 +30,8 @@ pub const BANDWIDTH_SHARE: f64 = 0.05;
 const ERROR_OF_A_LAW: f64 = 0.01;
 /// Cycles of the bandwidth, at the beginning of a record, over which learning sets in.
 const FIRST_CYCLES: f64 = 2.0;
+/// Parts of the range in which a fall of the output is looked for.
+const LOOKED_AT: usize = 256;
 
 /// What the device does before the reference begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,8 +145,13 @@ pub enum InversionError {
     },
     /// No voltage gives the first value of the reference.
     #[error(
-        "the reference begins at {reference}, which no voltage from {low} to {high} holds: at rest these give {from} to {to}; begin \
-         the reference between them, or give the voltage at which the device rests"
+        "the reference begins at {}, which no voltage from {} to {} holds: at rest these give {} to {}; begin the reference between \
+         them, or give the voltage at which the device rests",
+        short(*reference),
+        short(*low),
+        short(*high),
+        short(*from),
+        short(*to)
     )]
     Begins {
         /// First value of the reference \[µm\].
@@ -156,6 +164,22 @@ pub enum InversionError {
         from: f64,
         /// Output at rest at the largest voltage \[µm\].
         to: f64,
+    },
+    /// No voltage gives the first value of the reference, and the output falls somewhere in the range.
+    #[error(
+        "the hysteresis has no inverse over the range from {} V to {} V: near {} V its output at rest falls as the voltage rises; give \
+         a smaller range",
+        short(*low),
+        short(*high),
+        short(*near)
+    )]
+    Falls {
+        /// Least voltage \[V\].
+        low: f64,
+        /// Largest voltage \[V\].
+        high: f64,
+        /// Where the output falls \[V\].
+        near: f64,
     },
     /// A reference that repeats was to be followed one sample at a time.
     #[error(
@@ -263,6 +287,12 @@ impl Model {
         };
         let (from, to) = (at(low)?, at(high)?);
         if !(from.min(to) <= output && output <= from.max(to)) {
+            let voltage = |k: usize| low + (high - low) * k as f64 / LOOKED_AT as f64;
+            for k in 1..=LOOKED_AT {
+                if at(voltage(k))? < at(voltage(k - 1))? {
+                    return Err(InversionError::Falls { low, high, near: voltage(k) });
+                }
+            }
             return Err(InversionError::Begins { reference: output, low, high, from, to });
         }
         let (mut below, mut above) = if from <= to { (low, high) } else { (high, low) };
@@ -297,17 +327,13 @@ impl Compensation {
         for k in 0..self.preview {
             compensator.know(ahead(k));
         }
-        let mut followed = Followed { drive: Vec::new(), output: Vec::new(), at_range: 0, at_step: 0 };
+        let mut followed = Followed { drive: Vec::new(), output: Vec::new(), limited: Vec::new() };
         for k in 0..reference.len() {
             let sample = compensator.step(ahead(k + self.preview));
-            match sample.limited {
-                Limited::No => {}
-                Limited::Range => followed.at_range += 1,
-                Limited::Step => followed.at_step += 1,
-                Limited::Reference | Limited::Overflow => {
-                    return Err(HysteresisError::Overflow { index: k }.into());
-                }
+            if matches!(sample.limited, Limited::Reference | Limited::Overflow) {
+                return Err(HysteresisError::Overflow { index: k }.into());
             }
+            followed.limited.push(sample.limited);
             followed.drive.push(sample.voltage);
             followed.output.push(compensator.output());
         }
@@ -398,6 +424,7 @@ impl<'a> Task<'a> {
                 hysteresis.follow(&wanted.repeat(SETTLING_PERIODS + 1), rest_v, None, &limits)?;
             followed.drive.drain(..settled);
             followed.output.drain(..settled);
+            followed.limited.drain(..settled);
             followed
         } else {
             hysteresis.follow(wanted, rest_v, self.memory, &limits)?
@@ -406,7 +433,8 @@ impl<'a> Task<'a> {
 
     /// What the model does with a drive.
     fn answer(&self, followed: Followed) -> Result<InverseDrive, InversionError> {
-        let Followed { drive, output, at_range, at_step } = followed;
+        let (at_range, at_slew) = (followed.count(Limited::Range), followed.count(Limited::Step));
+        let Followed { drive, output, .. } = followed;
         let held: Vec<f64> = output.iter().map(|v| v - self.level).collect();
         let mut predicted = vec![0.0; held.len()];
         self.linear.forwards(&held, &mut predicted)?;
@@ -416,7 +444,7 @@ impl<'a> Task<'a> {
             predicted,
             rest: (!self.periodic).then(|| Start::at_rest(&self.model.hysteresis, self.rest_v, self.memory)),
             at_range,
-            at_slew: at_step,
+            at_slew,
             dynamics: self.linear.figures(),
         })
     }

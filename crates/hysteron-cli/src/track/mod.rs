@@ -29,7 +29,7 @@ use crate::failure::Failure;
 use crate::invert::range;
 use crate::model::{LoadedModel, Signal};
 use crate::numbers::{ends, not_negative, number, positive, whole};
-use crate::output;
+use crate::output::{self, OutFile};
 use crate::realise::where_creep_stops;
 use crate::result_flags::ResultFlags;
 use crate::rig::read_or_default;
@@ -128,7 +128,7 @@ pub struct Track {
 
     /// File to write: reference, and drive and displacement by each controller
     #[arg(short, long = "out", value_name = "TRACK.csv")]
-    out: Option<PathBuf>,
+    out: Option<OutFile>,
 
     #[command(flatten)]
     result: ResultFlags,
@@ -181,7 +181,7 @@ impl Track {
         self.result.check()?;
         let model = LoadedModel::read(&self.model)?;
         let reference = self.columns.read(&self.reference_file)?;
-        let unit = model.agreed_unit(&self.reference_file, Signal::Output, &reference.unit)?;
+        let unit = model.agreed_unit(&self.reference_file, Signal::Reference, &reference.unit)?;
         let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
             return Err(self
                 .failure()
@@ -293,6 +293,16 @@ impl Track {
                 "--sines must lie above 0 and below half the sample rate, {} Hz",
                 short(0.5 * sample_rate_hz)
             )));
+        }
+        let lowest_hz = Sines::lowest_hz(sample_rate_hz);
+        if range_hz[0] < lowest_hz {
+            return Err(Failure::usage(format!(
+                "--sines begins at {} Hz: at {} Hz the lowest that is played is {} Hz",
+                short(range_hz[0]),
+                short(sample_rate_hz),
+                short(lowest_hz)
+            ))
+            .because("its period has a million samples"));
         }
         let (low, high) = ends(reference);
         let (level, amplitude) = (0.5 * (low + high), 0.5 * (high - low));

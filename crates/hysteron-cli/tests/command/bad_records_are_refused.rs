@@ -6,7 +6,7 @@ use crate::bench::{Bench, good_record};
 /// Content of `run.csv`, flags, and what the message must contain.
 const CASES: &[(&str, &str, &[&str])] = &[
     ("", "", &["`run.csv` is empty", "expected a header line such as `t_s,u_V,y_um`"]),
-    ("# nothing but a comment\n\n", "", &["`run.csv` is empty"]),
+    ("# nothing but a comment\n\n", "", &["`run.csv` holds no data, only comments"]),
     ("t_s,u_V,y_um\n", "", &["has a header (line 1) but no samples"]),
     ("t_s,u_V,y_um\n0,1,2\n", "", &["one sample only (line 2)"]),
     ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3", "", &["line 4", "cut off after 2 of 3 fields"]),
@@ -82,6 +82,39 @@ fn every_command_refuses_unusable_records_with_the_place_and_the_remedy() {
             }
         }
         assert_eq!(bench.files(), ["model.json", "run.csv"]);
+    }
+}
+
+/// Under a unit that is not the model's nothing is run: kilograms are no micrometres, inches neither.
+#[test]
+fn units_that_are_not_converted_are_not_taken_for_the_models() {
+    for (column, unit) in [("y_kg", "kg"), ("y_in", "in"), ("y_mils", "mils"), ("y [furlong]", "furlong")] {
+        let bench = Bench::new();
+        bench.write("run.csv", good_record().replace("y_um", column));
+        let run = bench.run("validate model.json run.csv");
+        assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""), "{column}: {run:?}");
+        for part in [
+            format!("the model's output is in µm, the record's in {unit}: expected nm, µm, mm or m"),
+            format!("--scale y=2.5um/{unit}"),
+        ] {
+            assert!(run.stderr.contains(&part), "{column}: {part} in {}", run.stderr);
+        }
+        // With what it means, it is run.
+        let run = bench.run(&format!("validate model.json run.csv --scale y=1um/{unit}"));
+        assert_eq!(run.exit_code, 0, "{column}: {run:?}");
+    }
+    for (columns, note) in [("u_kg,y_um", "expected V, mV or kV"), ("u_inch,y_um", "expected V, mV or kV")] {
+        let bench = Bench::new();
+        bench.write("run.csv", good_record().replace("u_V,y_um", columns));
+        let run = bench.run("simulate model.json run.csv -o out.csv");
+        assert!(run.exit_code == 1 && run.stderr.contains(note), "{columns}: {run:?}");
+    }
+    for columns in ["u_command,y_filtered", "u_in,y_out", "u_V,y_micron", "u_V,y_microns"] {
+        let bench = Bench::new();
+        bench.write("run.csv", good_record().replace("u_V,y_um", columns));
+        let run = bench.run("validate model.json run.csv --json");
+        assert_eq!(run.exit_code, 0, "{columns}: {run:?}");
+        assert_eq!(run.stderr.contains("no unit"), !columns.starts_with("u_V"), "{columns}: {}", run.stderr);
     }
 }
 

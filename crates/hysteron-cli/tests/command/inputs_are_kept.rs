@@ -3,7 +3,7 @@
 use crate::bench::{Bench, good_record};
 
 /// Commands that write to IN what they read from it.
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 21] = [
     "identify IN -o IN",
     "identify IN -o new.json --report IN",
     "identify --static IN --dynamic run.csv -o IN",
@@ -22,7 +22,9 @@ const COMMANDS: [&str; 19] = [
     "invert model.json IN -o IN --range 0:100",
     "invert IN run.csv -o IN --range 0:100",
     "invert model.json run.csv --learn-from IN -o IN --range 0:100",
+    "track model.json IN -o IN --range 0:100",
     "track IN run.csv --report IN --range 0:100",
+    "track model.json run.csv --truth IN -o IN --range 0:100",
 ];
 
 fn refused(bench: &Bench, command: &str, named: &str) {

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use crate::bench::{Bench, static_model};
 use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron::hammerstein::Model;
+use hysteron::hysteresis::{BoucWen, Hysteresis};
 use hysteron::model_file::SignalUnits;
 use hysteron::record::InterSample;
 use serde_json::Value;
@@ -90,6 +91,10 @@ fn a_drive_made_one_sample_at_a_time_knows_what_it_previews_and_predicts_the_res
         let run = bench.run(&format!("invert stage.json scan.csv -o drive.csv --range 1:100 {flags}"));
         assert_eq!(run.exit_code, 2, "{flags}: {run:?}");
     }
+    let run = bench.run("invert stage.json scan.csv -o drive.csv --range 1:100 --preview 100000");
+    assert!(run.exit_code == 0 && run.stderr.contains(" of the 100000 samples ahead are used"), "{run:?}");
+    let run = bench.run("invert stage.json scan.csv -o drive.csv --range 1:100 --preview 2");
+    assert!(run.exit_code == 0 && !run.stderr.contains("ahead are used"), "{run:?}");
     let run = bench.run("invert stage.json scan.csv -o drive.csv --range 1:100 --predict-to 700");
     assert!(run.exit_code == 1 && run.stderr.contains("below half the sample rate"), "{run:?}");
 }
@@ -148,6 +153,12 @@ fn a_period_of_a_scan_is_followed_in_its_steady_state() {
     // It repeats within as it does from end to beginning.
     let apart = |a: usize, b: usize| (u[a] - u[b]).abs();
     assert!((1..200).all(|k| apart(k, k + 200) < 1e-6), "{}", apart(100, 300));
+    // Where the range holds it back, the samples of the one record that is written count.
+    let made = summary(&bench.run("invert stage.json scan.csv -o held.csv --range 30:60 --periodic --json"));
+    let held = std::fs::read_to_string(bench.path("held.csv")).unwrap();
+    let at_an_end = column(&held, "u_V").into_iter().filter(|u| [30.0, 60.0].contains(u)).count();
+    assert!(at_an_end > 100);
+    assert_eq!((&made["samples_at_range"], &made["samples"]), (&Value::from(at_an_end), &Value::from(800)));
 }
 
 #[test]
@@ -156,23 +167,57 @@ fn what_cannot_be_followed_is_refused_without_a_file() {
     bench.write_model("stage.json", &dynamic_model(), SignalUnits::default());
     bench.write("scan.csv", scan("um", 1.0));
     bench.write("far.csv", scan("um", 1e3));
+    bench.write("kilograms.csv", scan("kg", 1.0));
+    bench.write("inches.csv", scan("in", 1.0));
+    bench.write("huge.csv", "t_s,r_um\n0,1e308\n0.001,1e308\n");
+    let Hysteresis::BoucWen(rising) = static_model().hysteresis else { panic!("another family") };
+    let falls = Hysteresis::BoucWen(BoucWen { polynomial: vec![0.3, -1e-4], ..rising });
+    bench.write_model("falls.json", &Model { hysteresis: falls, ..dynamic_model() }, SignalUnits::default());
+    let term = |coefficient, order| Term { coefficient, order };
+    let creep = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.1), term(2e-3, 1.0)]).unwrap();
+    let creeps =
+        Model { dynamics: Dynamics::Fractional(creep), scheme: Scheme::BandLimited, ..dynamic_model() };
+    bench.write_model("creeps.json", &creeps, SignalUnits::default());
     bench.write("uneven.csv", "t_s,r_um\n0,1\n0.1,2\n0.15,3\n0.4,3\n");
     bench.write("text.csv", "t_s,r_um\n0,1\n0.1,two\n");
     bench.write("one.csv", "t_s,r_um\n0,1\n");
     bench.write("volts.csv", "t_s,u_V,r_V\n0,1,1\n0.1,2,1\n");
     for (arguments, said) in [
         ("stage.json scan.csv", "does not say which voltages"),
-        ("stage.json far.csv --range 0:100", "which no voltage from 0 to 100 holds"),
         ("stage.json uneven.csv --range 0:100", "no uniform sample rate"),
         ("stage.json text.csv --range 0:100", "line 3"),
         ("stage.json one.csv --range 0:100", ""),
-        ("stage.json volts.csv --range 0:100 --reference r", "the record's in V"),
+        ("stage.json volts.csv --range 0:100 --reference r", "the reference in V"),
         ("stage.json scan.csv --range 0:100 --bandwidth 500", "below 500 Hz"),
-        ("stage.json scan.csv --range 0:100 --rest-voltage 200", "range"),
+        (
+            "stage.json scan.csv --range 0:10.5 --rest-voltage 99",
+            "the device rests at 99 V, outside of the range of its drive, 0 V to 10.5 V",
+        ),
+        ("stage.json text.csv --range 0:100", "choose other columns with --reference"),
+        ("stage.json scan.csv --range 0:100 --reference z", "no column `z` (--reference)"),
+        (
+            "stage.json far.csv --range 0:100",
+            "begins at 8000 µm, which no voltage from 0 to 100 V holds: at rest these give 0.7 to ",
+        ),
+        ("falls.json scan.csv --range 0:1e5", "no inverse over the range from 0 V to 100000 V: near "),
+        ("stage.json huge.csv --range 0:100", "begins at 1e308 µm, "),
+        ("creeps.json scan.csv --range 0:100 --periodic", "there is no periodic steady state"),
+        ("creeps.json scan.csv --range 0:100 --periodic", "leave --periodic out"),
+        (
+            "stage.json kilograms.csv --range 0:100",
+            "the model's output is in µm, the reference in kg: expected nm, µm",
+        ),
+        ("stage.json inches.csv --range 0:100", "the reference in in: expected nm, µm"),
     ] {
         let run = bench.run(&format!("invert {arguments} -o drive.csv"));
         assert_eq!(run.exit_code, 1, "{arguments}: {run:?}");
         assert!(run.stderr.contains(said), "{arguments}: {}", run.stderr);
+        assert!(
+            !run.stderr.contains("--input") && !run.stderr.contains("--output"),
+            "{arguments}: {}",
+            run.stderr
+        );
+        assert!(run.stderr.lines().all(|line| line.len() < 400), "{arguments}: {}", run.stderr);
         assert!(!bench.files().contains(&"drive.csv".to_owned()), "{arguments}");
     }
     for wrong in ["--range 5", "--range 9:1", "--slew 0", "--bandwidth -1", "--periodic --rest-voltage 1"] {

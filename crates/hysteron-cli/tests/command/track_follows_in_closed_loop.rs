@@ -186,6 +186,10 @@ fn what_cannot_be_followed_is_refused() {
     refused("model.json scan.csv --range 0:100 --controller notch-integral", "no resonance", 1);
     refused("stage.json scan.csv --range 0:10 --current 5", "capacitance", 2);
     refused("stage.json scan.csv --range 0:10 --sines 10:5000", "--sines", 2);
+    // A period of a million samples at 10 kHz.
+    refused("stage.json scan.csv --range 0:10 --sines 1e-9:10", "the lowest that is played is 0.01 Hz", 2);
+    bench.write("kilograms.csv", scan(2000).replace("_um", "_kg"));
+    refused("stage.json kilograms.csv --range 0:10", "the reference in kg", 1);
     refused("stage.json scan.csv --range 0:10 --out missing/track.csv", "mkdir", 1);
     refused("stage.json scan.csv --range 0:10 --truth missing.json", "truth", 1);
 }

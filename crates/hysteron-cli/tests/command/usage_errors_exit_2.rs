@@ -48,6 +48,22 @@ fn wrong_usage_exits_with_2_and_a_message() {
         ("validate model.json run.csv --rest-voltage nan", "expected a number"),
         ("optimizers --seeds -1", "expected a whole number of at least 0"),
         ("excite sine --frequency -1 --sample-rate 10 --high 1 -o x.csv", "expected a number above 0"),
+        ("realise model.json --sample-rate 0", "expected a number above 0"),
+        ("realise model.json --sample-rate -1", "expected a number above 0"),
+        ("realise model.json --sample-rate 100 --accuracy 0", "expected a number above 0 and below 1"),
+        ("realise model.json --sample-rate 100 --accuracy -1", "expected a number above 0 and below 1"),
+        ("realise model.json --sample-rate 100 --lowest-frequency 0", "expected a number above 0"),
+        ("export model.json --to c -o x --sample-rate 0", "expected a number above 0"),
+        ("export model.json --to c -o x --sample-rate -1", "expected a number above 0"),
+        (
+            "export model.json --to c -o x --sample-rate 100 --accuracy 2",
+            "expected a number above 0 and below 1",
+        ),
+        ("export model.json --to c -o x --sample-rate 100 --lowest-frequency 0", "expected a number above 0"),
+        ("export model.json --to c -o x --sample-rate 100 --name 9x", "a letter first"),
+        ("export model.json --to c -o x --inverse --preview -1", "expected a whole number of at least 0"),
+        ("invert model.json run.csv -o x.csv --preview -1", "expected a whole number of at least 0"),
+        ("invert model.json run.csv -o x.csv --preview some", "expected a whole number of at least 0"),
         ("rig --out-dir x --seed -1", "expected a whole number of at least 0"),
     ] {
         let run = bench.run(arguments);

@@ -5,6 +5,7 @@ use hysteron_rt::ModelError;
 use super::TuningError;
 use crate::bench_rig::RigError;
 use crate::compensator::CompensatorError;
+use crate::display::short;
 use crate::hysteresis::HysteresisError;
 use crate::invert::InversionError;
 use crate::realise::RealiseError;
@@ -34,6 +35,14 @@ pub enum ControlError {
     /// A controller refuses.
     #[error(transparent)]
     Runtime(#[from] ModelError<f64>),
+    /// A sine so slow that its samples would not fit.
+    #[error("a sine of {} Hz is too long to be played: the lowest at this sample rate has {} Hz", short(*frequency_hz), short(*lowest_hz))]
+    Sine {
+        /// Its frequency \[Hz\].
+        frequency_hz: f64,
+        /// The lowest \[Hz\].
+        lowest_hz: f64,
+    },
     /// There is nothing to follow.
     #[error("a reference needs at least 2 samples, all of them finite")]
     Reference,

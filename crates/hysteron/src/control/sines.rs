@@ -16,6 +16,8 @@ const SETTLED: usize = 3000;
 const COUNTED: f64 = 2000.0;
 /// Samples that follow, beside what is known ahead: a reference that stops does so with a jerk.
 const AFTER: usize = 64;
+/// Samples of the longest period that is played: three of them are kept for each loop that plays it.
+const LONGEST_PERIOD: f64 = 1e6;
 
 /// A sine of whole periods is next to the frequency that was asked for.
 const ROUNDING: f64 = 1e-2;
@@ -29,6 +31,13 @@ pub struct Sines {
     pub amplitude: f64,
     /// Lowest and highest frequency \[Hz\].
     pub range_hz: [f64; 2],
+}
+
+impl Sines {
+    /// The lowest frequency that is played at this sample rate \[Hz\]: a period of a million samples.
+    pub fn lowest_hz(sample_rate_hz: f64) -> f64 {
+        sample_rate_hz / LONGEST_PERIOD
+    }
 }
 
 /// What became of a sine.
@@ -77,7 +86,7 @@ impl Loop {
     /// Plays one sine, of whole periods: its share is the coherent one, Σ y e^(−jωt)/Σ r e^(−jωt).
     ///
     /// # Errors
-    /// As [`play`].
+    /// As [`play`]; [`ControlError::Sine`] below [`Sines::lowest_hz`].
     pub fn sine(
         &self,
         sines: &Sines,
@@ -85,6 +94,10 @@ impl Loop {
         stage: Stage<'_>,
         virgin_v: Option<f64>,
     ) -> Result<SineAnswer, ControlError> {
+        let lowest_hz = Sines::lowest_hz(self.settings.sample_rate_hz);
+        if frequency_hz.is_nan() || frequency_hz < lowest_hz {
+            return Err(ControlError::Sine { frequency_hz, lowest_hz });
+        }
         let period = self.settings.sample_rate_hz / frequency_hz;
         let periods = (COUNTED / period).ceil().max(2.0);
         let counted = (periods * period).round();
@@ -119,7 +132,7 @@ impl Loop {
     /// Plays sines from the lowest to the highest frequency, four a decade and more where a bandwidth lies.
     ///
     /// # Errors
-    /// As [`play`].
+    /// As [`Self::sine`].
     pub fn sines(
         &self,
         sines: &Sines,

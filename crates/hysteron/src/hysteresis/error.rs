@@ -3,6 +3,8 @@
 use hysteron_rt::{ParameterError, PlayBankError, SimulateError, StepError};
 use thiserror::Error;
 
+use crate::display::short;
+
 /// A hysteresis block that cannot be built or simulated.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -166,9 +168,28 @@ pub enum HysteresisError {
         slope: f64,
     },
     /// A range of voltages without inside.
-    #[error("the range from {low} V to {high} V is empty or not finite: give its lower end first")]
+    #[error(
+        "the range from {} V to {} V is empty or not finite: give its lower end first",
+        short(*low),
+        short(*high)
+    )]
     Range {
         /// Lower end \[V\].
+        low: f64,
+        /// Upper end \[V\].
+        high: f64,
+    },
+    /// A device that rests where its drive may not be.
+    #[error(
+        "the device rests at {} V, outside of the range of its drive, {} V to {} V",
+        short(*rest),
+        short(*low),
+        short(*high)
+    )]
+    RestOutside {
+        /// Where it rests \[V\].
+        rest: f64,
+        /// Lower end of the range \[V\].
         low: f64,
         /// Upper end \[V\].
         high: f64,
@@ -202,8 +223,9 @@ pub enum HysteresisError {
     },
     /// The output falls as the voltage rises.
     #[error(
-        "the hysteresis has no inverse: on the move to sample {index} the output falls near {u} V as the voltage rises; keep the \
-         drive away from there, or identify a family whose branches increase (plays with weights of one sign do)"
+        "the hysteresis has no inverse: on the move to sample {index} the output falls near {} V as the voltage rises; keep the \
+         drive away from there, or identify a family whose branches increase (plays with weights of one sign do)",
+        short(*u)
     )]
     NotIncreasing {
         /// Number of the sample, from 0.

@@ -4,6 +4,8 @@
 //! inverted; the voltage sought is bracketed by the present one and an end of what the limits allow, and found by secants kept
 //! within the bracket. Nothing is a sample old: the inverse is exact in one step, for every family.
 
+use hysteron_rt::Limited;
+
 use super::columns::ColumnKernel;
 use super::{Hysteresis, HysteresisError, polynomial};
 
@@ -25,10 +27,15 @@ pub struct Followed {
     pub drive: Vec<f64>,
     /// Output of the operator \[µm\]: the one wanted, but where a limit holds.
     pub output: Vec<f64>,
-    /// Samples at which the range of the drive held the output back.
-    pub at_range: usize,
-    /// Samples at which its largest step did.
-    pub at_step: usize,
+    /// What held each sample back: the range of the drive, its largest step, or nothing.
+    pub limited: Vec<Limited>,
+}
+
+impl Followed {
+    /// Samples that this held back.
+    pub fn count(&self, by: Limited) -> usize {
+        self.limited.iter().filter(|limited| **limited == by).count()
+    }
 }
 
 impl Hysteresis {
@@ -37,8 +44,8 @@ impl Hysteresis {
     /// where there is none.
     ///
     /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::Range`] and [`HysteresisError::Step`] for limits that leave no room, or a
-    /// device that rests outside of them; [`HysteresisError::Wanted`] where an output is not finite;
+    /// As [`Self::validate`]; [`HysteresisError::Range`] and [`HysteresisError::Step`] for limits that leave no room;
+    /// [`HysteresisError::RestOutside`] for a device that rests outside of them; [`HysteresisError::Wanted`] where an output is not finite;
     /// [`HysteresisError::NotIncreasing`] where the output falls as the voltage rises: then no one drive belongs to an output.
     pub fn follow(
         &self,
@@ -49,8 +56,11 @@ impl Hysteresis {
     ) -> Result<Followed, HysteresisError> {
         self.validate()?;
         let [low, high] = limits.range;
-        if !(low < high && (high - low).is_finite() && (low..=high).contains(&rest)) {
+        if !(low < high && (high - low).is_finite()) {
             return Err(HysteresisError::Range { low, high });
+        }
+        if !(low..=high).contains(&rest) {
+            return Err(HysteresisError::RestOutside { rest, low, high });
         }
         if limits.step.is_nan() || limits.step <= 0.0 {
             return Err(HysteresisError::Step { step: limits.step });
@@ -124,8 +134,7 @@ fn along<S: Clone>(
     let mut followed = Followed {
         drive: Vec::with_capacity(wanted.len()),
         output: Vec::with_capacity(wanted.len()),
-        at_range: 0,
-        at_step: 0,
+        limited: Vec::with_capacity(wanted.len()),
     };
     let [low, high] = limits.range;
     // What comes next is the first move of a device at rest, whatever it is asked here.
@@ -143,10 +152,12 @@ fn along<S: Clone>(
             Refused::Move(error) => error,
             Refused::Falls(u) => HysteresisError::NotIncreasing { index, u },
         })?;
-        if found.missed {
-            let end = if target > found.at.v { high } else { low };
-            if found.at.u == end { followed.at_range += 1 } else { followed.at_step += 1 }
-        }
+        let end = if target > found.at.v { high } else { low };
+        followed.limited.push(match found.missed {
+            false => Limited::No,
+            true if found.at.u == end => Limited::Range,
+            true => Limited::Step,
+        });
         if found.at.u != now.u {
             slope = Some((found.at.v - still.v) / (found.at.u - now.u));
         }

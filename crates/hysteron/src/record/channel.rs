@@ -39,8 +39,8 @@ pub fn header_of(name: &str, unit: &Unit) -> String {
 
 /// Takes a column header apart into name and unit.
 ///
-/// The unit is the longest suffix behind an underscore that is a known unit (`u_V`, `u_cmd_V`, `H_A_per_m`, `y1_nm`), or stands
-/// in brackets, known or not (`Voltage (V)`, `y [µm]`). A header without one has the empty unit.
+/// The unit is the longest suffix behind an underscore that is a known unit (`u_V`, `u_cmd_V`, `H_A_per_m`, `y1_nm`; `in`, inches, behind
+/// the name of a displacement alone), or stands in brackets, known or not (`Voltage (V)`, `y [µm]`). A header without one has the empty unit.
 pub fn split_header(header: &str) -> (String, Unit) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -53,11 +53,32 @@ pub fn split_header(header: &str) -> (String, Unit) {
     }
     for (at, _) in header.match_indices('_') {
         let (name, symbol) = (&header[..at], Unit::new(&header[at + 1..]));
-        if !name.is_empty() && symbol.is_known() {
+        if !name.is_empty() && (symbol.is_known() || symbol.symbol() == "in" && is_displacement(name)) {
             return (name.to_string(), symbol);
         }
     }
     (header.to_string(), Unit::new(""))
+}
+
+/// Whether a name is that of a displacement, so that `in` behind it are inches, where `u_in` is an input.
+fn is_displacement(name: &str) -> bool {
+    const WORDS: [&str; 11] = [
+        "output",
+        "displacement",
+        "position",
+        "stroke",
+        "reference",
+        "target",
+        "setpoint",
+        "trajectory",
+        "pos",
+        "disp",
+        "ref",
+    ];
+    let lower = name.to_lowercase();
+    let word =
+        lower.split(['_', ' ']).next().unwrap_or_default().trim_end_matches(|c: char| c.is_ascii_digit());
+    WORDS.contains(&word) || ["x", "y", "z", "r"].contains(&word)
 }
 
 #[cfg(test)]
@@ -77,6 +98,15 @@ mod tests {
             ("u_cmd_V", "u_cmd", "V"),
             ("i_meas_mA", "i_meas", "mA"),
             ("y1_nm", "y1", "nm"),
+            ("target_kg", "target", "kg"),
+            ("target_in", "target", "in"),
+            ("y1_in", "y1", "in"),
+            ("u_in", "u_in", ""),
+            ("drive_in", "drive_in", ""),
+            ("y_mils", "y", "mils"),
+            ("y_microns", "y", "um"),
+            ("u_command", "u_command", ""),
+            ("y_filtered", "y_filtered", ""),
             ("half_fringe_count", "half_fringe_count", ""),
             ("u", "u", ""),
             ("valid", "valid", ""),

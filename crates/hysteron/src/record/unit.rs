@@ -22,9 +22,12 @@ pub enum Quantity {
 pub struct Unit(String);
 
 impl Unit {
-    /// Unit with this symbol; `µ` is written `u`.
+    /// Unit with this symbol; `µ` is written `u`, a micron `um`.
     pub fn new(symbol: &str) -> Self {
-        Unit(symbol.replace(['µ', 'μ'], "u"))
+        Unit(match symbol {
+            "micron" | "microns" => "um".to_string(),
+            _ => symbol.replace(['µ', 'μ'], "u"),
+        })
     }
 
     /// Symbol as used in column headers (`um`).
@@ -32,8 +35,8 @@ impl Unit {
         &self.0
     }
 
-    /// Whether a header's suffix may be read as this unit: one that [`Unit::base`] converts, another usual one (`A`, `mA`, `T`, `N`,
-    /// `Hz`, …), or a quotient of two (`A_per_m`).
+    /// Whether a header's suffix may be read as this unit: one that [`Unit::base`] converts, another usual one, never converted (`A`, `mA`, `T`, `N`,
+    /// `Hz`, `kg`, `inch`, …), or a quotient of two (`A_per_m`).
     pub fn is_known(&self) -> bool {
         match self.0.split_once("_per_") {
             Some((over, under)) => is_simple(over) && is_simple(under),
@@ -82,9 +85,11 @@ impl Unit {
 }
 
 fn is_simple(symbol: &str) -> bool {
-    const OTHERS: [&str; 27] = [
+    const OTHERS: [&str; 53] = [
         "A", "mA", "uA", "nA", "T", "mT", "uT", "N", "mN", "uN", "kN", "Hz", "kHz", "MHz", "W", "mW", "J",
-        "C", "nC", "uC", "Pa", "kPa", "MPa", "bar", "K", "degC", "g",
+        "C", "nC", "uC", "Pa", "kPa", "MPa", "bar", "K", "degC", "g", "kg", "mg", "ug", "inch", "inches",
+        "mil", "mils", "thou", "ft", "yd", "angstrom", "Å", "km", "dm", "lb", "lbf", "kgf", "Nm", "mNm",
+        "psi", "mbar", "GPa", "degF", "°C", "Ohm", "rpm",
     ];
     Unit(symbol.to_string()).base().0 != Quantity::Other || OTHERS.contains(&symbol)
 }

@@ -1,3 +1,5 @@
+use hysteron_rt::Limited;
+
 use super::*;
 use crate::hysteresis::DriveLimits;
 
@@ -175,7 +177,7 @@ fn the_drive_that_gives_an_output_is_found_in_one_step() {
             operator.simulate_every(every(1), &u, origin, &mut v).unwrap();
             let followed = operator.follow(&v, rest, memory, &FREE);
             let followed = followed.unwrap_or_else(|e| panic!("{operator:?}: {e}"));
-            assert_eq!([followed.at_range, followed.at_step], [0, 0], "{operator:?}");
+            assert_eq!(followed.count(Limited::No), u.len(), "{operator:?}");
             for (k, ((found, u), (output, v))) in
                 followed.drive.iter().zip(&u).zip(followed.output.iter().zip(&v)).enumerate()
             {
@@ -214,7 +216,9 @@ fn a_drive_keeps_to_its_limits() {
         operator.simulate_every(every(1), &drive(), Origin::Virgin { rest: 4.2 }, &mut v).unwrap();
         let limits = DriveLimits { range: [1.0, 6.5], step: 0.11, ..FREE };
         let followed = operator.follow(&v, 4.2, None, &limits).unwrap();
-        assert!(followed.at_range > 0 && followed.at_step > 0, "{operator:?}");
+        for by in [Limited::Range, Limited::Step] {
+            assert!(followed.count(by) > 0, "{operator:?} {by:?}");
+        }
         let mut last = 4.2;
         for &u in &followed.drive {
             assert!((1.0..=6.5).contains(&u) && (u - last).abs() <= 0.11 * (1.0 + 1e-12));
