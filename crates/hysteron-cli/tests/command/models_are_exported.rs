@@ -139,8 +139,8 @@ fn what_cannot_be_exported_is_said_and_nothing_is_written() {
             1,
             ["cannot be inverted", "does not raise the output"],
         ),
-        ("export P-885_stage.json --to c -o out --name 2nd", 1, ["`2nd`", "--name stage"]),
-        ("export P-885_stage.json --to c -o out --name int", 1, ["`int`", "--name stage"]),
+        ("export P-885_stage.json --to c -o out --name 2nd", 2, ["`2nd`", "--name stage"]),
+        ("export P-885_stage.json --to c -o out --name int", 2, ["`int`", "--name stage"]),
         ("export P-885_stage.json --to fortran -o out", 2, ["fortran", "possible values"]),
         ("export P-885_stage.json --to c -o out --runtime .", 2, ["--runtime", "--to rust"]),
         (
