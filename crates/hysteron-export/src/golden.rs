@@ -13,7 +13,7 @@ use crate::subject::{Subject, significant};
 pub struct Golden {
     /// Voltages; at rest at the first before.
     pub voltages: Vec<f64>,
-    /// Samples that each voltage from the [`HELD_FROM`]th on is held; those before last one each.
+    /// Samples that each voltage after the sweep is held; those of the sweep last one each.
     pub hold: usize,
     /// Displacements at the end of each voltage.
     pub displacements: Vec<f64>,
