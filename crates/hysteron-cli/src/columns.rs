@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron::record::{ChannelChoice, InputOutput, Record, Signal, inspect};
-use hysteron_io::{ReadOptions, read_csv, read_input_output};
+use hysteron_io::{ReadOptions, read_csv, read_drive, read_input_output, read_reference};
 use rayon::prelude::*;
 
 use crate::console;
@@ -80,9 +80,13 @@ impl InputFlags {
         let options =
             ReadOptions { input: self.input.clone(), choose_with: "--input", ..self.time.options() };
         let unreadable = |e: &dyn std::fmt::Display| cannot_read(path, e);
-        let record =
-            self.scaled(read_csv(path, &options).map_err(|e| unreadable(&e))?).map_err(|e| unreadable(&e))?;
-        let drive = record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?;
+        let drive = if self.scales.is_empty() {
+            read_drive(path, &options).map_err(|e| unreadable(&e))?
+        } else {
+            let record = read_csv(path, &options).map_err(|e| unreadable(&e))?;
+            let record = self.scaled(record).map_err(|e| unreadable(&e))?;
+            record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?
+        };
         let mut told = drive.notes.clone();
         let samples = self.beyond_dead_band(drive.samples, &mut told);
         notes(path, &told);
@@ -134,8 +138,7 @@ impl ReferenceFlags {
             choose_with: "--reference",
             ..self.time.options()
         };
-        let record = read_csv(path, &options).map_err(|e| cannot_read(path, &e))?;
-        let signal = record.reference(self.reference.as_deref()).map_err(|e| cannot_read(path, &e))?;
+        let signal = read_reference(path, &options).map_err(|e| cannot_read(path, &e))?;
         notes(path, &signal.notes);
         Ok(signal)
     }

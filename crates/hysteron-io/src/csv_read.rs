@@ -4,10 +4,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use hysteron::record::{ChannelChoice, InputOutput, Record};
+use hysteron::record::{ChannelChoice, InputOutput, Record, RecordError, Signal};
 
 use crate::dialect::{declared_delimiter, detect_delimiter, loosely_number, split_fields};
-use crate::header::Header;
+use crate::header::{Chosen, Header};
 use crate::lines::{Line, Lines, is_skipped};
 use crate::table::Table;
 use crate::{IoError, ReadOptions};
@@ -46,6 +46,32 @@ pub fn read_input_output(path: &Path, options: &ReadOptions) -> Result<ReadOutco
     selected(&path.display().to_string(), open(path)?, options)
 }
 
+/// Reads a record and takes its drive alone: as the options name it, otherwise by the rules of [`Record::drive`].
+///
+/// # Errors
+/// As [`read_csv`]; [`IoError::Record`] where the drive cannot be decided.
+pub fn read_drive(path: &Path, options: &ReadOptions) -> Result<Signal, IoError> {
+    read_alone(path, options, |record, chosen| record.drive(chosen.input.as_deref()))
+}
+
+/// Reads a record and takes the reference alone: as the options name it, otherwise by the rules of [`Record::reference`].
+///
+/// # Errors
+/// As [`read_csv`]; [`IoError::Record`] where the reference cannot be decided.
+pub fn read_reference(path: &Path, options: &ReadOptions) -> Result<Signal, IoError> {
+    read_alone(path, options, |record, chosen| record.reference(chosen.reference.as_deref()))
+}
+
+fn read_alone(
+    path: &Path,
+    options: &ReadOptions,
+    take: impl FnOnce(&Record, &Chosen) -> Result<Signal, RecordError>,
+) -> Result<Signal, IoError> {
+    let file = path.display().to_string();
+    let (record, chosen) = read(&file, open(path)?, options)?;
+    take(&record, &chosen).map_err(|source| IoError::Record { file, source: Box::new(source) })
+}
+
 /// [`read_input_output`] from memory.
 ///
 /// # Errors
@@ -68,7 +94,8 @@ pub(crate) fn open(path: &Path) -> Result<File, IoError> {
 }
 
 fn selected(file: &str, source: impl Read, options: &ReadOptions) -> Result<ReadOutcome, IoError> {
-    let (record, choice) = read(file, source, options)?;
+    let (record, Chosen { input, output, .. }) = read(file, source, options)?;
+    let choice = ChannelChoice { input, output };
     let failed = |source| IoError::Record { file: file.to_string(), source: Box::new(source) };
     let notes = record.select(&choice).map_err(failed)?.notes;
     let data = record.input_output(&choice).map_err(failed)?;
@@ -88,11 +115,11 @@ impl Kept {
     }
 }
 
-fn read(file: &str, source: impl Read, options: &ReadOptions) -> Result<(Record, ChannelChoice), IoError> {
+fn read(file: &str, source: impl Read, options: &ReadOptions) -> Result<(Record, Chosen), IoError> {
     let (table, sha256) =
         read_table(file, source, options, |line, fields| Header::new(file, line, fields, options))?;
-    let choice = table.choice();
-    Ok((table.into_record(sha256, options.sample_rate_hz)?, choice))
+    let chosen = table.chosen();
+    Ok((table.into_record(sha256, options.sample_rate_hz)?, chosen))
 }
 
 /// Reads the rows below a header that `understand` makes of the header's line number and fields; and the file's SHA-256.

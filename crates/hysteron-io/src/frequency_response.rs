@@ -8,7 +8,7 @@ use hysteron::numeric::Complex64;
 use hysteron::record::{Source, Unit, split_header};
 
 use crate::csv_read::{open, read_table};
-use crate::header::{Column, ColumnRole, Header, list, named_columns};
+use crate::header::{Chosen, Column, ColumnRole, Header, list, named_columns};
 use crate::{IoError, ReadOptions};
 
 /// Which of a file's responses is wanted.
@@ -56,7 +56,7 @@ fn read(file: &str, source: impl Read, options: &ResponseOptions) -> Result<Freq
     let (table, sha256) = read_table(file, source, &text, |line, fields| {
         let columns = named_columns(file, line, fields)?;
         let layout = Layout::new(file, line, &columns, options)?;
-        let header = Header { columns: layout.with_roles(columns), line, input: None, output: None };
+        let header = Header { columns: layout.with_roles(columns), line, chosen: Chosen::default() };
         wanted = Some(layout);
         Ok(header)
     })?;

@@ -34,9 +34,15 @@ pub(crate) struct Header {
     pub columns: Vec<Column>,
     /// Line it stands in.
     pub line: u64,
-    /// Headers of the chosen channels, as [`hysteron::record::ChannelChoice`] takes them.
+    pub chosen: Chosen,
+}
+
+/// Headers of the channels chosen by the options, by name or number.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Chosen {
     pub input: Option<String>,
     pub output: Option<String>,
+    pub reference: Option<String>,
 }
 
 impl Header {
@@ -81,8 +87,8 @@ impl Header {
         }
         let header_at =
             |i: Option<usize>| i.and_then(|i| columns.get(i)).map(|c| header_of(&c.name, &c.unit));
-        let (input, output) = (header_at(input), header_at(output));
-        Ok(Header { columns, line, input, output })
+        let [input, output, reference] = chosen.map(header_at);
+        Ok(Header { columns, line, chosen: Chosen { input, output, reference } })
     }
 }
 

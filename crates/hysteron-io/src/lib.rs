@@ -32,7 +32,10 @@ mod options;
 mod plain;
 mod table;
 
-pub use csv_read::{ReadOutcome, read_csv, read_csv_bytes, read_input_output, read_input_output_bytes};
+pub use csv_read::{
+    ReadOutcome, read_csv, read_csv_bytes, read_drive, read_input_output, read_input_output_bytes,
+    read_reference,
+};
 pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};

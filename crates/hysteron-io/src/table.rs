@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use hysteron::record::{Channel, ChannelChoice, Record, RecordError, Source, TimeBase};
+use hysteron::record::{Channel, Record, RecordError, Source, TimeBase};
 
 use crate::dialect::{loosely_number, split_fields};
-use crate::header::{ColumnRole, Header};
+use crate::header::{Chosen, ColumnRole, Header};
 use crate::lines::{Line, is_spreadsheet_error};
 use crate::options::MAX_NUMBER_BYTES;
 use crate::plain::plain_columns;
@@ -278,8 +278,8 @@ impl Table {
     }
 
     /// Channels chosen by the options.
-    pub fn choice(&self) -> ChannelChoice {
-        ChannelChoice { input: self.header.input.clone(), output: self.header.output.clone() }
+    pub fn chosen(&self) -> Chosen {
+        self.header.chosen.clone()
     }
 
     /// The numbers of every column that was read, in the order of the file; empty for the others.

@@ -103,8 +103,11 @@ fn a_search_cut_short_is_not_trusted() {
     assert!(json(&run)["findings"].to_string().contains(part));
     assert!(std::fs::read_to_string(bench.path("new.html")).unwrap().contains(part));
     // Least squares ends by itself, and a population does once it stands still.
-    for flags in ["--degree 2", "--degree 2 --optimizer de --generations 60 --start all.json --delay 0"] {
-        let run = bench.run(&format!("identify loop.csv -o all.json {flags} --json"));
+    for (out, flags) in [
+        ("all.json", "--degree 2"),
+        ("again.json", "--degree 2 --optimizer de --generations 60 --start all.json --delay 0"),
+    ] {
+        let run = bench.run(&format!("identify loop.csv -o {out} {flags} --json"));
         assert!(!run.stderr.contains("too short") && run.exit_code == 0, "{flags}: {}", run.stderr);
     }
 }

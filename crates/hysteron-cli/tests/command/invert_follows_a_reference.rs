@@ -55,6 +55,10 @@ fn the_model_follows_the_drive_that_was_made_for_it() {
     assert_eq!((&made["samples_at_range"], &made["bandwidth_hz"]), (&Value::from(0), &Value::from(50.0)));
     let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
     assert!(drive.starts_with("t_s,u_V,y_um,reference_um\n"), "{}", &drive[..40]);
+    let numbered =
+        summary(&bench.run("invert stage.json scan.csv -o numbered.csv --range 1:100 --json --reference 2"));
+    assert_eq!(numbered["predicted_rms_um"], made["predicted_rms_um"]);
+    assert_eq!(std::fs::read_to_string(bench.path("numbered.csv")).unwrap(), drive);
     let rest = made["rest_V"].as_f64().unwrap();
     let run = bench.run(&format!("simulate stage.json drive.csv -o out.csv --rest-voltage {rest}"));
     assert_eq!(run.exit_code, 0, "{run:?}");

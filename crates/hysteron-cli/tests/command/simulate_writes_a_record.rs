@@ -29,6 +29,15 @@ fn a_drive_alone_is_enough_and_its_voltage_is_converted() {
     let out = std::fs::read_to_string(bench.path("out.csv")).unwrap();
     let u: Vec<&str> = out.lines().map(|l| l.split(',').next().unwrap()).collect();
     assert_eq!(u, ["u_V", "0", "1", "2", "1"]);
+    // By number, as --help promises.
+    bench.write("two.csv", "a_V,b_V\n9,0\n9,1\n9,2\n9,1\n");
+    let run = bench.run("simulate model.json two.csv --input 2 -o two_out.csv");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let two = std::fs::read_to_string(bench.path("two_out.csv")).unwrap();
+    let rows = |text: &str| -> Vec<String> { text.lines().skip(1).map(str::to_owned).collect() };
+    assert_eq!(rows(&two), rows(&out));
+    let run = bench.run("simulate model.json two.csv --input 3 -o three_out.csv");
+    assert!(run.exit_code == 1 && run.stderr.contains("`3`"), "{run:?}");
 }
 
 #[test]
