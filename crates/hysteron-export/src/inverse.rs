@@ -282,6 +282,11 @@ pub struct GoldenInverse {
 }
 
 impl GoldenInverse {
+    /// Samples that reference `k` lasts.
+    pub fn lasts(&self, k: usize) -> usize {
+        samples_of(k, HELD_FROM, self.hold)
+    }
+
     /// The vectors: a sweep through most of the range, then steps that the limits hold back.
     ///
     /// # Errors
