@@ -138,9 +138,9 @@ impl<'a, T: Real> SidedPlays<'a, T> {
     /// What the plays put out where they are virgin at `u`; not a number where one has no place to stand.
     pub fn output_at_rest(&self, u: T) -> T {
         let mut sum = T::of(0.0);
-        self.each_at_rest(u, self.weights.iter(), |weight, at| sum = sum + *weight * at);
+        let stands = self.each_at_rest(u, self.weights.iter(), |weight, at| sum = sum + *weight * at);
         match self.line {
-            _ if !self.stands_at(u) => T::of(f64::NAN),
+            _ if !stands => T::of(f64::NAN),
             None => sum,
             Some(line) => sum + line.at(u),
         }
@@ -177,10 +177,10 @@ impl<'a, T: Real> SidedPlays<'a, T> {
                 }
             }
             Sides::Envelopes { right, left } => {
-                if !self.stands_at(u) {
+                let (right, left) = (envelope(right, u), envelope(left, u));
+                if !self.stands_between(right, left) {
                     return false;
                 }
-                let (right, left) = (envelope(right, u), envelope(left, u));
                 for (item, &r) in items.zip(self.thresholds) {
                     take(item, [right - r, left + r]);
                 }
@@ -198,21 +198,22 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         true
     }
 
-    /// Whether the narrowest play has a place to stand at `u`.
+    /// Whether the narrowest play has a place to stand between these values of the envelopes.
     #[inline(always)]
-    fn stands_at(&self, u: T) -> bool {
-        let Sides::Envelopes { right, left } = self.sides else { return true };
+    fn stands_between(&self, right: T, left: T) -> bool {
         let narrowest = self.thresholds.first().copied().unwrap_or(T::of(0.0));
-        let crossed = envelope(right, u) - envelope(left, u);
-        crossed <= T::of(2.0) * narrowest + T::of(4.0) * T::EPSILON
+        right - left <= T::of(2.0) * narrowest + T::of(4.0) * T::EPSILON
     }
 
-    fn each_at_rest<I>(&self, u: T, items: impl Iterator<Item = I>, mut take: impl FnMut(I, T)) {
+    /// Hands each item where its play is virgin. Whether every one has a place to stand.
+    fn each_at_rest<I>(&self, u: T, items: impl Iterator<Item = I>, mut take: impl FnMut(I, T)) -> bool {
         match self.sides {
             Sides::Even { .. } | Sides::Below => items.for_each(|item| take(item, u)),
             Sides::Envelopes { right, left } => {
-                let middle = T::of(0.5) * (envelope(right, u) + envelope(left, u));
+                let (right, left) = (envelope(right, u), envelope(left, u));
+                let middle = T::of(0.5) * (right + left);
                 items.for_each(|item| take(item, middle));
+                return self.stands_between(right, left);
             }
             Sides::Ramps { steepness } => {
                 let mut items = items;
@@ -223,6 +224,7 @@ impl<'a, T: Real> SidedPlays<'a, T> {
                 }
             }
         }
+        true
     }
 }
 
