@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use hysteron::optimize::Range;
+use hysteron_optimize::Range;
 use serde::Serialize;
 
 use crate::stopwatch::Timing;

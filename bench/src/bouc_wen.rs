@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::path::PathBuf;
 
-use hysteron::hysteresis::{BoucWen, Start};
+use hysteron_model::hysteresis::{BoucWen, Start};
 use serde::Deserialize;
 
 use crate::answer::Answer;

@@ -2,10 +2,10 @@
 
 use std::hint::black_box;
 
-use hysteron::dynamics::{
+use hysteron_model::dynamics::{
     Creep, DynamicForm, InitialCondition, Linearised, Modes, Sampling, Scheme, SimulationPlan,
 };
-use hysteron::numeric::fft::RealFft;
+use hysteron_numeric::fft::RealFft;
 use serde::Deserialize;
 
 use crate::answer::{Answer, ColumnTimes};

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use hysteron::bench_rig::RigError;
-use hysteron::dynamics::DynamicsError;
-use hysteron::hysteresis::HysteresisError;
-use hysteron::identify::IdentifyError;
-use hysteron::record::RecordError;
+use hysteron_identify::IdentifyError;
+use hysteron_model::dynamics::DynamicsError;
+use hysteron_model::hysteresis::HysteresisError;
+use hysteron_model::record::RecordError;
+use hysteron_rig::RigError;
 use thiserror::Error;
 
 /// A request that could not be met.

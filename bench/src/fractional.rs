@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use hysteron::dynamics::{
+use hysteron_model::dynamics::{
     InitialCondition, InputSpectrum, Scheme, SimulationPlan, TransferFunction, Workspace,
 };
 

@@ -5,12 +5,12 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use hysteron::bench_rig::{CampaignPlan, Role, Truth, run_campaign};
-use hysteron::identify::{
+use hysteron_identify::{
     CampaignRecord, Choice, DynamicsChoice, Method, Options, RecordRole, Searches, Watcher, identify,
 };
-use hysteron::optimize::{Algorithm, DeAbcOptions, DeOptions, Progress};
-use hysteron::record::{InputOutput, TimeBase};
+use hysteron_model::record::{InputOutput, TimeBase};
+use hysteron_optimize::{Algorithm, DeAbcOptions, DeOptions, Progress};
+use hysteron_rig::{CampaignPlan, Role, Truth, run_campaign};
 use serde::Deserialize;
 
 use crate::answer::{Answer, Search};

@@ -3,10 +3,10 @@
 use std::hint::black_box;
 use std::path::PathBuf;
 
-use hysteron::hysteresis::{Sensitivities, Start, UnitShape};
-use hysteron::identify::{CampaignRecord, Choice, DynamicsChoice, JointObjective, Options, RecordRole};
-use hysteron::optimize::{LeastSquaresProblem, Problem};
-use hysteron::record::{InputOutput, TimeBase};
+use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, JointObjective, Options, RecordRole};
+use hysteron_model::hysteresis::{Sensitivities, Start, UnitShape};
+use hysteron_model::record::{InputOutput, TimeBase};
+use hysteron_optimize::{LeastSquaresProblem, Problem};
 use rayon::ThreadPoolBuilder;
 use serde::Deserialize;
 

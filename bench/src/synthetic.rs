@@ -3,11 +3,11 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use hysteron::dynamics::{Creep, DynamicForm, Dynamics, Modes, Scheme};
-use hysteron::hammerstein::{Model, Start};
-use hysteron::hysteresis::{BoucWen, Hysteresis};
-use hysteron::identify::{CampaignRecord, Choice, DynamicsChoice, JointObjective, Options, RecordRole};
-use hysteron::record::{InputOutput, InterSample, TimeBase};
+use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, JointObjective, Options, RecordRole};
+use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes, Scheme};
+use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::record::{InputOutput, InterSample, TimeBase};
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;

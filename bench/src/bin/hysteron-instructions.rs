@@ -10,9 +10,9 @@ use std::hint::black_box;
 use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
 
-use hysteron::dynamics::{InitialCondition, Sampling, Scheme, SimulationPlan, TransferFunction};
-use hysteron::hysteresis::{Sensitivities, Start, UnitShape};
-use hysteron::optimize::{
+use hysteron_model::dynamics::{InitialCondition, Sampling, Scheme, SimulationPlan, TransferFunction};
+use hysteron_model::hysteresis::{Sensitivities, Start, UnitShape};
+use hysteron_optimize::{
     Algorithm, Bounds, Derivative, LeastSquaresOptions, LeastSquaresProblem, Problem, Range, Settings,
     Unobserved, minimize, root_mean_square,
 };

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use hysteron::article::{ArticleError, Plan, Progress as Stage, Reproduction, reproduce};
-use hysteron::atomic_file::write_atomically;
-use hysteron_report::article::{page, tables};
+use hysteron_article::page::{page, tables};
+use hysteron_article::{ArticleError, Plan, Progress as Stage, Reproduction, reproduce};
+use hysteron_io::atomic_file::write_atomically;
 use hysteron_report::{write_figures, write_page};
 use serde::Serialize;
 
@@ -55,12 +55,12 @@ struct Summary<'a> {
     page: String,
     files: Vec<String>,
     plan: &'a Plan,
-    claims: &'a [hysteron::article::Claim],
+    claims: &'a [hysteron_article::Claim],
     table_1: Vec<serde_json::Value>,
     table_2: serde_json::Value,
-    table_3: &'a [hysteron::article::ModelFit],
-    contradictions: &'a hysteron::article::Contradictions,
-    recovery: &'a hysteron::article::Recovery,
+    table_3: &'a [hysteron_article::ModelFit],
+    contradictions: &'a hysteron_article::Contradictions,
+    recovery: &'a hysteron_article::Recovery,
 }
 
 impl Article {
@@ -98,7 +98,7 @@ impl Article {
     fn write(&self, found: &Reproduction) -> Result<Vec<PathBuf>, Failure> {
         let mut page = page(found);
         page.footer.push(format!("hysteron {}, seed {}.", env!("CARGO_PKG_VERSION"), self.seed));
-        let failed = |e: hysteron::atomic_file::AtomicWriteError| {
+        let failed = |e: hysteron_io::atomic_file::AtomicWriteError| {
             Failure::new("cannot write the reproduction").because(e)
         };
         let figures = self.out_dir.join("figures");

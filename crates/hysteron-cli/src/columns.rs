@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron::record::{ChannelChoice, InputOutput, Record, Signal, inspect};
 use hysteron_io::{ReadOptions, read_csv, read_drive, read_input_output, read_reference};
+use hysteron_model::record::{ChannelChoice, InputOutput, Record, Signal, inspect};
 use rayon::prelude::*;
 
 use crate::console;

@@ -4,12 +4,12 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use hysteron::compensator::{Compensation, CompensatorOptions, Prediction};
-use hysteron::realise::RealiseOptions;
 use hysteron_export::{
     ExportError, ExportedFile, Inverse, Precision, Rounding, Runtime, Subject, c_files, fmu_files,
     inverse_files, inverse_fmu_files, rust_files, write_folder,
 };
+use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
+use hysteron_model::realise::RealiseOptions;
 use hysteron_report::number::significant;
 use serde::Serialize;
 

@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron::compensator::{Compensation, CompensatorOptions, Prediction};
-use hysteron::display::short;
-use hysteron::dynamics::DynamicsError;
-use hysteron::hammerstein::{SimulationError, Start};
-use hysteron::invert::{
+use hysteron_io::write_csv;
+use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
+use hysteron_model::dynamics::DynamicsError;
+use hysteron_model::hammerstein::{SimulationError, Start};
+use hysteron_model::invert::{
     BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
-use hysteron::realise::RealiseOptions;
-use hysteron::record::{Channel, Record, TimeBase, Unit, shortest_swing};
-use hysteron_io::write_csv;
+use hysteron_model::realise::RealiseOptions;
+use hysteron_model::record::{Channel, Record, TimeBase, Unit, shortest_swing};
+use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
 use crate::columns::ReferenceFlags;

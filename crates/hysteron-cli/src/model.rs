@@ -1,14 +1,15 @@
 //! A model file read for use with records.
 
+use hysteron_io::ModelDiskError;
 use std::path::{Path, PathBuf};
 
-use hysteron::display::short;
-use hysteron::dynamics::Dynamics;
-use hysteron::hammerstein::{Model, SimulationError, Start};
-use hysteron::identify::{PredictionBand, PredictionError};
-use hysteron::model_file::{ModelFile, ModelFileError, SignalUnits, ValidRange};
-use hysteron::record::{InputOutput, Quantity, Unit};
-use hysteron::validate::{Scoring, StartError, choose_start};
+use hysteron_identify::{PredictionBand, PredictionError};
+use hysteron_model::dynamics::Dynamics;
+use hysteron_model::hammerstein::{Model, SimulationError, Start};
+use hysteron_model::model_file::{ModelFile, SignalUnits, ValidRange};
+use hysteron_model::record::{InputOutput, Quantity, Unit};
+use hysteron_model::validate::{Scoring, StartError, choose_start};
+use hysteron_numeric::display::short;
 
 use crate::console;
 use crate::failure::Failure;
@@ -31,7 +32,8 @@ impl LoadedModel {
     /// # Errors
     /// If it cannot be read or is not sound.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let file = ModelFile::read(path).map_err(|e| cannot_read(path, e))?;
+        let file =
+            hysteron_io::read_model_file(path, ModelFile::from_slice).map_err(|e| cannot_read(path, e))?;
         let model = file.to_model().map_err(|e| cannot_read(path, e))?;
         Ok(LoadedModel { path: path.to_owned(), file, model })
     }
@@ -226,8 +228,8 @@ pub fn agreed_unit(
 }
 
 /// The failure to read the model file at `path`.
-pub fn cannot_read(path: &Path, error: ModelFileError) -> Failure {
+pub fn cannot_read(path: &Path, error: impl Into<ModelDiskError>) -> Failure {
     Failure::new(format!("cannot read the model {}", path.display()))
-        .because(error)
+        .because(error.into())
         .hint("hysteron identify writes model files; hysteron schema prints their format")
 }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use hysteron::identify::optimizer_study::{
+use hysteron_article::optimizer_study::{
     Competitor, ProblemResult, Row, Study, StudyError, StudyOptions, StudyProblem, run_study,
 };
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
@@ -81,7 +81,7 @@ impl Optimizers {
         let stop = interrupt::stop_flag("no comparison is printed")?;
         let runs = options.problems.len() * options.competitors.len() * options.seeds;
         let bar = Progress::new("optimizer runs", runs as u64);
-        let mut progress = |p: &hysteron::identify::optimizer_study::StudyProgress| {
+        let mut progress = |p: &hysteron_article::optimizer_study::StudyProgress| {
             bar.set(p.done as u64, p.competitor.name());
             if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron::model_file::{OscillatorFile, StartKind, StoredModel};
-use hysteron::oscillator::{Oscillator, OscillatorError, RecordStart};
-use hysteron::record::{InputOutput, Unit, find_periods};
-use hysteron::validate::{Scoring, score};
+use hysteron_model::model_file::{OscillatorFile, StartKind, StoredModel};
+use hysteron_model::oscillator::{Oscillator, OscillatorError, RecordStart};
+use hysteron_model::record::{InputOutput, Unit, find_periods};
+use hysteron_model::validate::{Scoring, score};
 
 use crate::console;
 use crate::failure::Failure;
@@ -25,7 +25,8 @@ impl LoadedOscillator {
     /// # Errors
     /// If it cannot be read or is not sound.
     pub fn recognise(path: &Path) -> Result<Option<Self>, Failure> {
-        let stored = StoredModel::read(path).map_err(|e| cannot_read(path, e))?;
+        let stored =
+            hysteron_io::read_model_file(path, StoredModel::from_slice).map_err(|e| cannot_read(path, e))?;
         let StoredModel::Oscillator(file) = stored else { return Ok(None) };
         let oscillator = file.to_oscillator().map_err(|e| cannot_read(path, e))?;
         Ok(Some(Self { path: path.to_owned(), file: *file, oscillator }))

@@ -7,7 +7,7 @@ use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
-use hysteron::atomic_file::{AtomicWriteError, check_writable};
+use hysteron_io::atomic_file::{AtomicWriteError, check_writable};
 
 use crate::failure::Failure;
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron::model_file::ValidRange;
-use hysteron::realise::{
+use hysteron_model::model_file::ValidRange;
+use hysteron_model::realise::{
     LinearRealisation, Realisation, RealiseError, RealiseOptions, Section, StreamParts, Verification,
     nanoseconds_per_sample, realise, sweep, verify,
 };

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use clap::Args;
-use hysteron::identify::IdentifyError;
-use hysteron::identify::recalibrate::{Change, Prior, Recalibration, Recording, SIGNIFICANT, recalibrate};
-use hysteron::model_file::{
+use hysteron_identify::IdentifyError;
+use hysteron_identify::recalibrate::{Change, Prior, Recalibration, Recording, SIGNIFICANT, recalibrate};
+use hysteron_model::model_file::{
     ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp,
 };
-use hysteron::record::Unit;
+use hysteron_model::record::Unit;
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -76,7 +76,7 @@ impl Recalibrate {
             .iter()
             .map(|r| ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.after))
             .collect();
-        file.write(&self.out).map_err(|e| {
+        hysteron_io::write_model_file(&self.out, file.to_json()).map_err(|e| {
             Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
         })?;
         if self.json {
@@ -110,7 +110,7 @@ impl Recalibrate {
             ("prior delay std_error".to_owned(), known(prior.delay_s)),
             ("prior correlation".to_owned(), prior.correlation.to_string()),
         ]);
-        let record = |r: &hysteron::identify::recalibrate::RecalibratedRecord| RecordEntry {
+        let record = |r: &hysteron_identify::recalibrate::RecalibratedRecord| RecordEntry {
             path: r.data.source.as_ref().map_or(r.data.name.clone(), |s| s.path.clone()),
             sha256: r.data.source.as_ref().map(|s| s.sha256.clone()),
             samples: r.data.len() as u64,
@@ -127,7 +127,7 @@ impl Recalibrate {
     }
 
     fn outcome(&self, found: &Recalibration, file: &ModelFile) -> Outcome {
-        let record = |r: &hysteron::identify::recalibrate::RecalibratedRecord| {
+        let record = |r: &hysteron_identify::recalibrate::RecalibratedRecord| {
             json!({
                 "record": r.data.source.as_ref().map_or(&r.data.name, |s| &s.path),
                 "samples": r.after.samples,

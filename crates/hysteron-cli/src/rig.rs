@@ -4,11 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron::atomic_file::{write_atomically, write_atomically_with};
-use hysteron::bench_rig::{CampaignPlan, RigRun, Truth, measure, run_campaign};
-use hysteron::excitation::Excitation;
-use hysteron::record::{Quantity, TimeBase};
+use hysteron_io::atomic_file::{write_atomically, write_atomically_with};
 use hysteron_io::write_csv_to;
+use hysteron_model::record::{Quantity, TimeBase};
+use hysteron_rig::excitation::Excitation;
+use hysteron_rig::{CampaignPlan, RigRun, Truth, measure, run_campaign};
 use serde::de::DeserializeOwned;
 
 use crate::columns::InputFlags;

@@ -1,6 +1,6 @@
 //! `--scale COL=FACTOR UNIT[/UNIT]`: what one unit of a column means, e.g. sensor volts in µm or command volts at the actuator.
 
-use hysteron::record::{Record, Unit};
+use hysteron_model::record::{Record, Unit};
 
 /// One channel's scale.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +62,7 @@ impl Scale {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hysteron::record::{Channel, TimeBase};
+    use hysteron_model::record::{Channel, TimeBase};
 
     fn scaled(text: &str, unit: &str) -> Result<(String, f64), String> {
         let channel = Channel::new("y", unit, vec![1.0, 2.0]);

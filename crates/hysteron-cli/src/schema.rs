@@ -1,7 +1,7 @@
 //! `hysteron schema`: the model file's JSON Schema.
 
 use clap::Args;
-use hysteron::model_file::{coupled_schema, json_schema, modes_schema, oscillator_schema};
+use hysteron_model::model_file::{coupled_schema, json_schema, modes_schema, oscillator_schema};
 
 use crate::{console, failure::Failure};
 

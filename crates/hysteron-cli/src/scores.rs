@@ -4,10 +4,10 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use comfy_table::Table;
-use hysteron::hammerstein::Start;
-use hysteron::hysteresis::Memory;
-use hysteron::record::{InputOutput, Unit};
-use hysteron::validate::{CorrelationTest, Definition, Scores, definitions};
+use hysteron_model::hammerstein::Start;
+use hysteron_model::hysteresis::Memory;
+use hysteron_model::record::{InputOutput, Unit};
+use hysteron_model::validate::{CorrelationTest, Definition, Scores, definitions};
 use hysteron_report::number::significant;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
@@ -254,8 +254,8 @@ fn shown() -> impl Iterator<Item = &'static Definition> {
 #[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 mod tests {
     use super::*;
-    use hysteron::record::{Source, TimeBase};
-    use hysteron::validate::{Scoring, score};
+    use hysteron_model::record::{Source, TimeBase};
+    use hysteron_model::validate::{Scoring, score};
 
     fn scored(path: &str) -> Scored {
         let (u, y) = (vec![0.0, 1.0, 2.0, 1.0, 0.0], vec![0.0, 2.0, 5.0, 3.0, 0.5]);

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use hysteron::identify::PredictionError;
-use hysteron::record::{Channel, Record, TimeBase};
+use hysteron_identify::PredictionError;
 use hysteron_io::write_csv;
+use hysteron_model::record::{Channel, Record, TimeBase};
 
 use crate::axes::{AxesFlags, LoadedAxes};
 use crate::columns::InputFlags;

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use clap::Args;
-use hysteron::display::short;
-use hysteron::hammerstein::Start;
-use hysteron::model_file::{ModelFile, StartKind};
-use hysteron::oscillator::RecordStart;
-use hysteron::record::{InputOutput, TimeBase, Unit, find_periods};
+use hysteron_model::hammerstein::Start;
+use hysteron_model::model_file::{ModelFile, StartKind};
+use hysteron_model::oscillator::RecordStart;
+use hysteron_model::record::{InputOutput, TimeBase, Unit, find_periods};
+use hysteron_numeric::display::short;
 
 use crate::console;
 use crate::failure::Failure;

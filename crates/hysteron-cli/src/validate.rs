@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron::display::short;
-use hysteron::hammerstein::Start;
-use hysteron::identify::PredictionError;
-use hysteron::record::InputOutput;
-use hysteron::validate::{OffsetTreatment, Scoring, score, unfollowed_start};
+use hysteron_identify::PredictionError;
+use hysteron_model::hammerstein::Start;
+use hysteron_model::record::InputOutput;
+use hysteron_model::validate::{OffsetTreatment, Scoring, score, unfollowed_start};
+use hysteron_numeric::display::short;
 use serde::Serialize;
 
 use crate::axes::{self, AxesFlags, AxesScored, LoadedAxes};

@@ -1,6 +1,6 @@
 //! C99 source.
 
-use hysteron::realise::{Coefficients, OperatorCoefficients, RuntimeParts};
+use hysteron_model::realise::{Coefficients, OperatorCoefficients, RuntimeParts};
 use hysteron_rt::{BoucWen, Branch, MOST_PANELS, Real, Sides};
 
 use crate::error::ExportError;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use hysteron::compensator::CompensatorError;
-use hysteron::realise::RealiseError;
+use hysteron_model::compensator::CompensatorError;
+use hysteron_model::realise::RealiseError;
 
 /// Error of an export.
 #[derive(Debug, thiserror::Error)]

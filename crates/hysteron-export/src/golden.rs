@@ -1,7 +1,7 @@
 //! Golden vectors: what the library puts out along a drive that goes everywhere.
 
-use hysteron::hysteresis::{DriveGrid, Origin};
-use hysteron::realise::{LinearRealisation, RuntimeParts, sweep};
+use hysteron_model::hysteresis::{DriveGrid, Origin};
+use hysteron_model::realise::{LinearRealisation, RuntimeParts, sweep};
 use hysteron_rt::{Model, ModelError, Real};
 
 use crate::error::ExportError;

@@ -1,7 +1,7 @@
 //! The inverse as C99 source: reference in, voltage out.
 
-use hysteron::compensator::{Compensation, CompensatorParts};
-use hysteron::realise::Realisation;
+use hysteron_model::compensator::{Compensation, CompensatorParts};
+use hysteron_model::realise::Realisation;
 use hysteron_rt::Real;
 
 use crate::c::{Numbers, filling, rows};

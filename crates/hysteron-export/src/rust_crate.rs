@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hysteron::realise::{OperatorCoefficients, RuntimeParts};
+use hysteron_model::realise::{OperatorCoefficients, RuntimeParts};
 use hysteron_rt::{BoucWen, Branch, LANES, Real, Sides};
 
 use crate::c::{Numbers, filling, golden_keys, of_thresholds, rows};

@@ -1,8 +1,8 @@
 //! What is exported: a realised model with what is known about it.
 
-use hysteron::hysteresis::{Family, FamilyForm, Hysteresis};
-use hysteron::model_file::{ModelFile, ScoreEntry, ScoreRole, ValidRange};
-use hysteron::realise::{Realisation, RuntimeParts, Verification};
+use hysteron_model::hysteresis::{Family, FamilyForm, Hysteresis};
+use hysteron_model::model_file::{ModelFile, ScoreEntry, ScoreRole, ValidRange};
+use hysteron_model::realise::{Realisation, RuntimeParts, Verification};
 use hysteron_rt::Real;
 
 use crate::error::ExportError;

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use hysteron::record::{ChannelChoice, InputOutput, Record, RecordError, Signal};
+use hysteron_model::record::{ChannelChoice, InputOutput, Record, RecordError, Signal};
 
 use crate::dialect::{declared_delimiter, detect_delimiter, loosely_number, split_fields};
 use crate::header::{Chosen, Header};
@@ -38,7 +38,7 @@ pub fn read_csv_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result
 }
 
 /// Reads a record and takes its input and output: as the options name them, otherwise by the rules of
-/// [`Record::select`](hysteron::record::Record::select).
+/// [`Record::select`](hysteron_model::record::Record::select).
 ///
 /// # Errors
 /// As [`read_csv`]; [`IoError::Record`] where input or output cannot be decided.

@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use hysteron::atomic_file::write_atomically_with;
-use hysteron::record::{Record, RecordError, TimeBase};
+use crate::atomic_file::write_atomically_with;
+use hysteron_model::record::{Record, RecordError, TimeBase};
 
 use crate::IoError;
 

@@ -1,8 +1,8 @@
 //! What can be wrong with a file. Lines and columns count from 1, as editors do.
 
-use hysteron::atomic_file::AtomicWriteError;
-use hysteron::frequency_response::FrequencyResponseError;
-use hysteron::record::RecordError;
+use crate::atomic_file::AtomicWriteError;
+use hysteron_model::record::RecordError;
+use hysteron_model::record::ResponseDataError;
 
 /// Why a file could not be read as a record, or a record not written.
 #[derive(Debug, thiserror::Error)]
@@ -307,7 +307,7 @@ pub enum IoError {
         /// The file.
         file: String,
         /// What is wrong with it.
-        source: Box<FrequencyResponseError>,
+        source: Box<ResponseDataError>,
     },
     /// No channel besides time and mask.
     #[error(

@@ -3,9 +3,9 @@
 use std::io::Read;
 use std::path::Path;
 
-use hysteron::frequency_response::FrequencyResponse;
-use hysteron::numeric::Complex64;
-use hysteron::record::{Source, Unit, split_header};
+use hysteron_model::record::FrequencyResponse;
+use hysteron_model::record::{Source, Unit, split_header};
+use hysteron_numeric::Complex64;
 
 use crate::csv_read::{open, read_table};
 use crate::header::{Chosen, Column, ColumnRole, Header, list, named_columns};

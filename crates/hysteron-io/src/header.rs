@@ -1,6 +1,6 @@
 //! The header line: what each column is.
 
-use hysteron::record::{Quantity, Unit, header_of, split_header};
+use hysteron_model::record::{Quantity, Unit, header_of, split_header};
 
 use crate::options::MAX_COLUMNS;
 use crate::{IoError, ReadOptions};

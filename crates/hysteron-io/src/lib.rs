@@ -1,4 +1,4 @@
-//! File formats of measured records: file to [`Record`](hysteron::record::Record) and back.
+//! File formats of measured records: file to [`Record`](hysteron_model::record::Record) and back.
 //!
 //! [`read_csv`] takes what loggers, spreadsheets and numerical tools write and either returns a checked record or an [`IoError`]
 //! that names file, line and column, what was found, what was expected and what to do. [`read_input_output`] also decides
@@ -8,7 +8,7 @@
 //! * One header line, one line a sample. Delimiter comma, semicolon or tab, detected; decimal comma where the delimiter
 //!   is not a comma. UTF-8, with or without byte order mark; LF or CRLF. Quoted fields within a line.
 //! * A header is a name with its unit behind the last underscore (`u_V`, `u_cmd_V`, `H_A_per_m`) or in brackets (`u [V]`); see
-//!   [`split_header`](hysteron::record::split_header).
+//!   [`split_header`](hysteron_model::record::split_header).
 //! * Lines that begin with `#` or `%` are comments, anywhere; blank lines are skipped. Where the first line is all numbers
 //!   and the comment line above it has as many fields, that comment is the header (as numpy's `savetxt` writes it).
 //!   A file without any header is refused, with the line to add.
@@ -20,6 +20,7 @@
 //! A measured frequency response is read by [`read_frequency_response`], by the same rules for text and numbers.
 #![forbid(unsafe_code)]
 
+pub mod atomic_file;
 mod csv_read;
 mod csv_write;
 mod dialect;
@@ -28,6 +29,7 @@ mod frequency_response;
 mod hash;
 mod header;
 mod lines;
+mod model_file;
 mod options;
 mod plain;
 mod table;
@@ -40,4 +42,5 @@ pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};
 pub use hash::sha256;
+pub use model_file::{ModelDiskError, read_model_file, write_model_file};
 pub use options::ReadOptions;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hysteron::record::{Channel, Record, RecordError, Source, TimeBase};
+use hysteron_model::record::{Channel, Record, RecordError, Source, TimeBase};
 
 use crate::dialect::{loosely_number, split_fields};
 use crate::header::{Chosen, ColumnRole, Header};

@@ -3,9 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron::frequency_response::FrequencyResponse;
-use hysteron::numeric::Complex64;
 use hysteron_io::{IoError, ResponseOptions, read_frequency_response, read_frequency_response_bytes};
+use hysteron_model::record::FrequencyResponse;
+use hysteron_numeric::Complex64;
 use proptest::prelude::*;
 
 fn read(text: &str, response: Option<&str>, over: Option<&str>) -> Result<FrequencyResponse, IoError> {

@@ -3,10 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron::record::{
+use hysteron_io::{ReadOptions, read_csv};
+use hysteron_model::record::{
     ChannelChoice, DelayFinding, ExcitationKind, Inspection, LoopSense, NoiseMethod, WaveShape, inspect,
 };
-use hysteron_io::{ReadOptions, read_csv};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

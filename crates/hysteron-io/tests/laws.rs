@@ -1,8 +1,8 @@
 //! Laws: what is written reads back; no input, however broken, panics.
 #![allow(clippy::unwrap_used)]
 
-use hysteron::record::{Channel, Record, RecordError, TimeBase};
 use hysteron_io::{IoError, ReadOptions, read_csv, read_csv_bytes, write_csv, write_csv_to};
+use hysteron_model::record::{Channel, Record, RecordError, TimeBase};
 use proptest::prelude::*;
 
 fn finite() -> impl Strategy<Value = f64> {

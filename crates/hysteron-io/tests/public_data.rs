@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron::record::{InputOutput, TimeBase};
 use hysteron_io::{ReadOptions, read_csv, read_input_output};
+use hysteron_model::record::{InputOutput, TimeBase};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

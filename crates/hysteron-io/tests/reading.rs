@@ -1,8 +1,8 @@
 //! What is accepted, and what it becomes.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use hysteron::record::{Record, TimeBase};
 use hysteron_io::{ReadOptions, read_csv_bytes, read_input_output_bytes};
+use hysteron_model::record::{Record, TimeBase};
 
 fn read(text: &str) -> Record {
     read_with(text, &ReadOptions::default())

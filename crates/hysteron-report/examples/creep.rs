@@ -4,7 +4,7 @@
 //! cargo run --release -p hysteron-report --example creep -- FILE.svg
 //! ```
 
-use hysteron::dynamics::{Creep, DynamicForm, DynamicsError, Modes, Scheme, TransferFunction};
+use hysteron_model::dynamics::{Creep, DynamicForm, DynamicsError, Modes, Scheme, TransferFunction};
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
 
 /// Samples over which each decade of time is simulated.

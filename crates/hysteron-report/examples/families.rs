@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use hysteron::hysteresis::{
+use hysteron_model::hysteresis::{
     BrokenLine, ColumnKernel, ColumnModel, ColumnStart, Dahl, DeadZonePlays, DensityLaw, Duhem,
     GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip,
     ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, PlayStart, PrandtlIshlinskii, Preisach, PreisachDensity,

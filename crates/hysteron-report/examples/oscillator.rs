@@ -6,9 +6,9 @@
 
 use std::f64::consts::TAU;
 
-use hysteron::hysteresis::RecordEnds;
-use hysteron::oscillator::{Drive, Oscillator, Start};
-use hysteron::record::InterSample;
+use hysteron_model::hysteresis::RecordEnds;
+use hysteron_model::oscillator::{Drive, Oscillator, Start};
+use hysteron_model::record::InterSample;
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
 
 /// In N, mm and s: 35.6 Hz at small motion, 25.2 Hz where the loop has saturated.
@@ -53,11 +53,16 @@ fn steady(amplitude: f64, frequency_hz: f64) -> Result<(Vec<f64>, Vec<f64>), Box
     let mut y = vec![0.0; POINTS];
     let first = DEVICE.simulate(&drive, Start::Periodic, &mut y)?;
     y.push(first.y);
-    let operator =
-        hysteron::hysteresis::BoucWen::new(vec![0.0], DEVICE.alpha, DEVICE.beta, DEVICE.gamma, DEVICE.n)?;
+    let operator = hysteron_model::hysteresis::BoucWen::new(
+        vec![0.0],
+        DEVICE.alpha,
+        DEVICE.beta,
+        DEVICE.gamma,
+        DEVICE.n,
+    )?;
     let mut z = vec![0.0; y.len()];
-    let start = hysteron::hysteresis::BoucWenState { u: first.y, z: first.z };
-    operator.simulate(&y, hysteron::hysteresis::Start::State(start), &mut z)?;
+    let start = hysteron_model::hysteresis::BoucWenState { u: first.y, z: first.z };
+    operator.simulate(&y, hysteron_model::hysteresis::Start::State(start), &mut z)?;
     // v = l[u] − z with l = 0.
     let restoring = y.iter().zip(&z).map(|(y, z)| DEVICE.stiffness * y - z).collect();
     Ok((y, restoring))

@@ -11,7 +11,7 @@ use crate::number::{significant, with_std_error};
 use crate::page::{Block, Column, Highlight, Page, Section, Table};
 use crate::record_curves::RecordCurves;
 use crate::starts::SearchStarts;
-use hysteron::identify::Correlation;
+use hysteron_identify::Correlation;
 
 /// Everything the report of an identification shows. Empty parts are left out of the page.
 #[derive(Debug, Clone, PartialEq, Default)]

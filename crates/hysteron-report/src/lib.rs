@@ -1,7 +1,7 @@
 //! Figures (SVG) and self-contained HTML pages.
 //!
 //! In the order of use: a [`figure::Figure`] is panels of series with units; a [`page::Page`] is sections of
-//! text, tables and figures; [`identification::identification_report`] and [`article::ComparisonTable`] compose
+//! text, tables and figures; [`identification::identification_report`] composes
 //! what the `hysteron` command shows; [`write_page`] and [`write_figures`] put it on the disk.
 //! [`number`] formats values for tables.
 //!
@@ -17,7 +17,6 @@ macro_rules! put {
     }};
 }
 
-pub mod article;
 mod base64;
 mod escape;
 pub mod figure;

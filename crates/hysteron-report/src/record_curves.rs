@@ -4,7 +4,7 @@ use crate::figure::{
     Axis, Colour, Dash, Figure, Panel, Series, Style, correlogram, measured_and_model, residual,
 };
 use crate::number::significant;
-use hysteron::validate::Correlogram;
+use hysteron_model::validate::Correlogram;
 
 /// One record with the model's simulation, all of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron::atomic_file::{AtomicWriteError, write_atomically};
+use hysteron_io::atomic_file::{AtomicWriteError, write_atomically};
 
 use crate::page::Page;
 

@@ -1,8 +1,8 @@
 //! A page runs nothing but its own script, loads nothing, and shows hostile text as text.
 #![allow(clippy::unwrap_used)]
 
-use hysteron::identify::Correlation;
-use hysteron::validate::Correlogram;
+use hysteron_identify::Correlation;
+use hysteron_model::validate::Correlogram;
 use hysteron_report::figure::{Axis, ConvergenceCurve, Figure, FrequencyResponseCurve, Panel, Series, Style};
 use hysteron_report::identification::{
     DegreeRow, IdentificationReportData, ParameterRow, ScoreRow, StructureRow, identification_report,

@@ -7,11 +7,11 @@
 //! # From a record to a model to a score
 //!
 //! ```
-//! use hysteron::hammerstein::Start;
-//! use hysteron::hysteresis::{BoucWen, Hysteresis};
-//! use hysteron::identify::{CampaignRecord, Options, Unwatched, identify};
-//! use hysteron::record::{InputOutput, TimeBase};
-//! use hysteron::validate::{Scoring, score};
+//! use hysteron_model::hammerstein::Start;
+//! use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+//! use hysteron_identify::{CampaignRecord, Options, Unwatched, identify};
+//! use hysteron_model::record::{InputOutput, TimeBase};
+//! use hysteron_model::validate::{Scoring, score};
 //!
 //! // A device to measure: here one that we know. 1 Hz loops of shrinking amplitude, 200 Hz, 0–4 V.
 //! let device = Hysteresis::BoucWen(BoucWen::new(vec![15.0, -0.25], 3.5, 0.6, 0.2, 1.0)?);
@@ -20,7 +20,7 @@
 //!     let u: Vec<f64> =
 //!         (0..200 * amplitudes.len()).map(|k| amplitudes[k / 200] * (1.0 - phase(k).cos())).collect();
 //!     let mut y = vec![0.0; u.len()];
-//!     device.simulate(&u, hysteron::hysteresis::Origin::Virgin { rest: 0.0 }, &mut y).map(|_| (u, y))
+//!     device.simulate(&u, hysteron_model::hysteresis::Origin::Virgin { rest: 0.0 }, &mut y).map(|_| (u, y))
 //! };
 //! let (u, y) = measure(&[2.0, 1.5, 1.0, 0.5])?;
 //! let record = InputOutput::new("loops", TimeBase::uniform(200.0), u, y)?;
@@ -43,51 +43,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Guided tour, in the order of the data
-//!
-//! 1. [`excitation`] makes the drive that a campaign plays; [`bench_rig`] is a simulated device that answers it, to
-//!    rehearse on and to test with.
-//! 2. [`record`] holds what was measured: channels with units on a time base, never changed in place; [`record::inspect`] says
-//!    what is in it.
-//! 3. The model has two blocks. [`hysteresis`] is rate independent (Eq. 1), stepped exactly by `hysteron-rt`. [`dynamics`] is
-//!    a transfer function with real orders (Eqs. 2–6), on [`fractional`] calculus and the kernels of [`numeric`].
-//!    [`hammerstein`] joins them: [`hammerstein::Model::simulate`]. [`oscillator`] has its hysteresis in feedback instead.
-//!    [`axes`] couples several inputs and outputs.
-//! 4. [`optimize`] searches: bounded least squares, the article's DE-ABC (Eqs. 8–12), ABC, DE, PSO, all seeded and identical
-//!    for any number of threads.
-//! 5. [`identify`] is the article's two-step procedure: [`identify::identify`] hands out model, standard errors, scores
-//!    and what the records leave open.
-//! 6. [`validate`] defines every score once ([`validate::definitions`]) and tests residuals.
-//! 7. [`realise`] turns a model into real poles and pole pairs that run sample by sample.
-//! 8. [`online`] corrects a model while it runs and says when it no longer fits.
-//! 9. [`invert`] makes the drive that lets the output follow a reference.
-//!    [`compensator`] does it sample by sample, in a controller; [`control`] closes the loop around it.
-//! 10. [`baselines`] are black-box models to compare with.
-//! 11. [`model_file`] stores a model with its provenance; [`atomic_file`] writes files whole or not at all.
-//!
-//! Records from CSV files are read by the crate `hysteron-io`, reports written by `hysteron-report`.
+//! The crates behind it, in the order of the data: [`io`] reads, [`identify`] finds a [`model`], [`report`] shows it,
+//! [`export`] writes it as source.
 
-pub mod article;
-pub mod atomic_file;
-pub mod axes;
-pub mod baselines;
-pub mod bench_rig;
-pub mod compensator;
-pub mod control;
-pub mod display;
-pub mod dynamics;
-pub mod excitation;
-pub mod fractional;
-pub mod frequency_response;
-pub mod hammerstein;
-pub mod hysteresis;
-pub mod identify;
-pub mod invert;
-pub mod model_file;
-pub mod numeric;
-pub mod online;
-pub mod optimize;
-pub mod oscillator;
-pub mod realise;
-pub mod record;
-pub mod validate;
+pub use hysteron_export as export;
+pub use hysteron_identify as identify;
+pub use hysteron_io as io;
+pub use hysteron_model as model;
+pub use hysteron_report as report;

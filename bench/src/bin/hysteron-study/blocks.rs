@@ -5,12 +5,12 @@
 //! followed from it. *Hysteresis alone*: the Bouc–Wen block is identified with v as the output (with a lag for the
 //! amplifier in front of it) and what it gives is put through the true dynamics of the bench.
 
-use hysteron::bench_rig::{CampaignPlan, Plant, PlayStack, RigRun, Role, Truth, measure, run_campaign};
-use hysteron::dynamics::Creep;
-use hysteron::excitation::Excitation;
-use hysteron::hammerstein::{Model, Start};
-use hysteron::identify::{CampaignRecord, Choice, Demands, DynamicsChoice, Options, Unwatched, identify};
-use hysteron::record::ChannelChoice;
+use hysteron_identify::{CampaignRecord, Choice, Demands, DynamicsChoice, Options, Unwatched, identify};
+use hysteron_model::dynamics::Creep;
+use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::record::ChannelChoice;
+use hysteron_rig::excitation::Excitation;
+use hysteron_rig::{CampaignPlan, Plant, PlayStack, RigRun, Role, Truth, measure, run_campaign};
 
 use crate::Outcome;
 use crate::campaign::record;

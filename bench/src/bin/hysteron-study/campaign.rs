@@ -1,10 +1,10 @@
 //! Records of a device on the simulated bench.
 
-use hysteron::bench_rig::{Truth, measure};
-use hysteron::excitation::{Excitation, ExcitationSpec, SweepLaw, Waveform};
-use hysteron::identify::{CampaignRecord, DynamicsChoice, Options};
-use hysteron::optimize::{Algorithm, LeastSquaresOptions};
-use hysteron::record::{ChannelChoice, InputOutput, TimeBase};
+use hysteron_identify::{CampaignRecord, DynamicsChoice, Options};
+use hysteron_model::record::{ChannelChoice, InputOutput, TimeBase};
+use hysteron_optimize::{Algorithm, LeastSquaresOptions};
+use hysteron_rig::excitation::{Excitation, ExcitationSpec, SweepLaw, Waveform};
+use hysteron_rig::{Truth, measure};
 
 use crate::Outcome;
 use crate::device::{Device, HIGH_V};

@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 use std::io::{Write, stdout};
 
-use hysteron::identify::{CampaignRecord, Choice, Identification, Options, RecordRole, Unwatched, identify};
+use hysteron_identify::{CampaignRecord, Choice, Identification, Options, RecordRole, Unwatched, identify};
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;

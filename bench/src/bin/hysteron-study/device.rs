@@ -1,10 +1,10 @@
 //! Devices in the model class, with the model that describes each exactly.
 
-use hysteron::bench_rig::{BoucWenFractional, Plant, PowerTerm, Truth};
-use hysteron::dynamics::{Dynamics, Scheme, SecondOrder, Term, TransferFunction, stability};
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{BoucWen, Hysteresis};
-use hysteron::record::InterSample;
+use hysteron_model::dynamics::{Dynamics, Scheme, SecondOrder, Term, TransferFunction, stability};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::record::InterSample;
+use hysteron_rig::{BoucWenFractional, Plant, PowerTerm, Truth};
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;

@@ -4,8 +4,8 @@
 use std::io::{Write, stdout};
 use std::time::Instant;
 
-use hysteron::excitation::Excitation;
-use hysteron::identify::{Identification, Unwatched, identify};
+use hysteron_identify::{Identification, Unwatched, identify};
+use hysteron_rig::excitation::Excitation;
 use rayon::prelude::*;
 
 use crate::Outcome;

@@ -3,12 +3,12 @@
 
 use std::time::Instant;
 
-use hysteron::bench_rig::measure;
-use hysteron::dynamics::SecondOrder;
-use hysteron::excitation::Excitation;
-use hysteron::hammerstein::Start;
-use hysteron::hysteresis::BoucWen;
-use hysteron::identify::{Choice, Options, Unwatched, identify};
+use hysteron_identify::{Choice, Options, Unwatched, identify};
+use hysteron_model::dynamics::SecondOrder;
+use hysteron_model::hammerstein::Start;
+use hysteron_model::hysteresis::BoucWen;
+use hysteron_rig::excitation::Excitation;
+use hysteron_rig::measure;
 use rayon::prelude::*;
 
 use crate::Outcome;

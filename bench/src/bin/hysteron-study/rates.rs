@@ -3,8 +3,8 @@
 
 use std::io::{Write, stdout};
 
-use hysteron::dynamics::Scheme;
-use hysteron::identify::{CampaignRecord, Choice, Options, Unwatched, identify};
+use hysteron_identify::{CampaignRecord, Choice, Options, Unwatched, identify};
+use hysteron_model::dynamics::Scheme;
 use rayon::prelude::*;
 
 use crate::Outcome;

@@ -3,9 +3,9 @@
 
 use std::io::{Write, stdout};
 
-use hysteron::bench_rig::{CampaignPlan, Role, Truth, run_campaign};
-use hysteron::identify::{CampaignRecord, DynamicsChoice, Options, Unwatched, identify};
-use hysteron::record::ChannelChoice;
+use hysteron_identify::{CampaignRecord, DynamicsChoice, Options, Unwatched, identify};
+use hysteron_model::record::ChannelChoice;
+use hysteron_rig::{CampaignPlan, Role, Truth, run_campaign};
 use rayon::prelude::*;
 
 use crate::Outcome;

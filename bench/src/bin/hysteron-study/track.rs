@@ -5,19 +5,19 @@
 
 use std::f64::consts::TAU;
 
-use hysteron::bench_rig::{CampaignPlan, Dac, Role, Truth, measure, run_campaign};
-use hysteron::compensator::{CompensatorOptions, Prediction};
-use hysteron::control::{
-    Adaptive, Edge, FeedbackKind, Forward, LawFamily, Loop, LoopSettings, Sines, Stage, Strategy,
+use hysteron_identify::{CampaignRecord, Options, Unwatched, identify};
+use hysteron_model::compensator::{CompensatorOptions, Prediction};
+use hysteron_model::control::{
+    Adaptive, Edge, FeedbackKind, Forward, LawFamily, Loop, LoopSettings, Plant, Sines, Strategy,
     TrackingScore, Wanted, play, reach, slew_of_current,
 };
-use hysteron::excitation::Excitation;
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::HysteresisForm;
-use hysteron::identify::{CampaignRecord, Options, Unwatched, identify};
-use hysteron::invert::{Before, InverseOptions, LastRun};
-use hysteron::realise::RealiseOptions;
-use hysteron::record::{ChannelChoice, InterSample};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_model::invert::{Before, InverseOptions, LastRun};
+use hysteron_model::realise::RealiseOptions;
+use hysteron_model::record::{ChannelChoice, InterSample};
+use hysteron_rig::excitation::Excitation;
+use hysteron_rig::{CampaignPlan, Dac, RigStage, Role, Truth, measure, run_campaign};
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
@@ -149,7 +149,8 @@ pub fn study(seed: usize) -> Outcome<()> {
     };
     let model = fit(HysteresisForm::PrandtlIshlinskii { plays: 20 })?;
     let truth = truth();
-    let stage = || Stage::Rig { truth: &truth, seed, stream: 0 };
+    let stage = RigStage { truth: &truth, seed, stream: 0 };
+    let plant = Plant::Stage(&stage);
     let settings = LoopSettings {
         sample_rate_hz: RATE_HZ,
         range_v: RANGE_V,
@@ -164,7 +165,7 @@ pub fn study(seed: usize) -> Outcome<()> {
     references.push(("random 0.5–100 Hz".to_owned(), reference(random(seed))));
     let scored = |made: &Loop| -> Outcome<Vec<TrackingScore>> {
         let scores = references.iter().map(|(_, reference)| {
-            let played = play(made, reference, stage(), Some(0.0))?;
+            let played = play(made, reference, plant, Some(0.0))?;
             Ok(TrackingScore::of(&played.displacement, reference, SAMPLES / 4))
         });
         scores.collect()
@@ -194,7 +195,7 @@ pub fn study(seed: usize) -> Outcome<()> {
             }
             None => line.extend(std::iter::repeat_n("–".to_owned(), 4)),
         }
-        let followed = made.sines(&swept, stage(), Some(0.0))?;
+        let followed = made.sines(&swept, plant, Some(0.0))?;
         line.extend([number(made.bandwidth.minus_3_db_hz), edge(followed.minus_3_db)]);
         line.extend([number(made.bandwidth.one_percent_hz), edge(followed.one_percent)]);
         loops.push(line);
@@ -202,9 +203,9 @@ pub fn study(seed: usize) -> Outcome<()> {
             (&made.adaptive, references.last(), scores.last())
         {
             let alone = made.without_adaptation();
-            let phase = made.phase_error(&alone.sines(&swept, stage(), Some(0.0))?.answers);
+            let phase = made.phase_error(&alone.sines(&swept, plant, Some(0.0))?.answers);
             let (degrees, at_hz) = phase.ok_or("sines below the highest frequency")?;
-            let left = play(&alone, reference, stage(), Some(0.0))?.displacement;
+            let left = play(&alone, reference, plant, Some(0.0))?.displacement;
             let left: Vec<f64> = reference.iter().zip(&left).map(|(r, y)| r - y).collect();
             let ahead = made.inverse.as_ref().map_or(0, |inverse| inverse.preview);
             let known: Vec<f64> =
@@ -267,6 +268,8 @@ fn limits(model: &Model, settings: &LoopSettings, seed: u64) -> Outcome<()> {
     let forward = Forward::Inverse(CompensatorOptions::default());
     let made = Loop::new(model, &settings, &Strategy::new("inverse, preview", forward))?;
     let truth = truth();
+    let stage = RigStage { truth: &truth, seed, stream: 0 };
+    let plant = Plant::Stage(&stage);
     let mut rows = Vec::new();
     for amplitude in [1.0, 2.0, 5.0, 10.0] {
         let own = reach(&made.line, &made.dynamics, RATE_HZ, RANGE_V, slew_v_per_s, amplitude);
@@ -275,7 +278,7 @@ fn limits(model: &Model, settings: &LoopSettings, seed: u64) -> Outcome<()> {
         for share in [0.9, 1.2] {
             let frequency = share * own.highest_hz;
             let reference = reference(|t| 0.1 * amplitude * (TAU * frequency * t).sin());
-            let played = play(&made, &reference, Stage::Rig { truth: &truth, seed, stream: 0 }, Some(0.0))?;
+            let played = play(&made, &reference, plant, Some(0.0))?;
             let score = TrackingScore::of(&played.displacement, &reference, SAMPLES / 4);
             row.push(format!("{:.1}", 100.0 * played.at_slew as f64 / SAMPLES as f64));
             row.push(format!("{:.3}", score.rms_percent));

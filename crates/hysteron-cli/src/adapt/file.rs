@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::SystemTime;
 
 use clap::ValueEnum;
-use hysteron::model_file::{
+use hysteron_model::model_file::{
     ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp,
 };
 

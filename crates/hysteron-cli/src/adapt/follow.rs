@@ -1,9 +1,9 @@
 //! The correction over the record; the numbers are the library's.
 
-use hysteron::hammerstein::Model;
-use hysteron::online::{Adapter, Alarm, Correction, CorrectionError, Estimator, Term};
-use hysteron::record::{InputOutput, shortest_swing};
-use hysteron::validate::{OffsetTreatment, ScoreError, Scores, Scoring, score};
+use hysteron_identify::online::{Adapter, Alarm, Correction, CorrectionError, Estimator, Term};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::record::{InputOutput, shortest_swing};
+use hysteron_model::validate::{OffsetTreatment, ScoreError, Scores, Scoring, score};
 use hysteron_rt::{
     FitMonitor, MonitorSettings, Nlms, NlmsSettings, OnlineError, Rls, RlsSettings, Unexcited,
 };

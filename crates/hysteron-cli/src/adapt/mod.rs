@@ -7,11 +7,11 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use hysteron::hammerstein::{Model, Start};
-use hysteron::model_file::ScoreRole;
-use hysteron::online::Term;
-use hysteron::record::{InputOutput, find_periods, noise_floor};
-use hysteron::validate::Scoring;
+use hysteron_identify::online::Term;
+use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::model_file::ScoreRole;
+use hysteron_model::record::{InputOutput, find_periods, noise_floor};
+use hysteron_model::validate::Scoring;
 
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -187,7 +187,7 @@ impl Adapt {
 
     fn write(&self, path: &Path, old: &LoadedModel, task: &Task, found: &Followed) -> Result<(), Failure> {
         let file = file::corrected(self, old, task, found)?;
-        file.write(path)
+        hysteron_io::write_model_file(path, file.to_json())
             .map_err(|e| Failure::new(format!("cannot write the model to {}", path.display())).because(e))
     }
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use clap::ValueEnum;
-use hysteron::display::short;
-use hysteron::online::{Alarm, Term};
+use hysteron_identify::online::{Alarm, Term};
+use hysteron_numeric::display::short;
 use hysteron_report::number::{significant, with_std_error};
 use hysteron_rt::Misfit;
 use serde_json::{Value, json};

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::SystemTime;
 
-use hysteron::axes::AxesRecord;
-use hysteron::identify::coupled::{CoupledFitError, CoupledIdentification, identify};
-use hysteron::model_file::{
+use hysteron_identify::coupled::{CoupledFitError, CoupledIdentification, identify};
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::model_file::{
     CoupledFile, Interval, Provenance, Quantity, RecordEntry, RecordRole, SignalUnits, ValidRange, timestamp,
 };
-use hysteron::optimize::Progress as SearchProgress;
-use hysteron::validate::Scoring;
+use hysteron_model::validate::Scoring;
+use hysteron_optimize::Progress as SearchProgress;
 use hysteron_report::number::with_std_error;
 use serde_json::{Value, json};
 
@@ -49,7 +49,7 @@ pub fn identify_branches(
     drop(bar);
     let found = found.map_err(|e| explain(&e))?;
     let file = file(&found, &records);
-    file.write(out)
+    hysteron_io::write_model_file(out, file.to_json())
         .map_err(|e| Failure::new(format!("cannot write the model to {}", out.display())).because(e))?;
     let loaded = LoadedAxes::recognise(out)?
         .ok_or_else(|| Failure::new(format!("cannot read {} back", out.display())))?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron::axes::AxesRecord;
+use hysteron_model::axes::AxesRecord;
 use rayon::prelude::*;
 
 use crate::columns::InputFlags;

@@ -7,13 +7,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
 
 use clap::Args;
-use hysteron::axes::{AxesRecord, InfluenceMatrix};
-use hysteron::identify::modes::{ModesFitError, ModesIdentification, ModesProgress, Options, identify};
-use hysteron::model_file::{
+use hysteron_identify::modes::{ModesFitError, ModesIdentification, ModesProgress, Options, identify};
+use hysteron_model::axes::{AxesRecord, InfluenceMatrix};
+use hysteron_model::model_file::{
     InfluenceEntry, Interval, ModesFile, ModesScoreEntry, Provenance, RecordEntry, RecordRole, SignalUnits,
     ValidRange, timestamp,
 };
-use hysteron::validate::Scoring;
+use hysteron_model::validate::Scoring;
 use hysteron_report::number::significant;
 use serde_json::{Value, json};
 
@@ -106,7 +106,7 @@ impl ModesFlags {
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = file(&found, &records, &options);
-        file.write(out)
+        hysteron_io::write_model_file(out, file.to_json())
             .map_err(|e| Failure::new(format!("cannot write the model to {}", out.display())).because(e))?;
         if found.interrupted {
             console::note("interrupted: the best so far was written");
@@ -218,7 +218,7 @@ fn provenance(records: &[AxesRecord], options: &Options) -> Provenance {
 
 /// The object of `--json`.
 fn object(found: &ModesIdentification, scored: &[AxesScored], out: &Path, file: &ModesFile) -> Value {
-    let mode = |m: &hysteron::axes::Mode| json!({"frequency_hz": m.frequency_hz, "damping": m.damping});
+    let mode = |m: &hysteron_model::axes::Mode| json!({"frequency_hz": m.frequency_hz, "damping": m.damping});
     json!({
         "model": out.display().to_string(),
         "structure": "modes",
@@ -275,7 +275,7 @@ fn text(found: &ModesIdentification, scored: &[AxesScored], file: &ModesFile) ->
 }
 
 fn influence(matrix: &InfluenceMatrix, file: &ModesFile) -> comfy_table::Table {
-    let unit = format!("{}/{}", hysteron::record::Unit::new(&file.units.output), file.units.input);
+    let unit = format!("{}/{}", hysteron_model::record::Unit::new(&file.units.output), file.units.input);
     let mut header = vec![format!("[{unit}]")];
     header.extend(file.inputs.iter().cloned());
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
@@ -296,11 +296,11 @@ fn explain(error: &ModesFitError) -> Failure {
         ModesFitError::ModelClass { .. } => failure.hint(
             "check the columns and their order (--inputs, --outputs); --least-fit 0 hands the model out all the same",
         ),
-        ModesFitError::Axes(hysteron::axes::AxesError::NotPeriodic { .. }) => failure.hint(
+        ModesFitError::Axes(hysteron_model::axes::AxesError::NotPeriodic { .. }) => failure.hint(
             "drive the inputs with periodic multisines of different phases, two periods or more; --initial periodic takes each record for \
              one period of a steady state; --structure hammerstein fits records that do not repeat",
         ),
-        ModesFitError::Axes(hysteron::axes::AxesError::Dependent { .. }) => {
+        ModesFitError::Axes(hysteron_model::axes::AxesError::Dependent { .. }) => {
             failure.hint("add records whose inputs have other phases, at the same level")
         }
         _ => failure,

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron::axes::{
+use hysteron_model::axes::{
     AxesRecord, AxesScores, CoupledHammerstein, LevelLaw, ModesStart, ScheduledModes, SteadyPeriod,
 };
-use hysteron::display::short;
-use hysteron::model_file::{SignalUnits, StoredModel};
-use hysteron::record::{InterSample, Unit};
-use hysteron::validate::Scoring;
+use hysteron_model::model_file::ModelFileError;
+use hysteron_model::model_file::{SignalUnits, StoredModel};
+use hysteron_model::record::{InterSample, Unit};
+use hysteron_model::validate::Scoring;
+use hysteron_numeric::display::short;
 
 use super::AxesScored;
 use crate::console;
@@ -41,8 +42,9 @@ impl LoadedAxes {
     /// # Errors
     /// If it cannot be read or is not sound.
     pub fn recognise(path: &Path) -> Result<Option<Self>, Failure> {
-        let stored = StoredModel::read(path).map_err(|e| cannot_read(path, e))?;
-        let bad = |e| cannot_read(path, e);
+        let stored =
+            hysteron_io::read_model_file(path, StoredModel::from_slice).map_err(|e| cannot_read(path, e))?;
+        let bad = |e: ModelFileError| cannot_read(path, e);
         let (model, inputs, outputs, units) = match stored {
             StoredModel::Modes(file) => (
                 AxesModel::Modes(Box::new(file.to_model().map_err(bad)?)),

@@ -12,7 +12,7 @@ pub use identify::ModesFlags;
 pub use loaded::LoadedAxes;
 pub use scored::{AxesScored, table};
 
-use hysteron::identify::FindingKind;
+use hysteron_identify::FindingKind;
 
 /// A finding's kind in a word.
 fn kind_name(kind: FindingKind) -> &'static str {

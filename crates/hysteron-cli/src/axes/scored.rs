@@ -1,8 +1,8 @@
 //! Scores of a record of several outputs, as JSON and as a table.
 
 use comfy_table::Table;
-use hysteron::axes::{AxesRecord, AxesScores};
-use hysteron::record::Unit;
+use hysteron_model::axes::{AxesRecord, AxesScores};
+use hysteron_model::record::Unit;
 use hysteron_report::number::significant;
 use serde_json::{Map, Value, json};
 
@@ -47,7 +47,7 @@ impl AxesScored {
         object.insert(in_unit("rmse_mean_period"), json!(self.scores.mean_period_rmse));
         object.insert(in_unit("max_abs_error"), json!(self.scores.max_abs_error));
         object.insert("fit_percent".into(), json!(self.scores.fit_percent));
-        let output = |(name, s): (&String, &hysteron::validate::Scores)| {
+        let output = |(name, s): (&String, &hysteron_model::validate::Scores)| {
             let mut object = Map::new();
             object.insert("output".into(), json!(name));
             object.insert(in_unit("offset"), json!(s.offset));

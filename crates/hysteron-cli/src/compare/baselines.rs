@@ -1,8 +1,8 @@
 //! `--baselines`: black-box models beside the structures, on the same folds.
 
-use hysteron::baselines::{Baseline, CrossValidated, Trained, cross_validate};
-use hysteron::identify::structure::{Comparison, Fold};
-use hysteron::record::InputOutput;
+use hysteron_identify::baselines::{Baseline, CrossValidated, Trained, cross_validate};
+use hysteron_identify::structure::{Comparison, Fold};
+use hysteron_model::record::InputOutput;
 use hysteron_report::number::significant;
 use hysteron_report::page::{Block, Column, Section, Table};
 use serde::Serialize;

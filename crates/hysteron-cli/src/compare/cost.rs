@@ -1,10 +1,10 @@
 //! What each candidate costs a controller, and whether its hysteresis has an inverse.
 
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{Invertibility, TimedDrive};
-use hysteron::identify::CampaignRecord;
-use hysteron::identify::structure::Comparison;
-use hysteron::realise::{Cost, RealiseOptions, side_by_side};
+use hysteron_identify::CampaignRecord;
+use hysteron_identify::structure::Comparison;
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{Invertibility, TimedDrive};
+use hysteron_model::realise::{Cost, RealiseOptions, side_by_side};
 
 /// Samples of the drive that is timed, and passes of the clock over all candidates.
 const SAMPLES: usize = 10_000;

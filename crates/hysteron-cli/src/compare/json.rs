@@ -1,6 +1,6 @@
 //! The comparison for programs; errors in the output's unit.
 
-use hysteron::hysteresis::Invertibility;
+use hysteron_model::hysteresis::Invertibility;
 use serde::Serialize;
 
 use super::baselines::BaselineEntry;

@@ -10,11 +10,11 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use hysteron::baselines::CrossValidated;
-use hysteron::identify::structure::{
+use hysteron_identify::baselines::CrossValidated;
+use hysteron_identify::structure::{
     Candidate, CompareWatcher, Comparison, StructureError, UnknownCandidate, compare,
 };
-use hysteron::identify::{CampaignRecord, Options, Unwatched, identify};
+use hysteron_identify::{CampaignRecord, Options, Unwatched, identify};
 
 use cost::CandidateCost;
 
@@ -148,7 +148,7 @@ fn write_model(
     let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));
     let found = identify(campaign, &options, &mut Unwatched, None).map_err(|e| failure().because(e))?;
     let file = written::model_file(&found, campaign, &options);
-    file.write(path)
+    hysteron_io::write_model_file(path, file.to_json())
         .map_err(|e| Failure::new(format!("cannot write the model to {}", path.display())).because(e))?;
     console::message(&format!("model of {} written to {}", preferred.candidate, path.display()));
     Ok(())

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use hysteron::identify::structure::Comparison;
+use hysteron_identify::structure::Comparison;
 use hysteron_report::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
 use hysteron_report::number::significant;
 use hysteron_report::page::{Block, Cell, Column, Highlight, Page, Section, Table};

@@ -1,6 +1,6 @@
 //! The comparison for people.
 
-use hysteron::identify::structure::{Comparison, Entry, Standing};
+use hysteron_identify::structure::{Comparison, Entry, Standing};
 use hysteron_report::number::significant;
 
 use super::{Found, baselines};

@@ -3,9 +3,9 @@
 mod waves;
 
 use clap::Args;
-use hysteron::display::short;
-use hysteron::excitation::{AmplifierLimits, Excitation, ExcitationSpec};
 use hysteron_io::write_csv;
+use hysteron_numeric::display::short;
+use hysteron_rig::excitation::{AmplifierLimits, Excitation, ExcitationSpec};
 use serde::Serialize;
 
 use crate::console;

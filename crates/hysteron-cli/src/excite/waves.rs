@@ -1,7 +1,7 @@
 //! The waveforms as the command line names them.
 
 use clap::{Args, Subcommand, ValueEnum};
-use hysteron::excitation::{Lines, Phases, SweepLaw, Tone, Waveform};
+use hysteron_rig::excitation::{Lines, Phases, SweepLaw, Tone, Waveform};
 
 use super::Drive;
 use crate::numbers::{count, not_negative, number, positive};

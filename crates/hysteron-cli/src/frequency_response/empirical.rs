@@ -1,6 +1,6 @@
 //! Noise and distortion of a response taken from records.
 
-use hysteron::frequency_response::empirical::{DetectionLines, EmpiricalResponse};
+use hysteron_identify::frequency_response::empirical::{DetectionLines, EmpiricalResponse};
 use hysteron_report::number::significant;
 use serde::Serialize;
 

@@ -8,8 +8,10 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use hysteron::frequency_response::empirical::{EmpiricalOptions, EmpiricalResponse, empirical_response};
-use hysteron::frequency_response::{Candidate, Family, FrequencyResponse, Weighting, compare};
+use hysteron_identify::frequency_response::empirical::{
+    EmpiricalOptions, EmpiricalResponse, empirical_response,
+};
+use hysteron_identify::frequency_response::{Candidate, Family, FrequencyResponse, Weighting, compare};
 use hysteron_io::{IoError, ResponseOptions, read_csv, read_frequency_response};
 
 use crate::columns::ColumnFlags;

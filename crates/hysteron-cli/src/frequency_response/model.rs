@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::SystemTime;
 
-use hysteron::dynamics::{Dynamics, Scheme};
-use hysteron::frequency_response::Candidate;
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{BoucWen, Hysteresis};
-use hysteron::model_file::{ModelFile, Provenance, SignalUnits, timestamp};
-use hysteron::record::InterSample;
+use hysteron_identify::frequency_response::Candidate;
+use hysteron_model::dynamics::{Dynamics, Scheme};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::model_file::{ModelFile, Provenance, SignalUnits, timestamp};
+use hysteron_model::record::InterSample;
 
 use super::Found;
 use crate::failure::Failure;
@@ -29,7 +29,7 @@ pub fn write(path: &Path, found: &Found) -> Result<String, Failure> {
                     if tf.is_integer_order() { Dynamics::Integer(tf) } else { Dynamics::Fractional(tf) };
                 let file =
                     model_file(dynamics, delay_s, candidate, found).map_err(|e| failure().because(e))?;
-                file.write(path).map_err(|e| failure().because(e))?;
+                hysteron_io::write_model_file(path, file.to_json()).map_err(|e| failure().because(e))?;
                 let start = if infinite {
                     " Its gain at zero frequency is infinite (a power law): simulate it from 0 V (--rest-voltage 0)."
                 } else {
@@ -56,7 +56,7 @@ fn model_file(
     delay_s: f64,
     candidate: &Candidate,
     found: &Found,
-) -> Result<ModelFile, hysteron::hysteresis::HysteresisError> {
+) -> Result<ModelFile, hysteron_model::hysteresis::HysteresisError> {
     let response = &found.response;
     let (output, input) = response.unit.split_once("_per_").unwrap_or(("", ""));
     let model = Model {

@@ -1,7 +1,7 @@
 //! The comparison as a page: Bode figure, errors, table, words.
 
-use hysteron::frequency_response::empirical::{DetectionLines, EmpiricalResponse};
-use hysteron::frequency_response::unwrapped_phase_deg;
+use hysteron_identify::frequency_response::empirical::{DetectionLines, EmpiricalResponse};
+use hysteron_identify::frequency_response::unwrapped_phase_deg;
 use hysteron_report::figure::{
     Axis, Colour, Dash, Figure, FrequencyResponseCurve, Marker, Panel, Series, Style, frequency_response,
 };
@@ -37,7 +37,7 @@ fn bode(found: &Found) -> Figure {
     let response = &found.response;
     let frequency_hz = &response.frequency_hz;
     let curve =
-        |label: &str, values: &[hysteron::numeric::Complex64], phase_deg, as_points| FrequencyResponseCurve {
+        |label: &str, values: &[hysteron_numeric::Complex64], phase_deg, as_points| FrequencyResponseCurve {
             label: label.to_owned(),
             frequency_hz: frequency_hz.clone(),
             magnitude: values.iter().map(|g| g.norm()).collect(),

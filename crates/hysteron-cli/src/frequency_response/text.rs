@@ -1,6 +1,6 @@
 //! The comparison for people and for programs.
 
-use hysteron::frequency_response::{Candidate, FrequencyResponse, Weighting};
+use hysteron_identify::frequency_response::{Candidate, FrequencyResponse, Weighting};
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
 

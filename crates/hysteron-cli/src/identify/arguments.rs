@@ -1,9 +1,9 @@
 //! Values of the flags.
 
 use clap::ValueEnum;
-use hysteron::dynamics::Scheme;
-use hysteron::identify::Choice;
-use hysteron::record::InterSample;
+use hysteron_identify::Choice;
+use hysteron_model::dynamics::Scheme;
+use hysteron_model::record::InterSample;
 
 use crate::numbers::number;
 

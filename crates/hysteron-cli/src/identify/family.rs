@@ -1,7 +1,7 @@
 //! Names of the hysteresis families on the command line.
 
 use clap::ValueEnum;
-use hysteron::hysteresis::{FamilyForm, HysteresisForm};
+use hysteron_model::hysteresis::{FamilyForm, HysteresisForm};
 
 use crate::failure::Failure;
 

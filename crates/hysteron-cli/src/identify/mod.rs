@@ -18,8 +18,8 @@ use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use hysteron::identify::structure::neighbours;
-use hysteron::identify::{CampaignRecord, FindingKind, RecordRole, identify};
+use hysteron_identify::structure::neighbours;
+use hysteron_identify::{CampaignRecord, FindingKind, RecordRole, identify};
 use hysteron_report::identification::{IdentificationReportData, identification_report};
 use hysteron_report::write_figures;
 
@@ -229,7 +229,7 @@ impl Identify {
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = written::model_file(&found, &campaign, &options);
-        file.write(&self.out).map_err(|e| {
+        hysteron_io::write_model_file(&self.out, file.to_json()).map_err(|e| {
             Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
         })?;
         if found.cancelled {

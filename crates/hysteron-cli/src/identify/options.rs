@@ -1,12 +1,12 @@
 //! What the flags ask of the library.
 
-use hysteron::dynamics::Creep;
-use hysteron::identify::{Choice, Demands, DynamicsChoice, Initial, Method, Options};
-use hysteron::model_file::ModelFile;
-use hysteron::optimize::{
+use hysteron_identify::{Choice, Demands, DynamicsChoice, Initial, Method, Options};
+use hysteron_model::dynamics::Creep;
+use hysteron_model::model_file::ModelFile;
+use hysteron_model::record::InterSample;
+use hysteron_optimize::{
     AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions,
 };
-use hysteron::record::InterSample;
 
 use super::Identify;
 use super::arguments::{CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg};
@@ -17,7 +17,8 @@ impl Identify {
         let start = match &self.start {
             Some(path) => {
                 let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
-                let file = ModelFile::read(path).map_err(|e| failure().because(e))?;
+                let file = hysteron_io::read_model_file(path, ModelFile::from_slice)
+                    .map_err(|e| failure().because(e))?;
                 Some(file.to_model().map_err(|e| failure().because(e))?)
             }
             None => None,

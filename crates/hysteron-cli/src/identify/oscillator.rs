@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 use std::time::SystemTime;
 
-use hysteron::identify::oscillator::{
+use hysteron_identify::oscillator::{
     Estimate, Identification, Initial, Options, OscillatorFitError, RecordFit, identify,
 };
-use hysteron::identify::{Choice, FindingKind};
-use hysteron::model_file::{
+use hysteron_identify::{Choice, FindingKind};
+use hysteron_model::model_file::{
     Interval, OscillatorFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, SignalUnits,
     StartKind, StoredModel, timestamp,
 };
-use hysteron::record::{InputOutput, InterSample, Unit};
+use hysteron_model::record::{InputOutput, InterSample, Unit};
 use hysteron_report::number::with_std_error;
 use serde_json::{Value, json};
 
@@ -37,7 +37,7 @@ impl Identify {
         let records = self.columns.read_all(&self.records)?;
         let found = self.in_threads(|| identify(&records, &options).map_err(|e| explain(&e)))??;
         let file = file(&found, &options);
-        file.write(&self.out).map_err(|e| {
+        hysteron_io::write_model_file(&self.out, file.to_json()).map_err(|e| {
             Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
         })?;
         if self.result.json {
@@ -93,7 +93,9 @@ impl Identify {
             None => None,
             Some(path) => {
                 let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
-                match StoredModel::read(path).map_err(|e| failure().because(e))? {
+                match hysteron_io::read_model_file(path, StoredModel::from_slice)
+                    .map_err(|e| failure().because(e))?
+                {
                     StoredModel::Oscillator(file) => {
                         Some(file.to_oscillator().map_err(|e| failure().because(e))?)
                     }
@@ -170,7 +172,7 @@ fn scored(found: &Identification) -> Vec<Scored> {
 
 /// Unit of an estimate, as in the model file.
 fn unit_of(estimate: &Estimate, file: &OscillatorFile) -> String {
-    let names = hysteron::oscillator::Oscillator::NAMES;
+    let names = hysteron_model::oscillator::Oscillator::NAMES;
     let parameter = names.iter().zip(file.parameters.all()).find(|(name, _)| **name == estimate.name);
     match (parameter, estimate.name) {
         (Some((_, quantity)), _) if quantity.unit == "1" => String::new(),
@@ -227,7 +229,7 @@ fn file(found: &Identification, options: &Options) -> OscillatorFile {
     file
 }
 
-fn valid_range(found: &Identification, unit: &str) -> hysteron::model_file::ValidRange {
+fn valid_range(found: &Identification, unit: &str) -> hysteron_model::model_file::ValidRange {
     let forces = || found.records.iter().flat_map(|r| &r.data.u);
     let slopes = |r: &RecordFit| {
         let rate = r.data.sample_rate_hz().unwrap_or(0.0);
@@ -236,7 +238,7 @@ fn valid_range(found: &Identification, unit: &str) -> hysteron::model_file::Vali
     let unit = if unit.is_empty() { "1" } else { unit };
     let interval = |low, high, unit: &str| Interval { low, high, unit: unit.to_owned() };
     let (low, high) = found.excited_hz;
-    hysteron::model_file::ValidRange {
+    hysteron_model::model_file::ValidRange {
         input: interval(
             forces().copied().fold(f64::INFINITY, f64::min),
             forces().copied().fold(f64::NEG_INFINITY, f64::max),

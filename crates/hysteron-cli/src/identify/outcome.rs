@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use hysteron::identify::{FindingKind, Identification, Interval, IntervalMethod};
-use hysteron::model_file::ModelFile;
+use hysteron_identify::{FindingKind, Identification, Interval, IntervalMethod};
+use hysteron_model::model_file::ModelFile;
 use hysteron_report::number::with_std_error;
 use serde::Serialize;
 
@@ -15,9 +15,9 @@ use crate::scores::{self, Scored};
 pub struct Outcome<'a> {
     model: String,
     records: Vec<Scored>,
-    hysteresis: &'a hysteron::model_file::HysteresisBlock,
-    dynamics: &'a hysteron::model_file::DynamicsBlock,
-    delay: &'a hysteron::model_file::Quantity,
+    hysteresis: &'a hysteron_model::model_file::HysteresisBlock,
+    dynamics: &'a hysteron_model::model_file::DynamicsBlock,
+    delay: &'a hysteron_model::model_file::Quantity,
     parameters: Vec<ParameterEntry<'a>>,
     searches: Vec<SearchEntry>,
     reduction: Option<ReductionEntry>,

@@ -1,10 +1,10 @@
 //! The model's parameters with symbol, meaning and unit.
 
-use hysteron::hammerstein::Start;
-use hysteron::hysteresis::Hysteresis;
-use hysteron::identify::{Identification, IntervalMethod, Parameter};
-use hysteron::model_file::{HysteresisKind, ModelFile};
-use hysteron::record::Unit;
+use hysteron_identify::{Identification, IntervalMethod, Parameter};
+use hysteron_model::hammerstein::Start;
+use hysteron_model::hysteresis::Hysteresis;
+use hysteron_model::model_file::{HysteresisKind, ModelFile};
+use hysteron_model::record::Unit;
 use hysteron_report::identification::ParameterRow;
 
 /// Unit of a parameter: as in the model file, else by its name.

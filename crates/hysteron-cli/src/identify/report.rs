@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use hysteron::dynamics::{Creep, Dynamics, TransferFunction};
-use hysteron::hysteresis::Hysteresis;
-use hysteron::identify::structure::{Neighbours, StructureError};
-use hysteron::identify::{FindingKind, Identification, Method, PredictionBand, RecordFit, RecordRole};
-use hysteron::model_file::ModelFile;
-use hysteron::record::{InputOutput, TimeBase};
-use hysteron::validate::{definitions, residual_input_correlation, residual_whiteness};
+use hysteron_identify::structure::{Neighbours, StructureError};
+use hysteron_identify::{FindingKind, Identification, Method, PredictionBand, RecordFit, RecordRole};
+use hysteron_model::dynamics::{Creep, Dynamics, TransferFunction};
+use hysteron_model::hysteresis::Hysteresis;
+use hysteron_model::model_file::ModelFile;
+use hysteron_model::record::{InputOutput, TimeBase};
+use hysteron_model::validate::{definitions, residual_input_correlation, residual_whiteness};
 use hysteron_report::figure::{ConvergenceCurve, FrequencyResponseCurve};
 use hysteron_report::identification::{DegreeRow, IdentificationReportData, ScoreRow, StructureRow};
 use hysteron_report::number::significant;
@@ -280,7 +280,7 @@ fn convergence_note(found: &Identification, unit: &str) -> String {
 fn structures(others: &Result<Neighbours, StructureError>) -> Vec<StructureRow> {
     let Ok(others) = others else { return Vec::new() };
     let lowest = others.entries.iter().map(|e| e.bic).fold(f64::INFINITY, f64::min);
-    let row = |(place, entry): (usize, &hysteron::identify::structure::Neighbour)| StructureRow {
+    let row = |(place, entry): (usize, &hysteron_identify::structure::Neighbour)| StructureRow {
         name: entry.candidate.to_string(),
         parameters: entry.parameters,
         rmse: entry.rmse,
@@ -335,11 +335,11 @@ fn curves(fit: &RecordFit, left_out: usize, file: &ModelFile) -> RecordCurves {
         TimeBase::Unknown => (0..samples).map(|k| k as f64).collect(),
     };
     let offset = fit.scores.offset;
-    let labelled = |channel: &str, unit: &hysteron::record::Unit, is_input: bool| {
+    let labelled = |channel: &str, unit: &hysteron_model::record::Unit, is_input: bool| {
         let word = match unit.base().0 {
-            hysteron::record::Quantity::Voltage => "voltage",
-            hysteron::record::Quantity::Length => "displacement",
-            hysteron::record::Quantity::Angle => "angle",
+            hysteron_model::record::Quantity::Voltage => "voltage",
+            hysteron_model::record::Quantity::Length => "displacement",
+            hysteron_model::record::Quantity::Angle => "angle",
             _ if is_input => "input",
             _ => "output",
         };

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use hysteron::identify::{IdentifyError, Searches, Watcher};
-use hysteron::optimize::{OptimizeError, Progress as SearchProgress, ResumeError};
+use hysteron_identify::{IdentifyError, Searches, Watcher};
+use hysteron_optimize::{OptimizeError, Progress as SearchProgress, ResumeError};
 
 use super::Identify;
 use crate::console;
@@ -49,7 +49,8 @@ impl Identify {
         let path = self.out.with_extension("searches.json");
         let failure = || Failure::new(format!("cannot write the interrupted searches to {}", path.display()));
         let text = serde_json::to_string(searches).map_err(|e| failure().because(e))?;
-        hysteron::atomic_file::write_atomically(&path, text.as_bytes()).map_err(|e| failure().because(e))?;
+        hysteron_io::atomic_file::write_atomically(&path, text.as_bytes())
+            .map_err(|e| failure().because(e))?;
         console::note(&format!("interrupted; go on with the same command and --resume {}", path.display()));
         Ok(())
     }

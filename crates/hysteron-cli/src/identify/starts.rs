@@ -1,7 +1,7 @@
 //! The starts of the searches, for the report.
 
-use hysteron::identify::Identification;
-use hysteron::optimize::{LocalStatus, StartResult};
+use hysteron_identify::Identification;
+use hysteron_optimize::{LocalStatus, StartResult};
 use hysteron_report::starts::{SearchStarts, StartRow};
 
 /// Starts whose costs differ by less than this share of the best ended in the same optimum.

@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 use std::time::SystemTime;
 
-use hysteron::dynamics::Creep;
-use hysteron::hammerstein::Start;
-use hysteron::identify::{
+use hysteron_identify::{
     CampaignRecord, Choice, DynamicsChoice, Identification, Initial, Method, Options, RecordFit, RecordRole,
 };
-use hysteron::model_file::{
+use hysteron_model::dynamics::Creep;
+use hysteron_model::hammerstein::Start;
+use hysteron_model::model_file::{
     Interval, ModelFile, Normalisation, Provenance, Quantity, RecordEntry, RecordRole as RoleEntry,
     ScoreEntry, ScoreRole, SignalUnits, StartEntry, StartKind, ValidRange, timestamp,
 };
-use hysteron::record::InterSample;
+use hysteron_model::record::InterSample;
 
 /// The file: model, standard errors, range, how it was made, scores.
 pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: &Options) -> ModelFile {

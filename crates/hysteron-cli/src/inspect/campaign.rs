@@ -1,7 +1,7 @@
 //! What the records together can determine.
 
-use hysteron::identify::structure::Prospects;
-use hysteron::record::InputOutput;
+use hysteron_identify::structure::Prospects;
+use hysteron_model::record::InputOutput;
 use serde::Serialize;
 
 use crate::console;
@@ -22,7 +22,7 @@ struct Statement<'a> {
 
 impl<'a> Entry<'a> {
     pub fn new(prospects: &'a Prospects) -> Self {
-        let statement = |p: &'a hysteron::identify::structure::Prospect| Statement {
+        let statement = |p: &'a hysteron_identify::structure::Prospect| Statement {
             topic: p.topic,
             determined: p.determined,
             text: &p.text,

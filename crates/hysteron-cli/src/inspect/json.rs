@@ -1,6 +1,8 @@
 //! What was found, as JSON: every key names its unit; null where the record does not tell.
 
-use hysteron::record::{Clipping, DelayFinding, ExcitationKind, LoopSense, NoiseMethod, Unit, WaveShape};
+use hysteron_model::record::{
+    Clipping, DelayFinding, ExcitationKind, LoopSense, NoiseMethod, Unit, WaveShape,
+};
 use serde::Serialize;
 
 use super::Inspected;

@@ -8,8 +8,8 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron::identify::structure::prospects;
-use hysteron::record::{InputOutput, Inspection, inspect};
+use hysteron_identify::structure::prospects;
+use hysteron_model::record::{InputOutput, Inspection, inspect};
 use serde::Serialize;
 
 use crate::columns::ColumnFlags;

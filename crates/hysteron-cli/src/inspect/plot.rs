@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use hysteron::atomic_file::write_atomically;
+use hysteron_io::atomic_file::write_atomically;
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
 use hysteron_report::page::{Block, Page, Section};
 use hysteron_report::write_page;

@@ -1,6 +1,6 @@
 //! What was found, for people.
 
-use hysteron::record::{TimeBase, Unit};
+use hysteron_model::record::{TimeBase, Unit};
 use hysteron_report::number::significant;
 
 use super::{Inspected, json};

@@ -1,8 +1,8 @@
 //! The controllers by name.
 
 use clap::ValueEnum;
-use hysteron::compensator::{CompensatorOptions, Prediction};
-use hysteron::control::{Adaptive, Forward, LawFamily, Strategy};
+use hysteron_model::compensator::{CompensatorOptions, Prediction};
+use hysteron_model::control::{Adaptive, Forward, LawFamily, Strategy};
 
 /// A way to follow a reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -11,15 +11,15 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use hysteron::bench_rig::{Dac, Truth};
-use hysteron::compensator::CompensatorError;
-use hysteron::control::{
-    ControlError, Loop, LoopSettings, Reach, Sines, TuningError, Wanted, reach, slew_of_current,
-};
-use hysteron::display::short;
-use hysteron::realise::{RealiseError, RealiseOptions};
-use hysteron::record::{Channel, Record, TimeBase, Unit, shortest_swing};
 use hysteron_io::write_csv;
+use hysteron_model::compensator::CompensatorError;
+use hysteron_model::control::{
+    ControlError, Loop, LoopSettings, Plant, Reach, Sines, TuningError, Wanted, reach, slew_of_current,
+};
+use hysteron_model::realise::{RealiseError, RealiseOptions};
+use hysteron_model::record::{Channel, Record, TimeBase, Unit, shortest_swing};
+use hysteron_numeric::display::short;
+use hysteron_rig::{Dac, RigStage, Truth};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -336,10 +336,13 @@ impl Track {
         sines: Option<Sines>,
     ) -> Result<Vec<Run>, Failure> {
         let [low, high] = settings.range_v;
+        let truth = self.truth()?;
+        let bench = RigStage { truth: &truth, seed: self.seed, stream: 0 };
         let rehearsal = Rehearsal {
-            plant: self.plant,
-            truth: &self.truth()?,
-            seed: self.seed,
+            plant: match self.plant {
+                PlantArg::Rig => Plant::Stage(&bench),
+                PlantArg::Model => Plant::Model,
+            },
             virgin_v: self.virgin_voltage.or((low <= 0.0 && 0.0 <= high).then_some(0.0)),
             reference,
             scored,

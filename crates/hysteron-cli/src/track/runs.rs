@@ -2,12 +2,10 @@
 
 use std::ops::Range;
 
-use hysteron::bench_rig::Truth;
-use hysteron::control::{
-    AdaptiveFilter, ControlError, Edge, Followed, Loop, Played, Sines, Stage, TrackingScore, play,
+use hysteron_model::control::{
+    AdaptiveFilter, ControlError, Edge, Followed, Loop, Plant, Played, Sines, TrackingScore, play,
 };
 
-use super::PlantArg;
 use super::controllers::Controller;
 
 /// An error in per cent of the stroke at which a stage is not held.
@@ -37,9 +35,7 @@ pub struct Adaptation {
 
 /// Every controller is played on this.
 pub struct Rehearsal<'a> {
-    pub plant: PlantArg,
-    pub truth: &'a Truth,
-    pub seed: u64,
+    pub plant: Plant<'a>,
     pub virgin_v: Option<f64>,
     pub reference: &'a [f64],
     pub scored: &'a Range<usize>,
@@ -47,26 +43,19 @@ pub struct Rehearsal<'a> {
 }
 
 impl Rehearsal<'_> {
-    fn stage(&self) -> Stage<'_> {
-        match self.plant {
-            PlantArg::Rig => Stage::Rig { truth: self.truth, seed: self.seed, stream: 0 },
-            PlantArg::Model => Stage::Model,
-        }
-    }
-
     pub fn run(&self, controller: Controller, made: &Loop) -> Result<Run, ControlError> {
         let Range { start: from, end: to } = *self.scored;
-        let played = play(made, self.reference, self.stage(), self.virgin_v)?;
+        let played = play(made, self.reference, self.plant, self.virgin_v)?;
         let score = TrackingScore::of(&played.displacement[..to], &self.reference[..to], from);
         let sines = |made: &Loop| match &self.sines {
-            Some(sines) => made.sines(sines, self.stage(), self.virgin_v).map(Some),
+            Some(sines) => made.sines(sines, self.plant, self.virgin_v).map(Some),
             None => Ok(None),
         };
         let followed = sines(made)?;
         let adaptation = match &made.adaptive {
             Some(filter) => {
                 let alone = made.without_adaptation();
-                let played = play(&alone, self.reference, self.stage(), self.virgin_v)?;
+                let played = play(&alone, self.reference, self.plant, self.virgin_v)?;
                 let left: Vec<f64> =
                     self.reference.iter().zip(&played.displacement).map(|(r, y)| r - y).take(to).collect();
                 let ahead = made.inverse.as_ref().map_or(0, |inverse| inverse.preview);

@@ -1,6 +1,6 @@
 //! The tables of the result, for the terminal and for the page.
 
-use hysteron::control::{Edge, FeedbackKind, Loop};
+use hysteron_model::control::{Edge, FeedbackKind, Loop};
 use hysteron_report::number::significant;
 use hysteron_report::page::{Column, Table};
 

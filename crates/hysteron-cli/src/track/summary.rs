@@ -1,6 +1,6 @@
 //! The result as an object.
 
-use hysteron::control::{Edge, Reach, SineAnswer, Sines};
+use hysteron_model::control::{Edge, Reach, SineAnswer, Sines};
 
 use super::runs::{Adaptation, differ};
 use super::sheets::law;

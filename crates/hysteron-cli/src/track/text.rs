@@ -1,6 +1,6 @@
 //! The result in words.
 
-use hysteron::display::short;
+use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
 use super::Found;

@@ -2,8 +2,9 @@
 //! where nothing changes.
 
 use crate::bench::{Bench, static_model, triangle};
-use hysteron::hammerstein::Start;
-use hysteron::model_file::ModelFile;
+use hysteron_io::read_model_file;
+use hysteron_model::hammerstein::Start;
+use hysteron_model::model_file::ModelFile;
 use serde_json::Value;
 
 const NOISE_UM: f64 = 0.01;
@@ -52,7 +53,7 @@ fn a_jump_of_the_gain_is_found_followed_and_written() {
         assert!(rmse("rmse_predicted") < 0.2 * rmse("rmse_before"), "{method}: {found}");
         assert_eq!(gain["std_error"].is_null(), method.starts_with("nlms"));
 
-        let new = ModelFile::read(&bench.path("new.json")).unwrap();
+        let new = read_model_file(&bench.path("new.json"), ModelFile::from_slice).unwrap();
         let block = new.to_model().unwrap().hysteresis;
         let ratio = block.number("alpha").unwrap() / static_model().hysteresis.number("alpha").unwrap();
         assert!((ratio / gain["after"].as_f64().unwrap() - 1.0).abs() < 1e-12, "{method}");

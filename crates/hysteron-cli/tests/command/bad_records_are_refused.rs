@@ -183,16 +183,16 @@ fn records_in_which_nothing_moves_are_not_scored() {
 #[test]
 fn a_step_from_rest_is_scored_by_a_model_with_dynamics() {
     let mut model = crate::bench::static_model();
-    let term = |coefficient, order| hysteron::dynamics::Term { coefficient, order };
-    model.dynamics = hysteron::dynamics::Dynamics::Integer(
-        hysteron::dynamics::TransferFunction::new(
+    let term = |coefficient, order| hysteron_model::dynamics::Term { coefficient, order };
+    model.dynamics = hysteron_model::dynamics::Dynamics::Integer(
+        hysteron_model::dynamics::TransferFunction::new(
             vec![term(1.0, 0.0)],
             vec![term(1.0, 0.0), term(0.05, 1.0)],
         )
         .unwrap(),
     );
     let bench = Bench::new();
-    bench.write_model("lag.json", &model, hysteron::model_file::SignalUnits::default());
+    bench.write_model("lag.json", &model, hysteron_model::model_file::SignalUnits::default());
     let line = |k: usize| {
         let t = k as f64 / 100.0;
         format!("{t},5,{}\n", 1.2 * (1.0 - (-t / 0.05).exp()))

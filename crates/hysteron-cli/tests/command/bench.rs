@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use hysteron::dynamics::{Dynamics, Scheme};
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{BoucWen, Hysteresis};
-use hysteron::model_file::{ModelFile, SignalUnits};
-use hysteron::record::InterSample;
+use hysteron_model::dynamics::{Dynamics, Scheme};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::model_file::{ModelFile, SignalUnits};
+use hysteron_model::record::InterSample;
 use tempfile::TempDir;
 
 /// A folder with a model, in which commands run.

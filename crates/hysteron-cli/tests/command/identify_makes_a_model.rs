@@ -2,8 +2,9 @@
 //! reason, and nothing half-written stays behind.
 
 use crate::bench::{Bench, Run};
-use hysteron::hammerstein::Start;
-use hysteron::model_file::ModelFile;
+use hysteron_io::read_model_file;
+use hysteron_model::hammerstein::Start;
+use hysteron_model::model_file::ModelFile;
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -69,7 +70,7 @@ fn parameters_come_back_and_demands_are_kept() {
     let bench = Bench::new();
     bench.write("loop.csv", simulated());
     json(&bench.run("identify loop.csv -o all.json --json"));
-    let file = ModelFile::read(&bench.path("all.json")).unwrap();
+    let file = read_model_file(&bench.path("all.json"), ModelFile::from_slice).unwrap();
     for (name, truth) in
         [("linear", 0.3), ("quadratic", 1e-4), ("alpha", 0.08), ("beta", 0.05), ("gamma", 0.01)]
     {
@@ -79,13 +80,13 @@ fn parameters_come_back_and_demands_are_kept() {
     json(&bench.run(
         "identify loop.csv -o held.json --degree 2 --fix gamma=0 --bound beta=0.04:0.06 --delay 0 --json",
     ));
-    let held = ModelFile::read(&bench.path("held.json")).unwrap();
+    let held = read_model_file(&bench.path("held.json"), ModelFile::from_slice).unwrap();
     assert_eq!(held.hysteresis.parameters.get("gamma").unwrap().value, 0.0);
     assert_eq!(held.provenance.unwrap().options["fix gamma"], "0");
     json(&bench.run(
         "identify loop.csv -o again.json --degree 2 --optimizer de --generations 5 --start all.json --json",
     ));
-    let again = ModelFile::read(&bench.path("again.json")).unwrap();
+    let again = read_model_file(&bench.path("again.json"), ModelFile::from_slice).unwrap();
     assert_eq!(
         again.hysteresis.parameters.get("beta").unwrap().value,
         file.hysteresis.parameters.get("beta").unwrap().value

@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use crate::bench::{Bench, static_model};
-use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{BoucWen, Hysteresis};
-use hysteron::model_file::SignalUnits;
-use hysteron::record::InterSample;
+use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::model_file::SignalUnits;
+use hysteron_model::record::InterSample;
 use serde_json::Value;
 
 /// A lag of 2 ms and a delay of 1.5 samples of 1 kHz, driven through a hold.

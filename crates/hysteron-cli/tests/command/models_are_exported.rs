@@ -2,10 +2,10 @@
 
 use std::process::Command;
 
-use hysteron::dynamics::{Dynamics, Scheme, TransferFunction};
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
-use hysteron::model_file::SignalUnits;
+use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
+use hysteron_model::model_file::SignalUnits;
 use serde_json::Value;
 
 use crate::bench::{Bench, static_model};

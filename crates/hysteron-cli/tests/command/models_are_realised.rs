@@ -1,8 +1,8 @@
 //! `realise` turns a model file into sections, says what they reach, and refuses what it cannot do.
 
-use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use hysteron::hammerstein::Model;
-use hysteron::model_file::SignalUnits;
+use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::model_file::SignalUnits;
 use serde_json::Value;
 
 use crate::bench::{Bench, static_model};

@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use crate::bench::Bench;
-use hysteron::model_file::{OscillatorFile, StartKind};
-use hysteron::oscillator::{Oscillator, RecordStart};
-use hysteron::record::InterSample;
+use hysteron_model::model_file::{OscillatorFile, StartKind};
+use hysteron_model::oscillator::{Oscillator, RecordStart};
+use hysteron_model::record::InterSample;
 use serde_json::Value;
 
 const RATE: f64 = 500.0;

@@ -1,8 +1,9 @@
 //! `recalibrate` writes a model with a new gain, delay and offset, and refuses a record of something else.
 
 use crate::bench::{Bench, static_model, triangle};
-use hysteron::hammerstein::{Model, Start};
-use hysteron::model_file::{ModelFile, SignalUnits};
+use hysteron_io::read_model_file;
+use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::model_file::{ModelFile, SignalUnits};
 use serde_json::Value;
 
 /// The triangle and what a device of this gain and sensor offset does with it.
@@ -35,7 +36,7 @@ fn a_changed_gain_is_found_and_written_with_its_origin() {
     assert!((json["gain"]["old_std_error"].as_f64().unwrap() - 0.01).abs() < 1e-12);
     assert!((json["offset"].as_f64().unwrap() - 4.0).abs() < 0.01, "{json}");
 
-    let new = ModelFile::read(&bench.path("new.json")).unwrap();
+    let new = read_model_file(&bench.path("new.json"), ModelFile::from_slice).unwrap();
     let block = new.to_model().unwrap().hysteresis;
     let number = |name| block.number(name).unwrap();
     assert!((number("alpha") / 0.08 - gain).abs() < 1e-12 && number("beta") == 0.05 && number("n") == 1.0);

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use crate::bench::Bench;
-use hysteron::axes::{CoupledHammerstein, LevelLaw, ModesStart, Path as AxesPath, ScheduledModes};
-use hysteron::hysteresis::BoucWen;
-use hysteron::model_file::ModesFile;
-use hysteron::numeric::Complex64;
-use hysteron::record::InterSample;
+use hysteron_model::axes::{CoupledHammerstein, LevelLaw, ModesStart, Path as AxesPath, ScheduledModes};
+use hysteron_model::hysteresis::BoucWen;
+use hysteron_model::model_file::ModesFile;
+use hysteron_model::record::InterSample;
+use hysteron_numeric::Complex64;
 use serde_json::Value;
 
 const RATE: f64 = 1000.0;

@@ -1,9 +1,9 @@
 //! `simulate` writes a record that `validate` reads, equal to the library's simulation to the last bit.
 
 use crate::bench::{Bench, good_record, static_model};
-use hysteron::dynamics::{Arx, Dynamics, Scheme, Term, TransferFunction};
-use hysteron::hammerstein::Model;
-use hysteron::model_file::{ModelFile, ScoreEntry, ScoreRole, SignalUnits};
+use hysteron_model::dynamics::{Arx, Dynamics, Scheme, Term, TransferFunction};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::model_file::{ModelFile, ScoreEntry, ScoreRole, SignalUnits};
 use nalgebra::DMatrix;
 
 #[test]

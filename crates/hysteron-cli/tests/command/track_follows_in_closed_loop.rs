@@ -3,11 +3,11 @@
 use std::f64::consts::TAU;
 
 use crate::bench::Bench;
-use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{BoucWen, Hysteresis};
-use hysteron::model_file::SignalUnits;
-use hysteron::record::InterSample;
+use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::model_file::SignalUnits;
+use hysteron_model::record::InterSample;
 use serde_json::Value;
 
 /// About the default bench: its size, its first mode, its delay.

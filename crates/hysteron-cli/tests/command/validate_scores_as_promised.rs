@@ -1,7 +1,7 @@
 //! `validate --json` prints one object of exactly the promised shape; lengths are in µm, other outputs in their unit.
 
 use crate::bench::{Bench, good_record, static_model, triangle};
-use hysteron::model_file::SignalUnits;
+use hysteron_model::model_file::SignalUnits;
 use serde_json::Value;
 
 /// The one object on standard output.

@@ -6,7 +6,7 @@ mod zip;
 use std::path::Path;
 use std::process::Command;
 
-use hysteron::realise::RuntimeParts;
+use hysteron_model::realise::RuntimeParts;
 use hysteron_rt::Real;
 
 use crate::c::{Numbers, core_files, filling};

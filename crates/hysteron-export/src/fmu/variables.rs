@@ -1,6 +1,6 @@
 //! Variables of an FMU and its `modelDescription.xml`.
 
-use hysteron::realise::{Coefficients, OperatorCoefficients};
+use hysteron_model::realise::{Coefficients, OperatorCoefficients};
 use hysteron_rt::{Branch, Real, Sides};
 
 use super::FmiVersion;

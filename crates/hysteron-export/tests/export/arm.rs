@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use hysteron::compensator::Prediction;
 use hysteron_export::{Precision, c_files, inverse_files, write_folder};
+use hysteron_model::compensator::Prediction;
 
 use crate::models;
 use crate::tools::{STRICT, is_there, run, skipped};

@@ -4,8 +4,8 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use hysteron::realise::RuntimeParts;
 use hysteron_export::{Golden, Precision, Subject, c_files, write_folder};
+use hysteron_model::realise::RuntimeParts;
 use hysteron_rt::{ModelError, Real};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;

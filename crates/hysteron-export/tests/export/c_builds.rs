@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
 
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{BoucWen, Hysteresis};
 use hysteron_export::{ExportError, ExportedFile, Golden, Precision, c_files, write_folder};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 
 use crate::models;
 use crate::tools::{STRICT, c_compilers, run};

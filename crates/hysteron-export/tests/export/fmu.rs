@@ -4,9 +4,9 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::Command;
 
-use hysteron::compensator::Prediction;
-use hysteron::realise::RuntimeParts;
 use hysteron_export::{Golden, GoldenInverse, Precision, fmu_files, inverse_fmu_files, write_folder};
+use hysteron_model::compensator::Prediction;
+use hysteron_model::realise::RuntimeParts;
 
 use crate::models::{self, RATE_HZ};
 use crate::tools::{c_compilers, run, skipped};

@@ -1,7 +1,7 @@
 //! The inverse in C and `hysteron_rt::Compensator` side by side; every voltage within range and slew, whatever is handed in.
 
-use hysteron::compensator::{CompensatorParts, Prediction};
 use hysteron_export::{GoldenInverse, Inverse, Precision, inverse_files, write_folder};
+use hysteron_model::compensator::{CompensatorParts, Prediction};
 use hysteron_rt::{Limited, Real};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;

@@ -1,7 +1,7 @@
 //! The example loop takes a stage over wherever a power cycle left it: no step above the slew limit, and the reference is met.
 
-use hysteron::compensator::{Compensation, CompensatorOptions};
 use hysteron_export::{Inverse, Precision, c_files, inverse_files, write_folder};
+use hysteron_model::compensator::{Compensation, CompensatorOptions};
 
 use crate::models::{self, RATE_HZ};
 use crate::tools::{STRICT, c_compilers, run};

@@ -1,13 +1,13 @@
 //! Models of every kind that can be exported.
 
-use hysteron::compensator::{Compensation, CompensatorOptions, Prediction};
-use hysteron::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use hysteron::hammerstein::Model;
-use hysteron::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
-use hysteron::model_file::{Interval, ModelFile, SignalUnits, ValidRange};
-use hysteron::realise::{RealiseOptions, realise};
-use hysteron::record::InterSample;
 use hysteron_export::{ExportError, Inverse, Precision, Subject};
+use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
+use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
+use hysteron_model::model_file::{Interval, ModelFile, SignalUnits, ValidRange};
+use hysteron_model::realise::{RealiseOptions, realise};
+use hysteron_model::record::InterSample;
 
 /// Rate that all are realised at \[Hz\].
 pub const RATE_HZ: f64 = 1e4;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use hysteron::compensator::Prediction;
 use hysteron_export::{Runtime, rust_files, write_folder};
+use hysteron_model::compensator::Prediction;
 
 use crate::models;
 use crate::tools::run;

@@ -1,0 +1,92 @@
+//! The source article, reproduced: its experiments on the simulated bench, its claims put to the test.
+//!
+//! The article's data are not public, so [`reproduce`] runs its excitations (1 Hz loop, 1–100 Hz sweep, sines of 10, 20, 50
+//! and 100 Hz) on [`hysteron_rig`], whose default plant lies outside the model class, and identifies the article's
+//! models the article's way. What is compared with the [`printed`] numbers is order and ratio, never absolute values.
+//!
+//! In the order of the article: [`LoopStudy`] (Fig. 1), [`OptimizerStudy`] (Fig. 6, Table 1), [`StaticStudy`] (Fig. 7, Table 2),
+//! [`ModelStudy`] (Eq. 13, Table 3, Figs. 8–11). Then what the article does not do: [`Contradictions`] computes what its
+//! printed numbers imply about each other, [`Recovery`] takes Table 2 and Eq. 13 as the truth and looks what the two-step way
+//! makes of it, [`Claim`]s are judged by the numbers just computed.
+//!
+//! Everything is plain data; nothing here knows about pages. Results depend on [`Plan`] alone, not on the number of threads.
+
+mod claims;
+mod contradictions;
+mod error;
+mod loops;
+mod measurements;
+mod models;
+pub mod optimizer_study;
+mod optimizers;
+pub mod page;
+mod plan;
+pub mod printed;
+mod progress;
+mod recovery;
+mod static_block;
+
+pub use claims::{Claim, Verdict};
+pub use contradictions::{BehindTheLoop, Contradictions};
+pub use error::ArticleError;
+pub use loops::{LoopAt, LoopStudy};
+pub use models::{Eq13, ModelFit, ModelKind, ModelStudy, SineCurves, SineScore};
+pub use optimizers::{Contender, OptimizerStudy, quantile};
+pub use plan::Plan;
+pub use progress::{Progress, Watcher};
+pub use recovery::{RecoveredBlocks, Recovery, RecoveryCase};
+pub use static_block::{StaticParameters, StaticStudy};
+
+use measurements::Measurements;
+use progress::Stages;
+use serde::Serialize;
+
+/// Everything that was computed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reproduction {
+    /// What was asked for.
+    pub plan: Plan,
+    /// One line: what the simulated plant is.
+    pub bench: String,
+    /// Figure 1: loops against frequency.
+    pub loops: LoopStudy,
+    /// Table 1 and Figure 6.
+    pub optimizers: OptimizerStudy,
+    /// Table 2 and Figure 7.
+    pub static_block: StaticStudy,
+    /// Eq. 13, Table 3 and Figures 8–11.
+    pub models: ModelStudy,
+    /// What the printed numbers imply about each other.
+    pub contradictions: Contradictions,
+    /// Table 2 and Eq. 13 as the truth.
+    pub recovery: Recovery,
+    /// The article's claims, judged.
+    pub claims: Vec<Claim>,
+}
+
+/// Runs the whole reproduction in the current `rayon` pool.
+///
+/// # Errors
+/// [`ArticleError::Stopped`] if the watcher asked for it; otherwise what failed, in the order of the work.
+pub fn reproduce(plan: &Plan, watcher: &Watcher<'_>) -> Result<Reproduction, ArticleError> {
+    plan.validate()?;
+    let stages = &Stages::new(watcher);
+    let bench = Measurements::take(plan, stages)?;
+    let loops = LoopStudy::of(&bench)?;
+    let optimizers = OptimizerStudy::run(plan, &bench, stages)?;
+    let (static_block, models) = models::identify(plan, &bench, stages)?;
+    let contradictions = Contradictions::compute()?;
+    let recovery = Recovery::run(plan, stages)?;
+    let claims = claims::judge(&loops, &optimizers, &models);
+    Ok(Reproduction {
+        plan: plan.clone(),
+        bench: bench.plant,
+        loops,
+        optimizers,
+        static_block,
+        models,
+        contradictions,
+        recovery,
+        claims,
+    })
+}

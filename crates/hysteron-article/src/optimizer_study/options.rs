@@ -1,0 +1,138 @@
+//! What is to be compared.
+
+use super::Competitor;
+use hysteron_model::dynamics::DynamicsError;
+use hysteron_model::hysteresis::HysteresisError;
+use hysteron_optimize::OptimizeError;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// What is to be compared, and how long.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudyOptions {
+    /// Problems, one table each.
+    pub problems: Vec<StudyProblem>,
+    /// Competitors, one row each.
+    pub competitors: Vec<Competitor>,
+    /// Runs of each competitor; their seeds are `first_seed`, `first_seed` + 1, …
+    pub seeds: usize,
+    /// Seed of the first run.
+    pub first_seed: u64,
+    /// Cost evaluations of a run, at least 200. A population method makes 50 a generation, so 7 550 are an initial
+    /// population and the article's 150 generations.
+    pub budget: usize,
+    /// Seed of the measurement noise, the same for all runs.
+    pub noise_seed: u64,
+    /// Threads the runs are spread over; `None`: those of the current `rayon` pool. The result does not depend on it.
+    #[serde(skip)]
+    pub threads: Option<usize>,
+}
+
+impl Default for StudyOptions {
+    /// Both problems, every competitor, 31 seeds, 7 550 evaluations.
+    fn default() -> Self {
+        Self {
+            problems: StudyProblem::ALL.to_vec(),
+            competitors: Competitor::ALL.to_vec(),
+            seeds: 31,
+            first_seed: 1,
+            budget: 7550,
+            noise_seed: 1,
+            threads: None,
+        }
+    }
+}
+
+/// An identification problem of the study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StudyProblem {
+    /// The five parameters of the improved Bouc–Wen model ([`StaticBlock`](super::StaticBlock)).
+    StaticBlock,
+    /// Orders and coefficients of the fractional transfer function ([`FractionalBlock`](super::FractionalBlock)).
+    FractionalBlock,
+}
+
+impl StudyProblem {
+    /// Both problems.
+    pub const ALL: [Self; 2] = [Self::StaticBlock, Self::FractionalBlock];
+
+    /// Title for a table.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::StaticBlock => "Static Bouc-Wen fit",
+            Self::FractionalBlock => "Fractional block, orders and coefficients at once",
+        }
+    }
+
+    /// Data, truth and noise in one sentence.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::StaticBlock => super::StaticBlock::DESCRIPTION,
+            Self::FractionalBlock => super::FractionalBlock::DESCRIPTION,
+        }
+    }
+}
+
+/// How far a study has come; told after every run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StudyProgress {
+    /// Runs done.
+    pub done: usize,
+    /// Runs planned.
+    pub runs: usize,
+    /// Problem of the run just done.
+    pub problem: StudyProblem,
+    /// Competitor of the run just done.
+    pub competitor: Competitor,
+}
+
+/// Why a study could not be made.
+#[derive(Clone, Debug, Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// An option outside its allowed range.
+    #[error("option {option} of the optimiser study is {value}: need {wanted}")]
+    Option {
+        /// Option.
+        option: &'static str,
+        /// Its value.
+        value: usize,
+        /// What is allowed.
+        wanted: &'static str,
+    },
+    /// The progress callback asked to stop.
+    #[error("the optimiser study was stopped after {done} of {runs} runs")]
+    Cancelled {
+        /// Runs done.
+        done: usize,
+        /// Runs planned.
+        runs: usize,
+    },
+    /// A run failed.
+    #[error("an optimiser run failed: {0}")]
+    Optimize(#[from] OptimizeError),
+    /// The static block could not be simulated.
+    #[error("the study's static block cannot be simulated: {0}")]
+    Hysteresis(#[from] HysteresisError),
+    /// The dynamic block could not be simulated.
+    #[error("the study's dynamic block cannot be simulated: {0}")]
+    Dynamics(#[from] DynamicsError),
+}
+
+impl StudyOptions {
+    pub(super) fn validate(&self) -> Result<(), StudyError> {
+        let checks = [
+            ("problems", self.problems.len(), 1, "at least one"),
+            ("competitors", self.competitors.len(), 1, "at least one"),
+            ("seeds", self.seeds, 1, "at least 1"),
+            ("budget", self.budget, 200, "at least 200 evaluations"),
+            ("threads", self.threads.unwrap_or(1), 1, "at least 1"),
+        ];
+        match checks.into_iter().find(|&(_, value, least, _)| value < least) {
+            Some((option, value, _, wanted)) => Err(StudyError::Option { option, value, wanted }),
+            None => Ok(()),
+        }
+    }
+}

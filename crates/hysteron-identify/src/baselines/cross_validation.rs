@@ -1,0 +1,143 @@
+//! Baselines on what a comparison of structures leaves out.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::{Baseline, BaselineError, Trained, lag_intervals, train};
+use crate::structure::Fold;
+use hysteron_model::record::InputOutput;
+use hysteron_model::validate::{Scoring, score};
+
+/// A baseline in a cross-validation.
+#[derive(Clone, Debug)]
+pub struct CrossValidated {
+    /// Which.
+    pub kind: Baseline,
+    /// Trained on all records; `None` where that failed.
+    pub model: Option<Trained>,
+    /// RMSE of the simulation of all records, each with its offset \[output unit\].
+    pub training_rmse: Option<f64>,
+    /// RMSE of the simulation of what each fold leaves out, trained on the rest \[output unit\].
+    pub fold_rmse: Vec<Option<f64>>,
+    /// Why an error is missing.
+    pub failures: Vec<String>,
+    /// Time of all trainings and simulations \[s\].
+    pub seconds: f64,
+}
+
+impl CrossValidated {
+    /// Mean of the errors over the folds and its standard error, where there is an error on every fold.
+    pub fn error(&self) -> Option<(f64, f64)> {
+        let errors: Vec<f64> = self.fold_rmse.iter().copied().collect::<Option<_>>()?;
+        let count = errors.len() as f64;
+        let mean = errors.iter().sum::<f64>() / count;
+        let square: f64 = errors.iter().map(|e| (e - mean).powi(2)).sum();
+        let std_error = if errors.len() > 1 { (square / (count - 1.0) / count).sqrt() } else { 0.0 };
+        Some((mean, std_error))
+    }
+}
+
+/// Trains `kind` on all `records` and on what every fold leaves of them, and scores its simulations as
+/// candidates of [`crate::structure::compare`] are scored: RMSE with the offset estimated, at the
+/// rate of the record. The samples that start a simulation are not scored. The times between lags are chosen
+/// from those for the drives of all records; everything else from what is trained on.
+///
+/// `stop` is asked between trainings; `None` where it said so.
+pub fn cross_validate(
+    kind: Baseline,
+    records: &[InputOutput],
+    folds: &[Fold],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<CrossValidated> {
+    let begun = Instant::now();
+    let mut found = CrossValidated {
+        kind,
+        model: None,
+        training_rmse: None,
+        fold_rmse: vec![None; folds.len()],
+        failures: Vec::new(),
+        seconds: 0.0,
+    };
+    match lag_intervals(records) {
+        Ok(intervals) => {
+            let whole = || {
+                let trained = train(kind, records, &intervals)?;
+                let everything = records.iter().map(|r| (r, std::iter::once(0..r.len()).collect()));
+                let rmse = error_on(&trained, everything)?;
+                Ok::<_, BaselineFailure>((trained, rmse))
+            };
+            // What trains on all records is one more job beside the folds.
+            let on_fold = |fold: &Fold| {
+                let trained = train(kind, &rest(records, fold), &intervals)?;
+                let held = fold.held.iter().map(|(r, ranges)| (&records[*r], ranges.clone()));
+                error_on(&trained, held)
+            };
+            let (whole, errors) = rayon::join(
+                || (!stop()).then(whole),
+                || folds.par_iter().map(|f| (!stop()).then(|| on_fold(f))).collect::<Vec<_>>(),
+            );
+            match whole? {
+                Ok((model, rmse)) => (found.model, found.training_rmse) = (Some(model), Some(rmse)),
+                Err(why) => found.failures.push(format!("all records: {why}")),
+            }
+            for (index, error) in errors.into_iter().enumerate() {
+                match error? {
+                    Ok(error) => found.fold_rmse[index] = Some(error),
+                    Err(why) => found.failures.push(format!("without {}: {why}", folds[index].label)),
+                }
+            }
+        }
+        Err(why) => found.failures.push(why.to_string()),
+    }
+    found.seconds = begun.elapsed().as_secs_f64();
+    Some(found)
+}
+
+/// Why there is no error.
+#[derive(Debug, thiserror::Error)]
+enum BaselineFailure {
+    #[error(transparent)]
+    Baseline(#[from] BaselineError),
+    #[error(transparent)]
+    Score(#[from] hysteron_model::validate::ScoreError),
+}
+
+/// Root of the mean squared simulated error over these ranges of the records.
+fn error_on<'a>(
+    trained: &Trained,
+    of: impl Iterator<Item = (&'a InputOutput, Vec<Range<usize>>)>,
+) -> Result<f64, BaselineFailure> {
+    let (mut square, mut samples) = (0.0, 0usize);
+    for (record, ranges) in of {
+        let simulated = trained.simulate(record)?;
+        let scored = masked(record, &ranges, false).without_first(trained.start_samples(record)?);
+        let scores = score(&scored, &simulated, &Scoring::default())?;
+        square += scores.rmse * scores.rmse * scores.samples as f64;
+        samples += scores.samples;
+    }
+    Ok((square / samples.max(1) as f64).sqrt())
+}
+
+/// What a fold leaves of the records.
+fn rest(records: &[InputOutput], fold: &Fold) -> Vec<InputOutput> {
+    let left = records.iter().enumerate().filter_map(|(index, record)| {
+        match fold.held.iter().find(|(held, _)| *held == index) {
+            Some(_) if fold.whole => None,
+            Some((_, ranges)) => Some(masked(record, ranges, true)),
+            None => Some(record.clone()),
+        }
+    });
+    left.collect()
+}
+
+/// The record without the samples in `ranges`, or with them alone.
+fn masked(record: &InputOutput, ranges: &[Range<usize>], without: bool) -> InputOutput {
+    let mut mask = vec![without; record.len()];
+    ranges.iter().for_each(|range| mask[range.clone()].fill(!without));
+    if let Some(valid) = &record.valid {
+        mask.iter_mut().zip(valid).for_each(|(m, v)| *m &= *v);
+    }
+    InputOutput { valid: Some(mask), ..record.clone() }
+}

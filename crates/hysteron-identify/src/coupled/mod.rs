@@ -1,0 +1,262 @@
+//! Identification of coupled Hammerstein branches ([`hysteron_model::axes::CoupledHammerstein`]): all branches of all outputs in one fit.
+//!
+//! Gains and offsets are linear and eliminated at every point of the search (variable projection: G. H. Golub, V. Pereyra,
+//! doi:10.1137/0710036); what is searched are three numbers an actuator and three a path. Starts: one shape for all actuators,
+//! then the natural frequency, damping and delay of one path after the other from a lattice, until none is better; bounded least squares
+//! from the best of them. Standard errors come from the derivatives of everything at once, gains included, under white noise.
+
+mod problem;
+
+use rayon::prelude::*;
+
+use super::{Finding, FindingKind};
+use hysteron_model::axes::{
+    AxesError, AxesRecord, AxesScoreError, AxesScores, CoupledErrors, CoupledHammerstein, SteadyPeriod,
+};
+use hysteron_model::validate::Scoring;
+use hysteron_optimize::{
+    Algorithm, Differences, LeastSquaresOptions, Observer, OptimizeError, Problem, Settings, minimize,
+    residual_jacobian,
+};
+use problem::{CoupledProblem, OF_ACTUATOR, OF_PATH, Piece};
+
+/// Damping ratios and shares of the sample rate that natural frequencies start from.
+const DAMPINGS: [f64; 3] = [0.02, 0.15, 0.8];
+const FREQUENCIES: [f64; 14] =
+    [0.01, 0.016, 0.025, 0.035, 0.05, 0.065, 0.08, 0.1, 0.125, 0.15, 0.19, 0.24, 0.3, 0.4];
+/// Delays that paths start from \[samples\].
+const DELAYS: [f64; 2] = [0.3, 3.0];
+/// Rounds over all paths.
+const ROUNDS: usize = 3;
+/// Shapes of the loops that are started from: α, β' times half the range of the drive.
+const SHAPES: [(f64, f64); 2] = [(0.2, 2.0), (0.35, 0.7)];
+
+/// Why no branches were identified.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CoupledFitError {
+    /// A record or model that cannot be used.
+    #[error(transparent)]
+    Axes(#[from] AxesError),
+    /// No records, or none with outputs.
+    #[error("no records with inputs and outputs were given")]
+    NoRecords,
+    /// Records that do not belong together.
+    #[error("records `{first}` and `{other}` differ in their {what}")]
+    Different {
+        /// One record.
+        first: String,
+        /// Another.
+        other: String,
+        /// In what they differ.
+        what: &'static str,
+    },
+    /// No start could be simulated or the inputs are not told apart.
+    #[error(
+        "no branches can be fitted: an input does not move, or moves together with another in all records"
+    )]
+    NoStart,
+    /// The search failed.
+    #[error(transparent)]
+    Optimize(#[from] OptimizeError),
+    /// The fit could not be scored.
+    #[error(transparent)]
+    Score(#[from] AxesScoreError),
+    /// The model does not describe a record.
+    #[error(
+        "the branches do not describe record `{record}`: the best fit explains {fit_percent:.1} % of it, {need} % are needed"
+    )]
+    ModelClass {
+        /// Record.
+        record: String,
+        /// Fit \[%\].
+        fit_percent: f64,
+        /// Least fit accepted \[%\].
+        need: f64,
+    },
+}
+
+/// Identified branches.
+#[derive(Clone, Debug)]
+pub struct CoupledIdentification {
+    /// The model.
+    pub model: CoupledHammerstein,
+    /// Standard errors; `None` where the records do not determine the parameters.
+    pub errors: Option<CoupledErrors>,
+    /// Scores of every record, in their order.
+    pub records: Vec<AxesScores>,
+    /// Verdicts, advice and warnings in plain words.
+    pub findings: Vec<Finding>,
+}
+
+/// Identifies the branches from records that share the device, the sample rate and the channels. Every input rested at its first sample
+/// before its record, or is in its steady state where all of them repeat. An observer that stops the search gets the best so far.
+///
+/// # Errors
+/// [`CoupledFitError`].
+pub fn identify(
+    records: &[AxesRecord],
+    least_fit_percent: f64,
+    observer: &mut dyn Observer,
+) -> Result<CoupledIdentification, CoupledFitError> {
+    let first = records.first().filter(|r| !r.y.is_empty()).ok_or(CoupledFitError::NoRecords)?;
+    same(first, records)?;
+    let pieces: Vec<Piece> = records
+        .iter()
+        .map(|record| {
+            let period = SteadyPeriod::find(record, false).ok().filter(|p| p.settling == 0);
+            Piece { record, settled: period.map(|p| p.samples()) }
+        })
+        .collect();
+    let problem = CoupledProblem::new(&pieces, None).ok_or(CoupledFitError::NoRecords)?;
+    let starts: Vec<Vec<f64>> = SHAPES.par_iter().filter_map(|shape| start(&problem, *shape)).collect();
+    if starts.is_empty() {
+        return Err(CoupledFitError::NoStart);
+    }
+    let options =
+        LeastSquaresOptions { starts: starts.len(), agreement: None, ..LeastSquaresOptions::default() };
+    let settings = Settings { starts, ..Settings::default() };
+    let found = minimize(&problem, &Algorithm::LeastSquares(options), &settings, observer, None)?;
+    let model = problem.model(&found.best).ok_or(CoupledFitError::NoStart)?;
+    let errors = errors(&pieces, &problem, &model, &found.best);
+    let scores = pieces
+        .iter()
+        .map(|piece| {
+            let r = piece.record;
+            let simulated = model.simulate(&r.u, r.sample_rate_hz, piece.settled)?;
+            Ok(AxesScores::new(r, &simulated, &Scoring::default(), None)?)
+        })
+        .collect::<Result<Vec<_>, CoupledFitError>>()?;
+    for (record, score) in records.iter().zip(&scores) {
+        let fit_percent = score.fit_percent.unwrap_or(0.0);
+        if fit_percent < least_fit_percent {
+            let record = record.label();
+            return Err(CoupledFitError::ModelClass { record, fit_percent, need: least_fit_percent });
+        }
+    }
+    let findings = findings(errors.as_ref());
+    Ok(CoupledIdentification { model, errors, records: scores, findings })
+}
+
+fn same(first: &AxesRecord, records: &[AxesRecord]) -> Result<(), CoupledFitError> {
+    for other in records {
+        let differs = [
+            ("number of inputs", first.u.len() != other.u.len()),
+            ("number of outputs", first.y.len() != other.y.len()),
+            ("sample rates", (first.sample_rate_hz / other.sample_rate_hz).ln().abs() > 1e-6),
+            ("units", (&first.u_unit, &first.y_unit) != (&other.u_unit, &other.y_unit)),
+        ];
+        if let Some((what, _)) = differs.into_iter().find(|(_, differs)| *differs) {
+            let (first, other) = (first.name.clone(), other.name.clone());
+            return Err(CoupledFitError::Different { first, other, what });
+        }
+    }
+    Ok(())
+}
+
+/// Best point of the lattice, one path after the other; `None` where nothing can be simulated.
+fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64)) -> Option<Vec<f64>> {
+    let bounds = problem.bounds();
+    let rate = problem.pieces.first()?.record.sample_rate_hz;
+    let mut x: Vec<f64> = bounds.ranges.iter().map(|r| r.from_unit(0.5)).collect();
+    for n in 0..problem.inputs {
+        // The range of β' is centred on 2 over the range of the drive.
+        x[n * OF_ACTUATOR] = alpha;
+        x[n * OF_ACTUATOR + 1] *= beta;
+        x[n * OF_ACTUATOR + 2] = 0.0;
+    }
+    let paths = problem.inputs * problem.outputs;
+    let place = |path: usize| OF_ACTUATOR * problem.inputs + OF_PATH * path;
+    let mut tried: Vec<[f64; 3]> = Vec::new();
+    for frequency in FREQUENCIES {
+        for damping in DAMPINGS {
+            tried.extend(DELAYS.map(|delay| [frequency * rate, damping, delay / rate]));
+        }
+    }
+    let set = |x: &mut [f64], path: usize, values: &[f64; 3]| {
+        x[place(path)..place(path) + OF_PATH].copy_from_slice(values);
+    };
+    (0..paths).for_each(|path| set(&mut x, path, &tried[tried.len() / 2]));
+    let mut columns = problem.columns(&problem.point(&x))?;
+    let mut least = vec![f64::INFINITY; problem.outputs];
+    for _ in 0..ROUNDS {
+        let before: f64 = least.iter().sum();
+        for path in 0..paths {
+            let (m, n) = (path / problem.inputs, path % problem.inputs);
+            let attempt = |values: &[f64; 3]| {
+                let mut moved = x.clone();
+                set(&mut moved, path, values);
+                let column = problem.column(&problem.point(&moved), m, n)?;
+                let own: Vec<&Vec<f64>> = (0..problem.inputs)
+                    .map(|k| if k == n { &column } else { &columns[m * problem.inputs + k] })
+                    .collect();
+                let (e, _) = problem.residuals_of(m, &own, None)?;
+                let cost: f64 = e.iter().map(|e| e * e).sum();
+                Some((cost, column))
+            };
+            let attempts: Vec<_> = tried.par_iter().map(attempt).collect();
+            for (values, found) in tried.iter().zip(attempts) {
+                if let Some((cost, column)) = found
+                    && cost < least[m]
+                {
+                    least[m] = cost;
+                    columns[path] = column;
+                    set(&mut x, path, values);
+                }
+            }
+        }
+        if least.iter().sum::<f64>() >= before {
+            break;
+        }
+    }
+    least.iter().all(|cost| cost.is_finite()).then_some(x)
+}
+
+/// Standard errors from the derivatives with respect to everything but the offsets, which every residual has off.
+fn errors(
+    pieces: &[Piece<'_>],
+    problem: &CoupledProblem<'_>,
+    model: &CoupledHammerstein,
+    best: &[f64],
+) -> Option<CoupledErrors> {
+    let gains: Vec<f64> = model.paths.iter().map(|p| p.gain).collect();
+    let whole = CoupledProblem::new(pieces, Some(&gains))?;
+    let x: Vec<f64> = best.iter().chain(&gains).copied().collect();
+    let jacobian = residual_jacobian(&whole, &x, Differences::central()).ok()?;
+    let (residuals, _) = problem.solve(best)?;
+    let free = residuals.len().checked_sub(x.len() + pieces.len() * problem.outputs).filter(|n| *n > 0)?;
+    let variance = residuals.iter().map(|e| e * e).sum::<f64>() / free as f64;
+    let normal = jacobian.transpose() * &jacobian;
+    let scale: Vec<f64> = normal.diagonal().iter().map(|d| d.sqrt()).collect();
+    if scale.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
+        return None;
+    }
+    let count = scale.len();
+    let scaled = nalgebra::DMatrix::from_fn(count, count, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
+    let inverse = scaled.cholesky()?.inverse();
+    let of = |i: usize, j: usize| variance * inverse[(i, j)] / (scale[i] * scale[j]);
+    let error = |i: usize| of(i, i).sqrt();
+    let actuators = (0..problem.inputs).map(|n| {
+        let (a, b, c) = (n * OF_ACTUATOR, n * OF_ACTUATOR + 1, n * OF_ACTUATOR + 2);
+        // γ = ± β ρ.
+        let (beta, rho) = (best[b], best[c]);
+        let of_gamma = rho * rho * of(b, b) + beta * beta * of(c, c) + 2.0 * rho * beta * of(b, c);
+        [error(a), error(b), of_gamma.max(0.0).sqrt()]
+    });
+    let first = OF_ACTUATOR * problem.inputs;
+    let paths = (0..gains.len()).map(|k| {
+        let at = first + OF_PATH * k;
+        [error(best.len() + k), error(at), error(at + 1), error(at + 2)]
+    });
+    Some(CoupledErrors { actuators: actuators.collect(), paths: paths.collect() })
+}
+
+fn findings(errors: Option<&CoupledErrors>) -> Vec<Finding> {
+    if errors.is_some() {
+        return Vec::new();
+    }
+    let text = "these records do not determine all parameters: there are no standard errors. Drive every input over a wider range of \
+                frequencies and amplitudes."
+        .to_owned();
+    vec![Finding { kind: FindingKind::Warning, topic: "parameters", text }]
+}

@@ -1,0 +1,119 @@
+//! What an identification needs to know of a record before any fit.
+
+use super::IdentifyError;
+use hysteron_model::record::{
+    InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing, turning_points,
+};
+use hysteron_model::validate::{settled_period, settling_samples};
+
+/// A record is dynamic beside one whose fastest swing is this much slower.
+const FASTER: f64 = 3.0;
+
+/// … or whose swings of at least this share of its range, so many at least, differ by as much.
+const WIDE: f64 = 0.5;
+const FEWEST_SWINGS: usize = 5;
+/// A drive that stays within this share of its range rests.
+const AT_REST: f64 = 0.01;
+
+/// A record and what was read off it.
+#[derive(Clone, Debug)]
+pub(super) struct RecordFacts {
+    pub(super) data: InputOutput,
+    pub(super) periods: Option<Periods>,
+    /// Shortest time between two reversals of the drive, in samples, but for a tenth of them.
+    pub(super) shortest_swing: usize,
+}
+
+impl RecordFacts {
+    pub(super) fn new(data: InputOutput) -> Self {
+        let periods = find_periods(&data).ok();
+        let shortest_swing = shortest_swing(&data.u);
+        Self { data, periods, shortest_swing }
+    }
+
+    pub(super) fn range_v(&self) -> f64 {
+        span(&self.data.u)
+    }
+
+    /// max y − min y over the valid samples.
+    pub(super) fn stroke(&self) -> f64 {
+        let valid: Vec<f64> = self.scored(0).iter().map(|&k| self.data.y[k]).collect();
+        span(&valid)
+    }
+
+    /// Samples of a period: where the drive repeats from the first sample on, or where the record is one closed loop.
+    pub(super) fn period_samples(&self) -> Option<usize> {
+        settled_period(&self.data, self.periods)
+    }
+
+    /// Samples before the drive first moves (beyond a noise of [`AT_REST`]); 0 where that is within a quarter of a swing.
+    pub(super) fn samples_at_rest(&self) -> usize {
+        let u = &self.data.u;
+        let near = AT_REST * self.range_v();
+        let still = u.iter().take_while(|x| (**x - u[0]).abs() <= near).count();
+        if still > 3 + self.shortest_swing / 4 { still } else { 0 }
+    }
+
+    /// Whether the drive leaves its rest with a step of more than this share of its range.
+    pub(super) fn jumps_after_rest(&self, share: f64) -> bool {
+        let first = self.samples_at_rest();
+        let step = self.data.u.get(first).map_or(0.0, |x| (x - self.data.u[0]).abs());
+        step > share * self.range_v()
+    }
+
+    pub(super) fn whole_periods(&self) -> usize {
+        self.periods.map_or(0, |p| p.count)
+    }
+
+    /// Longest time scale of one cycle \[s\]: the period, or twice the shortest swing.
+    pub(super) fn period_s(&self) -> f64 {
+        let samples = self.periods.map_or(2.0 * self.shortest_swing as f64, |p| p.period_samples);
+        samples / self.data.sample_rate_hz().unwrap_or(1.0)
+    }
+
+    /// Frequency of the fastest swing \[Hz\]; 0 without a sample rate.
+    pub(super) fn highest_frequency_hz(&self) -> f64 {
+        self.data.sample_rate_hz().map_or(0.0, |rate| rate / (2.0 * self.shortest_swing as f64))
+    }
+
+    /// Whether the record carries dynamics beside one whose fastest swing has the frequency `slowest_hz`.
+    pub(super) fn is_dynamic(&self, slowest_hz: f64) -> bool {
+        self.highest_frequency_hz() > FASTER * slowest_hz
+    }
+
+    /// Whether its wide swings are of very different speeds, as in a sweep or a random drive: dynamics show in such a record
+    /// by itself.
+    pub(super) fn is_broad(&self) -> bool {
+        let turns = turning_points(&self.data.u, WIDE * self.range_v());
+        let mut swings: Vec<usize> = turns.windows(2).map(|w| w[1].index - w[0].index).collect();
+        swings.sort_unstable();
+        let at = |tenths: usize| swings[swings.len() * tenths / 10] as f64;
+        swings.len() >= FEWEST_SWINGS && self.data.sample_rate_hz().is_some() && at(9) > FASTER * at(1)
+    }
+
+    /// Indices of the samples that are valid and not among the first `left_out`.
+    pub(super) fn scored(&self, left_out: usize) -> Vec<usize> {
+        let valid = |k: usize| self.data.valid.as_ref().is_none_or(|mask| mask[k]);
+        (left_out..self.data.y.len()).filter(|&k| valid(k)).collect()
+    }
+
+    /// Samples after which a model without dynamics may be compared with a record that starts with a jump.
+    pub(super) fn settling_samples(&self) -> usize {
+        settling_samples(&self.data.u, self.shortest_swing)
+    }
+
+    pub(super) fn require_sample_rate(&self) -> Result<f64, IdentifyError> {
+        self.data.sample_rate_hz().ok_or_else(|| IdentifyError::NotUniform {
+            record: self.data.name.clone(),
+            found: match self.data.time {
+                TimeBase::NonUniform { .. } => "non-uniform time stamps",
+                _ => "no time column and no sample rate",
+            },
+        })
+    }
+}
+
+fn span(x: &[f64]) -> f64 {
+    let (low, high) = range_of(x);
+    high - low
+}

@@ -1,0 +1,488 @@
+//! What the fit says about the device and what the records leave open, in plain words.
+
+use std::f64::consts::TAU;
+
+use super::engine::Search;
+use super::joint::Smoothing;
+use super::options::{Choice, Method, Options, RecordRole};
+use super::result::{Finding, FindingKind, Identification, RecordFit};
+use super::{IdentifyError, RecordFacts, identifiability};
+use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
+use hysteron_model::hammerstein::Start;
+use hysteron_model::hysteresis::{Family, Hysteresis};
+use hysteron_model::record::{LoopSense, implausible_units, loop_shape, range_of, turning_points};
+use hysteron_numeric::Complex64;
+use hysteron_numeric::display::short;
+use hysteron_optimize::StopReason;
+
+/// A parameter whose standard error exceeds this share of its value is called undetermined.
+const UNDETERMINED: f64 = 0.5;
+/// Swings whose size differs by less than this share of the range count as one amplitude.
+const ONE_AMPLITUDE: f64 = 0.05;
+/// A fall of the best cost by more than this share says that a search was still under way.
+const STILL_IMPROVING: f64 = 0.01;
+/// Fewest last generations over which that is judged.
+const LAST_GENERATIONS: usize = 5;
+/// A gain at rest that differs from that of the slowest records by more than this factor is none that they have shown.
+const FAR_FROM_REST: f64 = 1.25;
+/// Swings below this share of the range are noise rather than loops.
+const SMALLEST_LOOP: f64 = 0.1;
+
+/// Every record must be explained as well as `options` demand.
+///
+/// # Errors
+/// [`IdentifyError::ModelClass`] where a record is explained worse than `options` demand.
+pub(super) fn require_fit(
+    fits: &[RecordFit],
+    facts: &[RecordFacts],
+    options: &Options,
+) -> Result<(), IdentifyError> {
+    let worst = fits
+        .iter()
+        .min_by(|a, b| a.fit_percent().total_cmp(&b.fit_percent()))
+        .filter(|worst| worst.fit_percent() < options.least_fit_percent);
+    let Some(worst) = worst else { return Ok(()) };
+    let because = facts.iter().find(|f| f.data.name == worst.data.name).map(why_no_fit);
+    Err(IdentifyError::ModelClass {
+        record: worst.data.name.clone(),
+        fit_percent: worst.fit_percent(),
+        need: options.least_fit_percent,
+        because: because.unwrap_or_default(),
+    })
+}
+
+/// Why a record that the model class cannot describe may be what it is.
+pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
+    let (u, y) = (&facts.data.u, &facts.data.y);
+    let threshold = 0.1;
+    let reversals = |x: &[f64]| {
+        let (low, high) = range_of(x);
+        turning_points(x, threshold * (high - low)).len()
+    };
+    let (of_u, of_y) = (reversals(u), reversals(y));
+    let unit = |u: &hysteron_model::record::Unit| {
+        if u.symbol().is_empty() { "no unit".to_owned() } else { u.to_string() }
+    };
+    if of_y >= 2 * of_u.max(1) {
+        format!(
+            "The output reverses {of_y} times while the input reverses {of_u} times: a butterfly loop, as of a \
+             ferroelectric driven through its polarisation reversal, or a response that something else drives too"
+        )
+    } else {
+        format!(
+            "The output ({}) is not a loop over the input ({}) that follows its last turning points: the record may carry \
+             dynamics of its own (then name it with --dynamic; a linear device with --degree 1 --fix alpha=0), be driven by \
+             further inputs, saturate, or have its dynamics inside the hysteresis",
+            unit(&facts.data.y_unit),
+            unit(&facts.data.u_unit)
+        )
+    }
+}
+
+/// A gain at rest that is not what the slowest of the records have.
+fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> {
+    let slow = g.response_at(Complex64::new(0.0, TAU * lowest_hz)).norm();
+    let over = g.dc_gain() / slow;
+    (over.is_finite() && over.max(1.0 / over) > FAR_FROM_REST).then(|| {
+        format!(
+            "At rest the model's gain is {} times that at {} Hz, the lowest frequency of these records: it is extrapolated there. Do not use it for slower motion or levels \
+             that are held. Add a slow record, or one with held levels; or take another hysteresis (--hysteresis), what the loop misses goes into the dynamics.",
+            short_share(over),
+            short(lowest_hz)
+        )
+    })
+}
+
+/// Two digits.
+fn short_share(x: f64) -> String {
+    short(format!("{x:.1e}").parse().unwrap_or(x))
+}
+
+/// How the weights of a plane were chosen.
+fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) -> String {
+    let without = short(left_out_without);
+    if share == 0.0 {
+        return format!(
+            "Weights of neighbouring cells are not drawn together: parts of the records that are left out in turn are met best \
+             without (weighted error {without})."
+        );
+    }
+    format!(
+        "Weights of neighbouring cells are drawn together ({} of what weighs as much as the records), chosen on parts of the records \
+         that are left out in turn: weighted error {} instead of {without}.",
+        short(share),
+        short(left_out),
+    )
+}
+
+pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Identification) {
+    let mut findings = Vec::new();
+    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
+    let fitted_statically: Vec<(&RecordFacts, &RecordFit)> =
+        facts.iter().zip(&result.records).filter(|(_, r)| r.role == RecordRole::QuasiStatic).collect();
+
+    if let Some((_, fit)) = fitted_statically.first() {
+        let sense = match loop_shape(&fit.data.u, &fit.data.y).and_then(|shape| shape.sense) {
+            Some(LoopSense::CounterClockwise) => {
+                "counter-clockwise: the output lags the input, as real actuators do"
+            }
+            Some(LoopSense::Clockwise) => {
+                "clockwise: the output leads the input. Check the sign and the order of the channels"
+            }
+            None => "too narrow to have a sense",
+        };
+        say(FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
+    }
+    let spans = result.records.iter().map(|fit| range_of(&fit.data.u));
+    let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
+    say(FindingKind::Verdict, "admissibility", verdict(&result.model.hysteresis, span, &unit));
+    if let Some(smoothing) = result.structure.smoothing {
+        say(FindingKind::Verdict, "weights", drawn_together(smoothing));
+    }
+    if let Dynamics::Fractional(g) | Dynamics::Integer(g) = &result.model.dynamics {
+        let text = match stability(g) {
+            Stability::Stable => "Dynamic block: stable.".to_owned(),
+            Stability::Integrating { .. } => {
+                "Dynamic block: integrating, its gain at zero frequency is infinite; a constant input drives it away."
+                    .to_owned()
+            }
+            Stability::Marginal { frequency_hz } => {
+                format!("Dynamic block: undamped at {frequency_hz:.4} Hz, on the edge of stability.")
+            }
+            Stability::Unstable { poles } => {
+                format!("Dynamic block: unstable, {poles} pole(s) in the right half-plane. Do not use it.")
+            }
+        };
+        say(FindingKind::Verdict, "stability", text);
+        if let Some(text) = result.excited_hz.and_then(|(lowest_hz, _)| extrapolated_to_rest(g, lowest_hz)) {
+            say(FindingKind::Advice, "rest", text);
+        }
+    }
+
+    if amplitudes(fitted_statically.iter().map(|(f, _)| *f)) <= 1 && !fitted_statically.is_empty() {
+        say(
+            FindingKind::Advice,
+            "amplitudes",
+            format!(
+                "All loops have the same amplitude: {}, and models cannot be ranked. Minor loops are extrapolated. Add a record with \
+                 loops of half and a quarter of the amplitude.",
+                match result.model.hysteresis {
+                    Hysteresis::BoucWen(_) =>
+                        "β and γ are told apart only by the way from rest into the first loop, polynomial degree and exponent n only \
+                         by the shape of one loop",
+                    Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) =>
+                        "the polynomial is told from the hysteretic part only by the shape of one loop",
+                }
+            ),
+        );
+    }
+    let dynamic = result.records.iter().any(|r| r.role == RecordRole::Dynamic);
+    if !dynamic {
+        let frequency = facts.iter().map(RecordFacts::highest_frequency_hz).fold(0.0, f64::max);
+        let at = if frequency > 0.0 { format!(" at about {frequency:.3} Hz") } else { String::new() };
+        let shift = match (&result.model.dynamics, result.structure.delay_and_lag_from_start) {
+            (Dynamics::Integer(_), true) => {
+                "Delay and lag come from its start from rest alone (in steady state they cannot be told from loop width); \
+                 resonances, creep and everything faster are not determined."
+            }
+            (_, true) => "The delay comes from its start from rest alone.",
+            _ if matches!(options.delay_s, Choice::Given(d) if d > 0.0) => {
+                "The given delay stands for the whole time shift; loop width is what remains."
+            }
+            _ => "Delay, resonances and creep are not determined: a delay would be taken for loop width.",
+        };
+        say(
+            FindingKind::Advice,
+            "frequencies",
+            format!(
+                "The records hold slow drive only{at}: they do not say how the loop changes with frequency. {shift} Add \
+                 a sweep up to the highest frequency of use."
+            ),
+        );
+    }
+    if result.method == Method::TwoStep
+        && fitted_statically.iter().any(|(f, _)| f.highest_frequency_hz() > 0.0)
+    {
+        say(
+            FindingKind::Advice,
+            "two steps",
+            "The blocks were identified one after the other: what dynamics there are in the quasi-static records went into \
+             the hysteresis parameters, and that bias is in no standard error (it can be many of them)."
+                .into(),
+        );
+    }
+    match &result.covariance {
+        Some(covariance) => findings.extend(identifiability::verdict(facts, result, covariance)),
+        None => findings.extend(precision(result)),
+    }
+    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
+    for (search, bounds) in result.searches.iter().zip(&result.bounds) {
+        for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
+            let at = range.to_unit(*x);
+            if at < 1e-4 && range.low <= 1e-4 * range.high && matches!(range.name.as_str(), "delay" | "beta")
+            {
+                say(
+                    FindingKind::Warning,
+                    "search range",
+                    format!(
+                        "{} came out as zero, its lower limit: the other parameters took over what there is of it.",
+                        range.name
+                    ),
+                );
+            } else if !(1e-4..=1.0 - 1e-4).contains(&at) {
+                say(
+                    FindingKind::Warning,
+                    "search range",
+                    format!(
+                        "{} = {} ended on the edge of its search range {} … {}; widen it with --bound {}=LOW:HIGH if the \
+                         device may lie outside.",
+                        range.name,
+                        short(*x),
+                        short(range.low),
+                        short(range.high),
+                        range.name
+                    ),
+                );
+            }
+        }
+    }
+    for fit in &result.records {
+        if fit.scores.fit_percent.is_some_and(|fit| fit < 90.0) {
+            say(
+                FindingKind::Warning,
+                "fit",
+                format!(
+                    "Record '{}' is described poorly (fit {:.1} %): the model class misses something in it.",
+                    fit.data.name,
+                    fit.scores.fit_percent.unwrap_or(0.0)
+                ),
+            );
+        }
+    }
+    for search in &result.searches {
+        if let Some(text) = still_improving(search) {
+            say(FindingKind::Warning, "search", text);
+        }
+    }
+    for facts in facts {
+        let fastest_hz = Some(facts.highest_frequency_hz());
+        for text in implausible_units(&facts.data, fastest_hz) {
+            say(FindingKind::Warning, "units", format!("Record '{}': {text}", facts.data.name));
+        }
+    }
+    if result.cancelled {
+        say(
+            FindingKind::Warning,
+            "search",
+            "The search was interrupted: this is the best model so far.".into(),
+        );
+    }
+    result.findings = findings;
+    result.treatment = treatment(facts, options, result);
+}
+
+/// What the hysteresis block can do to its user, over the voltages of the records.
+fn verdict(hysteresis: &Hysteresis, (low, high): (f64, f64), unit: &str) -> String {
+    match hysteresis {
+        Hysteresis::BoucWen(operator) => format!("Hysteresis block: {}.", operator.admissibility()),
+        Hysteresis::Family(model) => family_verdict(model, (low, high), unit),
+        Hysteresis::PrandtlIshlinskii(operator) => {
+            let span = format!("{} to {} {unit}", short(low), short(high));
+            let span = span.trim_end();
+            match operator.step_inverse([low, high]) {
+                Ok(_) => format!(
+                    "Hysteresis block: bounded by its drive; it has an exact inverse from {span}, where every move raises the \
+                     output with the drive."
+                ),
+                Err(why) => format!("Hysteresis block: bounded by its drive; no inverse from {span}: {why}."),
+            }
+        }
+    }
+}
+
+/// Whether weights of one sign make every move raise the output.
+fn family_verdict(model: &Family, (low, high): (f64, f64), unit: &str) -> String {
+    let name = model.form.name();
+    let slope = |u: f64| {
+        let powers = model.polynomial.iter().zip(1_i32..);
+        powers.map(|(c, power)| f64::from(power) * c * u.powi(power - 1)).sum::<f64>()
+    };
+    let rising = model.form.is_monotone()
+        && model.weights.iter().all(|w| *w >= 0.0)
+        && (0..=GRID).all(|k| slope(low + (high - low) * k as f64 / GRID as f64) > 0.0);
+    if rising {
+        let span = format!("{} to {} {unit}", short(low), short(high));
+        format!(
+            "Hysteresis block ({name}): every move raises the output with the drive from {}, so that it has an inverse.",
+            span.trim_end()
+        )
+    } else {
+        format!("Hysteresis block ({name}): its inverse is not known to exist for every history.")
+    }
+}
+
+/// Voltages at which the slope of a polynomial is looked at.
+const GRID: usize = 200;
+
+/// Which parameters the records leave open, by their standard errors alone.
+fn precision(result: &Identification) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
+    let undetermined: Vec<&str> = result
+        .bounds
+        .first()
+        .into_iter()
+        .flat_map(|bounds| &bounds.ranges)
+        .map(|range| range.name.as_str())
+        .filter(|name| result.parameters.iter().any(|p| p.name == *name && p.std_error.is_none()))
+        .collect();
+    if !undetermined.is_empty() {
+        say(
+            FindingKind::Warning,
+            "precision",
+            format!(
+                "No standard errors: the records do not determine {} apart from the other parameters. Fix one of them \
+                 (--fix NAME=VALUE), lower the degree, or add records.",
+                undetermined.join(", ")
+            ),
+        );
+    }
+    let poor: Vec<String> = result
+        .parameters
+        .iter()
+        .filter_map(|p| Some((p, p.std_error.filter(|e| *e > UNDETERMINED * p.value.abs())?)))
+        .map(|(p, error)| format!("{} ({} ± {})", p.name, short(p.value), short(error)))
+        .collect();
+    if !poor.is_empty() {
+        say(
+            FindingKind::Advice,
+            "precision",
+            format!(
+                "Poorly determined by these records (value ± standard error): {}. Do not read them as properties of the \
+                 device; the output is described by all parameters together.",
+                poor.join(", ")
+            ),
+        );
+    }
+    findings
+}
+
+/// What is wrong with a search by a population that ran out of generations while it was still improving: by more than
+/// [`STILL_IMPROVING`] over the last tenth of them (over the last [`LAST_GENERATIONS`] at least, or over all there are).
+fn still_improving(search: &Search) -> Option<String> {
+    let outcome = &search.outcome;
+    if !matches!(outcome.stopped, StopReason::Generations | StopReason::Budget) || !outcome.starts.is_empty()
+    {
+        return None;
+    }
+    let generations = outcome.generations;
+    let last = generations.div_ceil(10).max(LAST_GENERATIONS).min(generations);
+    let before = outcome.history.get(outcome.history.len().checked_sub(1 + last)?)?.best_cost;
+    let gained = 1.0 - outcome.cost / before;
+    (gained > STILL_IMPROVING || !before.is_finite()).then(|| {
+        format!(
+            "The search of the {} was too short to be trusted: the best RMSE was still falling, by {} % over the last {last} of \
+             {generations} generations. Raise --generations, or leave --optimizer out.",
+            search.step,
+            if before.is_finite() { short(100.0 * gained) } else { "100".into() }
+        )
+    })
+}
+
+fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) -> Vec<String> {
+    let mut list = Vec::new();
+    if let Some(reduction) = result.reduction {
+        list.push(reduction.describe());
+    }
+    let mut quasi_static = 0;
+    for (facts, fit) in facts.iter().zip(&result.records) {
+        let name = &fit.data.name;
+        let unit = &fit.data.y_unit;
+        let start = match fit.start {
+            Start::Rest { voltage_v } => {
+                format!("simulated from rest at {} {}", short(voltage_v), fit.data.u_unit)
+                    .trim_end()
+                    .to_owned()
+            }
+            Start::Remembering { voltage_v, memory } => format!(
+                "simulated from rest at {voltage_v} {} {} that it fits",
+                fit.data.u_unit,
+                memory.in_words(&short(memory.value()), &fit.data.u_unit.to_string(), &unit.to_string())
+            ),
+            Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
+        };
+        let role = match fit.role {
+            RecordRole::QuasiStatic => "quasi-static",
+            RecordRole::Dynamic => "dynamic",
+        };
+        let masked = facts.data.y.len() - facts.scored(0).len();
+        let masked =
+            if masked > 0 { format!(", {masked} samples masked as not valid") } else { String::new() };
+        let offset = match options.demands.fixed(super::static_step::OFFSET) {
+            Some(value) => format!("held at {value} {unit}"),
+            None => "estimated".to_owned(),
+        };
+        list.push(format!(
+            "{name}: {role}, {} samples{masked}, {start}; its offset was {offset}.",
+            facts.data.y.len()
+        ));
+        if fit.role == RecordRole::QuasiStatic {
+            let creep = result.structure.creeps.get(quasi_static).copied().unwrap_or(0.0);
+            let left_out = result.structure.left_out.get(quasi_static).copied().unwrap_or(0);
+            if creep != 0.0 {
+                list.push(format!(
+                    "{name}: a slow creep of {creep:.3} {unit} per e-fold of time was allowed for in the fit; it is not \
+                     part of the model and counts in the scores."
+                ));
+            }
+            if left_out > 0 {
+                list.push(format!(
+                    "{name}: its first {left_out} samples (rest, or a start that a model without lag cannot follow) were left \
+                     out of the fit and its scores."
+                ));
+            }
+            quasi_static += 1;
+        }
+    }
+    list
+}
+
+/// Number of clearly different loop amplitudes in all records together.
+pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usize {
+    let range = records.clone().map(RecordFacts::range_v).fold(0.0, f64::max);
+    let mut sizes: Vec<f64> = records
+        .flat_map(|facts| {
+            let turns = turning_points(&facts.data.u, SMALLEST_LOOP * range);
+            turns.windows(2).map(|w| (w[1].value - w[0].value).abs()).collect::<Vec<_>>()
+        })
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    let mut count = usize::from(!sizes.is_empty());
+    let mut last = sizes.first().copied().unwrap_or(0.0);
+    for size in sizes {
+        if size - last > ONE_AMPLITUDE * range {
+            count += 1;
+            last = size;
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hysteron_model::dynamics::Term;
+
+    #[test]
+    fn a_gain_at_rest_that_no_record_has_shown_is_said() {
+        // 1/(1 + T s) with T = 1/(2π) s: |G| = 1/√2 at 1 Hz, 0.995 at 0.1 Hz.
+        let term = |coefficient, order| Term { coefficient, order };
+        let lag = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 0.0), term(1.0 / TAU, 1.0)]);
+        let lag = lag.unwrap();
+        assert!(extrapolated_to_rest(&lag, 1.0).unwrap().contains("1.4 times that at 1 Hz"));
+        assert_eq!(extrapolated_to_rest(&lag, 0.1), None);
+        let integrator = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 1.0)]).unwrap();
+        assert_eq!(extrapolated_to_rest(&integrator, 1.0), None);
+    }
+}

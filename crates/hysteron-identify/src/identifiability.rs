@@ -1,0 +1,321 @@
+//! Which parameters of a joint fit its records determine, and which record would determine the others, in plain words.
+
+use super::RecordFacts;
+use super::findings::amplitudes;
+use super::joint::{Covariance, without_number};
+use super::result::{Finding, FindingKind, Identification, Parameter};
+use hysteron_model::hysteresis::Hysteresis;
+use hysteron_numeric::display::short;
+
+/// A standard error above this share of the parameter's scale leaves it undetermined.
+const UNDETERMINED: f64 = 0.5;
+/// Two estimates with a correlation above this can hardly be told apart.
+const INSEPARABLE: f64 = 0.99;
+/// Condition number of the unit-length Jacobian from which on the fit as a whole hangs on the noise.
+const ILL_CONDITIONED: f64 = 1e6;
+/// A delay is determined where its error is below this share of the fastest period.
+const SHARE_OF_PERIOD: f64 = 0.05;
+/// Loops that reach this share of what would saturate them hardly bend.
+const SHARE_OF_SATURATION: f64 = 0.05;
+/// A bend of the polynomial counts beside this share of the stroke.
+const SHARE_OF_STROKE: f64 = 0.02;
+/// A frequency this much above the fastest drive is asked for, where the sample rate allows it.
+const FASTER: f64 = 3.0;
+/// Highest share of the sample rate that a drive is asked for.
+const BELOW_NYQUIST: f64 = 0.2;
+/// Creep is asked to be watched this much longer than so far.
+const LONGER: f64 = 5.0;
+
+/// Verdict of the covariance of a joint fit.
+pub(super) fn verdict(
+    facts: &[RecordFacts],
+    result: &Identification,
+    covariance: &Covariance,
+) -> Vec<Finding> {
+    let advisor = Advisor::new(facts, result);
+    let mut findings = Vec::new();
+    let mut say = |text| findings.push(Finding { kind: FindingKind::Advice, topic: "identifiability", text });
+    // Where a record started says nothing of the device, and b, c₀, c₁ repeat what the other symbols say.
+    let of_device =
+        |p: &&Parameter| !p.held && p.block != "start" && !["b", "c0", "c1"].contains(&p.name.as_str());
+    let straight = far_from_saturation(result, advisor.range_v);
+    if straight {
+        say(format!(
+            "The loops are far from where the hysteresis would saturate: the records determine the products of alpha with \
+             beta and gamma, and linear − alpha, but none of the four by itself. Within the range of these records that is \
+             enough. {}",
+            advisor.help(&["alpha"])
+        ));
+    }
+    let explained = |name: &str| straight && ["alpha", "beta", "gamma", "linear"].contains(&name);
+    for p in result.parameters.iter().filter(of_device).filter(|p| !explained(&p.name)) {
+        let Some(error) = p.std_error else {
+            say(format!(
+                "{} is not determined by these records: it ended on the edge of its range. {}",
+                p.name,
+                advisor.help(&[&p.name])
+            ));
+            continue;
+        };
+        let share = error / advisor.scale(p);
+        if share > UNDETERMINED {
+            say(format!(
+                "{} is not determined by these records ({} ± {}). {}",
+                p.name,
+                short(p.value),
+                short(error),
+                advisor.help(&[&p.name])
+            ));
+        }
+    }
+    for group in inseparable(covariance) {
+        let names: Vec<&str> = group.names.iter().map(String::as_str).collect();
+        say(format!(
+            "{} can hardly be told apart by these records (correlation {:.4}): their errors make up for each other, so \
+             that none of them means much without the others. {}",
+            listed(&names),
+            group.correlation,
+            advisor.help(&names)
+        ));
+    }
+    if covariance.condition_number > ILL_CONDITIONED {
+        say(format!(
+            "The parameters as a whole hang on the noise (condition number {}): fix what is known of the device \
+             (--fix NAME=VALUE) or leave parameters out.",
+            short(covariance.condition_number)
+        ));
+    }
+    if findings.is_empty() {
+        findings.push(Finding {
+            kind: FindingKind::Verdict,
+            topic: "identifiability",
+            text: format!(
+                "Every parameter is determined by these records (condition number {:.0}; largest correlation {}).",
+                covariance.condition_number,
+                most_correlated(covariance)
+            ),
+        });
+    }
+    findings
+}
+
+/// Whether every loop is so small beside the saturation of the operator that only its first bend shows.
+fn far_from_saturation(result: &Identification, range_v: f64) -> bool {
+    let Hysteresis::BoucWen(operator) = &result.model.hysteresis else { return false };
+    let shape = operator.unit_shape();
+    let bend = (shape.beta + shape.gamma.abs()) * range_v.powf(shape.n);
+    operator.alpha != 0.0 && bend < SHARE_OF_SATURATION
+}
+
+/// Parameters that hang together.
+struct Group {
+    names: Vec<String>,
+    /// The strongest correlation among them.
+    correlation: f64,
+}
+
+/// Correlation of two estimates of which both have a standard error.
+fn correlation(covariance: &Covariance, i: usize, j: usize) -> f64 {
+    match (covariance.std_error(i), covariance.std_error(j)) {
+        (Some(a), Some(b)) => covariance.matrix[(i, j)] / (a * b),
+        _ => 0.0,
+    }
+}
+
+/// Groups of parameters joined by correlations above [`INSEPARABLE`].
+fn inseparable(covariance: &Covariance) -> Vec<Group> {
+    let count = covariance.names.len();
+    let mut taken = vec![false; count];
+    let mut groups = Vec::new();
+    for first in 0..count {
+        let mut members = vec![first];
+        let mut strongest = 0.0f64;
+        let mut next = 0;
+        while !taken[first] && next < members.len() {
+            for j in 0..count {
+                let c = correlation(covariance, members[next], j);
+                if j != members[next] && c.abs() > INSEPARABLE {
+                    if c.abs() > strongest.abs() {
+                        strongest = c;
+                    }
+                    if !members.contains(&j) {
+                        members.push(j);
+                    }
+                }
+            }
+            next += 1;
+        }
+        if members.len() > 1 {
+            members.sort_unstable();
+            for &m in &members {
+                taken[m] = true;
+            }
+            let names = members.iter().map(|&m| covariance.names[m].clone()).collect();
+            groups.push(Group { names, correlation: strongest });
+        }
+    }
+    groups
+}
+
+fn most_correlated(covariance: &Covariance) -> String {
+    let mut strongest = (0.0f64, 0, 0);
+    for i in 0..covariance.names.len() {
+        for j in 0..i {
+            let c = correlation(covariance, i, j);
+            if c.abs() > strongest.0.abs() {
+                strongest = (c, j, i);
+            }
+        }
+    }
+    let (c, i, j) = strongest;
+    format!("{c:.3} between {} and {}", covariance.names[i], covariance.names[j])
+}
+
+/// `a and b`, `a, b and c`.
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// Says which record would help.
+struct Advisor<'a> {
+    parameters: &'a [Parameter],
+    amplitudes: usize,
+    fastest_hz: f64,
+    rate_hz: f64,
+    range_v: f64,
+    longest_s: f64,
+}
+
+impl<'a> Advisor<'a> {
+    fn new(facts: &[RecordFacts], result: &'a Identification) -> Self {
+        let most = |of: &dyn Fn(&RecordFacts) -> f64| facts.iter().map(of).fold(0.0, f64::max);
+        let rate = |f: &RecordFacts| f.data.sample_rate_hz().unwrap_or(0.0);
+        Self {
+            parameters: &result.parameters,
+            amplitudes: amplitudes(facts.iter()),
+            fastest_hz: most(&RecordFacts::highest_frequency_hz),
+            rate_hz: most(&rate),
+            range_v: most(&RecordFacts::range_v),
+            longest_s: most(&|f| f.data.u.len() as f64 / rate(f).max(f64::MIN_POSITIVE)),
+        }
+    }
+
+    fn value(&self, name: &str) -> f64 {
+        self.parameters.iter().find(|p| p.name == name).map_or(0.0, |p| p.value.abs())
+    }
+
+    /// What the standard error of a parameter is compared with: its value, or what it would be noticed beside.
+    fn scale(&self, p: &Parameter) -> f64 {
+        let beside = match p.name.as_str() {
+            // The loop is shaped by β + γ going out and β − γ coming back: γ = 0 is a good answer.
+            "beta" | "gamma" => self.value("beta").max(self.value("gamma")),
+            "delay" => SHARE_OF_PERIOD / UNDETERMINED / self.fastest_hz.max(f64::MIN_POSITIVE),
+            name => match self.power(name) {
+                Some(power) if power > 1 => {
+                    SHARE_OF_STROKE * self.value("linear") / self.range_v.powi(power as i32 - 1)
+                }
+                _ => 0.0,
+            },
+        };
+        p.value.abs().max(beside)
+    }
+
+    fn power(&self, name: &str) -> Option<usize> {
+        (1..=super::HIGHEST_DEGREE).find(|&power| hysteron_model::model_file::polynomial_name(power) == name)
+    }
+
+    fn help(&self, names: &[&str]) -> String {
+        let has = |wanted: &dyn Fn(&str) -> bool| names.iter().any(|name| wanted(name));
+        let mut help: Vec<String> = Vec::new();
+        let hysteretic =
+            |name: &str| ["alpha", "beta", "gamma", "n"].contains(&name) || self.power(name).is_some();
+        if has(&hysteretic) {
+            help.push(if self.amplitudes <= 1 {
+                "a record with loops at half and a quarter of the amplitude".into()
+            } else if names.iter().any(|name| name.starts_with("memory_")) {
+                "a record that starts from a known state (after shrinking loops, or from a rest after them)"
+                    .into()
+            } else {
+                format!("slow loops over a wider range than {} V", short(self.range_v))
+            });
+        }
+        if has(&|name| {
+            ["natural_frequency", "damping", "order2", "order1", "lag", "share", "delay"]
+                .contains(&without_number(name))
+        }) {
+            help.push(self.faster());
+        }
+        if has(&|name| name.starts_with("creep") || name == "order0") {
+            help.push(format!(
+                "a slow record, or a step and hold, longer than {} s",
+                short(LONGER * self.longest_s)
+            ));
+        }
+        if help.is_empty() {
+            let name = names.first().copied().unwrap_or("NAME");
+            return format!(
+                "Add loops of other amplitudes, or hold it where it is known (--fix {name}=VALUE)."
+            );
+        }
+        format!("Add {}.", help.join(", and "))
+    }
+
+    /// The sweep that shows the flank of the resonance.
+    fn faster(&self) -> String {
+        let wanted =
+            (FASTER * self.fastest_hz).min(2.0 * self.value("natural_frequency").max(self.fastest_hz));
+        let possible = BELOW_NYQUIST * self.rate_hz;
+        if wanted <= possible {
+            format!("a sweep beyond {} Hz, up to {}", short(self.fastest_hz), short(wanted))
+        } else {
+            format!(
+                "a sweep up to {} Hz, sampled at {} Hz or more",
+                short(wanted),
+                short(wanted / BELOW_NYQUIST)
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    fn covariance(names: &[&str], correlations: &[f64]) -> Covariance {
+        let n = names.len();
+        let matrix = DMatrix::from_row_slice(n, n, correlations)
+            .map_with_location(|i, j, c| c * (i + 1) as f64 * (j + 1) as f64);
+        Covariance {
+            names: names.iter().map(|n| (*n).to_owned()).collect(),
+            values: vec![1.0; n],
+            matrix,
+            condition_number: 10.0,
+        }
+    }
+
+    #[test]
+    fn groups_hold_everything_that_hangs_together() {
+        // a with c and c with d, but not a with d; b alone.
+        let c = covariance(
+            &["a", "b", "c", "d"],
+            &[1., 0., -0.995, 0.98, 0., 1., 0., 0., -0.995, 0., 1., -0.999, 0.98, 0., -0.999, 1.],
+        );
+        let groups = inseparable(&c);
+        assert_eq!(groups.len(), 1);
+        assert_eq!(groups[0].names, ["a", "c", "d"]);
+        assert!((groups[0].correlation + 0.999).abs() < 1e-12);
+        assert_eq!(listed(&["a", "c", "d"]), "a, c and d");
+        assert_eq!(most_correlated(&c), "-0.999 between c and d");
+    }
+
+    #[test]
+    fn a_parameter_without_error_hangs_together_with_nothing() {
+        let c = covariance(&["a", "b"], &[1., 0., 0., 0.]);
+        assert!(inseparable(&c).is_empty());
+    }
+}

@@ -1,0 +1,337 @@
+//! Prediction bands: what the uncertainty of the parameters means for the output.
+//!
+//! The output is known to sd(t) = √(J(t) C J(t)ᵀ) with J its derivatives in all parameters and C their covariance; a
+//! measurement of it scatters by the residual beside that. Offset, drift and the memory of a new record are not part of it:
+//! the band is that of the output about its mean, as it is scored.
+
+use std::ops::Range;
+
+use super::super::IdentifyError;
+use super::super::layout::Role;
+use super::drive::fine_drive;
+use super::intervals::NORMAL_975;
+use super::knowledge::{Covariance, Knowledge};
+use super::problem::{JointLayout, JointProblem};
+use super::record::{Before, Ingredients, JointRecord};
+use hysteron_model::dynamics::{DynamicForm, Sampling, Scheme};
+use hysteron_model::hammerstein::Start;
+use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
+use hysteron_model::record::InterSample;
+use hysteron_optimize::{Bounds, Problem};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Rows worked on at a time.
+const ROWS: usize = 1024;
+
+/// How well the output for a drive is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PredictionBand {
+    /// Standard deviation of the model's output at each sample, from the uncertainty of the parameters \[output unit\].
+    pub std_dev: Vec<f64>,
+    /// Standard deviation of a measurement about the model: the residual of the records identified from \[output unit\].
+    pub noise: f64,
+}
+
+impl PredictionBand {
+    /// Half the width of the band that holds the model's true output with 95 % at each sample \[output unit\].
+    pub fn of_output(&self) -> Vec<f64> {
+        self.std_dev.iter().map(|sd| NORMAL_975 * sd).collect()
+    }
+
+    /// Half the width of the band that holds a measurement with 95 % at each sample \[output unit\].
+    pub fn of_measurement(&self) -> Vec<f64> {
+        self.std_dev.iter().map(|sd| NORMAL_975 * sd.hypot(self.noise)).collect()
+    }
+}
+
+/// What a joint fit knows of the output for any drive.
+#[derive(Clone, Debug)]
+pub struct OutputUncertainty {
+    hysteresis: HysteresisForm,
+    form: DynamicForm,
+    /// Without the memory of the records, which comes last in `x`.
+    layout: JointLayout,
+    bounds: Bounds,
+    x: Vec<f64>,
+    /// Coefficients of u, u², … and weights.
+    coefficients: Vec<f64>,
+    /// Of the eliminated coefficients and `x`, in the fit's own symbols.
+    covariance: DMatrix<f64>,
+    scheme: Scheme,
+    inter_sample: InterSample,
+    noise: f64,
+}
+
+impl OutputUncertainty {
+    /// `noise`: standard deviation of the residuals.
+    pub(super) fn new(
+        problem: &JointProblem,
+        form: &DynamicForm,
+        x: &[f64],
+        known: &Knowledge,
+        (scheme, inter_sample): (Scheme, InterSample),
+        noise: f64,
+    ) -> Self {
+        let mut layout = problem.layout().clone();
+        let memories = layout.memory.iter().filter(|role| matches!(role, Role::Searched(_))).count();
+        layout.memory.clear();
+        let kept = x.len() - memories;
+        let all = known.covariance.values.len() - memories;
+        Self {
+            hysteresis: problem.hysteresis(),
+            form: *form,
+            layout,
+            bounds: Bounds { ranges: problem.bounds().ranges[..kept].to_vec() },
+            x: x[..kept].to_vec(),
+            coefficients: known.linearisation.coefficients.clone(),
+            covariance: known.covariance.matrix.view((0, 0), (all, all)).into_owned(),
+            scheme,
+            inter_sample,
+            noise,
+        }
+    }
+
+    /// Band of the output for `drive` \[V\].
+    ///
+    /// # Errors
+    /// [`IdentifyError::Simulation`] or [`IdentifyError::Dynamics`] where the drive cannot be simulated;
+    /// [`IdentifyError::NotPeriodic`] for a settled start of a drive that is not a whole number of periods.
+    pub fn band(
+        &self,
+        drive: &[f64],
+        sample_rate_hz: f64,
+        start: &Start,
+    ) -> Result<PredictionBand, IdentifyError> {
+        let weights = self.coefficients.get(self.layout.polynomial.len()..).unwrap_or_default();
+        let (before, memory) = match *start {
+            Start::Rest { voltage_v } => (Before::Rest { voltage_v }, 0.0),
+            Start::Remembering { memory, .. } => {
+                (Before::Remembering, self.hysteresis.memory_of_columns(memory.value(), weights))
+            }
+            Start::Settled { period_samples } => {
+                if period_samples == 0 || !drive.len().is_multiple_of(period_samples) {
+                    return Err(IdentifyError::NotPeriodic {
+                        record: "drive".into(),
+                        found: format!(
+                            "{} samples are not a whole number of periods of {period_samples} samples",
+                            drive.len()
+                        ),
+                    });
+                }
+                (Before::Periodic, 0.0)
+            }
+        };
+        let ends = if before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+        let (fine, thinning) = fine_drive(drive, self.scheme, self.inter_sample, ends)?;
+        let record = JointRecord::new(Ingredients {
+            drive: fine.as_deref().unwrap_or(drive),
+            thinning,
+            factor: 1,
+            output: vec![0.0; drive.len()],
+            weight: vec![1.0; drive.len()],
+            before,
+            transients: false,
+            offset_is_held: false,
+            nuisance: Vec::new(),
+            degree: self.layout.polynomial.len(),
+            sample_rate_hz,
+            scheme: self.scheme,
+            sampling: Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) },
+        })?;
+        let layout = JointLayout { memory: vec![Role::Fixed(memory)], ..self.layout.clone() };
+        let problem = JointProblem::new(
+            vec![record].into(),
+            (self.hysteresis, self.form),
+            layout,
+            self.bounds.clone(),
+            String::new(),
+        );
+        let std_dev = problem.linearise_at(&self.x, &self.coefficients).map_or_else(
+            || vec![f64::NAN; drive.len()],
+            |at| deviations(&[&at.linear, &at.searched], drive.len(), 0..drive.len(), &self.covariance),
+        );
+        Ok(PredictionBand { std_dev, noise: self.noise })
+    }
+}
+
+/// Bands of the records identified from, out of the linearisation that the covariance came from; `noise` of each.
+pub(super) fn of_records(problem: &JointProblem, known: &Knowledge, noise: &[f64]) -> Vec<PredictionBand> {
+    let at = &known.linearisation;
+    let Covariance { matrix, .. } = &known.covariance;
+    let total = at.residuals.len();
+    (problem.records().iter().enumerate().zip(noise))
+        .map(|((index, record), &noise)| {
+            let mut std_dev = deviations(&[&at.linear, &at.searched], total, problem.rows(index), matrix);
+            // Derivatives are weighted; where a sample does not count, the one before stands for it.
+            let mut last =
+                std_dev.iter().zip(&record.weight).find(|(_, w)| **w > 0.0).map_or(0.0, |(s, w)| s / w);
+            for (sd, weight) in std_dev.iter_mut().zip(&record.weight) {
+                if *weight > 0.0 {
+                    last = *sd / weight;
+                }
+                *sd = last;
+            }
+            PredictionBand { std_dev, noise }
+        })
+        .collect()
+}
+
+/// √(J C Jᵀ) row by row over `rows` of a Jacobian whose columns, `total` long, follow one another in `blocks`.
+fn deviations(blocks: &[&[f64]], total: usize, rows: Range<usize>, covariance: &DMatrix<f64>) -> Vec<f64> {
+    let columns: Vec<&[f64]> =
+        blocks.iter().flat_map(|b| b.chunks_exact(total)).map(|c| &c[rows.clone()]).collect();
+    let mut deviations = vec![0.0; rows.len()];
+    deviations.par_chunks_mut(ROWS).enumerate().for_each(|(chunk, variance)| {
+        let part = |j: usize| &columns[j][chunk * ROWS..][..variance.len()];
+        let mut image = vec![0.0; variance.len()];
+        let mut sum = vec![0.0; variance.len()];
+        for i in 0..columns.len() {
+            // C is symmetric: what is beside its diagonal counts twice.
+            image.fill(0.0);
+            for j in 0..=i {
+                let c = covariance[(i, j)] * if i == j { 1.0 } else { 2.0 };
+                if c != 0.0 {
+                    image.iter_mut().zip(part(j)).for_each(|(to, x)| *to += c * x);
+                }
+            }
+            sum.iter_mut().zip(part(i)).zip(&image).for_each(|((v, x), y)| *v += x * y);
+        }
+        variance.iter_mut().zip(sum).for_each(|(sd, v)| *sd = v.max(0.0).sqrt());
+    });
+    deviations
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hysteron_model::dynamics::{Creep, Dynamics, Modes};
+    use hysteron_model::hammerstein::Model;
+    use hysteron_model::hysteresis::{BoucWen, Hysteresis, UnitShape};
+    use hysteron_optimize::Range;
+    use rand::Rng;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::SeedableRng;
+    use std::f64::consts::TAU;
+
+    /// Sum of twelve uniform numbers: mean 0, variance 1.
+    fn normal(rng: &mut Xoshiro256PlusPlus) -> f64 {
+        (0..12).map(|_| (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64).sum::<f64>() - 6.0
+    }
+
+    #[test]
+    fn agrees_with_simulations_of_drawn_parameters() {
+        let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
+        let names = ["beta", "gamma", "natural_frequency", "damping", "order2", "order1", "delay"];
+        let p = [2.0, 0.02, -1.2, 0.35, 0.1, 120.0, 0.4, 1.9, 0.9, 0.0034];
+        // Errors of half a percent, each correlated with the next.
+        let root = DMatrix::from_fn(p.len(), p.len(), |i, j| match i.wrapping_sub(j) {
+            0 => 5e-3 * p[i],
+            1 => 3e-3 * p[i],
+            _ => 0.0,
+        });
+        let known = OutputUncertainty {
+            hysteresis: HysteresisForm::BoucWen,
+            form,
+            layout: JointLayout {
+                polynomial: vec![Role::Projected; 2],
+                weights: vec![Role::Projected],
+                shape: vec![Role::Searched(0), Role::Searched(1), Role::Fixed(1.0)],
+                form: (2..6).map(Role::Searched).collect(),
+                delay: Role::Searched(6),
+                memory: Vec::new(),
+            },
+            bounds: Bounds { ranges: names.map(|name| Range::linear(name, -1e3, 1e3)).to_vec() },
+            x: p[3..].to_vec(),
+            coefficients: p[..3].to_vec(),
+            covariance: &root * root.transpose(),
+            scheme: Scheme::BandLimited,
+            inter_sample: InterSample::Linear,
+            noise: 0.1,
+        };
+        let drive: Vec<f64> = (0..250)
+            .map(|k| 5.0 - 5.0 * (TAU * k as f64 / 100.0).cos() * (1.0 - 0.3 * (k as f64 * 0.02).sin()))
+            .collect();
+        let start = Start::Rest { voltage_v: drive[0] };
+        let band = known.band(&drive, 1000.0, &start).unwrap();
+
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+        let (mut sum, mut square) = (vec![0.0; drive.len()], vec![0.0; drive.len()]);
+        let draws = 1500;
+        for _ in 0..draws {
+            let xi: Vec<f64> = p.iter().map(|_| normal(&mut rng)).collect();
+            let q: Vec<f64> = (0..p.len())
+                .map(|i| p[i] + (0..p.len()).map(|j| root[(i, j)] * xi[j]).sum::<f64>())
+                .collect();
+            let shape = UnitShape { beta: q[3], gamma: q[4], n: 1.0 };
+            let model = Model {
+                hysteresis: Hysteresis::BoucWen(BoucWen::from_unit(q[..2].to_vec(), q[2], shape).unwrap()),
+                dynamics: Dynamics::Fractional(form.transfer_function(&q[5..9]).unwrap()),
+                offset: 0.0,
+                delay_s: q[9],
+                scheme: Scheme::BandLimited,
+                inter_sample: InterSample::Linear,
+                sample_rate_hz: None,
+            };
+            let y = model.simulate(&drive, Some(1000.0), &start).unwrap();
+            let mean = y.iter().sum::<f64>() / y.len() as f64;
+            for ((s, q), y) in sum.iter_mut().zip(&mut square).zip(&y) {
+                *s += y - mean;
+                *q += (y - mean).powi(2);
+            }
+        }
+        let n = f64::from(draws);
+        for (k, sd) in band.std_dev.iter().enumerate() {
+            let drawn = ((square[k] - sum[k] * sum[k] / n) / (n - 1.0)).sqrt();
+            assert!((sd / drawn - 1.0).abs() < 0.1, "{k}: {sd} {drawn}");
+        }
+        let (output, measured) = (band.of_output(), band.of_measurement());
+        assert!((output[9] / band.std_dev[9] - 1.96).abs() < 1e-4);
+        assert!((measured[9] - 1.96 * band.std_dev[9].hypot(0.1)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn deviations_are_the_quadratic_form_of_each_row() {
+        let rows = 2 * ROWS + 37;
+        let j = DMatrix::from_fn(rows, 3, |k, c| (k as f64 * (0.03 + 0.1 * c as f64)).cos());
+        let root = DMatrix::from_fn(3, 3, |a, b| 0.3 * a as f64 - 0.7 * b as f64 + f64::from(a == b));
+        let covariance = &root * root.transpose();
+        let within = 5..rows - 7;
+        let (first, others) = j.as_slice().split_at(rows);
+        let found = deviations(&[first, others], rows, within.clone(), &covariance);
+        for (k, sd) in within.zip(found) {
+            let variance = (j.row(k) * &covariance * j.row(k).transpose())[(0, 0)];
+            assert!((sd * sd - variance).abs() < 1e-13 * (1.0 + variance), "{k}: {sd}");
+        }
+    }
+
+    #[test]
+    fn refuses_a_settled_start_of_broken_periods() {
+        let known = OutputUncertainty {
+            hysteresis: HysteresisForm::BoucWen,
+            form: DynamicForm { modes: Modes::None, creep: Creep::None },
+            layout: JointLayout {
+                polynomial: vec![Role::Projected],
+                weights: vec![Role::Fixed(0.0)],
+                shape: [0.0, 0.0, 1.0].map(Role::Fixed).into(),
+                form: Vec::new(),
+                delay: Role::Fixed(0.0),
+                memory: Vec::new(),
+            },
+            bounds: Bounds { ranges: Vec::new() },
+            x: Vec::new(),
+            coefficients: vec![2.0, 0.0],
+            covariance: DMatrix::from_element(1, 1, 0.01),
+            scheme: Scheme::Tustin,
+            inter_sample: InterSample::Linear,
+            noise: 0.0,
+        };
+        let broken = known.band(&[0.0, 1.0, 0.0], 10.0, &Start::Settled { period_samples: 2 });
+        assert!(matches!(broken, Err(IdentifyError::NotPeriodic { .. })));
+        // y = c u: the error of c times the drive about its mean.
+        let band = known.band(&[0.0, 1.0, 5.0], 10.0, &Start::Rest { voltage_v: 0.0 }).unwrap();
+        for (sd, expected) in band.std_dev.iter().zip([0.2, 0.1, 0.3]) {
+            assert!((sd - expected).abs() < 1e-9, "{sd} {expected}");
+        }
+    }
+}

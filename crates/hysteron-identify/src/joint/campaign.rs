@@ -1,0 +1,170 @@
+//! The records of a joint fit: what came before each, how noisy it is, at what rate it is worked on.
+
+use super::super::options::{Initial, Options};
+use super::super::static_step::{self, OFFSET};
+use super::super::{Engine, IdentifyError, RecordFacts};
+use super::drive::fine_drive;
+use super::record::{Before, Ingredients, JointRecord};
+use hysteron_model::dynamics::{Sampling, Scheme};
+use hysteron_model::hammerstein::Start;
+use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
+use hysteron_model::record::{noise_floor, quantisation_step};
+
+/// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a record, when it is
+/// reduced.
+const SAMPLES_A_SWING: usize = 12;
+const SAMPLES_A_RECORD: usize = 2000;
+/// A record without visible noise is taken to be right to this share of its stroke.
+const LEAST_NOISE: f64 = 1e-6;
+/// A first sample off 0 V by more than this share of the range may be a start from 0 V.
+const JUMP: f64 = 0.02;
+
+/// One record of a joint fit.
+#[derive(Debug)]
+pub(in super::super) struct JointMember<'a> {
+    pub(in super::super) facts: &'a RecordFacts,
+    pub(in super::super) before: Before,
+    /// Motion left over from before the record is allowed for.
+    pub(in super::super) transients: bool,
+    /// Standard deviation of the output's noise \[output unit\].
+    pub(in super::super) noise: f64,
+    /// Every how many samples one is worked on while searching.
+    pub(in super::super) factor: usize,
+    pub(in super::super) rate_hz: f64,
+}
+
+impl<'a> JointMember<'a> {
+    pub(super) fn duration_s(&self) -> f64 {
+        self.facts.data.u.len() as f64 / self.rate_hz
+    }
+
+    pub(in super::super) fn new(
+        facts: &'a RecordFacts,
+        options: &Options,
+        engine: &mut Engine<'_>,
+    ) -> Result<Self, IdentifyError> {
+        let rate_hz = facts.require_sample_rate()?;
+        let first = facts.data.u[0];
+        let (before, transients) = match options.initial {
+            Initial::Rest => (Before::Remembering, false),
+            Initial::Free => (Before::Remembering, true),
+            Initial::Zero => (Before::Rest { voltage_v: 0.0 }, false),
+            Initial::Periodic => (periodic(facts)?, false),
+            Initial::Auto if first.abs() > JUMP * facts.range_v() => {
+                match static_step::choose_start(facts, options, engine)? {
+                    Start::Rest { voltage_v } if voltage_v != first => (Before::Rest { voltage_v }, false),
+                    _ => (Before::Remembering, false),
+                }
+            }
+            Initial::Auto => (Before::Remembering, false),
+        };
+        let floor = noise_floor(&facts.data, facts.periods.as_ref()).map_or(0.0, |floor| floor.rms);
+        // A converter's steps are uniform noise of step/√12 that differences of a slow signal do not show.
+        let step = quantisation_step(&facts.data.y).unwrap_or(0.0) / 12f64.sqrt();
+        let noise = floor.max(step).max(LEAST_NOISE * facts.stroke());
+        let whole = facts.scored(0).len() == facts.data.y.len();
+        let factor = if whole { reduction(facts, before) } else { 1 };
+        Ok(Self { facts, before, transients, noise, factor, rate_hz })
+    }
+
+    /// The same record, seen through `facts` with other samples valid.
+    pub(in super::super) fn masked<'b>(&self, facts: &'b RecordFacts) -> JointMember<'b> {
+        let Self { before, transients, noise, factor, rate_hz, .. } = *self;
+        JointMember { facts, before, transients, noise, factor, rate_hz }
+    }
+
+    /// The record as the fit sees it. `reduced`: at its lower rate. `scale` times 1/noise is its weight.
+    pub(in super::super) fn prepare(
+        &self,
+        reduced: bool,
+        scale: f64,
+        degree: usize,
+        options: &Options,
+    ) -> Result<JointRecord, IdentifyError> {
+        let factor = if reduced { self.factor } else { 1 };
+        // A thinned record is band-limited, whatever the scheme of the whole.
+        let scheme = if factor > 1 { Scheme::BandLimited } else { options.scheme() };
+        let data = &self.facts.data;
+        let samples = data.y.len();
+        let held = options.demands.fixed(OFFSET);
+        let output: Vec<f64> = data.y.iter().map(|y| y - held.unwrap_or(0.0)).collect();
+        let mut weight = vec![scale / self.noise; samples];
+        if let Some(valid) = &data.valid {
+            weight.iter_mut().zip(valid).filter(|(_, valid)| !**valid).for_each(|(weight, _)| *weight = 0.0);
+        }
+        let mut nuisance = Vec::new();
+        if options.drift {
+            nuisance.push((0..samples).map(|k| k as f64 / samples as f64 - 0.5).collect());
+        }
+        let ends = if self.before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+        let (fine, thinning) = fine_drive(&data.u, scheme, options.inter_sample, ends)?;
+        Ok(JointRecord::new(Ingredients {
+            drive: fine.as_ref().unwrap_or(&data.u),
+            thinning,
+            factor,
+            output,
+            weight,
+            before: self.before,
+            transients: self.transients,
+            offset_is_held: held.is_some(),
+            nuisance,
+            degree,
+            sample_rate_hz: self.rate_hz,
+            scheme,
+            sampling: Sampling { reconstruction: options.inter_sample, ..Sampling::of(scheme) },
+        })?)
+    }
+
+    /// The start that is tried first where nothing is known of the record's memory.
+    pub(in super::super) fn fresh_start(&self) -> Start {
+        match self.before {
+            Before::Rest { voltage_v } => Start::Rest { voltage_v },
+            Before::Remembering => Start::Rest { voltage_v: self.facts.data.u[0] },
+            Before::Periodic => self.settled(),
+        }
+    }
+
+    fn settled(&self) -> Start {
+        Start::Settled { period_samples: self.facts.period_samples().unwrap_or(self.facts.data.u.len()) }
+    }
+
+    /// The start for the identified model; `memory` as it is searched \[V\].
+    pub(in super::super) fn start(&self, hysteresis: &Hysteresis, memory: f64) -> Start {
+        match self.before {
+            Before::Rest { voltage_v } => Start::Rest { voltage_v },
+            Before::Remembering => {
+                let own = hysteresis.form().own_memory(memory, &hysteresis.weights());
+                Start::Remembering { voltage_v: self.facts.data.u[0], memory: hysteresis.memory(own) }
+            }
+            Before::Periodic => self.settled(),
+        }
+    }
+}
+
+/// The record must repeat from its first sample to its last.
+fn periodic(facts: &RecordFacts) -> Result<Before, IdentifyError> {
+    let samples = facts.data.u.len();
+    match facts.period_samples() {
+        Some(period) if period > 0 && samples.is_multiple_of(period) => Ok(Before::Periodic),
+        Some(period) => Err(IdentifyError::NotPeriodic {
+            record: facts.data.name.clone(),
+            found: format!("{samples} samples are not a whole number of its periods of {period} samples"),
+        }),
+        None => Err(IdentifyError::NotPeriodic {
+            record: facts.data.name.clone(),
+            found: "the drive does not repeat from its first sample on".into(),
+        }),
+    }
+}
+
+/// By how much a record can be thinned and still show every swing of its drive. A jump into the record is not band-limited,
+/// and what tells of it is in the first samples.
+fn reduction(facts: &RecordFacts, before: Before) -> usize {
+    let samples = facts.data.u.len();
+    let most = (facts.shortest_swing / SAMPLES_A_SWING).min(samples / SAMPLES_A_RECORD).max(1);
+    match before {
+        Before::Rest { voltage_v } if voltage_v != facts.data.u[0] => 1,
+        Before::Periodic => (1..=most).rev().find(|&factor| samples.is_multiple_of(factor)).unwrap_or(1),
+        Before::Rest { .. } | Before::Remembering => most,
+    }
+}

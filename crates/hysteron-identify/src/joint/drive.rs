@@ -1,0 +1,69 @@
+//! The drive as the hysteresis runs over it, and how the samples at its own rate follow from what that puts out.
+
+use hysteron_model::dynamics::Scheme;
+use hysteron_model::hammerstein::{FINER, SimulationError, joins_means};
+use hysteron_model::hysteresis::{RecordEnds, polygon_of_means};
+use hysteron_model::record::InterSample;
+
+/// How the samples at the record's own rate come from those of the fine drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum Thinning {
+    /// Every so many samples.
+    Pick(usize),
+    /// The drive is twice as fine: each sample allows for the mean of the curve beside it ([`polygon_of_means`]).
+    Means,
+}
+
+impl Thinning {
+    /// Every how many samples of the fine drive the operator puts one out.
+    pub(super) fn every(self) -> usize {
+        match self {
+            Self::Pick(factor) => factor,
+            // Means need every one.
+            Self::Means => 1,
+        }
+    }
+
+    /// By how much the fine drive is finer than the record.
+    pub(super) fn finer(self) -> usize {
+        match self {
+            Self::Pick(factor) => factor,
+            Self::Means => 2,
+        }
+    }
+
+    /// Samples at the record's rate.
+    pub(super) fn samples(self, drive: usize) -> usize {
+        match self {
+            Self::Pick(factor) => drive.div_ceil(factor),
+            Self::Means => drive.div_ceil(2),
+        }
+    }
+
+    /// A function of the fine drive at the record's rate.
+    pub(super) fn apply(self, fine: &[f64], out: &mut [f64]) {
+        match self {
+            Self::Pick(factor) => {
+                out.iter_mut().zip(fine.iter().step_by(factor)).for_each(|(o, x)| *o = *x);
+            }
+            Self::Means => polygon_of_means(fine, out),
+        }
+    }
+}
+
+/// The drive on the grid that the hysteresis runs over (`None`: its own), and how its samples follow from that.
+pub(super) fn fine_drive(
+    drive: &[f64],
+    scheme: Scheme,
+    inter_sample: InterSample,
+    ends: RecordEnds,
+) -> Result<(Option<Vec<f64>>, Thinning), SimulationError> {
+    let (finer, thinning) = if joins_means(scheme, inter_sample) {
+        (2, Thinning::Means)
+    } else if inter_sample == InterSample::BandLimited {
+        (FINER, Thinning::Pick(FINER))
+    } else {
+        return Ok((None, Thinning::Pick(1)));
+    };
+    Ok((Some(inter_sample.upsample(drive, finer, ends)?), thinning))
+}

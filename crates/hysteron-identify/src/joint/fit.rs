@@ -1,0 +1,412 @@
+//! From records to a model in one fit: reduced records from many starts, then all samples from the best.
+
+use super::super::engine::{Engine, Search};
+use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
+use super::super::result::{Identification, RecordFit, Reduction, StructureChoice};
+use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE, OFFSET};
+use super::super::uncertainty::correlation_time;
+use super::super::{IdentifyError, RecordFacts, findings};
+use super::band::{self, OutputUncertainty};
+use super::campaign::JointMember;
+use super::intervals::intervals;
+use super::knowledge::{self, Covariance};
+use super::parameters;
+use super::problem::{JointProblem, JointSolution};
+use super::setup::{self, JointSetup, memory_name};
+use super::smoothing::smoothed;
+use super::starts::Starts;
+use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::model_file::polynomial_name;
+use hysteron_model::validate::{Scoring, mean_residual, score};
+use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
+use rayon::prelude::*;
+
+/// Degree that the starts are tried with where it is chosen from the data.
+pub(super) const DEGREE_OF_STARTS: usize = 3;
+/// Residuals worth less than this share of their samples are far from white.
+const WHITE: f64 = 0.5;
+/// Starts that must end in the same optimum.
+const AGREEMENT: usize = 3;
+/// Starts with fitted dynamics, beside the best one as it is, before any other.
+const FIRST_STARTS: usize = 2;
+
+/// Identifies both blocks from all records at once.
+pub(in super::super) fn identify(
+    facts: &[RecordFacts],
+    roles: &[RecordRole],
+    options: &Options,
+    mut engine: Engine<'_>,
+) -> Result<Identification, IdentifyError> {
+    let form = setup::form(options);
+    check_demands(options, &form, facts.len())?;
+    let members: Vec<JointMember<'_>> =
+        facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
+    let options = &Options { scheme: Choice::Given(setup::scheme(options, &members)), ..options.clone() };
+    let mut setup = JointSetup::new(&members, form, options);
+    let reduced = members.iter().any(|member| member.factor > 1);
+
+    let first_degree = match options.degree {
+        Choice::Given(degree) => degree,
+        Choice::Auto => DEGREE_OF_STARTS,
+    };
+    let problem = setup.problem(first_degree, reduced)?;
+    let mut search = search_globally(&problem, &setup, &mut engine)?;
+    if options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None {
+        let creeping = setup.with(DynamicForm { creep: Creep::Fractional, ..form }, options);
+        if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, &mut engine)? {
+            (setup, search) = (creeping, better);
+        }
+    }
+    let form = setup.form;
+    let mut degrees = Vec::new();
+    let mut degree = first_degree;
+    let mut best = search.outcome.best.clone();
+    if options.degree == Choice::Auto {
+        (degree, best) = choose_degree(&setup, reduced, &search, &mut engine, &mut degrees)?;
+    }
+    let small = if reduced { Some(setup.problem(degree, true)?) } else { None };
+    let at_small = best.clone();
+    let (problem, x, mut reduction) = if let Some(small) = &small {
+        let whole = setup.problem(degree, false)?;
+        let polished = engine.quick_fit("all samples", &whole, vec![best.clone()])?;
+        let reduction = Reduction { samples: whole.residual_count(), searched: small.valid(), moved: 0.0 };
+        search.outcome.cost = polished.outcome.cost;
+        search.outcome.best.clone_from(&polished.outcome.best);
+        (whole, polished.outcome.best, Some(reduction))
+    } else {
+        let whole = setup.problem(degree, false)?;
+        search.outcome.cost = whole.cost(&best, &mut whole.workspace());
+        search.outcome.best.clone_from(&best);
+        (whole, best, None)
+    };
+    let smoothed = smoothed(&problem, &x);
+    let (linearisation, known_small) = rayon::join(
+        || match &smoothed {
+            Some((coefficients, _)) => problem.linearise_at(&x, coefficients),
+            None => problem.linearise(&x),
+        },
+        || small.as_ref().and_then(|small| knowledge::knowledge(small, &at_small)),
+    );
+    let solution = match &linearisation {
+        Some(linearisation) => problem.solution(&x, &linearisation.coefficients),
+        None => problem.solve(&x),
+    }
+    .ok_or(OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
+    let mut model = assemble(&solution, &form, &members, options)?;
+
+    let (fits, known) = rayon::join(
+        || simulated(&mut model, &solution, &members, roles, options),
+        || linearisation.and_then(|linearisation| knowledge::knowledge_of(&problem, &x, linearisation)),
+    );
+    let mut fits = fits?;
+    findings::require_fit(&fits, facts, options)?;
+    let own = known.as_ref().map(|known| &known.covariance);
+    if let (Some(reduction), Some(own)) = (&mut reduction, own) {
+        reduction.moved = moved(own, &x, &at_small);
+    }
+    let noise: Vec<f64> = fits.iter().map(|fit| fit.scores.rmse).collect();
+    let output_uncertainty = known.as_ref().map(|known| {
+        for (fit, band) in fits.iter_mut().zip(band::of_records(&problem, known, &noise)) {
+            fit.band = Some(band);
+        }
+        let samples: f64 = fits.iter().map(|fit| fit.scores.samples as f64).sum();
+        let square: f64 = fits.iter().map(|fit| fit.scores.samples as f64 * fit.scores.rmse.powi(2)).sum();
+        let schemes = (options.scheme(), options.inter_sample);
+        OutputUncertainty::new(&problem, &form, &x, known, schemes, (square / samples).sqrt())
+    });
+    let covariance = own.map(|own| parameters::in_article_symbols(own, &problem, &solution));
+    let of_numbers = own.and_then(|own| parameters::of_numbers(own, &problem, &solution, &form));
+    let covariances = (covariance.as_ref(), of_numbers.as_ref());
+    let mut parameters = parameters::parameters(&solution, &form, &problem, covariances, &model);
+    let structure = StructureChoice {
+        degrees,
+        degree,
+        delay_and_lag_from_start: false,
+        creeps: Vec::new(),
+        left_out: Vec::new(),
+        smoothing: smoothed.map(|(_, smoothing)| smoothing),
+    };
+    if let Some(known) = &known {
+        let found = match (&small, &known_small) {
+            // The likelihood of weights that are drawn together is not that of the records.
+            _ if structure.smoothing.is_some() => Vec::new(),
+            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance),
+            (Some(_), None) => Vec::new(),
+            (None, _) => intervals(&problem, known, &known.covariance),
+        };
+        parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
+    }
+    let mut identification = Identification {
+        method: Method::Joint,
+        model,
+        parameters,
+        correlations: covariance.iter().map(|c| c.correlation("joint fit")).collect(),
+        bounds: vec![problem.bounds().clone()],
+        searches: vec![search],
+        records: fits,
+        structure,
+        covariance,
+        of_numbers,
+        output_uncertainty,
+        reduction,
+        findings: Vec::new(),
+        treatment: Vec::new(),
+        excited_hz: super::super::campaign::excited(facts),
+        cancelled: engine.cancelled,
+        resume: engine.searches(),
+    };
+    findings::write(facts, options, &mut identification);
+    Ok(identification)
+}
+
+/// The model's simulation of every record. Where the offset is free, the model's own is that of its first record.
+fn simulated(
+    model: &mut Model,
+    solution: &JointSolution,
+    members: &[JointMember<'_>],
+    roles: &[RecordRole],
+    options: &Options,
+) -> Result<Vec<RecordFit>, IdentifyError> {
+    let simulate = |(index, member): (usize, &JointMember<'_>)| {
+        let data = &member.facts.data;
+        let start = member.start(&solution.hysteresis, solution.memory[index]);
+        model.simulate(&data.u, data.sample_rate_hz(), &start).map(|simulated| (start, simulated))
+    };
+    // The first error in the order of the records, whatever the threads.
+    let outputs: Vec<_> = members.par_iter().enumerate().map(simulate).collect();
+    let mut outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
+    if options.demands.fixed(OFFSET).is_none() {
+        model.offset = mean_residual(&members[0].facts.data, &outputs[0].1)?;
+        outputs.iter_mut().flat_map(|(_, simulated)| simulated).for_each(|y| *y += model.offset);
+    }
+    let fits: Vec<_> = members
+        .par_iter()
+        .zip(roles)
+        .zip(outputs)
+        .map(|((member, role), (start, simulated))| {
+            let data = member.facts.data.clone();
+            let scores = score(&data, &simulated, &Scoring::default())?;
+            Ok(RecordFit { data, role: *role, start, scores, simulated, band: None })
+        })
+        .collect();
+    fits.into_iter().collect()
+}
+
+/// A few good starts; where they disagree all others, and where these disagree a population search on a twentieth of its
+/// usual budget, polished.
+fn search_globally(
+    problem: &JointProblem,
+    setup: &JointSetup<'_>,
+    engine: &mut Engine<'_>,
+) -> Result<Search, IdentifyError> {
+    if let Some(algorithm) = &setup.options.algorithm {
+        let mut search = engine.search("joint fit", problem, setup.guesses(problem)?)?;
+        if algorithm.name() != "least-squares" && !engine.cancelled {
+            let best = search.outcome.best.clone();
+            let polished = engine.quick_fit("joint fit, polished", problem, vec![best])?.outcome;
+            (search.outcome.best, search.outcome.cost) = (polished.best, polished.cost);
+        }
+        return Ok(search);
+    }
+    let mut search = if setup.options.start.is_some() {
+        engine.search("joint fit", problem, setup.guesses(problem)?)?
+    } else {
+        search_from_places(problem, setup, engine)?
+    };
+    if agreeing(&search) >= AGREEMENT || engine.cancelled {
+        return Ok(search);
+    }
+    let population = Algorithm::DeAbc(DeAbcOptions::default());
+    let generations = (setup.options.generations / 20).max(5);
+    let starts = vec![search.outcome.best.clone()];
+    let wide = engine.run_for("joint fit, population", problem, &population, starts, generations)?;
+    search.outcome.evaluations += wide.outcome.evaluations;
+    let starts = vec![wide.outcome.best];
+    take_better(&mut search, engine.quick_fit("joint fit, population polished", problem, starts)?);
+    Ok(search)
+}
+
+/// Fits from the first few places; from all others where these disagree.
+fn search_from_places(
+    problem: &JointProblem,
+    setup: &JointSetup<'_>,
+    engine: &mut Engine<'_>,
+) -> Result<Search, IdentifyError> {
+    let places = setup.places(problem, engine)?;
+    let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
+    points.extend(setup.unfitted(problem, &places));
+    let mut search = engine.fit_from("joint fit", problem, points)?;
+    search.outcome.evaluations += places.evaluations + evaluations;
+    if agreeing(&search) >= AGREEMENT || engine.cancelled {
+        return Ok(search);
+    }
+    let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
+    search.outcome.evaluations += others.evaluations;
+    take_better(&mut search, engine.search("joint fit, other starts", problem, others.points)?);
+    Ok(search)
+}
+
+/// Takes what `other` found where it is better, and its starts beside those of `search`.
+fn take_better(search: &mut Search, other: Search) {
+    search.outcome.evaluations += other.outcome.evaluations;
+    search.outcome.generations += other.outcome.generations;
+    search.outcome.starts.extend(other.outcome.starts);
+    if other.outcome.cost < search.outcome.cost {
+        (search.outcome.best, search.outcome.cost) = (other.outcome.best, other.outcome.cost);
+    }
+}
+
+/// The same dynamics with a creep factor, where the residuals are far from white and the evidence for it is very strong.
+fn try_creep(
+    plain: &JointProblem,
+    found: &Search,
+    setup: &JointSetup<'_>,
+    degree: usize,
+    reduced: bool,
+    engine: &mut Engine<'_>,
+) -> Result<Option<Search>, IdentifyError> {
+    let coloured = information(plain, &found.outcome.best) < WHITE * plain.valid() as f64;
+    if !coloured || engine.cancelled {
+        return Ok(None);
+    }
+    let problem = setup.problem(degree, reduced)?;
+    let mut guesses = setup.guesses(&problem)?;
+    let place = |name: &str| plain.bounds().ranges.iter().position(|range| range.name == name);
+    let from_plain = problem
+        .bounds()
+        .ranges
+        .iter()
+        .zip(&guesses[0])
+        .map(|(range, &guess)| place(&range.name).map_or(guess, |at| found.outcome.best[at]));
+    guesses.push(from_plain.collect());
+    let search = engine.quick_fit("joint fit with creep", &problem, guesses)?;
+    let information = information(&problem, &search.outcome.best);
+    let gain = 2.0 * information * (found.outcome.cost / search.outcome.cost).ln();
+    let parameters = problem.bounds().dimension() - plain.bounds().dimension();
+    Ok((gain > BIC_FALL + parameters as f64 * information.ln()).then_some(search))
+}
+
+/// Number of independent samples that the residuals at `x` are worth.
+fn information(problem: &JointProblem, x: &[f64]) -> f64 {
+    let mut residual = vec![0.0; problem.residual_count()];
+    problem.residuals(x, &mut problem.workspace(), &mut residual);
+    (0..problem.records().len())
+        .map(|r| problem.records()[r].valid as f64 / correlation_time(&residual[problem.rows(r)]))
+        .sum::<f64>()
+        .max(2.0)
+}
+
+/// Starts that ended in the best optimum found (to 1e-6 of its cost).
+fn agreeing(search: &Search) -> usize {
+    let best = search.outcome.cost;
+    search
+        .outcome
+        .starts
+        .iter()
+        .filter(|start| start.status.converged() && start.cost <= best * (1.0 + 1e-6))
+        .count()
+}
+
+/// Degree by BIC over the information that the residuals really hold, from one warm fit each.
+fn choose_degree(
+    setup: &JointSetup<'_>,
+    reduced: bool,
+    found: &Search,
+    engine: &mut Engine<'_>,
+    tried: &mut Vec<(usize, f64, f64)>,
+) -> Result<(usize, Vec<f64>), IdentifyError> {
+    let demanded = (1..=super::super::HIGHEST_DEGREE)
+        .filter(|&d| setup.options.demands.names().any(|n| n == polynomial_name(d)))
+        .max()
+        .unwrap_or(1);
+    let mut fits = Vec::new();
+    let mut information = 2.0;
+    let highest = HIGHEST_AUTOMATIC_DEGREE.max(demanded);
+    for degree in 1..=highest {
+        let problem = setup.problem(degree, reduced)?;
+        let parameters = problem.bounds().dimension() + problem.layout().linear().count();
+        let (cost, best) = if degree == DEGREE_OF_STARTS {
+            (found.outcome.cost, found.outcome.best.clone())
+        } else {
+            let start = found.outcome.best.clone();
+            let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start])?.outcome;
+            (fit.cost, fit.best)
+        };
+        if degree == highest {
+            // That of the richest fit counts: its residual is the least structured.
+            information = self::information(&problem, &best);
+        }
+        fits.push((degree, cost, parameters, best));
+    }
+    let mut chosen: Option<(usize, f64, Vec<f64>)> = None;
+    for (degree, cost, parameters, best) in fits {
+        let bic =
+            information * (cost * cost).max(f64::MIN_POSITIVE).ln() + parameters as f64 * information.ln();
+        tried.push((degree, cost, bic));
+        let better = chosen.as_ref().is_none_or(|(_, before, _)| bic < before - BIC_FALL);
+        if better || degree <= demanded {
+            chosen = Some((degree, bic, best));
+        }
+    }
+    Ok(chosen.map_or((demanded, found.outcome.best.clone()), |(degree, _, best)| (degree, best)))
+}
+
+/// Largest move of a searched number between reduced and whole records, in standard errors.
+fn moved(own: &Covariance, x: &[f64], before: &[f64]) -> f64 {
+    let eliminated = own.values.len() - x.len();
+    x.iter()
+        .zip(before)
+        .enumerate()
+        .filter_map(|(j, (now, then))| own.std_error(eliminated + j).map(|error| (now - then).abs() / error))
+        .fold(0.0, f64::max)
+}
+
+pub(in super::super) fn assemble(
+    solution: &JointSolution,
+    form: &DynamicForm,
+    members: &[JointMember<'_>],
+    options: &Options,
+) -> Result<Model, IdentifyError> {
+    let g = form.transfer_function(&solution.form)?;
+    let dynamics = match form.modes {
+        Modes::None if form.creep == Creep::None => Dynamics::None,
+        Modes::None | Modes::Integer { .. } | Modes::Resonances { .. } if form.creep.has_whole_orders() => {
+            Dynamics::Integer(g)
+        }
+        _ => Dynamics::Fractional(g),
+    };
+    let fastest = members.iter().map(|m| m.rate_hz).fold(0.0, f64::max);
+    Ok(Model {
+        hysteresis: solution.hysteresis.clone(),
+        dynamics,
+        offset: options.demands.fixed(OFFSET).unwrap_or(0.0),
+        delay_s: solution.delay_s,
+        scheme: options.scheme(),
+        inter_sample: options.inter_sample,
+        sample_rate_hz: Some(fastest),
+    })
+}
+
+/// Every demand must be one that this fit can meet: none is passed over in silence.
+fn check_demands(options: &Options, form: &DynamicForm, records: usize) -> Result<(), IdentifyError> {
+    let highest = match options.degree {
+        Choice::Given(degree) => degree,
+        Choice::Auto => super::super::HIGHEST_DEGREE,
+    };
+    let polynomial: Vec<_> = (1..=highest).map(polynomial_name).collect();
+    let memory: Vec<String> = (0..records).map(memory_name).collect();
+    let mut known: Vec<&str> = polynomial.iter().map(AsRef::as_ref).collect();
+    let family: Vec<String> =
+        options.hysteresis.weight_names().into_iter().chain(options.hysteresis.shape_names()).collect();
+    known.extend(family.iter().map(String::as_str));
+    known.push(OFFSET);
+    if options.delay_s == Choice::Auto {
+        known.push("delay");
+    }
+    let form = form.parameters();
+    known.extend(form.iter().map(|p| p.name));
+    known.extend(memory.iter().map(String::as_str));
+    options.demands.check(&known)?;
+    super::super::check_common_demands(options)
+}

@@ -1,0 +1,341 @@
+//! What a joint fit knows: covariance of all parameters in the article's symbols, robust to coloured residuals.
+//!
+//! With J the Jacobian in every parameter (the eliminated ones too) and Ω the covariance of the residuals, the covariance
+//! of the estimate is (JᵀJ)⁻¹ JᵀΩJ (JᵀJ)⁻¹. JᵀΩJ = Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ record by record, ρ the autocovariance of
+//! the record's residual and w the Parzen window (Newey, West 1987, doi:10.2307/1913610, for errors that are stationary and
+//! do not depend on the regressors; Parzen's window keeps the estimate positive). The residual is whitened by a first-order
+//! autoregression before and coloured again after, so that the window cuts little (Andrews, Monahan 1992,
+//! doi:10.2307/2951574). The fit takes power out of the residual where its own derivatives lie: h of the n/τ independent
+//! samples of a record, h the record's leverage and τ its correlation time, whence the factor 1/(1 − hτ/n).
+
+use super::super::result::Correlation;
+use super::super::uncertainty::{autocorrelation, correlation, correlation_time, initial_positive_sum};
+use super::problem::{JointProblem, Linearisation};
+use super::record::JointRecord;
+use hysteron_numeric::fft::{RealFft, fast_length};
+use hysteron_numeric::{Complex64, dot, triangular};
+use hysteron_optimize::{LeastSquaresProblem, Problem};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// Strongest autoregression taken out.
+const STRONGEST: f64 = 0.97;
+/// Largest part of a record's independent samples that the fit may be held to have used.
+const MOST_USED: f64 = 0.75;
+/// Lags of the window as a multiple of the whitened residual's correlation time, and fewest.
+const WINDOW: f64 = 6.0;
+const FEWEST_LAGS: usize = 12;
+/// Condition number from which on a covariance would be rounding.
+const SINGULAR: f64 = 1e12;
+/// Rows worked on at a time: all columns of so many stay in the processor's cache.
+const ROWS: usize = 1024;
+
+/// Covariance of everything estimated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Covariance {
+    /// Names: coefficients and weights in the order of the model, then what was searched, in unit-α symbols where `internal`.
+    pub names: Vec<String>,
+    /// Estimates.
+    pub values: Vec<f64>,
+    /// Covariance matrix; zero rows and columns where a parameter is held, or stands on the edge of its range.
+    pub matrix: DMatrix<f64>,
+    /// Ratio of the largest to the smallest singular value of the Jacobian with columns of unit length.
+    pub condition_number: f64,
+}
+
+impl Covariance {
+    /// Standard error of parameter `index`.
+    pub fn std_error(&self, index: usize) -> Option<f64> {
+        let variance = self.matrix[(index, index)];
+        (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
+    }
+
+    /// Correlation of the parameters that the records determine.
+    pub(in super::super) fn correlation(&self, step: &str) -> Correlation {
+        let known: Vec<usize> = (0..self.names.len()).filter(|&i| self.std_error(i).is_some()).collect();
+        let names = known.iter().map(|&i| self.names[i].clone()).collect();
+        correlation(step, names, &self.matrix.select_rows(&known).select_columns(&known))
+    }
+
+    /// Covariance of functions f of the parameters, J C Jᵀ with J by central differences of f, whose steps are a small part
+    /// of each standard error.
+    pub fn transformed(&self, names: Vec<String>, f: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let values = f(&self.values);
+        let mut jacobian = DMatrix::zeros(values.len(), self.values.len());
+        let mut at = self.values.clone();
+        for j in 0..self.values.len() {
+            // What is held does not move.
+            let Some(std_error) = self.std_error(j) else { continue };
+            let step = 1e-3 * std_error.max(1e-9 * self.values[j].abs());
+            at[j] = self.values[j] + step;
+            let taken_up = at[j] - self.values[j];
+            let up = f(&at);
+            at[j] = self.values[j] - step;
+            let taken = taken_up - (at[j] - self.values[j]);
+            let down = f(&at);
+            at[j] = self.values[j];
+            for (i, (u, d)) in up.iter().zip(&down).enumerate() {
+                jacobian[(i, j)] = (u - d) / taken;
+            }
+        }
+        let matrix = &jacobian * &self.matrix * jacobian.transpose();
+        Self { names, values, matrix, condition_number: self.condition_number }
+    }
+}
+
+/// What is known at an optimum, in the fit's own (unit-α) symbols: first the eliminated coefficients, then the searched
+/// numbers. Parameters on a bound count as held.
+#[derive(Debug)]
+pub(in super::super) struct Knowledge {
+    /// Robust to coloured residuals.
+    pub(in super::super) covariance: Covariance,
+    /// s² (JᵀJ)⁻¹, which holds for white residuals.
+    pub(in super::super) white: DMatrix<f64>,
+    /// s² = Σ r² / (N − p), offsets counted, of the weighted residuals.
+    pub(in super::super) variance: f64,
+    pub(in super::super) linearisation: Linearisation,
+}
+
+/// Knowledge at the optimum `x`. `None` where nothing can be said.
+pub(in super::super) fn knowledge(problem: &JointProblem, x: &[f64]) -> Option<Knowledge> {
+    knowledge_of(problem, x, problem.linearise(x)?)
+}
+
+/// [`knowledge`] out of the linearisation at `x`.
+pub(in super::super) fn knowledge_of(
+    problem: &JointProblem,
+    x: &[f64],
+    linearisation: Linearisation,
+) -> Option<Knowledge> {
+    let Linearisation { linear, eliminated, searched, residuals, coefficients } = &linearisation;
+    let rows = problem.residual_count();
+    let names: Vec<String> = eliminated
+        .iter()
+        .map(|&index| problem.layout().linear_name(index, problem.hysteresis()))
+        .chain(problem.bounds().ranges.iter().map(|r| r.name.clone()))
+        .collect();
+    let values: Vec<f64> =
+        eliminated.iter().map(|&index| coefficients[index]).chain(x.iter().copied()).collect();
+    let on_bound: Vec<bool> = eliminated
+        .iter()
+        .map(|_| false)
+        .chain(problem.bounds().ranges.iter().zip(x).map(|(range, &x)| {
+            let t = range.to_unit(x);
+            t <= 1e-9 || t >= 1.0 - 1e-9
+        }))
+        .collect();
+    let columns: Vec<&[f64]> = linear.chunks_exact(rows).chain(searched.chunks_exact(rows)).collect();
+    let norms: Vec<f64> = columns.par_iter().map(|c| dot(c, c).sqrt()).collect();
+    let free: Vec<usize> =
+        (0..columns.len()).filter(|&j| !on_bound[j] && norms[j] > 0.0 && norms[j].is_finite()).collect();
+    let local: usize = problem.records().iter().map(JointRecord::local_columns).sum();
+    if free.is_empty() || problem.valid() <= free.len() + local {
+        return None;
+    }
+    let p = free.len();
+    let free_columns: Vec<&[f64]> = free.iter().map(|&j| columns[j]).collect();
+    let free_norms: Vec<f64> = free.iter().map(|&j| norms[j]).collect();
+    let of_unit_columns =
+        |matrix: DMatrix<f64>| matrix.map_with_location(|i, j, x| x / (free_norms[i] * free_norms[j]));
+    // Of columns of unit length.
+    let r = triangular(&free_columns).map_with_location(|_, j, x| x / free_norms[j]);
+    let singular = r.clone().svd(false, false).singular_values;
+    let condition_number = singular.max() / singular.min();
+    if condition_number.is_nan() || condition_number > SINGULAR {
+        return None;
+    }
+    let inverse = r.try_inverse()?;
+    let bread = &inverse * inverse.transpose();
+    let meat = (0..problem.records().len())
+        .into_par_iter()
+        .map(|record| {
+            let rows = problem.rows(record);
+            let own: Vec<&[f64]> = free_columns.iter().map(|column| &column[rows.clone()]).collect();
+            let residual = &residuals[rows];
+            let leverage = (&bread * of_unit_columns(gram(&own))).trace()
+                + problem.records()[record].local_columns() as f64;
+            let independent = problem.records()[record].valid as f64 / correlation_time(residual);
+            let used = (leverage / independent).min(MOST_USED);
+            of_unit_columns(coloured_square(&own, residual)) / (1.0 - used)
+        })
+        // Summed in the order of the records, whatever the threads.
+        .collect::<Vec<_>>()
+        .into_iter()
+        .fold(DMatrix::zeros(p, p), |sum, part| sum + part);
+    let variance = residuals.iter().map(|r| r * r).sum::<f64>() / (problem.valid() - p - local) as f64;
+    let in_own_units = |small: DMatrix<f64>| {
+        let mut matrix = DMatrix::zeros(columns.len(), columns.len());
+        for (i, &fi) in free.iter().enumerate() {
+            for (j, &fj) in free.iter().enumerate() {
+                matrix[(fi, fj)] = small[(i, j)] / (norms[fi] * norms[fj]);
+            }
+        }
+        matrix
+    };
+    let matrix = in_own_units(&bread * meat * &bread);
+    let white = in_own_units(bread * variance);
+    Some(Knowledge {
+        covariance: Covariance { names, values, matrix, condition_number },
+        white,
+        variance,
+        linearisation,
+    })
+}
+
+/// Inner products of all pairs of columns, block of rows by block; the order of summation is fixed.
+fn gram<C: AsRef<[f64]> + Sync>(columns: &[C]) -> DMatrix<f64> {
+    let p = columns.len();
+    let rows = columns.first().map_or(0, |column| column.as_ref().len());
+    let blocks: Vec<DMatrix<f64>> = (0..rows.div_ceil(ROWS))
+        .into_par_iter()
+        .map(|block| {
+            let part = |j: usize| &columns[j].as_ref()[block * ROWS..rows.min((block + 1) * ROWS)];
+            let mut products = DMatrix::zeros(p, p);
+            for i in 0..p {
+                for j in 0..=i {
+                    products[(i, j)] = dot(part(i), part(j));
+                    products[(j, i)] = products[(i, j)];
+                }
+            }
+            products
+        })
+        .collect();
+    blocks.into_iter().fold(DMatrix::zeros(p, p), |sum, block| sum + block)
+}
+
+/// Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ over one record, in the frequency domain.
+pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) -> DMatrix<f64> {
+    let n = residual.len();
+    // Twice the length, so that nothing wraps.
+    let fft = RealFft::new(fast_length(2 * n));
+    let root = root_power(residual, &fft);
+    let buffers = || {
+        let forward = &fft.forward;
+        (forward.make_input_vec(), forward.make_output_vec(), forward.make_scratch_vec())
+    };
+    let coloured: Vec<Vec<f64>> = columns
+        .par_iter()
+        .map_init(buffers, |(time, spectrum, scratch), column| {
+            time[..n].copy_from_slice(column);
+            time[n..].fill(0.0);
+            // All lengths come from the plan, so the transform cannot refuse them.
+            let _ = fft.forward.process_with_scratch(time, spectrum, scratch);
+            let mut coloured = vec![0.0; 2 * spectrum.len()];
+            for ((pair, x), root) in coloured.chunks_exact_mut(2).zip(&*spectrum).zip(&root) {
+                (pair[0], pair[1]) = (root * x.re, root * x.im);
+            }
+            coloured
+        })
+        .collect();
+    gram(&coloured)
+}
+
+/// Root of the residual's smoothed power at each frequency of `fft`, such that the sum of squares of what it multiplies is that
+/// over time.
+fn root_power(residual: &[f64], fft: &RealFft) -> Vec<f64> {
+    let n = residual.len();
+    let (memory, white) = whitened(residual);
+    let products = autocorrelation(&white);
+    let time = initial_positive_sum(&products[..n]);
+    let lags = ((WINDOW * time).ceil() as usize).max(FEWEST_LAGS).min(n.saturating_sub(1));
+    let length = fft.len();
+    let valid = residual.iter().filter(|r| **r != 0.0).count().max(1) as f64;
+    let mut windowed = fft.forward.make_input_vec();
+    for k in 0..=lags {
+        let value = products[k] / valid * parzen(k as f64 / (lags + 1) as f64);
+        windowed[k] = value;
+        if k > 0 {
+            windowed[length - k] = value;
+        }
+    }
+    let mut spectrum = fft.forward.make_output_vec();
+    let _ = fft.forward.process(&mut windowed, &mut spectrum);
+    let root = |(bin, power): (usize, &Complex64)| {
+        let angle = TAU * bin as f64 / length as f64;
+        let coloured = power.re / (1.0 - 2.0 * memory * angle.cos() + memory * memory);
+        // Every frequency but the first and the last stands for its negative too.
+        let twice = if bin == 0 || 2 * bin == length { 1.0 } else { 2.0 };
+        (twice * coloured.max(0.0) / length as f64).sqrt()
+    };
+    spectrum.iter().enumerate().map(root).collect()
+}
+
+/// First-order autoregression a of a series, and e_k − a e_{k−1}.
+fn whitened(e: &[f64]) -> (f64, Vec<f64>) {
+    let square: f64 = e.iter().map(|x| x * x).sum();
+    let product: f64 = e.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let memory = if square > 0.0 { (product / square).clamp(-STRONGEST, STRONGEST) } else { 0.0 };
+    let mut before = 0.0;
+    let white = e.iter().map(|&x| x - memory * std::mem::replace(&mut before, x)).collect();
+    (memory, white)
+}
+
+/// Parzen's window, 1 at 0 and 0 at 1.
+fn parzen(x: f64) -> f64 {
+    if x < 0.5 { 1.0 - 6.0 * x * x * (1.0 - x) } else { 2.0 * (1.0 - x).max(0.0).powi(3) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coloured_square_is_the_double_sum() {
+        let n = 60;
+        let e: Vec<f64> =
+            (0..n).map(|k| ((k * k) as f64 * 0.7).sin() + 0.5 * (k as f64 * 0.2).cos()).collect();
+        let j = DMatrix::from_fn(n, 2, |k, c| ((k + 1) as f64 * (0.05 + 0.11 * c as f64)).cos());
+        let found = coloured_square(&[j.column(0).as_slice(), j.column(1).as_slice()], &e);
+        let (memory, white) = whitened(&e);
+        assert!(memory > 0.1, "{memory}");
+        let lags = ((WINDOW * correlation_time(&white)).ceil() as usize).max(FEWEST_LAGS).min(n - 1);
+        let of_white = |k: usize| -> f64 {
+            let rho = white.iter().zip(&white[k..]).map(|(x, y)| x * y).sum::<f64>() / n as f64;
+            parzen(k as f64 / (lags + 1) as f64) * rho
+        };
+        // Coloured again: the autocovariance of an autoregression of memory a falls as a^|k|/(1 − a²).
+        let coloured = |k: i32| -> f64 {
+            (-(lags as i32)..=lags as i32)
+                .map(|m| of_white(m.unsigned_abs() as usize) * memory.powi((k - m).abs()))
+                .sum::<f64>()
+                / (1.0 - memory * memory)
+        };
+        for a in 0..2 {
+            for b in 0..2 {
+                let mut sum = 0.0;
+                for s in 0..n {
+                    for t in 0..n {
+                        sum += coloured(s as i32 - t as i32) * j[(s, a)] * j[(t, b)];
+                    }
+                }
+                assert!((found[(a, b)] - sum).abs() < 1e-10 * sum.abs().max(1.0), "{} {sum}", found[(a, b)]);
+            }
+        }
+    }
+
+    #[test]
+    fn blocks_of_rows_add_up_to_the_whole_matrix() {
+        let rows = 2 * ROWS + 37;
+        let j = DMatrix::from_fn(rows, 3, |k, c| ((k + 1) as f64 * (0.05 + 0.11 * c as f64)).cos() + 0.1);
+        let columns: Vec<&[f64]> = j.as_slice().chunks_exact(rows).collect();
+        let norms: Vec<f64> = j.column_iter().map(|c| c.norm()).collect();
+        let gram = gram(&columns);
+        let whole = j.tr_mul(&j);
+        for a in 0..3 {
+            for b in 0..3 {
+                let size = norms[a] * norms[b];
+                assert!((gram[(a, b)] - whole[(a, b)]).abs() < 1e-13 * size);
+            }
+        }
+    }
+
+    #[test]
+    fn whitening_takes_an_autoregression_out() {
+        // The impulse response of the autoregression itself.
+        let e: Vec<f64> = (0..400).map(|k| 0.8f64.powi(k)).collect();
+        let (memory, white) = whitened(&e);
+        assert!((memory - 0.8).abs() < 1e-12, "{memory}");
+        assert!(white[0] == 1.0 && white[1..].iter().all(|x| x.abs() < 1e-12));
+    }
+}

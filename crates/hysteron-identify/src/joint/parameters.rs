@@ -1,0 +1,204 @@
+//! The parameters of a joint fit in the article's symbols, with their errors and intervals.
+
+use super::super::layout::Role;
+use super::super::result::Parameter;
+use super::intervals::{Interval, IntervalMethod};
+use super::knowledge::Covariance;
+use super::problem::{JointProblem, JointSolution};
+use super::setup::memory_name;
+use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::Hysteresis;
+use hysteron_model::model_file::{polynomial_name, transfer_function_numbers};
+
+/// Where the names of the fit are among those that it estimated, and what they are held at where they are not.
+struct Places {
+    weights: Vec<(Option<usize>, f64)>,
+    shape: Vec<(Option<usize>, f64)>,
+}
+
+impl Places {
+    fn new(own: &Covariance, problem: &JointProblem, solution: &JointSolution) -> Self {
+        let family = problem.hysteresis();
+        let place = |name: String, held: f64| (own.names.iter().position(|n| *n == name), held);
+        let of = |names: Vec<String>, held: &[f64]| {
+            names.into_iter().zip(held).map(|(name, &held)| place(name, held)).collect()
+        };
+        Self {
+            weights: of(family.weight_names(), &solution.hysteresis.weights()),
+            shape: of(family.shape_names(), &solution.shape),
+        }
+    }
+
+    fn weights_at(&self, values: &[f64]) -> Vec<f64> {
+        self.weights.iter().map(|&(place, held)| place.map_or(held, |i| values[i])).collect()
+    }
+
+    fn shape_at(&self, values: &[f64]) -> Vec<f64> {
+        self.shape.iter().map(|&(place, held)| place.map_or(held, |i| values[i])).collect()
+    }
+}
+
+/// The covariance with β, γ for β', γ' and z(0) for ζ(0).
+pub(super) fn in_article_symbols(
+    own: &Covariance,
+    problem: &JointProblem,
+    solution: &JointSolution,
+) -> Covariance {
+    let family = problem.hysteresis();
+    let places = Places::new(own, problem, solution);
+    let is_memory = |name: &str| name.starts_with("memory_");
+    let memory: Vec<usize> = (0..own.names.len()).filter(|&index| is_memory(&own.names[index])).collect();
+    own.transformed(own.names.clone(), |values| {
+        let mut out = values.to_vec();
+        let weights = places.weights_at(values);
+        if let Ok(operator) = family.operator(vec![1.0], &weights, &places.shape_at(values)) {
+            for (name, value) in operator.numbers() {
+                if let Some(i) = own.names.iter().position(|own| *own == name) {
+                    out[i] = value;
+                }
+            }
+        }
+        for &i in &memory {
+            out[i] = family.own_memory(values[i], &weights);
+        }
+        out
+    })
+}
+
+/// The covariance of the model's numbers, named as a model file names them.
+pub(super) fn of_numbers(
+    own: &Covariance,
+    problem: &JointProblem,
+    solution: &JointSolution,
+    form: &DynamicForm,
+) -> Option<Covariance> {
+    let b = &solution.hysteresis;
+    let family = problem.hysteresis();
+    let hysteresis = (1..=b.polynomial().len()).map(|i| polynomial_name(i).into_owned());
+    let (dynamics, _) = transfer_function_numbers(&form.transfer_function(&solution.form).ok()?);
+    let names: Vec<String> = hysteresis
+        .chain(b.numbers().into_iter().map(|(name, _)| name))
+        .chain(dynamics.iter().cloned())
+        .chain(["delay".to_owned()])
+        .collect();
+    let count = names.len();
+    let place = |name: &str| own.names.iter().position(|n| n == name);
+    let coefficients: Vec<(Option<usize>, f64)> =
+        b.polynomial().iter().enumerate().map(|(i, &c)| (place(&polynomial_name(i + 1)), c)).collect();
+    let places = Places::new(own, problem, solution);
+    let delay = place("delay");
+    let form_places: Vec<Option<usize>> = form.parameters().iter().map(|p| place(p.name)).collect();
+    let numbers = own.transformed(names, |values| {
+        let at = |place: Option<usize>, held: f64| place.map_or(held, |i| values[i]);
+        let polynomial = coefficients.iter().map(|&(place, held)| at(place, held)).collect();
+        let p: Vec<f64> =
+            form_places.iter().zip(&solution.form).map(|(place, &held)| at(*place, held)).collect();
+        let block = family.operator(polynomial, &places.weights_at(values), &places.shape_at(values));
+        let (Ok(block), Ok(g)) = (block, form.transfer_function(&p)) else { return vec![f64::NAN; count] };
+        let mut out = block.polynomial().to_vec();
+        out.extend(block.numbers().into_iter().map(|(_, value)| value));
+        out.extend(transfer_function_numbers(&g).1);
+        out.push(at(delay, solution.delay_s));
+        // Orders that pass each other merge into one term.
+        if out.len() == count { out } else { vec![f64::NAN; count] }
+    });
+    numbers.matrix.iter().all(|c| c.is_finite()).then_some(numbers)
+}
+
+/// All parameters of the model by name, and the records' memory, with their standard errors.
+pub(super) fn parameters(
+    solution: &JointSolution,
+    form: &DynamicForm,
+    problem: &JointProblem,
+    (covariance, of_numbers): (Option<&Covariance>, Option<&Covariance>),
+    model: &Model,
+) -> Vec<Parameter> {
+    let of = |c: Option<&Covariance>, name: &str| {
+        let c = c?;
+        c.std_error(c.names.iter().position(|n| n == name)?)
+    };
+    let error = |name: &str| of(covariance, name);
+    let b = &solution.hysteresis;
+    let mut list: Vec<Parameter> = b
+        .polynomial()
+        .iter()
+        .enumerate()
+        .map(|(i, &c)| {
+            let name = polynomial_name(i + 1);
+            Parameter::new("hysteresis", &name, c, error(&name))
+        })
+        .collect();
+    let layout = problem.layout();
+    let mut push = |block, name: &str, value, role: Role| {
+        let held = matches!(role, Role::Fixed(_));
+        list.push(Parameter { held, ..Parameter::new(block, name, value, error(name)) });
+    };
+    let family = problem.hysteresis();
+    let names: Vec<String> = family.weight_names().into_iter().chain(family.shape_names()).collect();
+    let roles: Vec<Role> = layout.weights.iter().chain(&layout.shape).copied().collect();
+    for (name, value) in b.numbers() {
+        let role = names.iter().position(|own| *own == name).map_or(Role::Projected, |at| roles[at]);
+        push("hysteresis", &name, value, role);
+    }
+    for ((parameter, &value), &role) in form.parameters().iter().zip(&solution.form).zip(&layout.form) {
+        push("dynamics", parameter.name, value, role);
+    }
+    push("dynamics", "delay", solution.delay_s, layout.delay);
+    if let (Modes::Fractional, Creep::None, Dynamics::Fractional(g)) =
+        (form.modes, form.creep, &model.dynamics)
+    {
+        // Eq. 13's own coefficients.
+        for (name, number, value) in [
+            ("b", "numerator[0].coefficient", g.numerator[0].coefficient),
+            ("c0", "denominator[0].coefficient", g.denominator[0].coefficient),
+            ("c1", "denominator[1].coefficient", g.denominator[1].coefficient),
+        ] {
+            list.push(Parameter::new("dynamics", name, value, of(of_numbers, number)));
+        }
+    }
+    for (index, role) in problem.layout().memory.iter().enumerate() {
+        if matches!(role, Role::Searched(_)) {
+            let name = memory_name(index);
+            let memory = family.own_memory(solution.memory[index], &b.weights());
+            list.push(Parameter::new("start", &name, memory, error(&name)));
+        }
+    }
+    list
+}
+
+/// 95 % intervals of all parameters with a standard error, from those in the fit's own symbols.
+pub(super) fn give_intervals(
+    parameters: &mut [Parameter],
+    names: &[String],
+    own: &[Option<Interval>],
+    solution: &JointSolution,
+) {
+    // The unit-α form's β', γ' and n; other families are searched in the symbols that they are reported in.
+    let unit = match &solution.hysteresis {
+        Hysteresis::BoucWen(b) => Some(b.unit_shape()),
+        Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) => None,
+    };
+    for p in parameters {
+        let Some(error) = p.std_error else { continue };
+        let same = names.iter().position(|name| *name == p.name).and_then(|i| *own.get(i)?);
+        p.interval = Some(match (p.name.as_str(), same) {
+            ("b" | "c0" | "c1", _) if p.value > 0.0 => Interval::logarithmic(p.value, error),
+            // For n = 1, β = β' and γ = ±γ'; otherwise they also depend on α.
+            ("beta" | "gamma", found) if let Some(unit) = unit => match found {
+                Some(i) if unit.n == 1.0 => {
+                    let unit = if p.name == "beta" { unit.beta } else { unit.gamma };
+                    let (a, b) = if unit * p.value < 0.0 { (-i.high, -i.low) } else { (i.low, i.high) };
+                    Interval { low: a, high: b, ..i }
+                }
+                _ => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
+            },
+            // z(0) = α ζ(0).
+            (name, Some(i)) if unit.is_some() && name.starts_with("memory_") => {
+                Interval::symmetric(p.value, error, i.method)
+            }
+            (_, Some(interval)) => interval,
+            (_, None) => Interval::symmetric(p.value, error, IntervalMethod::Unchecked),
+        });
+    }
+}

@@ -1,0 +1,508 @@
+//! The joint fit of all records and both blocks as a least-squares problem by variable projection.
+//!
+//! Searched are the shape numbers of the hysteresis (β', γ', n), the parameters of the dynamics, the delay and the unknown
+//! memory of each record; offset, drift and transients of each record, the coefficients of l\[u\] and the weights of the
+//! hysteresis (α) are eliminated by linear least squares at every candidate (Golub, Pereyra 1973, doi:10.1137/0710036);
+//! weights of one sign by non-negative least squares, where those that end at 0 are held there. With Φ(θ) the columns, c the eliminated coefficients and
+//! P⊥ the projector off the columns, the residual is r = P⊥ y and the Jacobian −P⊥ (∂Φ/∂θ) c: Kaufman's form
+//! (doi:10.1007/BF01932995). It leaves out a term in the span of the columns, to which r is orthogonal, so that the
+//! gradient Jᵀr is exact.
+
+use rayon::prelude::*;
+use std::sync::Arc;
+
+use super::super::layout::Role;
+use super::super::projection::Projection;
+use super::record::{Candidate, Derivatives, Direction, JointRecord, RecordWorkspace};
+use hysteron_model::dynamics::{DynamicForm, Linearised};
+use hysteron_model::hysteresis::{Hysteresis, HysteresisForm};
+use hysteron_model::model_file::polynomial_name;
+use hysteron_numeric::{dot, non_negative_least_squares};
+use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
+
+/// Roles of the parameters of a joint fit.
+#[derive(Clone, Debug, PartialEq)]
+pub(in super::super) struct JointLayout {
+    /// Coefficients of u, u², …
+    pub(in super::super) polynomial: Vec<Role>,
+    /// Weights of the hysteresis.
+    pub(in super::super) weights: Vec<Role>,
+    /// Its shape numbers: β' and γ' of the unit-α form, n.
+    pub(in super::super) shape: Vec<Role>,
+    /// Parameters of the dynamics, in the order of [`DynamicForm::parameters`].
+    pub(in super::super) form: Vec<Role>,
+    pub(in super::super) delay: Role,
+    /// Memory of each record; `Fixed(0)` where it is known.
+    pub(in super::super) memory: Vec<Role>,
+}
+
+impl JointLayout {
+    /// What the output is linear in: coefficients of u, u², …, then weights.
+    pub(in super::super) fn linear(&self) -> impl Iterator<Item = &Role> {
+        self.polynomial.iter().chain(&self.weights)
+    }
+
+    /// Name of what the output is linear in.
+    pub(in super::super) fn linear_name(&self, index: usize, form: HysteresisForm) -> String {
+        match index.checked_sub(self.polynomial.len()) {
+            None => polynomial_name(index + 1).into_owned(),
+            Some(weight) => form.weight_names().swap_remove(weight),
+        }
+    }
+}
+
+/// What one searched number is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Searched {
+    /// Something that changes every record.
+    Everywhere(Direction),
+    /// The memory of one record.
+    Memory(usize),
+}
+
+/// Values of all parameters of a joint fit.
+#[derive(Clone, Debug, PartialEq)]
+pub(in super::super) struct JointSolution {
+    pub(in super::super) hysteresis: Hysteresis,
+    /// Shape numbers as they are searched.
+    pub(in super::super) shape: Vec<f64>,
+    pub(in super::super) form: Vec<f64>,
+    pub(in super::super) delay_s: f64,
+    /// Memory of each record \[V\], as it is searched.
+    pub(in super::super) memory: Vec<f64>,
+}
+
+/// A joint fit as a problem for [`hysteron_optimize`].
+#[derive(Debug)]
+pub(in super::super) struct JointProblem {
+    records: Arc<[JointRecord]>,
+    /// First residual of each record, and the number of residuals.
+    at: Vec<usize>,
+    hysteresis: HysteresisForm,
+    form: DynamicForm,
+    layout: JointLayout,
+    searched: Vec<Searched>,
+    /// Shape numbers that are searched.
+    shaped: Vec<bool>,
+    bounds: Bounds,
+    identity: String,
+}
+
+/// Scratch of one evaluation.
+#[derive(Debug)]
+pub(in super::super) struct JointWorkspace {
+    records: Vec<RecordWorkspace>,
+    dynamics: Linearised,
+    column: Vec<f64>,
+    target: Vec<f64>,
+    projection: Projection,
+    /// Columns of the weights of one sign, without those eliminated before.
+    signed: Vec<f64>,
+    /// Which coefficients the columns of `projection` belong to.
+    eliminated: Vec<usize>,
+    /// Where the columns, the sensitivities and the residual of this workspace belong to; empty: nowhere.
+    at: Vec<f64>,
+}
+
+impl JointProblem {
+    pub(in super::super) fn new(
+        records: Arc<[JointRecord]>,
+        (hysteresis, form): (HysteresisForm, DynamicForm),
+        layout: JointLayout,
+        bounds: Bounds,
+        identity: String,
+    ) -> Self {
+        let mut at = vec![0];
+        at.extend(records.iter().scan(0, |sum, record| {
+            *sum += record.samples();
+            Some(*sum)
+        }));
+        let mut searched = vec![Searched::Everywhere(Direction::Column(0)); bounds.dimension()];
+        let mut place = |role: Role, what: Searched| {
+            if let Role::Searched(index) = role {
+                searched[index] = what;
+            }
+        };
+        for (index, role) in layout.linear().enumerate() {
+            place(*role, Searched::Everywhere(Direction::Column(index)));
+        }
+        for (index, role) in layout.shape.iter().enumerate() {
+            place(*role, Searched::Everywhere(Direction::Shape(index)));
+        }
+        for (index, role) in layout.form.iter().chain([&layout.delay]).enumerate() {
+            place(*role, Searched::Everywhere(Direction::Dynamics(index)));
+        }
+        for (record, role) in layout.memory.iter().enumerate() {
+            place(*role, Searched::Memory(record));
+        }
+        let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
+        Self { records, at, hysteresis, form, layout, searched, shaped, bounds, identity }
+    }
+
+    pub(in super::super) fn layout(&self) -> &JointLayout {
+        &self.layout
+    }
+
+    /// The family of the hysteresis.
+    pub(in super::super) fn hysteresis(&self) -> HysteresisForm {
+        self.hysteresis
+    }
+
+    pub(in super::super) fn records(&self) -> &[JointRecord] {
+        &self.records
+    }
+
+    /// Residuals that belong to record `index`.
+    pub(in super::super) fn rows(&self, index: usize) -> std::ops::Range<usize> {
+        self.at[index]..self.at[index + 1]
+    }
+
+    /// Residuals with weight.
+    pub(in super::super) fn valid(&self) -> usize {
+        self.records.iter().map(|record| record.valid).sum()
+    }
+
+    pub(in super::super) fn degree(&self) -> usize {
+        self.layout.polynomial.len()
+    }
+
+    pub(in super::super) fn candidate(&self, x: &[f64]) -> Option<Candidate> {
+        let l = &self.layout;
+        let shape = l.shape.iter().map(|role| role.value(x)).collect::<Option<_>>()?;
+        let memory = l.memory.iter().map(|role| role.value(x)).collect::<Option<_>>()?;
+        Some(Candidate { shape, delay_s: l.delay.value(x)?, memory })
+    }
+
+    fn form_values(&self, x: &[f64]) -> Option<Vec<f64>> {
+        self.layout.form.iter().map(|role| role.value(x)).collect()
+    }
+
+    /// Columns of every record at `x`, in the records' workspaces.
+    fn respond(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
+        ws.at.clear();
+        let (Some(candidate), Some(form)) = (self.candidate(x), self.form_values(x)) else { return false };
+        if self.form.linearise(&form, &mut ws.dynamics).is_err() {
+            return false;
+        }
+        let dynamics = &ws.dynamics;
+        self.records
+            .par_iter()
+            .zip(&mut ws.records)
+            .zip(&candidate.memory)
+            .map(|((record, ws), &memory)| {
+                record.respond(self.hysteresis, &candidate, memory, dynamics, derivatives, ws)
+            })
+            // No short cut: which records are visited must not depend on the threads.
+            .reduce(|| true, |a, b| a & b)
+    }
+
+    /// Column `index` of the linear part over all records.
+    fn gather(&self, index: usize, records: &[RecordWorkspace], out: &mut [f64]) {
+        for (r, ws) in records.iter().enumerate() {
+            let samples = self.records[r].samples();
+            out[self.rows(r)].copy_from_slice(&ws.columns[index * samples..(index + 1) * samples]);
+        }
+    }
+
+    /// Residual after elimination of everything linear into `ws.target`; the columns stay in `ws.projection`.
+    fn eliminate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
+        if !self.respond(x, derivatives, ws) {
+            return false;
+        }
+        for (r, record) in ws.records.iter().enumerate() {
+            ws.target[self.at[r]..self.at[r + 1]].copy_from_slice(&record.target);
+        }
+        ws.projection.clear();
+        ws.eliminated.clear();
+        let JointWorkspace { records, column, target, projection, eliminated, .. } = ws;
+        let mut signed = Vec::new();
+        for (index, role) in self.layout.linear().enumerate() {
+            match role {
+                Role::Projected => {
+                    projection.push(|q| self.gather(index, records, q));
+                    eliminated.push(index);
+                }
+                Role::OneSided(sign) => signed.push((index, *sign)),
+                Role::Fixed(_) | Role::Searched(_) => {
+                    let value = role.value(x).unwrap_or(0.0);
+                    self.gather(index, records, column);
+                    target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+                }
+            }
+        }
+        projection.project(target);
+        if !signed.is_empty() {
+            self.eliminate_signed(&signed, ws);
+        }
+        true
+    }
+
+    /// Takes off the target its part in the cone of the `signed` columns, beside the span of those eliminated so far: those
+    /// whose coefficients are not 0 join these.
+    fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) {
+        let JointWorkspace { records, target, projection, signed: columns, eliminated, .. } = ws;
+        let count = target.len();
+        columns.resize(signed.len() * count, 0.0);
+        columns.par_chunks_exact_mut(count.max(1)).zip(signed).for_each(|(column, &(index, sign))| {
+            self.gather(index, records, column);
+            column.iter_mut().for_each(|c| *c *= sign);
+            projection.project(column);
+        });
+        let columns: Vec<&[f64]> = columns.chunks_exact(count.max(1)).collect();
+        let used = non_negative_least_squares(&columns, target);
+        for (&(index, _), _) in signed.iter().zip(used).filter(|(_, c)| *c > 0.0) {
+            projection.push(|q| self.gather(index, records, q));
+            eliminated.push(index);
+        }
+        projection.project(target);
+    }
+
+    /// Weighted columns of u, u², … and of the weights at `x`, one after the other, and the target, none of them with its part in the
+    /// records' own columns.
+    pub(super) fn linear_columns(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+        let mut ws = self.workspace();
+        if !self.respond(x, None, &mut ws) {
+            return None;
+        }
+        let count = self.residual_count();
+        let mut columns = vec![0.0; count * self.layout.linear().count()];
+        for (index, column) in columns.chunks_exact_mut(count.max(1)).enumerate() {
+            self.gather(index, &ws.records, column);
+        }
+        let target = ws.records.iter().flat_map(|record| record.target.iter().copied()).collect();
+        Some((columns, target))
+    }
+
+    /// Coefficients of u, u², … and weights at `x`, after [`Self::eliminate`].
+    fn coefficients(&self, x: &[f64], ws: &mut JointWorkspace) -> Vec<f64> {
+        let JointWorkspace { records, column, projection, eliminated, .. } = ws;
+        let mut measured = vec![0.0; column.len()];
+        for (r, record) in records.iter().enumerate() {
+            measured[self.rows(r)].copy_from_slice(&record.target);
+        }
+        let mut coefficients: Vec<f64> =
+            self.layout.linear().map(|role| role.value(x).unwrap_or(0.0)).collect();
+        for (index, role) in self.layout.linear().enumerate() {
+            if role.value(x).is_some() {
+                self.gather(index, records, column);
+                measured.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= coefficients[index] * c);
+            }
+        }
+        for (&index, value) in eliminated.iter().zip(projection.coefficients(&measured)) {
+            coefficients[index] = value;
+        }
+        coefficients
+    }
+
+    /// All parameter values at `x`, the eliminated ones by linear least squares.
+    pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
+        let mut ws = self.workspace();
+        if !self.eliminate(x, None, &mut ws) {
+            return None;
+        }
+        let coefficients = self.coefficients(x, &mut ws);
+        self.solution(x, &coefficients)
+    }
+
+    /// All parameter values at `x` with the coefficients of u, u², … and the weights.
+    pub(in super::super) fn solution(&self, x: &[f64], coefficients: &[f64]) -> Option<JointSolution> {
+        let candidate = self.candidate(x)?;
+        let (polynomial, weights) = coefficients.split_at_checked(self.degree())?;
+        Some(JointSolution {
+            hysteresis: self.hysteresis.operator(polynomial.to_vec(), weights, &candidate.shape).ok()?,
+            shape: candidate.shape,
+            form: self.form_values(x)?,
+            delay_s: candidate.delay_s,
+            memory: candidate.memory,
+        })
+    }
+
+    fn derivatives(&self) -> Derivatives<'_> {
+        Some(&self.shaped)
+    }
+
+    /// Derivative of the fit along every searched number at fixed linear coefficients, each record's local columns taken
+    /// off, into `out` column by column. After [`Self::respond`] with derivatives.
+    fn differentiate(&self, coefficients: &[f64], records: &mut [RecordWorkspace], out: &mut [f64]) {
+        let count = self.residual_count();
+        let weights: Vec<f64> =
+            coefficients.iter().skip(self.degree()).map(|w| self.hysteresis.sign() * w).collect();
+        // One slice a record, each holding its rows of every column.
+        let mut slices: Vec<Vec<&mut [f64]>> = self.records.iter().map(|_| Vec::new()).collect();
+        for mut column in out.chunks_exact_mut(count) {
+            for (r, slices) in slices.iter_mut().enumerate() {
+                let (here, rest) = column.split_at_mut(self.records[r].samples());
+                slices.push(here);
+                column = rest;
+            }
+        }
+        self.records.par_iter().zip(records).zip(slices).enumerate().for_each(
+            |(r, ((record, ws), slices))| {
+                let directions = self.searched.iter().map(|what| match *what {
+                    Searched::Everywhere(direction) => Some(direction),
+                    Searched::Memory(owner) => (owner == r).then_some(Direction::Memory),
+                });
+                record.combine(coefficients, ws);
+                record.differentiate(directions.zip(slices).collect(), &weights, ws);
+            },
+        );
+    }
+
+    /// The fit linearised at `x` in everything: the linear columns that were eliminated, and the derivatives along the
+    /// searched numbers; residuals beside them. Local columns are taken off all of them.
+    pub(in super::super) fn linearise(&self, x: &[f64]) -> Option<Linearisation> {
+        let mut ws = self.workspace();
+        if !self.eliminate(x, self.derivatives(), &mut ws) {
+            return None;
+        }
+        let coefficients = self.coefficients(x, &mut ws);
+        Some(self.collect(coefficients, &mut ws))
+    }
+
+    /// [`Self::linearise`] at coefficients of u, u², … and weights that need not be the best at `x`.
+    pub(in super::super) fn linearise_at(&self, x: &[f64], coefficients: &[f64]) -> Option<Linearisation> {
+        let mut ws = self.workspace();
+        let is_free = |(index, role): &(usize, &Role)| match role {
+            Role::Projected => true,
+            Role::OneSided(_) => coefficients[*index] != 0.0,
+            Role::Fixed(_) | Role::Searched(_) => false,
+        };
+        ws.eliminated = self.layout.linear().enumerate().filter(is_free).map(|(index, _)| index).collect();
+        self.deviate(x, coefficients, self.derivatives(), &mut ws)
+            .then(|| self.collect(coefficients.to_vec(), &mut ws))
+    }
+
+    /// Weighted residuals at `x` and any coefficients of u, u², … and weights; empty where it cannot be simulated.
+    pub(in super::super) fn residuals_at<'w>(
+        &self,
+        x: &[f64],
+        coefficients: &[f64],
+        ws: &'w mut JointWorkspace,
+    ) -> &'w [f64] {
+        if self.deviate(x, coefficients, None, ws) { &ws.target } else { &[] }
+    }
+
+    /// Residuals at given coefficients into `ws.target`.
+    fn deviate(
+        &self,
+        x: &[f64],
+        coefficients: &[f64],
+        wanted: Derivatives<'_>,
+        ws: &mut JointWorkspace,
+    ) -> bool {
+        if !self.respond(x, wanted, ws) {
+            return false;
+        }
+        let JointWorkspace { records, column, target, .. } = ws;
+        for (r, record) in records.iter().enumerate() {
+            target[self.rows(r)].copy_from_slice(&record.target);
+        }
+        for (index, value) in coefficients.iter().enumerate() {
+            self.gather(index, records, column);
+            target.iter_mut().zip(column.iter()).for_each(|(t, c)| *t -= value * c);
+        }
+        true
+    }
+
+    /// Everything of a linearisation, after the columns and the residuals.
+    fn collect(&self, coefficients: Vec<f64>, ws: &mut JointWorkspace) -> Linearisation {
+        let count = self.residual_count();
+        let mut searched = vec![0.0; count * self.bounds.dimension()];
+        self.differentiate(&coefficients, &mut ws.records, &mut searched);
+        let mut eliminated = ws.eliminated.clone();
+        eliminated.sort_unstable();
+        let mut linear = vec![0.0; eliminated.len() * count];
+        for (&index, column) in eliminated.iter().zip(linear.chunks_exact_mut(count.max(1))) {
+            self.gather(index, &ws.records, column);
+        }
+        Linearisation { linear, eliminated, searched, residuals: ws.target.clone(), coefficients }
+    }
+}
+
+/// A joint fit linearised at a point.
+#[derive(Debug)]
+pub(in super::super) struct Linearisation {
+    /// Columns of the eliminated coefficients, one after the other.
+    pub(in super::super) linear: Vec<f64>,
+    /// Which coefficient each of them is: index of u^(index + 1), from the degree on of a weight. Weights that their sign
+    /// holds at 0 are not among them.
+    pub(in super::super) eliminated: Vec<usize>,
+    /// Derivatives along the searched numbers, one after the other.
+    pub(in super::super) searched: Vec<f64>,
+    /// Weighted residuals.
+    pub(in super::super) residuals: Vec<f64>,
+    /// Coefficients of u, u², … and weights.
+    pub(in super::super) coefficients: Vec<f64>,
+}
+
+impl Problem for JointProblem {
+    type Workspace = JointWorkspace;
+
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
+    }
+
+    fn workspace(&self) -> JointWorkspace {
+        let (degree, weights) = (self.degree(), self.layout.weights.len());
+        let parameters = self.layout.form.len();
+        let count = self.residual_count();
+        JointWorkspace {
+            records: self
+                .records
+                .iter()
+                .map(|record| record.workspace(degree, weights, parameters))
+                .collect(),
+            dynamics: Linearised::default(),
+            column: vec![0.0; count],
+            target: vec![0.0; count],
+            projection: Projection::new(count, degree + weights),
+            signed: Vec::new(),
+            eliminated: Vec::with_capacity(degree + weights),
+            at: Vec::with_capacity(self.bounds.dimension()),
+        }
+    }
+
+    fn cost(&self, x: &[f64], ws: &mut JointWorkspace) -> f64 {
+        if self.eliminate(x, None, ws) { root_mean_square(&ws.target) } else { f64::INFINITY }
+    }
+
+    fn identity(&self) -> String {
+        self.identity.clone()
+    }
+}
+
+impl LeastSquaresProblem for JointProblem {
+    fn residual_count(&self) -> usize {
+        self.at.last().copied().unwrap_or(0)
+    }
+
+    fn residuals(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> bool {
+        // Most trial points are taken and differentiated next.
+        let done = self.eliminate(x, self.derivatives(), ws);
+        out.copy_from_slice(&ws.target);
+        if done {
+            ws.at.extend_from_slice(x);
+        }
+        done
+    }
+
+    fn jacobian(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> Derivative {
+        if (x.is_empty() || ws.at != x) && !self.eliminate(x, self.derivatives(), ws) {
+            return Derivative::Infeasible;
+        }
+        let coefficients = self.coefficients(x, ws);
+        self.differentiate(&coefficients, &mut ws.records, out);
+        let count = self.residual_count();
+        let projection = &ws.projection;
+        out.par_chunks_exact_mut(count).for_each(|column| {
+            projection.project(column);
+            column.iter_mut().for_each(|d| *d = -*d);
+        });
+        // A candidate is differentiable where every derivative is finite.
+        if out.par_chunks_exact(count).all(|column| dot(column, column).is_finite()) {
+            Derivative::Written
+        } else {
+            Derivative::Infeasible
+        }
+    }
+}

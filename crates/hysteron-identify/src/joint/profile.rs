@@ -1,0 +1,317 @@
+//! Profile likelihood of one parameter of a least-squares fit: the confidence interval that its curvature asks for.
+//!
+//! With S(v) the least sum of squares at which the parameter has the value v, and S₀ the least of all, the signed root of
+//! the deviance z(v) = ±√((S(v) − S₀)/(s² ρ)) is (v − v̂)/se where the model is linear, and standard normal far more nearly
+//! than that where it is not (Bates, Watts 1988, doi:10.1002/9780470316757, ch. 6). ρ, the variance of the estimate over
+//! what white residuals would give it, keeps it right for coloured ones (the adjustment of Chandler, Bate 2007,
+//! doi:10.1093/biomet/asm015, for one parameter).
+
+use super::super::projection::Projection;
+use hysteron_numeric::dot;
+
+/// Values of z within this of the wanted one will do.
+const Z_TOLERANCE: f64 = 0.01;
+/// Most linearisations for one end of an interval.
+const MOST_STEPS: usize = 16;
+/// Most halvings of a step that leads up.
+const MOST_HALVINGS: usize = 6;
+/// Farthest step of the value at a time, in standard errors.
+const FARTHEST: f64 = 1.5;
+
+/// A least-squares fit in all of its parameters, linear ones among them.
+pub(in super::super) trait Fit {
+    /// Residuals, measured minus model, and the model's derivatives one column a parameter; `None` where it cannot be
+    /// simulated.
+    fn linearise(&mut self, p: &[f64]) -> Option<(Vec<f64>, Vec<f64>)>;
+    /// Sum of squares of the residuals.
+    fn square(&mut self, p: &[f64]) -> Option<f64>;
+    /// Range of a parameter.
+    fn range(&self, parameter: usize) -> (f64, f64);
+}
+
+/// The optimum from which profiles start.
+#[derive(Clone, Debug)]
+pub(in super::super) struct Optimum<'a> {
+    pub(in super::super) at: &'a [f64],
+    /// Least sum of squares.
+    pub(in super::super) square: f64,
+    /// The parameters that are free.
+    pub(in super::super) free: &'a [usize],
+}
+
+/// The parameter whose interval is wanted.
+#[derive(Clone, Debug)]
+pub(in super::super) struct Profiled<'a> {
+    pub(in super::super) parameter: usize,
+    /// Its standard error.
+    pub(in super::super) std_error: f64,
+    /// s² ρ: what one unit of deviance is worth in the sum of squares.
+    pub(in super::super) unit: f64,
+    /// How all parameters move with this one along the valley of the sum of squares, 1 for itself.
+    pub(in super::super) direction: &'a [f64],
+}
+
+impl Profiled<'_> {
+    /// z at `steps` standard errors along the straight valley, which tells the departure from the quadratic to third
+    /// order; 0 where the model ends before.
+    pub(in super::super) fn along_valley(
+        &self,
+        fit: &mut impl Fit,
+        optimum: &Optimum<'_>,
+        steps: f64,
+    ) -> f64 {
+        let at: Vec<f64> =
+            optimum.at.iter().zip(self.direction).map(|(p, d)| p + steps * self.std_error * d).collect();
+        let outside = optimum.free.iter().any(|&j| {
+            let (low, high) = fit.range(j);
+            !(low..=high).contains(&at[j])
+        });
+        if outside {
+            return 0.0;
+        }
+        fit.square(&at).map_or(0.0, |square| steps.signum() * self.root(square, optimum))
+    }
+
+    fn root(&self, square: f64, optimum: &Optimum<'_>) -> f64 {
+        ((square - optimum.square).max(0.0) / self.unit).sqrt()
+    }
+
+    /// The value on this side (±1) at which z = ± `wanted`, or the end of the parameter's range; `None` where it is not
+    /// found.
+    pub(in super::super) fn end(
+        &self,
+        fit: &mut impl Fit,
+        optimum: &Optimum<'_>,
+        side: f64,
+        wanted: f64,
+    ) -> Option<f64> {
+        let (low, high) = fit.range(self.parameter);
+        let bound = if side > 0.0 { high } else { low };
+        let mut at = optimum.at.to_vec();
+        self.go_to(fit, optimum, &mut at, optimum.at[self.parameter] + side * wanted * self.std_error);
+        let mut floor = 0.0;
+        for _ in 0..MOST_STEPS {
+            let value = at[self.parameter];
+            let (residuals, columns) = fit.linearise(&at)?;
+            let rest = Rest::solve(fit, self.parameter, optimum.free, &at, residuals, &columns);
+            // The others are not at their best yet: what is left to gain must not count in z.
+            if rest.gain > 2.0 * Z_TOLERANCE * wanted * self.unit {
+                at = rest.step(fit, &at)?;
+                continue;
+            }
+            let z = self.root(rest.square, optimum);
+            if (z - wanted).abs() <= Z_TOLERANCE {
+                return Some(value);
+            }
+            if value == bound && z < wanted {
+                return Some(bound);
+            }
+            // dz/dv from dS/dv = −2 Jᵀr, at the best of the others.
+            let rate = side * -rest.gradient / (z * self.unit);
+            if !(rate > 0.0 && rate.is_finite()) {
+                return None;
+            }
+            let farthest = FARTHEST * self.std_error;
+            let step = ((wanted - z) / rate).clamp(-farthest, farthest);
+            if z < wanted {
+                floor = (value - optimum.at[self.parameter]).abs().max(floor);
+            }
+            let distance = ((value - optimum.at[self.parameter]).abs() + step).max(floor);
+            let next = (optimum.at[self.parameter] + side * distance).clamp(low, high);
+            for (to, (d, tangent)) in rest.free.iter().zip(rest.change.iter().zip(&rest.tangent)) {
+                let (low, high) = fit.range(*to);
+                at[*to] = (at[*to] + d + tangent * (next - value)).clamp(low, high);
+            }
+            at[self.parameter] = next;
+        }
+        None
+    }
+
+    /// Moves along the valley to `value`, within all ranges.
+    fn go_to(&self, fit: &impl Fit, optimum: &Optimum<'_>, at: &mut [f64], value: f64) {
+        let (low, high) = fit.range(self.parameter);
+        let moved = value.clamp(low, high) - optimum.at[self.parameter];
+        for &j in optimum.free {
+            let (low, high) = fit.range(j);
+            at[j] = (optimum.at[j] + moved * self.direction[j]).clamp(low, high);
+        }
+        at[self.parameter] = value.clamp(low, high);
+    }
+}
+
+/// Linear least squares over all parameters but the profiled one.
+struct Rest {
+    free: Vec<usize>,
+    /// Step of each of them to their best.
+    change: Vec<f64>,
+    /// How each of them follows the profiled one.
+    tangent: Vec<f64>,
+    /// Sum of squares before the step, and how much the step is expected to gain.
+    before: f64,
+    gain: f64,
+    /// Sum of squares after the step, as expected.
+    square: f64,
+    /// Jᵀr of the profiled parameter after the step.
+    gradient: f64,
+}
+
+impl Rest {
+    fn solve(
+        fit: &impl Fit,
+        parameter: usize,
+        free: &[usize],
+        at: &[f64],
+        mut residuals: Vec<f64>,
+        columns: &[f64],
+    ) -> Self {
+        let rows = residuals.len();
+        let column = |j: usize| &columns[j * rows..(j + 1) * rows];
+        let before = dot(&residuals, &residuals);
+        // Those that their range holds back stay where they are.
+        let free: Vec<usize> = free
+            .iter()
+            .copied()
+            .filter(|&j| {
+                let (low, high) = fit.range(j);
+                let uphill = dot(column(j), &residuals);
+                j != parameter && !(at[j] <= low && uphill < 0.0 || at[j] >= high && uphill > 0.0)
+            })
+            .collect();
+        let mut basis = Projection::new(rows, free.len());
+        for &j in &free {
+            basis.push(|q| q.copy_from_slice(column(j)));
+        }
+        let change = basis.coefficients(&residuals);
+        let own = column(parameter);
+        let tangent = basis.coefficients(own).into_iter().map(|t| -t).collect();
+        basis.project(&mut residuals);
+        let square = dot(&residuals, &residuals);
+        let gradient = dot(own, &residuals);
+        Self { free, change, tangent, before, gain: before - square, square, gradient }
+    }
+
+    /// The point after the step, shortened until it leads down.
+    fn step(&self, fit: &mut impl Fit, at: &[f64]) -> Option<Vec<f64>> {
+        let mut share = 1.0;
+        for _ in 0..MOST_HALVINGS {
+            let mut to = at.to_vec();
+            for (&j, change) in self.free.iter().zip(&self.change) {
+                let (low, high) = fit.range(j);
+                to[j] = (at[j] + share * change).clamp(low, high);
+            }
+            if fit.square(&to).is_some_and(|square| square < self.before) {
+                return Some(to);
+            }
+            share *= 0.5;
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y = θ₁ (1 − exp(−θ₂ t)): the classical example of a strongly curved fit.
+    struct Saturation {
+        t: Vec<f64>,
+        y: Vec<f64>,
+    }
+
+    impl Fit for Saturation {
+        fn linearise(&mut self, p: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+            let e: Vec<f64> = self.t.iter().map(|t| (-p[1] * t).exp()).collect();
+            let r = self.y.iter().zip(&e).map(|(y, e)| y - p[0] * (1.0 - e)).collect();
+            let first = e.iter().map(|e| 1.0 - e);
+            let second = e.iter().zip(&self.t).map(|(e, t)| p[0] * t * e);
+            Some((r, first.chain(second).collect()))
+        }
+        fn square(&mut self, p: &[f64]) -> Option<f64> {
+            self.linearise(p).map(|(r, _)| dot(&r, &r))
+        }
+        fn range(&self, _: usize) -> (f64, f64) {
+            (0.0, 1e4)
+        }
+    }
+
+    /// BOD data of Marske (1967), as in Bates and Watts, table A1.4.
+    fn bod() -> Saturation {
+        Saturation { t: vec![1.0, 2.0, 3.0, 4.0, 5.0, 7.0], y: vec![8.3, 10.3, 19.0, 16.0, 15.6, 19.8] }
+    }
+
+    /// Least sum of squares at θ₂ = `rate`: θ₁ is linear.
+    fn square_at_rate(fit: &Saturation, rate: f64) -> f64 {
+        let shape: Vec<f64> = fit.t.iter().map(|t| 1.0 - (-rate * t).exp()).collect();
+        let size = dot(&shape, &fit.y) / dot(&shape, &shape);
+        fit.y.iter().zip(&shape).map(|(y, s)| (y - size * s).powi(2)).sum()
+    }
+
+    fn bisect(mut low: f64, mut high: f64, f: impl Fn(f64) -> bool) -> f64 {
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if f(middle) { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    #[test]
+    fn finds_both_ends_of_a_strongly_curved_profile() {
+        let mut fit = bod();
+        // Published estimates: 19.143, 0.5311, s² = 25.99/4.
+        let at = [19.1426, 0.5311];
+        let square = fit.square(&at).unwrap();
+        assert!((square - 25.99).abs() < 0.005, "{square}");
+        let s2 = square / 4.0;
+        let (_, columns) = fit.linearise(&at).unwrap();
+        let (a, b) = columns.split_at(6);
+        let (aa, ab, bb) = (dot(a, a), dot(a, b), dot(b, b));
+        let std_error = (s2 / (bb - ab * ab / aa)).sqrt();
+        assert!((std_error - 0.2031).abs() < 1e-3, "{std_error}");
+        let direction = [-ab / aa, 1.0];
+        let optimum = Optimum { at: &at, square, free: &[0, 1] };
+        let profiled = Profiled { parameter: 1, std_error, unit: s2, direction: &direction };
+        let wanted = 1.7;
+        let deviance = |rate: f64| ((square_at_rate(&fit, rate) - square) / s2).max(0.0).sqrt();
+        let high = bisect(0.5311, 5.0, |rate| deviance(rate) > wanted);
+        let low = bisect(0.0, 0.5311, |rate| deviance(rate) < wanted);
+        assert!(high - 0.5311 > 1.3 * (0.5311 - low), "{low} {high}: the example must be curved");
+        let slope = |rate: f64| (deviance(rate + 1e-4) - deviance(rate - 1e-4)).abs() / 2e-4;
+        for (side, oracle) in [(-1.0, low), (1.0, high)] {
+            let tolerance = 1.5 * Z_TOLERANCE / slope(oracle);
+            let found = profiled.end(&mut bod(), &optimum, side, wanted).unwrap();
+            assert!((found - oracle).abs() <= tolerance, "{found} {oracle} {tolerance}");
+        }
+        // The straight valley shows the profile's asymmetry: z(h) + z(−h) is of second order in h.
+        let h = 0.2;
+        let z = |side: f64| side * deviance(0.5311 + side * h * std_error);
+        let of_profile = z(1.0) + z(-1.0);
+        let mut fit = bod();
+        let mut valley = |steps| profiled.along_valley(&mut fit, &optimum, steps);
+        let of_valley = valley(h) + valley(-h);
+        assert!(of_profile < -0.005, "{of_profile}");
+        assert!((of_valley / of_profile - 1.0).abs() < 0.1, "{of_valley} {of_profile}");
+    }
+
+    #[test]
+    fn stops_at_the_end_of_the_range() {
+        struct Narrow(Saturation);
+        impl Fit for Narrow {
+            fn linearise(&mut self, p: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+                self.0.linearise(p)
+            }
+            fn square(&mut self, p: &[f64]) -> Option<f64> {
+                self.0.square(p)
+            }
+            fn range(&self, j: usize) -> (f64, f64) {
+                if j == 1 { (0.5, 0.6) } else { (0.0, 1e4) }
+            }
+        }
+        let mut fit = Narrow(bod());
+        let at = [19.1426, 0.5311];
+        let square = fit.square(&at).unwrap();
+        let optimum = Optimum { at: &at, square, free: &[0, 1] };
+        let profiled = Profiled { parameter: 1, std_error: 0.2, unit: square / 4.0, direction: &[-9.0, 1.0] };
+        assert_eq!(profiled.end(&mut fit, &optimum, 1.0, 1.96), Some(0.6));
+        assert_eq!(profiled.end(&mut fit, &optimum, -1.0, 1.96), Some(0.5));
+    }
+}

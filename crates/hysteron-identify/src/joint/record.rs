@@ -1,0 +1,336 @@
+//! One record of a joint fit: what is precomputed of it, and the linear columns and their derivatives at a candidate.
+//!
+//! Output of record r at a candidate θ (SPEC §4), linear in the coefficients c and w and in the record's own nuisance:
+//!
+//! y = offset (+ drift t) + Σ cᵢ Φᵢ(θ) + Σ w_j Ψ_j(θ) (+ transients),  Φᵢ = G(θ) ∗ (uⁱ − uⁱ(rest)),  Ψ_j = s G(θ) ∗ (H_j(θ) − H_j(rest)),
+//!
+//! with the columns H_j, weights w_j and the sign s of the family of hysteresis operators ([`HysteresisForm`]): for Bouc–Wen
+//! one column ζ with weight α and sign −1.
+//!
+//! The hysteresis runs over the drive at its own rate or a finer one, so that every turning point is met. Where the record is
+//! reduced, its output and the measured one go through the same low-pass before samples are left out ([`Reduction`]).
+
+use super::super::projection::Projection;
+use super::drive::Thinning;
+use super::reduction::Reduction;
+use hysteron_model::dynamics::{
+    InputSpectrum, Linearised, Response, Sampling, SimulationPlan, Workspace as PlanWorkspace,
+};
+use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm, Origin};
+use rayon::prelude::*;
+
+mod derivatives;
+mod preparation;
+
+pub(in super::super) use derivatives::Direction;
+pub(in super::super) use preparation::Ingredients;
+
+/// What happened before the first sample of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) enum Before {
+    /// The device rested at this voltage without hysteresis memory and moves to u(0) in one sample.
+    Rest {
+        /// Rest voltage \[V\].
+        voltage_v: f64,
+    },
+    /// The device rested at u(0) with an unknown memory ζ(0), which is a parameter of the fit.
+    Remembering,
+    /// The record repeats for ever; it is a whole number of periods.
+    Periodic,
+}
+
+/// One record prepared for a joint fit.
+#[derive(Debug)]
+pub(in super::super) struct JointRecord {
+    /// Drive on the grid that the hysteresis runs over \[V\].
+    drive: Vec<f64>,
+    /// How its samples lie in time.
+    grid: DriveGrid,
+    thinning: Thinning,
+    reduction: Option<Reduction>,
+    before: Before,
+    /// Weight of each sample that is worked on, 0 where it does not count.
+    pub(super) weight: Vec<f64>,
+    /// Orthonormal weighted columns of offset and drift.
+    nuisance: Projection,
+    /// Measured output, weighted, without nuisance.
+    pub(super) target: Vec<f64>,
+    /// Samples with weight.
+    pub(super) valid: usize,
+    /// What a constant output is, 1 but at the ends of a reduced record, where the output at rest counts: the offset is held.
+    rest: Option<Vec<f64>>,
+    plan: SimulationPlan,
+    sampling: Sampling,
+    powers: Vec<InputSpectrum>,
+    transients: Vec<InputSpectrum>,
+}
+
+/// The nonlinear part of a candidate.
+#[derive(Clone, Debug)]
+pub(in super::super) struct Candidate {
+    /// The family's shape numbers.
+    pub(in super::super) shape: Vec<f64>,
+    pub(in super::super) delay_s: f64,
+    /// Memory of each record \[V\]; 0 where it is known.
+    pub(in super::super) memory: Vec<f64>,
+}
+
+/// Shorter records are worked on by one thread: handing work over would cost more.
+const SHARED: usize = 4096;
+/// Most threads that share the columns of a record.
+const LANES: usize = 8;
+
+/// Scratch of one record.
+#[derive(Debug)]
+pub(in super::super) struct RecordWorkspace {
+    hysteresis: Operators,
+    response: Response,
+    total: InputSpectrum,
+    /// Nuisance, and the transients of the candidate.
+    local: Projection,
+    /// Weighted columns of u, u², …, s H_j without local columns, one after the other.
+    pub(in super::super) columns: Vec<f64>,
+    /// Target without transients.
+    pub(in super::super) target: Vec<f64>,
+    transient_columns: Vec<Vec<f64>>,
+    /// Coefficients of the local columns in each global column.
+    transient_shares: Vec<Vec<f64>>,
+    /// One a thread that works on this record.
+    lanes: Vec<Lane>,
+}
+
+/// What the operators of the hysteresis put out, kept while only the dynamics change.
+#[derive(Debug)]
+struct Operators {
+    columns: Columns,
+    /// Spectra of s (H_j − H_j(rest)).
+    spectra: Vec<InputSpectrum>,
+    /// Shape and memory that both belong to; `None`: nothing.
+    of: Option<(Vec<f64>, f64)>,
+    derived: bool,
+}
+
+/// Scratch of one column.
+#[derive(Debug)]
+struct Lane {
+    plan: PlanWorkspace,
+    spectrum: InputSpectrum,
+    /// As long as the record at its own rate, where that is not what is worked on.
+    own: Vec<f64>,
+    input: Vec<f64>,
+    /// Weighted sum of what several operators put out.
+    sum: Vec<f64>,
+}
+
+impl JointRecord {
+    /// Columns of offset and drift.
+    pub(super) fn local_columns(&self) -> usize {
+        self.nuisance.len()
+    }
+
+    /// Samples that are worked on.
+    pub(super) fn samples(&self) -> usize {
+        self.weight.len()
+    }
+
+    /// Scratch for `degree` powers, `hysteretic` columns and the tangents of `parameters` parameters of the dynamics.
+    pub(super) fn workspace(&self, degree: usize, hysteretic: usize, parameters: usize) -> RecordWorkspace {
+        let samples = self.samples();
+        let transients = self.transients.len();
+        let own = match (&self.reduction, self.thinning) {
+            (Some(_), Thinning::Means) => self.thinning.samples(self.drive.len()),
+            _ => 0,
+        };
+        let lane = || Lane {
+            plan: self.plan.workspace(),
+            spectrum: self.plan.empty_spectrum(),
+            own: vec![0.0; own],
+            input: vec![0.0; samples],
+            sum: Vec::new(),
+        };
+        let lanes = if samples < SHARED { 1 } else { rayon::current_num_threads().min(LANES) };
+        RecordWorkspace {
+            hysteresis: Operators {
+                columns: Columns::default(),
+                spectra: (0..hysteretic).map(|_| self.plan.empty_spectrum()).collect(),
+                of: None,
+                derived: false,
+            },
+            response: self.plan.empty_response(parameters),
+            total: self.plan.empty_spectrum(),
+            local: self.nuisance.with_capacity(self.nuisance.capacity() + transients),
+            columns: vec![0.0; samples * (degree + hysteretic)],
+            target: vec![0.0; samples],
+            transient_columns: vec![vec![0.0; samples]; transients],
+            transient_shares: Vec::new(),
+            lanes: (0..lanes).map(|_| lane()).collect(),
+        }
+    }
+
+    /// Where the operators stand before the first sample.
+    fn origin(&self, memory: f64) -> Origin {
+        match self.before {
+            Before::Rest { voltage_v } => Origin::Virgin { rest: voltage_v },
+            Before::Remembering => Origin::Remembering { rest: self.drive[0], memory },
+            Before::Periodic => Origin::Periodic,
+        }
+    }
+
+    /// Spectrum of `scale` times what an output `x` of an operator adds to its value `before` the first sample.
+    fn input_spectrum(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
+        let Lane { plan, spectrum, own, input, .. } = lane;
+        match (&self.reduction, self.thinning) {
+            (None, Thinning::Pick(_)) => input.copy_from_slice(x),
+            (None, Thinning::Means) => self.thinning.apply(x, input),
+            (Some(reduction), Thinning::Pick(_)) => reduction.input(x, before, input),
+            (Some(reduction), Thinning::Means) => {
+                self.thinning.apply(x, own);
+                reduction.input(own, before, input);
+            }
+        }
+        input.iter_mut().for_each(|x| *x = scale * (*x - before));
+        self.plan.transform_into(input, plan, spectrum).is_ok()
+    }
+
+    /// Runs the hysteresis and transforms what it puts out. `false` where the candidate cannot be simulated.
+    fn operate(
+        &self,
+        form: HysteresisForm,
+        (shape, memory): (&[f64], f64),
+        derivatives: Derivatives<'_>,
+        operators: &mut Operators,
+        lanes: &mut [Lane],
+    ) -> bool {
+        let Operators { columns, spectra, of, derived } = operators;
+        let same = of.as_ref().is_some_and(|(of_shape, of_memory)| of_shape == shape && *of_memory == memory);
+        if same && (*derived || derivatives.is_none()) {
+            return true;
+        }
+        *of = None;
+        if form.run(shape, self.grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
+            return false;
+        }
+        let share = spectra.len().div_ceil(lanes.len().max(1)).max(1);
+        let done = spectra
+            .par_chunks_mut(share)
+            .zip(columns.values.par_chunks(share).zip(columns.rest.par_chunks(share)))
+            .zip(lanes)
+            .map(|((spectra, (values, rests)), lane)| {
+                let mut done = true;
+                for ((spectrum, values), rest) in spectra.iter_mut().zip(values).zip(rests) {
+                    done &= self.input_spectrum(values, *rest, form.sign(), lane);
+                    std::mem::swap(&mut lane.spectrum, spectrum);
+                }
+                done
+            })
+            .reduce(|| true, |a, b| a & b);
+        if done {
+            (*of, *derived) = (Some((shape.to_vec(), memory)), derivatives.is_some());
+        }
+        done
+    }
+
+    /// Columns of the candidate into `ws.columns` and the target without transients into `ws.target`; with
+    /// `derivatives`, everything that [`Self::differentiate`] needs. `false` where the candidate cannot be simulated.
+    pub(super) fn respond(
+        &self,
+        form: HysteresisForm,
+        candidate: &Candidate,
+        memory: f64,
+        dynamics: &Linearised,
+        derivatives: Derivatives<'_>,
+        ws: &mut RecordWorkspace,
+    ) -> bool {
+        let RecordWorkspace { hysteresis, response, lanes, .. } = &mut *ws;
+        let mut operate = || self.operate(form, (&candidate.shape, memory), derivatives, hysteresis, lanes);
+        let (plan, delay_s) = (&self.plan, candidate.delay_s);
+        let mut linear = || match derivatives {
+            None => plan.response(&dynamics.transfer_function, delay_s, self.sampling, response),
+            Some(_) => plan.response_with_tangents(dynamics, delay_s, self.sampling, response),
+        };
+        let (simulated, responded) =
+            if self.samples() < SHARED { (operate(), linear()) } else { rayon::join(operate, linear) };
+        simulated
+            && responded.is_ok()
+            && self.respond_to_transients(ws)
+            && self.respond_to_inputs(form.sign(), derivatives, ws)
+    }
+
+    /// The columns of u, u², …, s H_j from their spectra.
+    fn respond_to_inputs(&self, sign: f64, derivatives: Derivatives<'_>, ws: &mut RecordWorkspace) -> bool {
+        let RecordWorkspace { hysteresis, response, local, columns, transient_shares, lanes, .. } = ws;
+        let samples = self.samples();
+        let count = columns.len() / samples;
+        let degree = count - hysteresis.spectra.len();
+        let column = |index: usize, column: &mut [f64], lane: &mut Lane| {
+            let input =
+                if index < degree { &self.powers[index] } else { &hysteresis.spectra[index - degree] };
+            let done = self.plan.apply(response, input, &mut lane.plan, column).is_ok();
+            self.end(column);
+            if let Some(unit) = &self.rest {
+                let rest_v = rest_voltage(self.before, &self.drive);
+                let at_rest = if index < degree {
+                    rest_v.powi(index as i32 + 1)
+                } else {
+                    sign * hysteresis.columns.rest[index - degree]
+                };
+                column.iter_mut().zip(unit).for_each(|(c, unit)| *c += at_rest * unit);
+            }
+            column.iter_mut().zip(&self.weight).for_each(|(c, w)| *c *= w);
+            done
+        };
+        let share = count.div_ceil(lanes.len());
+        let done = columns
+            .par_chunks_mut(share * samples)
+            .zip(&mut *lanes)
+            .enumerate()
+            .map(|(at, (columns, lane))| {
+                let columns = columns.chunks_exact_mut(samples).enumerate();
+                columns.map(|(index, own)| column(at * share + index, own, lane)).fold(true, |a, b| a & b)
+            })
+            .reduce(|| true, |a, b| a & b);
+        transient_shares.clear();
+        if !self.transients.is_empty() && derivatives.is_some() {
+            transient_shares.extend(columns.chunks_exact(samples).map(|column| local.coefficients(column)));
+        }
+        columns.par_chunks_exact_mut(samples).for_each(|column| local.project(column));
+        done
+    }
+
+    /// The local columns of the candidate, and the target without them.
+    fn respond_to_transients(&self, ws: &mut RecordWorkspace) -> bool {
+        ws.target.copy_from_slice(&self.target);
+        ws.local.truncate(self.nuisance.len());
+        let Some(lane) = ws.lanes.first_mut() else { return false };
+        for (column, input) in ws.transient_columns.iter_mut().zip(&self.transients) {
+            if self.plan.apply(&ws.response, input, &mut lane.plan, column).is_err() {
+                return false;
+            }
+            self.end(column);
+            column.iter_mut().zip(&self.weight).for_each(|(c, w)| *c *= w);
+            ws.local.push(|q| q.copy_from_slice(column));
+        }
+        if !self.transients.is_empty() {
+            ws.local.project(&mut ws.target);
+        }
+        true
+    }
+
+    /// Takes off a response what belongs beyond the end of the record.
+    fn end(&self, column: &mut [f64]) {
+        if let Some(reduction) = &self.reduction {
+            reduction.end(column);
+        }
+    }
+}
+
+/// Voltage before the first sample \[V\].
+fn rest_voltage(before: Before, drive: &[f64]) -> f64 {
+    match before {
+        Before::Rest { voltage_v } => voltage_v,
+        Before::Remembering | Before::Periodic => drive[0],
+    }
+}
+
+/// Worked out beside the columns: derivatives, with respect to which shape numbers of the hysteresis.
+pub(in super::super) type Derivatives<'a> = Option<&'a [bool]>;

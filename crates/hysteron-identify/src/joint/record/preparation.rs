@@ -1,0 +1,111 @@
+//! What is worked out once of a record: its weights, the columns of offset and drift, and the spectra of u, u², ….
+
+use super::super::super::projection::Projection;
+use super::super::drive::Thinning;
+use super::super::reduction::Reduction;
+use super::{Before, JointRecord, rest_voltage};
+use hysteron_model::dynamics::{DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
+use hysteron_model::hysteresis::DriveGrid;
+
+/// What a joint record is made from, all of it at the record's own rate.
+pub(crate) struct Ingredients<'a> {
+    /// Drive, which may be on a finer grid.
+    pub(crate) drive: &'a [f64],
+    pub(crate) thinning: Thinning,
+    /// Every how many samples one is worked on.
+    pub(crate) factor: usize,
+    /// Measured output, less a held offset.
+    pub(crate) output: Vec<f64>,
+    /// Weight of each sample.
+    pub(crate) weight: Vec<f64>,
+    pub(crate) before: Before,
+    /// Decaying motion from before the record is allowed for.
+    pub(crate) transients: bool,
+    pub(crate) offset_is_held: bool,
+    /// Further nuisance columns (drift).
+    pub(crate) nuisance: Vec<Vec<f64>>,
+    /// Highest polynomial degree that will be asked for.
+    pub(crate) degree: usize,
+    pub(crate) sample_rate_hz: f64,
+    pub(crate) scheme: Scheme,
+    pub(crate) sampling: Sampling,
+}
+
+impl JointRecord {
+    pub(crate) fn new(parts: Ingredients<'_>) -> Result<Self, DynamicsError> {
+        let periodic = parts.before == Before::Periodic;
+        let count = parts.output.len();
+        debug_assert_eq!(count, parts.thinning.samples(parts.drive.len()));
+        let reduction = (parts.factor > 1).then(|| Reduction::new(parts.factor, count, periodic));
+        let reduced = |x: Vec<f64>, filter: fn(&Reduction, &[f64], &mut [f64])| match &reduction {
+            None => x,
+            Some(reduction) => {
+                let mut out = vec![0.0; reduction.rows()];
+                filter(reduction, &x, &mut out);
+                out
+            }
+        };
+        let input = |x| reduced(x, |reduction, x, out| reduction.input(x, 0.0, out));
+        let output = |x| reduced(x, Reduction::output);
+        let weight = match &reduction {
+            None => parts.weight,
+            Some(reduction) => reduction.weights(&parts.weight),
+        };
+        let samples = weight.len();
+        let weighted = |mut x: Vec<f64>| {
+            x.iter_mut().zip(&weight).for_each(|(x, w)| *x *= w);
+            x
+        };
+        let unit = output(vec![1.0; count]);
+        let mut nuisance = Projection::new(samples, 1 + parts.nuisance.len());
+        if !parts.offset_is_held {
+            nuisance.push(|column| column.copy_from_slice(&weighted(unit.clone())));
+        }
+        for extra in parts.nuisance {
+            nuisance.push(|column| column.copy_from_slice(&weighted(output(extra))));
+        }
+        let mut target = weighted(output(parts.output));
+        nuisance.project(&mut target);
+
+        let initial = if periodic { InitialCondition::Periodic } else { InitialCondition::Zero };
+        let rate_hz = parts.sample_rate_hz / parts.factor as f64;
+        let plan =
+            SimulationPlan::new(samples, rate_hz, parts.scheme, initial)?.of_thinned_inputs(parts.factor);
+        let rest_v = rest_voltage(parts.before, parts.drive);
+        let power = |power: usize| {
+            let power = power as i32;
+            let rest = if periodic { 0.0 } else { rest_v.powi(power) };
+            let fine: Vec<f64> = parts.drive.iter().map(|u| u.powi(power) - rest).collect();
+            let mut own = vec![0.0; count];
+            parts.thinning.apply(&fine, &mut own);
+            plan.transform(&input(own))
+        };
+        let powers = (1..=parts.degree).map(power).collect::<Result<_, _>>()?;
+        let inputs = parts.transients.then(|| transient_inputs(count));
+        let transients =
+            inputs.into_iter().flatten().map(|x| plan.transform(&input(x))).collect::<Result<_, _>>()?;
+        let valid = weight.iter().filter(|w| **w > 0.0).count();
+        Ok(Self {
+            drive: parts.drive.to_vec(),
+            grid: DriveGrid::new(Some(parts.sample_rate_hz), parts.thinning.finer(), parts.thinning.every()),
+            thinning: parts.thinning,
+            before: parts.before,
+            nuisance,
+            target,
+            valid,
+            rest: (parts.offset_is_held && !periodic).then_some(unit),
+            sampling: parts.sampling,
+            powers,
+            transients,
+            plan,
+            weight,
+            reduction,
+        })
+    }
+}
+
+/// Inputs whose responses span the motion left over from before the record: impulses at the first two samples and a step.
+fn transient_inputs(samples: usize) -> [Vec<f64>; 3] {
+    let impulse = |at: usize| (0..samples).map(|k| f64::from(u8::from(k == at))).collect();
+    [impulse(0), impulse(1), vec![1.0; samples]]
+}

@@ -1,0 +1,245 @@
+//! Search box of a joint fit.
+
+use super::super::dynamic_step::{LONGEST_DELAY_PERIODS, LONGEST_DELAY_SAMPLES};
+use super::super::layout::{BoxBuilder, Role};
+use super::super::options::{Choice, Options};
+use super::super::static_step::{HIGHEST_AUTOMATIC_DEGREE, Scales};
+use super::super::{IdentifyError, RecordFacts, fingerprint};
+use super::campaign::JointMember;
+use super::problem::{JointLayout, JointProblem};
+use super::record::{Before, JointRecord};
+use super::resonances::{Resonance, resonances};
+use hysteron_model::dynamics::{DynamicForm, Modes, Scheme};
+use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_model::model_file::polynomial_name;
+use hysteron_optimize::{Bounds, Range};
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Everything that a joint problem of any degree is made from.
+#[derive(Clone)]
+pub(in super::super) struct JointSetup<'a> {
+    pub(in super::super) members: &'a [JointMember<'a>],
+    pub(in super::super) scales: Scales,
+    pub(in super::super) hysteresis: HysteresisForm,
+    pub(in super::super) form: DynamicForm,
+    pub(in super::super) options: &'a Options,
+    pub(in super::super) fastest_hz: f64,
+    pub(in super::super) rate_hz: f64,
+    /// Whole and reduced records, prepared when first needed.
+    prepared: Arc<[Mutex<Option<Prepared>>; 2]>,
+    /// Found when first needed.
+    resonances: Arc<OnceLock<Vec<Resonance>>>,
+}
+
+/// The records as a fit sees them, whatever of it is held.
+#[derive(Clone)]
+struct Prepared {
+    /// Highest degree that they serve.
+    degree: usize,
+    records: Arc<[JointRecord]>,
+    fingerprint: u64,
+}
+
+/// Name of the memory of a record in the search.
+pub(in super::super) fn memory_name(record: usize) -> String {
+    format!("memory_{}", record + 1)
+}
+
+impl<'a> JointSetup<'a> {
+    pub(in super::super) fn new(
+        members: &'a [JointMember<'a>],
+        form: DynamicForm,
+        options: &'a Options,
+    ) -> Self {
+        let facts: Vec<&RecordFacts> = members.iter().map(|member| member.facts).collect();
+        Self {
+            scales: Scales::of(&facts),
+            hysteresis: options.hysteresis,
+            form,
+            options,
+            fastest_hz: facts.iter().map(|f| f.highest_frequency_hz()).fold(0.0, f64::max),
+            rate_hz: members.iter().map(|m| m.rate_hz).fold(0.0, f64::max),
+            members,
+            prepared: Arc::default(),
+            resonances: Arc::default(),
+        }
+    }
+
+    /// The same records with another form of the dynamics, or other parameters held.
+    pub(super) fn with<'b>(&self, form: DynamicForm, options: &'b Options) -> JointSetup<'b>
+    where
+        'a: 'b,
+    {
+        JointSetup { form, options, ..self.clone() }
+    }
+
+    /// The problem of this polynomial degree, on reduced or on whole records.
+    pub(in super::super) fn problem(
+        &self,
+        degree: usize,
+        reduced: bool,
+    ) -> Result<JointProblem, IdentifyError> {
+        let (layout, bounds) = self.layout(degree);
+        let Prepared { records, fingerprint, .. } = self.prepared(degree, reduced)?;
+        let identity = format!(
+            "joint {degree} {reduced} {:?} {:?} {layout:?} {:?} {fingerprint:x}",
+            self.hysteresis,
+            self.form,
+            self.options.scheme(),
+        );
+        Ok(JointProblem::new(records, (self.hysteresis, self.form), layout, bounds, identity))
+    }
+
+    fn prepared(&self, degree: usize, reduced: bool) -> Result<Prepared, IdentifyError> {
+        let mut kept = self.prepared[usize::from(reduced)].lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(prepared) = kept.as_ref().filter(|prepared| prepared.degree >= degree) {
+            return Ok(prepared.clone());
+        }
+        let degree = match self.options.degree {
+            Choice::Given(given) => degree.max(given),
+            Choice::Auto => degree.max(HIGHEST_AUTOMATIC_DEGREE),
+        };
+        // Weights such that the cost reads as RMSE in the output's unit where all records are equally noisy.
+        let (mut information, mut samples) = (0.0, 0);
+        for member in self.members {
+            information += member.facts.scored(0).len() as f64 / (member.noise * member.noise);
+            samples += member.facts.data.u.len().div_ceil(if reduced { member.factor } else { 1 });
+        }
+        let scale = (samples as f64 / information).sqrt();
+        let records = self
+            .members
+            .par_iter()
+            .map(|member| member.prepare(reduced, scale, degree, self.options))
+            .collect::<Result<Vec<_>, _>>()?;
+        let values = self
+            .members
+            .iter()
+            .flat_map(|m| m.facts.data.u.iter().chain(&m.facts.data.y).map(|x| x.to_bits()));
+        let prepared = Prepared { degree, records: records.into(), fingerprint: fingerprint(values) };
+        *kept = Some(prepared.clone());
+        Ok(prepared)
+    }
+
+    fn layout(&self, degree: usize) -> (JointLayout, Bounds) {
+        let Scales { largest_v, slope, .. } = self.scales;
+        let demands = &self.options.demands;
+        let mut space = BoxBuilder::new(demands);
+        let polynomial = (1..=degree)
+            .map(|power| {
+                let unit = slope.abs() / largest_v.powi(power as i32 - 1);
+                space.projected(Range::linear(&polynomial_name(power), -4.0 * unit, 4.0 * unit))
+            })
+            .collect();
+        let (weights, shape) = self.family(&mut space);
+        // Nothing is remembered by a hysteretic part that is not there.
+        let hysteretic = weights.iter().any(|weight| *weight != Role::Fixed(0.0));
+        let form = self
+            .form
+            .parameters()
+            .iter()
+            .map(|parameter| space.searched(self.range(parameter.name)))
+            .collect();
+        let longest = (LONGEST_DELAY_SAMPLES / self.rate_hz).max(LONGEST_DELAY_PERIODS / self.fastest_hz);
+        let delay = match self.options.delay_s {
+            Choice::Given(delay) => Role::Fixed(delay),
+            Choice::Auto => space.searched(Range::linear("delay", 0.0, longest)),
+        };
+        let memory = self
+            .members
+            .iter()
+            .enumerate()
+            .map(|(index, member)| match member.before {
+                Before::Remembering if hysteretic => {
+                    let (low, high) = self.memory_range(index);
+                    space.searched(Range::linear(&memory_name(index), low, high))
+                }
+                _ => Role::Fixed(0.0),
+            })
+            .collect();
+        let layout = JointLayout { polynomial, weights, shape, form, delay, memory };
+        (layout, space.finish())
+    }
+
+    /// Resonances that the records show, for a form with several pairs of poles.
+    pub(super) fn resonances(&self) -> &[Resonance] {
+        match pairs(&self.form) {
+            0 | 1 => &[],
+            count => self.resonances.get_or_init(|| resonances(self.members, count)),
+        }
+    }
+
+    /// Search range of a parameter of the dynamics.
+    fn range(&self, name: &str) -> Range {
+        // A resonance shows in its flank, up to a decade above the fastest drive.
+        let low = (0.5 * self.fastest_hz).min(0.05 * self.rate_hz);
+        // Several of them are only seen within the drive.
+        let (low, lightest) = if pairs(&self.form) > 1 { (0.02 * low, 5e-4) } else { (low, 0.005) };
+        let high = (20.0 * self.fastest_hz).min(0.45 * self.rate_hz);
+        // What is faster than the fastest drive is not creep, what is slower than the longest record a drift.
+        let longest = self.members.iter().map(JointMember::duration_s).fold(0.0, f64::max);
+        let fastest_creep = 1.0 / (TAU * self.fastest_hz);
+        match without_number(name) {
+            "natural_frequency" => Range::logarithmic(name, low, high),
+            "lag" => Range::logarithmic(name, 0.02 / self.rate_hz, 3.0 / self.fastest_hz),
+            "damping" => Range::logarithmic(name, lightest, 20.0),
+            // A mode may move against the others.
+            "share" if matches!(self.form.modes, Modes::Resonances { .. }) => Range::linear(name, -1.0, 2.0),
+            "order2" => Range::linear(name, 1.2, 2.6),
+            "order1" => Range::linear(name, 0.02, 1.6),
+            "order0" => Range::linear(name, 0.0, 0.5),
+            "creep" => Range::logarithmic(name, 1e-4, 1.0),
+            "creep_order" => Range::linear(name, 0.01, 0.6),
+            "creep_per_decade" => Range::logarithmic(name, 1e-5, 0.3),
+            // The chain reaches 1e5 times as far.
+            "creep_start" => {
+                Range::logarithmic(name, (0.5 / self.rate_hz).max(1e-5 * longest), 0.3 * longest)
+            }
+            "creep_time" => Range::logarithmic(name, fastest_creep.min(0.1 * longest), 3.0 * longest),
+            "share" => Range::linear(name, 0.0, 1.0),
+            _ => Range::linear(name, 0.0, 1.0),
+        }
+    }
+}
+
+/// Pairs of poles with whole orders.
+fn pairs(form: &DynamicForm) -> usize {
+    match form.modes {
+        Modes::Integer { order } => order / 2,
+        Modes::Resonances { count, .. } => count,
+        _ => 0,
+    }
+}
+
+/// `natural_frequency_2` as `natural_frequency`.
+pub(in super::super) fn without_number(name: &str) -> &str {
+    match name.rsplit_once('_') {
+        Some((name, number)) if number.bytes().all(|b| b.is_ascii_digit()) => name,
+        _ => name,
+    }
+}
+
+/// The dynamics that the user asked for, or what the records support.
+pub(in super::super) fn form(options: &Options) -> DynamicForm {
+    use super::super::options::DynamicsChoice;
+    let modes = match options.dynamics {
+        DynamicsChoice::None => Modes::None,
+        DynamicsChoice::Integer => Modes::Integer { order: options.order },
+        DynamicsChoice::Modes => Modes::Resonances { count: options.order / 2, lag: options.order % 2 == 1 },
+        DynamicsChoice::FractionalFreeLowest => Modes::FractionalFreeLowest,
+        DynamicsChoice::TwoFractional => Modes::TwoFractional,
+        _ => Modes::Fractional,
+    };
+    DynamicForm { modes, creep: options.creep }
+}
+
+/// The scheme that the user asked for, or what the records support.
+pub(in super::super) fn scheme(options: &Options, members: &[JointMember<'_>]) -> Scheme {
+    match options.scheme {
+        Choice::Given(scheme) => scheme,
+        // A jump is not band-limited.
+        Choice::Auto if members.iter().any(|m| matches!(m.before, Before::Rest { .. })) => Scheme::Tustin,
+        Choice::Auto => Scheme::BandLimited,
+    }
+}

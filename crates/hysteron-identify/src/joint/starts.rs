@@ -1,0 +1,372 @@
+//! Where the search of a joint fit begins.
+//!
+//! A simulation costs a fraction of an iteration, so the starts begin as the best points of coarse lattices. The loop
+//! comes first, from the record in which the dynamics matter least, once as of a device without memory and once as of one
+//! that comes from loops like those of the record (sharp loops have a second optimum with a memory that was not there, and
+//! dynamics that are far off lead there). Then the dynamics, on all records with that loop held.
+
+use super::super::layout::pick;
+use super::super::options::Options;
+use super::super::{Engine, IdentifyError};
+use super::problem::JointProblem;
+use super::setup::{JointSetup, memory_name, without_number};
+use hysteron_model::dynamics::{Creep, Dynamics, Modes};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::model_file::polynomial_name;
+use hysteron_optimize::{Bounds, Problem};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Places of the natural frequency in its range.
+const PLACES: [f64; 4] = [0.3, 0.5, 0.7, 0.9];
+const CENTRE: f64 = PLACES[2];
+const DAMPINGS: [f64; 3] = [0.03, 0.2, 1.0];
+/// Orders of the damping term.
+const ORDERS: [f64; 3] = [1.0, 0.6, 0.3];
+/// Costs that differ by more than this share belong to different optima.
+const ANOTHER: f64 = 1e-3;
+/// First samples that differ by less than this share of the range are the same voltage.
+const SAME_VOLTAGE: f64 = 0.01;
+/// Dynamics that hardly show in a slow record.
+const FAST: Motion = Motion { place: 0.9, damping: 0.2, order1: 1.0, measured: false };
+
+/// A loop to start from.
+#[derive(Clone, Debug)]
+struct Shape {
+    numbers: Vec<f64>,
+    /// The device comes from loops like those of the record.
+    settled: bool,
+}
+
+/// A shape, and the point of the search that it is.
+type Placed = (Shape, Vec<f64>);
+
+/// Dynamics to start from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Motion {
+    place: f64,
+    damping: f64,
+    order1: f64,
+    /// Near the resonances that the records show, instead of a place in the range.
+    measured: bool,
+}
+
+/// What the slowest record says of the loop, in the search's own numbers.
+struct Loop {
+    shape: Vec<f64>,
+    /// Memory of the slowest record.
+    memory: f64,
+}
+
+/// Starts of a search, and what it took to find them.
+#[derive(Debug, Default)]
+pub(super) struct Starts {
+    pub(super) points: Vec<Vec<f64>>,
+    pub(super) evaluations: usize,
+}
+
+/// Where a search can begin: loops of the slowest record and lattice points of the dynamics, the best first.
+pub(super) struct Places {
+    loops: Vec<Loop>,
+    motions: Vec<Motion>,
+    /// Evaluations that it took to find the loops.
+    pub(super) evaluations: usize,
+}
+
+impl JointSetup<'_> {
+    /// Starts from lattices alone, the model to start from first.
+    pub(in super::super) fn guesses(&self, problem: &JointProblem) -> Result<Vec<Vec<f64>>, IdentifyError> {
+        let mut guesses: Vec<Vec<f64>> =
+            self.options.start.iter().map(|model| of_model(model, problem.bounds())).collect();
+        let (_, shapes) = self.slow(&self.fast(problem.bounds()), problem.degree())?;
+        let Some((best, _)) = shapes.first() else { return Ok(guesses) };
+        let other = shapes.iter().find(|(shape, _)| shape.settled != best.settled).map_or(best, |(s, _)| s);
+        let motions = self.motions(problem, |motion| self.point(problem.bounds(), best, motion));
+        for (motion, shape) in motions.iter().zip([best, other].iter().cycle()) {
+            guesses.push(self.point(problem.bounds(), shape, *motion));
+        }
+        Ok(guesses)
+    }
+
+    /// The loop fitted to the slowest record, and dynamics that go with it.
+    pub(super) fn places(
+        &self,
+        problem: &JointProblem,
+        engine: &mut Engine<'_>,
+    ) -> Result<Places, IdentifyError> {
+        let mut evaluations = 0;
+        let loops = self.loops(problem, engine, &mut evaluations)?;
+        let motions = self.motions(problem, |motion| self.looping(problem.bounds(), &loops[0], motion));
+        Ok(Places { loops, motions, evaluations })
+    }
+
+    /// Starts at some of the places, the dynamics fitted to all records with the loop held. Loops take turns, so that starts
+    /// which agree on an optimum came from unlike places.
+    pub(super) fn fitted(
+        &self,
+        problem: &JointProblem,
+        places: &Places,
+        which: Range<usize>,
+        engine: &mut Engine<'_>,
+    ) -> Result<Starts, IdentifyError> {
+        let mut starts = Starts::default();
+        let pairs = places.motions.iter().zip(places.loops.iter().cycle()).enumerate();
+        for (number, (motion, found)) in pairs.take(which.end).skip(which.start) {
+            let options = self.holding(found);
+            let held = self.with(self.form, &options).problem(problem.degree(), true)?;
+            let mut point = self.looping(problem.bounds(), found, *motion);
+            if held.bounds().dimension() > 0 {
+                let start = self.looping(held.bounds(), found, *motion);
+                let fit = engine.rough_fit(&format!("dynamics, start {}", number + 1), &held, vec![start])?;
+                starts.evaluations += fit.outcome.evaluations;
+                let place = |name: &str| held.bounds().ranges.iter().position(|range| range.name == name);
+                for (range, value) in problem.bounds().ranges.iter().zip(&mut point) {
+                    *value = place(&range.name).map_or(*value, |at| fit.outcome.best[at]);
+                }
+            }
+            starts.points.push(point);
+        }
+        Ok(starts)
+    }
+
+    /// The start at the best place itself.
+    pub(super) fn unfitted(&self, problem: &JointProblem, places: &Places) -> Vec<Vec<f64>> {
+        let best = places.loops.first().zip(places.motions.first());
+        best.map(|(found, motion)| self.looping(problem.bounds(), found, *motion)).into_iter().collect()
+    }
+
+    fn slowest(&self) -> usize {
+        let slowness = |index: &usize| self.members[*index].facts.highest_frequency_hz();
+        (0..self.members.len()).min_by(|a, b| slowness(a).total_cmp(&slowness(b))).unwrap_or_default()
+    }
+
+    /// The options with the dynamics held where they hardly show in the slowest record: left free they would take the place
+    /// of the loop there.
+    fn fast(&self, bounds: &Bounds) -> Options {
+        let mut options = self.options.clone();
+        let point = self.start(bounds, &[], FAST, |_| 0.0);
+        let own = self.form.parameters();
+        let held =
+            bounds.ranges.iter().zip(point).filter(|(range, _)| own.iter().any(|p| p.name == range.name));
+        options.demands.fixed.extend(held.map(|(range, value)| (range.name.clone(), value)));
+        options
+    }
+
+    /// The problem of the slowest record alone, with `options`, and the starts at each shape in the order of their cost.
+    fn slow(&self, options: &Options, degree: usize) -> Result<(JointProblem, Vec<Placed>), IdentifyError> {
+        let index = self.slowest();
+        let members = self.members.get(index..=index).unwrap_or_default();
+        let setup = JointSetup::new(members, self.form, options);
+        let problem = setup.problem(degree, true)?;
+        let lattice = self
+            .shapes()
+            .into_iter()
+            .flat_map(|numbers| [false, true].map(|settled| Shape { numbers: numbers.clone(), settled }));
+        let lattice: Vec<Shape> = lattice.collect();
+        let point = |shape: &Shape| setup.point(problem.bounds(), shape, FAST);
+        let ordered = by_cost(&problem, &lattice, point);
+        let starts = ordered.into_iter().map(|shape| (shape.clone(), point(&shape))).collect();
+        Ok((problem, starts))
+    }
+
+    /// The loop that fits the slowest record best, and the best one of another optimum, if there is one.
+    fn loops(
+        &self,
+        whole: &JointProblem,
+        engine: &mut Engine<'_>,
+        evaluations: &mut usize,
+    ) -> Result<Vec<Loop>, IdentifyError> {
+        let options = self.fast(whole.bounds());
+        let (problem, shapes) = self.slow(&options, whole.degree())?;
+        let found = |x: &[f64]| -> Option<Loop> {
+            let candidate = problem.candidate(x)?;
+            Some(Loop { shape: candidate.shape, memory: *candidate.memory.first()? })
+        };
+        if problem.bounds().dimension() == 0 {
+            return Ok(found(&[]).into_iter().collect());
+        }
+        let of = |settled| shapes.iter().filter(move |(shape, _)| shape.settled == settled).take(2);
+        let starts = of(false).chain(of(true)).map(|(_, start)| start.clone()).collect();
+        let mut fit = engine.rough_fit("slowest record", &problem, starts)?.outcome;
+        *evaluations += fit.evaluations;
+        fit.starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        let other = fit.starts.iter().find(|start| start.cost > fit.cost * (1.0 + ANOTHER));
+        Ok([Some(&fit.best), other.map(|start| &start.best)]
+            .into_iter()
+            .flatten()
+            .filter_map(|x| found(x))
+            .collect())
+    }
+
+    /// The options with this loop held.
+    fn holding(&self, found: &Loop) -> Options {
+        let mut options = self.options.clone();
+        let names = self.hysteresis.shape_names();
+        options.demands.bounded.retain(|(name, ..)| !names.contains(name));
+        options.demands.fixed.extend(names.into_iter().zip(found.shape.iter().copied()));
+        let memory = (0..self.members.len()).map(|record| (memory_name(record), self.memory(found, record)));
+        options.demands.fixed.extend(memory);
+        options
+    }
+
+    /// Memory of a record: that of the slowest one where both start from the same voltage.
+    fn memory(&self, found: &Loop, record: usize) -> f64 {
+        let first = |record: usize| self.members[record].facts.data.u[0];
+        let apart = (first(record) - first(self.slowest())).abs();
+        if apart <= SAME_VOLTAGE * self.scales.range_v {
+            found.memory
+        } else {
+            self.first_memory(&found.shape, false, record)
+        }
+    }
+
+    /// The best dynamics at a loop, then others of unlike order (of unlike frequency where orders are whole).
+    fn motions(&self, problem: &JointProblem, point: impl Fn(Motion) -> Vec<f64> + Sync) -> Vec<Motion> {
+        if self.form.modes == Modes::None {
+            return vec![FAST, FAST];
+        }
+        let orders = if problem.bounds().ranges.iter().any(|r| r.name == "order1") {
+            &ORDERS[..]
+        } else {
+            &ORDERS[..1]
+        };
+        // Found here, before candidates are tried on all threads.
+        let kinds: &[bool] = if self.resonances().is_empty() { &[false] } else { &[false, true] };
+        let lattice = orders.iter().flat_map(|&order1| {
+            let of = move |&place: &f64| {
+                let motion = move |damping| {
+                    kinds.iter().map(move |&measured| Motion { place, damping, order1, measured })
+                };
+                DAMPINGS.into_iter().flat_map(motion)
+            };
+            PLACES.iter().flat_map(of)
+        });
+        let ordered = by_cost(problem, &lattice.collect::<Vec<_>>(), |motion| point(*motion));
+        let mut picked: Vec<Motion> = Vec::new();
+        for motion in ordered {
+            let alike = |other: &Motion| {
+                let same = if orders.len() > 1 {
+                    other.order1 == motion.order1
+                } else {
+                    other.place == motion.place
+                };
+                same && other.measured == motion.measured
+            };
+            if !picked.iter().any(alike) {
+                picked.push(motion);
+            }
+        }
+        picked
+    }
+
+    /// The start with this loop and these dynamics.
+    fn looping(&self, bounds: &Bounds, found: &Loop, motion: Motion) -> Vec<f64> {
+        self.start(bounds, &found.shape, motion, |record| self.memory(found, record))
+    }
+
+    /// The start with this shape and these dynamics.
+    fn point(&self, bounds: &Bounds, shape: &Shape, motion: Motion) -> Vec<f64> {
+        let memory = |record| self.first_memory(&shape.numbers, shape.settled, record);
+        self.start(bounds, &shape.numbers, motion, memory)
+    }
+
+    fn start(
+        &self,
+        bounds: &Bounds,
+        numbers: &[f64],
+        motion: Motion,
+        memory: impl Fn(usize) -> f64,
+    ) -> Vec<f64> {
+        let names = self.hysteresis.shape_names();
+        let resonances = if motion.measured { self.resonances() } else { &[] };
+        pick(bounds, |name| {
+            let elements = match self.form.creep {
+                Creep::KelvinVoigt { elements } => elements as f64,
+                _ => 1.0,
+            };
+            let number = |name: &str| {
+                let number = name.rsplit('_').next().and_then(|n| n.parse().ok());
+                number.map_or(1.0, |n: usize| n.max(1) as f64)
+            };
+            let at = |t: f64| bounds.ranges.iter().find(|r| r.name == name).map(|r| r.from_unit(t));
+            let found = resonances.get(number(name) as usize - 1);
+            match (without_number(name), found) {
+                // At these resonances for the place in the centre, else at some distance from them.
+                ("natural_frequency", Some(r)) => {
+                    return Some(r.natural_frequency_hz * (1.0 + 0.25 * (motion.place - CENTRE)));
+                }
+                ("damping", Some(r)) => return Some(r.damping * (motion.damping / DAMPINGS[1]).sqrt()),
+                ("share", Some(r)) => return Some(r.share),
+                _ => {}
+            }
+            match name {
+                "alpha" => Some(0.3 * self.scales.slope),
+                "delay" => Some(0.0),
+                "natural_frequency" => at(motion.place),
+                name if name.starts_with("natural_frequency_") => {
+                    at(motion.place + (1.0 - motion.place) * (1.0 - 1.0 / number(name)))
+                }
+                "lag" => at(1.0 - motion.place),
+                name if without_number(name) == "damping" => Some(motion.damping),
+                "order2" | "order2_2" => Some(2.0),
+                "order1" | "order1_2" => Some(motion.order1),
+                "order0" => Some(0.02),
+                "share" => Some(0.9),
+                name if without_number(name) == "share" => Some(0.0),
+                "creep" => Some(0.05),
+                "creep_order" => Some(0.15),
+                "creep_per_decade" => Some(0.02),
+                "creep_start" => Some(0.1),
+                // Elements share the range of times.
+                name if name.starts_with("creep_time_") => at(number(name) / (elements + 1.0)),
+                name if name.starts_with("creep_") => Some(0.03),
+                name => match names.iter().position(|own| own == name) {
+                    Some(index) => numbers.get(index).copied(),
+                    None => (0..self.members.len()).find(|&r| memory_name(r) == name).map(&memory),
+                },
+            }
+        })
+    }
+}
+
+/// The candidates in the order of their cost; those that cannot be simulated last.
+fn by_cost<T: Clone + Send + Sync>(
+    problem: &JointProblem,
+    candidates: &[T],
+    point: impl Fn(&T) -> Vec<f64> + Sync,
+) -> Vec<T> {
+    let share = candidates.len().div_ceil(rayon::current_num_threads()).max(1);
+    let shares = candidates.par_chunks(share).flat_map_iter(|share| {
+        let mut ws = problem.workspace();
+        let point = &point;
+        share.iter().map(move |candidate| (problem.cost(&point(candidate), &mut ws), candidate.clone()))
+    });
+    let mut costs: Vec<(f64, T)> = shares.collect();
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    costs.into_iter().map(|(_, candidate)| candidate).collect()
+}
+
+/// A model as a start.
+fn of_model(model: &Model, bounds: &Bounds) -> Vec<f64> {
+    let hysteresis = &model.hysteresis;
+    let family = hysteresis.form();
+    let names = family.weight_names().into_iter().chain(family.shape_names());
+    let own: Vec<(String, f64)> =
+        names.zip(hysteresis.weights().into_iter().chain(hysteresis.shape())).collect();
+    let form = match &model.dynamics {
+        Dynamics::Fractional(g) | Dynamics::Integer(g) => g.second_order().ok(),
+        Dynamics::None | Dynamics::Arx(_) => None,
+    };
+    let polynomial = hysteresis.polynomial();
+    pick(bounds, |name| match name {
+        "delay" => Some(model.delay_s),
+        "natural_frequency" => form.map(|f| f.natural_frequency_hz),
+        "damping" => form.map(|f| f.damping),
+        "order2" => form.map(|f| f.alpha2),
+        "order1" => form.map(|f| f.alpha1),
+        name => match own.iter().find(|(own, _)| own == name) {
+            Some((_, value)) => Some(*value),
+            None => (1..=polynomial.len()).find(|&i| polynomial_name(i) == name).map(|i| polynomial[i - 1]),
+        },
+    })
+}

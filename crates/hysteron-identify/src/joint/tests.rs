@@ -1,0 +1,304 @@
+//! The joint problem against slow oracles.
+
+use super::super::layout::Role;
+use super::drive::fine_drive;
+use super::problem::{JointLayout, JointProblem};
+use super::record::{Before, Ingredients, JointRecord};
+use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
+use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
+use hysteron_model::record::InterSample;
+use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range};
+use std::f64::consts::TAU;
+
+/// Two records: a nested slow drive and a faster one, outputs that no model fits.
+fn records(scheme: Scheme, transients: bool, before: [Before; 2], factor: usize) -> Vec<JointRecord> {
+    let drives: [Vec<f64>; 2] = [
+        (0..600)
+            .map(|k| {
+                let t = k as f64 / 600.0;
+                4.0 * (1.0 - 0.6 * t) * (1.0 - (TAU * 3.0 * t).cos()) + 0.3
+            })
+            .collect(),
+        (0..480).map(|k| 5.0 + 4.0 * (TAU * (k as f64 / 480.0) * 6.0).sin()).collect(),
+    ];
+    drives
+        .iter()
+        .zip(before)
+        .enumerate()
+        .map(|(r, (drive, before))| {
+            let samples = drive.len();
+            let output: Vec<f64> = drive
+                .iter()
+                .enumerate()
+                .map(|(k, u)| 2.0 * u - 0.4 * (u * 0.9).sin() + 0.2 * (k as f64 * 0.11).cos() + r as f64)
+                .collect();
+            let often = if factor == 1 { 37 } else { 400 };
+            let weight =
+                (0..samples).map(|k| if k % often == 5 { 0.0 } else { 1.0 + 0.5 * r as f64 }).collect();
+            let ends = if before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+            let (fine, thinning) = fine_drive(drive, scheme, InterSample::Linear, ends).unwrap();
+            JointRecord::new(Ingredients {
+                drive: fine.as_ref().unwrap_or(drive),
+                thinning,
+                factor,
+                output,
+                weight,
+                before,
+                transients,
+                offset_is_held: false,
+                nuisance: vec![(0..samples).map(|k| k as f64).collect()],
+                degree: 3,
+                sample_rate_hz: 1000.0,
+                scheme,
+                sampling: Sampling { reconstruction: InterSample::Linear, ..Sampling::of(scheme) },
+            })
+            .unwrap()
+        })
+        .collect()
+}
+
+/// Shape numbers with their ranges: held where there is one value only.
+type Shape<'a> = &'a [(&'a str, f64, f64)];
+
+const BOUC_WEN: [(&str, f64, f64); 2] = [("beta", 0.0, 3.0), ("gamma", -3.0, 3.0)];
+
+fn problem(form: DynamicForm, n: Option<f64>, records: Vec<JointRecord>, memory: [bool; 2]) -> JointProblem {
+    let n = n.map_or(("n", 1.0, 4.0), |n| ("n", n, n));
+    let shape = [BOUC_WEN[0], BOUC_WEN[1], n];
+    of_family((HysteresisForm::BoucWen, &shape, &[Role::Projected]), form, records, memory)
+}
+
+fn of_family(
+    (hysteresis, shape, weights): (HysteresisForm, Shape<'_>, &[Role]),
+    form: DynamicForm,
+    records: Vec<JointRecord>,
+    memory: [bool; 2],
+) -> JointProblem {
+    let mut ranges: Vec<Range> = Vec::new();
+    let mut searched = |name: &str, low: f64, high: f64| {
+        ranges.push(Range::linear(name, low, high));
+        Role::Searched(ranges.len() - 1)
+    };
+    let shape = shape.iter().map(
+        |&(name, low, high)| {
+            if low == high { Role::Fixed(low) } else { searched(name, low, high) }
+        },
+    );
+    let shape = shape.collect();
+    let form_roles = form
+        .parameters()
+        .iter()
+        .map(|p| {
+            let high = if p.name.starts_with("natural") { 1000.0 } else { 3.0 };
+            searched(p.name, 1e-4, high)
+        })
+        .collect();
+    let delay = searched("delay", 0.0, 0.05);
+    let memory = memory
+        .iter()
+        .enumerate()
+        .map(|(r, free)| if *free { searched(&format!("memory_{r}"), -5.0, 5.0) } else { Role::Fixed(0.0) })
+        .collect();
+    let layout = JointLayout {
+        polynomial: vec![Role::Projected, Role::Projected],
+        weights: weights.to_vec(),
+        shape,
+        form: form_roles,
+        delay,
+        memory,
+    };
+    JointProblem::new(records.into(), (hysteresis, form), layout, Bounds { ranges }, String::new())
+}
+
+/// Sixth-order central difference of `f` at 0 with the step `h`.
+fn difference(h: f64, f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+    let at = |k: f64| f(k * h);
+    let (a, b, c) = ((at(1.0), at(-1.0)), (at(2.0), at(-2.0)), (at(3.0), at(-3.0)));
+    (0..a.0.len())
+        .map(|i| (45.0 * (a.0[i] - a.1[i]) - 9.0 * (b.0[i] - b.1[i]) + (c.0[i] - c.1[i])) / (60.0 * h))
+        .collect()
+}
+
+fn residuals(problem: &JointProblem, x: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; problem.residual_count()];
+    assert!(problem.residuals(x, &mut problem.workspace(), &mut out));
+    out
+}
+
+/// Kaufman's Jacobian is P⊥ times the derivative of the residual, since what it leaves out lies in the span of the columns.
+/// P⊥ itself is taken from the problem: the columns are read off its linearisation.
+fn check(problem: &JointProblem, x: &[f64]) {
+    let count = problem.residual_count();
+    let mut jacobian = vec![0.0; count * x.len()];
+    let written = problem.jacobian(x, &mut problem.workspace(), &mut jacobian);
+    assert_eq!(written, Derivative::Written);
+    let linearisation = problem.linearise(x).unwrap();
+    let mut basis = super::super::projection::Projection::new(count, 2 + problem.layout().weights.len());
+    for column in linearisation.linear.chunks_exact(count) {
+        basis.push(|q| q.copy_from_slice(column));
+    }
+    let gradient_of_cost = |j: usize, r: &[f64]| -> f64 {
+        jacobian[j * count..(j + 1) * count].iter().zip(r).map(|(a, b)| a * b).sum()
+    };
+    let r = residuals(problem, x);
+    for (j, range) in problem.bounds().ranges.iter().enumerate() {
+        // Small in the hysteresis, for where ζ passes 0 at a sample the second derivative jumps; not too small, for the
+        // transform's rounding grows along the record.
+        let hysteretic =
+            ["beta", "gamma", "n"].contains(&range.name.as_str()) || range.name.contains("memory");
+        // A play that starts or stops to move between the steps has no difference there: short steps, and what rounding
+        // leaves of them.
+        let jumps = range.name.contains("threshold")
+            || (range.name.contains("memory") && problem.hysteresis() != HysteresisForm::BoucWen);
+        let h = match (jumps, hysteretic) {
+            (true, _) => 2e-5,
+            (_, true) => 2e-4,
+            _ => 5e-3,
+        } * x[j].abs().max(1e-3 * range.high);
+        let tolerance = if jumps { 2e-6 } else { 1e-7 };
+        let by_steps = difference(h, |d| {
+            let mut at = x.to_vec();
+            at[j] += d;
+            residuals(problem, &at)
+        });
+        let mut projected = by_steps.clone();
+        basis.project(&mut projected);
+        // The residual also moves within the records' own local columns where these depend on the candidate; both
+        // Jacobians are compared where the fit lives.
+        let found = &jacobian[j * count..(j + 1) * count];
+        let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+        let size = norm(&mut found.iter().copied());
+        let off = norm(&mut found.iter().zip(&projected).map(|(a, b)| a - b));
+        assert!(off <= tolerance * size, "{}: {off:e} of {size:e}", range.name);
+        // The gradient of ½‖r‖² is exact.
+        let gradient = gradient_of_cost(j, &r);
+        let scalar: f64 = by_steps.iter().zip(&r).map(|(d, r)| d * r).sum();
+        let scale = size * norm(&mut r.iter().copied());
+        assert!((gradient - scalar).abs() <= tolerance * scale, "{}: {gradient} {scalar}", range.name);
+    }
+}
+
+fn fractional() -> DynamicForm {
+    DynamicForm { modes: Modes::Fractional, creep: Creep::None }
+}
+
+#[test]
+fn jacobian_agrees_with_differences_under_every_scheme() {
+    for scheme in [Scheme::Tustin, Scheme::BandLimited, Scheme::Bdf2, Scheme::GrunwaldLetnikov] {
+        let before = [Before::Remembering, Before::Rest { voltage_v: 1.0 }];
+        let problem = problem(fractional(), Some(1.0), records(scheme, false, before, 1), [true, false]);
+        // A delay of 3.4 samples: differences stay on one line between samples under the linear rule.
+        check(&problem, &[0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9]);
+    }
+}
+
+#[test]
+fn jacobian_agrees_with_differences_for_other_exponents() {
+    let before = [Before::Remembering, Before::Remembering];
+    for (n, x_n) in [(Some(2.0), None), (Some(1.5), None), (None, Some(1.7))] {
+        let problem = problem(
+            DynamicForm { modes: Modes::Integer { order: 2 }, creep: Creep::None },
+            n,
+            records(Scheme::BandLimited, false, before, 1),
+            [true, true],
+        );
+        let mut x = vec![0.35, 0.3];
+        x.extend(x_n);
+        x.extend([120.0, 0.4, 0.0034, 0.9, -0.8]);
+        check(&problem, &x);
+    }
+}
+
+const PLAYS: HysteresisForm = HysteresisForm::PrandtlIshlinskii { plays: 3 };
+
+#[test]
+fn jacobian_agrees_with_differences_for_plays() {
+    let shape = [("threshold_1", 0.1, 0.9), ("threshold_2", 1.3, 1.3), ("threshold_3", 1.5, 4.0)];
+    for (scheme, factor) in [(Scheme::BandLimited, 1), (Scheme::BandLimited, 4), (Scheme::Tustin, 1)] {
+        let before = [Before::Remembering, Before::Rest { voltage_v: 1.0 }];
+        let records = records(scheme, false, before, factor);
+        let family = (PLAYS, &shape[..], &[Role::Projected; 3][..]);
+        let problem = of_family(family, fractional(), records, [true, false]);
+        check(&problem, &[0.313, 2.217, 120.0, 0.4, 1.9, 0.9, 0.0034, 2.7431]);
+    }
+}
+
+/// The best of all sets of weights held at 0 that leaves the others with their sign.
+#[test]
+fn weights_of_one_sign_are_the_best_that_have_it() {
+    let before = [Before::Rest { voltage_v: 0.3 }, Before::Rest { voltage_v: 5.0 }];
+    let x = [120.0, 0.4, 1.9, 0.9, 0.0034];
+    let mut held = 0;
+    for thresholds in [[0.4, 1.3, 2.9], [0.1, 0.6, 3.7], [0.9, 2.0, 2.4]] {
+        let names = ["threshold_1", "threshold_2", "threshold_3"];
+        let shape: Vec<_> = names.iter().zip(thresholds).map(|(name, r)| (*name, r, r)).collect();
+        let problem = |roles: [Role; 3]| {
+            let records = records(Scheme::BandLimited, false, before, 1);
+            of_family((PLAYS, &shape, &roles), fractional(), records, [false; 2])
+        };
+        let cost = |problem: &JointProblem| problem.cost(&x, &mut problem.workspace());
+        let weights = |problem: &JointProblem| problem.solve(&x).unwrap().hysteresis.weights();
+        for sign in [1.0, -1.0] {
+            let signed = problem([Role::OneSided(sign); 3]);
+            check(&signed, &x);
+            let found = weights(&signed);
+            assert!(found.iter().all(|w| sign * w >= 0.0), "{found:?}");
+            let used = found.iter().filter(|w| **w != 0.0).count();
+            assert_eq!(signed.linearise(&x).unwrap().eliminated.len(), 2 + used);
+            held += 3 - used;
+            let sets = (0..8).map(|set| {
+                problem([0, 1, 2].map(|j| if set >> j & 1 == 1 { Role::Projected } else { Role::Fixed(0.0) }))
+            });
+            let allowed = sets.filter(|problem| weights(problem).iter().all(|w| sign * w >= 0.0));
+            let least = allowed.map(|problem| cost(&problem)).fold(f64::INFINITY, f64::min);
+            assert!((cost(&signed) - least).abs() < 1e-12 * least, "{} {least}", cost(&signed));
+        }
+    }
+    assert!((1..18).contains(&held), "{held}");
+}
+
+#[test]
+fn jacobian_agrees_with_differences_for_reduced_records_and_creep() {
+    let before = [Before::Remembering, Before::Remembering];
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::Fractional };
+    let problem = problem(form, Some(1.0), records(Scheme::BandLimited, false, before, 4), [true, true]);
+    let mut x = vec![0.35, 0.3, 40.0, 0.4, 1.9, 0.9];
+    x.extend([0.06, 0.2, 0.0034, 0.9, -0.8]);
+    check(&problem, &x);
+}
+
+#[test]
+fn jacobian_agrees_with_differences_on_periodic_records() {
+    // Whole periods: 480 samples are 6 periods; the first record is left out.
+    let before = [Before::Remembering, Before::Periodic];
+    for factor in [1, 3] {
+        let records = records(Scheme::BandLimited, false, before, factor);
+        let problem = problem(fractional(), Some(1.0), records, [true, false]);
+        check(&problem, &[0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9]);
+    }
+}
+
+#[test]
+fn gradient_is_exact_with_transients() {
+    let before = [Before::Remembering, Before::Remembering];
+    let records = records(Scheme::Tustin, true, before, 1);
+    let problem = problem(fractional(), Some(1.0), records, [true, true]);
+    let x = [0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9, -0.8];
+    let count = problem.residual_count();
+    let mut jacobian = vec![0.0; count * x.len()];
+    assert_eq!(problem.jacobian(&x, &mut problem.workspace(), &mut jacobian), Derivative::Written);
+    let r = residuals(&problem, &x);
+    for (j, range) in problem.bounds().ranges.iter().enumerate() {
+        let h = 2e-3 * x[j].abs();
+        let cost = |d: f64| {
+            let mut at = x.to_vec();
+            at[j] += d;
+            vec![residuals(&problem, &at).iter().map(|r| 0.5 * r * r).sum::<f64>()]
+        };
+        let by_steps = difference(h, cost)[0];
+        let column = &jacobian[j * count..(j + 1) * count];
+        let gradient: f64 = column.iter().zip(&r).map(|(d, r)| d * r).sum();
+        let scale: f64 = column.iter().zip(&r).map(|(d, r)| (d * r).abs()).sum();
+        assert!((gradient - by_steps).abs() <= 1e-7 * scale, "{}: {gradient} {by_steps}", range.name);
+    }
+}

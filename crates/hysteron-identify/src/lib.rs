@@ -1,0 +1,124 @@
+//! From records to a model: the article's two-step identification (§4.3) with any of the optimisers.
+//!
+//! [`identify`] recognises which records are quasi-static and which carry dynamics, chooses what the user left
+//! open (start, polynomial degree, delay and lag) from the data, runs the searches and hands out an
+//! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain words what
+//! the records do not determine.
+
+pub mod baselines;
+mod campaign;
+pub mod coupled;
+mod dynamic_problem;
+mod dynamic_step;
+mod engine;
+mod error;
+mod facts;
+mod findings;
+pub mod frequency_response;
+mod identifiability;
+mod joint;
+mod layout;
+pub mod linear;
+mod linear_step;
+pub mod modes;
+pub mod online;
+mod options;
+pub mod oscillator;
+mod prediction;
+mod projection;
+pub mod recalibrate;
+mod result;
+mod static_fit;
+mod static_problem;
+mod static_step;
+pub mod structure;
+mod two_step;
+mod uncertainty;
+
+pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
+pub use error::IdentifyError;
+pub use joint::{
+    Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,
+    Smoothing,
+};
+pub use layout::Demands;
+pub use options::{
+    CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,
+};
+pub use prediction::PredictionError;
+pub use result::{
+    Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, Reduction, StructureChoice,
+};
+pub use static_fit::StaticFit;
+pub(crate) use uncertainty::correlation_time;
+
+use engine::Engine;
+use facts::RecordFacts;
+use hysteron_model::dynamics::Creep;
+use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_optimize::Settings;
+use static_step::OFFSET;
+
+/// Identifies a Hammerstein model from a campaign: by one joint fit, or by the article's two-step procedure
+/// ([`Options::method`]), which also takes campaigns of quasi-static records alone, and an ARX block: that belongs to one
+/// sample rate.
+///
+/// # Errors
+/// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not describe the
+/// records.
+pub fn identify(
+    records: &[CampaignRecord],
+    options: &Options,
+    watcher: &mut dyn Watcher,
+    resume: Option<Searches>,
+) -> Result<Identification, IdentifyError> {
+    options.validate()?;
+    let facts = campaign::usable(records)?;
+    let roles = campaign::roles(records, &facts);
+    let settings = Settings {
+        seed: options.seed,
+        generations: options.generations,
+        threads: options.threads,
+        ..Settings::default()
+    };
+    let engine = Engine::new(options.algorithm.as_ref(), settings, watcher, resume);
+    let joint = options.method == Method::Joint && !options.dynamics.takes_two_steps();
+    if !joint && options.creep != Creep::None {
+        return Err(IdentifyError::CreepTakesJointFit);
+    }
+    if joint && campaign::has_second_step(&roles, options) {
+        joint::identify(&facts, &roles, options, engine)
+    } else if options.hysteresis != HysteresisForm::BoucWen || options.creep != Creep::None {
+        if !joint {
+            return Err(IdentifyError::FamilyTakesJointFit);
+        }
+        // Slow records alone hold no dynamics.
+        let dynamics = match options.dynamics {
+            DynamicsChoice::Auto => DynamicsChoice::None,
+            given => given,
+        };
+        joint::identify(&facts, &roles, &Options { dynamics, ..options.clone() }, engine)
+    } else {
+        two_step::identify(&facts, &roles, options, engine)
+    }
+}
+
+/// Demands on the offset and on n.
+fn check_common_demands(options: &Options) -> Result<(), IdentifyError> {
+    if options.demands.bounded(OFFSET).is_some() {
+        return Err(IdentifyError::Demand {
+            name: OFFSET.into(),
+            wanted: "a fixed value (it is eliminated, not searched)",
+        });
+    }
+    let n = options.demands.bounded("n").map_or(options.demands.fixed("n"), |(low, _)| Some(low));
+    if n.is_some_and(|n| !(1.0..=10.0).contains(&n)) {
+        return Err(IdentifyError::Demand { name: "n".into(), wanted: "1 ≤ n ≤ 10" });
+    }
+    Ok(())
+}
+
+/// FNV-1a over 64-bit words: tells the checkpoint of another problem.
+fn fingerprint(values: impl Iterator<Item = u64>) -> u64 {
+    values.fold(0xcbf2_9ce4_8422_2325, |hash, value| (hash ^ value).wrapping_mul(0x0100_0000_01b3))
+}

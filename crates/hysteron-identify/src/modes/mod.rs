@@ -1,0 +1,127 @@
+//! Identification of scheduled modes with hysteresis in feedback ([`hysteron_model::axes::ScheduledModes`]) from periodic records of several
+//! inputs and outputs.
+//!
+//! 1. *Records.* Mean of the settled periods; level: rms of the inputs. Records within 5 % of each other are of one level.
+//! 2. *Response.* Frequency responses of the highest level by the local polynomial method, common poles by vector fitting, residues
+//!    of rank one by singular value decomposition.
+//! 3. *Linear modes.* Levenberg–Marquardt on the simulated outputs of the highest level, then of all levels with poles, output rows
+//!    and feedthrough that follow the level.
+//! 4. *Hysteresis.* Strains of what each actuator would do freely and of its stress are put in feedback; first their coefficients,
+//!    then everything at once.
+//!
+//! Derivatives are exact forward sensitivities of the simulation itself. Levels count by their squared error over their rms output: half
+//! way between absolute and relative errors. The result does not depend on the number of threads.
+
+mod columns;
+mod error;
+mod normal;
+mod records;
+mod search;
+mod start;
+mod summary;
+#[cfg(test)]
+mod tests;
+
+pub use error::ModesFitError;
+pub use summary::{LevelInfluence, ModeShift, ModesRecordFit};
+
+use std::ops::ControlFlow;
+
+use super::Finding;
+use hysteron_model::axes::{AxesRecord, InfluenceMatrix, ScheduledModes};
+
+/// What a user can ask of the identification.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Pairs of poles the vector fit starts from; `None`: chosen by how well they follow the response. What is found can be fewer.
+    pub modes: Option<usize>,
+    /// Steps of the simulation a sample.
+    pub steps: usize,
+    /// Plays of each strain; 0: polynomials alone.
+    pub plays: usize,
+    /// Whether there is hysteresis in feedback at all; without it the modes are linear at each level.
+    pub hysteresis: bool,
+    /// Corner of the inputs' lags to start from \[Hz\]; `None`: 0.8 of the highest excited frequency.
+    pub lag_hz: Option<f64>,
+    /// Exponent of the level in S.
+    pub exponent: f64,
+    /// Time constant of the running level where a drive does not repeat \[s\].
+    pub time_constant_s: f64,
+    /// Iterations of the last search.
+    pub iterations: usize,
+    /// Take a record in which no period is found for one period of a steady state.
+    pub whole_records: bool,
+    /// Least fit accepted, pooled over the outputs of each record \[%\].
+    pub least_fit_percent: f64,
+}
+
+impl Default for Options {
+    /// Two steps a sample, six plays, S linear in amplitude, twelve iterations, at least 75 % explained.
+    fn default() -> Self {
+        Self {
+            modes: None,
+            steps: 2,
+            plays: 6,
+            hysteresis: true,
+            lag_hz: None,
+            exponent: 1.0,
+            time_constant_s: 2.0,
+            iterations: 12,
+            whole_records: false,
+            least_fit_percent: 75.0,
+        }
+    }
+}
+
+/// Where the identification stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModesProgress {
+    /// What is being done.
+    pub step: &'static str,
+    /// Work done, of `whole`, as far as it can be foreseen.
+    pub done: u64,
+    /// All of it.
+    pub whole: u64,
+    /// rms error of the records so far, each level alike \[output unit\]; `None` before the first simulation.
+    pub rmse: Option<f64>,
+}
+
+/// Told of progress; may stop the search, of which the best so far is then handed out.
+pub type ModesObserver<'a> = dyn FnMut(&ModesProgress) -> ControlFlow<()> + 'a;
+
+/// An identified model.
+#[derive(Clone, Debug)]
+pub struct ModesIdentification {
+    /// The model.
+    pub model: ScheduledModes,
+    /// Free parameters of the last search.
+    pub parameters: usize,
+    /// Every record and how the model describes it, in their order.
+    pub records: Vec<ModesRecordFit>,
+    /// The modes at the lowest and the highest level.
+    pub modes: Vec<ModeShift>,
+    /// Influence matrix of every level whose records determine it, ascending.
+    pub influence: Vec<LevelInfluence>,
+    /// Whether the search was stopped before its end.
+    pub interrupted: bool,
+    /// Verdicts, advice and warnings in plain words.
+    pub findings: Vec<Finding>,
+    /// What was done to the data, in plain words.
+    pub treatment: Vec<String>,
+    /// Lowest and highest frequency of the drive \[Hz\].
+    pub excited_hz: (f64, f64),
+    /// Influence matrix of the highest level.
+    pub top_influence: InfluenceMatrix,
+}
+
+/// Identifies scheduled modes from records that share the device, the sample rate and the channels.
+///
+/// # Errors
+/// [`ModesFitError`]: records that cannot be used, options that cannot be met, a model that does not describe the records.
+pub fn identify(
+    records: &[AxesRecord],
+    options: &Options,
+    observer: &mut ModesObserver<'_>,
+) -> Result<ModesIdentification, ModesFitError> {
+    summary::identify(records, options, observer)
+}

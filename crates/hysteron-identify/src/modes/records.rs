@@ -1,0 +1,140 @@
+//! Records brought into the form the fit works on.
+
+use super::{ModesFitError, Options};
+use hysteron_model::axes::{AxesRecord, SteadyPeriod};
+use hysteron_model::hysteresis::RecordEnds;
+use hysteron_model::record::InterSample;
+
+/// Levels that differ by less than this share are one.
+const ONE_LEVEL: f64 = 0.05;
+
+/// One period of a record.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub period: SteadyPeriod,
+    /// Inputs at every step, interleaved.
+    pub fine: Vec<f64>,
+    /// Number of its level, from the lowest.
+    pub level: usize,
+    /// Weight of a squared error.
+    pub weight: f64,
+}
+
+/// rms error that, the same in all these records, has this cost.
+pub(super) fn error_of(cost: f64, pieces: &[&Piece]) -> Option<f64> {
+    let weight: f64 = pieces.iter().map(|p| p.weight * p.period.y.len() as f64).sum();
+    Some((cost / weight).sqrt()).filter(|error| error.is_finite())
+}
+
+/// All records.
+#[derive(Clone, Debug)]
+pub(super) struct Campaign {
+    pub pieces: Vec<Piece>,
+    /// Mean rms of each level, ascending \[V\].
+    pub levels: Vec<f64>,
+    pub inputs: usize,
+    pub outputs: usize,
+    pub rate: f64,
+}
+
+impl Campaign {
+    pub(super) fn new(records: &[AxesRecord], options: &Options) -> Result<Self, ModesFitError> {
+        let first = records.first().ok_or(ModesFitError::NoRecords)?;
+        same(first, records)?;
+        let mut pieces = Vec::with_capacity(records.len());
+        for record in records {
+            let period = SteadyPeriod::find(record, options.whole_records)?;
+            let (n, steps) = (period.inputs, options.steps);
+            let mut channels = Vec::with_capacity(n);
+            for i in 0..n {
+                let u: Vec<f64> = period.u.iter().skip(i).step_by(n).copied().collect();
+                let fine = InterSample::BandLimited.upsample(&u, steps, RecordEnds::Periodic);
+                channels.push(fine.map_err(hysteron_model::axes::AxesError::from)?);
+            }
+            let fine = (0..period.samples() * steps)
+                .flat_map(|k| channels.iter().map(move |channel| channel[k]))
+                .collect();
+            pieces.push(Piece { period, fine, level: 0, weight: 0.0 });
+        }
+        let mut campaign = Self {
+            pieces,
+            levels: Vec::new(),
+            inputs: first.u.len(),
+            outputs: first.y.len(),
+            rate: first.sample_rate_hz,
+        };
+        campaign.sort_levels();
+        campaign.weigh();
+        Ok(campaign)
+    }
+
+    /// Records of the highest level.
+    pub(super) fn top(&self) -> Vec<&Piece> {
+        self.of_level(self.levels.len().saturating_sub(1))
+    }
+
+    pub(super) fn of_level(&self, level: usize) -> Vec<&Piece> {
+        self.pieces.iter().filter(|p| p.level == level).collect()
+    }
+
+    fn sort_levels(&mut self) {
+        let mut all: Vec<f64> = self.pieces.iter().map(|p| p.period.level).collect();
+        all.sort_by(f64::total_cmp);
+        let mut groups: Vec<Vec<f64>> = Vec::new();
+        for level in all {
+            match groups.last_mut() {
+                Some(group) if level <= (1.0 + ONE_LEVEL) * group[0] => group.push(level),
+                _ => groups.push(vec![level]),
+            }
+        }
+        self.levels = groups.iter().map(|g| g.iter().sum::<f64>() / g.len() as f64).collect();
+        for piece in &mut self.pieces {
+            let place = groups.iter().position(|g| g.contains(&piece.period.level));
+            piece.level = place.unwrap_or(0);
+        }
+    }
+
+    /// Each level counts by its mean square error over its rms output.
+    fn weigh(&mut self) {
+        let count = self.levels.len();
+        let mut records = vec![0.0; count];
+        let mut power = vec![0.0; count];
+        for piece in &self.pieces {
+            records[piece.level] += 1.0;
+            power[piece.level] += piece.period.output_rms().powi(2);
+        }
+        let rms: Vec<f64> = power.iter().zip(&records).map(|(p, n): (&f64, &f64)| (p / n).sqrt()).collect();
+        for piece in &mut self.pieces {
+            let numbers = piece.period.y.len() as f64 * records[piece.level];
+            piece.weight = 1.0 / (numbers * rms[piece.level].max(f64::MIN_POSITIVE));
+        }
+    }
+}
+
+/// Channels, rate and units must agree.
+fn same(first: &AxesRecord, records: &[AxesRecord]) -> Result<(), ModesFitError> {
+    for other in records {
+        let differ = |what, of_first: String, of_other: String| {
+            if of_first == of_other {
+                return Ok(());
+            }
+            Err(ModesFitError::Different {
+                first: first.name.clone(),
+                other: other.name.clone(),
+                what,
+                of_first,
+                of_other,
+            })
+        };
+        differ("number of inputs", first.u.len().to_string(), other.u.len().to_string())?;
+        differ("number of outputs", first.y.len().to_string(), other.y.len().to_string())?;
+        differ(
+            "sample rates",
+            format!("{:.4} Hz", first.sample_rate_hz),
+            format!("{:.4} Hz", other.sample_rate_hz),
+        )?;
+        differ("input units", first.u_unit.to_string(), other.u_unit.to_string())?;
+        differ("output units", first.y_unit.to_string(), other.y_unit.to_string())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,341 @@
+//! The searches in their order, and what is said of their result.
+
+use super::columns::Group;
+use super::normal::residual;
+use super::records::{Campaign, Piece};
+use super::search::{Ledger, Stage, search};
+use super::start::{add_feedback, linear_start};
+use super::{ModesFitError, ModesIdentification, ModesObserver, Options};
+use crate::{Finding, FindingKind};
+use hysteron_model::axes::{AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes};
+use hysteron_numeric::display::short;
+
+/// A record and how the model describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModesRecordFit {
+    /// Path of the record, or its name.
+    pub record: String,
+    /// rms of its inputs \[V\].
+    pub level: f64,
+    /// Periods averaged.
+    pub periods: usize,
+    /// Samples of a period.
+    pub period_samples: usize,
+    /// rms error of its mean period, pooled over the outputs \[µm\].
+    pub rmse: f64,
+    /// The same of every output.
+    pub output_rmse: Vec<f64>,
+    /// 100 · (1 − rms error / rms output) \[%\].
+    pub fit_percent: f64,
+}
+
+/// A mode at the lowest and the highest level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeShift {
+    /// At the lowest level.
+    pub low: Mode,
+    /// At the highest level.
+    pub high: Mode,
+}
+
+/// Influence matrix at a level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LevelInfluence {
+    /// Level \[V\].
+    pub level: f64,
+    /// The matrix, of the frequency response that the records of the level give.
+    pub matrix: InfluenceMatrix,
+}
+
+/// Work of an iteration: linear, with the coefficients alone, with everything.
+const WORK: [u64; 3] = [2, 4, 20];
+
+/// Without hysteresis, the highest level alone.
+const LINEAR: [Group; 4] = [Group::Transition, Group::Input, Group::Output, Group::Feedthrough];
+const SCHEDULED: [Group; 7] = [
+    Group::Transition,
+    Group::Input,
+    Group::Output,
+    Group::Feedthrough,
+    Group::TransitionSlopes,
+    Group::OutputSlopes,
+    Group::FeedthroughSlopes,
+];
+const LAWS: [Group; 4] = [Group::Coefficients, Group::Output, Group::Feedthrough, Group::StrainFeedthrough];
+const NO_SLOPES: [Group; 8] = [
+    Group::Transition,
+    Group::Input,
+    Group::StrainInput,
+    Group::Stress,
+    Group::Coefficients,
+    Group::Output,
+    Group::Feedthrough,
+    Group::StrainFeedthrough,
+];
+/// Every number of the model.
+pub(super) const ALL: [Group; 11] = [
+    Group::Transition,
+    Group::Input,
+    Group::StrainInput,
+    Group::Stress,
+    Group::Coefficients,
+    Group::Output,
+    Group::Feedthrough,
+    Group::StrainFeedthrough,
+    Group::TransitionSlopes,
+    Group::OutputSlopes,
+    Group::FeedthroughSlopes,
+];
+
+pub(super) fn identify(
+    records: &[AxesRecord],
+    options: &Options,
+    observer: &mut ModesObserver<'_>,
+) -> Result<ModesIdentification, ModesFitError> {
+    check(options)?;
+    let campaign = Campaign::new(records, options)?;
+    let scheduled = campaign.levels.len() > 1;
+    let stages = stages(options, scheduled);
+    let whole = stages.iter().map(|s| s.work * s.iterations as u64).sum();
+    let mut ledger = Ledger { observer, done: 0, whole, stopped: false };
+    ledger.tell("frequency response", None);
+    let start = linear_start(&campaign, options)?;
+    let mut model = start.model.clone();
+    if !scheduled {
+        model.transition_slopes.iter_mut().for_each(|slope| *slope = 0.0);
+    }
+    let all: Vec<&Piece> = campaign.pieces.iter().collect();
+    let top = campaign.top();
+    let mut parameters = 0;
+    for stage in &stages {
+        if ledger.stopped {
+            break;
+        }
+        if stage.groups.contains(&Group::Coefficients) && model.feedback.is_none() {
+            add_feedback(&start, &mut model, &top, options.plays);
+        }
+        let alone = stage.groups == LINEAR && scheduled;
+        let pieces = if alone { &top } else { &all };
+        (model, parameters) = search(model, stage, (&campaign, pieces), &mut ledger);
+    }
+    let fits = fits(&model, &campaign, records);
+    for fit in &fits {
+        // Not a number describes nothing. Who interrupts takes what there is.
+        let enough = fit.fit_percent >= options.least_fit_percent;
+        if !enough && !ledger.stopped {
+            return Err(ModesFitError::ModelClass {
+                record: fit.record.clone(),
+                fit_percent: fit.fit_percent,
+                need: options.least_fit_percent,
+            });
+        }
+    }
+    model.validate()?;
+    let modes = shifts(&model);
+    let influence = influence(&campaign, &start.influence);
+    let mut findings = findings(&model, &modes, &influence, &campaign, scheduled);
+    if ledger.stopped {
+        let text = "the search was interrupted: this is the best so far.".to_owned();
+        findings.push(Finding { kind: FindingKind::Warning, topic: "search", text });
+    }
+    Ok(ModesIdentification {
+        parameters,
+        records: fits,
+        modes,
+        influence,
+        interrupted: ledger.stopped,
+        findings,
+        treatment: treatment(&campaign, start.pairs, model.modes),
+        excited_hz: start.excited_hz,
+        top_influence: start.influence,
+        model,
+    })
+}
+
+fn stages(options: &Options, scheduled: bool) -> Vec<Stage> {
+    let stage = |name, groups, damping, iterations, stop, work| Stage {
+        name,
+        groups,
+        damping,
+        iterations,
+        stop,
+        work,
+    };
+    let mut stages = Vec::new();
+    if scheduled {
+        stages.push(stage("linear modes, highest level", &LINEAR[..], 1e-5, 2, 1e-2, WORK[0]));
+        stages.push(stage("linear modes, all levels", &SCHEDULED[..], 1e-4, 8, 1e-2, WORK[0]));
+    } else {
+        stages.push(stage("linear modes", &LINEAR[..], 1e-5, 8, 1e-2, WORK[0]));
+    }
+    if options.hysteresis {
+        stages.push(stage("strains", &LAWS[..], 1e-4, 5, 1.5e-3, WORK[1]));
+        let groups = if scheduled { &ALL[..] } else { &NO_SLOPES[..] };
+        stages.push(stage("everything", groups, 1e-4, options.iterations, 1.5e-3, WORK[2]));
+    }
+    stages
+}
+
+fn check(options: &Options) -> Result<(), ModesFitError> {
+    let refuse = |name, value: f64, expected| Err(ModesFitError::Option { name, value, expected });
+    if !(1..=8).contains(&options.steps) {
+        return refuse("steps", options.steps as f64, "1 to 8 steps a sample");
+    }
+    if options.plays > 32 {
+        return refuse("plays", options.plays as f64, "at most 32 plays");
+    }
+    if options.modes.is_some_and(|modes| modes == 0 || modes > 100) {
+        return refuse("modes", options.modes.unwrap_or(0) as f64, "1 to 100 pairs of poles");
+    }
+    for (name, value) in [
+        ("lag_hz", options.lag_hz.unwrap_or(1.0)),
+        ("exponent", options.exponent),
+        ("time_constant_s", options.time_constant_s),
+    ] {
+        if !(value.is_finite() && value > 0.0) {
+            return refuse(name, value, "a finite number above 0");
+        }
+    }
+    Ok(())
+}
+
+fn fits(model: &ScheduledModes, campaign: &Campaign, records: &[AxesRecord]) -> Vec<ModesRecordFit> {
+    let fit = |(piece, record): (&Piece, &AxesRecord)| {
+        let outputs = piece.period.outputs;
+        let e = residual(model, piece).unwrap_or_else(|| vec![f64::NAN; piece.period.y.len()]);
+        let rms = |e: &mut dyn Iterator<Item = f64>| {
+            let (sum, count) = e.fold((0.0, 0.0), |(sum, count), e| (sum + e * e, count + 1.0));
+            (sum / f64::max(count, 1.0)).sqrt()
+        };
+        let rmse = rms(&mut e.iter().copied());
+        ModesRecordFit {
+            record: record.label(),
+            level: piece.period.level,
+            periods: piece.period.averaged,
+            period_samples: piece.period.samples(),
+            rmse,
+            output_rmse: (0..outputs).map(|m| rms(&mut e.iter().skip(m).step_by(outputs).copied())).collect(),
+            fit_percent: 100.0 * (1.0 - rmse / piece.period.output_rms()),
+        }
+    };
+    campaign.pieces.iter().zip(records).map(fit).collect()
+}
+
+fn shifts(model: &ScheduledModes) -> Vec<ModeShift> {
+    let at = |level| model.modes_at(model.level.state(level));
+    let both = at(model.level.lowest).into_iter().zip(at(model.level.highest));
+    let mut shifts: Vec<ModeShift> = both.map(|(low, high)| ModeShift { low, high }).collect();
+    shifts.sort_by(|a, b| a.high.frequency_hz.total_cmp(&b.high.frequency_hz));
+    shifts
+}
+
+/// Matrices of the levels whose records determine one.
+fn influence(campaign: &Campaign, top: &InfluenceMatrix) -> Vec<LevelInfluence> {
+    let last = campaign.levels.len() - 1;
+    let of = |level: usize| -> Option<InfluenceMatrix> {
+        if level == last {
+            return Some(top.clone());
+        }
+        let pieces = campaign.of_level(level);
+        let periods: Vec<_> = pieces.iter().map(|piece| &piece.period).collect();
+        FrequencyMatrix::local_polynomial(&periods).ok().map(|g| InfluenceMatrix::of_response(&g))
+    };
+    let levels = campaign.levels.iter().enumerate();
+    levels.filter_map(|(k, &level)| Some(LevelInfluence { level, matrix: of(k)? })).collect()
+}
+
+fn treatment(campaign: &Campaign, pairs: usize, modes: usize) -> Vec<String> {
+    let mut lines: Vec<String> = campaign
+        .pieces
+        .iter()
+        .map(|piece| {
+            let p = &piece.period;
+            format!(
+                "{}: {} inputs of {} V rms repeat every {} samples; the fit sees the mean of {} settled periods",
+                p.name,
+                p.inputs,
+                short(p.level),
+                p.samples(),
+                p.averaged
+            )
+        })
+        .collect();
+    lines.push(format!("{modes} modes were found from {pairs} pairs of poles"));
+    lines
+}
+
+/// Condition number from which on an influence matrix deserves a warning.
+const ILL_CONDITIONED: f64 = 30.0;
+
+fn findings(
+    model: &ScheduledModes,
+    modes: &[ModeShift],
+    influence: &[LevelInfluence],
+    campaign: &Campaign,
+    scheduled: bool,
+) -> Vec<Finding> {
+    let mut all = Vec::new();
+    let mut say = |kind, topic, text: String| all.push(Finding { kind, topic, text });
+    if scheduled {
+        let fall = |m: &ModeShift| 100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz);
+        let mut falls: Vec<f64> = modes.iter().map(fall).collect();
+        falls.sort_by(f64::total_cmp);
+        // Two digits, as the table has them.
+        let percent = |x: f64| short(format!("{x:.1e}").parse().unwrap_or(x));
+        let (least, most) = (falls.first().copied().unwrap_or(0.0), falls.last().copied().unwrap_or(0.0));
+        let median = falls[falls.len() / 2];
+        say(
+            FindingKind::Verdict,
+            "levels",
+            format!(
+                "from {} to {} V rms the resonances fall by {} % in the median of the modes ({} to {} %).",
+                short(model.level.lowest),
+                short(model.level.highest),
+                percent(median),
+                percent(least),
+                percent(most)
+            ),
+        );
+        let law = if campaign.levels.len() == 2 {
+            " Two levels cannot tell how the model runs between them: it is taken to be linear in amplitude (--exponent)."
+        } else {
+            ""
+        };
+        say(
+            FindingKind::Advice,
+            "levels",
+            format!(
+                "levels measured at different times cannot tell a change with the drive from one with time or temperature.{law}"
+            ),
+        );
+    } else {
+        say(
+            FindingKind::Advice,
+            "levels",
+            format!(
+                "all records have one level, {} V rms: how the modes move with the amplitude is not known and left out. Add \
+                 records at a third of it.",
+                short(model.level.highest)
+            ),
+        );
+    }
+    for level in influence {
+        let condition = level.matrix.condition_number();
+        let kind = if condition > ILL_CONDITIONED { FindingKind::Warning } else { FindingKind::Verdict };
+        let remark = if condition > ILL_CONDITIONED {
+            ": some directions take far more voltage than others, and their errors are as much larger"
+        } else {
+            ""
+        };
+        say(
+            kind,
+            "influence",
+            format!(
+                "influence matrix at {} V rms: condition number {}{remark}.",
+                short(level.level),
+                short(condition)
+            ),
+        );
+    }
+    all
+}

@@ -1,0 +1,194 @@
+//! Derivatives and normal equations against slow, obvious ways.
+
+use nalgebra::DVector;
+
+use super::columns::Freedom;
+use super::normal::{cost, derivatives, normal_equations};
+use super::records::Piece;
+use super::summary::ALL;
+use hysteron_model::axes::{
+    FeedbackStrain, LevelLaw, Mode, ScheduledModes, SteadyPeriod, StrainLaw, Trajectory, pole,
+    simulate_steady,
+};
+use hysteron_numeric::LANES;
+
+/// Numbers between −1 and 1 that look random.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn list(&mut self, count: usize, size: f64) -> Vec<f64> {
+        (0..count).map(|_| size * self.next()).collect()
+    }
+}
+
+/// Two inputs, three outputs, two modes, everything at work.
+fn model() -> ScheduledModes {
+    let mut numbers = Numbers(1);
+    let (n, m, modes, rate, steps) = (2, 3, 2, 1000.0, 2);
+    let states = 2 * modes + n;
+    let mode = |frequency_hz, damping| pole(Mode { frequency_hz, damping }, rate * steps as f64);
+    let poles = [mode(90.0, 0.05), mode(210.0, 0.04)];
+    let law = |numbers: &mut Numbers| StrainLaw {
+        coefficients: numbers.list(5, 0.1),
+        radii: vec![0.1, 0.3, 0.8],
+        slopes: vec![0.9, 0.6, 0.2],
+        variance: 0.5,
+    };
+    ScheduledModes {
+        inputs: n,
+        outputs: m,
+        modes,
+        sample_rate_hz: rate,
+        steps,
+        level: LevelLaw { reference: 1.0, exponent: 1.0, lowest: 0.1, highest: 1.0, time_constant_s: 0.5 },
+        transition: poles.iter().flat_map(|p| [p.re, p.im]).chain([0.6, 0.7]).collect(),
+        transition_slopes: numbers.list(states, 0.01),
+        input: numbers.list(states * n, 0.3),
+        strain_input: numbers.list(states * n, 0.2),
+        output: numbers.list(m * states, 1.0),
+        output_slopes: numbers.list(m * states, 0.2),
+        feedthrough: numbers.list(m * n, 1.0),
+        feedthrough_slopes: numbers.list(m * n, 0.2),
+        strain_feedthrough: numbers.list(m * n, 0.5),
+        feedback: Some(FeedbackStrain {
+            drive_rows: numbers.list(n * (states + n), 0.5),
+            stress_rows: numbers.list(n * (states + n), 0.5),
+            drive: law(&mut numbers),
+            stress: vec![law(&mut numbers), law(&mut numbers)],
+        }),
+    }
+}
+
+/// A period of noise, its outputs noise as well.
+fn piece(seed: u64, size: f64, model: &ScheduledModes) -> Piece {
+    let samples = 200;
+    let mut numbers = Numbers(seed);
+    let fine = numbers.list(samples * model.steps * model.inputs, size);
+    let period = SteadyPeriod {
+        name: "noise".into(),
+        sample_rate_hz: model.sample_rate_hz,
+        inputs: model.inputs,
+        outputs: model.outputs,
+        u: fine.chunks_exact(model.inputs).step_by(model.steps).flatten().copied().collect(),
+        y: numbers.list(samples * model.outputs, 1.0),
+        offset: vec![0.0; model.outputs],
+        averaged: 1,
+        settling: 0,
+        level: size / 3f64.sqrt(),
+    };
+    Piece { period, fine, level: 0, weight: 0.7 }
+}
+
+/// Column of every free parameter by central differences: outputs at every sample, interleaved.
+fn differences(
+    model: &ScheduledModes,
+    freedom: &Freedom,
+    s: f64,
+    fine: &[f64],
+    preroll: usize,
+) -> Vec<Vec<f64>> {
+    let step = 1e-6;
+    let run = |k: usize, step: f64| {
+        let mut moved = vec![0.0; freedom.columns.len()];
+        moved[k] = step;
+        simulate_steady(&freedom.moved(model, &moved), s, fine, preroll).unwrap()
+    };
+    (0..freedom.columns.len())
+        .map(|k| run(k, step).iter().zip(run(k, -step)).map(|(a, b)| (a - b) / (2.0 * step)).collect())
+        .collect()
+}
+
+#[test]
+fn every_derivative_is_that_of_central_differences() {
+    let model = model();
+    model.validate().unwrap();
+    let piece = piece(7, 0.8, &model);
+    let s = model.state_of(&piece.period);
+    assert!(s < -0.3);
+    let freedom = Freedom::new(&model, &ALL);
+    let count = piece.fine.len() / model.inputs;
+    let preroll = 6 * count;
+    let expected = differences(&model, &freedom, s, &piece.fine, preroll);
+    let trajectory = Trajectory::new(&model, s, &piece.fine, preroll, preroll).unwrap();
+    let blocks = derivatives(&model, &freedom, &trajectory, s);
+    let (samples, outputs) = (piece.period.samples(), model.outputs);
+    for (column, expected) in freedom.columns.iter().zip(&expected) {
+        let factor = if column.scheduled { s } else { 1.0 };
+        let at = |sample: usize, output: usize| -> f64 {
+            if column.base < freedom.dynamic {
+                return factor * blocks[column.base / LANES][output * samples + sample][column.base % LANES];
+            }
+            let place = column.base - freedom.dynamic;
+            if place / freedom.own.len() != output {
+                return 0.0;
+            }
+            factor * trajectory.at_sample(sample, model.steps)[freedom.own[place % freedom.own.len()]]
+        };
+        let size = expected.iter().map(|d| d * d).sum::<f64>().sqrt();
+        let off: f64 = (0..samples)
+            .flat_map(|k| (0..outputs).map(move |m| (k, m)))
+            .map(|(k, m)| (expected[k * outputs + m] - at(k, m)).powi(2))
+            .sum();
+        assert!(size > 1e-6, "{column:?} has no effect");
+        assert!(off.sqrt() < 2e-6 * size, "{column:?}: {} of {size}", off.sqrt());
+    }
+}
+
+#[test]
+fn the_normal_equations_are_those_of_the_columns_and_lower_the_cost() {
+    let model = model();
+    let pieces = [piece(7, 0.8, &model), piece(8, 1.5, &model)];
+    let all: Vec<&Piece> = pieces.iter().collect();
+    let freedom = Freedom::new(&model, &ALL);
+    let found = normal_equations(&model, &freedom, &all).unwrap();
+    let count = freedom.columns.len();
+    let mut matrix = nalgebra::DMatrix::zeros(count, count);
+    let mut gradient = DVector::zeros(count);
+    for piece in &pieces {
+        let s = model.state_of(&piece.period);
+        let steps = piece.fine.len() / model.inputs;
+        let mut columns = differences(&model, &freedom, s, &piece.fine, 4 * steps);
+        for column in &mut columns {
+            hysteron_model::axes::remove_means(column, model.outputs);
+        }
+        let y = simulate_steady(&model, s, &piece.fine, 4 * steps).unwrap();
+        let mut e: Vec<f64> = piece.period.y.iter().zip(&y).map(|(a, b)| a - b).collect();
+        hysteron_model::axes::remove_means(&mut e, model.outputs);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for i in 0..count {
+            gradient[i] += piece.weight * dot(&columns[i], &e);
+            for j in 0..count {
+                matrix[(i, j)] += piece.weight * dot(&columns[i], &columns[j]);
+            }
+        }
+    }
+    // Derivatives begin ten e-folds of the open loop before the period, and feedback decays more slowly.
+    let off = (&found.matrix - &matrix).norm() / matrix.norm();
+    assert!(off < 5e-3, "{off}");
+    let off = (&found.gradient - &gradient).norm() / gradient.norm();
+    assert!(off < 5e-3, "{off}");
+    // A short step along the gradient lowers the cost as it predicts: −2 ε |g|².
+    let step = 1e-6 / gradient.norm();
+    let moved = freedom.moved(&model, (&found.gradient * step).as_slice());
+    let fall = cost(&model, &all) - cost(&moved, &all);
+    assert!((fall / (2.0 * step * gradient.norm_squared()) - 1.0).abs() < 1e-3, "{fall}");
+}
+
+#[test]
+fn the_normal_equations_are_the_same_bits_for_any_number_of_threads() {
+    let model = model();
+    let piece = piece(7, 0.8, &model);
+    let freedom = Freedom::new(&model, &ALL);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| normal_equations(&model, &freedom, &[&piece]).unwrap())
+    };
+    let (one, three) = (on(1), on(3));
+    assert_eq!(one.matrix, three.matrix);
+    assert_eq!(one.gradient, three.gradient);
+}

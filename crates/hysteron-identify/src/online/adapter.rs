@@ -1,0 +1,145 @@
+//! Moves the coefficients of a correction sample by sample and watches what is left.
+
+use super::CorrectionError;
+use super::correction::{Regressors, Row};
+use hysteron_model::record::InputOutput;
+use hysteron_rt::{FitMonitor, Misfit, Nlms, Rls, SampleError};
+
+/// How coefficients are moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Estimator<const N: usize> {
+    /// Recursive least squares with forgetting.
+    LeastSquares(Rls<f64, N>),
+    /// Normalised least mean squares.
+    Gradient {
+        /// The estimator.
+        nlms: Nlms<f64, N>,
+        /// Standard deviation of a residual where the model fits \[µm\]: what the monitor's residuals are divided by.
+        deviation_um: f64,
+    },
+}
+
+/// An estimator and its monitor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adapter<const N: usize> {
+    estimator: Estimator<N>,
+    monitor: FitMonitor<f64>,
+    reopen: bool,
+}
+
+/// One sample taken in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adapted {
+    /// What the model, corrected by the samples before, said \[µm\].
+    pub predicted: f64,
+    /// Residual in units of its expected deviation.
+    pub normalised: f64,
+    /// What no longer fits.
+    pub misfit: Option<Misfit>,
+}
+
+/// The first sample of an alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Alarm {
+    /// Number of the sample, from 0.
+    pub sample: usize,
+    /// What no longer fits.
+    pub misfit: Misfit,
+}
+
+/// What an adapter did over a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace<const N: usize> {
+    /// Prediction of every sample from those before \[µm\].
+    pub predicted: Vec<f64>,
+    /// Coefficients after every sample.
+    pub parameters: Vec<[f64; N]>,
+    /// Alarms.
+    pub alarms: Vec<Alarm>,
+}
+
+impl<const N: usize> Adapter<N> {
+    /// An estimator whose residuals this monitor watches. With `reopen` an alarm makes the coefficients of least
+    /// squares as uncertain as at the start, so that a jump is followed at once, and sets the sums of the monitor
+    /// to zero: alarms that come again and again then say that no coefficients fit.
+    pub fn new(estimator: Estimator<N>, monitor: FitMonitor<f64>, reopen: bool) -> Self {
+        Self { estimator, monitor, reopen }
+    }
+
+    /// Coefficients θ.
+    pub fn parameters(&self) -> &[f64; N] {
+        match &self.estimator {
+            Estimator::LeastSquares(rls) => rls.parameters(),
+            Estimator::Gradient { nlms, .. } => nlms.parameters(),
+        }
+    }
+
+    /// The estimator.
+    pub fn estimator(&self) -> &Estimator<N> {
+        &self.estimator
+    }
+
+    /// The monitor.
+    pub fn monitor(&self) -> &FitMonitor<f64> {
+        &self.monitor
+    }
+
+    /// Takes in one sample: its regressors and the displacement \[µm\]. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`SampleError`]: estimator and monitor are as they were.
+    pub fn step(&mut self, row: &Row<N>, displacement_um: f64) -> Result<Adapted, SampleError> {
+        let predicted = row.output(self.parameters());
+        let output = displacement_um - row.fixed;
+        let mut estimator = self.estimator;
+        let normalised = match &mut estimator {
+            Estimator::LeastSquares(rls) => rls.step(&row.regressors, output)?.normalised(),
+            Estimator::Gradient { nlms, deviation_um } => nlms.step(&row.regressors, output)? / *deviation_um,
+        };
+        let misfit = self.monitor.step(normalised)?;
+        self.estimator = estimator;
+        if misfit.is_some() && self.reopen {
+            self.monitor.reset();
+            if let Estimator::LeastSquares(rls) = &mut self.estimator {
+                rls.reopen();
+            }
+        }
+        Ok(Adapted { predicted, normalised, misfit })
+    }
+
+    /// Takes in a record, sample by sample. Samples marked invalid are predicted and not learnt from.
+    ///
+    /// # Errors
+    /// [`CorrectionError::Lengths`], [`CorrectionError::Sample`].
+    pub fn run(
+        &mut self,
+        regressors: &Regressors<N>,
+        record: &InputOutput,
+    ) -> Result<Trace<N>, CorrectionError> {
+        let samples = record.y.len();
+        if regressors.len() != samples {
+            return Err(CorrectionError::Lengths { expected: regressors.len(), found: samples });
+        }
+        let mut trace = Trace {
+            predicted: Vec::with_capacity(samples),
+            parameters: Vec::with_capacity(samples),
+            alarms: Vec::new(),
+        };
+        let mut alarmed = false;
+        for (index, (row, &y)) in regressors.rows().zip(&record.y).enumerate() {
+            let valid = record.valid.as_ref().is_none_or(|mask| mask.get(index) == Some(&true));
+            if valid {
+                let adapted = self.step(&row, y).map_err(|cause| CorrectionError::Sample { index, cause })?;
+                trace.predicted.push(adapted.predicted);
+                if let Some(misfit) = adapted.misfit.filter(|_| self.reopen || !alarmed) {
+                    trace.alarms.push(Alarm { sample: index, misfit });
+                }
+                alarmed = adapted.misfit.is_some();
+            } else {
+                trace.predicted.push(row.output(self.parameters()));
+            }
+            trace.parameters.push(*self.parameters());
+        }
+        Ok(trace)
+    }
+}

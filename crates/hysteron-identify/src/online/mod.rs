@@ -1,0 +1,54 @@
+//! Correction of an identified model while it runs.
+//!
+//! [`Correction`] says which coefficients may move and makes the regressors; [`Adapter`] moves them sample by
+//! sample and says when the model no longer fits. The estimators and the monitor are those of `hysteron-rt`,
+//! which a controller runs as they are.
+//!
+//! ```
+//! use hysteron_model::dynamics::{Dynamics, Scheme};
+//! use hysteron_model::hammerstein::{Model, Start};
+//! use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+//! use hysteron_identify::online::{Adapter, Correction, Estimator, Term};
+//! use hysteron_model::record::InterSample;
+//! use hysteron_rt::{FitMonitor, MonitorSettings, Rls, RlsSettings, Unexcited};
+//!
+//! let model = Model {
+//!     hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.2, -0.02], 1.1, 0.35, 0.08, 1.0)?),
+//!     dynamics: Dynamics::None,
+//!     offset: 0.0,
+//!     delay_s: 0.0,
+//!     scheme: Scheme::Tustin,
+//!     inter_sample: InterSample::Linear,
+//!     sample_rate_hz: None,
+//! };
+//! let correction = Correction::new(model, [Term::Offset, Term::Gain])?;
+//! let u: Vec<f64> = (0..400).map(|k| 5.0 - 5.0 * (k as f64 * 0.1).cos()).collect();
+//! let regressors = correction.regressors(&u, None, &Start::Rest { voltage_v: 0.0 })?;
+//!
+//! let least_squares = Rls::new(RlsSettings {
+//!     start: correction.nominal(),
+//!     deviations: [0.5, 0.1], // µm, 1
+//!     noise: 0.005,           // µm
+//!     forgetting: 0.99,
+//!     unexcited: Unexcited::Hold,
+//!     bounds: None,
+//! })?;
+//! let monitor =
+//!     FitMonitor::new(MonitorSettings { shift: Some(0.5), spread: Some(1.5), run_length: 1e6, fewest: 3 })?;
+//! let mut adapter = Adapter::new(Estimator::LeastSquares(least_squares), monitor, false);
+//! for row in regressors.rows() {
+//!     let displacement = 1.07 * row.regressors[1] - 0.2; // the device of today
+//!     adapter.step(&row, displacement)?;
+//! }
+//! assert!((adapter.parameters()[1] - 1.07).abs() < 1e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod adapter;
+mod correction;
+mod error;
+mod spacing;
+
+pub use adapter::{Adapted, Adapter, Alarm, Estimator, Trace};
+pub use correction::{Correction, Regressors, Row, Term};
+pub use error::CorrectionError;

@@ -1,0 +1,51 @@
+//! How far apart samples must be for what a correction leaves of them to count as noise.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{CorrectionError, Regressors};
+use crate::correlation_time;
+use hysteron_model::record::InputOutput;
+
+/// Parts of a record that are looked at one by one: a jump spoils one of them, and not the median.
+const PARTS: usize = 8;
+/// Fewest samples of a part for each of its coefficients.
+const FEWEST: usize = 20;
+
+impl<const N: usize> Regressors<N> {
+    /// Number of samples that carry the information of one independent sample of what no coefficients explain, the median over eighths
+    /// of the record: in each the sum of the autocorrelation of what least squares leaves. At least 1; 1 for a
+    /// record too short to say.
+    ///
+    /// # Errors
+    /// [`CorrectionError::Lengths`].
+    pub fn samples_per_independent_one(&self, record: &InputOutput) -> Result<f64, CorrectionError> {
+        let (expected, found) = (self.len(), record.y.len());
+        if expected != found {
+            return Err(CorrectionError::Lengths { expected, found });
+        }
+        let is_valid = |k: usize| record.valid.as_ref().is_none_or(|valid| valid.get(k) == Some(&true));
+        let rows: Vec<_> = self
+            .rows()
+            .zip(&record.y)
+            .enumerate()
+            .filter(|(k, _)| is_valid(*k))
+            .map(|(_, pair)| pair)
+            .collect();
+        let length = rows.len() / PARTS;
+        if length < FEWEST * N {
+            return Ok(1.0);
+        }
+        let mut times: Vec<f64> = rows
+            .chunks_exact(length)
+            .filter_map(|part| {
+                let regressors = DMatrix::from_fn(part.len(), N, |k, i| part[k].0.regressors[i]);
+                let output = DVector::from_fn(part.len(), |k, _| part[k].1 - part[k].0.fixed);
+                // A regressor that stands still within the part is one with the offset.
+                let parameters = regressors.clone().svd(true, true).solve(&output, 1e-9).ok()?;
+                Some(correlation_time((output - regressors * parameters).as_slice()))
+            })
+            .collect();
+        times.sort_by(f64::total_cmp);
+        Ok(times.get(times.len() / 2).copied().unwrap_or(1.0))
+    }
+}

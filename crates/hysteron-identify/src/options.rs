@@ -1,0 +1,229 @@
+//! What a user can ask of an identification.
+
+use super::IdentifyError;
+use super::layout::Demands;
+use hysteron_model::dynamics::{Creep, MOST_CREEP_ELEMENTS, MOST_INTEGER_POLES, Scheme};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_model::record::{InputOutput, InterSample};
+use hysteron_optimize::Algorithm;
+
+/// A record of the campaign and what it is for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampaignRecord {
+    /// Input and output.
+    pub data: InputOutput,
+    /// Role, if the user gave one; otherwise it is recognised.
+    pub role: Option<RecordRole>,
+}
+
+/// What a record is used for in the two-step identification.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RecordRole {
+    /// Step 1: hysteresis block.
+    QuasiStatic,
+    /// Step 2: dynamic block.
+    Dynamic,
+}
+
+/// How a campaign with dynamics is identified.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Method {
+    /// All records, both blocks, delay and initial states in one fit.
+    #[default]
+    Joint,
+    /// The article's way (§4.3): hysteresis from the quasi-static records, then dynamics from the others.
+    TwoStep,
+}
+
+/// What happened before the records of a joint fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Initial {
+    /// `Rest`, but a record that starts off 0 V may have been switched on from there; judged by the record.
+    #[default]
+    Auto,
+    /// At rest at u(0), with an unknown hysteresis memory.
+    Rest,
+    /// The record is a steady state that repeats.
+    Periodic,
+    /// At rest at 0 V, without memory.
+    Zero,
+    /// As `Rest`, with motion left over from before, fitted as responses to two impulses and a step at the first sample.
+    Free,
+}
+
+/// Dynamic block asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum DynamicsChoice {
+    /// What the records support: fractional with a dynamic record, a first-order lag with a start from rest, else none.
+    #[default]
+    Auto,
+    /// Static model.
+    None,
+    /// Whole orders: pairs of poles and a lag in series.
+    Integer,
+    /// Resonances in parallel and, where the number of poles is odd, a lag behind them (joint fit).
+    Modes,
+    /// Autoregressive: equation error (two steps, as the next three).
+    Arx,
+    /// Output error B/F.
+    OutputError,
+    /// Output error with a noise model C/D.
+    BoxJenkins,
+    /// Continuous time, by simplified refined instrumental variables.
+    Srivc,
+    /// Real orders, Eq. 13.
+    Fractional,
+    /// Eq. 13 with a free lowest order: b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀) (joint fit).
+    FractionalFreeLowest,
+    /// Two fractional modes in parallel (joint fit).
+    TwoFractional,
+}
+
+impl DynamicsChoice {
+    /// Whether the block is a regression of the displacement on the output of an identified hysteresis block.
+    pub fn takes_two_steps(self) -> bool {
+        matches!(self, Self::Arx | Self::OutputError | Self::BoxJenkins | Self::Srivc)
+    }
+
+    /// What it is called in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "automatic",
+            Self::None => "static",
+            Self::Integer => "integer-order",
+            Self::Modes => "modal",
+            Self::Arx => "ARX",
+            Self::OutputError => "output-error",
+            Self::BoxJenkins => "Box–Jenkins",
+            Self::Srivc => "SRIVC",
+            Self::Fractional | Self::FractionalFreeLowest | Self::TwoFractional => "fractional",
+        }
+    }
+}
+
+/// A value that is given or chosen from the data.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Choice<T> {
+    /// Chosen from the data.
+    #[default]
+    Auto,
+    /// Given.
+    Given(T),
+}
+
+/// Options of an identification; the defaults are meant to be right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Joint fit or two steps.
+    pub method: Method,
+    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit.
+    pub hysteresis: HysteresisForm,
+    /// Dynamic block.
+    pub dynamics: DynamicsChoice,
+    /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 12, or of [`DynamicsChoice::Modes`], 2 to 12.
+    pub order: usize,
+    /// Creep factor of a joint fit. With [`DynamicsChoice::Auto`] and [`Creep::None`] it gets a fractional one where the
+    /// records ask for it.
+    pub creep: Creep,
+    /// What happened before each record of a joint fit.
+    pub initial: Initial,
+    /// A joint fit allows for a linear drift of each record's output.
+    pub drift: bool,
+    /// Optimiser; `None`: least squares from data-driven starts, with the linear parameters eliminated.
+    pub algorithm: Option<Algorithm>,
+    /// Generations of a population method.
+    pub generations: usize,
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Threads; `None`: all cores. The result does not depend on it.
+    pub threads: Option<usize>,
+    /// Polynomial degree of l\[u\].
+    pub degree: Choice<usize>,
+    /// Bouc–Wen exponent n; `Auto` searches it (`--n free`).
+    pub n: Choice<f64>,
+    /// Delay \[s\]. A given delay is taken as the whole time shift between input and output: unless dynamics are asked
+    /// for, no lag is fitted beside it to a quasi-static record.
+    pub delay_s: Choice<f64>,
+    /// Single parameters fixed or bounded.
+    pub demands: Demands,
+    /// Model whose parameters are the first start of every search.
+    pub start: Option<Model>,
+    /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start smoothly, whose
+    /// estimates do not depend on the sample rate, else `tustin`.
+    pub scheme: Choice<Scheme>,
+    /// What the drive does between its samples.
+    pub inter_sample: InterSample,
+    /// Least fit \[%\] for which a model is handed out at all.
+    pub least_fit_percent: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            method: Method::Joint,
+            hysteresis: HysteresisForm::BoucWen,
+            dynamics: DynamicsChoice::Auto,
+            order: 2,
+            creep: Creep::None,
+            initial: Initial::Auto,
+            drift: false,
+            algorithm: None,
+            generations: 150,
+            seed: 1,
+            threads: None,
+            degree: Choice::Auto,
+            n: Choice::Given(1.0),
+            delay_s: Choice::Auto,
+            demands: Demands::default(),
+            start: None,
+            scheme: Choice::Auto,
+            inter_sample: InterSample::Linear,
+            least_fit_percent: 75.0,
+        }
+    }
+}
+
+/// Highest polynomial degree offered.
+pub const HIGHEST_DEGREE: usize = 9;
+
+impl Options {
+    /// The scheme given, else `tustin`.
+    pub(super) fn scheme(&self) -> Scheme {
+        match self.scheme {
+            Choice::Given(scheme) => scheme,
+            Choice::Auto => Scheme::Tustin,
+        }
+    }
+
+    pub(super) fn validate(&self) -> Result<(), IdentifyError> {
+        let refuse = |option, value, wanted| Err(IdentifyError::Option { option, value, wanted });
+        if let Choice::Given(degree) = self.degree
+            && !(1..=HIGHEST_DEGREE).contains(&degree)
+        {
+            return refuse("degree", degree as f64, "a whole number from 1 to 9");
+        }
+        if !(1..=MOST_INTEGER_POLES).contains(&self.order) {
+            return refuse("order", self.order as f64, "a whole number from 1 to 12");
+        }
+        if self.dynamics == DynamicsChoice::Modes && self.order < 2 {
+            return refuse("order", self.order as f64, "for modes a whole number from 2 to 12");
+        }
+        if let Creep::KelvinVoigt { elements } = self.creep
+            && !(1..=MOST_CREEP_ELEMENTS).contains(&elements)
+        {
+            return refuse("creep elements", elements as f64, "a whole number from 1 to 4");
+        }
+        if let Choice::Given(n) = self.n
+            && !(1.0..=10.0).contains(&n)
+        {
+            return refuse("n", n, "1 ≤ n ≤ 10");
+        }
+        if let Choice::Given(delay) = self.delay_s
+            && !(0.0..=10.0).contains(&delay)
+        {
+            return refuse("delay", delay, "0 to 10 seconds");
+        }
+        Ok(())
+    }
+}

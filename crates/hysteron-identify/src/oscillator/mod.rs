@@ -1,0 +1,128 @@
+//! Identification of a mass on a hysteretic spring ([`hysteron_model::oscillator`]): hysteresis in feedback.
+//!
+//! 1. *Records.* A force that repeats gives one mean period, in its steady state ([`Initial::Auto`]).
+//! 2. *Equation error.* With ẏ and ÿ of the measured output by its spectrum, u = m ÿ + c ẏ + k y + α ζ\[y\] + e is linear in m, c,
+//!    k and α for every shape (β', γ', n) of the loop: variable projection leaves two or three unknowns. Lines are divided by the
+//!    impedance of the best linear oscillator, so that e counts as an error of the output. A lattice of shapes, then
+//!    least squares from its best points, give starts.
+//! 3. *Output error.* Simulated against measured output, all parameters at once, exact derivatives, bounded
+//!    Levenberg–Marquardt. The coordinates are those of small motion: the stiffness K = k + α, the share ρ = α/K of
+//!    the hysteretic spring in it, and the shape of the loop over the size of the motion; k and α themselves trade.
+//!
+//! The offset of each record's sensor is the mean residual, at every candidate. Variable projection: G. H. Golub, V. Pereyra,
+//! doi:10.1137/0710036. Iterated weights of the linear fit: C. K. Sanathanan, J. Koerner, doi:10.1109/TAC.1963.1105517.
+
+mod coordinates;
+mod equation_error;
+mod error;
+mod knowledge;
+mod output_error;
+mod preparation;
+mod search;
+mod shapes;
+
+pub use error::OscillatorFitError;
+pub use knowledge::Estimate;
+
+use super::{Correlation, Finding};
+use hysteron_model::oscillator::{Oscillator, Start};
+use hysteron_model::record::{InputOutput, InterSample};
+use hysteron_model::validate::Scores;
+use hysteron_optimize::Outcome;
+
+/// What happened before a record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Initial {
+    /// A steady state where the force repeats, else rest.
+    #[default]
+    Auto,
+    /// y = ẏ = z = 0.
+    Rest,
+    /// Steady state under the force, which repeats; the whole record is one period where no shorter one is found.
+    Periodic,
+    /// Unknown: y, ẏ and z at the first sample are searched.
+    Free,
+}
+
+/// What a user can ask of the identification of an oscillator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// What happened before each record.
+    pub initial: Initial,
+    /// What the force does between its samples.
+    pub inter_sample: InterSample,
+    /// Parameters held at a value: `mass`, `damping`, `n`.
+    pub fixed: Vec<(String, f64)>,
+    /// An oscillator whose loop has the shape to start from, instead of the lattice's. Its m, c, k and α follow from the records
+    /// whatever they are.
+    pub start: Option<Oscillator>,
+    /// Steps of the simulation from one sample to the next; `None`: [`Oscillator::steps`].
+    pub steps: Option<usize>,
+    /// Least fit accepted \[%\], see [`Scores::fit_percent`].
+    pub least_fit_percent: f64,
+}
+
+impl Default for Options {
+    /// Everything judged by the records, a band-limited force, at least 75 % explained.
+    fn default() -> Self {
+        Self {
+            initial: Initial::Auto,
+            inter_sample: InterSample::BandLimited,
+            fixed: Vec::new(),
+            start: None,
+            steps: None,
+            least_fit_percent: 75.0,
+        }
+    }
+}
+
+/// An identified oscillator.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// The oscillator, in the units of the records.
+    pub oscillator: Oscillator,
+    /// Its parameters in the order of [`Oscillator::NAMES`], then natural frequency and damping ratio at small motion.
+    pub estimates: Vec<Estimate>,
+    /// How the estimates of the parameters hang together; `None` where the records do not determine them.
+    pub correlation: Option<Correlation>,
+    /// Sensor offset of the first record.
+    pub offset: f64,
+    /// What the force was taken to do between its samples.
+    pub inter_sample: InterSample,
+    /// Every record and the simulation of it.
+    pub records: Vec<RecordFit>,
+    /// The search of the shape by the equation error; empty where there was one lattice point.
+    pub shapes: Vec<Outcome>,
+    /// The search by the output error.
+    pub search: Outcome,
+    /// Verdicts, warnings and advice in plain words.
+    pub findings: Vec<Finding>,
+    /// What was done to the data, in plain words.
+    pub treatment: Vec<String>,
+    /// Lowest and highest frequency of the forces \[Hz\].
+    pub excited_hz: (f64, f64),
+}
+
+/// One record and the oscillator's simulation of it.
+#[derive(Clone, Debug)]
+pub struct RecordFit {
+    /// The record.
+    pub data: InputOutput,
+    /// Start found; a periodic one has the samples of its period beside it.
+    pub start: Start,
+    /// Samples of the period of a periodic start.
+    pub period_samples: Option<usize>,
+    /// Simulated displacement at every sample, without offset.
+    pub simulated: Vec<f64>,
+    /// Scores (offset estimated).
+    pub scores: Scores,
+}
+
+/// Identifies an oscillator from records that share the device.
+///
+/// # Errors
+/// [`OscillatorFitError`]: records that cannot be used, options that cannot be met, records that are not those of an
+/// oscillator.
+pub fn identify(records: &[InputOutput], options: &Options) -> Result<Identification, OscillatorFitError> {
+    search::identify(records, options)
+}

@@ -1,0 +1,103 @@
+//! Records brought into the form the fit works on: one period in its steady state, or the record as it is.
+
+use super::super::RecordFacts;
+use super::super::campaign::usable;
+use super::super::options::CampaignRecord;
+use super::{Initial, Options, OscillatorFitError};
+use hysteron_model::hysteresis::RecordEnds;
+use hysteron_model::record::{InputOutput, Periods};
+
+/// A period counts as whole where all of them together are off by less than this many samples.
+const WHOLE: f64 = 0.1;
+
+/// What the fit sees of a record.
+#[derive(Clone, Debug)]
+pub(super) struct Piece {
+    pub name: String,
+    pub u: Vec<f64>,
+    /// Measured output; of a periodic piece the mean over the settled periods.
+    pub y: Vec<f64>,
+    /// Whether a sample is scored.
+    pub scored: Vec<bool>,
+    pub rate: f64,
+    pub start: PieceStart,
+    /// Periods averaged.
+    pub periods: usize,
+}
+
+/// What is assumed of a piece before its first sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PieceStart {
+    Rest,
+    Periodic,
+    Free,
+}
+
+impl Piece {
+    pub(super) fn ends(&self) -> RecordEnds {
+        match self.start {
+            PieceStart::Periodic => RecordEnds::Periodic,
+            PieceStart::Rest | PieceStart::Free => RecordEnds::Open,
+        }
+    }
+}
+
+/// The records as pieces, in their order.
+pub(super) fn pieces(records: &[InputOutput], options: &Options) -> Result<Vec<Piece>, OscillatorFitError> {
+    let campaign: Vec<CampaignRecord> =
+        records.iter().map(|data| CampaignRecord { data: data.clone(), role: None }).collect();
+    usable(&campaign)?.iter().map(|facts| piece(facts, options.initial)).collect()
+}
+
+fn piece(facts: &RecordFacts, initial: Initial) -> Result<Piece, OscillatorFitError> {
+    let data = &facts.data;
+    let rate =
+        data.sample_rate_hz().ok_or_else(|| OscillatorFitError::NotUniform { record: data.name.clone() })?;
+    let whole = |start: PieceStart| Piece {
+        name: data.name.clone(),
+        u: data.u.clone(),
+        y: data.y.clone(),
+        scored: data.valid.clone().unwrap_or_else(|| vec![true; data.len()]),
+        rate,
+        start,
+        periods: 1,
+    };
+    Ok(match (initial, repeating(facts.periods)) {
+        (Initial::Rest, _) | (Initial::Auto, None) => whole(PieceStart::Rest),
+        (Initial::Free, _) => whole(PieceStart::Free),
+        (Initial::Periodic, None) => whole(PieceStart::Periodic),
+        (Initial::Auto | Initial::Periodic, Some((samples, settling, count))) => {
+            mean_period(data, rate, samples, settling, count)
+        }
+    })
+}
+
+/// Samples of a period, settling periods and all periods of a record that repeats from its first sample on.
+fn repeating(periods: Option<Periods>) -> Option<(usize, usize, usize)> {
+    let p = periods.filter(|p| p.start == 0 && p.count >= 2)?;
+    let samples = p.period_samples.round();
+    let off = (p.period_samples - samples).abs() * p.count as f64;
+    (off <= WHOLE).then_some((samples as usize, p.settling.min(p.count - 1), p.count))
+}
+
+/// The mean over the settled periods: for a steady state under white noise it holds all that they know.
+fn mean_period(data: &InputOutput, rate: f64, samples: usize, settling: usize, count: usize) -> Piece {
+    let valid = |k: usize| data.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let mut piece = Piece {
+        name: data.name.clone(),
+        u: data.u.iter().take(samples).copied().collect(),
+        y: Vec::with_capacity(samples),
+        scored: Vec::with_capacity(samples),
+        rate,
+        start: PieceStart::Periodic,
+        periods: count - settling,
+    };
+    for k in 0..samples {
+        let places = (settling..count).map(|p| p * samples + k).filter(|&i| i < data.len());
+        let all: Vec<usize> = places.clone().filter(|&i| valid(i)).collect();
+        let shown = if all.is_empty() { places.collect() } else { all.clone() };
+        piece.y.push(shown.iter().map(|&i| data.y[i]).sum::<f64>() / shown.len().max(1) as f64);
+        piece.scored.push(!all.is_empty());
+    }
+    piece
+}

@@ -1,0 +1,237 @@
+//! From records to an oscillator.
+
+use rayon::prelude::*;
+
+use super::coordinates::{COUNT, LARGEST_N, N, ranges};
+use super::equation_error::EquationError;
+use super::knowledge::{Estimate, estimates};
+use super::output_error::OutputError;
+use super::preparation::{Piece, PieceStart, pieces};
+use super::shapes::candidates;
+use super::{Identification, Options, OscillatorFitError, RecordFit};
+use crate::{Correlation, Finding, FindingKind};
+use hysteron_model::hysteresis::{Admissibility, RecordEnds};
+use hysteron_model::oscillator::{Drive, Oscillator, Start};
+use hysteron_model::record::InputOutput;
+use hysteron_model::validate::{Scoring, score};
+use hysteron_numeric::display::short;
+use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings, Unobserved, minimize};
+
+/// Parameters that can be held: they are coordinates of the search.
+const HOLDABLE: [(&str, usize); 3] = [("mass", 0), ("damping", 1), ("n", N)];
+
+pub(super) fn identify(
+    records: &[InputOutput],
+    options: &Options,
+) -> Result<Identification, OscillatorFitError> {
+    let held = held(options)?;
+    if let Some(start) = &options.start {
+        start.validate()?;
+    }
+    let pieces = pieces(records, options)?;
+    let regression = EquationError::new(&pieces, options)?;
+    let (candidates, shapes) = candidates(&regression, options)?;
+    let [mass, _, stiffness] = regression.linear;
+    let linear = Oscillator::from_values([mass, 0.0, stiffness, 0.0, 0.0, 0.0, 1.0]);
+    let drives = pieces
+        .iter()
+        .map(|piece| {
+            let steps = options.steps.unwrap_or_else(|| linear.steps(piece.rate));
+            Drive::new(&piece.u, piece.rate, options.inter_sample, piece.ends(), steps)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let problem = OutputError::new(
+        (&pieces, &drives),
+        held,
+        &ranges(regression.linear),
+        regression.size,
+        regression.linear,
+    );
+    let starts: Vec<Vec<f64>> = candidates.iter().map(|c| problem.start(&c.coordinates)).collect();
+    let algorithm = Algorithm::LeastSquares(LeastSquaresOptions {
+        starts: starts.len(),
+        agreement: Some(2),
+        ..LeastSquaresOptions::default()
+    });
+    let settings = Settings { starts, ..Settings::default() };
+    let search = minimize(&problem, &algorithm, &settings, &mut Unobserved, None)?;
+    let oscillator = problem.oscillator(&search.best);
+    let fits = problem.starts(&search.best);
+    let fits = records
+        .par_iter()
+        .zip(&pieces)
+        .zip(&drives)
+        .zip(fits)
+        .map(|(((data, piece), drive), (start, _))| record_fit(&oscillator, data, (piece, drive), start))
+        .collect::<Result<Vec<_>, _>>()?;
+    for fit in &fits {
+        let fit_percent = fit.scores.fit_percent.unwrap_or(0.0);
+        if fit_percent < options.least_fit_percent {
+            return Err(OscillatorFitError::ModelClass {
+                record: fit.data.name.clone(),
+                fit_percent,
+                need: options.least_fit_percent,
+            });
+        }
+    }
+    let names: Vec<&str> = options.fixed.iter().map(|(name, _)| name.as_str()).collect();
+    let (estimates, correlation) = estimates(&problem, &search.best, &names);
+    let findings = findings(&oscillator, &estimates, correlation.as_ref());
+    Ok(Identification {
+        oscillator,
+        estimates,
+        correlation,
+        offset: fits.first().map_or(0.0, |fit| fit.scores.offset),
+        inter_sample: options.inter_sample,
+        records: fits,
+        shapes,
+        search,
+        findings,
+        treatment: pieces.iter().map(treatment).collect(),
+        excited_hz: regression.band_hz,
+    })
+}
+
+/// Coordinates that the options hold.
+fn held(options: &Options) -> Result<[Option<f64>; COUNT], OscillatorFitError> {
+    let mut held = [None; COUNT];
+    for (name, value) in &options.fixed {
+        let refuse = |wanted| OscillatorFitError::Fixed { name: name.clone(), value: *value, wanted };
+        let Some((_, index)) = HOLDABLE.iter().find(|(known, _)| known == name) else {
+            return Err(refuse("only mass, damping and n can be held: k and α, β and γ hang together"));
+        };
+        match *index {
+            N if !(1.0..=LARGEST_N).contains(value) => return Err(refuse("needs 1 ≤ n ≤ 5")),
+            N => {}
+            _ if !(*value > 0.0 && value.is_finite()) => return Err(refuse("needs a value above 0")),
+            _ => {}
+        }
+        held[*index] = Some(*value);
+    }
+    Ok(held)
+}
+
+/// The whole record, simulated from the start found.
+fn record_fit(
+    oscillator: &Oscillator,
+    data: &InputOutput,
+    (piece, drive): (&Piece, &Drive),
+    start: Start,
+) -> Result<RecordFit, OscillatorFitError> {
+    let mut one = vec![0.0; drive.len()];
+    oscillator.simulate(drive, start, &mut one)?;
+    let repeats = drive.ends() == RecordEnds::Periodic;
+    let simulated: Vec<f64> = one.iter().cycle().take(data.len()).copied().collect();
+    let scores = score(data, &simulated, &Scoring::default())?;
+    let period_samples = repeats.then_some(piece.y.len());
+    Ok(RecordFit { data: data.clone(), start, period_samples, simulated, scores })
+}
+
+fn treatment(piece: &Piece) -> String {
+    let name = &piece.name;
+    match piece.start {
+        PieceStart::Periodic if piece.periods > 1 => format!(
+            "{name}: the force repeats every {} samples; the fit sees the mean of {} settled periods",
+            piece.y.len(),
+            piece.periods
+        ),
+        PieceStart::Periodic => format!("{name}: one period of a steady state"),
+        PieceStart::Rest => format!("{name}: from rest"),
+        PieceStart::Free => format!("{name}: displacement, velocity and z at the first sample were fitted"),
+    }
+}
+
+/// Condition number of the correlation above which some of the parameters are hardly told apart.
+const ILL_CONDITIONED: f64 = 1e4;
+/// Relative standard error above which a parameter is hardly determined.
+const VAGUE: f64 = 0.3;
+/// Share of the hysteretic spring below which it hardly matters.
+const THIN: f64 = 0.02;
+/// Standard errors by which α is above 0 where the loop is seen.
+const SIGNIFICANT: f64 = 3.0;
+
+fn findings(
+    oscillator: &Oscillator,
+    estimates: &[Estimate],
+    correlation: Option<&Correlation>,
+) -> Vec<Finding> {
+    let mut all = Vec::new();
+    let mut say = |kind, topic, text: String| all.push(Finding { kind, topic, text });
+    let whole = oscillator.stiffness + oscillator.alpha;
+    let admissibility = oscillator.admissibility();
+    let small =
+        format!("at small motion the natural frequency is {} Hz", short(oscillator.natural_frequency_hz()));
+    let large = Oscillator { alpha: 0.0, ..*oscillator }.natural_frequency_hz();
+    let resonance = match admissibility {
+        Admissibility::Bounded { .. } | Admissibility::BoundedFromRest { .. } => {
+            format!("{small}; it falls towards {} Hz as the loop saturates.", short(large))
+        }
+        _ => format!("{small}."),
+    };
+    say(FindingKind::Verdict, "resonance", resonance);
+    let kind = match admissibility {
+        Admissibility::Bounded { .. } | Admissibility::BoundedFromRest { .. } => FindingKind::Verdict,
+        _ => FindingKind::Warning,
+    };
+    let verdict = match admissibility {
+        Admissibility::Bounded { .. } => "bounded: the hysteretic force stays finite for every motion.",
+        Admissibility::BoundedFromRest { .. } => {
+            "bounded from rest: the hysteretic force stays finite for every motion that starts from rest."
+        }
+        Admissibility::Hardening => {
+            "not bounded (hardening): the hysteretic force grows ever faster with the motion; do not use the model beyond the motion it was identified on."
+        }
+        _ => "not bounded: the hysteretic force can run away beyond the motion it was identified on.",
+    };
+    say(kind, "boundedness", verdict.to_owned());
+    let alpha_error = estimates.iter().find(|e| e.name == "alpha").and_then(|e| e.std_error);
+    if oscillator.alpha < THIN * whole || alpha_error.is_some_and(|s| oscillator.alpha < SIGNIFICANT * s) {
+        say(
+            FindingKind::Advice,
+            "loop",
+            "the hysteretic spring is thin or hardly seen: a linear oscillator describes these records almost as well."
+                .to_owned(),
+        );
+    }
+    if estimates.iter().any(|e| e.at_limit) {
+        say(
+            FindingKind::Verdict,
+            "exponent",
+            format!(
+                "n ended at the end of its range, {}; the other standard errors take it for known.",
+                short(oscillator.n)
+            ),
+        );
+    }
+    match correlation {
+        None => say(
+            FindingKind::Warning,
+            "parameters",
+            "these records do not determine the parameters: there are no standard errors. A wider range of amplitudes would help."
+                .to_owned(),
+        ),
+        Some(c) if c.condition_number > ILL_CONDITIONED => say(
+            FindingKind::Advice,
+            "parameters",
+            format!(
+                "the parameters hang together{}: a wider range of amplitudes would tell them apart.",
+                if c.condition_number.is_finite() {
+                    format!(" (condition number of their correlation {})", short(c.condition_number))
+                } else {
+                    String::new()
+                }
+            ),
+        ),
+        Some(_) => {}
+    }
+    for e in estimates.iter().filter(|e| e.std_error.is_some_and(|s| s > VAGUE * e.value.abs())) {
+        let text = format!(
+            "{} is hardly determined: {} ± {}.",
+            e.name,
+            short(e.value),
+            short(e.std_error.unwrap_or(0.0))
+        );
+        say(FindingKind::Advice, "parameters", text);
+    }
+    all
+}

@@ -1,0 +1,172 @@
+//! Prediction bands out of a model file: what the errors of its numbers mean for its output.
+//!
+//! With the covariance C = Σ_k d_k d_kᵀ of the numbers (d_k the eigenvectors of their correlation, scaled), the variance of
+//! the output is Σ_k (∂y/∂d_k)², each derivative by a central difference of two simulations. As in
+//! [`super::OutputUncertainty`], which differentiates analytically but needs the fit, the band is that of the output about its
+//! mean: a sensor has its own zero.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::joint::PredictionBand;
+use hysteron_model::hammerstein::{Model, SimulationError, Start};
+use hysteron_model::model_file::{ModelFile, ModelFileError, number_mut};
+
+/// Step of the differences, in standard deviations along d_k: their error is a millionth of what is not linear.
+const STEP: f64 = 1e-3;
+
+/// Why a model file gives no prediction band.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PredictionError {
+    /// The file does not say how well its numbers are known.
+    #[error(
+        "the model file holds no correlation of its numbers, so that what their errors mean for the output is not known"
+    )]
+    NoCorrelation,
+    /// The file does not say how a measurement scatters about the model.
+    #[error("the model file holds no scores, so that how measurements scatter about the model is not known")]
+    NoScores,
+    /// The file is not sound.
+    #[error(transparent)]
+    ModelFile(#[from] ModelFileError),
+    /// The model cannot be simulated on the drive.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+}
+
+impl PredictionBand {
+    /// Band of a model file's output for `drive` \[V\]. Its `noise` is the RMSE of the file's scores together; 0 where it has
+    /// none, and then only [`Self::of_output`] means something.
+    ///
+    /// # Errors
+    /// [`PredictionError`]: no correlation in the file, a drive that the model cannot be simulated on.
+    pub fn of_file(
+        file: &ModelFile,
+        drive: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<Self, PredictionError> {
+        let model = file.to_model()?;
+        let (names, covariance) = file.covariance().ok_or(PredictionError::NoCorrelation)?;
+        let errors = covariance.diagonal().map(f64::sqrt);
+        let correlation = covariance.map_with_location(|i, j, c| c / (errors[i] * errors[j]));
+        let eigen = correlation.symmetric_eigen();
+        let directions: Vec<DVector<f64>> = (0..names.len())
+            // What is below zero is so by rounding.
+            .filter(|&k| eigen.eigenvalues[k] > 0.0)
+            .map(|k| eigen.eigenvectors.column(k).component_mul(&errors) * eigen.eigenvalues[k].sqrt())
+            .collect();
+        let simulated = |step: f64, direction: &DVector<f64>| -> Result<Vec<f64>, SimulationError> {
+            moved(&model, &names, direction, step).simulate(drive, sample_rate_hz, start)
+        };
+        let derivatives = directions
+            .par_iter()
+            .map(|direction| {
+                let (up, down) = (simulated(STEP, direction)?, simulated(-STEP, direction)?);
+                Ok(about_mean(up.iter().zip(&down).map(|(u, d)| (u - d) / (2.0 * STEP)).collect()))
+            })
+            // In order, whatever the threads.
+            .collect::<Result<Vec<_>, SimulationError>>()?;
+        let mut variance = vec![0.0; drive.len()];
+        for derivative in derivatives {
+            variance.iter_mut().zip(derivative).for_each(|(v, d)| *v += d * d);
+        }
+        Ok(Self { std_dev: variance.into_iter().map(f64::sqrt).collect(), noise: scatter(file) })
+    }
+}
+
+/// The model with its numbers moved along `direction`.
+fn moved(model: &Model, names: &[String], direction: &DVector<f64>, step: f64) -> Model {
+    let mut model = model.clone();
+    for (name, d) in names.iter().zip(direction) {
+        if let Some(number) = number_mut(&mut model, name) {
+            *number += step * d;
+        }
+    }
+    model
+}
+
+fn about_mean(mut values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter_mut().for_each(|v| *v -= mean);
+    values
+}
+
+/// RMSE over all scores of the file.
+fn scatter(file: &ModelFile) -> f64 {
+    let samples: f64 = file.scores.iter().map(|s| s.samples as f64).sum();
+    let square: f64 = file.scores.iter().map(|s| s.samples as f64 * s.rmse * s.rmse).sum();
+    if samples > 0.0 { (square / samples).sqrt() } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
+    use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+    use hysteron_model::model_file::SignalUnits;
+    use hysteron_model::record::InterSample;
+    use nalgebra::DMatrix;
+
+    fn model() -> Model {
+        let term = |coefficient, order| Term { coefficient, order };
+        let g = TransferFunction {
+            numerator: vec![term(1.0, 0.0)],
+            denominator: vec![term(1.0, 0.0), term(0.01, 1.0)],
+        };
+        Model {
+            hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![2.0], 0.0, 0.0, 0.0, 1.0).unwrap()),
+            dynamics: Dynamics::Integer(g),
+            offset: 0.0,
+            delay_s: 0.002,
+            scheme: Scheme::Tustin,
+            inter_sample: InterSample::Linear,
+            sample_rate_hz: None,
+        }
+    }
+
+    fn names(list: &[&str]) -> Vec<String> {
+        list.iter().map(|n| (*n).to_owned()).collect()
+    }
+
+    #[test]
+    fn of_a_gain_is_its_error_times_the_drive_about_its_mean() {
+        let mut file = ModelFile::from_model(&model(), SignalUnits::default());
+        file.dynamics = ModelFile::from_model(
+            &Model { dynamics: Dynamics::None, delay_s: 0.0, ..model() },
+            SignalUnits::default(),
+        )
+        .dynamics;
+        file.delay.value = 0.0;
+        let start = Start::Rest { voltage_v: 0.0 };
+        assert!(matches!(
+            PredictionBand::of_file(&file, &[0.0, 1.0], None, &start),
+            Err(PredictionError::NoCorrelation)
+        ));
+        file.set_covariance(&names(&["linear"]), &DMatrix::from_element(1, 1, 0.01));
+        let band = PredictionBand::of_file(&file, &[0.0, 1.0, 5.0], None, &start).unwrap();
+        for (sd, expected) in band.std_dev.iter().zip([0.2, 0.1, 0.3]) {
+            assert!((sd - expected).abs() < 1e-9, "{sd} {expected}");
+        }
+        assert_eq!(band.noise, 0.0);
+    }
+
+    #[test]
+    fn numbers_that_make_up_for_each_other_leave_the_output_known() {
+        // The gain at rest is linear · b / c₀: errors of both of the same sign and share cancel.
+        let mut file = ModelFile::from_model(&model(), SignalUnits::default());
+        let drive: Vec<f64> = (0..300).map(|k| (f64::from(k) * 0.05).sin()).collect();
+        let band = |file: &ModelFile| {
+            let start = Start::Rest { voltage_v: 0.0 };
+            let band = PredictionBand::of_file(file, &drive, Some(1000.0), &start).unwrap();
+            band.std_dev.iter().fold(0.0f64, |m, s| m.max(*s))
+        };
+        let of = |rho: f64| DMatrix::from_row_slice(2, 2, &[0.04, -0.02 * rho, -0.02 * rho, 0.01]);
+        let both = names(&["linear", "numerator[0].coefficient"]);
+        file.set_covariance(&both, &of(0.0));
+        let apart = band(&file);
+        file.set_covariance(&both, &of(1.0));
+        assert!(apart > 0.2 && band(&file) < 1e-6 * apart, "{apart} {}", band(&file));
+    }
+}

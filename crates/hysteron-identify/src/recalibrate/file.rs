@@ -1,0 +1,153 @@
+//! A recalibration and model files.
+
+use super::{Change, Prior, Recalibration};
+use hysteron_model::model_file::{ModelFile, Quantity, polynomial_name};
+use nalgebra::DMatrix;
+
+/// Least eigenvalue of a correlation: what lies below is known as well as exactly. Numbers of the model that are one and the same
+/// have none.
+const LEAST: f64 = 1e-12;
+
+impl Prior {
+    /// What a model file says. Where it holds the covariance C of its numbers p: that of (gain, delay) where all else of the
+    /// model is held, (Dᵀ C⁺ D)⁻¹ with D = ∂p/∂(gain, delay), as if the old records were fitted again beside the new ones. Else by standard
+    /// errors alone: that of `linear`, relative, for the gain, and that of the delay.
+    pub fn of(file: &ModelFile) -> Self {
+        let known = |s: &f64| s.is_finite() && *s > 0.0;
+        if let Some(held) = Directions::of(file) {
+            let std_error = |at: Option<usize>| at.map(|i| held.prior[(i, i)].sqrt()).filter(known);
+            let (gain, delay_s) = (std_error(held.gain), std_error(held.delay));
+            let correlation = match (held.gain, held.delay, gain, delay_s) {
+                (Some(i), Some(j), Some(a), Some(b)) => (held.prior[(i, j)] / (a * b)).clamp(-1.0, 1.0),
+                _ => 0.0,
+            };
+            return Self { gain, delay_s, correlation };
+        }
+        let linear = file.hysteresis.parameters.get("linear");
+        let gain = linear.and_then(|q| Some((q.std_error? / q.value).abs()));
+        Self { gain: gain.filter(known), delay_s: file.delay.std_error.filter(known), correlation: 0.0 }
+    }
+}
+
+/// How the numbers of a model file move with gain and delay.
+struct Directions {
+    names: Vec<String>,
+    /// D, a column each.
+    moves: DMatrix<f64>,
+    /// (Dᵀ C⁺ D)⁻¹ = A.
+    prior: DMatrix<f64>,
+    /// A root of what is known beside gain and delay: (1 − D A Dᵀ C⁺) L with L Lᵀ = C.
+    rest: DMatrix<f64>,
+    /// Columns of D.
+    gain: Option<usize>,
+    delay: Option<usize>,
+}
+
+impl Directions {
+    /// `None` where the file holds no covariance, or none of what is recalibrated.
+    fn of(file: &ModelFile) -> Option<Self> {
+        let (names, covariance) = file.covariance()?;
+        let count = names.len();
+        let value = |name: &str| file.number(name).map_or(0.0, |q| q.value);
+        let n = value("n");
+        let gain: Vec<f64> = names.iter().map(|name| value(name) * power_of_gain(name, n)).collect();
+        let delay: Vec<f64> = names.iter().map(|name| f64::from(u8::from(name == "delay"))).collect();
+        let columns: Vec<&Vec<f64>> =
+            [&gain, &delay].into_iter().filter(|c| c.iter().any(|x| *x != 0.0)).collect();
+        let moves = DMatrix::from_fn(count, columns.len(), |i, j| columns[j][i]);
+        let (has_gain, has_delay) = (gain.iter().any(|x| *x != 0.0), delay.contains(&1.0));
+        // In units of the standard errors: micrometres and seconds differ by many decades.
+        let errors = covariance.diagonal().map(f64::sqrt);
+        let eigen = covariance.map_with_location(|i, j, c| c / (errors[i] * errors[j])).symmetric_eigen();
+        let scaled = DMatrix::from_fn(count, columns.len(), |i, j| moves[(i, j)] / errors[i]);
+        let mut seen = eigen.eigenvectors.transpose() * scaled;
+        for (mut row, &value) in seen.row_iter_mut().zip(&eigen.eigenvalues) {
+            row /= value.max(LEAST).sqrt();
+        }
+        let information = seen.transpose() * &seen;
+        let units: Vec<f64> = information.diagonal().iter().map(|v| v.sqrt()).collect();
+        let unit = information.map_with_location(|i, j, v| v / (units[i] * units[j])).try_inverse()?;
+        let prior = unit.map_with_location(|i, j, v| v / (units[i] * units[j]));
+        let sound = !columns.is_empty() && prior.iter().all(|v| v.is_finite());
+        let root = DMatrix::from_fn(count, count, |i, k| {
+            errors[i] * eigen.eigenvectors[(i, k)] * eigen.eigenvalues[k].max(0.0).sqrt()
+        });
+        let rest = root - &moves * &prior * seen.transpose();
+        let delay = has_delay.then_some(usize::from(has_gain));
+        sound.then_some(Self { names, moves, prior, rest, gain: has_gain.then_some(0), delay })
+    }
+}
+
+/// By which power of the gain a number of the hysteresis block is multiplied.
+fn power_of_gain(name: &str, n: f64) -> f64 {
+    match name {
+        "alpha" => 1.0,
+        "beta" | "gamma" => 1.0 - n,
+        "n" | "delay" | "offset" => 0.0,
+        name if name.contains('[') || name.starts_with("threshold_") => 0.0,
+        _ => 1.0,
+    }
+}
+
+impl Recalibration {
+    /// The old model's file with the new numbers, and what is now known of them. With C and D of [`Prior::of`], what the old
+    /// records said of gain and delay, D A Dᵀ with A = (Dᵀ C⁺ D)⁻¹, is replaced by what is known now; the rest of C, which is
+    /// independent of it, stays: the new records are taken to say nothing of it. Where the file holds no covariance: the old
+    /// standard error, scaled, and that of the gain, as if independent of each other.
+    pub fn file(&self, old: &ModelFile) -> ModelFile {
+        let mut file = old.clone();
+        let new = &self.model.hysteresis;
+        let n = new.number("n").unwrap_or(1.0);
+        let of_gain = self.gain.std_error.unwrap_or(0.0) / self.gain.value;
+        let set = |quantity: Option<&mut Quantity>, value: f64, power: f64| {
+            let Some(quantity) = quantity else { return };
+            let scale = self.gain.value.powf(power);
+            quantity.value = value;
+            quantity.std_error = quantity.std_error.map(|s| (scale * s).hypot(power * value * of_gain));
+        };
+        let parameters = &mut file.hysteresis.parameters;
+        for (index, &value) in new.polynomial().iter().enumerate() {
+            set(parameters.get_mut(&polynomial_name(index + 1)), value, 1.0);
+        }
+        for (name, value) in new.numbers() {
+            set(parameters.get_mut(&name), value, power_of_gain(&name, n));
+        }
+        (file.delay.value, file.delay.std_error) = (self.model.delay_s, self.delay.std_error);
+        (file.offset.value, file.offset.std_error) = (self.model.offset, None);
+        file.correlation = None;
+        if let Some(directions) = Directions::of(old) {
+            let (names, covariance) = self.renewed(&directions, n);
+            file.set_covariance(&names, &covariance);
+        }
+        file
+    }
+
+    /// S (C − D A Dᵀ) S + D' P D'ᵀ, from roots so that it is positive, with S = ∂p'/∂p and D' = ∂p'/∂(gain, delay) at the new values p', P the covariance of these.
+    fn renewed(&self, d: &Directions, n: f64) -> (Vec<String>, DMatrix<f64>) {
+        let gain = self.gain.value;
+        let scales: Vec<f64> = d.names.iter().map(|name| gain.powf(power_of_gain(name, n))).collect();
+        let rest = d.rest.map_with_location(|i, _, c| scales[i] * c);
+        let moves = DMatrix::from_fn(d.moves.nrows(), d.moves.ncols(), |i, j| {
+            let by = if Some(j) == d.gain { scales[i] / gain } else { 1.0 };
+            d.moves[(i, j)] * by
+        });
+        let error = |change: &Change| change.std_error.unwrap_or(0.0);
+        let mut known = DMatrix::zeros(d.prior.nrows(), d.prior.ncols());
+        for (place, change) in [(d.gain, &self.gain), (d.delay, &self.delay)] {
+            if let Some(i) = place {
+                known[(i, i)] = error(change).powi(2);
+            }
+        }
+        if let (Some(i), Some(j)) = (d.gain, d.delay) {
+            known[(i, j)] = self.correlation * error(&self.gain) * error(&self.delay);
+            known[(j, i)] = known[(i, j)];
+        }
+        let sum = &rest * rest.transpose() + &moves * known * moves.transpose();
+        // A delay that the records leave where it was is held, not known.
+        let kept: Vec<usize> = (0..d.names.len())
+            .filter(|&i| d.names[i] != "delay" || self.delay.std_error.is_some())
+            .filter(|&i| d.names[i] != "offset")
+            .collect();
+        (kept.iter().map(|&i| d.names[i].clone()).collect(), sum.select_rows(&kept).select_columns(&kept))
+    }
+}

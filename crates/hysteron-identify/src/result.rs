@@ -1,0 +1,183 @@
+//! What an identification hands out.
+
+use super::engine::{Search, Searches};
+use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand, Smoothing};
+use super::options::{Method, RecordRole};
+use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::record::InputOutput;
+use hysteron_model::validate::Scores;
+use hysteron_optimize::Bounds;
+
+/// An identified model and everything a report needs about it.
+#[derive(Clone, Debug)]
+pub struct Identification {
+    /// How both blocks were identified; a campaign without dynamics is one joint fit.
+    pub method: Method,
+    /// The model.
+    pub model: Model,
+    /// Its parameters by name, with standard errors.
+    pub parameters: Vec<Parameter>,
+    /// How the parameters of each step hang together; none of a step whose parameters the records do not determine.
+    pub correlations: Vec<Correlation>,
+    /// The main searches, in order (the small fits that choose start and degree are not among them).
+    pub searches: Vec<Search>,
+    /// Search box of each of them.
+    pub bounds: Vec<Bounds>,
+    /// Fit of every record.
+    pub records: Vec<RecordFit>,
+    /// How the structure was chosen.
+    pub structure: StructureChoice,
+    /// Covariance of the parameters of a joint fit, in the article's symbols; `None` where the records do not determine
+    /// them, and for two steps.
+    pub covariance: Option<Covariance>,
+    /// Covariance of the model's own numbers, named as a model file names them; `None` where the records do not determine
+    /// them, and where they come from two steps, which know nothing of each other.
+    pub of_numbers: Option<Covariance>,
+    /// Bands of the output for any drive; as `covariance`.
+    pub output_uncertainty: Option<OutputUncertainty>,
+    /// Thinning while searching; `None` where every sample was used throughout.
+    pub reduction: Option<Reduction>,
+    /// Verdicts, warnings and advice in plain words.
+    pub findings: Vec<Finding>,
+    /// What was done to the data, in plain words.
+    pub treatment: Vec<String>,
+    /// Lowest and highest frequency of the drives \[Hz\]; `None` where no record has a sample rate.
+    pub excited_hz: Option<(f64, f64)>,
+    /// The search was stopped early; the model is the best so far.
+    pub cancelled: bool,
+    /// State to go on from.
+    pub resume: Searches,
+}
+
+/// One parameter of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// `hysteresis` or `dynamics`.
+    pub block: &'static str,
+    /// Name as on the command line.
+    pub name: String,
+    /// Value in V, µm, s, Hz.
+    pub value: f64,
+    /// Standard error; `None` where the parameter was held or the data do not determine it.
+    pub std_error: Option<f64>,
+    /// Interval that holds the true value in 95 of 100 campaigns; a joint fit only.
+    pub interval: Option<Interval>,
+    /// It was held at this value: by demand, or because this fit does not search it.
+    pub held: bool,
+}
+
+/// Correlation of the estimates of one step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correlation {
+    /// What was estimated.
+    pub step: String,
+    /// Parameters, as on the command line.
+    pub names: Vec<String>,
+    /// Their correlation coefficients, row by row; 1 on the diagonal.
+    pub matrix: Vec<Vec<f64>>,
+    /// Largest over smallest eigenvalue of the matrix: 1 where every parameter is determined on its own.
+    pub condition_number: f64,
+}
+
+impl Parameter {
+    pub(super) fn new(block: &'static str, name: &str, value: f64, std_error: Option<f64>) -> Self {
+        Self { block, name: name.to_owned(), value, std_error, interval: None, held: false }
+    }
+}
+
+/// Thinning of oversampled records while searching. The estimates handed out come from all samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reduction {
+    /// Samples of all records.
+    pub samples: usize,
+    /// Samples the search worked on.
+    pub searched: usize,
+    /// Largest move of a parameter from the reduced to the whole records, in standard errors.
+    pub moved: f64,
+}
+
+impl Reduction {
+    /// Moves up to this many standard errors are nothing to speak of.
+    pub const SMALL: f64 = 0.1;
+
+    /// What the search worked on and what the fit of all samples changed, in a sentence or two.
+    pub fn describe(&self) -> String {
+        let Self { samples, searched, moved } = self;
+        let change = if *moved <= Self::SMALL {
+            format!("moved no parameter by more than {moved:.2} standard errors.")
+        } else {
+            format!(
+                "moved a parameter by {moved:.2} standard errors: what thinning leaves out (fast motion, the ends of the records) \
+                 has a say in it, or the scheme has. Intervals by profile have their place and scale from all samples, their \
+                 shape from the thinned ones."
+            )
+        };
+        format!(
+            "The search worked on {searched} of {samples} samples, low-passed and thinned where a record was oversampled. The \
+             estimates come from a last fit of all samples, which {change}"
+        )
+    }
+}
+
+/// One record and the model's simulation of it.
+#[derive(Clone, Debug)]
+pub struct RecordFit {
+    /// The record.
+    pub data: InputOutput,
+    /// What it was used for.
+    pub role: RecordRole,
+    /// Start assumed.
+    pub start: Start,
+    /// Scores (simulation, offset estimated).
+    pub scores: Scores,
+    /// Simulated output, with the model's own offset \[output unit\].
+    pub simulated: Vec<f64>,
+    /// How well the parameters determine the simulated output; a joint fit only.
+    pub band: Option<PredictionBand>,
+}
+
+impl RecordFit {
+    /// Fit \[%\]; 0 where it is not defined.
+    pub(super) fn fit_percent(&self) -> f64 {
+        self.scores.fit_percent.unwrap_or(0.0)
+    }
+}
+
+/// How the structure was chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StructureChoice {
+    /// Polynomial degrees tried: degree, RMSE, BIC; empty where the degree was given.
+    pub degrees: Vec<(usize, f64, f64)>,
+    /// Degree used.
+    pub degree: usize,
+    /// Delay or lag were searched together with the hysteresis, from a start from rest.
+    pub delay_and_lag_from_start: bool,
+    /// Slow creep allowed for in each quasi-static record \[output unit per e-fold of 1 s + t\].
+    pub creeps: Vec<f64>,
+    /// Samples left out at the start of each quasi-static record.
+    pub left_out: Vec<usize>,
+    /// How the weights of a plane were drawn together.
+    pub smoothing: Option<Smoothing>,
+}
+
+/// A statement in plain words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// How much it matters.
+    pub kind: FindingKind,
+    /// What it is about, in a word or two.
+    pub topic: &'static str,
+    /// The statement.
+    pub text: String,
+}
+
+/// How much a [`Finding`] matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FindingKind {
+    /// Good to know.
+    Verdict,
+    /// The records leave something undetermined; what to measure.
+    Advice,
+    /// Do not use the model without having read this.
+    Warning,
+}

@@ -1,0 +1,340 @@
+//! A structure that can be compared: its dynamics, creep, polynomial degree, exponent, and family of hysteresis.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::super::options::{Choice, DynamicsChoice, HIGHEST_DEGREE, Method, Options};
+use hysteron_model::dynamics::{Creep, MOST_INTEGER_POLES};
+use hysteron_model::hysteresis::HysteresisForm;
+
+/// Polynomial degree of a candidate that does not name one.
+const USUAL_DEGREE: usize = 3;
+/// Highest degree that is compared unasked.
+const HIGHEST_USUAL_DEGREE: usize = 5;
+/// Families that are compared unasked: two that wipe their memory out, and three that forget it, each quick to fit.
+const FAMILIES: [&str; 5] = ["bouc-wen", "prandtl-ishlinskii", "dead-zone-plays", "dahl", "duhem"];
+
+/// Fewer poles in parallel than these are the same in series.
+const FEWEST_OF_MODES: usize = 4;
+/// Names of the blocks.
+const NAMES: &str = "none, integer1 to integer12, modes4 to modes12, arx, oe, bj, srivc, fractional, fractional-free-lowest, two-fractional";
+
+/// Kinds of creep by name.
+const CREEPS: [(&str, Creep); 3] = [
+    ("creep", Creep::Fractional),
+    ("log-creep", Creep::Logarithmic),
+    ("kelvin-voigt", Creep::KelvinVoigt { elements: 2 }),
+];
+
+fn creep(name: &str) -> Option<Creep> {
+    CREEPS.iter().find(|(own, _)| *own == name).map(|(_, creep)| *creep)
+}
+
+/// One structure: `BLOCK[+CREEP][+degreeN][+n-free][+FAMILY]`, e.g. `fractional`, `integer2+creep`, `none+degree1`,
+/// `fractional+n-free`, `integer2+log-creep+prandtl-ishlinskii`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Candidate {
+    /// Dynamic block.
+    pub block: Block,
+    /// Creep factor: `creep` is a fractional one, `log-creep`, `kelvin-voigt` (of two elements).
+    pub creep: Creep,
+    /// Polynomial degree of l\[u\].
+    pub degree: usize,
+    /// The Bouc–Wen exponent n is searched instead of held at 1.
+    pub n_free: bool,
+    /// Family of the hysteresis block.
+    pub hysteresis: HysteresisForm,
+}
+
+/// Dynamic block of a [`Candidate`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Block {
+    /// Static model with delay.
+    None,
+    /// Integer-order dynamics of this many poles, 1 to 12.
+    Integer(usize),
+    /// Resonances in parallel with this many poles, 4 to 12; an odd one is a lag.
+    Modes(usize),
+    /// Autoregressive (identified in two steps, as the next three).
+    Arx,
+    /// Output error.
+    OutputError,
+    /// Output error with a noise model.
+    BoxJenkins,
+    /// Continuous time by refined instrumental variables.
+    Srivc,
+    /// b / (s^α₂ + c₁ s^α₁ + c₀).
+    Fractional,
+    /// b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀).
+    FractionalFreeLowest,
+    /// Two fractional modes in parallel.
+    TwoFractional,
+}
+
+/// Part of a structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The dynamic block.
+    Block,
+    /// The kind of creep.
+    Creep,
+    /// The family of hysteresis.
+    Family,
+    /// Degree of the polynomial, and the exponent n of Bouc–Wen.
+    Shape,
+}
+
+impl Part {
+    /// All, in the order in which a search goes through them.
+    pub const ALL: [Self; 4] = [Self::Block, Self::Creep, Self::Family, Self::Shape];
+}
+
+impl Block {
+    /// Those that are compared where none is named, simple before rich.
+    pub const USUAL: [Self; 9] = [
+        Self::None,
+        Self::Integer(1),
+        Self::Integer(2),
+        Self::Integer(3),
+        Self::Integer(4),
+        Self::Arx,
+        Self::Fractional,
+        Self::FractionalFreeLowest,
+        Self::TwoFractional,
+    ];
+
+    /// Whether it is identified in two steps.
+    pub(super) fn takes_two_steps(self) -> bool {
+        matches!(self, Self::Arx | Self::OutputError | Self::BoxJenkins | Self::Srivc)
+    }
+
+    fn all() -> impl Iterator<Item = Self> {
+        let integer = (1..=MOST_INTEGER_POLES).map(Self::Integer);
+        let modes = (FEWEST_OF_MODES..=MOST_INTEGER_POLES).map(Self::Modes);
+        let regressions = [Self::OutputError, Self::BoxJenkins, Self::Srivc];
+        Self::USUAL.into_iter().chain(integer).chain(modes).chain(regressions)
+    }
+
+    fn name(self) -> String {
+        match self {
+            Self::None => "none".into(),
+            Self::Integer(order) => format!("integer{order}"),
+            Self::Modes(order) => format!("modes{order}"),
+            Self::Arx => "arx".into(),
+            Self::OutputError => "oe".into(),
+            Self::BoxJenkins => "bj".into(),
+            Self::Srivc => "srivc".into(),
+            Self::Fractional => "fractional".into(),
+            Self::FractionalFreeLowest => "fractional-free-lowest".into(),
+            Self::TwoFractional => "two-fractional".into(),
+        }
+    }
+}
+
+/// A name that is no [`Candidate`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "'{name}' is no structure: expected BLOCK[+CREEP][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, CREEP one of creep, \
+     log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's own) one of {}, and neither creep nor another family than bouc-wen with \
+     arx, oe, bj and srivc; e.g. integer2+creep",
+    NAMES,
+    HysteresisForm::usual().map(HysteresisForm::name).join(", ")
+)]
+pub struct UnknownCandidate {
+    /// As given.
+    pub name: String,
+}
+
+impl Candidate {
+    /// This block with a cubic polynomial and n = 1, without creep.
+    pub fn of(block: Block) -> Self {
+        Self {
+            block,
+            creep: Creep::None,
+            degree: USUAL_DEGREE,
+            n_free: false,
+            hysteresis: HysteresisForm::BoucWen,
+        }
+    }
+
+    /// Every structure that differs from this one in that part alone, of those that are compared unasked, and this one. Blocks that are
+    /// identified in two steps go with Bouc–Wen and without creep only.
+    pub fn alternatives(self, part: Part) -> Vec<Self> {
+        let list: Vec<Self> = match part {
+            Part::Block => Block::USUAL.map(|block| Self { block, ..self }).into(),
+            Part::Creep => [Creep::None]
+                .into_iter()
+                .chain(CREEPS.map(|(_, creep)| creep))
+                .map(|creep| Self { creep, ..self })
+                .collect(),
+            Part::Family => HysteresisForm::usual()
+                .into_iter()
+                .filter(|form| FAMILIES.contains(&form.name()))
+                .map(|hysteresis| Self { hysteresis, n_free: false, ..self })
+                .collect(),
+            Part::Shape => {
+                let degrees = (1..=HIGHEST_USUAL_DEGREE).map(|degree| Self { degree, ..self });
+                let free =
+                    (self.hysteresis == HysteresisForm::BoucWen).then_some(Self { n_free: true, ..self });
+                degrees.chain(free).collect()
+            }
+        };
+        let of_its_own = |c: &Self| c.creep == Creep::None && c.hysteresis == HysteresisForm::BoucWen;
+        list.into_iter().filter(|c| !c.block.takes_two_steps() || of_its_own(c)).collect()
+    }
+
+    /// `base` with this structure.
+    pub fn options(self, base: &Options) -> Options {
+        let (dynamics, order) = match self.block {
+            Block::None => (DynamicsChoice::None, 2),
+            Block::Integer(order) => (DynamicsChoice::Integer, order),
+            Block::Modes(order) => (DynamicsChoice::Modes, order),
+            Block::Arx => (DynamicsChoice::Arx, 2),
+            Block::OutputError => (DynamicsChoice::OutputError, 2),
+            Block::BoxJenkins => (DynamicsChoice::BoxJenkins, 2),
+            Block::Srivc => (DynamicsChoice::Srivc, 2),
+            Block::Fractional => (DynamicsChoice::Fractional, 2),
+            Block::FractionalFreeLowest => (DynamicsChoice::FractionalFreeLowest, 2),
+            Block::TwoFractional => (DynamicsChoice::TwoFractional, 2),
+        };
+        Options {
+            method: if self.block.takes_two_steps() { Method::TwoStep } else { Method::Joint },
+            dynamics,
+            order,
+            creep: self.creep,
+            hysteresis: self.hysteresis,
+            degree: Choice::Given(self.degree),
+            n: if self.n_free { Choice::Auto } else { Choice::Given(1.0) },
+            ..base.clone()
+        }
+    }
+}
+
+impl fmt::Display for Candidate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.block.name())?;
+        if let Some((name, _)) = CREEPS.iter().find(|(_, creep)| *creep == self.creep) {
+            write!(f, "+{name}")?;
+        }
+        if self.degree != USUAL_DEGREE {
+            write!(f, "+degree{}", self.degree)?;
+        }
+        if self.n_free {
+            f.write_str("+n-free")?;
+        }
+        if self.hysteresis != HysteresisForm::BoucWen {
+            write!(f, "+{}", self.hysteresis.name())?;
+        }
+        Ok(())
+    }
+}
+
+impl FromStr for Candidate {
+    type Err = UnknownCandidate;
+
+    fn from_str(text: &str) -> Result<Self, UnknownCandidate> {
+        let unknown = || UnknownCandidate { name: text.to_owned() };
+        let mut words = text.trim().split('+');
+        let first = words.next().unwrap_or_default();
+        let block = Block::all().find(|b| b.name() == first).ok_or_else(unknown)?;
+        let mut candidate = Self::of(block);
+        for word in words {
+            match (word, word.strip_prefix("degree").map(str::parse)) {
+                (word, _) if !block.takes_two_steps() && creep(word).is_some() => {
+                    candidate.creep = creep(word).unwrap_or_default();
+                }
+                ("n-free", _) => candidate.n_free = true,
+                (_, Some(Ok(degree))) if (1..=HIGHEST_DEGREE).contains(&degree) => candidate.degree = degree,
+                _ => {
+                    let family = HysteresisForm::usual().into_iter().find(|form| form.name() == word);
+                    candidate.hysteresis = family.ok_or_else(unknown)?;
+                }
+            }
+        }
+        let of_bouc_wen = candidate.n_free || block.takes_two_steps();
+        if of_bouc_wen && candidate.hysteresis != HysteresisForm::BoucWen {
+            return Err(unknown());
+        }
+        Ok(candidate)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_and_its_structure_are_one_to_one() {
+        for block in Block::all() {
+            let base = Candidate::of(block);
+            for candidate in Part::ALL.into_iter().flat_map(|part| base.alternatives(part)) {
+                assert_eq!(candidate.to_string().parse(), Ok(candidate));
+            }
+        }
+        let full: Candidate = "integer4+n-free+degree1+creep".parse().unwrap();
+        assert_eq!(
+            full,
+            Candidate {
+                creep: Creep::Fractional,
+                degree: 1,
+                n_free: true,
+                ..Candidate::of(Block::Integer(4))
+            }
+        );
+        for hysteresis in HysteresisForm::usual() {
+            let candidate =
+                Candidate { hysteresis, creep: Creep::Fractional, ..Candidate::of(Block::Fractional) };
+            assert_eq!(candidate.to_string().parse(), Ok(candidate));
+        }
+    }
+
+    #[test]
+    fn alternatives_differ_in_their_part_alone() {
+        let own: Candidate = "fractional+creep+degree2+n-free".parse().unwrap();
+        let names = |of: Candidate, part| -> Vec<String> {
+            of.alternatives(part).iter().map(ToString::to_string).collect()
+        };
+        let behind = |family: &str| format!("fractional+creep+degree2{family}");
+        let families = ["", "+prandtl-ishlinskii", "+dahl", "+duhem", "+dead-zone-plays"].map(behind);
+        let mut found = names(own, Part::Family);
+        found.sort_by_key(|name| families.iter().position(|f| f == name));
+        assert_eq!(found, families);
+        let plays: Candidate = "fractional+creep+prandtl-ishlinskii".parse().unwrap();
+        assert!(names(plays, Part::Block).iter().all(|name| !name.starts_with("arx")));
+        assert_eq!(names(plays, Part::Block).len(), Block::USUAL.len() - 1);
+        assert_eq!(names(plays, Part::Shape).len(), 5);
+        assert_eq!(names(own, Part::Creep).len(), 4);
+        let arx = Candidate::of(Block::Arx);
+        assert_eq!(
+            (names(arx, Part::Family), names(arx, Part::Creep)),
+            (vec!["arx".to_owned()], vec!["arx".to_owned()])
+        );
+        assert_eq!(names(arx, Part::Shape).len(), 6);
+    }
+
+    #[test]
+    fn a_name_that_is_no_structure_is_refused_with_those_there_are() {
+        for name in [
+            "",
+            "fractal",
+            "integer13",
+            "modes2",
+            "modes13",
+            "integer",
+            "arx+creep",
+            "arx+log-creep",
+            "srivc+creep",
+            "oe+dahl",
+            "integer2+slow-creep",
+            "none+degree0",
+            "none+degree10",
+            "none+degree",
+            "none+",
+            "arx+dahl",
+            "integer2+n-free+dahl",
+        ] {
+            let error = name.parse::<Candidate>().unwrap_err().to_string();
+            assert!(error.contains(&format!("'{name}'")) && error.contains("two-fractional"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,363 @@
+//! Fits of one candidate: to the whole campaign, and to what a fold leaves of it.
+
+use std::ops::{ControlFlow, Range};
+
+use super::super::joint::{JointMember, JointProblem, JointSetup, assemble, form, memory_name, scheme};
+use super::super::layout::Role;
+use super::super::options::{CampaignRecord, Choice, Options};
+use super::super::uncertainty::correlation_time;
+use super::super::{IdentifyError, RecordFacts, Unwatched, identify};
+use super::candidate::Candidate;
+use super::folds::Fold;
+use hysteron_model::dynamics::Dynamics;
+use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::record::InputOutput;
+use hysteron_model::validate::{Scoring, choose_start, score};
+use hysteron_optimize::{
+    Algorithm, LeastSquaresOptions, OptimizeError, Problem, Progress, Settings, StopReason, minimize,
+};
+
+/// Starts polished for the whole campaign, and iterations of each; iterations of a fit to what a fold leaves.
+const POLISHED: usize = 3;
+const ITERATIONS: usize = 30;
+const FOLD_ITERATIONS: usize = 15;
+/// Structures are told apart by far larger differences of the cost.
+const COST_TOLERANCE: f64 = 1e-5;
+/// A fit to what a fold leaves starts this part of the way from the whole campaign's optimum to the middle of the box: what the
+/// remaining data do not determine must not stay where the left-out data put it.
+const AWAY: f64 = 0.25;
+
+/// Named values of the searched parameters.
+pub(super) type Named = Vec<(String, f64)>;
+
+/// A candidate fitted to the whole campaign.
+#[derive(Clone, Debug)]
+pub(super) struct WholeFit {
+    pub(super) model: Model,
+    pub(super) starts: Vec<Start>,
+    pub(super) parameters: usize,
+    /// Values to start similar fits from; empty for a block that is identified in two steps.
+    pub(super) named: Named,
+}
+
+/// A campaign ready for many fits.
+pub(super) struct Campaign<'a> {
+    pub(super) facts: &'a [RecordFacts],
+    pub(super) members: &'a [JointMember<'a>],
+    pub(super) options: &'a Options,
+    /// Asked before every iteration; `true` ends the fit under way.
+    pub(super) stop: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Why a fit gave nothing.
+#[derive(Debug)]
+pub(super) enum NoFit {
+    /// It was asked to stop.
+    Stopped,
+    /// It failed, in words.
+    Failed(String),
+}
+
+impl<E: Into<IdentifyError>> From<E> for NoFit {
+    fn from(error: E) -> Self {
+        Self::Failed(error.into().to_string())
+    }
+}
+
+impl Campaign<'_> {
+    /// Fits the whole campaign, from data-driven starts and from the fits of other candidates.
+    pub(super) fn fit(&self, candidate: Candidate, others: &[&Named]) -> Result<WholeFit, NoFit> {
+        let options = self.candidate_options(candidate, self.members);
+        if candidate.block.takes_two_steps() {
+            return self.fit_in_two_steps(&options);
+        }
+        let setup = JointSetup::new(self.members, form(&options), &options);
+        let problem = setup.problem(candidate.degree, true)?;
+        let guesses = setup.guesses(&problem)?;
+        let base = guesses.first().cloned().unwrap_or_default();
+        let mut starts: Vec<Vec<f64>> = others.iter().map(|named| overlay(&problem, &base, named)).collect();
+        starts.extend(guesses);
+        let mut ws = problem.workspace();
+        let mut ordered: Vec<(f64, Vec<f64>)> =
+            starts.into_iter().map(|x| (problem.cost(&x, &mut ws), x)).collect();
+        ordered.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ordered.dedup_by(|a, b| a.1 == b.1);
+        let starts = ordered.into_iter().take(POLISHED).map(|(_, x)| x).collect();
+        let (x, _) = self.minimise(&problem, starts, ITERATIONS)?;
+        let (model, starts) = self.solved(&problem, &x, &setup, self.members)?;
+        let parameters = parameter_count(&problem, candidate.degree);
+        let named = names(&problem).zip(x).collect();
+        Ok(WholeFit { model, starts, parameters, named })
+    }
+
+    /// Root of the mean squared error on what `fold` leaves out, by a fit to the rest.
+    pub(super) fn error_on(&self, candidate: Candidate, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {
+        let (model, starts) = if candidate.block.takes_two_steps() {
+            self.two_steps_without(candidate, fold)?
+        } else {
+            self.joint_without(candidate, whole, fold)?
+        };
+        let (mut square, mut samples) = (0.0, 0usize);
+        for (record, ranges) in &fold.held {
+            let facts = &self.facts[*record];
+            let data = left(&facts.data, ranges, false);
+            // What is left out says best what came before it: a memory fitted to the rest may rest on nothing.
+            let fitted = starts.iter().find(|(r, _)| r == record).map(|(_, start)| *start);
+            let preferred = fitted.unwrap_or_else(|| self.members[*record].fresh_start());
+            let (_, simulated) = choose_start(&model, &data, preferred, &Scoring::default())
+                .map_err(|e| NoFit::Failed(e.to_string()))?;
+            let scores = score(&data, &simulated, &Scoring::default())?;
+            square += scores.rmse * scores.rmse * scores.samples as f64;
+            samples += scores.samples;
+        }
+        let error = (square / samples.max(1) as f64).sqrt();
+        if error.is_finite() {
+            Ok(error)
+        } else {
+            Err(NoFit::Failed("the simulation does not stay finite".into()))
+        }
+    }
+
+    /// Weighted residuals of the whole campaign: RMSE in the output's unit, sum of squares of the residuals over
+    /// their noise, and number of independent samples that they are worth.
+    pub(super) fn training(&self, fit: &WholeFit) -> Result<Training, NoFit> {
+        let (mut square, mut weighted, mut samples, mut information) = (0.0, 0.0, 0usize, 0.0);
+        for (index, facts) in self.facts.iter().enumerate() {
+            let data = &facts.data;
+            let simulated =
+                fit.model.simulate_at_own_rate(&data.u, data.sample_rate_hz(), &fit.starts[index])?;
+            let offset = score(data, &simulated, &Scoring::default())?.offset;
+            let residual: Vec<f64> =
+                facts.scored(0).into_iter().map(|k| data.y[k] - simulated[k] - offset).collect();
+            let own = residual.iter().map(|e| e * e).sum::<f64>();
+            let noise = self.members[index].noise;
+            square += own;
+            weighted += own / (noise * noise);
+            samples += residual.len();
+            information += residual.len() as f64 / correlation_time(&residual);
+        }
+        let count = samples.max(1) as f64;
+        Ok(Training { rmse: (square / count).sqrt(), mean_square: weighted / count, information })
+    }
+
+    fn candidate_options(&self, candidate: Candidate, members: &[JointMember<'_>]) -> Options {
+        let options = candidate.options(self.options);
+        Options { scheme: Choice::Given(scheme(&options, members)), ..options }
+    }
+
+    fn minimise(
+        &self,
+        problem: &JointProblem,
+        starts: Vec<Vec<f64>>,
+        iterations: usize,
+    ) -> Result<(Vec<f64>, f64), NoFit> {
+        let algorithm = Algorithm::LeastSquares(LeastSquaresOptions {
+            starts: starts.len().max(1),
+            agreement: None,
+            iterations,
+            cost_tolerance: COST_TOLERANCE,
+            ..LeastSquaresOptions::default()
+        });
+        let settings = Settings { starts, seed: self.options.seed, ..Settings::default() };
+        let mut observer =
+            |_: &Progress<'_>| if (self.stop)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let outcome = minimize(problem, &algorithm, &settings, &mut observer, None)?;
+        if outcome.stopped == StopReason::Cancelled {
+            return Err(NoFit::Stopped);
+        }
+        Ok((outcome.best, outcome.cost))
+    }
+
+    /// The model at `x` and the start of every member's record.
+    fn solved(
+        &self,
+        problem: &JointProblem,
+        x: &[f64],
+        setup: &JointSetup<'_>,
+        members: &[JointMember<'_>],
+    ) -> Result<(Model, Vec<Start>), NoFit> {
+        let solution = problem.solve(x).ok_or(OptimizeError::NoFeasiblePoint { evaluations: 0 })?;
+        let model = assemble(&solution, &setup.form, members, setup.options)?;
+        let start = |(m, &memory): (&JointMember<'_>, &f64)| m.start(&solution.hysteresis, memory);
+        let starts = members.iter().zip(&solution.memory).map(start).collect();
+        Ok((model, starts))
+    }
+
+    /// Joint fit to what a fold leaves; the starts of the records that were in it.
+    fn joint_without(
+        &self,
+        candidate: Candidate,
+        whole: &WholeFit,
+        fold: &Fold,
+    ) -> Result<(Model, Vec<(usize, Start)>), NoFit> {
+        let rest = self.rest(fold);
+        let masked: Vec<RecordFacts> = rest.iter().map(|(_, facts)| facts.clone()).collect();
+        let members: Vec<JointMember<'_>> = rest
+            .iter()
+            .zip(&masked)
+            .map(|((record, _), facts)| self.members[*record].masked(facts))
+            .collect();
+        let options = self.candidate_options(candidate, &members);
+        let setup = JointSetup::new(&members, form(&options), &options);
+        let problem = setup.problem(candidate.degree, true)?;
+        // The memory of a record is known by its place in the campaign.
+        let renamed: Named = whole
+            .named
+            .iter()
+            .filter_map(|(name, value)| {
+                let place = (0..self.members.len()).find(|&r| *name == memory_name(r));
+                let Some(old) = place else { return Some((name.clone(), *value)) };
+                let new = rest.iter().position(|(record, _)| *record == old)?;
+                Some((memory_name(new), *value))
+            })
+            .collect();
+        let middle: Vec<f64> = problem.bounds().ranges.iter().map(|r| r.from_unit(0.5)).collect();
+        let optimum = overlay(&problem, &middle, &renamed);
+        let moved: Vec<f64> = problem
+            .bounds()
+            .ranges
+            .iter()
+            .zip(&optimum)
+            .map(|(range, &x)| {
+                let t = range.to_unit(x);
+                range.from_unit(t + AWAY * (0.5 - t))
+            })
+            .collect();
+        let known = problem.cost(&optimum, &mut problem.workspace());
+        let (mut x, cost) = self.minimise(&problem, vec![moved], FOLD_ITERATIONS)?;
+        if cost > known {
+            // It went astray: the optimum of the whole campaign is the better start.
+            x = self.minimise(&problem, vec![optimum], FOLD_ITERATIONS)?.0;
+        }
+        let (model, starts) = self.solved(&problem, &x, &setup, &members)?;
+        Ok((model, rest.iter().map(|(record, _)| *record).zip(starts).collect()))
+    }
+
+    fn fit_in_two_steps(&self, options: &Options) -> Result<WholeFit, NoFit> {
+        let campaign: Vec<CampaignRecord> =
+            self.facts.iter().map(|f| CampaignRecord { data: f.data.clone(), role: None }).collect();
+        let (model, starts) = self.identified(&campaign, options)?;
+        let nonzero = |b: &[f64]| b.iter().filter(|b| **b != 0.0).count();
+        let blocks = match &model.dynamics {
+            Dynamics::Arx(arx) => arx.a.len() + nonzero(&arx.b),
+            Dynamics::Integer(g) => g.numerator.len() + g.denominator.len() - 1,
+            _ => return Err(NoFit::Failed("the records hold no dynamics for such a block".into())),
+        };
+        let degree = match options.degree {
+            Choice::Given(degree) => degree,
+            Choice::Auto => 0,
+        };
+        // l[u], then α, β, γ and the delay.
+        let parameters = degree + 4 + usize::from(options.n == Choice::Auto) + blocks;
+        Ok(WholeFit { parameters, model, starts, named: Vec::new() })
+    }
+
+    fn two_steps_without(
+        &self,
+        candidate: Candidate,
+        fold: &Fold,
+    ) -> Result<(Model, Vec<(usize, Start)>), NoFit> {
+        let rest = self.rest(fold);
+        let campaign: Vec<CampaignRecord> =
+            rest.iter().map(|(_, f)| CampaignRecord { data: f.data.clone(), role: None }).collect();
+        let options = candidate.options(self.options);
+        let (model, starts) = self.identified(&campaign, &options)?;
+        if model.dynamics == Dynamics::None {
+            return Err(NoFit::Failed("without it no record holds dynamics for such a block".into()));
+        }
+        Ok((model, rest.iter().map(|(record, _)| *record).zip(starts).collect()))
+    }
+
+    /// Two-step identification.
+    fn identified(
+        &self,
+        campaign: &[CampaignRecord],
+        options: &Options,
+    ) -> Result<(Model, Vec<Start>), NoFit> {
+        if (self.stop)() {
+            return Err(NoFit::Stopped);
+        }
+        let algorithm =
+            Algorithm::LeastSquares(LeastSquaresOptions { starts: POLISHED, ..Default::default() });
+        let options =
+            Options { algorithm: Some(algorithm), least_fit_percent: f64::NEG_INFINITY, ..options.clone() };
+        let found = identify(campaign, &options, &mut Unwatched, None)?;
+        Ok((found.model, found.records.iter().map(|r| r.start).collect()))
+    }
+
+    /// What a fold leaves of the campaign: the records in it, with what is left out of them masked.
+    fn rest(&self, fold: &Fold) -> Vec<(usize, RecordFacts)> {
+        let mut rest = Vec::new();
+        for (record, facts) in self.facts.iter().enumerate() {
+            match fold.held.iter().find(|(held, _)| *held == record) {
+                Some(_) if fold.whole => {}
+                Some((_, ranges)) => {
+                    let data = left(&facts.data, ranges, true);
+                    rest.push((record, RecordFacts { data, ..facts.clone() }));
+                }
+                None => rest.push((record, facts.clone())),
+            }
+        }
+        rest
+    }
+}
+
+/// How well the whole campaign is fitted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Training {
+    pub(super) rmse: f64,
+    /// Mean square of residual over noise.
+    pub(super) mean_square: f64,
+    /// Independent samples that the residuals are worth.
+    pub(super) information: f64,
+}
+
+impl Training {
+    /// N ln(Σ(e/σ)²/N) over N independent samples.
+    pub(super) fn fit(&self, independent: f64) -> f64 {
+        independent * self.mean_square.max(f64::MIN_POSITIVE).ln()
+    }
+
+    /// [`super::Entry::bic`].
+    pub(super) fn bic(&self, independent: f64, parameters: usize) -> f64 {
+        self.fit(independent) + parameters as f64 * independent.ln()
+    }
+}
+
+/// The record with `ranges` masked, or with all but them masked.
+fn left(data: &InputOutput, ranges: &[Range<usize>], without: bool) -> InputOutput {
+    let mut mask = vec![without; data.u.len()];
+    for range in ranges {
+        mask[range.clone()].fill(!without);
+    }
+    if let Some(valid) = &data.valid {
+        mask.iter_mut().zip(valid).for_each(|(m, v)| *m &= *v);
+    }
+    InputOutput { valid: Some(mask), ..data.clone() }
+}
+
+fn names(problem: &JointProblem) -> impl Iterator<Item = String> + '_ {
+    problem.bounds().ranges.iter().map(|r| r.name.clone())
+}
+
+/// `base` with the named values where the problem has such a parameter.
+fn overlay(problem: &JointProblem, base: &[f64], named: &Named) -> Vec<f64> {
+    let ranges = &problem.bounds().ranges;
+    ranges
+        .iter()
+        .zip(base)
+        .map(|(range, &b)| {
+            let value = named.iter().find(|(name, _)| *name == range.name).map_or(b, |(_, value)| *value);
+            value.clamp(range.low, range.high)
+        })
+        .collect()
+}
+
+/// Parameters of the model: those of a record's own start are none.
+fn parameter_count(problem: &JointProblem, degree: usize) -> usize {
+    let layout = problem.layout();
+    let own = layout.memory.iter().filter(|role| matches!(role, Role::Searched(_))).count();
+    let eliminated = layout.linear().filter(|role| role.is_eliminated()).count();
+    debug_assert_eq!(layout.polynomial.len(), degree);
+    problem.bounds().dimension() - own + eliminated
+}

@@ -1,0 +1,313 @@
+//! Which structure do these records support? Candidates compared by the simulated error on data that they were not fitted to.
+//!
+//! [`compare`] leaves out one fold after the other ([`Fold`]: a record, or a part of one), fits every [`Candidate`] to the
+//! rest, simulates what was left out (the model's own past output is fed back; the sensor's offset is estimated), and ranks
+//! by the mean error over the folds with the uncertainty of its differences ([`rank`]). Where the records are one experiment
+//! repeated, it refuses ([`StructureError::CannotRank`]) and says what to measure. [`prospects`] says before any fit what a
+//! campaign can determine.
+
+mod candidate;
+mod content;
+mod fit;
+mod folds;
+mod neighbours;
+mod prospect;
+mod ranking;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+pub use candidate::{Block, Candidate, Part, UnknownCandidate};
+pub use content::Content;
+pub use folds::Fold;
+pub use neighbours::{Neighbour, Neighbours, neighbours};
+pub use prospect::{Prospect, Prospects, prospects};
+pub use ranking::{Ranking, Standing, rank};
+
+use super::campaign::usable;
+use super::engine::Engine;
+use super::joint::JointMember;
+use super::options::{CampaignRecord, Options};
+use super::{IdentifyError, Unwatched};
+use fit::{Campaign, Named, NoFit, Training, WholeFit};
+use hysteron_model::hammerstein::Model;
+use hysteron_optimize::Settings;
+
+/// Passes of a search at most.
+const PASSES: usize = 3;
+/// Candidates that a second pass is expected to add.
+const SECOND_PASS: usize = 15;
+/// Fits of other candidates that a fit may start from.
+const LEND: usize = 2;
+
+/// Why structures were not compared.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StructureError {
+    /// The records cannot tell structures apart.
+    #[error("{because}")]
+    CannotRank {
+        /// Why not.
+        because: String,
+        /// What to measure.
+        measure: String,
+    },
+    /// The records are not usable.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+}
+
+/// Told how far a comparison is; may stop it, and what is finished is kept.
+pub trait CompareWatcher: Sync {
+    /// So many fits of so many are done; the one just done.
+    fn done(&self, fits: usize, of: usize, what: &str);
+    /// Whether to stop.
+    fn stop(&self) -> bool;
+}
+
+/// A comparison of structures.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// What was left out, one after the other.
+    pub folds: Vec<Fold>,
+    /// The candidates in the order they were fitted.
+    pub entries: Vec<Entry>,
+    /// Their order; `None` where none is finished.
+    pub ranking: Option<Ranking>,
+    /// Root of the mean squared noise floor of the records \[output unit\].
+    pub noise_floor: f64,
+    /// Independent samples that the residuals of the closest fit are worth; AIC and BIC count these.
+    pub independent_samples: f64,
+    /// Samples of all records.
+    pub samples: usize,
+    /// What else limits the comparison, in plain words.
+    pub notes: Vec<String>,
+    /// It was stopped: candidates are missing.
+    pub interrupted: bool,
+}
+
+/// One candidate.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// The structure.
+    pub candidate: Candidate,
+    /// The model fitted to all records (to thinned ones where they are oversampled); `None` where the fit failed.
+    pub model: Option<Model>,
+    /// Parameters of the model; a record's offset and initial memory are none.
+    pub parameters: usize,
+    /// RMSE over all records, each with its offset \[output unit\].
+    pub training_rmse: Option<f64>,
+    /// N ln(Σ(e/σ)²/N) + 2k over the independent samples N, with σ each record's noise floor (Akaike 1974,
+    /// doi:10.1109/TAC.1974.1100705, for Gaussian residuals).
+    pub aic: Option<f64>,
+    /// N ln(Σ(e/σ)²/N) + k ln N (Schwarz 1978, doi:10.1214/aos/1176344136).
+    pub bic: Option<f64>,
+    /// RMSE on what each fold leaves out, by the fit to the rest \[output unit\].
+    pub fold_rmse: Vec<Option<f64>>,
+    /// Why an error is missing.
+    pub failures: Vec<String>,
+}
+
+impl Entry {
+    fn complete(&self) -> Option<Vec<f64>> {
+        self.fold_rmse.iter().copied().collect()
+    }
+}
+
+/// Compares `candidates` on a campaign. `None`: a search through dynamic blocks, kinds of creep, families of hysteresis, polynomial
+/// degrees and n, one [`Part`] after the other about the best so far, until none is better. Of `options`, structure, algorithm and demands are each candidate's own.
+///
+/// # Errors
+/// [`StructureError`]. A candidate that cannot be fitted is no error: its [`Entry::failures`] say why.
+pub fn compare(
+    campaign: &[CampaignRecord],
+    candidates: Option<&[Candidate]>,
+    options: &Options,
+    watcher: &dyn CompareWatcher,
+) -> Result<Comparison, StructureError> {
+    options.validate()?;
+    let facts = usable(campaign)?;
+    let contents: Vec<Content> = facts.iter().map(Content::of).collect();
+    let folds = folds::plan(&facts, &contents)?;
+    let options = &Options { demands: Default::default(), algorithm: None, start: None, ..options.clone() };
+    let mut unwatched = Unwatched;
+    let settings = Settings { seed: options.seed, ..Settings::default() };
+    let mut engine = Engine::new(None, settings, &mut unwatched, None);
+    let members =
+        facts.iter().map(|f| JointMember::new(f, options, &mut engine)).collect::<Result<Vec<_>, _>>()?;
+    let stop = || watcher.stop();
+    let campaign = Campaign { facts: &facts, members: &members, options, stop: &stop };
+
+    let mut run =
+        Run { campaign, folds, watcher, done: AtomicUsize::new(0), planned: 0, finished: Vec::new() };
+    match candidates {
+        Some(candidates) => run.add(candidates),
+        None => run.search(),
+    }
+    let notes = prospect::limits(&contents, &run.folds);
+    Ok(run.comparison(notes))
+}
+
+/// A comparison under way.
+struct Run<'a> {
+    campaign: Campaign<'a>,
+    folds: Vec<Fold>,
+    watcher: &'a dyn CompareWatcher,
+    done: AtomicUsize,
+    planned: usize,
+    finished: Vec<Finished>,
+}
+
+struct Finished {
+    entry: Entry,
+    named: Named,
+    training: Option<Training>,
+}
+
+impl Run<'_> {
+    /// One part of the structure after the other, the rest as in the best so far, until a pass changes nothing: which dynamics predict best
+    /// depends on the hysteresis before them, and the other way round.
+    fn search(&mut self) {
+        let mut best = Candidate::of(Block::None);
+        for pass in 1..=PASSES {
+            let before = best;
+            for (parts_left, part) in (0..Part::ALL.len()).rev().zip(Part::ALL) {
+                let alternatives = best.alternatives(part);
+                // An honest guess: as much again as this part for every one to come.
+                let to_come = parts_left * alternatives.len() + if pass == 1 { SECOND_PASS } else { 0 };
+                self.planned = self.done.load(Ordering::Relaxed)
+                    + (alternatives.len() + to_come) * (self.folds.len() + 1);
+                self.add(&alternatives);
+                match self.ranking() {
+                    Some(ranking) if !self.watcher.stop() => {
+                        best = self.finished[ranking.best].entry.candidate;
+                    }
+                    _ => return,
+                }
+            }
+            if best == before {
+                return;
+            }
+        }
+    }
+
+    fn add(&mut self, candidates: &[Candidate]) {
+        let fits = self.folds.len() + 1;
+        self.planned = self.planned.max(self.done.load(Ordering::Relaxed) + candidates.len() * fits);
+        for &candidate in candidates {
+            if self.watcher.stop() {
+                return;
+            }
+            if self.finished.iter().any(|f| f.entry.candidate == candidate) {
+                self.step(fits, candidate);
+                continue;
+            }
+            match self.fitted(candidate) {
+                Some(finished) => self.finished.push(finished),
+                None => return,
+            }
+        }
+    }
+
+    fn step(&self, fits: usize, candidate: Candidate) {
+        let done = self.done.fetch_add(fits, Ordering::Relaxed) + fits;
+        self.watcher.done(done, self.planned, &candidate.to_string());
+    }
+
+    /// The candidate on the whole campaign and on every fold; `None` where it was stopped.
+    fn fitted(&self, candidate: Candidate) -> Option<Finished> {
+        let mut entry = Entry {
+            candidate,
+            model: None,
+            parameters: 0,
+            training_rmse: None,
+            aic: None,
+            bic: None,
+            fold_rmse: vec![None; self.folds.len()],
+            failures: Vec::new(),
+        };
+        let mut lenders: Vec<&Finished> = self.finished.iter().filter(|f| !f.named.is_empty()).collect();
+        lenders.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let lent: Vec<&Named> = lenders.iter().take(LEND).map(|f| &f.named).collect();
+        let whole = match self.campaign.fit(candidate, &lent) {
+            Ok(whole) => whole,
+            Err(NoFit::Stopped) => return None,
+            Err(NoFit::Failed(why)) => {
+                entry.failures.push(format!("all records: {why}"));
+                self.step(self.folds.len() + 1, candidate);
+                return Some(Finished { entry, named: Vec::new(), training: None });
+            }
+        };
+        self.step(1, candidate);
+        // Records are worked on in parallel too, but there are rarely enough of equal size.
+        let errors: Vec<Result<f64, NoFit>> =
+            self.folds.par_iter().map(|fold| self.on_fold(candidate, &whole, fold)).collect();
+        for (index, error) in errors.into_iter().enumerate() {
+            match error {
+                Ok(error) => entry.fold_rmse[index] = Some(error),
+                Err(NoFit::Stopped) => return None,
+                Err(NoFit::Failed(why)) => {
+                    entry.failures.push(format!("without {}: {why}", self.folds[index].label));
+                }
+            }
+        }
+        let training = self.campaign.training(&whole).ok();
+        entry.parameters = whole.parameters;
+        entry.training_rmse = training.map(|t| t.rmse);
+        entry.model = Some(whole.model);
+        Some(Finished { entry, named: whole.named, training })
+    }
+
+    fn on_fold(&self, candidate: Candidate, whole: &WholeFit, fold: &Fold) -> Result<f64, NoFit> {
+        let error = self.campaign.error_on(candidate, whole, fold);
+        self.step(1, candidate);
+        error
+    }
+
+    fn ranking(&self) -> Option<Ranking> {
+        let errors: Vec<Option<Vec<f64>>> = self.finished.iter().map(|f| f.entry.complete()).collect();
+        let parameters: Vec<usize> = self.finished.iter().map(|f| f.entry.parameters).collect();
+        rank(&errors, &parameters)
+    }
+
+    fn comparison(self, notes: Vec<String>) -> Comparison {
+        let ranking = self.ranking();
+        // Residuals of the closest fit are the least structured.
+        let closest = self.finished.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let information = closest.and_then(|f| f.training).map_or(2.0, |t| t.information.max(2.0));
+        let interrupted = self.watcher.stop();
+        let entries = self
+            .finished
+            .into_iter()
+            .map(|Finished { mut entry, training, .. }| {
+                let parameters = entry.parameters as f64;
+                entry.aic = training.map(|t| t.fit(information) + 2.0 * parameters);
+                entry.bic = training.map(|t| t.bic(information, entry.parameters));
+                entry
+            })
+            .collect();
+        let scored = |i: usize| self.campaign.facts[i].scored(0).len();
+        let records = 0..self.campaign.facts.len();
+        let samples: usize = records.clone().map(scored).sum();
+        let noise = records.map(|i| scored(i) as f64 * self.campaign.members[i].noise.powi(2)).sum::<f64>();
+        Comparison {
+            folds: self.folds,
+            entries,
+            ranking,
+            noise_floor: (noise / samples.max(1) as f64).sqrt(),
+            independent_samples: information,
+            samples,
+            notes,
+            interrupted,
+        }
+    }
+}
+
+/// Cost of the fit to the whole campaign.
+fn cost(finished: &Finished) -> f64 {
+    finished.training.map_or(f64::INFINITY, |t| t.mean_square)
+}
+
+#[cfg(test)]
+mod tests;

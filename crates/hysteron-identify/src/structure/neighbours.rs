@@ -1,0 +1,177 @@
+//! Structures next to an identified one, fitted to the same records: what each would have left of them.
+//!
+//! Cheap beside [`super::compare`], because nothing is left out: one fit a structure, started from what was identified. The
+//! errors are those on the data of the fit, which a richer structure always lowers; BIC counts its parameters against it.
+
+use rayon::prelude::*;
+
+use super::super::campaign::usable;
+use super::super::engine::Engine;
+use super::super::joint::JointMember;
+use super::super::options::{CampaignRecord, Choice, DynamicsChoice, Options};
+use super::super::{Identification, Unwatched};
+use super::candidate::{Block, Candidate};
+use super::content::Content;
+use super::fit::{Campaign, Named, NoFit, Training};
+use super::{StructureError, folds};
+use hysteron_model::dynamics::Creep;
+use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_optimize::Settings;
+
+/// Highest polynomial degree tried.
+const HIGHEST_DEGREE: usize = 5;
+
+/// Structures compared by their errors on the data of the fit.
+#[derive(Clone, Debug)]
+pub struct Neighbours {
+    /// The identified structure first, then those next to it.
+    pub entries: Vec<Neighbour>,
+    /// Independent samples that the residuals of the closest fit are worth; BIC counts these.
+    pub independent_samples: f64,
+    /// Samples of all records.
+    pub samples: usize,
+}
+
+/// One structure.
+#[derive(Clone, Debug)]
+pub struct Neighbour {
+    /// The structure.
+    pub candidate: Candidate,
+    /// Parameters of the model; a record's offset and initial memory are none.
+    pub parameters: usize,
+    /// RMSE over all records, each with its offset \[output unit\].
+    pub rmse: f64,
+    /// As [`super::Entry::bic`].
+    pub bic: f64,
+}
+
+/// Fits the structures next to the one in `found`, which `options` identified from `campaign`: none, integer and fractional
+/// dynamics, with and without creep, a polynomial degree more and less, n held and free. One that cannot be fitted is left out.
+///
+/// # Errors
+/// [`StructureError::CannotRank`] where the records cannot tell structures apart; [`StructureError::Identify`] where they cannot be
+/// fitted jointly.
+pub fn neighbours(
+    campaign: &[CampaignRecord],
+    options: &Options,
+    found: &Identification,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Neighbours, StructureError> {
+    let facts = usable(campaign)?;
+    let contents: Vec<Content> = facts.iter().map(Content::of).collect();
+    folds::plan(&facts, &contents)?;
+    let options = &Options { algorithm: None, start: Some(found.model.clone()), ..options.clone() };
+    let mut unwatched = Unwatched;
+    let settings = Settings { seed: options.seed, ..Settings::default() };
+    let mut engine = Engine::new(None, settings, &mut unwatched, None);
+    let members =
+        facts.iter().map(|f| JointMember::new(f, options, &mut engine)).collect::<Result<Vec<_>, _>>()?;
+    let campaign = Campaign { facts: &facts, members: &members, options, stop };
+    let near: Named = (found.bounds.iter().zip(&found.searches))
+        .flat_map(|(bounds, search)| {
+            bounds.ranges.iter().map(|r| r.name.clone()).zip(search.outcome.best.clone())
+        })
+        .collect();
+    let fitted: Vec<Option<(Candidate, usize, Training)>> = candidates(identified(options, found))
+        .into_par_iter()
+        .map(|candidate| {
+            let of = || -> Result<_, NoFit> {
+                let fit = campaign.fit(candidate, &[&near])?;
+                Ok((candidate, fit.parameters, campaign.training(&fit)?))
+            };
+            of().ok()
+        })
+        .collect();
+    let fitted: Vec<_> = fitted.into_iter().flatten().collect();
+    let closest = fitted.iter().map(|f| f.2).min_by(|a, b| a.mean_square.total_cmp(&b.mean_square));
+    let information = closest.map_or(2.0, |t| t.information.max(2.0));
+    let entries = fitted
+        .into_iter()
+        .map(|(candidate, parameters, training)| Neighbour {
+            candidate,
+            parameters,
+            rmse: training.rmse,
+            bic: training.bic(information, parameters),
+        })
+        .collect();
+    Ok(Neighbours {
+        entries,
+        independent_samples: information,
+        samples: facts.iter().map(|f| f.scored(0).len()).sum(),
+    })
+}
+
+/// The structure that was identified.
+fn identified(options: &Options, found: &Identification) -> Candidate {
+    let block = match options.dynamics {
+        DynamicsChoice::None => Block::None,
+        DynamicsChoice::Integer => Block::Integer(options.order),
+        DynamicsChoice::Modes => Block::Modes(options.order),
+        DynamicsChoice::Arx => Block::Arx,
+        DynamicsChoice::OutputError => Block::OutputError,
+        DynamicsChoice::BoxJenkins => Block::BoxJenkins,
+        DynamicsChoice::Srivc => Block::Srivc,
+        DynamicsChoice::Auto | DynamicsChoice::Fractional => Block::Fractional,
+        DynamicsChoice::FractionalFreeLowest => Block::FractionalFreeLowest,
+        DynamicsChoice::TwoFractional => Block::TwoFractional,
+    };
+    Candidate {
+        block,
+        creep: Creep::of_names(found.parameters.iter().map(|p| p.name.as_str())),
+        degree: found.structure.degree,
+        n_free: options.n == Choice::Auto && options.hysteresis == HysteresisForm::BoucWen,
+        hysteresis: options.hysteresis,
+    }
+}
+
+/// `own`, then what differs from it in one respect, and the plain dynamics with and without creep.
+fn candidates(own: Candidate) -> Vec<Candidate> {
+    let mut list = vec![own];
+    let mut add = |candidate: Candidate| {
+        if !list.contains(&candidate) {
+            list.push(candidate);
+        }
+    };
+    let with = if own.creep == Creep::None { Creep::Fractional } else { own.creep };
+    for block in [Block::None, Block::Integer(2), Block::Fractional, own.block] {
+        for creep in [Creep::None, with] {
+            // A static model with creep, and ARX with it, are nobody's first question.
+            if creep == Creep::None || !(block == Block::None || block.takes_two_steps()) {
+                add(Candidate { block, creep, ..own });
+            }
+        }
+    }
+    for degree in [own.degree.saturating_sub(1), own.degree + 1] {
+        if (1..=HIGHEST_DEGREE).contains(&degree) {
+            add(Candidate { degree, ..own });
+        }
+    }
+    add(Candidate { n_free: !own.n_free, ..own });
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_neighbours_differ_in_one_respect_or_are_the_plain_dynamics() {
+        let own: Candidate = "fractional+creep+degree2".parse().unwrap();
+        let names: Vec<String> = candidates(own).iter().map(ToString::to_string).collect();
+        assert_eq!(
+            names,
+            [
+                "fractional+creep+degree2",
+                "none+degree2",
+                "integer2+degree2",
+                "integer2+creep+degree2",
+                "fractional+degree2",
+                "fractional+creep+degree1",
+                "fractional+creep",
+                "fractional+creep+degree2+n-free"
+            ]
+        );
+        let steep: Candidate = "none+degree5".parse().unwrap();
+        assert!(candidates(steep).iter().all(|c| c.degree <= 5));
+    }
+}

@@ -1,0 +1,331 @@
+//! What a campaign can determine, judged by its drives alone, and which record to measure next.
+
+use super::super::RecordFacts;
+use super::content::{Content, brief, near};
+use super::folds::Fold;
+use hysteron_model::record::{
+    DelayFinding, ExcitationKind, InputOutput, Response, delay_from_phase, excitation_kind, find_delay,
+    fit_start_up, fundamental_response, low_frequency_responses,
+};
+
+/// Ratio of highest to lowest frequency from which on dynamics are told from hysteresis.
+const FAST_OVER_SLOW: f64 = 3.0;
+/// A gain this many times above what lies on both sides of it is a resonance.
+const PROMINENCE: f64 = 1.3;
+/// A record this long \[s\] shows creep; over a hold of that length it is told from everything else.
+const LONG_S: f64 = 10.0;
+/// A drive that starts off 0 V by more than this share of its range.
+const OFF_ZERO: f64 = 0.02;
+
+/// Whether a campaign determines something.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Prospect {
+    /// What, in a word or two.
+    pub topic: &'static str,
+    /// `Some(true)`: yes; `Some(false)`: no; `None`: in part.
+    pub determined: Option<bool>,
+    /// Why, in plain words.
+    pub text: String,
+}
+
+/// What a campaign can determine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Prospects {
+    /// Amplitudes and frequencies of each record, in words.
+    pub records: Vec<String>,
+    /// Statement by statement.
+    pub statements: Vec<Prospect>,
+    /// The record to measure next; `None` where nothing is missing.
+    pub next: Option<String>,
+}
+
+/// Says before any fit what the records can determine together.
+pub fn prospects(records: &[InputOutput]) -> Prospects {
+    let facts: Vec<RecordFacts> = records.iter().map(|data| RecordFacts::new(data.clone())).collect();
+    let contents: Vec<Content> = facts.iter().map(Content::of).collect();
+    let described = contents.iter().zip(records).map(|(c, r)| c.describe(r.u_unit.symbol())).collect();
+    let statements = vec![
+        amplitudes(&facts, &contents),
+        frequencies(&contents),
+        resonance(&facts),
+        delay(&facts),
+        creep(&facts),
+        starts(&facts),
+    ];
+    Prospects { records: described, statements, next: next_record(&facts, &contents) }
+}
+
+/// The record that adds most to these.
+pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option<String> {
+    let unit = facts.first().map_or("", |f| f.data.u_unit.symbol());
+    let largest = largest_amplitude(contents);
+    let (low, high) = band(contents);
+    let from = if low > 0.0 { format!("{} Hz", brief(low)) } else { "a slow loop".to_owned() };
+    let full = format!("{} {unit}", brief(largest));
+    let full = full.trim_end();
+    if high < FAST_OVER_SLOW * low.max(f64::MIN_POSITIVE) || high == 0.0 {
+        let loops = if one_amplitude(contents) {
+            "; then slow loops of the full, half and a quarter of the amplitude, for β, γ and the polynomial"
+        } else {
+            ""
+        };
+        return Some(format!(
+            "a sweep (or a multisine) from {from} to the highest frequency of use, amplitude {full}: it tells delay and \
+             dynamics from loop width{loops}"
+        ));
+    }
+    if one_amplitude(contents) {
+        return Some(format!(
+            "slow loops at {from} of the full, half and a quarter of the amplitude ({full}): β, γ, n and the polynomial show in how \
+             the loop shrinks"
+        ));
+    }
+    if !shows_creep(facts) {
+        return Some(format!(
+            "steps of {full}, each held for {LONG_S} s or longer: creep shows nowhere else so clearly"
+        ));
+    }
+    None
+}
+
+/// What limits a ranking that can be made.
+pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let (low, high) = band(contents);
+    if one_amplitude(contents) {
+        notes.push(
+            "All records have one amplitude: polynomial degree, n and the shape of minor loops are compared at that amplitude only."
+                .to_owned(),
+        );
+    }
+    if high < FAST_OVER_SLOW * low.max(f64::MIN_POSITIVE) {
+        notes.push(
+            "The records span less than a factor of 3 in frequency: dynamics, creep and delay are hardly told from loop width."
+                .to_owned(),
+        );
+    }
+    if folds.len() < 4 {
+        notes.push(format!(
+            "A standard error from {} folds is itself uncertain by {:.0} %: take the ranking as a hint.",
+            folds.len(),
+            100.0 / (2.0 * (folds.len() as f64 - 1.0)).sqrt()
+        ));
+    }
+    if folds.iter().any(|f| !f.whole) {
+        notes.push(
+            "Parts of records are left out, not whole records: what differs from record to record (start, drift, temperature) is not \
+             in the errors."
+                .to_owned(),
+        );
+    }
+    notes
+}
+
+fn largest_amplitude(contents: &[Content]) -> f64 {
+    contents.iter().map(|c| c.amplitude.1).fold(0.0, f64::max)
+}
+
+fn one_amplitude(contents: &[Content]) -> bool {
+    let largest = largest_amplitude(contents);
+    contents.iter().all(|c| near(c.amplitude.0, largest))
+}
+
+/// Lowest and highest frequency of all records; (0, 0) where none has any.
+fn band(contents: &[Content]) -> (f64, f64) {
+    let moving = contents.iter().filter(|c| c.frequency_hz.1 > 0.0);
+    let low = moving.clone().map(|c| c.frequency_hz.0).fold(f64::INFINITY, f64::min);
+    let high = moving.map(|c| c.frequency_hz.1).fold(0.0, f64::max);
+    if high > 0.0 { (low, high) } else { (0.0, 0.0) }
+}
+
+fn amplitudes(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
+    let largest = largest_amplitude(contents);
+    let smallest = contents.iter().map(|c| c.amplitude.0).fold(f64::INFINITY, f64::min);
+    let unit = facts.first().map_or("", |f| f.data.u_unit.symbol());
+    let (determined, text) = if !one_amplitude(contents) {
+        let text = format!("loops of {} to {} {unit} amplitude", brief(smallest), brief(largest));
+        (Some(true), text)
+    } else if facts.iter().any(starts_at_rest) {
+        let text = "one amplitude: β and γ are told apart by the way from rest into the first loop alone, n and the polynomial by \
+                    the shape of one loop";
+        (None, text.to_owned())
+    } else {
+        let text = "one amplitude and no start from rest: β and γ cannot be told apart, and minor loops are extrapolated";
+        (Some(false), text.to_owned())
+    };
+    Prospect { topic: "β, γ, n, polynomial", determined, text }
+}
+
+fn frequencies(contents: &[Content]) -> Prospect {
+    let (low, high) = band(contents);
+    let (determined, text) = if high == 0.0 {
+        (Some(false), "no record has a frequency (or a sample rate)".to_owned())
+    } else if high >= FAST_OVER_SLOW * low {
+        (Some(true), format!("{} to {} Hz", brief(low), brief(high)))
+    } else {
+        let text = format!("{} Hz only: dynamics cannot be told from hysteresis", brief(high));
+        (Some(false), text)
+    };
+    Prospect { topic: "dynamics", determined, text }
+}
+
+/// Gain and phase by frequency, from sweeps and multisines, and from the fundamentals of records of one frequency.
+fn responses(facts: &[RecordFacts]) -> Vec<Response> {
+    let mut all: Vec<Response> = Vec::new();
+    for f in facts {
+        match excitation_kind(&f.data.u) {
+            ExcitationKind::Wave { frequency, .. } => {
+                all.extend(fundamental_response(&f.data, frequency, f.periods.as_ref()));
+            }
+            ExcitationKind::Sweep { .. } | ExcitationKind::Broadband { .. } => {
+                all.extend(low_frequency_responses(&f.data, f.periods.as_ref(), f64::INFINITY));
+            }
+            _ => {}
+        }
+    }
+    all.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    all
+}
+
+fn resonance(facts: &[RecordFacts]) -> Prospect {
+    const TOPIC: &str = "resonance";
+    let points = responses(facts);
+    let (low, high) = (points.first(), points.last());
+    if let (Some(low), Some(high)) = (low, high)
+        && high.frequency_hz < FAST_OVER_SLOW * low.frequency_hz
+    {
+        let text = format!("{} Hz only: whether there is one is not known", brief(high.frequency_hz));
+        return Prospect { topic: TOPIC, determined: Some(false), text };
+    }
+    let lowest = |part: &[Response]| part.iter().map(|p| p.gain).fold(f64::INFINITY, f64::min);
+    let peak = points.iter().enumerate().max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
+    let Some((at, top)) = peak else {
+        let text = "no record of several frequencies: whether there is one is not known".to_owned();
+        return Prospect { topic: TOPIC, determined: Some(false), text };
+    };
+    let (before, after) = (lowest(&points[..at]), lowest(&points[at + 1..]));
+    let (determined, text) = if top.gain > PROMINENCE * before && top.gain > PROMINENCE * after {
+        (Some(true), format!("in the band, near {} Hz", brief(top.frequency_hz)))
+    } else {
+        let high = points.last().map_or(0.0, |p| p.frequency_hz);
+        let flank = points.last().map_or(1.0, |p| p.gain) / points.first().map_or(1.0, |p| p.gain);
+        let text = format!(
+            "none up to {} Hz (gain there {} of that at the lowest frequency): a mode above is known by its flank at most",
+            brief(high),
+            brief(flank)
+        );
+        (None, text)
+    };
+    Prospect { topic: TOPIC, determined, text }
+}
+
+fn delay(facts: &[RecordFacts]) -> Prospect {
+    const TOPIC: &str = "delay";
+    let milliseconds = |s: f64| brief(1e3 * s);
+    let words = |delay_s: f64, error_s: f64, lag: f64| {
+        format!(
+            "{} ± {} ms together with every lag that grows with frequency, beside {}° of loop width, which does not",
+            milliseconds(delay_s),
+            short_error(1e3 * error_s),
+            brief(lag.to_degrees())
+        )
+    };
+    let mut bound = None;
+    for f in facts {
+        let found = find_delay(&f.data, &excitation_kind(&f.data.u), f.periods.as_ref());
+        match found {
+            Some(DelayFinding::FromPhase { delay_s, std_error_s, constant_lag_rad, .. }) => {
+                let text = words(delay_s, std_error_s, constant_lag_rad);
+                return Prospect { topic: TOPIC, determined: Some(true), text };
+            }
+            Some(DelayFinding::FromStartUp(s)) => {
+                bound.get_or_insert((s.delay_range_s.1, "from a start from rest"));
+            }
+            Some(DelayFinding::Inseparable { at_most_s, .. }) if at_most_s > 0.0 => {
+                bound = Some(
+                    bound.map_or((at_most_s, ""), |b| if b.0 < at_most_s { b } else { (at_most_s, "") }),
+                );
+            }
+            _ => {}
+        }
+    }
+    // Records of one frequency each: the same line through their fundamentals.
+    if let Some(DelayFinding::FromPhase { delay_s, std_error_s, constant_lag_rad, .. }) =
+        delay_from_phase(&responses(facts))
+    {
+        let text = words(delay_s, std_error_s, constant_lag_rad);
+        return Prospect { topic: TOPIC, determined: Some(true), text };
+    }
+    match bound {
+        Some((most, "")) => Prospect {
+            topic: TOPIC,
+            determined: Some(false),
+            text: format!("cannot be told from loop width: at most {} ms", milliseconds(most)),
+        },
+        Some((most, how)) => Prospect {
+            topic: TOPIC,
+            determined: None,
+            text: format!("{how} alone: at most {} ms", milliseconds(most)),
+        },
+        None => Prospect {
+            topic: TOPIC,
+            determined: Some(false),
+            text: "nothing in the records speaks of it".into(),
+        },
+    }
+}
+
+/// An error to two digits.
+fn short_error(error: f64) -> f64 {
+    format!("{error:.1e}").parse().unwrap_or(error)
+}
+
+fn duration_s(facts: &RecordFacts) -> f64 {
+    facts.data.sample_rate_hz().map_or(0.0, |rate| facts.data.u.len() as f64 / rate)
+}
+
+fn shows_creep(facts: &[RecordFacts]) -> bool {
+    facts.iter().any(|f| {
+        matches!(excitation_kind(&f.data.u), ExcitationKind::Steps { .. }) && duration_s(f) >= LONG_S
+    })
+}
+
+fn creep(facts: &[RecordFacts]) -> Prospect {
+    let longest = facts.iter().map(duration_s).fold(0.0, f64::max);
+    let (determined, text) = if shows_creep(facts) {
+        (Some(true), format!("held levels, records of up to {} s", brief(longest)))
+    } else if longest >= LONG_S {
+        let text = format!(
+            "up to the {} s of the longest record, but no held level shows it apart from the loop",
+            brief(longest)
+        );
+        (None, text)
+    } else {
+        (Some(false), format!("the longest record has {} s, and no level is held", brief(longest)))
+    };
+    Prospect { topic: "creep", determined, text }
+}
+
+/// The drive starts at 0 V, or jumps from a rest.
+fn starts_at_rest(facts: &RecordFacts) -> bool {
+    let data = &facts.data;
+    let near_zero = data.u.first().is_some_and(|first| first.abs() <= OFF_ZERO * facts.range_v());
+    near_zero || fit_start_up(data, facts.periods.as_ref()).is_some()
+}
+
+fn starts(facts: &[RecordFacts]) -> Prospect {
+    let from_zero = facts.iter().filter(|f| starts_at_rest(f)).count();
+    let (determined, text) = match from_zero {
+        n if n == facts.len() => (Some(true), "every record starts from rest".to_owned()),
+        0 => (
+            Some(false),
+            "no record starts from rest: what the actuator remembers at each start is one more unknown a record"
+                .to_owned(),
+        ),
+        n => (
+            None,
+            format!("{n} of {} records start from rest; the others begin with an unknown memory", facts.len()),
+        ),
+    };
+    Prospect { topic: "start and offset", determined, text }
+}

@@ -1,0 +1,177 @@
+//! A campaign made with a known structure.
+
+use std::f64::consts::TAU;
+use std::sync::Mutex;
+
+use super::*;
+use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
+use hysteron_model::hammerstein::Start;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::record::{InputOutput, InterSample, TimeBase};
+
+const RATE_HZ: f64 = 1000.0;
+const NOISE: f64 = 0.004;
+
+/// Two poles at 60 Hz behind a hysteresis with a cubic.
+fn truth() -> Model {
+    let omega = TAU * 60.0;
+    let term = |coefficient, order| hysteron_model::dynamics::Term { coefficient, order };
+    let g = TransferFunction {
+        numerator: vec![term(omega * omega, 0.0)],
+        denominator: vec![term(omega * omega, 0.0), term(0.3 * omega, 1.0), term(1.0, 2.0)],
+    };
+    Model {
+        hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.0, -0.08], 0.9, 0.9, 0.3, 1.0).unwrap()),
+        dynamics: Dynamics::Integer(g),
+        offset: 0.0,
+        delay_s: 3e-4,
+        scheme: Scheme::BandLimited,
+        inter_sample: InterSample::Linear,
+        sample_rate_hz: None,
+    }
+}
+
+fn measured(name: &str, seconds: f64, drive: impl Fn(f64) -> f64) -> CampaignRecord {
+    let u: Vec<f64> = (0..(seconds * RATE_HZ) as usize).map(|k| drive(k as f64 / RATE_HZ)).collect();
+    let mut y = truth().simulate(&u, Some(RATE_HZ), &Start::Rest { voltage_v: 0.0 }).unwrap();
+    // Reproducible noise, uniform: a linear congruential generator (Knuth's MMIX constants).
+    let mut state = 1 + name.len() as u64;
+    for y in &mut y {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        *y += NOISE * 12f64.sqrt() * ((state >> 11) as f64 / (1u64 << 53) as f64 - 0.5);
+    }
+    CampaignRecord { data: InputOutput::new(name, TimeBase::uniform(RATE_HZ), u, y).unwrap(), role: None }
+}
+
+fn sine(name: &str, amplitude: f64, f: f64, seconds: f64) -> CampaignRecord {
+    measured(name, seconds, move |t| amplitude * (1.0 - (TAU * f * t).cos()))
+}
+
+fn campaign() -> Vec<CampaignRecord> {
+    vec![
+        sine("slow", 2.5, 1.0, 3.0),
+        sine("half", 1.2, 2.0, 2.0),
+        sine("quick", 2.0, 20.0, 1.0),
+        sine("quicker", 1.5, 45.0, 1.0),
+    ]
+}
+
+/// Counts the fits, and asks to stop once so many are done.
+struct Counter {
+    told: Mutex<Vec<(usize, usize)>>,
+    stop_after: usize,
+}
+
+impl CompareWatcher for Counter {
+    fn done(&self, fits: usize, of: usize, _: &str) {
+        self.told.lock().unwrap().push((fits, of));
+    }
+
+    fn stop(&self) -> bool {
+        self.told.lock().unwrap().len() >= self.stop_after
+    }
+}
+
+fn counter(stop_after: usize) -> Counter {
+    Counter { told: Mutex::default(), stop_after }
+}
+
+fn candidates(names: &[&str]) -> Vec<Candidate> {
+    names.iter().map(|n| n.parse().unwrap()).collect()
+}
+
+#[test]
+fn the_structure_that_made_the_records_is_preferred() {
+    let list = candidates(&["none", "integer1", "integer2", "integer2+degree2", "fractional"]);
+    let watcher = counter(usize::MAX);
+    let found = compare(&campaign(), Some(&list), &Options::default(), &watcher).unwrap();
+    let labels: Vec<&str> = found.folds.iter().map(|f| f.label.as_str()).collect();
+    assert_eq!(labels, ["slow", "half", "quick", "quicker"]);
+    let ranking = found.ranking.unwrap();
+    // Same dynamics with a needless cubic, and with needless orders, are as good but richer.
+    assert_eq!(found.entries[ranking.preferred].candidate.to_string(), "integer2+degree2", "{ranking:?}");
+    let standing = |i: usize| ranking.standings[i].unwrap();
+    assert!(standing(0).mean > 10.0 * standing(3).mean && !standing(0).as_good_as_best);
+    assert!(standing(1).mean > 5.0 * standing(3).mean && !standing(1).as_good_as_best);
+    // Unseen records are predicted to their noise, and both errors and noise floor say so.
+    assert!((standing(3).mean / NOISE - 1.0).abs() < 0.15, "{}", standing(3).mean);
+    assert!((found.noise_floor / NOISE - 1.0).abs() < 0.15, "{}", found.noise_floor);
+    assert!((found.entries[3].training_rmse.unwrap() / NOISE - 1.0).abs() < 0.05);
+    // u, u², α, β, γ, delay, natural frequency, damping.
+    assert_eq!(found.entries[3].parameters, 8);
+    assert_eq!(found.entries.iter().map(|e| e.parameters).collect::<Vec<_>>(), [7, 8, 9, 8, 11]);
+    // White residuals: nearly every sample counts, and BIC sees through the needless parameters.
+    assert!(found.independent_samples > 0.5 * found.samples as f64, "{}", found.independent_samples);
+    let bic = |i: usize| found.entries[i].bic.unwrap();
+    assert!((0..5).all(|i| i == 3 || bic(i) > bic(3)), "{:?}", (0..5).map(bic).collect::<Vec<_>>());
+    assert_eq!(watcher.told.lock().unwrap().len(), 25);
+    assert!(watcher.told.lock().unwrap().contains(&(25, 25)));
+    assert!(!found.interrupted);
+}
+
+#[test]
+fn what_is_finished_is_kept_when_stopped() {
+    let list = candidates(&["none", "integer1", "integer2"]);
+    let found = compare(&campaign(), Some(&list), &Options::default(), &counter(7)).unwrap();
+    assert!(found.interrupted);
+    assert_eq!(found.entries.len(), 1, "the second candidate was under way");
+    assert_eq!(found.ranking.unwrap().order, [0]);
+}
+
+#[test]
+fn the_result_does_not_depend_on_the_threads() {
+    let list = candidates(&["none", "integer2"]);
+    let errors = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let found =
+            pool.install(|| compare(&campaign(), Some(&list), &Options::default(), &counter(usize::MAX)));
+        found.unwrap().entries.into_iter().flat_map(|e| e.fold_rmse).collect::<Vec<_>>()
+    };
+    assert_eq!(errors(1), errors(3));
+}
+
+#[test]
+fn an_arx_candidate_is_compared_beside_the_others() {
+    let list = candidates(&["none", "arx"]);
+    let found = compare(&campaign(), Some(&list), &Options::default(), &counter(usize::MAX)).unwrap();
+    let arx = &found.entries[1];
+    assert_eq!(arx.failures, Vec::<String>::new());
+    assert!(arx.parameters > 7 && arx.training_rmse.unwrap() < found.entries[0].training_rmse.unwrap());
+}
+
+#[test]
+fn the_neighbours_of_what_was_identified_are_told_apart() {
+    let options = Options {
+        dynamics: crate::DynamicsChoice::Integer,
+        degree: crate::Choice::Given(2),
+        ..Options::default()
+    };
+    let campaign = campaign();
+    let found = crate::identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let list = neighbours(&campaign, &options, &found, &|| false).unwrap();
+    let names: Vec<String> = list.entries.iter().map(|e| e.candidate.to_string()).collect();
+    assert_eq!(names[0], "integer2+degree2");
+    let entry = |name: &str| &list.entries[names.iter().position(|n| n == name).unwrap()];
+    let own = entry("integer2+degree2");
+    assert!((own.rmse / NOISE - 1.0).abs() < 0.05 && own.parameters == 8, "{own:?}");
+    // What is missing shows in the error, what is needless in BIC alone.
+    assert!(entry("none+degree2").rmse > 10.0 * own.rmse && entry("integer2+degree1").rmse > 2.0 * own.rmse);
+    for name in ["integer2", "integer2+creep+degree2", "fractional+degree2", "integer2+degree2+n-free"] {
+        let richer = entry(name);
+        assert!(richer.rmse < 1.001 * own.rmse && richer.bic > own.bic, "{richer:?} {own:?}");
+    }
+    let once = [campaign[0].clone()];
+    assert!(matches!(neighbours(&once, &options, &found, &|| false), Err(StructureError::CannotRank { .. })));
+}
+
+#[test]
+fn parts_of_a_sweep_are_predicted_from_the_others() {
+    let records = [measured("sweep", 4.0, |t| 2.0 * (1.0 - (TAU * (t + 6.0 * t * t)).cos()))];
+    let list = candidates(&["none+degree2", "integer2+degree2"]);
+    let found = compare(&records, Some(&list), &Options::default(), &counter(usize::MAX)).unwrap();
+    assert_eq!(found.folds.len(), 4);
+    let ranking = found.ranking.unwrap();
+    assert_eq!(ranking.preferred, 1);
+    assert!(ranking.standings[1].unwrap().mean < 1.3 * NOISE, "{ranking:?}");
+    assert!(found.notes.iter().any(|n| n.contains("Parts of records")), "{:?}", found.notes);
+}

@@ -1,0 +1,279 @@
+//! Common poles and residues of all entries of a frequency response, in the z plane.
+//!
+//! Relaxed vector fitting: with poles p, σ(z) = Σ c̃ φ_p(z) + d̃ and (σ G)(z) = Σ c φ_p(z) + d are linear in their coefficients; the zeros
+//! of σ are the next poles (B. Gustavsen, A. Semlyen, doi:10.1109/61.772353; relaxed: B. Gustavsen, doi:10.1109/TPWRD.2005.860281). Each
+//! entry's own coefficients are eliminated first, so that entries share nothing but σ (D. Deschrijver et al.,
+//! doi:10.1109/LMWC.2008.922585).
+
+use nalgebra::DMatrix;
+
+use super::{AxesError, FrequencyMatrix};
+use hysteron_numeric::Complex64;
+
+/// An imaginary part below which a pole is real.
+const REAL: f64 = 1e-9;
+
+/// Entries to be fitted by 1/(z − p) of complex pairs p, of real poles, and a constant.
+#[derive(Clone, Debug)]
+pub struct VectorFit {
+    /// e^(iωT) at every frequency.
+    z: Vec<Complex64>,
+    /// Entries in columns.
+    entries: DMatrix<Complex64>,
+    /// Real poles that stay where they are.
+    held: Vec<f64>,
+}
+
+/// Poles that all entries share.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CommonPoles {
+    /// One of each complex pair, the one above the real axis.
+    pub pairs: Vec<Complex64>,
+    /// Real poles, but for those held.
+    pub real: Vec<f64>,
+}
+
+/// Pairs e^(2πf(i − damping)T), f equally spaced from `low_hz` to `high_hz`.
+pub fn spread_poles(
+    count: usize,
+    (low_hz, high_hz): (f64, f64),
+    damping: f64,
+    rate_hz: f64,
+) -> Vec<Complex64> {
+    let gaps = count.saturating_sub(1).max(1) as f64;
+    let pole = |k: usize| {
+        let frequency = low_hz + (high_hz - low_hz) * k as f64 / gaps;
+        (Complex64::new(-damping, 1.0) * (std::f64::consts::TAU * frequency / rate_hz)).exp()
+    };
+    (0..count).map(pole).collect()
+}
+
+impl VectorFit {
+    /// The entries of a frequency response, at `rate_hz` steps a second, with real poles `held`.
+    pub fn new(response: &FrequencyMatrix, rate_hz: f64, held: Vec<f64>) -> Self {
+        let z = response
+            .frequency_hz
+            .iter()
+            .map(|f| Complex64::from_polar(1.0, std::f64::consts::TAU * f / rate_hz))
+            .collect();
+        let entries =
+            DMatrix::from_fn(response.len(), response.inputs * response.outputs, |k, e| response.at(k)[e]);
+        Self { z, entries, held }
+    }
+
+    /// Poles after `passes` relocations from pairs `start`, by ascending angle.
+    ///
+    /// # Errors
+    /// [`AxesError::NoPoles`].
+    pub fn poles(&self, start: &[Complex64], passes: usize) -> Result<CommonPoles, AxesError> {
+        let mut poles = CommonPoles { pairs: start.to_vec(), real: Vec::new() };
+        for _ in 0..passes {
+            poles = self.relocate(&poles).ok_or(AxesError::NoPoles)?;
+        }
+        poles.pairs.sort_by(|a, b| a.arg().total_cmp(&b.arg()));
+        Ok(poles)
+    }
+
+    /// Residues of the pairs, of the real poles and the held ones, and the constants: one list of complex numbers an entry, in this
+    /// order (real poles and constants have no imaginary part). Linear least squares.
+    ///
+    /// # Errors
+    /// [`AxesError::NoPoles`] where poles coincide.
+    pub fn residues(&self, poles: &CommonPoles) -> Result<Vec<Vec<Complex64>>, AxesError> {
+        let basis = self.basis(poles, true);
+        let scale: Vec<f64> = basis.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+        let mut scaled = basis;
+        scaled.column_iter_mut().zip(&scale).for_each(|(mut c, s)| c /= *s);
+        let qr = scaled.qr();
+        let measured = stacked(&self.entries);
+        let solution = qr
+            .r()
+            .solve_upper_triangular(&(qr.q().transpose() * measured))
+            .filter(|x| x.iter().all(|x| x.is_finite()))
+            .ok_or(AxesError::NoPoles)?;
+        let pairs = poles.pairs.len();
+        let of = |entry: usize, row: usize| solution[(row, entry)] / scale[row];
+        let entry = |e: usize| {
+            let complex = (0..pairs).map(|k| Complex64::new(of(e, 2 * k), of(e, 2 * k + 1)));
+            let real = (2 * pairs..solution.nrows()).map(|row| Complex64::new(of(e, row), 0.0));
+            complex.chain(real).collect()
+        };
+        Ok((0..self.entries.ncols()).map(entry).collect())
+    }
+
+    /// rms difference of the entries and their fit by these poles.
+    ///
+    /// # Errors
+    /// As [`Self::residues`].
+    pub fn error(&self, poles: &CommonPoles) -> Result<f64, AxesError> {
+        let basis = self.basis(poles, true);
+        let q = basis.qr().q();
+        let measured = stacked(&self.entries);
+        let left = &measured - &q * (q.transpose() * &measured);
+        Ok((left.norm_squared() / self.entries.len().max(1) as f64).sqrt())
+    }
+
+    /// Real and imaginary parts below each other: 1/(z−p) + 1/(z−p̄), i/(z−p) − i/(z−p̄) of the pairs, 1/(z−p) of the real poles;
+    /// then, if asked for, of the held ones and a constant.
+    fn basis(&self, poles: &CommonPoles, with_held: bool) -> DMatrix<f64> {
+        let one = Complex64::new(1.0, 0.0);
+        let i = Complex64::new(0.0, 1.0);
+        let mut columns: Vec<Vec<Complex64>> = Vec::new();
+        for p in &poles.pairs {
+            let both = |z: &Complex64| (one / (z - p), one / (z - p.conj()));
+            columns.push(self.z.iter().map(|z| both(z).0 + both(z).1).collect());
+            columns.push(self.z.iter().map(|z| i * (both(z).0 - both(z).1)).collect());
+        }
+        let held = if with_held { self.held.as_slice() } else { &[] };
+        for p in poles.real.iter().chain(held) {
+            columns.push(self.z.iter().map(|z| one / (z - *p)).collect());
+        }
+        if with_held {
+            columns.push(vec![one; self.z.len()]);
+        }
+        stacked(&DMatrix::from_fn(self.z.len(), columns.len(), |k, c| columns[c][k]))
+    }
+
+    /// The zeros of σ; `None` where an eigenvalue problem does not converge.
+    fn relocate(&self, poles: &CommonPoles) -> Option<CommonPoles> {
+        let count = self.z.len();
+        let own = self.basis(poles, false);
+        let (order, rows) = (own.ncols(), own.nrows());
+        let q = self.basis(poles, true).qr().q();
+        // −G [φ, 1] of all entries side by side, without what the entries' own coefficients explain.
+        let columns = order + 1;
+        let entries = self.entries.ncols();
+        let mut all = DMatrix::zeros(rows, columns * entries);
+        for e in 0..entries {
+            for c in 0..columns {
+                let mut column = all.column_mut(e * columns + c);
+                for k in 0..count {
+                    let phi = match c {
+                        c if c == order => Complex64::new(1.0, 0.0),
+                        c => Complex64::new(own[(k, c)], own[(k + count, c)]),
+                    };
+                    let value = -self.entries[(k, e)] * phi;
+                    column[k] = value.re;
+                    column[k + count] = value.im;
+                }
+            }
+        }
+        let explained = q.transpose() * &all;
+        all.gemm(-1.0, &q, &explained, 1.0);
+        let mut normal = DMatrix::zeros(columns, columns);
+        for e in 0..entries {
+            let part = all.columns(e * columns, columns);
+            normal.gemm(1.0, &part.transpose(), &part, 1.0);
+        }
+        // Relaxation: Re Σ σ = Σ 1, with the weight of the other equations.
+        let weight = normal.trace() / (columns * entries) as f64;
+        let mut sums: Vec<f64> =
+            (0..order).map(|c| own.column(c).rows(0, count).sum() / count as f64).collect();
+        sums.push(1.0);
+        for (i, a) in sums.iter().enumerate() {
+            for (j, b) in sums.iter().enumerate() {
+                normal[(i, j)] += weight * a * b;
+            }
+        }
+        let scale: Vec<f64> = (0..columns).map(|k| normal[(k, k)].sqrt().max(f64::MIN_POSITIVE)).collect();
+        let scaled = DMatrix::from_fn(columns, columns, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
+        let target = nalgebra::DVector::from_fn(columns, |i, _| weight * sums[i] / scale[i]);
+        let solution =
+            scaled.clone().cholesky().map(|c| c.solve(&target)).or_else(|| scaled.lu().solve(&target))?;
+        let sigma: Vec<f64> = solution.iter().zip(&scale).map(|(x, s)| x / s).collect();
+        zeros_of_sigma(poles, &sigma)
+    }
+}
+
+/// Real parts above imaginary parts.
+fn stacked(complex: &DMatrix<Complex64>) -> DMatrix<f64> {
+    let rows = complex.nrows();
+    DMatrix::from_fn(2 * rows, complex.ncols(), |k, c| {
+        if k < rows { complex[(k, c)].re } else { complex[(k - rows, c)].im }
+    })
+}
+
+/// Eigenvalues of A − b c̃ᵀ/d̃, mirrored at the unit circle where they are outside.
+fn zeros_of_sigma(poles: &CommonPoles, sigma: &[f64]) -> Option<CommonPoles> {
+    let order = 2 * poles.pairs.len() + poles.real.len();
+    let constant = *sigma.get(order)?;
+    let mut matrix = DMatrix::zeros(order, order);
+    let mut drive = vec![1.0; order];
+    for (k, p) in poles.pairs.iter().enumerate() {
+        matrix[(2 * k, 2 * k)] = p.re;
+        matrix[(2 * k + 1, 2 * k + 1)] = p.re;
+        matrix[(2 * k, 2 * k + 1)] = p.im;
+        matrix[(2 * k + 1, 2 * k)] = -p.im;
+        (drive[2 * k], drive[2 * k + 1]) = (2.0, 0.0);
+    }
+    for (k, p) in poles.real.iter().enumerate() {
+        let at = 2 * poles.pairs.len() + k;
+        matrix[(at, at)] = *p;
+    }
+    for i in 0..order {
+        for j in 0..order {
+            matrix[(i, j)] -= drive[i] * sigma[j] / constant;
+        }
+    }
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let eigenvalues = nalgebra::linalg::Schur::try_new(matrix, f64::EPSILON, 10_000)?.complex_eigenvalues();
+    let mut found = CommonPoles { pairs: Vec::new(), real: Vec::new() };
+    for e in eigenvalues.iter() {
+        let inside = if e.norm() > 1.0 { 1.0 / e.conj() } else { *e };
+        if inside.im > REAL {
+            found.pairs.push(inside);
+        } else if inside.im.abs() <= REAL {
+            found.real.push(inside.re);
+        }
+    }
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axes::{Mode, frequency, pole};
+
+    #[test]
+    fn known_poles_and_residues_are_found_from_a_spread_start() {
+        let rate = 4000.0;
+        let modes = [(120.0, 0.02), (300.0, 0.008), (310.0, 0.012), (800.0, 0.03)];
+        let poles: Vec<Complex64> =
+            modes.iter().map(|&(frequency_hz, damping)| pole(Mode { frequency_hz, damping }, rate)).collect();
+        let residue = |k: usize, e: usize| {
+            Complex64::from_polar(0.01 * (1.0 + (k + e) as f64), 0.7 * k as f64 - 1.1 * e as f64)
+        };
+        let frequency_hz: Vec<f64> = (1..600).map(|k| 2.0 * f64::from(k)).collect();
+        let mut values = Vec::new();
+        for f in &frequency_hz {
+            let z = Complex64::from_polar(1.0, std::f64::consts::TAU * f / rate);
+            for e in 0..4 {
+                let pairs = poles
+                    .iter()
+                    .enumerate()
+                    .map(|(k, p)| residue(k, e) / (z - p) + residue(k, e).conj() / (z - p.conj()));
+                values.push(pairs.sum::<Complex64>() + 0.05 * e as f64 / (z - 0.3) + 0.4);
+            }
+        }
+        let lines = (1..600).collect();
+        let response = FrequencyMatrix { inputs: 2, outputs: 2, frequency_hz, lines, values };
+        let fit = VectorFit::new(&response, rate, vec![0.3]);
+        let start = spread_poles(4, (100.0, 1200.0), 0.01, rate);
+        let found = fit.poles(&start, 20).unwrap();
+        assert!(found.real.is_empty() && found.pairs.len() == 4, "{found:?}");
+        for (found, &(f, damping)) in found.pairs.iter().zip(&modes) {
+            let mode = frequency(*found, rate);
+            assert!((mode.frequency_hz / f - 1.0).abs() < 1e-8, "{mode:?} {f}");
+            assert!((mode.damping / damping - 1.0).abs() < 1e-6, "{mode:?} {damping}");
+        }
+        let residues = fit.residues(&found).unwrap();
+        for (e, found) in residues.iter().enumerate() {
+            for (k, found) in found.iter().take(4).enumerate() {
+                assert!((found - residue(k, e)).norm() < 1e-8, "{found} {}", residue(k, e));
+            }
+            assert!((found[4].re - 0.05 * e as f64).abs() < 1e-8 && (found[5].re - 0.4).abs() < 1e-8);
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The closed loop: feedforward, feedback and both, tuned from the identified model with stated margins, and played on a plant.
+//!
+//! ```text
+//! reference ─┬────────────► + ─► inverse, or a straight line ─► drive ─► stage ─┬─► displacement
+//!            └─► − ─► feedback ─┘                                              │
+//!                ▲─────────────────────────────────────────── reading ◄────────┘
+//! ```
+//!
+//! Feedback acts on the displacement, ahead of the inverse ([`crate::compensator`]): what it adds to the reference passes the limits and the
+//! memory of the hysteresis as the reference does. Where the reading of one period makes the drive of the next, the loop is late by that period, by the
+//! hold and by the plant's own delay; all of it is in the loops that are tuned ([`tune`]) and whose [`Margins`] are stated. Theory: `docs/theory/control.md`.
+
+mod adaptive;
+mod amplifier;
+mod error;
+mod law;
+mod line;
+mod margins;
+mod play;
+mod score;
+mod sines;
+mod strategy;
+mod tuning;
+
+pub use adaptive::{Adaptive, AdaptiveFilter, AdaptiveParts, step_limit};
+pub use amplifier::{Reach, reach, slew_of_current};
+pub use error::{ControlError, StageError};
+pub use law::{FeedbackKind, FeedbackLaw, FeedbackParts, Notch};
+pub use line::StraightLine;
+pub use margins::{Margins, loop_frequencies};
+pub use play::{Plant, Played, Stage, StageRun, StageSample, play};
+pub use score::TrackingScore;
+pub use sines::{Edge, Followed, SineAnswer, Sines};
+pub use strategy::{Bandwidth, Forward, Loop, LoopSettings, Strategy};
+pub use tuning::{LawFamily, Tuned, TuningError, Wanted, tune, tune_observer};

@@ -1,0 +1,197 @@
+//! How far up a loop follows on a plant: sines that are played.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use super::{ControlError, Loop, Plant, TrackingScore, play};
+use hysteron_numeric::Complex64;
+
+/// Sines a decade.
+const PER_DECADE: f64 = 4.0;
+/// Halvings of the step between two of them, where a bandwidth lies in it.
+const HALVINGS: usize = 3;
+/// Share of a bandwidth by formula at which one more is played.
+const BEYOND: f64 = 1.05;
+/// Samples before a sine counts, beside a whole period, and those that count, beside two.
+const SETTLED: usize = 3000;
+const COUNTED: f64 = 2000.0;
+/// Samples that follow, beside what is known ahead: a reference that stops does so with a jerk.
+const AFTER: usize = 64;
+/// Samples of the longest period that is played: three of them are kept for each loop that plays it.
+const LONGEST_PERIOD: f64 = 1e6;
+
+/// A sine of whole periods is next to the frequency that was asked for.
+const ROUNDING: f64 = 1e-2;
+
+/// The sines that are played.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sines {
+    /// Their middle \[µm\].
+    pub level: f64,
+    /// Half of their stroke \[µm\].
+    pub amplitude: f64,
+    /// Lowest and highest frequency \[Hz\].
+    pub range_hz: [f64; 2],
+}
+
+impl Sines {
+    /// The lowest frequency that is played at this sample rate \[Hz\]: a period of a million samples.
+    pub fn lowest_hz(sample_rate_hz: f64) -> f64 {
+        sample_rate_hz / LONGEST_PERIOD
+    }
+}
+
+/// What became of a sine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SineAnswer {
+    /// Its frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// What is left of it, harmonics and noise included, the mean taken off: rms in per cent of stroke.
+    pub error_percent: f64,
+    /// Its share in the displacement, as a complex number: 1 is ideal.
+    pub followed: Complex64,
+    /// Samples that range or slew held back.
+    pub held_back: usize,
+}
+
+/// Where a bandwidth lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Edge {
+    /// Below the lowest sine.
+    Below(f64),
+    /// At this frequency \[Hz\].
+    At(f64),
+    /// Above the highest sine.
+    Above(f64),
+}
+
+impl Edge {
+    /// The frequency \[Hz\], where it was found.
+    pub fn found(self) -> Option<f64> {
+        if let Self::At(f) = self { Some(f) } else { None }
+    }
+}
+
+/// What sines say of a loop on a plant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Followed {
+    /// What became of each, at rising frequencies.
+    pub answers: Vec<SineAnswer>,
+    /// Where less than 1/√2 of the reference is left.
+    pub minus_3_db: Edge,
+    /// Where the error is above 1 % of the stroke, rms.
+    pub one_percent: Edge,
+}
+
+impl Loop {
+    /// Plays one sine, of whole periods: its share is the coherent one, Σ y e^(−jωt)/Σ r e^(−jωt).
+    ///
+    /// # Errors
+    /// As [`play`]; [`ControlError::Sine`] below [`Sines::lowest_hz`].
+    pub fn sine(
+        &self,
+        sines: &Sines,
+        frequency_hz: f64,
+        plant: Plant<'_>,
+        virgin_v: Option<f64>,
+    ) -> Result<SineAnswer, ControlError> {
+        let lowest_hz = Sines::lowest_hz(self.settings.sample_rate_hz);
+        if frequency_hz.is_nan() || frequency_hz < lowest_hz {
+            return Err(ControlError::Sine { frequency_hz, lowest_hz });
+        }
+        let period = self.settings.sample_rate_hz / frequency_hz;
+        let periods = (COUNTED / period).ceil().max(2.0);
+        let counted = (periods * period).round();
+        let step = TAU * periods / counted;
+        let settled = SETTLED.max(period.ceil() as usize);
+        let end = settled + counted as usize;
+        let preview = self.inverse.as_ref().map_or(0, |inverse| inverse.preview);
+        let reference: Vec<f64> = (0..end + preview + AFTER)
+            .map(|k| {
+                let grown = (2.0 * k as f64 / settled as f64).min(1.0);
+                let size = sines.amplitude * grown * grown * (3.0 - 2.0 * grown);
+                sines.level + size * (step * k as f64).sin()
+            })
+            .collect();
+        let played = play(self, &reference, plant, virgin_v)?;
+        let share = |x: &[f64]| -> Complex64 {
+            x[settled..end]
+                .iter()
+                .enumerate()
+                .map(|(k, x)| *x * Complex64::from_polar(1.0, -step * k as f64))
+                .sum()
+        };
+        Ok(SineAnswer {
+            frequency_hz: step / TAU * self.settings.sample_rate_hz,
+            error_percent: TrackingScore::of(&played.displacement[..end], &reference[..end], settled)
+                .rms_percent,
+            followed: share(&played.displacement) / share(&reference),
+            held_back: played.at_range + played.at_slew,
+        })
+    }
+
+    /// Plays sines from the lowest to the highest frequency, four a decade and more where a bandwidth lies.
+    ///
+    /// # Errors
+    /// As [`Self::sine`].
+    pub fn sines(
+        &self,
+        sines: &Sines,
+        plant: Plant<'_>,
+        virgin_v: Option<f64>,
+    ) -> Result<Followed, ControlError> {
+        let [low, high] = sines.range_hz;
+        let steps = (PER_DECADE * (high / low).log10()).ceil().max(1.0) as usize;
+        let mut frequencies: Vec<f64> =
+            (0..=steps).map(|k| low * (high / low).powf(k as f64 / steps as f64)).collect();
+        // A dip where the formula has one is not stepped over.
+        let own = [self.bandwidth.minus_3_db_hz, self.bandwidth.one_percent_hz].map(|f| BEYOND * f);
+        frequencies.extend(own.into_iter().filter(|f| (low..=high).contains(f)));
+        frequencies.sort_by(f64::total_cmp);
+        let mut answers: Vec<SineAnswer> = Vec::with_capacity(frequencies.len() + 2 * HALVINGS);
+        for frequency_hz in frequencies {
+            answers.push(self.sine(sines, frequency_hz, plant, virgin_v)?);
+        }
+        let lost = |a: &SineAnswer| SQRT_2.recip() / a.followed.norm();
+        let left = |a: &SineAnswer| a.error_percent;
+        for measure in [&lost as &dyn Fn(&SineAnswer) -> f64, &left] {
+            for _ in 0..HALVINGS {
+                let Some(above @ 1..) = answers.iter().position(|a| measure(a) > 1.0) else { break };
+                let between = (answers[above - 1].frequency_hz * answers[above].frequency_hz).sqrt();
+                let answer = self.sine(sines, between, plant, virgin_v)?;
+                answers.insert(above, answer);
+            }
+        }
+        let edge = |measure: &dyn Fn(&SineAnswer) -> f64| match answers.iter().position(|a| measure(a) > 1.0)
+        {
+            None => Edge::Above(high),
+            Some(0) => Edge::Below(low),
+            Some(above) => {
+                let (a, b) = (&answers[above - 1], &answers[above]);
+                let share = -measure(a).ln() / (measure(b) / measure(a)).ln();
+                Edge::At(a.frequency_hz * (b.frequency_hz / a.frequency_hz).powf(share.clamp(0.0, 1.0)))
+            }
+        };
+        Ok(Followed { minus_3_db: edge(&lost), one_percent: edge(&left), answers })
+    }
+
+    /// The same loop, its weights held at 0.
+    #[must_use]
+    pub fn without_adaptation(&self) -> Self {
+        Self { adaptive: None, ..self.clone() }
+    }
+
+    /// By how much, at most, the way of a correction on a plant differs in phase from the model's \[degrees\], and where \[Hz\], from sines that the inverse alone
+    /// followed: behind the same law, what they answered over what they should have is plant over model.
+    pub fn phase_error(&self, alone: &[SineAnswer]) -> Option<(f64, f64)> {
+        let (inverse, adaptive) = (self.inverse.as_ref()?, self.adaptive.as_ref()?);
+        let errors = alone
+            .iter()
+            .filter(|a| a.frequency_hz <= (1.0 + ROUNDING) * adaptive.adaptive.highest_hz)
+            .map(|a| {
+                let f = a.frequency_hz;
+                let plant = a.followed / inverse.tracking(f) * inverse.correction(f);
+                ((plant / adaptive.response(f)).arg().abs().to_degrees(), f)
+            });
+        errors.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}

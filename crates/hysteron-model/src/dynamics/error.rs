@@ -1,0 +1,238 @@
+//! What the dynamic block can refuse.
+
+use crate::fractional::FractionalError;
+use hysteron_numeric::display::short;
+
+/// Error of [`crate::dynamics`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DynamicsError {
+    /// A polynomial has no non-zero term.
+    #[error("the {part} of the transfer function has no non-zero term")]
+    NoTerms {
+        /// `numerator` or `denominator`.
+        part: &'static str,
+    },
+    /// A coefficient is not finite.
+    #[error("coefficient {index} of the {part} must be finite, but it is {value}")]
+    Coefficient {
+        /// `numerator` or `denominator`.
+        part: &'static str,
+        /// Position of the term, from 0.
+        index: usize,
+        /// The coefficient given.
+        value: f64,
+    },
+    /// An order is not finite or negative.
+    #[error(
+        "order {index} of the {part} must be a real number ≥ 0 (complex orders are not supported), but it is {order}"
+    )]
+    Order {
+        /// `numerator` or `denominator`.
+        part: &'static str,
+        /// Position of the term, from 0.
+        index: usize,
+        /// The order given.
+        order: f64,
+    },
+    /// The terms are not in strictly ascending order.
+    #[error(
+        "the terms of the {part} must be in ascending order without repeats, but order {order} (term {index}) follows {before}"
+    )]
+    NotAscending {
+        /// `numerator` or `denominator`.
+        part: &'static str,
+        /// Position of the term, from 0.
+        index: usize,
+        /// Its order.
+        order: f64,
+        /// The order of the term before it.
+        before: f64,
+    },
+    /// A parameter is outside its range.
+    #[error("{name} must be {allowed}, but it is {value}")]
+    Parameter {
+        /// Name of the parameter, with its unit where it has one.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// No inverse up to this frequency.
+    #[error(
+        "the bandwidth of the inverse is {bandwidth_hz} Hz: it must be above 0 and below {highest_hz} Hz, half the sample rate, and \
+         the plant must pass something there"
+    )]
+    Bandwidth {
+        /// The bandwidth given \[Hz\].
+        bandwidth_hz: f64,
+        /// Half the sample rate \[Hz\].
+        highest_hz: f64,
+    },
+    /// Not as many values as a form has parameters.
+    #[error("the form of the dynamics has {expected} parameters, but {found} values are given")]
+    ParameterCount {
+        /// Parameters of the form.
+        expected: usize,
+        /// Values given.
+        found: usize,
+    },
+    /// A response was made for another number of derivatives.
+    #[error(
+        "the response has room for {found} derivatives, but the form has {expected} with that of the delay: \
+         make it with `empty_response` for as many parameters"
+    )]
+    Tangents {
+        /// Parameters of the form, and the delay.
+        expected: usize,
+        /// What the response has room for.
+        found: usize,
+    },
+    /// A derivative was asked for that was not computed.
+    #[error(
+        "derivative {which} of the response is not there; it has {found} (none unless last computed with tangents)"
+    )]
+    NoTangent {
+        /// The derivative asked for, from 0.
+        which: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// The sample rate is not a positive finite number.
+    #[error("the sample rate must be a positive finite number of hertz, but it is {sample_rate_hz}")]
+    SampleRate {
+        /// The sample rate given \[Hz\].
+        sample_rate_hz: f64,
+    },
+    /// Too few samples.
+    #[error("need at least {need} samples but found {found}")]
+    TooFewSamples {
+        /// Smallest number of samples.
+        need: usize,
+        /// Samples given.
+        found: usize,
+    },
+    /// A signal or buffer does not have the length it must have.
+    #[error("the {what} must have {expected} samples, but it has {found}")]
+    Length {
+        /// Which signal or buffer.
+        what: &'static str,
+        /// Length it must have.
+        expected: usize,
+        /// Length it has.
+        found: usize,
+    },
+    /// An input sample is not finite.
+    #[error("sample {index} of the {what} is {value}; every sample must be finite")]
+    InputNotFinite {
+        /// Which signal.
+        what: &'static str,
+        /// First such sample.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The simulated output left the range of floating-point numbers.
+    #[error(
+        "the simulated output is not finite: the coefficients are too large or too small for the sample rate"
+    )]
+    OutputNotFinite,
+    /// Tustin was asked for an improper transfer function.
+    #[error(
+        "the tustin scheme needs a proper transfer function, but the highest orders are {numerator} over {denominator}; \
+         use grunwald-letnikov or bdf2"
+    )]
+    Improper {
+        /// Highest order of the numerator.
+        numerator: f64,
+        /// Highest order of the denominator.
+        denominator: f64,
+    },
+    /// G(0) = ∞ under an initial condition that needs it.
+    #[error(
+        "the gain at zero frequency is infinite (lowest orders {numerator} over {denominator}), so a state of rest or a \
+         steady state does not exist; give the model a low-frequency corner, or start from zero"
+    )]
+    InfiniteDcGain {
+        /// Lowest order of the numerator.
+        numerator: f64,
+        /// Lowest order of the denominator.
+        denominator: f64,
+    },
+    /// The transfer function is unstable.
+    #[error(
+        "the transfer function is unstable: {poles} pole(s) in the right half-plane; its response grows without bound"
+    )]
+    Unstable {
+        /// Poles in the right half-plane, each of a pair counted; under a scheme, those of the sampled system.
+        poles: usize,
+    },
+    /// A pole sits on the imaginary axis and the steady state does not exist.
+    #[error(
+        "the transfer function has an undamped pole at {} Hz, so a steady state does not exist",
+        short(*.frequency_hz)
+    )]
+    Undamped {
+        /// Frequency of the pole \[Hz\].
+        frequency_hz: f64,
+    },
+    /// A periodic steady state was asked of the causal recursion.
+    #[error("the causal recursion starts from rest or from zero; it has no periodic steady state")]
+    PeriodicRecursion,
+    /// An ARX model has a pole on or outside the unit circle where a steady state is needed.
+    #[error("the ARX model has a pole on or outside the unit circle, so a steady state does not exist")]
+    UnstableArx,
+    /// An ARX model without input coefficients was asked for.
+    #[error("an ARX model needs at least one input coefficient (nb ≥ 1)")]
+    NoInputCoefficients,
+    /// The data do not determine a coefficient of a linear fit.
+    #[error(
+        "the data do not determine unknown {column} of {columns} (outputs first, then inputs, then offsets): lower the \
+         orders, or use a record with more excitation"
+    )]
+    Dependent {
+        /// Position of the unknown, from 0.
+        column: usize,
+        /// Number of unknowns.
+        columns: usize,
+    },
+    /// An order is not a whole number where an integer-order transfer function is asked for.
+    #[error("an integer-order transfer function has whole orders, but the {part} has order {order}")]
+    NotInteger {
+        /// `numerator` or `denominator`.
+        part: &'static str,
+        /// The first order that is not whole.
+        order: f64,
+    },
+    /// The transfer function is not of the form of article Eq. 13.
+    #[error(
+        "gain, natural frequency and damping need the form b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀) with b, c₀ > 0, but this is {form}"
+    )]
+    NotSecondOrder {
+        /// The transfer function, printed.
+        form: String,
+    },
+    /// An error of the fractional operators below.
+    #[error(transparent)]
+    Fractional(#[from] FractionalError),
+}
+
+pub(super) fn check_sample_rate(sample_rate_hz: f64) -> Result<(), DynamicsError> {
+    if sample_rate_hz.is_finite() && sample_rate_hz > 0.0 {
+        Ok(())
+    } else {
+        Err(DynamicsError::SampleRate { sample_rate_hz })
+    }
+}
+
+pub(super) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), DynamicsError> {
+    if found == expected { Ok(()) } else { Err(DynamicsError::Length { what, expected, found }) }
+}
+
+pub(super) fn check_finite(what: &'static str, samples: &[f64]) -> Result<(), DynamicsError> {
+    match samples.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(DynamicsError::InputNotFinite { what, index, value: samples[index] }),
+        None => Ok(()),
+    }
+}

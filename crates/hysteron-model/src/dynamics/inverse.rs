@@ -1,0 +1,132 @@
+//! The inverse of a response for a drive known ahead: as exact as asked for up to a bandwidth, quiet above it.
+//!
+//! A plant that lags cannot be inverted at every frequency: at half the sample rate it passes next to nothing, and its plain
+//! inverse rings there (that of the Tustin form with a pole at −1). Sought is the input v that makes
+//!
+//! Σ |r − P v|² + λ Σ |Δ²v|²
+//!
+//! smallest, P the plant from held samples to samples, delay included, Δ² the second difference. Its answer is W r,
+//! W = P̄/(|P|² + λ|1 − z|⁴), which looks ahead: r must be known. What is left of r is
+//! 1 − P W = λ|1 − z|⁴/(|P|² + λ|1 − z|⁴), a real number between 0 and 1 at every frequency: no phase error.
+
+use std::f64::consts::PI;
+
+use super::error::check_length;
+use super::{Arx, DynamicsError, Response, SimulationPlan};
+use hysteron_numeric::Complex64;
+
+/// What an inverse is to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseAim {
+    /// Frequency up to which the output follows \[Hz\], below half the sample rate.
+    pub bandwidth_hz: f64,
+    /// Share of r that is missing there; it falls with the fourth power of the frequency, or faster, below.
+    pub error: f64,
+}
+
+/// An inverse on the frequencies of its plan.
+#[derive(Clone, Debug)]
+pub struct Inverse {
+    /// W, for [`SimulationPlan::apply`].
+    pub response: Response,
+    /// λ.
+    pub weight: f64,
+    /// Largest |W|.
+    pub peak: f64,
+    /// Root mean square of |W| over all frequencies: what white noise on r is multiplied by in v.
+    pub noise_gain: f64,
+}
+
+impl SimulationPlan {
+    /// The response of an ARX block with a delay \[s\], band-limited between samples.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Length`] for a response of another plan; [`DynamicsError::Parameter`] for a delay that is negative
+    /// or not finite.
+    pub fn arx_response(
+        &self,
+        arx: &Arx,
+        delay_s: f64,
+        response: &mut Response,
+    ) -> Result<(), DynamicsError> {
+        check_length("response", response.values.len(), self.bins())?;
+        if !(delay_s.is_finite() && delay_s >= 0.0) {
+            return Err(DynamicsError::Parameter {
+                name: "delay [s]",
+                value: delay_s,
+                allowed: "finite and not negative",
+            });
+        }
+        let samples = delay_s * self.sample_rate_hz;
+        for (bin, value) in response.values.iter_mut().enumerate() {
+            let log_z = Complex64::new(-self.damping, -self.angle(bin));
+            *value = arx.response_at(log_z.exp()) * (log_z * samples).exp();
+        }
+        self.make_ends_real(&mut response.values);
+        response.differentiated = false;
+        Ok(())
+    }
+
+    /// The regularised inverse of a response. λ is what leaves `aim.error` of r at the bandwidth.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Length`] for a response of another plan; [`DynamicsError::Bandwidth`] for a bandwidth that is not
+    /// between 0 and half the sample rate, or where the plant passes nothing; [`DynamicsError::Parameter`] for an error that is not
+    /// between 0 and 1.
+    pub fn inverse(&self, plant: &Response, aim: InverseAim) -> Result<Inverse, DynamicsError> {
+        check_length("response", plant.values.len(), self.bins())?;
+        let InverseAim { bandwidth_hz, error } = aim;
+        if !(error > 0.0 && error < 1.0) {
+            return Err(DynamicsError::Parameter {
+                name: "error at the bandwidth",
+                value: error,
+                allowed: "between 0 and 1",
+            });
+        }
+        let refused = DynamicsError::Bandwidth { bandwidth_hz, highest_hz: 0.5 * self.sample_rate_hz };
+        if !(bandwidth_hz > 0.0 && bandwidth_hz < 0.5 * self.sample_rate_hz) {
+            return Err(refused);
+        }
+        let length = self.transform_length() as f64;
+        let edge = (bandwidth_hz / self.sample_rate_hz * length).round().max(1.0) as usize;
+        let passed = plant.values.get(edge).map_or(0.0, |p| p.norm_sqr());
+        let weight = error / (1.0 - error) * passed / self.roughness(edge);
+        if !(weight > 0.0 && weight.is_finite()) {
+            return Err(refused);
+        }
+        let mut response = Response { differentiated: false, ..plant.clone() };
+        let (mut peak, mut sum) = (0.0_f64, 0.0);
+        let last = response.values.len() - 1;
+        for (bin, value) in response.values.iter_mut().enumerate() {
+            *value = value.conj() / (value.norm_sqr() + weight * self.roughness(bin));
+            let size = value.norm_sqr();
+            peak = peak.max(size);
+            // Each bin but the first and an even last one stands for two.
+            sum += if bin == 0 || (bin == last && self.transform_length().is_multiple_of(2)) {
+                size
+            } else {
+                2.0 * size
+            };
+        }
+        self.make_ends_real(&mut response.values);
+        Ok(Inverse { response, weight, peak: peak.sqrt(), noise_gain: (sum / length).sqrt() })
+    }
+
+    /// Angle of a bin \[rad\].
+    fn angle(&self, bin: usize) -> f64 {
+        2.0 * PI * bin as f64 / self.transform_length() as f64
+    }
+
+    /// |1 − z|⁴.
+    fn roughness(&self, bin: usize) -> f64 {
+        (2.0 * (0.5 * self.angle(bin)).sin()).powi(4)
+    }
+
+    fn make_ends_real(&self, values: &mut [Complex64]) {
+        let last = values.len() - 1;
+        values[0].im = 0.0;
+        if self.transform_length() == 2 * last {
+            values[last].im = 0.0;
+        }
+    }
+}

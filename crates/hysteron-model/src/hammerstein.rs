@@ -1,0 +1,308 @@
+//! The Hammerstein model: hysteresis block followed by the dynamic block (article Fig. 3).
+//!
+//! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (SPEC §4). A delay commutes with rate-independent
+//! hysteresis, so it is applied to v: band-limited under the `band-limited` scheme, else linearly between samples. Where G(0)
+//! is infinite (creep), what the device crept before the record counts as offset, and G's gain at rest as 1.
+
+use crate::dynamics::delay::delay_in_place;
+use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
+use crate::hysteresis::{
+    DriveGrid, Hysteresis, HysteresisError, Memory, Origin, RecordEnds, polygon_of_means,
+};
+use crate::record::InterSample;
+use std::borrow::Cow;
+
+/// A Hammerstein model: all that is needed to predict a displacement from a drive voltage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Static block.
+    pub hysteresis: Hysteresis,
+    /// Dynamic block.
+    pub dynamics: Dynamics,
+    /// Output offset \[µm\].
+    pub offset: f64,
+    /// Pure delay \[s\].
+    pub delay_s: f64,
+    /// Simulation scheme the dynamic block was identified with.
+    pub scheme: Scheme,
+    /// What the drive does between its samples.
+    pub inter_sample: InterSample,
+    /// Sample rate the model was identified at \[Hz\]; `None` for a static model of a record without one.
+    pub sample_rate_hz: Option<f64>,
+}
+
+/// What happened before a record's first sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// The device rested at this voltage, free of hysteresis memory (z = 0), and moves to u(0) in one sample period.
+    /// With `voltage_v` = u(0) this is SPEC §3 `rest`, with 0 V (drive off) it is `zero`.
+    Rest {
+        /// Voltage before the first sample \[V\].
+        voltage_v: f64,
+    },
+    /// The device rested at this voltage with a hysteresis memory and moves to u(0) in one sample period.
+    Remembering {
+        /// Voltage before the first sample \[V\].
+        voltage_v: f64,
+        /// What the hysteresis block remembers there.
+        memory: Memory,
+    },
+    /// The record repeats: its first period has been run [`SETTLING_PERIODS`] times before.
+    Settled {
+        /// Samples of a period.
+        period_samples: usize,
+    },
+}
+
+/// Periods run before a record that starts [`Start::Settled`]: Bouc–Wen memory fades as e^(−β · path length).
+pub const SETTLING_PERIODS: usize = 4;
+
+/// Steps a sample period in which a hysteresis operator follows a band-limited drive: a turning point between samples is
+/// missed by less than (π/2/8)²/2 = 2 % of the amplitude at half the sample rate, and less as the square of the frequency.
+pub const FINER: usize = 8;
+
+/// Whether the output of the hysteresis block is joined by straight lines through samples that keep its means: where the
+/// drive goes along straight lines and the scheme has no rule of its own.
+#[doc(hidden)]
+pub fn joins_means(scheme: Scheme, inter_sample: InterSample) -> bool {
+    scheme == Scheme::BandLimited && inter_sample == InterSample::Linear
+}
+
+/// Why a model could not be simulated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// Dynamics or a delay need to know the time between samples.
+    #[error("the model has dynamics or a delay, but the record has no uniform sample rate")]
+    NoSampleRate,
+    /// The model's parameters belong to one sample rate.
+    #[error(
+        "the model ({scheme}) belongs to the sample rate it was identified at, {model_hz} Hz, and the record has \
+         {record_hz} Hz"
+    )]
+    SampleRate {
+        /// What ties the model to its rate: a scheme, or `ARX`.
+        scheme: &'static str,
+        /// Rate of the model \[Hz\].
+        model_hz: f64,
+        /// Rate of the record \[Hz\].
+        record_hz: f64,
+    },
+    /// The record is too short to have started settled.
+    #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
+    Period {
+        /// Samples of the record.
+        samples: usize,
+        /// Samples of the period asked for.
+        period_samples: usize,
+    },
+    /// The hysteresis block failed.
+    #[error(transparent)]
+    Hysteresis(#[from] HysteresisError),
+    /// The dynamic block failed.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+}
+
+impl Start {
+    /// At rest at a voltage \[V\] with a memory in the operator's own scale, virgin where there is none.
+    pub fn at_rest(hysteresis: &Hysteresis, voltage_v: f64, memory: Option<f64>) -> Self {
+        match memory {
+            None => Self::Rest { voltage_v },
+            Some(memory) => Self::Remembering { voltage_v, memory: hysteresis.memory(memory) },
+        }
+    }
+
+    /// Voltage before the first sample \[V\]; `None` where the record repeats.
+    pub fn voltage_v(&self) -> Option<f64> {
+        match *self {
+            Self::Rest { voltage_v } | Self::Remembering { voltage_v, .. } => Some(voltage_v),
+            Self::Settled { .. } => None,
+        }
+    }
+
+    /// Drive with what ran before it, the number of samples put in front, and the voltage before all that.
+    pub fn extend<'a>(&self, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize, f64), SimulationError> {
+        match *self {
+            Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
+                Ok((Cow::Borrowed(u), 0, voltage_v))
+            }
+            Start::Settled { period_samples } => {
+                let period = u.get(..period_samples).filter(|_| period_samples >= 2);
+                let Some(period) = period else {
+                    return Err(SimulationError::Period { samples: u.len(), period_samples });
+                };
+                let mut extended = period.repeat(SETTLING_PERIODS);
+                let prologue = extended.len();
+                extended.extend_from_slice(u);
+                Ok((Cow::Owned(extended), prologue, period[0]))
+            }
+        }
+    }
+}
+
+impl Model {
+    /// Simulates the model (infinite horizon: no measured output is used) over the drive `u` \[V\].
+    ///
+    /// # Errors
+    /// [`SimulationError`]: no or another sample rate where one is needed, an operator that blows up, a dynamic block
+    /// that cannot be simulated by the model's scheme.
+    pub fn simulate(
+        &self,
+        u: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, sample_rate_hz, start)?;
+        self.check_sample_rate(sample_rate_hz)?;
+        if let (Some(rate), Dynamics::None | Dynamics::Arx(_)) = (sample_rate_hz, &self.dynamics) {
+            delay_in_place(&mut v, self.delay_s * rate, rest);
+        }
+        let mut y = self.simulate_dynamics(v, rest, sample_rate_hz)?;
+        y.drain(..prologue);
+        y.iter_mut().for_each(|y| *y += self.offset);
+        Ok(y)
+    }
+
+    /// As [`Self::simulate`] for a model that belongs to one sample rate (an ARX block, the `grunwald-letnikov` scheme) over
+    /// a drive of another rate: the drive is read at the model's rate and the output at the record's, both linearly
+    /// between samples. Right for a drive that is slow against both rates. Other models are simulated as they are.
+    ///
+    /// # Errors
+    /// As [`Self::simulate`], but for [`SimulationError::SampleRate`].
+    pub fn simulate_at_own_rate(
+        &self,
+        u: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let (model_hz, record_hz) = match self.check_sample_rate(sample_rate_hz) {
+            Err(SimulationError::SampleRate { model_hz, record_hz, .. }) => (model_hz, record_hz),
+            _ => return self.simulate(u, sample_rate_hz, start),
+        };
+        let ratio = record_hz / model_hz;
+        let samples = ((u.len().max(1) - 1) as f64 / ratio).ceil() as usize + 1;
+        let drive: Vec<f64> = (0..samples).map(|k| between(u, k as f64 * ratio)).collect();
+        let start = match *start {
+            Start::Settled { period_samples } => {
+                Start::Settled { period_samples: (period_samples as f64 / ratio).round() as usize }
+            }
+            rest => rest,
+        };
+        let y = self.simulate(&drive, Some(model_hz), &start)?;
+        Ok((0..u.len()).map(|k| between(&y, k as f64 / ratio)).collect())
+    }
+
+    /// Output v of the static block \[µm\], before delay and dynamics. The sample rate is needed for hysteresis that depends on it.
+    ///
+    /// # Errors
+    /// [`SimulationError::Hysteresis`], [`SimulationError::Period`].
+    pub fn simulate_hysteresis(
+        &self,
+        u: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let (mut v, prologue, _) = self.simulate_hysteresis_extended(u, sample_rate_hz, start)?;
+        v.drain(..prologue);
+        Ok(v)
+    }
+
+    fn simulate_hysteresis_extended(
+        &self,
+        u: &[f64],
+        sample_rate_hz: Option<f64>,
+        start: &Start,
+    ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
+        let grid = |finer, factor| DriveGrid::new(sample_rate_hz, finer, factor);
+        let (extended, prologue, rest_voltage_v) = start.extend(u)?;
+        let mut v = vec![0.0; extended.len()];
+        let operator = &self.hysteresis;
+        let memory = match *start {
+            Start::Remembering { memory, .. } => Some(operator.own_memory(memory)?),
+            _ => None,
+        };
+        let rest = rest_voltage_v;
+        let origin = memory.map_or(Origin::Virgin { rest }, |memory| Origin::Remembering { rest, memory });
+        let filtered = matches!(self.dynamics, Dynamics::Integer(_) | Dynamics::Fractional(_));
+        if extended.len() > 1 && filtered && joins_means(self.scheme, self.inter_sample) {
+            let drive = self.inter_sample.upsample(&extended, 2, RecordEnds::Open)?;
+            let mut fine = vec![0.0; drive.len()];
+            operator.simulate_every(grid(2, 1), &drive, origin, &mut fine)?;
+            polygon_of_means(&fine, &mut v);
+        } else if self.inter_sample == InterSample::BandLimited && extended.len() > 1 {
+            let fine = self.inter_sample.upsample(&extended, FINER, RecordEnds::Open)?;
+            operator.simulate_every(grid(FINER, FINER), &fine, origin, &mut v)?;
+        } else {
+            operator.simulate_every(grid(1, 1), &extended, origin, &mut v)?;
+        }
+        Ok((v, prologue, operator.at_rest(rest, memory)))
+    }
+
+    #[doc(hidden)]
+    pub fn check_sample_rate(&self, record: Option<f64>) -> Result<(), SimulationError> {
+        if self.dynamics == Dynamics::None && self.delay_s == 0.0 {
+            return Ok(());
+        }
+        let Some(record_hz) = record else { return Err(SimulationError::NoSampleRate) };
+        let tied = match &self.dynamics {
+            Dynamics::None => None,
+            Dynamics::Arx(_) => Some("ARX"),
+            Dynamics::Integer(_) | Dynamics::Fractional(_) => {
+                self.scheme.parameters_belong_to_sample_rate().then_some(self.scheme.name())
+            }
+        };
+        match (tied, self.sample_rate_hz) {
+            (Some(scheme), Some(model_hz)) if (model_hz - record_hz).abs() > 1e-6 * model_hz => {
+                Err(SimulationError::SampleRate { scheme, model_hz, record_hz })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Gain of the dynamics for what they were at rest at.
+    #[doc(hidden)]
+    pub fn gain_at_rest(&self) -> f64 {
+        let gain = match &self.dynamics {
+            Dynamics::None => 1.0,
+            Dynamics::Arx(arx) => arx.dc_gain(),
+            Dynamics::Integer(g) | Dynamics::Fractional(g) => g.dc_gain(),
+        };
+        // What creeps for ever cannot have rested: its creep up to the record is in the offset.
+        if gain.is_finite() { gain } else { 1.0 }
+    }
+
+    /// G ∗ v, the block having rested at `rest` before the first sample.
+    fn simulate_dynamics(
+        &self,
+        v: Vec<f64>,
+        rest: f64,
+        sample_rate_hz: Option<f64>,
+    ) -> Result<Vec<f64>, SimulationError> {
+        let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
+        let mut y = v;
+        match &self.dynamics {
+            Dynamics::None => return Ok(y),
+            Dynamics::Arx(arx) => arx.simulate(&moved, InitialCondition::Zero, &mut y)?,
+            Dynamics::Integer(g) | Dynamics::Fractional(g) => {
+                let rate = sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
+                let plan = SimulationPlan::new(y.len(), rate, self.scheme, InitialCondition::Zero)?;
+                let mut response = plan.empty_response(0);
+                let sampling = Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) };
+                plan.response(g, self.delay_s, sampling, &mut response)?;
+                plan.apply(&response, &plan.transform(&moved)?, &mut plan.workspace(), &mut y)?;
+            }
+        }
+        let gain = self.gain_at_rest();
+        y.iter_mut().for_each(|y| *y += gain * rest);
+        Ok(y)
+    }
+}
+
+/// `x` at the sample position `at`, linear between samples, constant beyond the ends.
+fn between(x: &[f64], at: f64) -> f64 {
+    let k = (at.floor() as usize).min(x.len().saturating_sub(1));
+    let next = (k + 1).min(x.len().saturating_sub(1));
+    let fraction = (at - k as f64).clamp(0.0, 1.0);
+    (1.0 - fraction) * x.get(k).copied().unwrap_or(0.0) + fraction * x.get(next).copied().unwrap_or(0.0)
+}

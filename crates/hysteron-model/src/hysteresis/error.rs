@@ -1,0 +1,356 @@
+//! What can be wrong with a hysteresis block or its simulation.
+
+use hysteron_rt::{ParameterError, PlayBankError, SimulateError, StepError};
+use thiserror::Error;
+
+use hysteron_numeric::display::short;
+
+/// A hysteresis block that cannot be built or simulated.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum HysteresisError {
+    /// No polynomial coefficient.
+    #[error("the polynomial of the hysteresis block is empty: give at least the linear coefficient")]
+    EmptyPolynomial,
+    /// A polynomial coefficient is infinite or not a number.
+    #[error("the coefficient of u^{power} is {value}: polynomial coefficients must be finite")]
+    Coefficient {
+        /// Power of u it belongs to.
+        power: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A shape parameter is infinite or not a number.
+    #[error("Bouc–Wen parameter {name} is {value}: it must be finite")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// n < 1.
+    #[error("Bouc–Wen exponent n is {n}: it must be at least 1")]
+    Exponent {
+        /// The exponent given.
+        n: f64,
+    },
+    /// A memory of an operator of another family.
+    #[error("the memory that the record is to start with belongs to a hysteresis operator of another family")]
+    Memory,
+    /// The operator sees the rate, and the time between samples is not known.
+    #[error("this hysteresis depends on the rate of the voltage: it needs the time between samples")]
+    Interval,
+    /// The output does not have the length the input asks for.
+    #[error("the output has {found} samples but {expected} are needed for this input")]
+    Lengths {
+        /// Samples the output must have.
+        expected: usize,
+        /// Samples it has.
+        found: usize,
+    },
+    /// A voltage, or the state before the first sample, is infinite or not a number.
+    #[error("drive sample {index} (or the state before it) is not finite: remove or mask such samples first")]
+    Drive {
+        /// Number of the sample, from 0.
+        index: usize,
+    },
+    /// The hysteresis state runs away: parameters outside the bounded class.
+    #[error(
+        "the hysteresis state runs away at drive sample {index} ({cause}); keep β + γ > 0 and β − γ ≥ 0 for α > 0, \
+         β − γ > 0 and β + γ ≥ 0 for α < 0"
+    )]
+    RunsAway {
+        /// Number of the sample, from 0.
+        index: usize,
+        /// What the step said.
+        cause: StepError<f64>,
+    },
+    /// No periodic steady state was found.
+    #[error(
+        "no steady state after {periods} periods: z still changes by {change:e} a period; the record must be a whole \
+         number of periods and the parameters in the bounded class"
+    )]
+    NotSettled {
+        /// Periods simulated.
+        periods: usize,
+        /// Change of z over the last one \[µm\].
+        change: f64,
+    },
+    /// The steady state of a period does not determine its own derivatives.
+    #[error(
+        "the steady state has no derivatives: what is left of a difference of states after a period is {slope} of it \
+         and must be less than 1; give the loop a shape with β' > |γ'|, or another start than the periodic one"
+    )]
+    NotContracting {
+        /// ∂ζ(end of the period)/∂ζ(its start).
+        slope: f64,
+    },
+    /// Not one weight a threshold.
+    #[error("there are {thresholds} play thresholds but {weights} weights: give one weight a threshold")]
+    PlayCount {
+        /// Number of thresholds.
+        thresholds: usize,
+        /// Number of weights.
+        weights: usize,
+    },
+    /// Thresholds of plays must be finite, positive and increasing.
+    #[error("play threshold {index} (from 0) is {value} V: it must be finite and above {above} V")]
+    Threshold {
+        /// Number of the play, from 0.
+        index: usize,
+        /// Its threshold \[V\].
+        value: f64,
+        /// The threshold before it \[V\], 0 before the first.
+        above: f64,
+    },
+    /// The weight of a play is infinite or not a number.
+    #[error("the weight of play {index} (from 0) is {value}: it must be finite")]
+    Weight {
+        /// Number of the play, from 0.
+        index: usize,
+        /// Its weight.
+        value: f64,
+    },
+    /// Not one state a play.
+    #[error("there are {found} play states but {expected} plays: give one state a play")]
+    PlayStates {
+        /// Number of plays.
+        expected: usize,
+        /// States handed in.
+        found: usize,
+    },
+    /// States that no common history of the voltage leaves behind.
+    #[error(
+        "the play states have no common history: play {index} (from 0) is further from the one before it than their \
+         thresholds differ; start from rest or from the states that a simulation left behind"
+    )]
+    PlayHistory {
+        /// Number of the play, from 0.
+        index: usize,
+    },
+    /// The output leaves the range of the numbers.
+    #[error(
+        "the output is not finite at drive sample {index}: the drive is far beyond any voltage of an actuator"
+    )]
+    Overflow {
+        /// Number of the sample, from 0.
+        index: usize,
+    },
+    /// The closed-form inverse exists for a linear polynomial only.
+    #[error(
+        "the polynomial is of degree {degree}: the inverse has a closed form for a linear polynomial only; invert move \
+         by move over the range of voltages needed"
+    )]
+    NotLinear {
+        /// Its degree.
+        degree: usize,
+    },
+    /// A branch of a model with a linear polynomial does not increase.
+    #[error(
+        "the model has no inverse: with its {plays} narrowest plays moving, the output changes by {slope} µm/V, which \
+         must be positive"
+    )]
+    PartialSlope {
+        /// How many plays move, from the narrowest.
+        plays: usize,
+        /// Slope of the branch \[µm/V\].
+        slope: f64,
+    },
+    /// A branch of the model does not increase within the range of its inverse.
+    #[error(
+        "the model has no inverse over this range: at {u} V a branch has the slope {slope} µm/V, which must be positive \
+         beyond rounding; choose a range without this voltage or a polynomial and weights that increase there"
+    )]
+    NotSteep {
+        /// Voltage \[V\].
+        u: f64,
+        /// Least slope of a branch there \[µm/V\].
+        slope: f64,
+    },
+    /// A range of voltages without inside.
+    #[error(
+        "the range from {} V to {} V is empty or not finite: give its lower end first",
+        short(*low),
+        short(*high)
+    )]
+    Range {
+        /// Lower end \[V\].
+        low: f64,
+        /// Upper end \[V\].
+        high: f64,
+    },
+    /// A device that rests where its drive may not be.
+    #[error(
+        "the device rests at {} V, outside of the range of its drive, {} V to {} V",
+        short(*rest),
+        short(*low),
+        short(*high)
+    )]
+    RestOutside {
+        /// Where it rests \[V\].
+        rest: f64,
+        /// Lower end of the range \[V\].
+        low: f64,
+        /// Upper end \[V\].
+        high: f64,
+    },
+    /// No voltage of the range gives the output.
+    #[error(
+        "no voltage of the range gives the output {v} µm of sample {index}: from where the plays stand it gives {from} to \
+         {to} µm; ask for an output between these or allow a wider range"
+    )]
+    OutOfReach {
+        /// Number of the sample, from 0.
+        index: usize,
+        /// The output asked for \[µm\].
+        v: f64,
+        /// Output at the lower end of the range \[µm\].
+        from: f64,
+        /// Output at its upper end \[µm\].
+        to: f64,
+    },
+    /// A largest step of the drive that leaves no room.
+    #[error("the largest change of the drive from one sample to the next is {step} V: it must be positive")]
+    Step {
+        /// The step \[V\].
+        step: f64,
+    },
+    /// An output asked for is infinite or not a number.
+    #[error("the output wanted at sample {index} is not finite")]
+    Wanted {
+        /// Number of the sample, from 0.
+        index: usize,
+    },
+    /// The output falls as the voltage rises.
+    #[error(
+        "the hysteresis has no inverse: on the move to sample {index} the output falls near {} V as the voltage rises; keep the \
+         drive away from there, or identify a family whose branches increase (plays with weights of one sign do)",
+        short(*u)
+    )]
+    NotIncreasing {
+        /// Number of the sample, from 0.
+        index: usize,
+        /// Voltage \[V\].
+        u: f64,
+    },
+    /// Up-sampling by 0.
+    #[error("the up-sampling factor is 0: it must be at least 1")]
+    Factor,
+    /// Not one number a shape parameter.
+    #[error("the shape has {found} parameters but this family has {expected}")]
+    ShapeCount {
+        /// Parameters of the family.
+        expected: usize,
+        /// Numbers handed in.
+        found: usize,
+    },
+    /// A shape parameter or a number of the structure out of its range.
+    #[error("{name} is {value}: it must be {must}")]
+    ShapeParameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// Envelopes between which a generalised play has no place.
+    #[error(
+        "at {u} V the right envelope lies {by} above the left one, more than twice the narrowest threshold {narrowest}: \
+         widen the thresholds or bring the envelopes together"
+    )]
+    Envelopes {
+        /// Voltage \[V\].
+        u: f64,
+        /// Right less left envelope.
+        by: f64,
+        /// Narrowest threshold.
+        narrowest: f64,
+    },
+    /// An Everett table that is not lower triangular with zeros on its diagonal.
+    #[error(
+        "row {row} (from 0) of the Everett table: row p has p + 1 finite numbers, the last one 0, and there is one row a level"
+    )]
+    EverettTable {
+        /// Number of the row, from 0.
+        row: usize,
+    },
+    /// A first-order reversal curve that cannot be used.
+    #[error(
+        "reversal curve {index} (from 0): it must begin at level {} (from 0), decrease in voltage at least to the first level, \
+         and hold one finite displacement a voltage",
+        index + 1
+    )]
+    ReversalCurve {
+        /// Number of the curve, from 0.
+        index: usize,
+    },
+    /// Not one weight a column.
+    #[error("there are {columns} columns but {weights} weights: give one weight a column")]
+    WeightCount {
+        /// Columns of the family.
+        columns: usize,
+        /// Number of weights.
+        weights: usize,
+    },
+    /// The weight of a column is infinite or not a number.
+    #[error("the weight of column {index} (from 0) is {value}: it must be finite")]
+    ColumnWeight {
+        /// Number of the column, from 0.
+        index: usize,
+        /// Its weight.
+        value: f64,
+    },
+    /// The Fourier transform of the drive failed.
+    #[error("band-limited interpolation of {samples} samples failed: {message}")]
+    Fourier {
+        /// Length of the transform.
+        samples: usize,
+        /// What the transform said.
+        message: String,
+    },
+}
+
+impl HysteresisError {
+    /// The same error, met at drive sample `index`.
+    pub(super) fn at_sample(self, index: usize) -> Self {
+        match self {
+            Self::Drive { .. } => Self::Drive { index },
+            Self::Overflow { .. } => Self::Overflow { index },
+            Self::RunsAway { cause, .. } => Self::RunsAway { index, cause },
+            other => other,
+        }
+    }
+}
+
+impl From<ParameterError<f64>> for HysteresisError {
+    fn from(error: ParameterError<f64>) -> Self {
+        match error {
+            ParameterError::Exponent { n } => Self::Exponent { n },
+            ParameterError::NotFinite { name, value } => Self::Parameter { name, value },
+            _ => Self::Parameter { name: "n", value: f64::NAN },
+        }
+    }
+}
+
+impl From<SimulateError<f64>> for HysteresisError {
+    fn from(error: SimulateError<f64>) -> Self {
+        match error {
+            SimulateError::Lengths { expected, found } => Self::Lengths { expected, found },
+            SimulateError::Step { index, cause: StepError::NotFinite } => Self::Drive { index },
+            SimulateError::Step { index, cause } => Self::RunsAway { index, cause },
+            _ => Self::Drive { index: 0 },
+        }
+    }
+}
+
+impl From<PlayBankError<f64>> for HysteresisError {
+    fn from(error: PlayBankError<f64>) -> Self {
+        match error {
+            PlayBankError::Lengths { thresholds, weights } => Self::PlayCount { thresholds, weights },
+            PlayBankError::Threshold { index, value, above } => Self::Threshold { index, value, above },
+            PlayBankError::Weight { index, value } => Self::Weight { index, value },
+            _ => Self::Weight { index: 0, value: f64::NAN },
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! Static hysteresis block: rate-independent operators, one file a model behind one enum.
+//!
+//! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
+//! * [`NormalisedBoucWen`], [`ClassicalBoucWen`]: the same operator in other symbols.
+//! * [`PrandtlIshlinskii`] (plays) with its inverses, and [`PlayStart`].
+//! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
+//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`], [`GeneralisedPlays`], [`DeadZones`], [`DeadZonePlays`],
+//!   [`KrasnoselskiiPokrovskii`], [`Preisach`], [`PreisachDensity`], [`JilesAtherton`], [`SongDerKiureghian`],
+//!   [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
+//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives.
+//! * [`RateDependentPlays`] and [`RateDependentPrandtlIshlinskii`], the operators here that see the rate; [`DriveGrid`] tells it them.
+//! * [`Family`]: a model of any of these families, [`FamilyForm`], whose columns a fit can take; [`FamilyStream`] runs it sample by
+//!   sample.
+//! * [`Origin`]: where an operator stands before the first sample; [`Start`] and [`Sensitivities`] are Bouc–Wen's own.
+//! * [`InterSample`]: how the drive goes from one sample to the next.
+//! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises the output.
+
+mod admissibility;
+mod asymmetric_bouc_wen;
+pub mod bouc_wen;
+mod bouc_wen_forms;
+mod columns;
+mod dahl;
+mod dead_zone_plays;
+mod dead_zones;
+mod drive_grid;
+mod duhem;
+mod error;
+mod family;
+mod follow;
+mod form;
+mod generalised_play;
+mod inter_sample;
+mod invertibility;
+mod jiles_atherton;
+mod krasnoselskii_pokrovskii;
+mod maxwell_slip;
+mod parallel_bouc_wen;
+mod pass;
+mod plays;
+mod polynomial;
+mod prandtl_ishlinskii;
+mod preisach;
+mod rate_dependent_plays;
+mod sensitivities;
+
+pub use crate::record::InterSample;
+pub use admissibility::Admissibility;
+pub use asymmetric_bouc_wen::{NonSymmetricBoucWen, SongDerKiureghian};
+pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
+pub use bouc_wen_forms::{ClassicalBoucWen, NormalisedBoucWen};
+pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities, ColumnStart};
+pub use dahl::Dahl;
+pub use dead_zone_plays::DeadZonePlays;
+pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
+pub use drive_grid::DriveGrid;
+pub use duhem::Duhem;
+pub use error::HysteresisError;
+pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};
+pub use follow::{DriveLimits, Followed};
+pub use form::{Columns, HysteresisForm, Memory, Origin, Partial};
+pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
+pub use inter_sample::RecordEnds;
+#[doc(hidden)]
+pub use inter_sample::polygon_of_means;
+pub use invertibility::{Invertibility, TimedDrive};
+pub use jiles_atherton::JilesAtherton;
+pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
+pub use maxwell_slip::MaxwellSlip;
+pub use parallel_bouc_wen::ParallelBoucWen;
+pub use plays::{OneSidedPlays, Plays};
+pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};
+pub use preisach::{DensityLaw, Preisach, PreisachDensity, ReversalCurve};
+pub use rate_dependent_plays::{RateDependentPlays, RateDependentPrandtlIshlinskii};
+pub use sensitivities::Sensitivities;
+
+/// A rate-independent hysteresis operator.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hysteresis {
+    /// Bouc–Wen, article Eq. 1.
+    BoucWen(BoucWen),
+    /// Polynomial and plays.
+    PrandtlIshlinskii(PrandtlIshlinskii),
+    /// Polynomial and the columns of another family.
+    Family(Family),
+}
+
+/// Where a Bouc–Wen operator stands before the first sample of a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// Virgin (z = 0) at the rest voltage `u` \[V\], from which the first sample is reached by a monotone move.
+    Rest {
+        /// Rest voltage \[V\], in general not the first sample.
+        u: f64,
+    },
+    /// A known state, e.g. the one a previous record ended in; the first sample is reached by a monotone move.
+    State(BoucWenState),
+    /// Steady state of the record repeated for ever; the record must be a whole number of periods.
+    Periodic,
+}
+
+impl Hysteresis {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// As the model's own `validate`.
+    pub fn validate(&self) -> Result<(), HysteresisError> {
+        match self {
+            Self::BoucWen(model) => model.validate(),
+            Self::PrandtlIshlinskii(model) => model.validate(),
+            Self::Family(model) => model.validate(),
+        }
+    }
+
+    /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length). Moves between samples are monotone
+    /// ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of an [`Origin::Remembering`] is in the
+    /// operator's own scale: z(0) \[µm\] for Bouc–Wen.
+    ///
+    /// # Errors
+    /// As the model's own `simulate`.
+    pub fn simulate(&self, u: &[f64], origin: Origin, out: &mut [f64]) -> Result<(), HysteresisError> {
+        self.simulate_every(1, u, origin, out)
+    }
+
+    /// As [`Self::simulate`] for a drive `u` given on a time base finer by a factor ([`InterSample::upsample`]):
+    /// `out[k]` belongs to `u[k * factor]`. An operator that sees the rate takes it from the grid.
+    ///
+    /// # Errors
+    /// As the model's own `simulate`.
+    pub fn simulate_every(
+        &self,
+        grid: impl Into<DriveGrid>,
+        u: &[f64],
+        origin: Origin,
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError> {
+        let grid = grid.into();
+        let factor = grid.factor;
+        match self {
+            Self::BoucWen(model) => {
+                let start = match origin {
+                    Origin::Virgin { rest } => Start::Rest { u: rest },
+                    Origin::Remembering { rest, memory } => Start::State(BoucWenState { u: rest, z: memory }),
+                    Origin::Periodic => Start::Periodic,
+                };
+                model.simulate_every(factor, u, start, out).map(|_| ())
+            }
+            Self::PrandtlIshlinskii(model) => {
+                let (start, mut plays) = match origin {
+                    Origin::Virgin { rest } => (PlayStart::Rest { u: rest }, vec![0.0; model.weights.len()]),
+                    Origin::Remembering { rest, memory } => (PlayStart::State, model.plays_at(memory, rest)),
+                    Origin::Periodic => (PlayStart::Periodic, vec![0.0; model.weights.len()]),
+                };
+                model.simulate_every(factor, u, start, &mut plays, out)
+            }
+            Self::Family(model) => model.simulate_every(grid, u, origin, out),
+        }
+    }
+
+    /// Output \[µm\] of an operator at rest at the voltage `rest` \[V\] with a memory (see [`Origin::Remembering`]), `None`
+    /// where it is virgin there.
+    pub fn at_rest(&self, rest: f64, memory: Option<f64>) -> f64 {
+        match self {
+            Self::BoucWen(model) => model.polynomial_at(rest) - memory.unwrap_or(0.0),
+            Self::PrandtlIshlinskii(model) => {
+                let plays = model.plays_at(memory.unwrap_or(rest), rest);
+                let sum: f64 = plays.iter().zip(&model.weights).map(|(play, weight)| weight * play).sum();
+                model.polynomial_at(rest) + sum
+            }
+            Self::Family(model) => model.at_rest(memory.unwrap_or(rest), rest),
+        }
+    }
+
+    /// Memory of an operator, in its own scale, that was virgin at the voltage `virgin` \[V\] and went to `rest` without turning.
+    ///
+    /// # Errors
+    /// As the model's own `validate`; voltages that are not finite.
+    pub fn memory_of_move(&self, virgin: f64, rest: f64) -> Result<f64, HysteresisError> {
+        match self {
+            Self::BoucWen(model) => {
+                let mut state = BoucWenState { u: virgin, z: 0.0 };
+                let moved = model.operator()?.step(&mut state, rest);
+                moved.map_err(|cause| HysteresisError::RunsAway { index: 0, cause })
+            }
+            Self::PrandtlIshlinskii(_) | Self::Family(_) => Ok(virgin),
+        }
+    }
+
+    /// Coefficients of the polynomial l\[u\], to change them.
+    pub fn polynomial_mut(&mut self) -> &mut Vec<f64> {
+        match self {
+            Self::BoucWen(model) => &mut model.polynomial,
+            Self::PrandtlIshlinskii(model) => &mut model.polynomial,
+            Self::Family(model) => &mut model.polynomial,
+        }
+    }
+
+    /// Coefficients of the polynomial l\[u\], from that of u on \[µm/V, µm/V², …\].
+    pub fn polynomial(&self) -> &[f64] {
+        match self {
+            Self::BoucWen(model) => &model.polynomial,
+            Self::PrandtlIshlinskii(model) => &model.polynomial,
+            Self::Family(model) => &model.polynomial,
+        }
+    }
+
+    /// The operator whose output is `gain` times that of this one. For Bouc–Wen, with z = g Z: ż = g α u̇ − g¹⁻ⁿ
+    /// (β |u̇| z |z|ⁿ⁻¹ + γ u̇ |z|ⁿ).
+    ///
+    /// # Errors
+    /// As the model's own `validate`.
+    pub fn scaled(&self, gain: f64) -> Result<Self, HysteresisError> {
+        let times_gain = |numbers: &[f64]| numbers.iter().map(|c| gain * c).collect();
+        match self {
+            Self::BoucWen(b) => {
+                let shape = gain.powf(1.0 - b.n);
+                let polynomial = times_gain(&b.polynomial);
+                BoucWen::new(polynomial, gain * b.alpha, shape * b.beta, shape * b.gamma, b.n)
+                    .map(Self::BoucWen)
+            }
+            Self::PrandtlIshlinskii(model) => {
+                let (polynomial, weights) = (times_gain(&model.polynomial), times_gain(&model.weights));
+                PrandtlIshlinskii::new(polynomial, model.thresholds.clone(), weights)
+                    .map(Self::PrandtlIshlinskii)
+            }
+            Self::Family(model) => {
+                let (polynomial, weights) = (times_gain(&model.polynomial), times_gain(&model.weights));
+                Family::new(polynomial, model.form, model.shape.clone(), weights).map(Self::Family)
+            }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The Prandtl–Ishlinskii model: a polynomial and a weighted sum of play (backlash) operators.
+//!
+//! Sources: M. Brokate, J. Sprekels, *Hysteresis and Phase Transitions*, Springer 1996, doi:10.1007/978-1-4612-4048-8;
+//! the inverse after P. Krejčí, K. Kuhnen, *IEE Proc. Control Theory Appl.* 148 (2001) 185–192,
+//! doi:10.1049/ip-cta:20010375.
+
+mod inverse;
+
+pub use inverse::StepInverse;
+
+use hysteron_rt::{PlayBank, PlayError, play};
+
+use super::pass::Every;
+use super::{HysteresisError, polynomial};
+
+/// Prandtl–Ishlinskii operator with a polynomial of any degree:
+///
+/// v = Σ_{i≥1} polynomial\[i−1\] uⁱ + Σᵢ weightsᵢ F_rᵢ\[u\],  F_r ← max(u − r, min(u + r, F_r)),
+///
+/// with half-widths 0 < r₁ < r₂ < … Each play is stepped exactly from sample to sample ([`hysteron_rt::PlayBank`]): the
+/// result does not depend on the sample rate as long as every turning point of u is a sample.
+///
+/// The states of the plays are the whole memory. They are kept by the caller, one number \[V\] a play, in the order of
+/// the thresholds.
+///
+/// ```
+/// use hysteron_model::hysteresis::{PlayStart, PrandtlIshlinskii};
+///
+/// // One play of half-width 1 V beside a straight line: on the way back nothing but the line moves for 2 V.
+/// let model = PrandtlIshlinskii::new(vec![1.0], vec![1.0], vec![2.0])?;
+/// let (mut plays, mut v) = ([0.0], [0.0; 4]);
+/// model.simulate(&[3.0, 2.0, 1.0, 0.0], PlayStart::Rest { u: 0.0 }, &mut plays, &mut v)?;
+/// assert_eq!(v, [7.0, 6.0, 5.0, 2.0]);
+/// # Ok::<(), hysteron_model::hysteresis::HysteresisError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrandtlIshlinskii {
+    /// Coefficients of u, u², … \[µm/V, µm/V², …\]; no constant term (the model's one offset is elsewhere).
+    pub polynomial: Vec<f64>,
+    /// Half-widths rᵢ of the plays \[V\], positive and increasing.
+    pub thresholds: Vec<f64>,
+    /// Weights of the plays \[µm/V\], of any sign; one a threshold.
+    pub weights: Vec<f64>,
+}
+
+/// Where the plays stand before the first sample of a record, which is reached by a monotone move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlayStart {
+    /// Virgin at the rest voltage `u` \[V\]: every play in the middle of its width.
+    Rest {
+        /// Rest voltage \[V\], in general not the first sample.
+        u: f64,
+    },
+    /// As the states handed in say, e.g. those that a previous record left behind.
+    State,
+    /// Steady state of the record repeated for ever; the record must be a whole number of periods.
+    ///
+    /// It is reached exactly, to the last bit, after one period. With M and m the largest and least voltage: a play with
+    /// 2r ≤ M − m stands at M − r whenever u passes M and at m + r whenever u passes m, whatever it did before; a wider
+    /// one is within \[M − r, m + r\] once u has passed both, and no voltage of the record moves it from there. Where in
+    /// this interval a wide play stands is not a matter of the record: it is taken at (M + m)/2, where a drive that
+    /// shrank to this record from large amplitudes leaves it.
+    Periodic,
+}
+
+impl PrandtlIshlinskii {
+    /// A checked operator.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn new(
+        polynomial: Vec<f64>,
+        thresholds: Vec<f64>,
+        weights: Vec<f64>,
+    ) -> Result<Self, HysteresisError> {
+        let model = Self { polynomial, thresholds, weights };
+        model.validate()?;
+        Ok(model)
+    }
+
+    /// Checks that the polynomial is not empty, every number finite, the thresholds positive and increasing, and that
+    /// there is one weight a threshold.
+    ///
+    /// # Errors
+    /// The first [`HysteresisError`] found.
+    pub fn validate(&self) -> Result<(), HysteresisError> {
+        polynomial::check(&self.polynomial)?;
+        self.bank().map(|_| ())
+    }
+
+    /// The streaming operator for Σ weightsᵢ F_rᵢ.
+    ///
+    /// # Errors
+    /// [`HysteresisError::PlayCount`], [`HysteresisError::Threshold`] or [`HysteresisError::Weight`].
+    pub fn bank(&self) -> Result<PlayBank<'_, f64>, HysteresisError> {
+        Ok(PlayBank::new(&self.thresholds, &self.weights)?)
+    }
+
+    /// The polynomial l\[u\] = Σ polynomial\[i−1\] uⁱ \[µm\] at `u` \[V\].
+    pub fn polynomial_at(&self, u: f64) -> f64 {
+        polynomial::value(&self.polynomial, u)
+    }
+
+    /// Initial loading curve φ(u) = l\[u\] + Σ weightsᵢ sign(u) max(|u| − rᵢ, 0) \[µm\]: the output after a monotone move
+    /// from rest at 0 V to `u` \[V\]. For a linear polynomial its inverse function is the loading curve of
+    /// [`Self::inverse`].
+    pub fn loading_curve(&self, u: f64) -> f64 {
+        let plays = self.thresholds.iter().zip(&self.weights);
+        plays.fold(self.polynomial_at(u), |v, (r, w)| v + w * (u.abs() - r).max(0.0).copysign(u))
+    }
+
+    /// States of the plays of a device that was virgin at the voltage `virgin` and moved, without turning, to `u` \[V\].
+    pub fn plays_at(&self, virgin: f64, u: f64) -> Vec<f64> {
+        self.thresholds.iter().map(|&threshold| play(threshold, virgin, u)).collect()
+    }
+
+    /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state a play: those before the first
+    /// sample for [`PlayStart::State`], anything otherwise; afterwards those at the last sample. Allocates nothing.
+    ///
+    /// # Errors
+    /// Parameters as in [`Self::validate`]; [`HysteresisError::PlayStates`] and [`HysteresisError::Lengths`];
+    /// [`HysteresisError::Drive`] where u, or a state before it, is not finite; [`HysteresisError::Overflow`] where v
+    /// is not.
+    pub fn simulate(
+        &self,
+        u: &[f64],
+        start: PlayStart,
+        plays: &mut [f64],
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError> {
+        self.simulate_every(1, u, start, plays, out)
+    }
+
+    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k * factor]`.
+    ///
+    /// # Errors
+    /// As [`Self::simulate`]; [`HysteresisError::Factor`] for 0.
+    pub fn simulate_every(
+        &self,
+        factor: usize,
+        u: &[f64],
+        start: PlayStart,
+        plays: &mut [f64],
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError> {
+        self.validate()?;
+        let bank = self.bank()?;
+        let mut every = Every::new(factor)?;
+        let expected = u.len().div_ceil(factor);
+        if out.len() != expected {
+            return Err(HysteresisError::Lengths { expected, found: out.len() });
+        }
+        let step = |plays: &mut [f64], index: usize, u: f64| {
+            bank.step(plays, u).map_err(|error| HysteresisError::at(index, error))
+        };
+        match start {
+            PlayStart::Rest { u } => plays.fill(u),
+            PlayStart::State => {}
+            PlayStart::Periodic => {
+                let [low, high] =
+                    u.iter().fold([f64::MAX, f64::MIN], |[low, high], &u| [low.min(u), high.max(u)]);
+                plays.fill(0.5 * low + 0.5 * high);
+                for (index, &u) in u.iter().enumerate() {
+                    step(plays, index, u)?;
+                }
+            }
+        }
+        if !plays.iter().all(|play| play.is_finite()) {
+            return Err(HysteresisError::Drive { index: 0 });
+        }
+        let mut slots = out.iter_mut();
+        for (index, &u) in u.iter().enumerate() {
+            let sum = step(plays, index, u)?;
+            if every.take()
+                && let Some(slot) = slots.next()
+            {
+                *slot = self.polynomial_at(u) + sum;
+                if !slot.is_finite() {
+                    return Err(HysteresisError::Overflow { index });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl HysteresisError {
+    /// What went wrong with a move of a bank of plays to sample `index`.
+    pub(in crate::hysteresis) fn at(index: usize, error: PlayError<f64>) -> Self {
+        match error {
+            PlayError::Lengths { expected, found } => Self::PlayStates { expected, found },
+            PlayError::Overflow => Self::Overflow { index },
+            PlayError::History { index } => Self::PlayHistory { index },
+            _ => Self::Drive { index },
+        }
+    }
+}

@@ -1,0 +1,529 @@
+//! Feedforward: the drive that makes a model's output follow a reference known ahead.
+//!
+//! The controller's converter holds each voltage for one period, and hysteresis is rate independent, so that its output v is held as
+//! well: v is what the linear part sees of a staircase, whatever the family. The reference goes backwards through the model: through
+//! the regularised inverse of the dynamics as they answer held samples ([`crate::dynamics::Inverse`]: delay, hold and creep
+//! included, looking ahead), then through the hysteresis, exact in one step ([`Hysteresis::follow`]).
+//!
+//! [`Hysteresis::follow`]: crate::hysteresis::Hysteresis::follow
+
+use std::f64::consts::FRAC_PI_2;
+
+use hysteron_rt::Limited;
+
+use crate::compensator::{Compensation, CompensatorError, CompensatorParts};
+use crate::dynamics::{
+    Dynamics, DynamicsError, InitialCondition, InterSample, Inverse, InverseAim, Response, Sampling, Scheme,
+    SimulationPlan, Term, TransferFunction,
+};
+use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError, Start};
+use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError, Origin};
+use crate::realise::RealiseError;
+use hysteron_numeric::display::short;
+
+/// Share of the reference that is missing at the bandwidth, where nobody says otherwise.
+pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
+/// Bandwidth as a share of the sample rate, where nobody says otherwise.
+pub const BANDWIDTH_SHARE: f64 = 0.05;
+
+/// Share of the reference that is missing at what counts as the bandwidth of a law that works sample by sample.
+const ERROR_OF_A_LAW: f64 = 0.01;
+/// Cycles of the bandwidth, at the beginning of a record, over which learning sets in.
+const FIRST_CYCLES: f64 = 2.0;
+/// Parts of the range in which a fall of the output is looked for.
+const LOOKED_AT: usize = 256;
+
+/// What the device does before the reference begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Before {
+    /// It rests, having been driven there without turning from a voltage at which it was free of hysteresis memory.
+    Rest {
+        /// Where it rests \[V\]; `None`: where it gives the first value of the reference.
+        voltage_v: Option<f64>,
+        /// Where it was virgin \[V\]; `None`: where it rests.
+        virgin_v: Option<f64>,
+    },
+    /// It has been following the reference, which repeats, for a long time; the reference is a whole number of periods.
+    Periodic,
+}
+
+/// How a reference is to be followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseOptions {
+    /// Frequency up to which the output follows \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
+    pub bandwidth_hz: Option<f64>,
+    /// Share of the reference that is missing there.
+    pub error_at_bandwidth: f64,
+    /// Least and largest voltage \[V\].
+    pub range_v: [f64; 2],
+    /// Largest rate of the drive \[V/s\]; infinite for none.
+    pub slew_v_per_s: f64,
+    /// What the device does before.
+    pub before: Before,
+}
+
+impl InverseOptions {
+    /// Within these voltages \[V\], the rest as usual.
+    pub fn within(range_v: [f64; 2]) -> Self {
+        Self {
+            bandwidth_hz: None,
+            error_at_bandwidth: ERROR_AT_BANDWIDTH,
+            range_v,
+            slew_v_per_s: f64::INFINITY,
+            before: Before::Rest { voltage_v: None, virgin_v: None },
+        }
+    }
+}
+
+/// A drive and what the model does with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InverseDrive {
+    /// Drive \[V\], one sample a sample of the reference, held.
+    pub drive: Vec<f64>,
+    /// Output of the model for it \[µm\].
+    pub predicted: Vec<f64>,
+    /// What was before the first sample; `None` where the reference repeats.
+    pub rest: Option<Start>,
+    /// Samples at which the range held the drive back.
+    pub at_range: usize,
+    /// Samples at which its largest rate did.
+    pub at_slew: usize,
+    /// What the inverse of the dynamics does; `None` for a static model, whose inverse is exact at every frequency.
+    pub dynamics: Option<InverseOfDynamics>,
+}
+
+/// A run of the device with a drive made for the same reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LastRun<'a> {
+    /// Its drive \[V\].
+    pub drive: &'a [f64],
+    /// What was measured \[µm\].
+    pub measured: &'a [f64],
+}
+
+/// Figures of the inverse of the dynamics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InverseOfDynamics {
+    /// Frequency up to which the output follows \[Hz\].
+    pub bandwidth_hz: f64,
+    /// Share of the reference missing there.
+    pub error_at_bandwidth: f64,
+    /// Largest gain.
+    pub peak: f64,
+    /// Factor from white noise on the reference to noise on the output of the hysteresis, both rms.
+    pub noise_gain: f64,
+}
+
+/// Why there is no drive.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum InversionError {
+    /// Fewer than two samples.
+    #[error("the reference has {samples} samples: at least 2 are needed")]
+    TooShort {
+        /// Samples of the reference.
+        samples: usize,
+    },
+    /// A sample of the reference is not finite.
+    #[error("sample {index} (from 0) of the reference is not finite")]
+    NotFinite {
+        /// Number of the sample.
+        index: usize,
+    },
+    /// The last run is not one of this reference.
+    #[error(
+        "the last run has {drive} samples of its drive and {measured} of its output, the reference has {samples}: all must be the same \
+         and the drive within the range"
+    )]
+    LastRun {
+        /// Samples of the drive.
+        drive: usize,
+        /// Samples of the output.
+        measured: usize,
+        /// Samples of the reference.
+        samples: usize,
+    },
+    /// No voltage gives the first value of the reference.
+    #[error(
+        "the reference begins at {}, which no voltage from {} to {} holds: at rest these give {} to {}; begin the reference between \
+         them, or give the voltage at which the device rests",
+        short(*reference),
+        short(*low),
+        short(*high),
+        short(*from),
+        short(*to)
+    )]
+    Begins {
+        /// First value of the reference \[µm\].
+        reference: f64,
+        /// Least voltage \[V\].
+        low: f64,
+        /// Largest voltage \[V\].
+        high: f64,
+        /// Output at rest at the least voltage \[µm\].
+        from: f64,
+        /// Output at rest at the largest voltage \[µm\].
+        to: f64,
+    },
+    /// No voltage gives the first value of the reference, and the output falls somewhere in the range.
+    #[error(
+        "the hysteresis has no inverse over the range from {} V to {} V: near {} V its output at rest falls as the voltage rises; give \
+         a smaller range",
+        short(*low),
+        short(*high),
+        short(*near)
+    )]
+    Falls {
+        /// Least voltage \[V\].
+        low: f64,
+        /// Largest voltage \[V\].
+        high: f64,
+        /// Where the output falls \[V\].
+        near: f64,
+    },
+    /// A reference that repeats was to be followed one sample at a time.
+    #[error(
+        "a reference that repeats is followed as a whole: one sample at a time it has no steady state to begin in"
+    )]
+    Repeats,
+    /// There is no compensator.
+    #[error(transparent)]
+    Compensator(#[from] CompensatorError),
+    /// The runtime refuses where the device rests.
+    #[error(transparent)]
+    Realise(#[from] RealiseError),
+    /// The model cannot be run at this rate.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The dynamics have no inverse.
+    #[error("the dynamics cannot be inverted: {0}")]
+    Dynamics(#[from] DynamicsError),
+    /// The hysteresis has no inverse.
+    #[error("the hysteresis cannot be inverted: {0}")]
+    Hysteresis(#[from] HysteresisError),
+}
+
+impl Model {
+    /// The drive that makes the output follow `reference` \[µm\] at `sample_rate_hz`, the rate of the controller.
+    ///
+    /// # Errors
+    /// [`InversionError`].
+    pub fn invert(
+        &self,
+        reference: &[f64],
+        sample_rate_hz: f64,
+        options: &InverseOptions,
+    ) -> Result<InverseDrive, InversionError> {
+        let task = Task::new(self, reference, sample_rate_hz, options)?;
+        let moved: Vec<f64> = reference.iter().map(|r| r - task.output_at_rest).collect();
+        let mut wanted = vec![0.0; moved.len()];
+        task.linear.backwards(&moved, &mut wanted)?;
+        wanted.iter_mut().for_each(|v| *v += task.level);
+        task.drive(&wanted)
+    }
+
+    /// The drive for the next run after a `last` one of the same reference, from what was left of it (iterative learning,
+    /// S. Arimoto, S. Kawamura, F. Miyazaki, *J. Robot. Syst.* 1 (1984) 123–140, doi:10.1002/rob.4620010203):
+    /// v ← v + W (r − y), v the output of the hysteresis, W the inverse of the dynamics. What the model and the device have in common is
+    /// taken off in one run; what is left shrinks by |1 − W P'| a run, P' the device's response, and so falls wherever the model
+    /// is within 100 % of it. The mean of what is left counts as the sensor's own zero and is not learned: learned, it would be a jump from rest.
+    /// What does not repeat (noise, drift) is not learned away but passed on.
+    ///
+    /// # Errors
+    /// [`InversionError`].
+    pub fn learn(
+        &self,
+        reference: &[f64],
+        last: LastRun<'_>,
+        sample_rate_hz: f64,
+        options: &InverseOptions,
+    ) -> Result<InverseDrive, InversionError> {
+        let task = Task::new(self, reference, sample_rate_hz, options)?;
+        let samples = reference.len();
+        let within = |u: &f64| options.range_v[0] <= *u && *u <= options.range_v[1];
+        if last.drive.len() != samples || last.measured.len() != samples || !last.drive.iter().all(within) {
+            let (drive, measured) = (last.drive.len(), last.measured.len());
+            return Err(InversionError::LastRun { drive, measured, samples });
+        }
+        if let Some(index) = last.measured.iter().position(|y| !y.is_finite()) {
+            return Err(InversionError::NotFinite { index });
+        }
+        let mut wanted = vec![0.0; samples];
+        let rest = task.rest_v;
+        let origin = match task.memory {
+            _ if task.periodic => Origin::Periodic,
+            Some(memory) => Origin::Remembering { rest, memory },
+            None => Origin::Virgin { rest },
+        };
+        let grid = DriveGrid::new(Some(sample_rate_hz), 1, 1);
+        self.hysteresis.simulate_every(grid, last.drive, origin, &mut wanted)?;
+        let left = || reference.iter().zip(last.measured).map(|(r, y)| r - y);
+        let zero = left().sum::<f64>() / samples as f64;
+        let mut left: Vec<f64> = left().map(|e| e - zero).collect();
+        if let (false, Some(figures)) = (task.periodic, task.linear.figures()) {
+            // The drive cannot begin before the record, so that what is left at its beginning would be learned again and again.
+            let first = (FIRST_CYCLES * sample_rate_hz / figures.bandwidth_hz).ceil();
+            for (k, e) in left.iter_mut().enumerate().take(first as usize) {
+                *e *= (FRAC_PI_2 * k as f64 / first).sin().powi(2);
+            }
+        }
+        let mut correction = vec![0.0; samples];
+        task.linear.backwards(&left, &mut correction)?;
+        wanted.iter_mut().zip(&correction).for_each(|(v, c)| *v += c);
+        task.drive(&wanted)
+    }
+
+    /// The voltage at which the device rests at this output, driven there from where it was virgin.
+    pub(crate) fn rest_for(
+        &self,
+        output: f64,
+        virgin_v: Option<f64>,
+        [low, high]: [f64; 2],
+    ) -> Result<f64, InversionError> {
+        let gain = self.gain_at_rest();
+        let at = |u: f64| -> Result<f64, HysteresisError> {
+            let memory = virgin_v.map(|virgin| self.hysteresis.memory_of_move(virgin, u)).transpose()?;
+            Ok(self.offset + gain * self.hysteresis.at_rest(u, memory))
+        };
+        let (from, to) = (at(low)?, at(high)?);
+        if !(from.min(to) <= output && output <= from.max(to)) {
+            let voltage = |k: usize| low + (high - low) * k as f64 / LOOKED_AT as f64;
+            for k in 1..=LOOKED_AT {
+                if at(voltage(k))? < at(voltage(k - 1))? {
+                    return Err(InversionError::Falls { low, high, near: voltage(k) });
+                }
+            }
+            return Err(InversionError::Begins { reference: output, low, high, from, to });
+        }
+        let (mut below, mut above) = if from <= to { (low, high) } else { (high, low) };
+        // Halves of a range of doubles end within 2100 steps; 60 leave 1e-18 of it.
+        for _ in 0..60 {
+            let middle = 0.5 * (below + above);
+            if at(middle)? <= output { below = middle } else { above = middle }
+        }
+        Ok(below)
+    }
+}
+
+impl Compensation {
+    /// The drive along `reference` \[µm\], made one sample at a time: what the law previews is known ahead, what lies beyond is not looked at; after its
+    /// end the reference stays where it is. Of `options` the limits and what was before count; bandwidth and error are the law's.
+    ///
+    /// # Errors
+    /// [`InversionError`]; a reference that repeats is refused, for its steady state belongs to the whole of it.
+    pub fn follow(
+        &self,
+        reference: &[f64],
+        options: &InverseOptions,
+    ) -> Result<InverseDrive, InversionError> {
+        let Before::Rest { virgin_v, .. } = options.before else { return Err(InversionError::Repeats) };
+        let task = Task::new(&self.model, reference, self.sample_rate_hz, options)?;
+        let mut parts = CompensatorParts::<f64>::new(self, options.range_v, options.slew_v_per_s)?;
+        let mut compensator = parts.compensator()?;
+        let rest_v = task.rest_v;
+        compensator.rest_after(virgin_v.unwrap_or(rest_v), rest_v).map_err(RealiseError::from)?;
+        let last = reference.last().copied().unwrap_or(task.output_at_rest);
+        let ahead = |k: usize| reference.get(k).copied().unwrap_or(last);
+        for k in 0..self.preview {
+            compensator.know(ahead(k));
+        }
+        let mut followed = Followed { drive: Vec::new(), output: Vec::new(), limited: Vec::new() };
+        for k in 0..reference.len() {
+            let sample = compensator.step(ahead(k + self.preview));
+            if matches!(sample.limited, Limited::Reference | Limited::Overflow) {
+                return Err(HysteresisError::Overflow { index: k }.into());
+            }
+            followed.limited.push(sample.limited);
+            followed.drive.push(sample.voltage);
+            followed.output.push(compensator.output());
+        }
+        let figures = self.bandwidth_hz.is_finite().then(|| InverseOfDynamics {
+            bandwidth_hz: self.follows_to(ERROR_OF_A_LAW),
+            error_at_bandwidth: ERROR_OF_A_LAW,
+            peak: self.peak,
+            noise_gain: self.noise_gain,
+        });
+        Ok(InverseDrive { dynamics: figures, ..task.answer(followed)? })
+    }
+}
+
+/// What a reference is followed with.
+struct Task<'a> {
+    model: &'a Model,
+    options: &'a InverseOptions,
+    sample_rate_hz: f64,
+    linear: Linear,
+    periodic: bool,
+    /// Voltage before the first sample; of a periodic reference, at which the first period begins.
+    rest_v: f64,
+    /// What the hysteresis remembers there, in its own scale.
+    memory: Option<f64>,
+    /// Outputs of hysteresis and model that deviations count from.
+    level: f64,
+    output_at_rest: f64,
+}
+
+impl<'a> Task<'a> {
+    fn new(
+        model: &'a Model,
+        reference: &[f64],
+        sample_rate_hz: f64,
+        options: &'a InverseOptions,
+    ) -> Result<Self, InversionError> {
+        if reference.len() < 2 {
+            return Err(InversionError::TooShort { samples: reference.len() });
+        }
+        if let Some(index) = reference.iter().position(|r| !r.is_finite()) {
+            return Err(InversionError::NotFinite { index });
+        }
+        model.check_sample_rate(Some(sample_rate_hz))?;
+        let [low, high] = options.range_v;
+        if !(low < high && (high - low).is_finite()) {
+            return Err(HysteresisError::Range { low, high }.into());
+        }
+        let periodic = options.before == Before::Periodic;
+        let rest_v = match options.before {
+            Before::Rest { voltage_v: Some(voltage_v), .. } => voltage_v,
+            Before::Rest { voltage_v: None, virgin_v } => {
+                model.rest_for(reference[0], virgin_v, options.range_v)?
+            }
+            Before::Periodic => 0.5 * low + 0.5 * high,
+        };
+        let memory = match options.before {
+            Before::Rest { virgin_v: Some(virgin_v), .. } => {
+                Some(model.hysteresis.memory_of_move(virgin_v, rest_v)?)
+            }
+            _ => None,
+        };
+        let level = if periodic { 0.0 } else { model.hysteresis.at_rest(rest_v, memory) };
+        Ok(Self {
+            model,
+            options,
+            sample_rate_hz,
+            linear: Linear::new(model, reference.len(), sample_rate_hz, options)?,
+            periodic,
+            rest_v,
+            memory,
+            level,
+            output_at_rest: model.offset + model.gain_at_rest() * level,
+        })
+    }
+
+    /// The drive that makes the hysteresis put out `wanted`, and what the model then does.
+    fn drive(&self, wanted: &[f64]) -> Result<InverseDrive, InversionError> {
+        let Self { options, rest_v, .. } = *self;
+        let limits = DriveLimits {
+            range: options.range_v,
+            step: options.slew_v_per_s / self.sample_rate_hz,
+            interval_s: Some(1.0 / self.sample_rate_hz),
+        };
+        let hysteresis = &self.model.hysteresis;
+        self.answer(if self.periodic {
+            let settled = SETTLING_PERIODS * wanted.len();
+            let mut followed =
+                hysteresis.follow(&wanted.repeat(SETTLING_PERIODS + 1), rest_v, None, &limits)?;
+            followed.drive.drain(..settled);
+            followed.output.drain(..settled);
+            followed.limited.drain(..settled);
+            followed
+        } else {
+            hysteresis.follow(wanted, rest_v, self.memory, &limits)?
+        })
+    }
+
+    /// What the model does with a drive.
+    fn answer(&self, followed: Followed) -> Result<InverseDrive, InversionError> {
+        let (at_range, at_slew) = (followed.count(Limited::Range), followed.count(Limited::Step));
+        let Followed { drive, output, .. } = followed;
+        let held: Vec<f64> = output.iter().map(|v| v - self.level).collect();
+        let mut predicted = vec![0.0; held.len()];
+        self.linear.forwards(&held, &mut predicted)?;
+        predicted.iter_mut().for_each(|y| *y += self.output_at_rest);
+        Ok(InverseDrive {
+            drive,
+            predicted,
+            rest: (!self.periodic).then(|| Start::at_rest(&self.model.hysteresis, self.rest_v, self.memory)),
+            at_range,
+            at_slew,
+            dynamics: self.linear.figures(),
+        })
+    }
+}
+
+/// The linear part over a record, both ways. Inputs and outputs are deviations from rest, or periodic.
+struct Linear(Option<Both>);
+
+struct Both {
+    plan: SimulationPlan,
+    plant: Response,
+    inverse: Inverse,
+    aim: InverseAim,
+}
+
+impl Linear {
+    fn new(
+        model: &Model,
+        samples: usize,
+        sample_rate_hz: f64,
+        options: &InverseOptions,
+    ) -> Result<Self, DynamicsError> {
+        if model.dynamics == Dynamics::None && model.delay_s == 0.0 {
+            return Ok(Self(None));
+        }
+        let initial = match options.before {
+            Before::Periodic => InitialCondition::Periodic,
+            Before::Rest { .. } => InitialCondition::Zero,
+        };
+        let plan = SimulationPlan::new(samples, sample_rate_hz, Scheme::BandLimited, initial)?;
+        let mut plant = plan.empty_response(0);
+        let sampling = Sampling { delay: InterSample::BandLimited, reconstruction: InterSample::Hold };
+        match &model.dynamics {
+            Dynamics::Arx(arx) => plan.arx_response(arx, model.delay_s, &mut plant)?,
+            Dynamics::Integer(g) | Dynamics::Fractional(g) => {
+                plan.response(g, model.delay_s, sampling, &mut plant)?;
+            }
+            Dynamics::None => {
+                let one = || vec![Term { coefficient: 1.0, order: 0.0 }];
+                let unit = TransferFunction::new(one(), one())?;
+                plan.response(&unit, model.delay_s, sampling, &mut plant)?;
+            }
+        }
+        let bandwidth_hz = options.bandwidth_hz.unwrap_or(BANDWIDTH_SHARE * sample_rate_hz);
+        let aim = InverseAim { bandwidth_hz, error: options.error_at_bandwidth };
+        let inverse = plan.inverse(&plant, aim)?;
+        Ok(Self(Some(Both { plan, plant, inverse, aim })))
+    }
+
+    fn backwards(&self, moved: &[f64], out: &mut [f64]) -> Result<(), DynamicsError> {
+        self.run(|both| &both.inverse.response, moved, out)
+    }
+
+    fn forwards(&self, held: &[f64], out: &mut [f64]) -> Result<(), DynamicsError> {
+        self.run(|both| &both.plant, held, out)
+    }
+
+    fn run(
+        &self,
+        response: impl Fn(&Both) -> &Response,
+        x: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), DynamicsError> {
+        match &self.0 {
+            None => out.copy_from_slice(x),
+            Some(both) => {
+                let spectrum = both.plan.transform(x)?;
+                both.plan.apply(response(both), &spectrum, &mut both.plan.workspace(), out)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn figures(&self) -> Option<InverseOfDynamics> {
+        self.0.as_ref().map(|both| InverseOfDynamics {
+            bandwidth_hz: both.aim.bandwidth_hz,
+            error_at_bandwidth: both.aim.error,
+            peak: both.inverse.peak,
+            noise_gain: both.inverse.noise_gain,
+        })
+    }
+}

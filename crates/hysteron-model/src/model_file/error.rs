@@ -1,0 +1,137 @@
+//! What can be wrong with a model file.
+
+use super::{COUPLED_FORMAT, FORMAT, MODES_FORMAT, OSCILLATOR_FORMAT, VERSION};
+use crate::axes::AxesError;
+use crate::hysteresis::HysteresisError;
+
+/// What is wrong with a model file, where, and what was expected.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelFileError {
+    /// The file is far larger than any model.
+    #[error("more than {limit_bytes} bytes: this is not a model file")]
+    TooLarge {
+        /// Largest size read.
+        limit_bytes: u64,
+    },
+    /// Not JSON, an unknown or missing key, or a value of the wrong type.
+    #[error("{}{problem}", at(path))]
+    Syntax {
+        /// Place in the file, e.g. `dynamics.denominator[1].order.value`; empty for the file itself.
+        path: String,
+        /// What is wrong, with line and column.
+        problem: serde_json::Error,
+    },
+    /// The key `format` is missing or something else.
+    #[error("format: expected \"{FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
+    NotAModel {
+        /// What is there, as JSON.
+        found: Option<String>,
+    },
+    /// The key `format` is missing or not that of an oscillator.
+    #[error("format: expected \"{OSCILLATOR_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
+    NotAnOscillator {
+        /// What is there, as JSON.
+        found: Option<String>,
+    },
+    /// The key `format` is missing or not that of scheduled modes.
+    #[error("format: expected \"{MODES_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
+    NotModes {
+        /// What is there, as JSON.
+        found: Option<String>,
+    },
+    /// The key `format` is missing or not that of coupled branches.
+    #[error("format: expected \"{COUPLED_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
+    NotCoupled {
+        /// What is there, as JSON.
+        found: Option<String>,
+    },
+    /// Columns without a name or with the same one.
+    #[error("inputs, outputs: expected names that differ, found `{name}` twice or empty")]
+    Channels {
+        /// The name.
+        name: String,
+    },
+    /// The numbers of scheduled modes do not make a model.
+    #[error(transparent)]
+    Modes(#[from] AxesError),
+    /// The file is of a version this program does not know.
+    #[error("version: this program reads version {VERSION}, found {}", found.as_deref().unwrap_or("no such key"))]
+    UnknownVersion {
+        /// What is there, as JSON.
+        found: Option<String>,
+    },
+    /// A number is outside of what is allowed.
+    #[error("{path}: expected {expected}, found {value}")]
+    NotAllowed {
+        /// Place in the file.
+        path: String,
+        /// The number.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// A number is given in another unit than the format's.
+    #[error("{path}: expected the unit \"{expected}\", found \"{found}\"")]
+    WrongUnit {
+        /// Place in the file.
+        path: String,
+        /// Unit found.
+        found: String,
+        /// Unit the format prescribes.
+        expected: String,
+    },
+    /// A parameter of the hysteresis block is missing.
+    #[error("hysteresis.parameters: `{name}` is missing")]
+    MissingParameter {
+        /// Its name.
+        name: String,
+    },
+    /// A parameter the hysteresis block does not have.
+    #[error("hysteresis.parameters: unknown parameter `{name}`; expected {expected}")]
+    UnknownParameter {
+        /// Its name.
+        name: String,
+        /// The names there are.
+        expected: &'static str,
+    },
+    /// Shape numbers that the hysteresis block cannot have.
+    #[error("hysteresis.parameters: {problem}")]
+    Shape {
+        /// What is wrong with them.
+        problem: HysteresisError,
+    },
+    /// A list of terms does not suit the kind of dynamics.
+    #[error("{path}: expected {expected}, found {terms} terms")]
+    Terms {
+        /// Place in the file.
+        path: &'static str,
+        /// Terms found.
+        terms: usize,
+        /// What is expected.
+        expected: &'static str,
+    },
+    /// A settled start has no rest voltage.
+    #[error("start.voltage: expected null for a start of the kind \"settled\"")]
+    VoltageOfSettledStart,
+    /// The correlation of the numbers is not one.
+    #[error("correlation: {problem}")]
+    Correlation {
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// An ARX model lives in z at one sample rate, and the file names none.
+    #[error("sample_rate_hz: an arx model needs its sample rate, found null")]
+    ArxWithoutSampleRate,
+}
+
+impl ModelFileError {
+    pub(super) fn syntax(path: &str, problem: serde_json::Error) -> Self {
+        let path = if path == "." { String::new() } else { path.to_owned() };
+        ModelFileError::Syntax { path, problem }
+    }
+}
+
+fn at(path: &str) -> String {
+    if path.is_empty() { String::new() } else { format!("{path}: ") }
+}

@@ -1,0 +1,431 @@
+//! The versioned model file: a model is data.
+//!
+//! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 1`, the two blocks, and how they were made. Every
+//! number of the model is a [`Quantity`] `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of
+//! column headers (`um`, `V`, `A_per_m`):
+//!
+//! | number | unit |
+//! | --- | --- |
+//! | `hysteresis.parameters.linear`, `quadratic`, `cubic`, `quartic`, `quintic`, `degree_6` … | `um/V`, `um/V^2`, … |
+//! | `alpha` | `um/V` |
+//! | `beta`, `gamma` | `1/V` for n = 1, else `um^(1-n)/V` |
+//! | `threshold_1`, `threshold_2`, … | `V` |
+//! | `weight_1`, `weight_2`, … | `um/V` |
+//! | `n`, every `order` | `1` |
+//! | `coefficient` of sᵅ (`integer`, `fractional`) | `s^α` with the order as a number (`1`, `s`, `s^2.0384`): a factor common to all of them drops out of G |
+//! | `coefficient` of z⁻ⁱ (`arx`) | `1` |
+//! | `delay` | `s` |
+//! | `offset` | `um` |
+//!
+//! There is no constant term among the parameters: the one output offset is `offset`. For `"kind": "arx"` the order
+//! is the power of z⁻¹: the numerator holds b₀, b₁, …, the denominator 1, a₁, a₂, …. For `"kind": "none"` both lists
+//! are empty (or absent). Terms are in ascending order.
+//!
+//! Reading is strict: an unknown version, key, kind or parameter, a missing key, a wrong unit, a number that is not
+//! finite or not allowed is a [`ModelFileError`] that names the place. Keys that are not part of the mathematics
+//! (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`, `correlation` and `std_error`) may
+//! be absent. Writing is atomic, and a file that could not be read back is never written. Numbers survive
+//! writing and reading bit for bit. [`json_schema`] is the same in JSON Schema.
+//!
+//! An oscillator, with hysteresis in feedback, has no such blocks: its file is of a format of its own, [`OscillatorFile`].
+//! So is that of scheduled modes of several inputs and outputs, [`ModesFile`]. [`StoredModel`] reads any.
+
+mod check;
+mod convert;
+mod correlation;
+mod coupled;
+mod error;
+mod json;
+mod modes;
+mod oscillator;
+mod parameters;
+mod provenance;
+mod quantity;
+mod schema;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use correlation::{
+    CorrelationEntry, CorrelationRow, MAX_CORRELATED, number_mut, transfer_function_numbers,
+};
+pub use coupled::{ActuatorEntry, COUPLED_FORMAT, CoupledFile, PathEntry, coupled_schema};
+pub use error::ModelFileError;
+pub use modes::{
+    HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, MODES_FORMAT, ModesFile, ModesScoreEntry,
+    modes_schema,
+};
+pub use oscillator::{
+    OSCILLATOR_FORMAT, OscillatorFile, OscillatorParameters, StoredModel, oscillator_schema,
+};
+pub use parameters::{Parameters, polynomial_name};
+pub use provenance::{Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
+pub use quantity::{Interval, Quantity};
+pub use schema::json_schema;
+
+use json::{Header, parse};
+
+use crate::dynamics::Scheme;
+use crate::hysteresis::FamilyForm;
+use crate::record::InterSample;
+
+/// Value of the key `format`.
+pub const FORMAT: &str = "hysteron-model";
+/// The one version this program writes and reads.
+pub const VERSION: u64 = 1;
+/// Largest file read \[bytes\]; a model takes a few kilobytes.
+pub const MAX_BYTES: u64 = 16 << 20;
+
+/// A model file of version 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "a model file (a JSON object)")]
+pub struct ModelFile {
+    /// Always `hysteron-model`.
+    #[schemars(extend("const" = "hysteron-model"))]
+    pub format: String,
+    /// Always 1.
+    #[schemars(extend("const" = 1))]
+    pub version: u64,
+    /// A name for people, of the device or the experiment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Units of the model's input and output.
+    #[serde(default)]
+    pub units: SignalUnits,
+    /// Static block.
+    pub hysteresis: HysteresisBlock,
+    /// Dynamic block.
+    pub dynamics: DynamicsBlock,
+    /// Pure delay, in s.
+    pub delay: Quantity,
+    /// Output offset, the model's only constant term; in the output unit.
+    pub offset: Quantity,
+    /// How the dynamic block is simulated on sampled data.
+    pub scheme: SchemeName,
+    /// What the drive does between its samples.
+    #[serde(default, skip_serializing_if = "InterSampleName::is_default")]
+    pub inter_sample: InterSampleName,
+    /// Sample rate the model was identified at, in Hz; null for a static model of records without one.
+    #[serde(deserialize_with = "Option::deserialize")]
+    #[schemars(required)]
+    pub sample_rate_hz: Option<f64>,
+    /// How the redundant gain between the blocks was fixed.
+    #[serde(default)]
+    pub normalisation: Normalisation,
+    /// What the device is assumed to have done before a record's first sample, where nobody says otherwise.
+    #[serde(default)]
+    pub start: StartEntry,
+    /// What the records covered; outside of it the model extrapolates.
+    #[serde(default)]
+    pub valid_range: Option<ValidRange>,
+    /// How the model was made.
+    #[serde(default)]
+    pub provenance: Option<Provenance>,
+    /// How well the model describes its records.
+    #[serde(default)]
+    pub scores: Vec<ScoreEntry>,
+    /// How the estimates of the model's numbers hang together; with their standard errors, their covariance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<CorrelationEntry>,
+}
+
+/// Units of the model's signals, as the suffixes of column headers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `input` and `output`")]
+pub struct SignalUnits {
+    /// Unit of the input, `V` for a drive voltage.
+    pub input: String,
+    /// Unit of the output, `um` for a displacement.
+    pub output: String,
+}
+
+impl Default for SignalUnits {
+    /// V and µm.
+    fn default() -> Self {
+        SignalUnits { input: "V".into(), output: "um".into() }
+    }
+}
+
+/// Static block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `kind` and `parameters`")]
+pub struct HysteresisBlock {
+    /// Which model.
+    pub kind: HysteresisKind,
+    /// Its parameters by name: `linear`, `quadratic`, …, then for `bouc-wen` `alpha`, `beta`, `gamma`, `n`, for
+    /// `prandtl-ishlinskii` `threshold_1`, `threshold_2`, …, `weight_1`, `weight_2`, …; for other kinds their shape numbers, then
+    /// `weight_1`, `weight_2`, ….
+    pub parameters: Parameters,
+}
+
+/// Models of the static block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum HysteresisKind {
+    /// v = linear·u + quadratic·u² + … − z, ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ.
+    BoucWen,
+    /// v = linear·u + quadratic·u² + … + Σ weight_i F_i, F_i ← max(u − threshold_i, min(u + threshold_i, F_i)).
+    PrandtlIshlinskii,
+    /// Bouc–Wen states in parallel, n = 1: weight_k ζ_k, dζ_k/du = 1 − beta_k s ζ_k − gamma_k |ζ_k|, s = sgn u̇.
+    ParallelBoucWen,
+    /// weight_1 ζ, dζ/du = 1 − (beta s + gamma sgn ζ) ζ + delta s u.
+    NonSymmetricBoucWen,
+    /// weight_1 ζ with Song's and Der Kiureghian's beta_1 … beta_6, n = 1.
+    SongDerKiureghian,
+    /// weight_1 ζ, dζ/du = (1 − s ζ/reach)^exponent.
+    Dahl,
+    /// weight_j y_j, dy_j/du = u^(j−1) − rate s y_j (Coleman, Hodgdon).
+    Duhem,
+    /// weight_j (u − F_j), F_j the play of half-width scale · j/(number + 1).
+    MaxwellSlip,
+    /// weight_j F_j ← max(u − r_j, min(u, F_j)), r_j = scale · j/(number + 1).
+    OneSidedPlays,
+    /// weight_j F_j, plays of scale · j/(number + 1) + rate_gain |du/dt|.
+    RateDependentPlays,
+    /// weight_j F_j, r_j = j (high − low)/(2 (number + 1)); then six bands of (1 − s) u + s Σ g_j F_j, g_j ∝ exp(−r_j/reach), s = loop_share.
+    DeadZonePlays,
+    /// weight_j F_j, plays of (j − ½)/number behind the envelopes tanh(rise (u − centre)).
+    GeneralisedPlays,
+    /// Krasnosel'skii–Pokrovskii kernels on a grid from low to high, ramps of length rise.
+    KrasnoselskiiPokrovskii,
+    /// Relays on a plane with levels from low to high, a weight a cell.
+    Preisach,
+    /// Relays on a plane from low to high with a Lorentzian density.
+    PreisachDensity,
+    /// weight_1 m, the magnetisation of Jiles and Atherton.
+    JilesAtherton,
+}
+
+impl HysteresisKind {
+    fn of(form: FamilyForm) -> Self {
+        match form {
+            FamilyForm::ParallelBoucWen { .. } => Self::ParallelBoucWen,
+            FamilyForm::NonSymmetricBoucWen => Self::NonSymmetricBoucWen,
+            FamilyForm::SongDerKiureghian => Self::SongDerKiureghian,
+            FamilyForm::Dahl => Self::Dahl,
+            FamilyForm::Duhem { .. } => Self::Duhem,
+            FamilyForm::MaxwellSlip { .. } => Self::MaxwellSlip,
+            FamilyForm::OneSidedPlays { .. } => Self::OneSidedPlays,
+            FamilyForm::RateDependentPlays { .. } => Self::RateDependentPlays,
+            FamilyForm::DeadZonePlays { .. } => Self::DeadZonePlays,
+            FamilyForm::GeneralisedPlays { .. } => Self::GeneralisedPlays,
+            FamilyForm::KrasnoselskiiPokrovskii { .. } => Self::KrasnoselskiiPokrovskii,
+            FamilyForm::Preisach { .. } => Self::Preisach,
+            FamilyForm::PreisachDensity => Self::PreisachDensity,
+            FamilyForm::JilesAtherton => Self::JilesAtherton,
+        }
+    }
+
+    /// The family, with the fewest elements; `None` for the kinds with parameters of their own names.
+    fn family(self) -> Option<FamilyForm> {
+        Some(match self {
+            Self::BoucWen | Self::PrandtlIshlinskii => return None,
+            Self::ParallelBoucWen => FamilyForm::ParallelBoucWen { states: 1 },
+            Self::NonSymmetricBoucWen => FamilyForm::NonSymmetricBoucWen,
+            Self::SongDerKiureghian => FamilyForm::SongDerKiureghian,
+            Self::Dahl => FamilyForm::Dahl,
+            Self::Duhem => FamilyForm::Duhem { degree: 0 },
+            Self::MaxwellSlip => FamilyForm::MaxwellSlip { elements: 1 },
+            Self::OneSidedPlays => FamilyForm::OneSidedPlays { plays: 1 },
+            Self::RateDependentPlays => FamilyForm::RateDependentPlays { plays: 1 },
+            Self::DeadZonePlays => FamilyForm::DeadZonePlays { plays: 1 },
+            Self::GeneralisedPlays => FamilyForm::GeneralisedPlays { plays: 1 },
+            Self::KrasnoselskiiPokrovskii => FamilyForm::KrasnoselskiiPokrovskii { lines: 1 },
+            Self::Preisach => FamilyForm::Preisach { intervals: 1 },
+            Self::PreisachDensity => FamilyForm::PreisachDensity,
+            Self::JilesAtherton => FamilyForm::JilesAtherton,
+        })
+    }
+}
+
+/// Dynamic block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `kind`, `numerator` and `denominator`")]
+pub struct DynamicsBlock {
+    /// Which model.
+    pub kind: DynamicsKind,
+    /// Numerator terms, orders ascending; empty for `none`.
+    #[serde(default)]
+    pub numerator: Vec<TermEntry>,
+    /// Denominator terms, orders ascending; empty for `none`.
+    #[serde(default)]
+    pub denominator: Vec<TermEntry>,
+}
+
+/// Models of the dynamic block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DynamicsKind {
+    /// The output is the hysteresis block's.
+    None,
+    /// Transfer function in s with whole orders.
+    Integer,
+    /// Difference equation: orders are powers of z⁻¹, the denominator begins with 1.
+    Arx,
+    /// Transfer function in s with real orders.
+    Fractional,
+}
+
+/// One term of the transfer function.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `coefficient` and `order`")]
+pub struct TermEntry {
+    /// Factor of the power.
+    pub coefficient: Quantity,
+    /// Power of s, or of z⁻¹ for `arx`.
+    pub order: Quantity,
+}
+
+/// Names of the simulation schemes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SchemeName {
+    /// δ = 2(1 − z)/(1 + z).
+    Tustin,
+    /// δ = 1 − z; the parameters belong to `sample_rate_hz`.
+    GrunwaldLetnikov,
+    /// δ = (1 − z) + (1 − z)²/2.
+    Bdf2,
+    /// No substitution.
+    BandLimited,
+}
+
+impl From<Scheme> for SchemeName {
+    fn from(scheme: Scheme) -> Self {
+        match scheme {
+            Scheme::Tustin => SchemeName::Tustin,
+            Scheme::GrunwaldLetnikov => SchemeName::GrunwaldLetnikov,
+            Scheme::Bdf2 => SchemeName::Bdf2,
+            Scheme::BandLimited => SchemeName::BandLimited,
+        }
+    }
+}
+
+impl From<SchemeName> for Scheme {
+    fn from(name: SchemeName) -> Self {
+        match name {
+            SchemeName::Tustin => Scheme::Tustin,
+            SchemeName::GrunwaldLetnikov => Scheme::GrunwaldLetnikov,
+            SchemeName::Bdf2 => Scheme::Bdf2,
+            SchemeName::BandLimited => Scheme::BandLimited,
+        }
+    }
+}
+
+/// What a drive does between its samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InterSampleName {
+    /// Holds each sample for one period.
+    Hold,
+    /// Straight line to the next sample.
+    #[default]
+    Linear,
+    /// No content above half the sample rate.
+    BandLimited,
+}
+
+impl InterSampleName {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl From<InterSample> for InterSampleName {
+    fn from(rule: InterSample) -> Self {
+        match rule {
+            InterSample::Hold => Self::Hold,
+            InterSample::Linear => Self::Linear,
+            InterSample::BandLimited => Self::BandLimited,
+        }
+    }
+}
+
+impl From<InterSampleName> for InterSample {
+    fn from(name: InterSampleName) -> Self {
+        match name {
+            InterSampleName::Hold => Self::Hold,
+            InterSampleName::Linear => Self::Linear,
+            InterSampleName::BandLimited => Self::BandLimited,
+        }
+    }
+}
+
+/// How the redundant gain between the two blocks was fixed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Normalisation {
+    /// Each block was identified on its own data, as in the two-step procedure: G(0) is whatever came out.
+    #[default]
+    Free,
+    /// G(0) = 1: the hysteresis block's output reads as the quasi-static displacement.
+    UnitDcGain,
+    /// |G(2πi · 1 Hz)| = 1, where the lowest order of the denominator is free.
+    #[serde(rename = "unit-gain-at-1-hz")]
+    UnitGainAt1Hz,
+}
+
+/// What the device is assumed to have done before a record's first sample.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `kind` and `voltage`")]
+pub struct StartEntry {
+    /// At rest, or in a settled periodic motion.
+    pub kind: StartKind,
+    /// For `rest`: the input at which the device rested, in the input's unit; null for each record's first sample.
+    #[serde(default)]
+    pub voltage: Option<Quantity>,
+}
+
+/// Kinds of start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum StartKind {
+    /// At rest at one voltage, without hysteresis memory.
+    #[default]
+    Rest,
+    /// The record's first period has been running for some time.
+    Settled,
+}
+
+/// What the records of the identification covered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object with the keys `input`, `frequency` and `rate`")]
+pub struct ValidRange {
+    /// Range of the input, in the input's unit.
+    pub input: Interval,
+    /// Range of frequencies excited, in Hz; null where the records have no time.
+    #[serde(default)]
+    pub frequency: Option<Interval>,
+    /// Range of |du/dt|, in the input's unit per second; null where the records have no time.
+    #[serde(default)]
+    pub rate: Option<Interval>,
+}
+
+impl ModelFile {
+    /// Reads and checks a model file's bytes.
+    ///
+    /// # Errors
+    /// [`ModelFileError`]: too large, no model, or not sound.
+    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        let header = Header::of(bytes)?;
+        if !header.is(FORMAT) {
+            return Err(ModelFileError::NotAModel { found: header.format() });
+        }
+        header.check_version()?;
+        let file: ModelFile = parse(bytes)?;
+        file.check()?;
+        Ok(file)
+    }
+
+    /// The file's text: indented JSON with a final newline.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] if the content would not be accepted by [`ModelFile::from_slice`].
+    pub fn to_json(&self) -> Result<String, ModelFileError> {
+        self.check()?;
+        json::text(self)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,274 @@
+//! The file of an oscillator: hysteresis in feedback.
+
+use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::check::{self, allowed, quantity, score};
+use super::convert::Units;
+use super::json::{self, Header, parse};
+use super::schema;
+use super::{
+    COUPLED_FORMAT, CoupledFile, InterSampleName, MODES_FORMAT, ModelFile, ModelFileError, ModesFile,
+    Provenance, Quantity, ScoreEntry, SignalUnits, StartKind, VERSION, ValidRange,
+};
+use crate::oscillator::Oscillator;
+
+/// Value of the key `format` in the file of an oscillator.
+pub const OSCILLATOR_FORMAT: &str = "hysteron-oscillator";
+
+/// A file of the format `hysteron-oscillator`, version 1: m ÿ + c ẏ + k y + z = u,
+/// ż = α ẏ − β |ẏ| z |z|ⁿ⁻¹ − γ ẏ |z|ⁿ, and how it was made.
+///
+/// Every number is a [`Quantity`]; units follow from those of the signals, e.g. `N*s^2/um` for the mass.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "the file of an oscillator (a JSON object)")]
+pub struct OscillatorFile {
+    /// Always `hysteron-oscillator`.
+    #[schemars(extend("const" = "hysteron-oscillator"))]
+    pub format: String,
+    /// Always 1.
+    #[schemars(extend("const" = 1))]
+    pub version: u64,
+    /// A name for people, of the device or the experiment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Units of force and displacement.
+    pub units: SignalUnits,
+    /// The parameters.
+    pub parameters: OscillatorParameters,
+    /// Offset of the sensor, in the output unit.
+    pub offset: Quantity,
+    /// What the force does between its samples.
+    pub inter_sample: InterSampleName,
+    /// Sample rate the oscillator was identified at, in Hz.
+    pub sample_rate_hz: f64,
+    /// What it is assumed to have done before a record's first sample, where nobody says otherwise: `rest` without memory, or
+    /// `settled` on the record's period.
+    #[serde(default)]
+    pub start: StartKind,
+    /// What the records covered; outside of it the model extrapolates.
+    #[serde(default)]
+    pub valid_range: Option<ValidRange>,
+    /// How the model was made.
+    #[serde(default)]
+    pub provenance: Option<Provenance>,
+    /// How well the model describes its records.
+    #[serde(default)]
+    pub scores: Vec<ScoreEntry>,
+}
+
+/// Parameters of an oscillator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, expecting = "an object of the oscillator's parameters")]
+pub struct OscillatorParameters {
+    /// m > 0, e.g. in `N*s^2/um`.
+    pub mass: Quantity,
+    /// c, e.g. in `N*s/um`.
+    pub damping: Quantity,
+    /// k, e.g. in `N/um`.
+    pub stiffness: Quantity,
+    /// α, e.g. in `N/um`.
+    pub alpha: Quantity,
+    /// β, e.g. in `1/um` for n = 1, else `N^(1-n)/um`.
+    pub beta: Quantity,
+    /// γ, in the unit of β.
+    pub gamma: Quantity,
+    /// n ≥ 1.
+    pub n: Quantity,
+}
+
+impl OscillatorParameters {
+    /// The parameters in the order of [`Oscillator::NAMES`].
+    pub fn all(&self) -> [&Quantity; 7] {
+        [&self.mass, &self.damping, &self.stiffness, &self.alpha, &self.beta, &self.gamma, &self.n]
+    }
+
+    /// The same, to set their standard errors.
+    pub fn all_mut(&mut self) -> [&mut Quantity; 7] {
+        [
+            &mut self.mass,
+            &mut self.damping,
+            &mut self.stiffness,
+            &mut self.alpha,
+            &mut self.beta,
+            &mut self.gamma,
+            &mut self.n,
+        ]
+    }
+}
+
+/// Units of the parameters in the order of [`Oscillator::NAMES`].
+fn units(signals: &SignalUnits, n: f64) -> [String; 7] {
+    let Units { input, output } = Units::new(signals);
+    let shape = if n == 1.0 { format!("1/{output}") } else { shape_of_any_n(signals) };
+    [
+        format!("{input}*s^2/{output}"),
+        format!("{input}*s/{output}"),
+        format!("{input}/{output}"),
+        format!("{input}/{output}"),
+        shape.clone(),
+        shape,
+        "1".to_owned(),
+    ]
+}
+
+fn shape_of_any_n(signals: &SignalUnits) -> String {
+    let Units { input, output } = Units::new(signals);
+    format!("{input}^(1-n)/{output}")
+}
+
+impl OscillatorFile {
+    /// File of an oscillator whose signals have the given units; without standard errors, range, provenance or scores.
+    pub fn new(
+        oscillator: &Oscillator,
+        signals: SignalUnits,
+        inter_sample: InterSampleName,
+        sample_rate_hz: f64,
+    ) -> Self {
+        let units = units(&signals, oscillator.n);
+        let mut of_units = oscillator.values().into_iter().zip(units);
+        let mut next = || of_units.next().map_or(Quantity::new(0.0, "1"), |(v, unit)| Quantity::new(v, unit));
+        Self {
+            format: OSCILLATOR_FORMAT.into(),
+            version: VERSION,
+            name: None,
+            parameters: OscillatorParameters {
+                mass: next(),
+                damping: next(),
+                stiffness: next(),
+                alpha: next(),
+                beta: next(),
+                gamma: next(),
+                n: next(),
+            },
+            offset: Quantity::new(0.0, Units::new(&signals).output),
+            units: signals,
+            inter_sample,
+            sample_rate_hz,
+            start: StartKind::Rest,
+            valid_range: None,
+            provenance: None,
+            scores: Vec::new(),
+        }
+    }
+
+    /// The oscillator in the file.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn to_oscillator(&self) -> Result<Oscillator, ModelFileError> {
+        self.check()?;
+        Ok(Oscillator::from_values(self.parameters.all().map(|quantity| quantity.value)))
+    }
+
+    /// Checks everything that is not a matter of types: format and version, finite numbers, ranges, units.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] naming the first offending place.
+    pub fn check(&self) -> Result<(), ModelFileError> {
+        if self.format != OSCILLATOR_FORMAT {
+            return Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", self.format)) });
+        }
+        check::version(self.version)?;
+        // The unit of the shape depends on n, which has to be right first.
+        quantity("parameters.n", &self.parameters.n, "1", Some(1.0))?;
+        let n = self.parameters.n.value;
+        let any = shape_of_any_n(&self.units);
+        for ((name, found), unit) in
+            Oscillator::NAMES.into_iter().zip(self.parameters.all()).zip(units(&self.units, n))
+        {
+            let path = format!("parameters.{name}");
+            // The general form of the shape's unit is right for n = 1 as well.
+            let unit = if matches!(name, "beta" | "gamma") && found.unit == any { &any } else { &unit };
+            quantity(&path, found, unit, None)?;
+        }
+        let mass = self.parameters.mass.value;
+        allowed("parameters.mass.value", mass, mass > 0.0, "a number above 0")?;
+        let signals = Units::new(&self.units);
+        quantity("offset", &self.offset, &signals.output, None)?;
+        check::sample_rate(self.sample_rate_hz)?;
+        check::valid_range(self.valid_range.as_ref(), &signals)?;
+        self.scores.iter().enumerate().try_for_each(|(i, s)| score(i, s))
+    }
+
+    /// Reads and checks a file's bytes.
+    ///
+    /// # Errors
+    /// [`ModelFileError`]: too large, not JSON, of another format or version, or a value that is missing, unknown or not
+    /// allowed.
+    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        match StoredModel::from_slice(bytes)? {
+            StoredModel::Oscillator(file) => Ok(*file),
+            other => Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", other.format())) }),
+        }
+    }
+
+    /// The file's text: indented JSON with a final newline.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn to_json(&self) -> Result<String, ModelFileError> {
+        self.check()?;
+        json::text(self)
+    }
+}
+
+/// A model of any kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StoredModel {
+    /// Hysteresis ahead of linear dynamics.
+    Hammerstein(Box<ModelFile>),
+    /// Hysteresis in feedback.
+    Oscillator(Box<OscillatorFile>),
+    /// Scheduled modes of several inputs and outputs.
+    Modes(Box<ModesFile>),
+    /// Coupled Hammerstein branches of several inputs and outputs.
+    Coupled(Box<CoupledFile>),
+}
+
+impl StoredModel {
+    /// Reads and checks the bytes of a file of any format.
+    ///
+    /// # Errors
+    /// As [`ModelFile::from_slice`].
+    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        fn checked<T: DeserializeOwned>(
+            bytes: &[u8],
+            check: fn(&T) -> Result<(), ModelFileError>,
+        ) -> Result<Box<T>, ModelFileError> {
+            Header::of(bytes)?.check_version()?;
+            let file = parse(bytes)?;
+            check(&file)?;
+            Ok(Box::new(file))
+        }
+        let header = Header::of(bytes)?;
+        Ok(if header.is(COUPLED_FORMAT) {
+            Self::Coupled(checked(bytes, CoupledFile::check)?)
+        } else if header.is(MODES_FORMAT) {
+            Self::Modes(checked(bytes, ModesFile::check)?)
+        } else if header.is(OSCILLATOR_FORMAT) {
+            Self::Oscillator(checked(bytes, OscillatorFile::check)?)
+        } else {
+            Self::Hammerstein(Box::new(ModelFile::from_slice(bytes)?))
+        })
+    }
+
+    /// The key `format` of its file.
+    pub fn format(&self) -> &str {
+        match self {
+            Self::Hammerstein(file) => &file.format,
+            Self::Oscillator(file) => &file.format,
+            Self::Modes(file) => &file.format,
+            Self::Coupled(file) => &file.format,
+        }
+    }
+}
+
+/// JSON Schema (draft 2020-12) of version 1 of an oscillator's file, indented, with a final newline.
+pub fn oscillator_schema() -> String {
+    schema::of::<OscillatorFile>("Hysteron oscillator file, version 1")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,594 @@
+use std::time::{Duration, UNIX_EPOCH};
+
+use nalgebra::DMatrix;
+use proptest::prelude::*;
+use serde_json::Value;
+
+use super::*;
+use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
+use crate::hammerstein::Model;
+use crate::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
+use crate::record::InterSample;
+
+fn term(coefficient: f64, order: f64) -> Term {
+    Term { coefficient, order }
+}
+
+/// Table 2 and Eq. 13 of the article.
+fn article() -> Model {
+    Model {
+        hysteresis: Hysteresis::BoucWen(BoucWen {
+            polynomial: vec![2.0, 0.0031],
+            alpha: -1.2039,
+            beta: 0.1111,
+            gamma: 0.0024,
+            n: 1.0,
+        }),
+        dynamics: Dynamics::Fractional(TransferFunction {
+            numerator: vec![term(5.2589e6, 0.0)],
+            denominator: vec![term(5.4955e6, 0.0), term(3081.0, 1.0523), term(1.0, 2.0384)],
+        }),
+        offset: -0.25,
+        delay_s: 0.01,
+        scheme: Scheme::GrunwaldLetnikov,
+        inter_sample: InterSample::Hold,
+        sample_rate_hz: Some(10_000.0),
+    }
+}
+
+fn complete() -> ModelFile {
+    let mut file = ModelFile::from_model(&article(), SignalUnits::default());
+    file.name = Some("stage x".into());
+    file.hysteresis.parameters.get_mut("alpha").unwrap().std_error = Some(1e-3);
+    file.valid_range = Some(ValidRange {
+        input: Interval { low: 0.0, high: 100.0, unit: "V".into() },
+        frequency: Some(Interval { low: 1.0, high: 100.0, unit: "Hz".into() }),
+        rate: Some(Interval { low: 0.0, high: 6e4, unit: "V/s".into() }),
+    });
+    file.start.voltage = Some(Quantity::new(0.0, "V"));
+    file.provenance = Some(Provenance {
+        program: "hysteron 0.1.0".into(),
+        created: Some(timestamp(UNIX_EPOCH)),
+        records: vec![RecordEntry {
+            path: "loop.csv".into(),
+            sha256: Some("ab".repeat(32)),
+            samples: 8,
+            role: RecordRole::Both,
+        }],
+        options: [("degree".to_owned(), "auto: 3".to_owned())].into(),
+        seed: Some(u64::MAX),
+        command: Some("hysteron identify loop.csv".into()),
+    });
+    file.scores = vec![ScoreEntry {
+        record: "loop.csv".into(),
+        role: ScoreRole::Training,
+        unit: "um".into(),
+        samples: 8,
+        skipped_samples: 0,
+        offset: 0.1,
+        rmse: 0.2,
+        max_abs_error: 0.3,
+        rmse_percent_of_stroke: Some(1.0),
+        max_percent_of_stroke: Some(2.0),
+        fit_percent: None,
+        relative_error: None,
+        loop_width_error_percent: None,
+    }];
+    let names = ["alpha", "denominator[0].coefficient", "denominator[2].coefficient", "denominator[2].order"]
+        .map(String::from);
+    let root = DMatrix::from_row_slice(
+        4,
+        4,
+        &[1e-3, 0.0, 0.0, 0.0, 3e3, 1e4, 0.0, 0.0, -1e-4, 2e-4, 1e-5, 0.0, 1e-6, 0.0, 1e-6, 1e-6],
+    );
+    file.set_covariance(&names, &(&root * root.transpose()));
+    file
+}
+
+#[test]
+fn a_covariance_comes_back_from_the_file() {
+    let file = read(&complete().to_json().unwrap()).unwrap();
+    let (names, covariance) = file.covariance().unwrap();
+    assert_eq!(
+        names,
+        ["alpha", "denominator[0].coefficient", "denominator[2].coefficient", "denominator[2].order"]
+    );
+    // By hand: rows of the root times each other.
+    for ((i, j), expected) in
+        [((0, 0), 1e-6), ((1, 1), 1.09e8), ((1, 2), 1.7), ((3, 0), 1e-9), ((2, 3), -9e-11)]
+    {
+        assert!((covariance[(i, j)] / expected - 1.0).abs() < 1e-12, "{i} {j}: {}", covariance[(i, j)]);
+    }
+    assert!(
+        (file.number("denominator[0].coefficient").unwrap().std_error.unwrap() - 1.09e8f64.sqrt()).abs()
+            < 1e-8
+    );
+    assert_eq!(file.number("linear").unwrap().std_error, None);
+    // A row of the matrix on one line.
+    let text = file.to_json().unwrap();
+    assert!(text.lines().any(|line| line.trim_start().starts_with("[1.0,")), "{text}");
+}
+
+#[test]
+fn a_covariance_leaves_out_what_is_not_known() {
+    let mut file = ModelFile::from_model(&article(), SignalUnits::default());
+    let names = ["alpha", "n", "no such number", "delay"].map(String::from);
+    let diagonal = nalgebra::DVector::from_column_slice(&[4.0, 0.0, 1.0, f64::NAN]);
+    file.set_covariance(&names, &DMatrix::from_diagonal(&diagonal));
+    assert_eq!(file.correlation.as_ref().unwrap().names, ["alpha"]);
+    assert_eq!(file.number("alpha").unwrap().std_error, Some(2.0));
+    assert!(file.check().is_ok());
+}
+
+#[test]
+fn a_correlation_that_is_none_is_refused() {
+    use serde_json::json;
+    let names = |list: &[&str]| Some(json!(list));
+    for (pointer, value, expected) in [
+        ("/correlation/names", names(&["alpha", "alpha", "delay", "beta"]), "`alpha` is named twice"),
+        (
+            "/correlation/names",
+            names(&["alpha", "denominator[9].order", "delay", "beta"]),
+            "has no number `den",
+        ),
+        ("/correlation/names", names(&["alpha", "beta", "delay", "gamma"]), "`beta` has no standard error"),
+        (
+            "/correlation/names",
+            names(&["alpha", "denominator[2].order"]),
+            "expected 2 rows of 2 coefficients, found 4",
+        ),
+        ("/correlation/names", names(&[]), "expected 1 to 200 names, found 0"),
+        ("/correlation/names", names(&["alpha"; 201]), "more than 200 entries"),
+        ("/correlation/matrix/1", Some(json!(vec![0.0; 5])), "expected 4 rows of 4 coefficients, found 5"),
+        ("/correlation/matrix/1/1", Some(json!(0.9)), "matrix[1][1]: expected 1, found 0.9"),
+        (
+            "/correlation/matrix/3/0",
+            Some(json!(1.5)),
+            "matrix[3][0]: expected a number from -1 to 1, found 1.5",
+        ),
+        ("/correlation/matrix/3/0", Some(json!(0.1)), "not symmetric: matrix[3][0] is 0.1"),
+        ("/correlation/matrix/3/0", Some(json!(null)), "correlation.matrix[3][0]: invalid type: null"),
+        ("/correlation/matrix", None, "missing field `matrix`"),
+        (
+            "/correlation/matrix",
+            // Two that go together, and a third with one of them and against the other.
+            Some(json!([
+                [1.0, 1.0, 0.9, 0.0],
+                [1.0, 1.0, -0.9, 0.0],
+                [0.9, -0.9, 1.0, 0.0],
+                [0.0, 0.0, 0.0, 1.0]
+            ])),
+            "negative eigenvalue",
+        ),
+    ] {
+        let message = refused(pointer, value);
+        assert!(message.contains(expected), "{pointer}: {message}");
+    }
+}
+
+fn read(text: &str) -> Result<ModelFile, ModelFileError> {
+    ModelFile::from_slice(text.as_bytes())
+}
+
+/// The complete file with the value at a JSON pointer replaced (or removed), read again.
+fn refused(pointer: &str, replacement: Option<Value>) -> String {
+    let mut json = serde_json::to_value(complete()).unwrap();
+    match replacement {
+        Some(value) => *json.pointer_mut(pointer).expect(pointer) = value,
+        None => {
+            let (parent, key) = pointer.rsplit_once('/').unwrap();
+            json.pointer_mut(parent).unwrap().as_object_mut().unwrap().remove(key).expect(pointer);
+        }
+    }
+    read(&json.to_string()).unwrap_err().to_string()
+}
+
+#[test]
+fn a_model_comes_back_equal_from_its_file_for_every_kind_of_dynamics() {
+    let integer = TransferFunction {
+        numerator: vec![term(1.0, 0.0)],
+        denominator: vec![term(1.0, 0.0), term(0.01, 1.0)],
+    };
+    for dynamics in [
+        Dynamics::None,
+        Dynamics::Integer(integer),
+        Dynamics::Arx(Arx { a: vec![-1.5, 0.7], b: vec![0.0, 0.1, 0.2] }),
+        Dynamics::Arx(Arx { a: vec![], b: vec![1.0] }),
+        article().dynamics,
+    ] {
+        let model = Model { dynamics, ..article() };
+        let text = ModelFile::from_model(&model, SignalUnits::default()).to_json().unwrap();
+        assert_eq!(read(&text).unwrap().to_model().unwrap(), model);
+    }
+}
+
+#[test]
+fn the_file_has_the_keys_and_units_that_are_promised() {
+    let json: Value = serde_json::from_str(&complete().to_json().unwrap()).unwrap();
+    let at = |pointer: &str| json.pointer(pointer).unwrap_or_else(|| panic!("{pointer} is missing")).clone();
+    let quantity =
+        |value: f64, unit: &str| serde_json::json!({"value": value, "unit": unit, "std_error": null});
+    assert_eq!(at("/format"), "hysteron-model");
+    assert_eq!(at("/version"), 1);
+    assert_eq!(at("/hysteresis/kind"), "bouc-wen");
+    assert_eq!(at("/hysteresis/parameters/linear"), quantity(2.0, "um/V"));
+    assert_eq!(at("/hysteresis/parameters/quadratic"), quantity(0.0031, "um/V^2"));
+    assert_eq!(
+        at("/hysteresis/parameters/alpha"),
+        serde_json::json!({"value": -1.2039, "unit": "um/V", "std_error": 1e-3})
+    );
+    assert_eq!(at("/hysteresis/parameters/beta"), quantity(0.1111, "1/V"));
+    assert_eq!(at("/hysteresis/parameters/gamma"), quantity(0.0024, "1/V"));
+    assert_eq!(at("/hysteresis/parameters/n"), quantity(1.0, "1"));
+    assert_eq!(at("/dynamics/kind"), "fractional");
+    assert_eq!(at("/dynamics/numerator/0/coefficient"), quantity(5.2589e6, "1"));
+    assert_eq!(at("/dynamics/denominator/1/coefficient"), quantity(3081.0, "s^1.0523"));
+    assert_eq!(at("/dynamics/denominator/1/order"), quantity(1.0523, "1"));
+    assert_eq!(at("/delay"), quantity(0.01, "s"));
+    assert_eq!(at("/offset"), quantity(-0.25, "um"));
+    assert_eq!(at("/scheme"), "grunwald-letnikov");
+    assert_eq!(at("/sample_rate_hz"), 10_000.0);
+    for key in ["/valid_range", "/provenance", "/scores/0/rmse"] {
+        assert!(!at(key).is_null());
+    }
+}
+
+#[test]
+fn polynomial_names_run_on_beyond_the_named_degrees() {
+    let names: Vec<_> = (1..=7).map(polynomial_name).collect();
+    assert_eq!(names, ["linear", "quadratic", "cubic", "quartic", "quintic", "degree_6", "degree_7"]);
+    let mut model = article();
+    *model.hysteresis.polynomial_mut() = (1..=12).map(f64::from).collect();
+    let text = ModelFile::from_model(&model, SignalUnits::default()).to_json().unwrap();
+    assert!(text.contains("\"degree_12\"") && text.contains("um/V^12"));
+    assert_eq!(read(&text).unwrap().to_model().unwrap(), model);
+}
+
+#[test]
+fn beta_and_gamma_carry_the_exponent_where_n_is_not_one() {
+    let mut model = article();
+    *model.hysteresis.number_mut("n").unwrap() = 1.7;
+    let file = ModelFile::from_model(&model, SignalUnits::default());
+    assert_eq!(file.hysteresis.parameters.get("beta").unwrap().unit, "um^(1-n)/V");
+    assert!(file.check().is_ok());
+}
+
+#[test]
+fn a_short_file_written_by_hand_is_enough() {
+    let q = |value: f64, unit: &str| format!("{{\"value\": {value}, \"unit\": \"{unit}\"}}");
+    let text = format!(
+        r#"{{"format": "hysteron-model", "version": 1,
+            "hysteresis": {{"kind": "bouc-wen", "parameters":
+                {{"gamma": {}, "linear": {}, "n": {}, "alpha": {}, "beta": {}}}}},
+            "dynamics": {{"kind": "none"}}, "delay": {}, "offset": {}, "scheme": "tustin", "sample_rate_hz": null}}"#,
+        q(0.5, "um^(1-n)/V"),
+        q(2.0, "um/V"),
+        q(1.0, "1"),
+        q(1.0, "um/V"),
+        q(0.6, "1/V"),
+        q(0.0, "s"),
+        q(3.0, "um"),
+    );
+    let model = read(&text).unwrap().to_model().unwrap();
+    assert_eq!((model.offset, model.dynamics), (3.0, Dynamics::None));
+}
+
+#[test]
+fn every_refusal_names_the_place_and_what_is_expected() {
+    use serde_json::json;
+    let cases: &[(&str, Option<Value>, &str)] = &[
+        ("/format", Some(json!("other")), r#"format: expected "hysteron-model", found "other""#),
+        ("/format", None, r#"format: expected "hysteron-model", found no such key"#),
+        ("/version", Some(json!(2)), "version: this program reads version 1, found 2"),
+        ("/version", Some(json!("1")), "version: this program reads version 1, found \"1\""),
+        ("/scheme", Some(json!("euler")), "scheme: unknown variant `euler`, expected one of `tustin`"),
+        (
+            "/hysteresis/kind",
+            Some(json!("plasticity")),
+            "hysteresis.kind: unknown variant `plasticity`, expected one of `bouc-wen`",
+        ),
+        ("/delay", None, "missing field `delay`"),
+        ("/sample_rate_hz", None, "missing field `sample_rate_hz`"),
+        ("/delay/value", None, "delay: missing field `value`"),
+        ("/delay/value", Some(json!("fast")), "delay.value: invalid type: string \"fast\", expected f64"),
+        ("/delay/value", Some(json!(null)), "delay.value: invalid type: null, expected f64"),
+        (
+            "/delay/value",
+            Some(json!(-0.1)),
+            "delay.value: expected a number that is not negative, found -0.1",
+        ),
+        ("/delay/unit", Some(json!("ms")), "delay.unit: expected the unit \"s\", found \"ms\""),
+        ("/delay/std_error", Some(json!(-1)), "delay.std_error: expected a number that is not negative"),
+        ("/offset", Some(json!(5)), "offset: invalid type: integer `5`, expected an object {\"value\""),
+        ("/offset/unit", Some(json!("mm")), "offset.unit: expected the unit \"um\""),
+        ("/units/output", Some(json!("mm")), "hysteresis.parameters.linear.unit: expected the unit \"mm/V\""),
+        (
+            "/hysteresis/parameters/n/value",
+            Some(json!(0.5)),
+            "hysteresis.parameters.n.value: expected a number of at least 1, found 0.5",
+        ),
+        ("/hysteresis/parameters/n", None, "hysteresis.parameters: `n` is missing"),
+        ("/hysteresis/parameters/alpha", None, "hysteresis.parameters: `alpha` is missing"),
+        ("/hysteresis/parameters/linear", None, "hysteresis.parameters: `linear` is missing"),
+        ("/hysteresis/parameters/alpha/unit", Some(json!("nm/V")), "hysteresis.parameters.alpha.unit"),
+        (
+            "/sample_rate_hz",
+            Some(json!(0)),
+            "sample_rate_hz: expected a finite number above 0, or null, found 0",
+        ),
+        (
+            "/dynamics/denominator/1/order/value",
+            Some(json!(-1.0)),
+            "dynamics.denominator[1].order.value: expected a number that is not negative",
+        ),
+        (
+            "/dynamics/denominator/2/order/value",
+            Some(json!(1.0523)),
+            "dynamics.denominator[2].order.value: expected orders in ascending order",
+        ),
+        (
+            "/dynamics/denominator/2/coefficient/value",
+            Some(json!(0)),
+            "dynamics.denominator[2].coefficient.value: expected a coefficient of the highest order that is not 0",
+        ),
+        (
+            "/dynamics/denominator/2/coefficient/unit",
+            Some(json!("s")),
+            "dynamics.denominator[2].coefficient.unit: expected the unit \"s^2.0384\"",
+        ),
+        (
+            "/dynamics/denominator",
+            Some(json!([])),
+            "dynamics.denominator: expected at least one term, found 0 terms",
+        ),
+        (
+            "/dynamics/kind",
+            Some(json!("none")),
+            "dynamics.numerator: expected no terms for the kind \"none\", found 1 terms",
+        ),
+        (
+            "/dynamics/kind",
+            Some(json!("integer")),
+            "dynamics.denominator[1].order.value: expected a whole number",
+        ),
+        (
+            "/dynamics/kind",
+            Some(json!("arx")),
+            "dynamics.denominator[1].order.value: expected the powers 0, 1, 2",
+        ),
+        (
+            "/valid_range/input/high",
+            Some(json!(-1)),
+            "valid_range.input.high: expected a finite number, at least `low`",
+        ),
+        ("/start/voltage/unit", Some(json!("mV")), "start.voltage.unit: expected the unit \"V\""),
+        (
+            "/start/kind",
+            Some(json!("settled")),
+            "start.voltage: expected null for a start of the kind \"settled\"",
+        ),
+        ("/valid_range/rate/unit", Some(json!("V")), "valid_range.rate.unit: expected the unit \"V/s\""),
+        ("/provenance/records/0/role", Some(json!("x")), "provenance.records[0].role: unknown variant `x`"),
+        ("/provenance/seed", Some(json!(-1)), "provenance.seed: invalid value"),
+        ("/scores/0/rmse", Some(json!("low")), "scores[0].rmse: invalid type"),
+    ];
+    for (pointer, replacement, expected) in cases {
+        let message = refused(pointer, replacement.clone());
+        assert!(message.contains(expected), "{pointer}: {message}");
+    }
+}
+
+#[test]
+fn unknown_and_duplicate_keys_are_refused_at_every_level() {
+    for pointer in [
+        "",
+        "/units",
+        "/hysteresis",
+        "/dynamics",
+        "/dynamics/numerator/0",
+        "/delay",
+        "/valid_range",
+        "/start",
+        "/valid_range/input",
+        "/provenance",
+        "/provenance/records/0",
+        "/scores/0",
+        "/correlation",
+    ] {
+        let mut json = serde_json::to_value(complete()).unwrap();
+        json.pointer_mut(pointer).unwrap().as_object_mut().unwrap().insert("extra".into(), 1.into());
+        let message = read(&json.to_string()).unwrap_err().to_string();
+        assert!(message.contains("unknown field `extra`"), "{pointer}: {message}");
+    }
+    let mut json = serde_json::to_value(complete()).unwrap();
+    json["hysteresis"]["parameters"]["quartic"] = json["hysteresis"]["parameters"]["linear"].clone();
+    let message = read(&json.to_string()).unwrap_err().to_string();
+    assert!(message.contains("unknown parameter `quartic`") && message.contains("without gaps"), "{message}");
+
+    let text = complete().to_json().unwrap();
+    let twice = text.replacen("\"alpha\":", "\"linear\":", 1);
+    assert!(read(&twice).unwrap_err().to_string().contains("duplicate parameter `linear`"));
+    let twice = text.replacen("\"scheme\":", "\"scheme\": \"bdf2\",\n  \"scheme\":", 1);
+    assert!(read(&twice).unwrap_err().to_string().contains("duplicate field `scheme`"));
+}
+
+#[test]
+fn what_is_not_json_is_refused_with_line_and_column() {
+    let message = |text: &str| read(text).unwrap_err().to_string();
+    assert!(message("").contains("line 1 column 0"));
+    assert!(message("[]").contains("expected a model file (a JSON object)"));
+    let text = complete().to_json().unwrap();
+    let half = text[..text.len() / 2].rfind('\n').unwrap();
+    assert!(message(&text[..half]).contains("EOF"));
+    assert!(message(&(text.clone() + "x")).contains("trailing characters"));
+    assert!(message(&text.replacen("0.01", "NaN", 1)).contains("line"));
+    assert!(message(&text.replacen("0.01", "1e999", 1)).contains("number out of range"));
+    assert!(message(&"[".repeat(100_000)).contains("line 1"));
+    let nested = format!("{{\"format\": {}", "[".repeat(100_000));
+    assert!(message(&nested).contains("recursion limit exceeded"));
+    let big = vec![b' '; MAX_BYTES as usize + 1];
+    assert!(matches!(ModelFile::from_slice(&big), Err(ModelFileError::TooLarge { limit_bytes: MAX_BYTES })));
+}
+
+#[test]
+fn arx_needs_a_leading_one_and_a_sample_rate() {
+    let arx = Dynamics::Arx(Arx { a: vec![-0.5], b: vec![0.5] });
+    let mut file = ModelFile::from_model(&Model { dynamics: arx, ..article() }, SignalUnits::default());
+    file.sample_rate_hz = None;
+    assert!(matches!(file.check(), Err(ModelFileError::ArxWithoutSampleRate)));
+    file.sample_rate_hz = Some(1.0);
+    file.dynamics.denominator[0].coefficient.value = 2.0;
+    let message = file.check().unwrap_err().to_string();
+    assert!(message.starts_with("dynamics.denominator[0].coefficient.value: expected 1"), "{message}");
+}
+
+#[test]
+fn a_file_that_could_not_be_read_back_is_not_written() {
+    let mut file = complete();
+    file.scores[0].fit_percent = Some(f64::NAN);
+    assert!(
+        file.to_json()
+            .unwrap_err()
+            .to_string()
+            .starts_with("scores[0].fit_percent: expected a finite number")
+    );
+    file = complete();
+    file.offset.value = f64::INFINITY;
+    assert!(file.to_json().is_err());
+}
+
+#[test]
+fn timestamps_agree_with_known_dates() {
+    // Seconds since 1970 of known instants, leap days and the ends of centuries among them.
+    for (seconds, text) in [
+        (0, "1970-01-01T00:00:00Z"),
+        (951_782_399, "2000-02-28T23:59:59Z"),
+        (951_782_400, "2000-02-29T00:00:00Z"),
+        (1_000_000_000, "2001-09-09T01:46:40Z"),
+        (1_709_251_199, "2024-02-29T23:59:59Z"),
+        (4_107_542_400, "2100-03-01T00:00:00Z"),
+    ] {
+        assert_eq!(timestamp(UNIX_EPOCH + Duration::from_secs(seconds)), text);
+    }
+    assert_eq!(timestamp(UNIX_EPOCH - Duration::from_secs(1)), "1970-01-01T00:00:00Z");
+}
+
+#[test]
+fn the_published_schema_is_up_to_date() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/hysteron-model-1.schema.json");
+    let published = std::fs::read_to_string(path).expect(path);
+    assert!(
+        published == json_schema(),
+        "write it anew: hysteron schema > docs/schema/hysteron-model-1.schema.json"
+    );
+}
+
+proptest! {
+    /// Any finite numbers come back bit for bit.
+    #[test]
+    fn numbers_survive_the_file_bit_for_bit(
+        polynomial in prop::collection::vec(prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO, 1..9),
+        alpha in prop::num::f64::NORMAL,
+        offset in prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL,
+        n in 1.0..20.0_f64,
+        delay_s in 0.0..10.0_f64,
+        coefficient in prop::num::f64::NORMAL,
+        orders in prop::collection::btree_set(0_u32..4_000_000_000, 1..6),
+        rate in prop::num::f64::POSITIVE | prop::num::f64::NORMAL,
+    ) {
+        let rate = rate.abs();
+        let denominator = orders.iter().map(|&o| term(coefficient, f64::from(o) / 7e8)).collect();
+        let model = Model {
+            hysteresis: Hysteresis::BoucWen(BoucWen { polynomial, alpha, beta: offset, gamma: -alpha, n }),
+            dynamics: Dynamics::Fractional(TransferFunction { numerator: vec![term(coefficient, 0.0)], denominator }),
+            offset,
+            delay_s,
+            scheme: Scheme::BandLimited,
+            inter_sample: InterSample::Linear,
+            sample_rate_hz: Some(rate),
+        };
+        let file = ModelFile::from_model(&model, SignalUnits::default());
+        let text = file.to_json().unwrap();
+        let again = read(&text).unwrap();
+        prop_assert_eq!(&again, &file);
+        // Equality of f64 confuses 0 and −0: compare the texts as well.
+        prop_assert_eq!(again.to_json().unwrap(), text);
+        prop_assert_eq!(again.to_model().unwrap(), model);
+    }
+
+    #[test]
+    fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+        prop_assert!(ModelFile::from_slice(&bytes).is_err());
+    }
+
+    /// A valid file with a few bytes overwritten, cut or repeated is read or refused, and what is read is sound.
+    #[test]
+    fn mutated_files_never_panic_and_never_pass_unsound(
+        edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0_u8..4), 1..6),
+    ) {
+        let mut bytes = complete().to_json().unwrap().into_bytes();
+        for (at, byte, edit) in edits {
+            let at = at.index(bytes.len());
+            match edit {
+                0 => bytes[at] = byte,
+                1 => { bytes.remove(at); }
+                2 => bytes.insert(at, b"0123456789-+.eE\"{}[],:"[usize::from(byte) % 22]),
+                _ => bytes.swap(at, 0),
+            }
+        }
+        if let Ok(file) = ModelFile::from_slice(&bytes) {
+            prop_assert!(file.to_model().is_ok());
+            prop_assert_eq!(ModelFile::from_slice(file.to_json().unwrap().as_bytes()).unwrap(), file);
+        }
+    }
+}
+
+#[test]
+fn every_family_survives_writing_and_reading() {
+    let family = |form: FamilyForm, shape: &[f64]| {
+        let weights = (1..=form.columns()).map(|j| 0.3 / j as f64).collect();
+        Hysteresis::Family(Family::new(vec![2.0, -0.01], form, shape.to_vec(), weights).unwrap())
+    };
+    let plays = PrandtlIshlinskii::new(vec![1.5], vec![0.4, 1.1], vec![0.3, 0.2]).unwrap();
+    let families = [
+        (Hysteresis::PrandtlIshlinskii(plays), "prandtl-ishlinskii"),
+        (family(FamilyForm::ParallelBoucWen { states: 2 }, &[0.3, 0.1, 1.3, -0.2]), "parallel-bouc-wen"),
+        (family(FamilyForm::NonSymmetricBoucWen, &[0.6, 0.2, 0.05]), "non-symmetric-bouc-wen"),
+        (family(FamilyForm::SongDerKiureghian, &[0.6, 0.1, 0.2, 0.05, -0.04, 0.03]), "song-der-kiureghian"),
+        (family(FamilyForm::Dahl, &[1.7, 1.4]), "dahl"),
+        (family(FamilyForm::Duhem { degree: 3 }, &[0.7]), "duhem"),
+        (family(FamilyForm::MaxwellSlip { elements: 3 }, &[3.1]), "maxwell-slip"),
+        (family(FamilyForm::OneSidedPlays { plays: 5 }, &[5.3]), "one-sided-plays"),
+        (family(FamilyForm::RateDependentPlays { plays: 3 }, &[4.1, 2e-4]), "rate-dependent-plays"),
+        (family(FamilyForm::DeadZonePlays { plays: 3 }, &[-1.0, 9.2, 0.37, 2.3]), "dead-zone-plays"),
+        (family(FamilyForm::GeneralisedPlays { plays: 3 }, &[0.21, 4.3, 0.19, 4.1]), "generalised-plays"),
+        (
+            family(FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }, &[-1.0, 9.3, 2.7]),
+            "krasnoselskii-pokrovskii",
+        ),
+        (family(FamilyForm::Preisach { intervals: 5 }, &[-1.0, 9.2]), "preisach"),
+        (family(FamilyForm::PreisachDensity, &[-1.0, 9.2, 0.4, 1.3, 4.1, 3.3]), "preisach-density"),
+        (family(FamilyForm::JilesAtherton, &[2.3, 0.7, 0.12, 0.9]), "jiles-atherton"),
+    ];
+    for (hysteresis, kind) in families {
+        let model = Model { hysteresis, ..article() };
+        let text = ModelFile::from_model(&model, SignalUnits::default()).to_json().unwrap();
+        assert!(text.contains(&format!("\"kind\": \"{kind}\"")), "{text}");
+        assert_eq!(read(&text).unwrap().to_model().unwrap(), model, "{kind}");
+        // A weight less: another member of the family, or none.
+        let short = text.replace("\"weight_1\"", "\"weight_0\"");
+        assert!(read(&short).is_err(), "{kind}");
+        let unit = text.replacen("\"unit\": \"um/V\"", "\"unit\": \"s\"", 2);
+        assert!(matches!(read(&unit), Err(ModelFileError::WrongUnit { .. })), "{kind}");
+    }
+}
+
+#[test]
+fn shape_numbers_that_a_family_cannot_have_are_refused() {
+    let form = FamilyForm::Preisach { intervals: 2 };
+    let family = Family::new(vec![2.0], form, vec![0.0, 10.0], vec![0.1; 3]).unwrap();
+    let model = Model { hysteresis: Hysteresis::Family(family), ..article() };
+    let mut file = ModelFile::from_model(&model, SignalUnits::default());
+    file.number_mut("high").unwrap().value = -1.0;
+    assert!(matches!(file.check(), Err(ModelFileError::Shape { .. })), "{:?}", file.check());
+}

@@ -1,0 +1,283 @@
+//! What can be wrong with a record.
+
+use hysteron_numeric::display::short;
+
+/// What is wrong with a record, or why a step cannot be done with it. Sample indices count from 0.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// A record without channels.
+    #[error("record `{record}` has no channels: it needs at least one column of samples")]
+    NoChannels {
+        /// Name of the record.
+        record: String,
+    },
+    /// Too few samples for what was asked.
+    #[error("record `{record}` has {got} sample(s), but {purpose} needs at least {need}")]
+    TooShort {
+        /// Name of the record.
+        record: String,
+        /// Samples found.
+        got: usize,
+        /// Samples needed.
+        need: usize,
+        /// What they are needed for.
+        purpose: &'static str,
+    },
+    /// Channels, times or mask of different lengths.
+    #[error(
+        "record `{record}`: {what} has {got} entries where the first channel has {expected} samples; all must be of one length"
+    )]
+    LengthMismatch {
+        /// Name of the record.
+        record: String,
+        /// The channel, the time stamps or the mask.
+        what: String,
+        /// Entries found.
+        got: usize,
+        /// Samples of the first channel.
+        expected: usize,
+    },
+    /// NaN or infinity in a channel.
+    #[error(
+        "record `{record}`, channel `{channel}`, sample {index}: {value} is not a finite number; cut the record there, or fill the gap from its neighbours and mark it 0 in a `valid` column"
+    )]
+    NotFinite {
+        /// Name of the record.
+        record: String,
+        /// Name of the channel.
+        channel: String,
+        /// Sample index, from 0.
+        index: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// A channel name that no file could carry back.
+    #[error(
+        "record `{record}`: `{}` is not a channel name; use printable characters, not empty, no blanks at the ends",
+        name.escape_debug()
+    )]
+    BadChannelName {
+        /// Name of the record.
+        record: String,
+        /// The name found.
+        name: String,
+    },
+    /// Two channels that cannot be told apart.
+    #[error("record `{record}` has two channels `{channel}`; rename one of them")]
+    DuplicateChannel {
+        /// Name of the record.
+        record: String,
+        /// Header (name and unit) of both.
+        channel: String,
+    },
+    /// A chosen channel that is not there.
+    #[error(
+        "record `{record}` has no channel `{asked}` to be the {role}; it has {available}; choose one of them with {flag}"
+    )]
+    NoSuchChannel {
+        /// Name of the record.
+        record: String,
+        /// What was asked for.
+        asked: String,
+        /// `input` or `output`.
+        role: &'static str,
+        /// Flag or field to choose with.
+        flag: &'static str,
+        /// The channels there are.
+        available: String,
+    },
+    /// Several channels could be meant.
+    #[error(
+        "record `{record}`: which of {candidates} is the {role}? Choose one with {flag}, e.g. `{flag} {first}`"
+    )]
+    AmbiguousChannel {
+        /// Name of the record.
+        record: String,
+        /// `input` or `output`.
+        role: &'static str,
+        /// Flag or field to choose with.
+        flag: &'static str,
+        /// The channels that could be meant.
+        candidates: String,
+        /// The first of them, for the example.
+        first: String,
+    },
+    /// No channel looks like the input or the output.
+    #[error(
+        "record `{record}`: none of {available} looks like the {role} ({expected}); choose one with {flag}"
+    )]
+    NoCandidate {
+        /// Name of the record.
+        record: String,
+        /// `input` or `output`.
+        role: &'static str,
+        /// What such a channel would look like.
+        expected: &'static str,
+        /// Flag or field to choose with.
+        flag: &'static str,
+        /// The channels there are.
+        available: String,
+    },
+    /// One channel only, where an input and an output are needed.
+    #[error(
+        "record `{record}` has only one channel besides time, {channel}: a fit needs two, the drive (e.g. `u_V`) and the displacement (e.g. `y_um`); measure both in one file"
+    )]
+    OnlyOneChannel {
+        /// Name of the record.
+        record: String,
+        /// Its only channel.
+        channel: String,
+    },
+    /// Input and output are the same channel.
+    #[error(
+        "record `{record}`: `{channel}` is chosen both as input and as output; choose another with --input or --output"
+    )]
+    SameChannel {
+        /// Name of the record.
+        record: String,
+        /// The channel chosen twice.
+        channel: String,
+    },
+    /// A channel whose unit cannot belong to its role.
+    #[error(
+        "record `{record}`: channel `{channel}` is in {unit}, which cannot be the unit of the {role}; expected {expected}: correct the unit in the column's header, or choose another column with {flag}"
+    )]
+    WrongUnit {
+        /// Name of the record.
+        record: String,
+        /// `input` or `output`.
+        role: &'static str,
+        /// The channel.
+        channel: String,
+        /// Its unit.
+        unit: String,
+        /// What would be accepted.
+        expected: &'static str,
+        /// Flag or field to choose with.
+        flag: &'static str,
+    },
+    /// Time stamps that run backwards.
+    #[error(
+        "record `{record}`: time runs backwards at sample {index}: {after} s follows {before} s; sort the rows, or split the file where the clock was reset"
+    )]
+    TimeDecreases {
+        /// Name of the record.
+        record: String,
+        /// Index of the sample that is earlier than its predecessor.
+        index: usize,
+        /// Time of the predecessor \[s\].
+        before: f64,
+        /// Time of the sample \[s\].
+        after: f64,
+    },
+    /// All time stamps are the same.
+    #[error(
+        "record `{record}`: all {samples} time stamps are {time_s} s; write time with more digits, or leave the column out and give the sample rate"
+    )]
+    TimeStandsStill {
+        /// Name of the record.
+        record: String,
+        /// Number of samples.
+        samples: usize,
+        /// The one time stamp \[s\].
+        time_s: f64,
+    },
+    /// A sample rate that is not a positive finite number.
+    #[error("record `{record}`: a sample rate of {value} Hz is not possible; it must be positive and finite")]
+    BadSampleRate {
+        /// Name of the record.
+        record: String,
+        /// The value given \[Hz\].
+        value: f64,
+    },
+    /// A given sample rate that the time column contradicts.
+    #[error(
+        "record `{record}`: the sample rate given is {given_hz} Hz, but {samples} samples span {} s by the time column, {} Hz; correct the one or drop the other",
+        short(*.duration_s),
+        short(*.measured_hz)
+    )]
+    RateContradictsTime {
+        /// Name of the record.
+        record: String,
+        /// Rate given \[Hz\].
+        given_hz: f64,
+        /// Mean rate by the time column \[Hz\].
+        measured_hz: f64,
+        /// Number of samples.
+        samples: usize,
+        /// Duration by the time column \[s\].
+        duration_s: f64,
+    },
+    /// A step that needs uniform sampling.
+    #[error(
+        "record `{record}`: {purpose} needs uniform sampling, but {found}; resample it first, or give the sample rate if the stamps are only badly written"
+    )]
+    NotUniform {
+        /// Name of the record.
+        record: String,
+        /// What was asked.
+        purpose: &'static str,
+        /// What the time base is instead.
+        found: &'static str,
+    },
+    /// A range of samples that is not inside the record.
+    #[error("record `{record}`: samples {start} to {end} are not a range within its {samples} samples")]
+    BadRange {
+        /// Name of the record.
+        record: String,
+        /// First sample asked for.
+        start: usize,
+        /// End of the range (exclusive).
+        end: usize,
+        /// Samples there are.
+        samples: usize,
+    },
+    /// A factor that cannot scale a channel.
+    #[error(
+        "record `{record}`, channel `{channel}`: cannot scale by {factor}; the factor must be finite and not zero"
+    )]
+    BadScale {
+        /// Name of the record.
+        record: String,
+        /// The channel.
+        channel: String,
+        /// The factor given.
+        factor: f64,
+    },
+    /// A setting of a preparation step out of its range.
+    #[error("record `{record}`: {setting} = {value} is not possible; {allowed}")]
+    BadSetting {
+        /// Name of the record.
+        record: String,
+        /// The setting.
+        setting: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A signal that never changes.
+    #[error(
+        "record `{record}`: channel `{channel}` is constant ({}) over all samples, so {purpose} is not possible; was the drive connected, the right column chosen?",
+        short(*.value)
+    )]
+    ConstantSignal {
+        /// Name of the record.
+        record: String,
+        /// The channel.
+        channel: String,
+        /// Its one value.
+        value: f64,
+        /// What was asked.
+        purpose: &'static str,
+    },
+    /// A signal in which no period was found.
+    #[error("record `{record}`: no repeating period found, so {purpose} is not possible")]
+    NotPeriodic {
+        /// Name of the record.
+        record: String,
+        /// What was asked.
+        purpose: &'static str,
+    },
+}

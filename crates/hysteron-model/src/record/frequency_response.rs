@@ -1,0 +1,289 @@
+//! A measured frequency response.
+
+use super::Source;
+use hysteron_numeric::Complex64;
+
+/// What can be wrong with a measured frequency response.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResponseDataError {
+    /// Lists of different lengths.
+    #[error("frequency response `{name}`: {what} has {found} entries where there are {expected} frequencies")]
+    Length {
+        /// The response.
+        name: String,
+        /// Which list.
+        what: &'static str,
+        /// Entries found.
+        found: usize,
+        /// Number of frequencies.
+        expected: usize,
+    },
+    /// A frequency that is not positive and finite, or not above the one before.
+    #[error(
+        "frequency response `{name}`, point {index}: frequency {value} Hz; frequencies must be positive, finite and strictly ascending"
+    )]
+    Frequency {
+        /// The response.
+        name: String,
+        /// Point, from 1.
+        index: usize,
+        /// Frequency found \[Hz\].
+        value: f64,
+    },
+    /// A value that is not finite, or zero where it has to be divided by.
+    #[error("frequency response `{name}`, {frequency_hz} Hz: the value {found} is not {wanted}")]
+    Value {
+        /// The response.
+        name: String,
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+        /// Value found.
+        found: String,
+        /// What is wanted.
+        wanted: &'static str,
+    },
+    /// A standard deviation that is not positive and finite.
+    #[error(
+        "frequency response `{name}`, {frequency_hz} Hz: the standard deviation is {found}; it must be positive and finite"
+    )]
+    Uncertainty {
+        /// The response.
+        name: String,
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+        /// Standard deviation found.
+        found: f64,
+    },
+    /// Two responses that do not share their frequencies.
+    #[error("cannot divide frequency response `{over}` by `{under}`: they are not at the same frequencies")]
+    OtherFrequencies {
+        /// Numerator.
+        over: String,
+        /// Denominator.
+        under: String,
+    },
+}
+
+/// A complex frequency response G(2πi f) at measured frequencies, with its uncertainty where it is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrequencyResponse {
+    /// Name for messages and reports.
+    pub name: String,
+    /// Frequencies \[Hz\], positive and strictly ascending.
+    pub frequency_hz: Vec<f64>,
+    /// Values, in `unit`.
+    pub values: Vec<Complex64>,
+    /// Standard deviation σ of each value, in `unit`: σ² = E|error|², half of it in the real and half in the imaginary
+    /// part. `None`: unknown.
+    pub std_dev: Option<Vec<f64>>,
+    /// Output unit per input unit as in column headers (`um_per_V`); empty where nobody said.
+    pub unit: String,
+    /// File it was read from.
+    pub source: Option<Source>,
+}
+
+impl FrequencyResponse {
+    /// A checked response without uncertainty, unit or source.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn new(
+        name: &str,
+        frequency_hz: Vec<f64>,
+        values: Vec<Complex64>,
+    ) -> Result<Self, ResponseDataError> {
+        let response = Self {
+            name: name.to_owned(),
+            frequency_hz,
+            values,
+            std_dev: None,
+            unit: String::new(),
+            source: None,
+        };
+        response.check()?;
+        Ok(response)
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.frequency_hz.len()
+    }
+
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.frequency_hz.is_empty()
+    }
+
+    /// Lowest and highest frequency \[Hz\]; (0, 0) without points.
+    pub fn range_hz(&self) -> (f64, f64) {
+        match (self.frequency_hz.first(), self.frequency_hz.last()) {
+            (Some(&low), Some(&high)) => (low, high),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// Checks lengths, frequencies (positive, finite, strictly ascending), values (finite) and standard deviations
+    /// (positive, finite).
+    ///
+    /// # Errors
+    /// [`ResponseDataError::Length`], [`ResponseDataError::Frequency`], [`ResponseDataError::Value`],
+    /// [`ResponseDataError::Uncertainty`].
+    pub fn check(&self) -> Result<(), ResponseDataError> {
+        let name = || self.name.clone();
+        let lengths =
+            [("value", Some(self.values.len())), ("uncertainty", self.std_dev.as_ref().map(Vec::len))];
+        for (what, found) in lengths {
+            if let Some(found) = found.filter(|&found| found != self.len()) {
+                return Err(ResponseDataError::Length { name: name(), what, found, expected: self.len() });
+            }
+        }
+        let mut before = 0.0;
+        for (i, (&f, value)) in self.frequency_hz.iter().zip(&self.values).enumerate() {
+            if !(f > before && f.is_finite()) {
+                return Err(ResponseDataError::Frequency { name: name(), index: i + 1, value: f });
+            }
+            if !value.is_finite() {
+                return Err(self.bad_value(i, "finite"));
+            }
+            before = f;
+        }
+        for (&f, &s) in self.frequency_hz.iter().zip(self.std_dev.iter().flatten()) {
+            if !(s > 0.0 && s.is_finite()) {
+                return Err(ResponseDataError::Uncertainty { name: name(), frequency_hz: f, found: s });
+            }
+        }
+        Ok(())
+    }
+
+    #[doc(hidden)]
+    pub fn bad_value(&self, index: usize, wanted: &'static str) -> ResponseDataError {
+        ResponseDataError::Value {
+            name: self.name.clone(),
+            frequency_hz: self.frequency_hz.get(index).copied().unwrap_or(f64::NAN),
+            found: self.values.get(index).map(ToString::to_string).unwrap_or_default(),
+            wanted,
+        }
+    }
+
+    /// The points with `low_hz` ≤ f ≤ `high_hz`.
+    #[must_use]
+    pub fn band(&self, low_hz: f64, high_hz: f64) -> Self {
+        let from = self.frequency_hz.partition_point(|&f| f < low_hz);
+        let to = self.frequency_hz.partition_point(|&f| f <= high_hz).max(from);
+        Self {
+            frequency_hz: self.frequency_hz[from..to].to_vec(),
+            values: self.values[from..to].to_vec(),
+            std_dev: self.std_dev.as_ref().map(|s| s[from..to].to_vec()),
+            ..self.clone()
+        }
+    }
+
+    /// This response over another at the same frequencies, e.g. stage over amplifier voltage from two responses to one
+    /// command. Independent uncertainties are combined to first order; where only one is known it is taken alone.
+    ///
+    /// # Errors
+    /// [`ResponseDataError::OtherFrequencies`]; [`ResponseDataError::Value`] for a zero divisor.
+    pub fn over(&self, under: &Self) -> Result<Self, ResponseDataError> {
+        if self.frequency_hz != under.frequency_hz {
+            let (over, under) = (self.name.clone(), under.name.clone());
+            return Err(ResponseDataError::OtherFrequencies { over, under });
+        }
+        if let Some(index) = under.values.iter().position(|v| *v == Complex64::ZERO) {
+            return Err(under.bad_value(index, "a divisor"));
+        }
+        let values: Vec<Complex64> = self.values.iter().zip(&under.values).map(|(a, b)| a / b).collect();
+        let relative = |response: &Self, i: usize| {
+            response.std_dev.as_ref().map_or(0.0, |s| s[i] / response.values[i].norm())
+        };
+        let std_dev = (self.std_dev.is_some() || under.std_dev.is_some())
+            .then(|| {
+                let of = |(i, v): (usize, &Complex64)| {
+                    let own = self.std_dev.as_ref().map_or(0.0, |s| s[i] / under.values[i].norm());
+                    own.hypot(v.norm() * relative(under, i))
+                };
+                values.iter().enumerate().map(of).collect::<Vec<f64>>()
+            })
+            // A zero numerator whose divisor alone is uncertain has no uncertainty to first order.
+            .filter(|s| s.iter().all(|s| *s > 0.0));
+        let unit = match (self.unit.split_once("_per_"), under.unit.split_once("_per_")) {
+            (Some((a, c)), Some((b, d))) if c == d => format!("{a}_per_{b}"),
+            _ => String::new(),
+        };
+        let ratio = Self {
+            name: format!("{} over {}", self.name, under.name),
+            frequency_hz: self.frequency_hz.clone(),
+            values,
+            std_dev,
+            unit,
+            source: self.source.clone(),
+        };
+        ratio.check()?;
+        Ok(ratio)
+    }
+
+    /// Phase \[°\], unwrapped from the lowest frequency on.
+    pub fn phase_deg(&self) -> Vec<f64> {
+        unwrapped_phase_deg(&self.values)
+    }
+}
+
+/// Phases \[°\] of successive values without jumps of more than half a turn.
+pub fn unwrapped_phase_deg(values: &[Complex64]) -> Vec<f64> {
+    let mut phases: Vec<f64> = Vec::with_capacity(values.len());
+    for value in values {
+        let phase = value.arg().to_degrees();
+        let turns = phases.last().map_or(0.0, |last| ((last - phase) / 360.0).round());
+        phases.push(phase + 360.0 * turns);
+    }
+    phases
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn response(f: &[f64]) -> Result<FrequencyResponse, ResponseDataError> {
+        FrequencyResponse::new("g", f.to_vec(), f.iter().map(|&f| Complex64::new(f, -1.0)).collect())
+    }
+
+    #[test]
+    fn unsound_responses_are_refused() {
+        assert!(response(&[1.0, 2.0, 4.0]).is_ok());
+        for bad in [&[0.0, 1.0][..], &[1.0, 1.0], &[2.0, 1.0], &[1.0, f64::NAN], &[1.0, f64::INFINITY]] {
+            assert!(matches!(response(bad), Err(ResponseDataError::Frequency { .. })), "{bad:?}");
+        }
+        let short = FrequencyResponse::new("g", vec![1.0, 2.0], vec![Complex64::ONE]);
+        assert!(matches!(short, Err(ResponseDataError::Length { found: 1, expected: 2, .. })));
+        let infinite = FrequencyResponse::new("g", vec![1.0], vec![Complex64::new(f64::INFINITY, 0.0)]);
+        assert!(matches!(infinite, Err(ResponseDataError::Value { .. })));
+        let mut zero = response(&[1.0]).unwrap();
+        zero.std_dev = Some(vec![0.0]);
+        assert!(matches!(zero.check(), Err(ResponseDataError::Uncertainty { .. })));
+    }
+
+    #[test]
+    fn a_band_keeps_its_ends_and_a_quotient_divides_values_units_and_uncertainties() {
+        let whole = response(&[1.0, 2.0, 3.0, 4.0]).unwrap();
+        assert_eq!(whole.band(2.0, 3.0).frequency_hz, [2.0, 3.0]);
+        assert!(whole.band(5.0, 1.0).is_empty());
+        let mut a = response(&[1.0]).unwrap();
+        (a.values, a.std_dev, a.unit) = (vec![Complex64::new(0.0, 8.0)], Some(vec![0.4]), "um_per_V".into());
+        let mut b = a.clone();
+        (b.values, b.std_dev, b.unit) = (vec![Complex64::new(4.0, 0.0)], Some(vec![0.12]), "mV_per_V".into());
+        let ratio = a.over(&b).unwrap();
+        assert_eq!((ratio.values[0], ratio.unit.as_str()), (Complex64::new(0.0, 2.0), "um_per_mV"));
+        // Relative 5 % and 3 %, together √34 %.
+        assert!((ratio.std_dev.unwrap()[0] - 0.02 * 34f64.sqrt()).abs() < 1e-15);
+        assert!(a.over(&whole).is_err());
+    }
+
+    #[test]
+    fn phase_is_unwrapped() {
+        let values: Vec<Complex64> =
+            (0..20).map(|k| Complex64::from_polar(1.0, -0.9 * f64::from(k))).collect();
+        for (k, phase) in unwrapped_phase_deg(&values).iter().enumerate() {
+            assert!((phase + (0.9 * k as f64).to_degrees()).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,444 @@
+//! What is in a record, in numbers and in plain words.
+
+use hysteron_numeric::display::short;
+
+use super::turning_points::{median, range_of};
+use super::{
+    Clipping, DelayFinding, ExcitationKind, InputOutput, LinearDrift, LoopSense, LoopShape, NoiseFloor,
+    NoiseMethod, Periods, StartUp, TimeBase, Unit, WaveShape, clipping, excitation_kind, find_delay,
+    find_periods, implausible_units, linear_drift, loop_shape, noise_floor, quantisation_step,
+};
+
+/// Everything [`inspect`] finds. Frequencies in Hz where there is a uniform time base, else `None`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inspection {
+    /// Number of samples.
+    pub samples: usize,
+    /// Samples that the mask excludes.
+    pub masked_samples: usize,
+    /// Sample rate \[Hz\].
+    pub sample_rate_hz: Option<f64>,
+    /// Largest deviation of a time stamp from the grid \[sample periods\]; `None` without a uniform time base.
+    pub jitter_samples: Option<f64>,
+    /// Last less first time \[s\].
+    pub duration_s: Option<f64>,
+    /// Longest distance of two neighbouring stamps over the median one; `None` without non-uniform stamps.
+    pub largest_gap: Option<f64>,
+    /// Smallest and largest input.
+    pub input_range: (f64, f64),
+    /// Smallest and largest output.
+    pub output_range: (f64, f64),
+    /// Kind of drive, frequencies per sample.
+    pub kind: ExcitationKind,
+    /// Lowest and highest frequency of the drive \[Hz\], the same for one frequency.
+    pub frequency_span_hz: Option<(f64, f64)>,
+    /// How the record repeats, if it does.
+    pub periods: Option<Periods>,
+    /// Rms change of the output from one settled period to the next, in its unit.
+    pub period_change_rms: Option<f64>,
+    /// Noise floor of the output.
+    pub noise_floor: Option<NoiseFloor>,
+    /// Drift of the output over the settled periods.
+    pub drift: Option<LinearDrift>,
+    /// Delay of the output.
+    pub delay: Option<DelayFinding>,
+    /// Loop of output over input, over the settled periods; `None` for a drive that makes no loop (broadband, steps).
+    pub loop_shape: Option<LoopShape>,
+    /// Samples of the input held at an end of its range.
+    pub input_clipping: Clipping,
+    /// Samples of the output held at an end of its range.
+    pub output_clipping: Clipping,
+    /// Converter step of the output.
+    pub output_step: Option<f64>,
+    /// Start out of rest, if the record has one.
+    pub start_up: Option<StartUp>,
+    /// What this means, in order of weight.
+    pub findings: Vec<Finding>,
+}
+
+/// A plain sentence about a record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// Whether it stands in the way of a good model.
+    pub is_warning: bool,
+    /// The sentence.
+    pub text: String,
+}
+
+/// Inspects a record. Everything is computed on the record as it is; masked samples are left out of the output's range and clipping alone.
+pub fn inspect(data: &InputOutput) -> Inspection {
+    let rate = data.sample_rate_hz();
+    let valid_output: Vec<f64> = match &data.valid {
+        Some(valid) => data.y.iter().zip(valid).filter(|(_, v)| **v).map(|(y, _)| *y).collect(),
+        None => data.y.clone(),
+    };
+    let ((kind, output_step), periods) = rayon::join(
+        || (excitation_kind(&data.u), quantisation_step(&valid_output)),
+        || find_periods(data).ok(),
+    );
+    let (delay, noise_floor) =
+        rayon::join(|| find_delay(data, &kind, periods.as_ref()), || noise_floor(data, periods.as_ref()));
+    let settled = periods.map_or(0, |p| p.steady_start());
+    let makes_loop = matches!(kind, ExcitationKind::Wave { .. } | ExcitationKind::Ramps { .. });
+    let held = matches!(kind, ExcitationKind::Steps { .. } | ExcitationKind::Constant);
+    let mut found = Inspection {
+        samples: data.len(),
+        masked_samples: data.len() - valid_output.len(),
+        sample_rate_hz: rate,
+        jitter_samples: match data.time {
+            TimeBase::Uniform { jitter_samples, .. } => Some(jitter_samples),
+            _ => None,
+        },
+        duration_s: match (data.time.time_s(0), data.time.time_s(data.len().saturating_sub(1))) {
+            (Some(first), Some(last)) => Some(last - first),
+            _ => None,
+        },
+        largest_gap: largest_gap(&data.time),
+        input_range: range_of(&data.u),
+        output_range: range_of(&valid_output),
+        frequency_span_hz: rate.and_then(|rate| span_of(&kind).map(|(a, b)| (a * rate, b * rate))),
+        period_change_rms: periods.as_ref().and_then(|p| period_change(data, p)),
+        noise_floor,
+        drift: periods.as_ref().and_then(|p| linear_drift(data, Some(p)).ok()),
+        loop_shape: match (makes_loop, data.u.get(settled..), data.y.get(settled..)) {
+            (true, Some(u), Some(y)) => loop_shape(u, y),
+            _ => None,
+        },
+        // A drive may rest where it likes; held for less than half a period it was cut off.
+        input_clipping: span_of(&kind)
+            .map_or(Clipping::default(), |(lowest, _)| clipping(&data.u, (0.5 / lowest.max(1e-9)) as usize)),
+        output_clipping: if held { Clipping::default() } else { clipping(&valid_output, usize::MAX) },
+        output_step,
+        start_up: match delay {
+            Some(DelayFinding::FromStartUp(start_up)) => Some(start_up),
+            _ => None,
+        },
+        kind,
+        periods,
+        delay,
+        findings: Vec::new(),
+    };
+    found.findings = found.in_words(data);
+    found
+}
+
+impl Inspection {
+    fn in_words(&self, data: &InputOutput) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        self.warnings(data, &mut findings);
+        self.notes(data, &mut findings);
+        findings
+    }
+
+    fn warnings(&self, data: &InputOutput, findings: &mut Vec<Finding>) {
+        let mut warn = |text: String| findings.push(Finding { is_warning: true, text });
+        let (u_low, u_high) = self.input_range;
+        let (y_low, y_high) = self.output_range;
+        let stroke = y_high - y_low;
+        let unit = spaced(&data.y_unit);
+        if u_low == u_high {
+            warn(format!(
+                "The input `{}` is constant ({}{}): nothing can be identified. Was the drive connected, the right column chosen?",
+                data.input,
+                short(u_low),
+                spaced(&data.u_unit)
+            ));
+        }
+        if y_low == y_high {
+            warn(format!(
+                "The output `{}` is constant ({}{unit}): the sensor was off, or this is the wrong column.",
+                data.output,
+                short(y_low)
+            ));
+        }
+        for (what, name, clipped) in
+            [("output", &data.output, self.output_clipping), ("input", &data.input, self.input_clipping)]
+        {
+            if clipped.total() > 0 {
+                let ends = match (clipped.at_low, clipped.at_high) {
+                    (0, high) => format!("{high} samples at its largest value"),
+                    (low, 0) => format!("{low} samples at its smallest value"),
+                    (low, high) => format!("{low} samples at its smallest and {high} at its largest value"),
+                };
+                warn(format!(
+                    "The {what} `{name}` looks saturated: {ends}, entered and left steeply. Mark them 0 in a `valid` column, or record again within the range."
+                ));
+            }
+        }
+        let fastest_hz = self.frequency_span_hz.map(|(_, highest)| highest);
+        implausible_units(data, fastest_hz).into_iter().for_each(&mut warn);
+        match &data.time {
+            TimeBase::Unknown => warn(
+                "There is no time column and no sample rate: a static fit is possible, dynamics are not. Give --sample-rate if it is known."
+                    .to_string(),
+            ),
+            TimeBase::NonUniform { .. } => warn(format!(
+                "The time stamps are not uniform (longest distance {} times the median): a static fit is possible; for dynamics resample first, or give --sample-rate if the stamps are only written coarsely.",
+                self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}"))
+            )),
+            TimeBase::Uniform { jitter_samples, .. } if *jitter_samples > 0.01 => warn(format!(
+                "The time stamps scatter by up to {jitter_samples:.3} of a sample about a uniform grid."
+            )),
+            TimeBase::Uniform { .. } => {}
+        }
+        if let Some(shape) = &self.loop_shape {
+            if shape.butterfly {
+                warn(
+                    "The output turns twice as often as the input: a butterfly loop (polarisation reversal). No Bouc-Wen model of an actuator can follow it."
+                        .to_string(),
+                );
+            } else if shape.sense == Some(LoopSense::Clockwise) && shape.gain > 0.0 {
+                warn(format!(
+                    "The loop runs clockwise: the output leads the input by {:.1} % of the stroke at mid-range. A piezo stack lags; are input and output swapped, or is the input measured behind the actuator?",
+                    shape.opening_percent
+                ));
+            }
+        }
+        if let Some(step) = self.output_step
+            && step > 1e-3 * stroke
+        {
+            warn(format!(
+                "The output is quantised in steps of {step:.4}{unit}, {:.2} % of its range: no model can be verified below that.",
+                100.0 * step / stroke
+            ));
+        }
+        if let (Some(rate), Some((_, highest))) = (self.sample_rate_hz, self.frequency_span_hz)
+            && highest > 0.0
+            && rate / highest < 10.0
+        {
+            warn(format!(
+                "Only {:.1} samples a period at {highest:.4} Hz: what happens between samples matters; prefer the band-limited rule or sample faster.",
+                rate / highest
+            ));
+        }
+        if self.masked_samples > 0 {
+            warn(format!(
+                "{} of {} samples are marked invalid and are not scored.",
+                self.masked_samples, self.samples
+            ));
+        }
+    }
+
+    fn notes(&self, data: &InputOutput, findings: &mut Vec<Finding>) {
+        let mut note = |text: String| findings.push(Finding { is_warning: false, text });
+        let unit = spaced(&data.y_unit);
+        let span = self.frequency_span_hz;
+        let hz = |f: f64| format!("{f:.4} Hz");
+        match (&self.kind, span) {
+            (ExcitationKind::Wave { shape, turning_levels, .. }, span) => {
+                let shape = match shape {
+                    WaveShape::Sine => "sine",
+                    WaveShape::Triangle => "triangle wave",
+                    WaveShape::Other => "repeating wave",
+                };
+                let frequency = span.map_or("unknown frequency".to_string(), |(f, _)| hz(f));
+                let loops = if *turning_levels > 2 {
+                    "its amplitude changes, so minor loops are in the record"
+                } else {
+                    "one amplitude: minor loops and the dependence on amplitude are not in the record"
+                };
+                note(format!("The drive is a {shape} of {frequency}; {loops}."));
+                note(
+                    "One frequency only: how the loop changes with frequency cannot be determined from this record; add a sweep."
+                        .to_string(),
+                );
+            }
+            (ExcitationKind::Sweep { .. }, Some((a, b))) => {
+                note(format!("The drive is a sweep from {} to {}.", hz(a), hz(b)));
+            }
+            (ExcitationKind::Broadband { .. }, Some((a, b))) => {
+                note(format!("The drive has many frequencies at once, {} to {}.", hz(a), hz(b)));
+            }
+            (ExcitationKind::Steps { levels }, _) => {
+                note(format!("The drive is held at {levels} levels, with jumps between them."))
+            }
+            (ExcitationKind::Ramps { reversals }, _) => note(format!(
+                "The drive runs slowly through a few strokes ({reversals} reversals): good for the static loop, silent on dynamics."
+            )),
+            _ => {}
+        }
+        if let Some(p) = &self.periods {
+            let change = self
+                .period_change_rms
+                .map_or(String::new(), |c| format!("; it changes from one to the next by {c:.3}{unit} rms"));
+            note(format!(
+                "{} whole periods of {:.3} samples, {}{change}.",
+                p.count,
+                p.period_samples,
+                match p.settling {
+                    0 => "repeating from the start".to_string(),
+                    n => format!("the output repeating after the first {n}"),
+                }
+            ));
+        }
+        if let Some(floor) = &self.noise_floor {
+            let how = match floor.method {
+                NoiseMethod::PeriodRepeats { pairs } => format!("from {pairs} pairs of periods"),
+                NoiseMethod::FourthDifferences => "from fourth differences, an upper bound".to_string(),
+            };
+            note(format!("Noise floor of the output {:.4}{unit} rms ({how}).", floor.rms));
+        }
+        if let Some(shape) = &self.loop_shape {
+            let sense = match shape.sense {
+                Some(LoopSense::CounterClockwise) => "counter-clockwise",
+                Some(LoopSense::Clockwise) => "clockwise",
+                None => "closed",
+            };
+            note(format!(
+                "The loop is open by {:.3}{unit} at mid-range, {:.1} % of the {:.3}{unit} stroke, {sense}.",
+                shape.opening.abs(),
+                shape.opening_percent,
+                shape.stroke
+            ));
+        }
+        match &self.delay {
+            Some(DelayFinding::FromStartUp(s)) => note(format!(
+                "{} the output starts {:.2} ms late ({:.2} to {:.2} ms fit as well) and follows with a lag of {:.2} ms{}.",
+                if s.rest_recorded {
+                    "After the drive jumps out of rest"
+                } else {
+                    "The first output lies outside the settled loop, as if the drive had jumped to its first value from rest;"
+                },
+                1e3 * s.delay_s,
+                1e3 * s.delay_range_s.0,
+                1e3 * s.delay_range_s.1,
+                1e3 * s.lag_s,
+                if s.misfit_percent > 2.0 {
+                    ", roughly: a first-order lag does not describe it well"
+                } else {
+                    ""
+                }
+            )),
+            Some(DelayFinding::FromPhase { delay_s, std_error_s, constant_lag_rad, band_hz }) => {
+                note(format!(
+                    "Delay {:.3} ± {:.3} ms (dead time and every lag that grows with frequency) beside a constant lag of {:.1}° (hysteresis, creep), from the phase between {} and {}.",
+                    1e3 * delay_s,
+                    1e3 * std_error_s,
+                    constant_lag_rad.to_degrees(),
+                    hz(band_hz.0),
+                    hz(band_hz.1)
+                ))
+            }
+            Some(DelayFinding::Inseparable { frequency_hz, at_most_s }) => note(format!(
+                "The delay cannot be told from loop width: on one steady frequency ({}) both only shift the output, together by {:.3} ms, so the delay is at most that. A sweep, or a start from rest that a first-order lag describes, would tell them apart.",
+                hz(*frequency_hz),
+                1e3 * at_most_s
+            )),
+            Some(DelayFinding::Unknown) => {
+                note("The record does not determine the delay.".to_string());
+            }
+            None => {}
+        }
+    }
+}
+
+/// Unit behind a number; nothing where there is none.
+fn spaced(unit: &Unit) -> String {
+    if unit.symbol().is_empty() { String::new() } else { format!(" {unit}") }
+}
+
+fn span_of(kind: &ExcitationKind) -> Option<(f64, f64)> {
+    match *kind {
+        ExcitationKind::Wave { frequency, .. } => Some((frequency, frequency)),
+        ExcitationKind::Sweep { from, to } => Some((from.min(to), from.max(to))),
+        ExcitationKind::Broadband { from, to } => Some((from, to)),
+        _ => None,
+    }
+}
+
+fn largest_gap(time: &TimeBase) -> Option<f64> {
+    let TimeBase::NonUniform { times_s } = time else { return None };
+    let gaps: Vec<f64> = times_s.windows(2).map(|w| w[1] - w[0]).collect();
+    let largest = gaps.iter().copied().fold(0.0, f64::max);
+    let positive: Vec<f64> = gaps.into_iter().filter(|g| *g > 0.0).collect();
+    Some(largest / median(positive))
+}
+
+/// Rms over all pairs of successive settled periods.
+fn period_change(data: &InputOutput, periods: &Periods) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0);
+    for m in periods.settling + 1..periods.count {
+        for (a, b) in periods.one(&data.y, m - 1).iter().zip(periods.one(&data.y, m)) {
+            sum += (a - b) * (a - b);
+            count += 1;
+        }
+    }
+    (count > 0).then(|| (sum / f64::from(count)).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::f64::consts::TAU;
+
+    fn words(data: &InputOutput) -> String {
+        inspect(data).findings.into_iter().map(|f| f.text + "\n").collect()
+    }
+
+    fn sine(y: impl Fn(f64) -> f64) -> InputOutput {
+        let u: Vec<f64> = (0..2000).map(|k| 50.0 + 50.0 * (TAU * f64::from(k) / 200.0).sin()).collect();
+        let y = (0..2000).map(|k| y(f64::from(k))).collect();
+        InputOutput::new("r", TimeBase::uniform(200.0), u, y).unwrap()
+    }
+
+    #[test]
+    fn a_constant_input_is_said_to_be_one() {
+        let data = InputOutput::new("r", TimeBase::uniform(10.0), vec![3.0; 50], vec![1.0; 50]).unwrap();
+        let found = inspect(&data);
+        assert_eq!(found.kind, ExcitationKind::Constant);
+        assert!(found.findings[0].is_warning);
+        let text = words(&data);
+        assert!(
+            text.contains("input `u` is constant (3 V)") && text.contains("output `y` is constant"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_saturated_sensor_is_said_to_be_one() {
+        let data = sine(|k| (10.0 * (TAU * k / 200.0 - 0.2).sin()).min(8.0));
+        let found = inspect(&data);
+        assert!(found.output_clipping.at_high > 300, "{:?}", found.output_clipping);
+        assert_eq!(found.input_clipping.total(), 0);
+        assert!(words(&data).contains("output `y` looks saturated"), "{}", words(&data));
+    }
+
+    #[test]
+    fn a_clockwise_loop_is_a_warning_and_a_lagging_one_is_not() {
+        assert!(words(&sine(|k| (TAU * k / 200.0 + 0.2).sin())).contains("runs clockwise"));
+        let text = words(&sine(|k| (TAU * k / 200.0 - 0.2).sin()));
+        assert!(!text.contains("runs clockwise") && text.contains("counter-clockwise"), "{text}");
+        assert!(
+            text.contains("cannot be told from loop width") && text.contains("sine of 1.0000 Hz"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn missing_times_are_said_to_be_missing() {
+        let mut data = sine(|k| (TAU * k / 200.0 - 0.2).sin());
+        data.time = TimeBase::Unknown;
+        let found = inspect(&data);
+        assert_eq!((found.sample_rate_hz, found.delay, found.frequency_span_hz), (None, None, None));
+        assert!(found.findings[0].text.contains("--sample-rate"));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn any_record_can_be_inspected(
+            samples in prop::collection::vec((-1e3..1e3f64, prop_oneof![Just(0.0), Just(1.0), -1e300..1e300f64]), 2..120),
+            rate in prop::option::of(1e-3..1e6f64),
+        ) {
+            let (u, y): (Vec<f64>, Vec<f64>) = samples.into_iter().unzip();
+            let time = rate.map_or(TimeBase::Unknown, TimeBase::uniform);
+            // Either channel as the input: one is broadband, the other mostly held.
+            for (u, y) in [(u.clone(), y.clone()), (y, u)] {
+                let data = InputOutput::new("r", time.clone(), u, y).unwrap();
+                prop_assert!(!inspect(&data).findings.is_empty());
+            }
+        }
+    }
+}

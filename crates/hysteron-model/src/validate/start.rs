@@ -1,0 +1,202 @@
+//! What happened before a record, judged by the record itself.
+
+use super::memory::best_memory;
+use super::{ScoreError, Scoring, score};
+use crate::hammerstein::{Model, SimulationError, Start};
+use crate::record::{InputOutput, Periods, find_periods, range_of, shortest_swing};
+
+/// Ends that differ by less than this share of the range close a loop.
+const CLOSED: f64 = 0.03;
+
+/// Why no start could be chosen.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// The model cannot be simulated on the record from any start.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The record cannot be scored.
+    #[error(transparent)]
+    Score(#[from] ScoreError),
+}
+
+/// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off), settled on
+/// its own period where it repeats from the beginning or is one closed loop.
+pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
+    let mut starts = Vec::new();
+    if let Some(&first) = record.u.first() {
+        starts.push(Start::Rest { voltage_v: first });
+        if first != 0.0 {
+            starts.push(Start::Rest { voltage_v: 0.0 });
+        }
+    }
+    if let Some(period_samples) = settled_period(record, find_periods(record).ok()) {
+        starts.push(Start::Settled { period_samples });
+    }
+    starts
+}
+
+/// Samples of the period that a record may be settled on: where the drive repeats from the first sample on (`periods`, if
+/// they were found), or the whole record, where it is one closed loop.
+pub fn settled_period(record: &InputOutput, periods: Option<Periods>) -> Option<usize> {
+    match periods {
+        Some(p) => (p.start == 0 && p.count >= 2).then(|| p.period_samples.round() as usize),
+        None => (closes(&record.u) && closes(&record.y)).then_some(record.u.len()),
+    }
+}
+
+/// Samples at the start of a record that a model without dynamics cannot follow, because the drive jumps there from its
+/// rest: a quarter of the drive's shortest period, 0 without a jump of more than 2 % of its range.
+pub fn unfollowed_start(record: &InputOutput, start: &Start) -> usize {
+    const JUMP: f64 = 0.02;
+    let Start::Rest { voltage_v } = *start else { return 0 };
+    let (low, high) = range_of(&record.u);
+    let jump = record.u.first().map_or(0.0, |first| (first - voltage_v).abs());
+    if jump > JUMP * (high - low) { settling_samples(&record.u, shortest_swing(&record.u)) } else { 0 }
+}
+
+/// A quarter of the shortest period of the drive, at most a quarter of the record.
+#[doc(hidden)]
+pub fn settling_samples(u: &[f64], shortest_swing: usize) -> usize {
+    (shortest_swing / 2).min(u.len() / 4)
+}
+
+/// Whether a signal ends where it began, to 3 % of its range.
+fn closes(x: &[f64]) -> bool {
+    let (low, high) = range_of(x);
+    match (x.first(), x.last()) {
+        (Some(first), Some(last)) => (last - first).abs() <= CLOSED * (high - low),
+        _ => false,
+    }
+}
+
+/// The start among `preferred` and [`possible_starts`] from which `model` explains the record best (smallest RMSE), and
+/// the simulation from it. A record's initial state is unknown like its sensor's zero: this is its estimate, one choice
+/// of at most four, and the preferred one unless another is better by more than 1 %. Where the device rested at u(0) with a
+/// memory of earlier motion that explains the record better than all of them by more than 1 %, that start is taken, with the
+/// estimated memory z ([`Start::Remembering`]).
+///
+/// # Errors
+/// [`StartError`] where the model cannot be simulated from the preferred start, or the record cannot be scored.
+pub fn choose_start(
+    model: &Model,
+    record: &InputOutput,
+    preferred: Start,
+    scoring: &Scoring,
+) -> Result<(Start, Vec<f64>), StartError> {
+    const BETTER: f64 = 0.99;
+    let rate = record.sample_rate_hz();
+    let simulated = model.simulate(&record.u, rate, &preferred)?;
+    let mut best = (score(record, &simulated, scoring)?.rmse, preferred, simulated);
+    let given = best.0;
+    for start in possible_starts(record).into_iter().filter(|s| *s != preferred) {
+        // A start that cannot be simulated is not the one.
+        let Ok(simulated) = model.simulate(&record.u, rate, &start) else { continue };
+        let rmse = score(record, &simulated, scoring)?.rmse;
+        if rmse < best.0.min(BETTER * given) {
+            best = (rmse, start, simulated);
+        }
+    }
+    if let Some((rmse, start, simulated)) = best_memory(model, record, scoring)?
+        && rmse < BETTER * best.0
+    {
+        return Ok((start, simulated));
+    }
+    Ok((best.1, best.2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dynamics::{Dynamics, Scheme};
+    use crate::hysteresis::{BoucWen, Hysteresis, Memory};
+    use crate::record::{InterSample, TimeBase};
+    use std::f64::consts::TAU;
+
+    fn model() -> Model {
+        Model {
+            hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![3.0], 1.0, 0.4, 0.1, 1.0).unwrap()),
+            dynamics: Dynamics::None,
+            offset: 0.0,
+            delay_s: 0.0,
+            scheme: Scheme::Tustin,
+            inter_sample: InterSample::Linear,
+            sample_rate_hz: None,
+        }
+    }
+
+    #[test]
+    fn finds_the_start_that_made_the_record() {
+        let u: Vec<f64> = (0..500).map(|k| 3.0 + 2.0 * (TAU * f64::from(k) / 100.0).sin()).collect();
+        for truth in [
+            Start::Rest { voltage_v: 0.0 },
+            Start::Rest { voltage_v: 3.0 },
+            Start::Settled { period_samples: 100 },
+        ] {
+            let y = model().simulate(&u, None, &truth).unwrap();
+            let record = InputOutput::new("run", TimeBase::uniform(100.0), u.clone(), y.clone()).unwrap();
+            let preferred = Start::Rest { voltage_v: 3.0 };
+            let (start, simulated) = choose_start(&model(), &record, preferred, &Scoring::default()).unwrap();
+            assert_eq!(start, truth);
+            assert_eq!(simulated, y);
+        }
+    }
+
+    /// A large loop that dies down in smaller ones, cut open in the middle of a small one.
+    fn nested() -> (Vec<f64>, usize) {
+        let amplitude = |k: u32| 2.5 * (-f64::from(k) / 400.0).exp();
+        ((0..1200).map(|k| 3.0 + amplitude(k) * (TAU * f64::from(k) / 150.0).sin()).collect(), 487)
+    }
+
+    #[test]
+    fn a_record_cut_out_of_a_nested_loop_scores_at_its_noise() {
+        for n in [1.0, 1.6] {
+            let hysteresis = Hysteresis::BoucWen(BoucWen::new(vec![3.0], 1.0, 0.2, 0.05, n).unwrap());
+            let model = Model { hysteresis, ..model() };
+            let (u, cut) = nested();
+            let y = model.simulate(&u, None, &Start::Rest { voltage_v: 0.0 }).unwrap();
+            // Equally spread over ±0.005 √3: standard deviation 0.005.
+            let noise = |k: usize| 0.005 * 3.0_f64.sqrt() * (2.0 * ((k * 7919) % 1009) as f64 / 1008.0 - 1.0);
+            let y: Vec<f64> = y[cut..].iter().enumerate().map(|(k, y)| y + 40.0 + noise(k)).collect();
+            let samples = y.len();
+            let own = hysteron_numeric::root_mean_square(&(0..samples).map(noise).collect::<Vec<_>>());
+            let record = InputOutput::new("cut", TimeBase::uniform(1000.0), u[cut..].to_vec(), y).unwrap();
+            let preferred = Start::Rest { voltage_v: 0.0 };
+            let scoring = Scoring::default();
+            let (start, simulated) = choose_start(&model, &record, preferred, &scoring).unwrap();
+            let found = score(&record, &simulated, &scoring).unwrap();
+            assert!(matches!(start, Start::Remembering { .. }), "{n}: {start:?}");
+            assert!((found.rmse / own - 1.0).abs() < 0.01, "{n}: {} against {own}", found.rmse);
+            assert_eq!(found.skipped_samples, 0);
+            // Not so from any other start.
+            for other in possible_starts(&record) {
+                let simulated = model.simulate(&record.u, None, &other).unwrap();
+                assert!(score(&record, &simulated, &scoring).unwrap().rmse > 2.0 * own, "{n}: {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_memory_is_estimated() {
+        let u: Vec<f64> = (0..500).map(|k| 3.0 + 2.0 * (TAU * f64::from(k) / 125.0).sin()).collect();
+        let truth = Start::Remembering { voltage_v: 3.0, memory: Memory::Displacement(-0.83) };
+        let y = model().simulate(&u, None, &truth).unwrap();
+        let record = InputOutput::new("run", TimeBase::uniform(100.0), u, y).unwrap();
+        let preferred = Start::Rest { voltage_v: 3.0 };
+        match choose_start(&model(), &record, preferred, &Scoring::default()).unwrap().0 {
+            Start::Remembering { voltage_v, memory: Memory::Displacement(z) } => {
+                assert_eq!(voltage_v, 3.0);
+                assert!((z + 0.83).abs() < 1e-4, "{z}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_preferred_start_stands_where_no_other_is_better() {
+        let u: Vec<f64> = (0..300).map(|k| 1.0 + 0.05 * f64::from(k)).collect();
+        let preferred = Start::Rest { voltage_v: -0.5 };
+        let y = model().simulate(&u, None, &preferred).unwrap();
+        let record = InputOutput::new("run", TimeBase::uniform(100.0), u, y).unwrap();
+        assert_eq!(choose_start(&model(), &record, preferred, &Scoring::default()).unwrap().0, preferred);
+    }
+}

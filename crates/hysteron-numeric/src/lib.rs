@@ -1,0 +1,31 @@
+//! Array kernels under the dynamics: exp(α(a + iθ)), power series, FFT plans, convolution.
+//!
+//! Everything here is arithmetic without physics. The kernels give the same bits whichever instruction
+//! set runs them (no fused multiply-add); the FFTs do not promise that across processors.
+
+pub mod convolution;
+mod dispatch;
+pub mod display;
+mod elementary;
+mod feedback_tangent;
+pub mod fft;
+mod inner_product;
+mod non_negative;
+mod relaxation;
+mod series;
+mod triangular;
+
+pub use dispatch::{
+    InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
+    multiply_quotient, quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
+};
+pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState, Target};
+pub use inner_product::{dot, root_mean_square};
+pub use non_negative::non_negative_least_squares;
+pub use relaxation::Relaxations;
+pub use rustfft::num_complex::Complex;
+pub use series::SeriesPanel;
+pub use triangular::triangular;
+
+/// Complex number in double precision.
+pub type Complex64 = Complex<f64>;

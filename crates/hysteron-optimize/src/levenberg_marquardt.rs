@@ -1,0 +1,225 @@
+//! One local fit: Levenberg–Marquardt in a box.
+//!
+//! At t on the unit box, with residuals r and Jacobian J, a step p minimises
+//! ‖J p + r‖² + λ ‖D p‖² subject to 0 ≤ t + p ≤ 1,
+//! exactly, by an active set ([`bounded_linear`]): so the model always falls, a bound that is active at the solution is
+//! met exactly, and p = 0 only where the Karush–Kuhn–Tucker conditions hold (Kanzow, Yamashita and Fukushima 2004,
+//! doi:10.1016/j.cam.2004.02.013). D holds the largest column norms of J so far (Moré 1978, doi:10.1007/BFb0067700);
+//! λ follows the gain ratio (Nielsen 1999, IMM-REP-1999-05).
+
+use super::jacobian::UnitResiduals;
+use super::ledger::Ledger;
+use super::{LeastSquaresOptions, LocalStatus, Settings, bounded_linear};
+use hysteron_numeric::{dot, triangular};
+use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
+
+const FIRST_DAMPING: f64 = 1e-3;
+const LEAST_DAMPING: f64 = 1e-15;
+const LARGEST_DAMPING: f64 = 1e30;
+/// Iterations over which the pace of a fit is judged.
+const PACE: usize = 10;
+/// Smallest gain ratio of a step that is taken.
+const LEAST_GAIN: f64 = 1e-4;
+
+/// State of a local fit between two iterations.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LocalFit {
+    pub(super) point: Vec<f64>,
+    pub(super) cost: f64,
+    pub(super) initial_cost: f64,
+    /// λ.
+    damping: f64,
+    /// Factor of λ on the next rejection.
+    growth: f64,
+    /// D.
+    scale: Vec<f64>,
+    pub(super) iterations: usize,
+    /// Cost when the pace was last judged.
+    judged: f64,
+    /// Evaluations of the run before this fit began.
+    pub(super) evaluations_before: usize,
+}
+
+impl LocalFit {
+    pub(super) fn new(point: &[f64], cost: f64, evaluations_before: usize) -> Self {
+        Self {
+            point: point.to_vec(),
+            cost,
+            initial_cost: cost,
+            damping: FIRST_DAMPING,
+            growth: 2.0,
+            scale: vec![0.0; point.len()],
+            iterations: 0,
+            judged: cost,
+            evaluations_before,
+        }
+    }
+
+    pub(super) fn is_consistent(&self, dimension: usize) -> bool {
+        self.point.len() == dimension
+            && self.point.iter().all(|t| (0.0..=1.0).contains(t))
+            && self.scale.len() == dimension
+            && self.scale.iter().all(|&d| d >= 0.0 && d.is_finite())
+            && self.damping > 0.0
+            && self.damping.is_finite()
+            && self.growth >= 2.0
+            && self.growth.is_finite()
+            && self.judged.is_finite()
+    }
+
+    /// Whether, going on at the pace of its last iterations, the fit would be out of them before it came down to `best`:
+    /// it creeps along a valley that leads elsewhere. Judged every [`PACE`] iterations.
+    pub(super) fn is_hopeless(&mut self, iterations: usize, best: f64) -> bool {
+        if !self.iterations.is_multiple_of(PACE) {
+            return false;
+        }
+        let fall = self.judged - self.cost;
+        self.judged = self.cost;
+        let paces_left = iterations.saturating_sub(self.iterations) as f64 / PACE as f64;
+        self.cost - paces_left * fall > best
+    }
+
+    /// One Jacobian and the steps from it until one is taken; the status if the fit has ended.
+    pub(super) fn iterate(
+        &mut self,
+        options: &LeastSquaresOptions,
+        settings: &Settings,
+        ledger: &mut Ledger,
+        residuals: &mut UnitResiduals<'_>,
+    ) -> Option<LocalStatus> {
+        if !residuals.load(&self.point) {
+            return Some(LocalStatus::Infeasible);
+        }
+        if let Err(status) = residuals.differentiate(&self.point, options.differences, settings, ledger) {
+            return Some(status);
+        }
+        let model = Linearised::at(&self.point, residuals);
+        self.update_scale(&model.column_norms);
+        if model.optimality(&self.point) <= options.gradient_tolerance {
+            return Some(LocalStatus::GradientTolerance);
+        }
+        loop {
+            let step = model.step(&self.point, self.damping, &self.scale);
+            if step.iter().all(|p| p.abs() <= options.step_tolerance) {
+                return Some(LocalStatus::StepTolerance);
+            }
+            if ledger.remaining(settings) == 0 {
+                return Some(LocalStatus::Budget);
+            }
+            let trial: Vec<f64> =
+                self.point.iter().zip(step.iter()).map(|(t, p)| (t + p).clamp(0.0, 1.0)).collect();
+            let cost = residuals.try_point(&trial, ledger);
+            let predicted = model.predicted_fall(&step);
+            let fall = fall(residuals, cost);
+            let negligible = options.cost_tolerance * model.half_square;
+            // Where the model is trusted its word is enough: what the cost does then may be rounding.
+            let settled =
+                predicted <= negligible && (fall.abs() <= negligible || self.damping <= FIRST_DAMPING);
+            if fall > LEAST_GAIN * predicted && fall > 0.0 {
+                let gain = fall / predicted;
+                self.damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 2.0);
+                self.damping = self.damping.max(LEAST_DAMPING);
+                self.growth = 2.0;
+                residuals.accept_trial(&trial);
+                ledger.prefer(&trial, cost);
+                (self.point, self.cost) = (trial, cost);
+                self.iterations += 1;
+                return match () {
+                    () if settled => Some(LocalStatus::CostTolerance),
+                    () if self.iterations >= options.iterations => Some(LocalStatus::Iterations),
+                    () => None,
+                };
+            }
+            if settled {
+                return Some(LocalStatus::CostTolerance);
+            }
+            self.damping *= self.growth;
+            self.growth *= 2.0;
+            if self.damping > LARGEST_DAMPING {
+                return Some(LocalStatus::StepTolerance);
+            }
+        }
+    }
+
+    /// D ← max(D, ‖Jⱼ‖); a parameter without effect is scaled as the one with the most.
+    fn update_scale(&mut self, column_norms: &[f64]) {
+        let largest = column_norms.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        for (d, &norm) in self.scale.iter_mut().zip(column_norms) {
+            *d = if *d == 0.0 && norm == 0.0 { largest } else { d.max(norm) };
+        }
+    }
+}
+
+/// The linear model ½‖J p + r‖² at one point, with J = Q R.
+struct Linearised {
+    r: DMatrix<f64>,
+    /// −Qᵀ r.
+    target: DVector<f64>,
+    /// Jᵀ r.
+    gradient: DVector<f64>,
+    column_norms: Vec<f64>,
+    /// ½‖r‖².
+    half_square: f64,
+}
+
+impl Linearised {
+    fn at(point: &[f64], residuals: &UnitResiduals<'_>) -> Self {
+        let (columns, current) = (residuals.columns(), residuals.current());
+        let (count, n) = (current.len(), point.len());
+        let column = |j: usize| &columns[j * count..(j + 1) * count];
+        let all: Vec<&[f64]> = (0..n).map(column).chain([current]).collect();
+        let whole = triangular(&all);
+        let r = whole.view((0, 0), (n, n)).into_owned();
+        // Qᵀ r stands beside R.
+        let target = -whole.view((0, n), (n, 1)).column(0);
+        let column_norms = r.column_iter().map(|column| column.norm()).collect();
+        let gradient = DVector::from_fn(n, |j, _| dot(column(j), current));
+        Self { r, target, gradient, column_norms, half_square: 0.5 * dot(current, current) }
+    }
+
+    /// Largest |cosine| between r and a column of J along which the box lets the cost fall.
+    fn optimality(&self, point: &[f64]) -> f64 {
+        let length = (2.0 * self.half_square).sqrt();
+        let cosine = |j: usize| {
+            let g = self.gradient[j];
+            let blocked = (point[j] <= 0.0 && g > 0.0) || (point[j] >= 1.0 && g < 0.0);
+            if g == 0.0 || blocked { 0.0 } else { g.abs() / (self.column_norms[j] * length) }
+        };
+        (0..point.len()).map(cosine).fold(0.0, f64::max)
+    }
+
+    /// Minimiser of ‖J p + r‖² + λ ‖D p‖² in the box around `point`.
+    fn step(&self, point: &[f64], damping: f64, scale: &[f64]) -> DVector<f64> {
+        let (rows, n) = self.r.shape();
+        let root = damping.sqrt();
+        let mut stacked = DMatrix::zeros(rows + n, n);
+        stacked.rows_mut(0, rows).copy_from(&self.r);
+        for (j, d) in scale.iter().enumerate() {
+            stacked[(rows + j, j)] = root * d;
+        }
+        let target = self.target.clone().resize_vertically(rows + n, 0.0);
+        let low: Vec<f64> = point.iter().map(|t| -t).collect();
+        let high: Vec<f64> = point.iter().map(|t| 1.0 - t).collect();
+        bounded_linear::solve(&stacked, &target, &low, &high)
+    }
+
+    /// ½‖r‖² − ½‖J p + r‖², not negative.
+    fn predicted_fall(&self, step: &DVector<f64>) -> f64 {
+        let moved = &self.r * step;
+        (moved.dot(&self.target) - 0.5 * moved.norm_squared()).max(0.0)
+    }
+}
+
+/// ½‖r‖² − ½‖r_new‖² of the last tried point without cancellation; −∞ where it cannot be simulated.
+fn fall(residuals: &UnitResiduals<'_>, cost: f64) -> f64 {
+    if !cost.is_finite() {
+        return f64::NEG_INFINITY;
+    }
+    let pairs = residuals.current().iter().zip(residuals.trial());
+    0.5 * pairs.map(|(old, new)| (old - new) * (old + new)).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests;

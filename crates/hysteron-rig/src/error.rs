@@ -1,0 +1,89 @@
+//! What can be wrong with a simulated bench.
+
+use hysteron_numeric::display::short;
+use thiserror::Error;
+
+/// Why the simulated bench could not be run.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RigError {
+    /// A parameter of the truth is outside what makes sense.
+    #[error("truth: {parameter} is {value}, expected {expected}")]
+    Parameter {
+        /// Path of the field, as in the truth file.
+        parameter: String,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// A list of the truth that must not be empty is empty.
+    #[error("truth: {parameter} is empty, give at least one entry")]
+    EmptyList {
+        /// Path of the field, as in the truth file.
+        parameter: &'static str,
+    },
+    /// The numerator's highest order is above the denominator's.
+    #[error(
+        "truth: the transfer function is improper, numerator order {numerator_order} above denominator order {denominator_order}"
+    )]
+    Improper {
+        /// Highest order of the numerator.
+        numerator_order: f64,
+        /// Highest order of the denominator.
+        denominator_order: f64,
+    },
+    /// The linear dynamics have a pole in the closed right half plane.
+    #[error("truth: the dynamics are unstable, pole at {re} + {im}i rad/s")]
+    Unstable {
+        /// Real part \[rad/s\].
+        re: f64,
+        /// Imaginary part \[rad/s\].
+        im: f64,
+    },
+    /// Poles and branch cut do not add up to the transfer function.
+    #[error(
+        "truth: the transfer function could not be split into poles and branch cut, relative error {error:.1e} remains \
+         (repeated poles, or a pole on the negative real axis of a fractional plant)"
+    )]
+    Decomposition {
+        /// Largest error over the checked frequencies, relative to the largest gain.
+        error: f64,
+    },
+    /// The hysteresis left the range of numbers.
+    #[error(
+        "truth: the hysteresis state diverged at {} s, drive {} V (parameters outside the stable class)",
+        short(*.time_s),
+        short(*.drive_v)
+    )]
+    Diverged {
+        /// Time \[s\].
+        time_s: f64,
+        /// Drive \[V\].
+        drive_v: f64,
+    },
+    /// A drive that starts away from 0 V needs a finite static gain to be at rest there.
+    #[error("the drive starts at {drive_v} V, but the dynamics have no finite static gain; start at 0 V")]
+    NoRest {
+        /// First sample of the drive \[V\].
+        drive_v: f64,
+    },
+    /// The drive waveform cannot be played.
+    #[error("drive: {what} is {value}, expected {expected}")]
+    Drive {
+        /// What is wrong.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// A converter that draws a line to the next sample, in a loop that does not know it yet.
+    #[error(
+        "truth: the converter draws straight lines to samples that a controller does not know yet; set dac to \"hold\""
+    )]
+    Ahead,
+    /// A waveform of the campaign was refused.
+    #[error(transparent)]
+    Excitation(#[from] crate::excitation::ExcitationError),
+}
