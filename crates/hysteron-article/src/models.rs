@@ -265,7 +265,7 @@ impl ModelFit {
                 _ => Start::Rest { voltage_v: first },
             };
             let simulated = found.model.simulate_at_own_rate(&record.u, record.sample_rate_hz(), &start)?;
-            let scored_with = |offset| score(record, &simulated, &Scoring { skip_s: 0.0, offset });
+            let scored_with = |offset| score(record, &simulated, &Scoring { skip_s: None, offset });
             let scored = scored_with(OffsetTreatment::Fixed)?;
             scores.push(SineScore {
                 frequency_hz: *frequency_hz,

@@ -14,7 +14,7 @@ use hysteron_identify::{
 use hysteron_model::dynamics::{Dynamics, Scheme, SecondOrder, Term, TransferFunction};
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
-use hysteron_model::model_file::{ModelFile, SignalUnits};
+use hysteron_model::model_file::{Document, ModelFile, SignalUnits, read};
 use hysteron_model::record::{ChannelChoice, InputOutput, InterSample, TimeBase};
 use hysteron_optimize::{Algorithm, DeAbcOptions, DeOptions, Problem, Progress};
 use hysteron_rig::excitation::SweepLaw;
@@ -234,7 +234,8 @@ fn integer_and_polynomial_blocks_fit_an_integer_plant() {
             assert!(own.clone().count() >= 3 && own.clone().all(|p| !p.held), "{dynamics:?}");
         }
         let file = ModelFile::from_model(&found.model, SignalUnits::default());
-        let read = ModelFile::from_slice(file.to_json().unwrap().as_bytes()).unwrap().to_model().unwrap();
+        let Document::Hammerstein(read) = read(file.to_json().unwrap().as_bytes()).unwrap() else { panic!() };
+        let read = read.to_model().unwrap();
         assert_eq!(read, found.model, "{dynamics:?}");
     }
 }

@@ -9,6 +9,7 @@ use hysteron_export::{
     inverse_files, inverse_fmu_files, rust_files, write_folder,
 };
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
+use hysteron_model::model::Capability;
 use hysteron_model::realise::RealiseOptions;
 use hysteron_report::number::significant;
 use serde::Serialize;
@@ -122,7 +123,7 @@ impl Export {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_folder("the source", &self.out_dir)?;
         let runtime = self.runtime()?;
-        let loaded = LoadedModel::read(&self.model)?;
+        let loaded = LoadedModel::read(&self.model, Capability::Export)?;
         let rate = self.sample_rate.or(loaded.file.sample_rate_hz).ok_or_else(|| {
             Failure::new(format!("cannot export {}", self.model.display()))
                 .because("it was identified from records without a sample rate, and the source runs at one")

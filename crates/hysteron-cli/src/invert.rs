@@ -10,6 +10,7 @@ use hysteron_model::hammerstein::{SimulationError, Start};
 use hysteron_model::invert::{
     BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
+use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{Channel, Record, TimeBase, Unit, shortest_swing};
 use hysteron_numeric::display::short;
@@ -18,7 +19,7 @@ use hysteron_report::number::significant;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::model::{LoadedModel, Signal};
+use crate::model::LoadedModel;
 use crate::numbers::{ends, number, positive, whole};
 use crate::object::{Object, key_in};
 use crate::output::{self, OutFile};
@@ -157,9 +158,9 @@ impl Summary {
 impl Invert {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_file("the drive", &self.out)?;
-        let model = LoadedModel::read(&self.model)?;
+        let model = LoadedModel::read(&self.model, Capability::Inversion)?;
         let reference = self.columns.read(&self.reference_file)?;
-        let unit = model.agreed_unit(&self.reference_file, Signal::Reference, &reference.unit)?;
+        let unit = model.agreed_unit(&self.reference_file, SignalRole::Reference, &reference.unit)?;
         let failure = || {
             Failure::new(format!(
                 "cannot follow {} with {}",

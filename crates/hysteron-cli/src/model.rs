@@ -1,91 +1,194 @@
 //! A model file read for use with records.
 
-use hysteron_io::ModelDiskError;
 use std::path::{Path, PathBuf};
 
 use hysteron_identify::{PredictionBand, PredictionError};
-use hysteron_model::dynamics::Dynamics;
-use hysteron_model::hammerstein::{Model, SimulationError, Start};
-use hysteron_model::model_file::{ModelFile, SignalUnits, ValidRange};
+use hysteron_io::{ModelDiskError, load_model, save_model};
+use hysteron_model::hammerstein::SimulationError;
+use hysteron_model::model::{Body, Capability, RunError, Score, SignalRole, Signals, Simulation};
+use hysteron_model::model_file::{ModelFile, ModelFileError};
+use hysteron_model::oscillator::{Oscillator, OscillatorError};
 use hysteron_model::record::{InputOutput, Quantity, Unit};
-use hysteron_model::validate::{Scoring, StartError, choose_start};
-use hysteron_numeric::display::short;
+use hysteron_model::validate::Scoring;
+use hysteron_model::{Model, Start, hammerstein};
 
-use crate::console;
+use crate::axes::AxesFlags;
+use crate::columns::{ColumnFlags, InputFlags};
 use crate::failure::Failure;
-use crate::numbers::ends;
-use crate::start::{Drive, StartFlags, in_words};
+use crate::remarks;
+use crate::start::StartFlags;
 
-/// Excess over the valid range, as a fraction of it, that is not worth a remark.
-const RANGE_SLACK: f64 = 0.01;
-
-/// A model file and the model in it.
-pub struct LoadedModel {
+/// A model of any kind and the file it came from.
+pub struct Loaded {
     path: PathBuf,
-    pub file: ModelFile,
     model: Model,
 }
 
-impl LoadedModel {
+impl Loaded {
     /// Reads a model file.
     ///
     /// # Errors
     /// If it cannot be read or is not sound.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let file =
-            hysteron_io::read_model_file(path, ModelFile::from_slice).map_err(|e| cannot_read(path, e))?;
-        let model = file.to_model().map_err(|e| cannot_read(path, e))?;
-        Ok(LoadedModel { path: path.to_owned(), file, model })
+        let model = load_model(path).map_err(|e| cannot_read(path, e))?;
+        Ok(Loaded { path: path.to_owned(), model })
     }
 
-    /// The start, and the output simulated from it for the drive of the record at `path`.
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Inputs and outputs of the record at `path`, as the model takes them.
+    ///
+    /// # Errors
+    /// If it is not a readable record, or the flags are those of another kind of model.
+    pub fn read_record(
+        &self,
+        path: &Path,
+        columns: &ColumnFlags,
+        axes: &AxesFlags,
+    ) -> Result<Signals, Failure> {
+        Ok(match self.axes(axes, "--output")? {
+            Some(names) => names.read(path, columns.of_drive())?.into(),
+            None => columns.read(path)?.into(),
+        })
+    }
+
+    /// The inputs alone of the file at `path`, as the model takes them.
+    ///
+    /// # Errors
+    /// As [`Self::read_record`].
+    pub fn read_drive(
+        &self,
+        path: &Path,
+        columns: &InputFlags,
+        axes: &AxesFlags,
+    ) -> Result<Signals, Failure> {
+        Ok(match self.axes(axes, "")? {
+            Some(names) => AxesFlags { outputs: Vec::new(), ..names }.read(path, columns)?.into(),
+            None => columns.read_drive(path)?.into(),
+        })
+    }
+
+    /// Names of the outputs as they are written: those given, else the model's own.
+    ///
+    /// # Errors
+    /// If as many are given as the model does not have.
+    pub fn output_names(&self, axes: &AxesFlags) -> Result<Vec<String>, Failure> {
+        let Some((_, own)) = self.model.channels() else { return Ok(vec!["y".to_owned()]) };
+        let names = if axes.outputs.is_empty() { own } else { &axes.outputs };
+        if names.len() != own.len() {
+            return Err(Failure::usage(format!(
+                "the model has {} outputs, --outputs names {}",
+                own.len(),
+                names.len()
+            )));
+        }
+        Ok(names.to_vec())
+    }
+
+    /// Names of several inputs and outputs; `None` for a model of one of each.
+    fn axes(&self, given: &AxesFlags, also: &str) -> Result<Option<AxesFlags>, Failure> {
+        match self.model.channels() {
+            Some((inputs, outputs)) => Ok(Some(given.or(inputs, outputs))),
+            None if given.are_given() => {
+                let and = if also.is_empty() { String::new() } else { format!(" and {also}") };
+                let columns = if also.is_empty() { "column" } else { "columns" };
+                Err(Failure::usage("--inputs and --outputs go with models of several axes")
+                    .hint(format!("choose the {columns} with --input{and}")))
+            }
+            None => Ok(None),
+        }
+    }
+
+    /// The output for the drive in `signals`, from the start the flags give, else the model file's.
     ///
     /// # Errors
     /// If the model cannot be run on this drive, e.g. dynamics without a sample rate.
     pub fn simulate(
         &self,
         path: &Path,
-        drive: &Drive,
+        signals: &Signals,
         start: &StartFlags,
-    ) -> Result<(Start, Vec<f64>), Failure> {
-        remark_extrapolation(self.file.valid_range.as_ref(), path, drive.u);
-        let start = start.choose(&self.file, path, drive)?;
-        let simulated = self.model.simulate(drive.u, drive.sample_rate_hz(), &start);
-        Ok((start, simulated.map_err(|e| self.cannot_simulate(path, &e))?))
+    ) -> Result<Simulation, Failure> {
+        let start = start.start(path, signals.time())?;
+        let found = self.model.simulate(signals, start).map_err(|e| self.cannot_run(path, e))?;
+        remarks::tell(path, &self.model, &found.remarks);
+        Ok(found)
     }
 
-    /// Simulates the record from the start the flags give, else from the one that explains it best (said in a note where
-    /// it is not the model file's).
+    /// Scores on a record, simulated from the start the flags give, else from the one that explains it best.
     ///
     /// # Errors
     /// As [`Self::simulate`], and if the record cannot be scored.
-    pub fn simulate_record(
+    pub fn score(
         &self,
         path: &Path,
-        record: &InputOutput,
+        signals: &Signals,
         start: &StartFlags,
         scoring: &Scoring,
-    ) -> Result<(Start, Vec<f64>), Failure> {
-        let drive = Drive { u: &record.u, time: &record.time };
-        let preferred = start.choose(&self.file, path, &drive)?;
-        if start.are_given() {
-            return self.simulate(path, &drive, start);
-        }
-        remark_extrapolation(self.file.valid_range.as_ref(), path, drive.u);
-        let (chosen, simulated) =
-            choose_start(&self.model, record, preferred, scoring).map_err(|e| match e {
-                StartError::Simulation(e) => self.cannot_simulate(path, &e),
-                e => Failure::new(format!("cannot score {}", path.display())).because(e),
-            })?;
-        if chosen != preferred {
-            console::note(&format!(
-                "{}: simulated {}, which explains it better than {} (--rest-voltage or --settled say otherwise)",
-                path.display(),
-                in_words(&chosen, &self.file.units.input, &self.file.units.output),
-                in_words(&preferred, &self.file.units.input, &self.file.units.output)
-            ));
-        }
-        Ok((chosen, simulated))
+    ) -> Result<Score, Failure> {
+        self.score_from(path, signals, start.start(path, signals.time())?, scoring)
+    }
+
+    /// [`Self::score`] from a start.
+    ///
+    /// # Errors
+    /// As [`Self::score`].
+    pub fn score_from(
+        &self,
+        path: &Path,
+        signals: &Signals,
+        start: Start,
+        scoring: &Scoring,
+    ) -> Result<Score, Failure> {
+        let score = self.model.score(signals, start, scoring).map_err(|e| self.cannot_run(path, e))?;
+        remarks::tell(path, &self.model, &score.simulation.remarks);
+        Ok(score)
+    }
+
+    /// The unit that the model and the record at `record` agree on, for one of the signals.
+    ///
+    /// # Errors
+    /// If they disagree.
+    pub fn agreed_unit(&self, record: &Path, signal: SignalRole, found: &Unit) -> Result<Unit, Failure> {
+        let mut told = Vec::new();
+        let unit =
+            self.model.agreed_unit(signal, found, &mut told).map_err(|e| self.cannot_run(record, e))?;
+        remarks::tell(record, &self.model, &told);
+        Ok(unit)
+    }
+
+    /// The start that the model file assumes for a record of one input and output.
+    pub fn expected_start(&self, path: &Path, record: &InputOutput) -> Start {
+        let mut told = Vec::new();
+        let start = self.model.expected_start(record, &mut told);
+        remarks::tell(path, &self.model, &told);
+        start
+    }
+
+    /// The Hammerstein model, for a command that takes no other kind.
+    ///
+    /// # Errors
+    /// If the model is of another kind, which does not support what is `wanted` yet.
+    pub fn hammerstein(&self, wanted: Capability) -> Result<&Body<ModelFile, hammerstein::Model>, Failure> {
+        self.model.hammerstein(wanted).map_err(|e| self.unsupported(&e))
+    }
+
+    /// The oscillator, for what takes no other kind.
+    ///
+    /// # Errors
+    /// As [`Self::hammerstein`].
+    pub fn oscillator(
+        &self,
+        wanted: Capability,
+    ) -> Result<&Body<hysteron_model::model_file::OscillatorFile, Oscillator>, Failure> {
+        self.model.oscillator(wanted).map_err(|e| self.unsupported(&e))
+    }
+
+    fn unsupported(&self, error: &hysteron_model::model::Unsupported) -> Failure {
+        Failure::new(format!("cannot use {}", self.path.display())).because(error)
     }
 
     /// Band of the output for the drive of the record at `path`, from the errors of the numbers in the file.
@@ -99,8 +202,9 @@ impl LoadedModel {
         sample_rate_hz: Option<f64>,
         start: &Start,
     ) -> Result<PredictionBand, Failure> {
-        PredictionBand::of_file(&self.file, u, sample_rate_hz, start).map_err(|e| match e {
-            PredictionError::Simulation(e) => self.cannot_simulate(path, &e),
+        let file = self.hammerstein(Capability::Bands)?.data();
+        PredictionBand::of_file(file, u, sample_rate_hz, start).map_err(|e| match e {
+            PredictionError::Simulation(e) => self.cannot_run(path, e.into()),
             e => self.no_band(&e),
         })
     }
@@ -112,124 +216,133 @@ impl LoadedModel {
         )
     }
 
-    /// The model.
-    pub fn model(&self) -> &Model {
-        &self.model
-    }
-
-    /// Whether the model has no dynamic block.
-    pub fn is_static(&self) -> bool {
-        self.model.dynamics == Dynamics::None
-    }
-
-    fn cannot_simulate(&self, path: &Path, error: &SimulationError) -> Failure {
-        let failure = Failure::new(format!("cannot simulate {} on {}", self.path.display(), path.display()));
-        let failure = failure.because(error);
+    /// The library's error with what to do about it.
+    fn cannot_run(&self, path: &Path, error: RunError) -> Failure {
+        let record = path.display();
+        let simulating = || Failure::new(format!("cannot simulate {} on {record}", self.path.display()));
+        let scoring = || Failure::new(format!("cannot score {record}"));
         match error {
-            SimulationError::NoSampleRate => failure
+            RunError::Unit { signal, model, record } => self.units_disagree(path, signal, &model, &record),
+            RunError::RestVoltage { .. } => {
+                Failure::usage("--rest-voltage does not go with this kind of model").because(error)
+            }
+            RunError::Unsupported(e) => self.unsupported(&e),
+            RunError::Simulation(e) => {
+                let failure = simulating().because(&e);
+                match e {
+                    SimulationError::NoSampleRate => failure.hint(
+                        "give the sample rate with --sample-rate HZ, or resample the record to a uniform time",
+                    ),
+                    SimulationError::SampleRate { model_hz, .. } => failure.hint(format!(
+                        "resample the record to {model_hz} Hz, or identify the model again with --scheme tustin, which \
+                         holds at other rates"
+                    )),
+                    _ => failure,
+                }
+            }
+            RunError::NoSampleRate => simulating()
+                .because(error)
                 .hint("give the sample rate with --sample-rate HZ, or resample the record to a uniform time"),
-            SimulationError::SampleRate { model_hz, .. } => failure.hint(format!(
-                "resample the record to {model_hz} Hz, or identify the model again with --scheme tustin, which holds at \
-                 other rates"
-            )),
-            _ => failure,
+            RunError::Oscillator(e @ OscillatorError::NotSettled { .. }) => {
+                simulating().because(e).hint("leave --settled out: the record starts from rest")
+            }
+            RunError::Score(e) => scoring().because(e),
+            RunError::AxesScore(e) => scoring().because(e),
+            RunError::TooFewSamples { .. } => {
+                scoring().because(error).hint("record at least one loop, with a hundred samples or more")
+            }
+            RunError::ConstantOutput { .. } => scoring()
+                .because(error)
+                .hint("check that the sensor was on; choose the column with --output"),
+            RunError::ConstantInput { .. } => scoring().because(error).hint(
+                "choose the column with --input; for a step from another voltage say --rest-voltage VOLTS (a model with \
+                 dynamics follows it)",
+            ),
+            error => simulating().because(error),
         }
     }
 
-    /// As [`agreed_unit`].
-    ///
-    /// # Errors
-    /// If they disagree.
-    pub fn agreed_unit(&self, record: &Path, signal: Signal, found: &Unit) -> Result<Unit, Failure> {
-        agreed_unit((&self.path, &self.file.units), record, signal, found)
-    }
-}
-
-/// A remark where the input leaves the range that a model was identified in.
-pub fn remark_extrapolation(range: Option<&ValidRange>, record: &Path, u: &[f64]) {
-    let Some(range) = range else { return };
-    let (low, high) = ends(u);
-    let slack = RANGE_SLACK * (range.input.high - range.input.low);
-    if low < range.input.low - slack || high > range.input.high + slack {
-        console::note(&format!(
-            "{}: the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
-            record.display(),
-            short(low),
-            short(high),
-            short(range.input.low),
-            short(range.input.high),
-            unit = Unit::new(&range.input.unit),
+    fn units_disagree(&self, path: &Path, signal: SignalRole, own: &Unit, found: &Unit) -> Failure {
+        let failure = Failure::new(format!("cannot run {} on {}", self.path.display(), path.display()));
+        if self.model.channels().is_some() {
+            let role = signal.name();
+            return failure
+                .because(format!("the model's {role}s are in {own}, the record's in {found}"))
+                .hint(format!("choose the columns with --{role}s, or correct the units in their headers"));
+        }
+        let of_record = if signal == SignalRole::Reference { "reference" } else { "record's" };
+        let of_model = if signal == SignalRole::Input { "input" } else { "output" };
+        let converted = match own.base().0 {
+            Quantity::Voltage => "V, mV or kV".to_owned(),
+            Quantity::Length => "nm, µm, mm or m".to_owned(),
+            Quantity::Angle => "nrad, µrad, mrad, rad, arcsec or deg".to_owned(),
+            Quantity::Time | Quantity::Other => own.to_string(),
+        };
+        let failure = failure.because(format!(
+            "the model's {of_model} is in {own}, the {of_record} in {found}: expected {converted}"
         ));
+        let flag = signal.name();
+        failure.hint(match signal {
+            SignalRole::Reference => format!(
+                "choose the column with --{flag}, or correct the unit in its header and convert its numbers"
+            ),
+            SignalRole::Input | SignalRole::Output => format!(
+                "choose the column with --{flag}, correct the unit in its header, or say what it means with --scale, e.g. \
+                 --scale {letter}=2.5{symbol}/{per}",
+                letter = if signal == SignalRole::Input { "u" } else { "y" },
+                symbol = own.symbol(),
+                per = found.symbol()
+            ),
+        })
     }
 }
 
-/// One of the model's signals.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    Input,
-    Output,
-    /// What the output is to be.
-    Reference,
-}
-
-/// The unit that a model and a record agree on, for one of the signals: the record's, or the model's where the record
-/// gives none.
+/// Writes a model file.
 ///
 /// # Errors
-/// If they disagree.
-pub fn agreed_unit(
-    (model, units): (&Path, &SignalUnits),
-    record: &Path,
-    signal: Signal,
-    found: &Unit,
-) -> Result<Unit, Failure> {
-    let (name, flag, own) = match signal {
-        Signal::Input => ("input", "--input", &units.input),
-        Signal::Output => ("output", "--output", &units.output),
-        Signal::Reference => ("reference", "--reference", &units.output),
-    };
-    let own = Unit::new(own);
-    if found.symbol().is_empty() {
-        if !own.symbol().is_empty() {
-            let record = record.display();
-            console::note(&format!("{record}: the {name} has no unit; taken to be in {own}, the model's"));
-        }
-        return Ok(own);
-    }
-    if own.symbol().is_empty() || own == *found {
-        return Ok(found.clone());
-    }
-    let (of_model, of_record) = match signal {
-        Signal::Input => ("input", "record's"),
-        Signal::Output => ("output", "record's"),
-        Signal::Reference => ("output", "reference"),
-    };
-    let converted = match own.base().0 {
-        Quantity::Voltage => "V, mV or kV".to_owned(),
-        Quantity::Length => "nm, µm, mm or m".to_owned(),
-        Quantity::Angle => "nrad, µrad, mrad, rad, arcsec or deg".to_owned(),
-        Quantity::Time | Quantity::Other => own.to_string(),
-    };
-    let failure = Failure::new(format!("cannot run {} on {}", model.display(), record.display())).because(
-        format!("the model's {of_model} is in {own}, the {of_record} in {found}: expected {converted}"),
-    );
-    Err(failure.hint(match signal {
-        Signal::Reference => {
-            format!("choose the column with {flag}, or correct the unit in its header and convert its numbers")
-        }
-        Signal::Input | Signal::Output => format!(
-            "choose the column with {flag}, correct the unit in its header, or say what it means with --scale, e.g. --scale \
-             {letter}=2.5{symbol}/{per}",
-            letter = if signal == Signal::Input { "u" } else { "y" },
-            symbol = own.symbol(),
-            per = found.symbol()
-        ),
-    }))
+/// If the data are not sound, or the file cannot be written.
+pub fn write(path: &Path, data: impl TryInto<Model, Error = ModelFileError>) -> Result<(), Failure> {
+    let written = data.try_into().map_err(ModelDiskError::from).and_then(|model| save_model(path, &model));
+    written.map_err(|e| Failure::new(format!("cannot write the model to {}", path.display())).because(e))
 }
 
 /// The failure to read the model file at `path`.
-pub fn cannot_read(path: &Path, error: impl Into<ModelDiskError>) -> Failure {
+fn cannot_read(path: &Path, error: ModelDiskError) -> Failure {
     Failure::new(format!("cannot read the model {}", path.display()))
-        .because(error.into())
+        .because(error)
         .hint("hysteron identify writes model files; hysteron schema prints their format")
+}
+
+/// A Hammerstein model and the file it came from, for commands that take no other kind.
+pub struct LoadedModel {
+    loaded: Loaded,
+    /// The data of the model.
+    pub file: ModelFile,
+    law: hammerstein::Model,
+}
+
+impl LoadedModel {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// If it cannot be read, is not sound, or of a kind that does not support what is `wanted` yet.
+    pub fn read(path: &Path, wanted: Capability) -> Result<Self, Failure> {
+        let loaded = Loaded::read(path)?;
+        let body = loaded.hammerstein(wanted)?;
+        let (file, law) = (body.data().clone(), body.law().clone());
+        Ok(Self { loaded, file, law })
+    }
+
+    /// The law.
+    pub fn model(&self) -> &hammerstein::Model {
+        &self.law
+    }
+}
+
+impl std::ops::Deref for LoadedModel {
+    type Target = Loaded;
+
+    fn deref(&self) -> &Loaded {
+        &self.loaded
+    }
 }

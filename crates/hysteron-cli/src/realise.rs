@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use hysteron_model::model::Capability;
 use hysteron_model::model_file::ValidRange;
 use hysteron_model::realise::{
     LinearRealisation, Realisation, RealiseError, RealiseOptions, Section, StreamParts, Verification,
@@ -68,7 +69,7 @@ struct Found {
 
 impl Realise {
     pub fn run(&self) -> Result<(), Failure> {
-        let loaded = LoadedModel::read(&self.model)?;
+        let loaded = LoadedModel::read(&self.model, Capability::Realisation)?;
         let range = loaded.file.valid_range.as_ref();
         let failed = |e: RealiseError| cannot(&self.model, &e);
         let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };

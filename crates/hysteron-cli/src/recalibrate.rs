@@ -7,6 +7,8 @@ use std::time::SystemTime;
 use clap::Args;
 use hysteron_identify::IdentifyError;
 use hysteron_identify::recalibrate::{Change, Prior, Recalibration, Recording, SIGNIFICANT, recalibrate};
+use hysteron_model::Start;
+use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::model_file::{
     ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp,
 };
@@ -19,10 +21,10 @@ use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::identify::command_line;
-use crate::model::{LoadedModel, Signal};
+use crate::model::LoadedModel;
 use crate::numbers::number;
 use crate::output::{self, OutFile};
-use crate::start::{Drive, StartFlags, in_words};
+use crate::start::{StartFlags, in_words};
 
 /// Find gain, delay and offset of a model again from short records, and hold the rest of it.
 #[derive(Args)]
@@ -64,7 +66,7 @@ pub struct Recalibrate {
 impl Recalibrate {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_file("the model", &self.out)?;
-        let old = LoadedModel::read(&self.model)?;
+        let old = LoadedModel::read(&self.model, Capability::Recalibration)?;
         let recordings =
             self.records.iter().map(|path| self.recording(&old, path)).collect::<Result<Vec<_>, _>>()?;
         let prior = Prior::of(&old.file);
@@ -76,9 +78,7 @@ impl Recalibrate {
             .iter()
             .map(|r| ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.after))
             .collect();
-        hysteron_io::write_model_file(&self.out, file.to_json()).map_err(|e| {
-            Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
-        })?;
+        crate::model::write(&self.out, file.clone())?;
         if self.json {
             return console::json(&self.outcome(&found, &file));
         }
@@ -89,9 +89,12 @@ impl Recalibrate {
 
     fn recording(&self, model: &LoadedModel, path: &Path) -> Result<Recording, Failure> {
         let mut data = self.columns.read(path)?;
-        model.agreed_unit(path, Signal::Input, &data.u_unit)?;
-        data.y_unit = model.agreed_unit(path, Signal::Output, &data.y_unit)?;
-        let start = self.start.choose(&model.file, path, &Drive { u: &data.u, time: &data.time })?;
+        model.agreed_unit(path, SignalRole::Input, &data.u_unit)?;
+        data.y_unit = model.agreed_unit(path, SignalRole::Output, &data.y_unit)?;
+        let start = match self.start.start(path, &data.time)? {
+            Start::AsIdentified => model.expected_start(path, &data),
+            given => given,
+        };
         Ok(Recording { data, start, start_is_known: self.start.are_given() })
     }
 

@@ -4,8 +4,9 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use comfy_table::Table;
-use hysteron_model::hammerstein::Start;
+use hysteron_model::Start;
 use hysteron_model::hysteresis::Memory;
+use hysteron_model::model::{Score, Simulation};
 use hysteron_model::record::{InputOutput, Unit};
 use hysteron_model::validate::{CorrelationTest, Definition, Scores, definitions};
 use hysteron_report::number::significant;
@@ -60,14 +61,12 @@ impl Scored {
         Scored { record, input_unit, unit, scores, start: None, within: None }
     }
 
-    /// The same in the unit agreed on where the record names none.
-    pub fn in_unit(self, unit: Unit) -> Self {
-        Scored { unit, ..self }
-    }
-
-    /// The same, simulated from this start. Printed where its hysteresis memory was estimated from the record.
-    pub fn simulated_from(self, start: Start) -> Self {
-        Scored { start: Some(start), ..self }
+    /// Scores of a record of one output.
+    pub fn of(score: Score) -> Option<Self> {
+        let Score { record, unit, outputs, simulation, .. } = score;
+        let Simulation { start, input_unit, .. } = simulation;
+        let scores = outputs.into_iter().next()?;
+        Some(Scored { record, input_unit, unit, scores, start: Some(start), within: None })
     }
 
     /// The same, with how a band holds it.
@@ -284,7 +283,8 @@ mod tests {
 
     #[test]
     fn records_of_different_units_name_them_in_a_row() {
-        let text = table(&[scored("x.csv"), scored("y.csv").in_unit(Unit::new("urad"))]).to_string();
+        let text =
+            table(&[scored("x.csv"), Scored { unit: Unit::new("urad"), ..scored("y.csv") }]).to_string();
         assert!(!text.contains("RMSE [µm]") && text.contains("| unit ") && text.contains("µrad"), "{text}");
     }
 }

@@ -4,19 +4,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::PredictionError;
-use hysteron_model::hammerstein::Start;
+use hysteron_model::model::{Capability, Remark, Score, Signals};
 use hysteron_model::record::InputOutput;
-use hysteron_model::validate::{OffsetTreatment, Scoring, score, unfollowed_start};
-use hysteron_numeric::display::short;
+use hysteron_model::validate::{OffsetTreatment, Scoring};
 use serde::Serialize;
 
-use crate::axes::{self, AxesFlags, AxesScored, LoadedAxes};
+use crate::axes::{self, AxesFlags, AxesScored};
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::model::{LoadedModel, Signal};
+use crate::model::Loaded;
 use crate::numbers::not_negative;
-use crate::oscillator::LoadedOscillator;
 use crate::scores::{self, Scored, Within};
 use crate::start::StartFlags;
 
@@ -63,64 +61,6 @@ pub struct Validate {
     axes: AxesFlags,
 }
 
-/// Masks the first samples of a record, and says so.
-fn leave_out(record: &mut InputOutput, samples: usize, path: &Path) {
-    if samples == 0 {
-        return;
-    }
-    *record = record.without_first(samples);
-    console::note(&format!(
-        "{}: the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples are not \
-         scored (--skip 0 scores them)",
-        path.display()
-    ));
-}
-
-/// Fewest samples that say anything about a model: with two, and the offset estimated from them, any line fits.
-const FEWEST_SAMPLES: usize = 3;
-/// Variation of a simulation, over its size, that is rounding.
-const ROUNDING: f64 = 1e-9;
-
-/// A score says nothing of one or two samples, nor where nothing moves: a sensor that stood still, or a drive that did (unless the model, started
-/// elsewhere, still moves towards it).
-fn refuse_meaningless(record: &InputOutput, simulated: &[f64], path: &Path) -> Result<(), Failure> {
-    let valid = |k: usize| record.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
-    let range = |x: &[f64]| {
-        let scored = x.iter().enumerate().filter(|(k, _)| valid(*k)).map(|(_, x)| *x);
-        scored.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-    };
-    let failure = || Failure::new(format!("cannot score {}", path.display()));
-    let samples = (0..record.len()).filter(|&k| valid(k)).count();
-    if samples < FEWEST_SAMPLES {
-        let total = record.len();
-        return Err(failure()
-            .because(format!(
-                "only {samples} of its {total} samples can be scored; need at least {FEWEST_SAMPLES}"
-            ))
-            .hint("record at least one loop, with a hundred samples or more"));
-    }
-    let ((u_low, u_high), (y_low, y_high)) = (range(&record.u), range(&record.y));
-    if y_low == y_high {
-        return Err(failure()
-            .because(format!(
-                "the output `{}` is constant ({}): no motion to compare with",
-                record.output,
-                short(y_low)
-            ))
-            .hint("check that the sensor was on; choose the column with --output"));
-    }
-    let (low, high) = range(simulated);
-    if u_low == u_high && high - low <= ROUNDING * low.abs().max(high.abs()) {
-        return Err(failure()
-            .because(format!("the input `{}` is constant ({}): the model has nothing to follow", record.input, short(u_low)))
-            .hint(
-                "choose the column with --input; for a step from another voltage say --rest-voltage VOLTS (a model with \
-                 dynamics follows it)",
-            ));
-    }
-    Ok(())
-}
-
 #[derive(Serialize)]
 struct Report {
     records: Vec<Scored>,
@@ -128,39 +68,35 @@ struct Report {
 
 impl Validate {
     pub fn run(&self) -> Result<(), Failure> {
-        if let Some(model) = LoadedAxes::recognise(&self.model)? {
-            return self.run_modes(&model);
+        let loaded = Loaded::read(&self.model)?;
+        if self.band {
+            loaded.hammerstein(Capability::Bands)?;
         }
-        if self.axes.are_given() {
-            return Err(Failure::usage("--inputs and --outputs go with models of several axes")
-                .hint("choose the columns with --input and --output"));
+        let scores = self.records.iter().map(|path| self.score(&loaded, path));
+        let scores = scores.collect::<Result<Vec<_>, Failure>>()?;
+        if loaded.model().channels().is_some() {
+            return self.show_axes(scores.into_iter().map(|(score, _)| score));
         }
-        let records = match LoadedOscillator::recognise(&self.model)? {
-            Some(model) => self
-                .records
-                .iter()
-                .map(|path| self.score_oscillator(&model, path))
-                .collect::<Result<Vec<_>, _>>()?,
-            None => {
-                let model = LoadedModel::read(&self.model)?;
-                self.records.iter().map(|path| self.score(&model, path)).collect::<Result<Vec<_>, _>>()?
-            }
-        };
+        let records =
+            scores.into_iter().filter_map(|(score, within)| Some(Scored::of(score)?.within(within)));
+        let records: Vec<Scored> = records.collect();
         if self.json { console::json(&Report { records }) } else { console::result(&self.text(&records)) }
     }
 
-    fn run_modes(&self, model: &LoadedAxes) -> Result<(), Failure> {
-        if self.band {
-            return Err(Failure::usage("--band does not go with models of several axes")
-                .because("their file holds no correlation of its parameters"));
-        }
-        let settled = self.start.settled_s("models of several axes")?;
-        let names = self.axes.or(&model.inputs, &model.outputs);
-        let score = |path: &PathBuf| {
-            let record = names.read(path, self.columns.of_drive())?;
-            model.score(path, &record, &self.scoring(), settled)
+    fn score(&self, loaded: &Loaded, path: &Path) -> Result<(Score, Option<Within>), Failure> {
+        let signals = loaded.read_record(path, &self.columns, &self.axes)?;
+        let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
+        let scoring = Scoring { skip_s: self.skip, offset };
+        let score = loaded.score(path, &signals, &self.start, &scoring)?;
+        let within = match &signals {
+            Signals::Single(record) if self.band => Some(self.within(loaded, path, record, &score)?),
+            _ => None,
         };
-        let records = self.records.iter().map(score).collect::<Result<Vec<_>, Failure>>()?;
+        Ok((score, within))
+    }
+
+    fn show_axes(&self, scores: impl Iterator<Item = Score>) -> Result<(), Failure> {
+        let records: Vec<AxesScored> = scores.map(AxesScored::of).collect();
         if self.json {
             let records: Vec<_> = records.iter().map(AxesScored::json).collect();
             return console::json(&serde_json::json!({ "records": records }));
@@ -173,58 +109,28 @@ impl Validate {
         ))
     }
 
-    fn score_oscillator(&self, model: &LoadedOscillator, path: &Path) -> Result<Scored, Failure> {
-        if self.band {
-            return Err(Failure::usage("--band does not go with an oscillator")
-                .because("its file holds no correlation of its parameters"));
-        }
-        let record = self.columns.read(path)?;
-        model.agreed_unit(path, Signal::Input, &record.u_unit)?;
-        let unit = model.agreed_unit(path, Signal::Output, &record.y_unit)?;
-        let scoring = self.scoring();
-        let simulated = model.simulate_record(path, &record, &self.start, &scoring)?;
-        refuse_meaningless(&record, &simulated, path)?;
-        let scores = score(&record, &simulated, &scoring)
-            .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
-        Ok(Scored::new(&record, scores).in_unit(unit))
-    }
-
-    fn scoring(&self) -> Scoring {
-        let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
-        Scoring { skip_s: self.skip.unwrap_or(0.0), offset }
-    }
-
-    fn score(&self, model: &LoadedModel, path: &Path) -> Result<Scored, Failure> {
-        let record = self.columns.read(path)?;
-        model.agreed_unit(path, Signal::Input, &record.u_unit)?;
-        let unit = model.agreed_unit(path, Signal::Output, &record.y_unit)?;
-        let scoring = self.scoring();
-        let (start, simulated) = model.simulate_record(path, &record, &self.start, &scoring)?;
-        let mut scored = record.clone();
-        if self.skip.is_none() && model.is_static() {
-            leave_out(&mut scored, unfollowed_start(&record, &start), path);
-        }
-        refuse_meaningless(&scored, &simulated, path)?;
-        let scores = score(&scored, &simulated, &scoring)
-            .map_err(|e| Failure::new(format!("cannot score {}", path.display())).because(e))?;
-        let band = self.band.then(|| self.within(model, path, &scored, &simulated, &start, scores.offset));
-        Ok(Scored::new(&record, scores).in_unit(unit).simulated_from(start).within(band.transpose()?))
-    }
-
     /// How well the band of a new measurement holds this one.
     fn within(
         &self,
-        model: &LoadedModel,
+        loaded: &Loaded,
         path: &Path,
-        scored: &InputOutput,
-        simulated: &[f64],
-        start: &Start,
-        offset: f64,
+        record: &InputOutput,
+        score: &Score,
     ) -> Result<Within, Failure> {
-        let band = model.band(path, &scored.u, scored.sample_rate_hz(), start)?;
+        let simulation = &score.simulation;
+        let band = loaded.band(path, &record.u, record.sample_rate_hz(), &simulation.start)?;
         if band.noise == 0.0 {
-            return Err(model.no_band(&PredictionError::NoScores));
+            return Err(loaded.no_band(&PredictionError::NoScores));
         }
+        let left_out = simulation.remarks.iter().map(|remark| match remark {
+            Remark::LeftOut { samples } => *samples,
+            _ => 0,
+        });
+        let scored = record.without_first(left_out.sum());
+        let (simulated, offset) = (
+            simulation.outputs.first().map_or(&[][..], Vec::as_slice),
+            score.outputs.first().map_or(0.0, |s| s.offset),
+        );
         let half = band.of_measurement();
         let skipped = (self.skip.unwrap_or(0.0) * scored.sample_rate_hz().unwrap_or(0.0)).ceil() as usize;
         let valid = |k: &usize| scored.valid.as_ref().is_none_or(|mask| mask.get(*k) == Some(&true));

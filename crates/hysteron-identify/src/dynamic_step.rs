@@ -8,7 +8,7 @@ use super::static_step::OFFSET;
 use super::{IdentifyError, RecordFacts};
 use hysteron_model::dynamics::delay::delay_in_place;
 use hysteron_model::dynamics::{Dynamics, TransferFunction};
-use hysteron_model::hammerstein::Start;
+use hysteron_model::hammerstein::{Start, extend};
 use hysteron_model::hysteresis::{self, BoucWen};
 use hysteron_optimize::{Bounds, OptimizeError, Problem, Range};
 
@@ -43,7 +43,7 @@ pub(super) fn hysteresis_outputs<'a>(
         .zip(starts)
         .map(|(facts, start)| {
             let rate_hz = facts.require_sample_rate()?;
-            let (extended, prologue, rest_voltage_v) = start.extend(&facts.data.u)?;
+            let (extended, prologue, rest_voltage_v) = extend(start, &facts.data.u)?;
             let mut v = vec![0.0; extended.len()];
             operator
                 .simulate(&extended, hysteresis::Start::Rest { u: rest_voltage_v }, &mut v)

@@ -400,6 +400,7 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
         let name = &fit.data.name;
         let unit = &fit.data.y_unit;
         let start = match fit.start {
+            Start::AsIdentified => "simulated from rest at its first sample".to_owned(),
             Start::Rest { voltage_v } => {
                 format!("simulated from rest at {} {}", short(voltage_v), fit.data.u_unit)
                     .trim_end()

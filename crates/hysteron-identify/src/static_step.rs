@@ -7,7 +7,7 @@ use super::static_problem::{StaticLayout, StaticProblem, StaticRecord, StaticSol
 use super::uncertainty::correlation_time;
 use super::{IdentifyError, RecordFacts};
 use hysteron_model::dynamics::Scheme;
-use hysteron_model::hammerstein::Start;
+use hysteron_model::hammerstein::{Start, extend};
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, OptimizeError, Problem, Range};
@@ -150,7 +150,7 @@ pub(super) fn jump_share(facts: &RecordFacts, start: &Start) -> f64 {
         Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
             (facts.data.u[0] - voltage_v).abs() / facts.range_v()
         }
-        Start::Settled { .. } => 0.0,
+        Start::Settled { .. } | Start::AsIdentified => 0.0,
     }
 }
 
@@ -214,7 +214,7 @@ pub(super) fn prepare(
     held_offset: Option<f64>,
     scheme: Scheme,
 ) -> Result<StaticRecord, IdentifyError> {
-    let (extended, prologue, rest_voltage_v) = start.extend(&facts.data.u)?;
+    let (extended, prologue, rest_voltage_v) = extend(start, &facts.data.u)?;
     Ok(StaticRecord {
         input: extended.into_owned(),
         prologue,

@@ -10,7 +10,7 @@ use hysteron_model::dynamics::{
     Creep, DynamicForm, Dynamics, Modes, Scheme, Term, TransferFunction, stability,
 };
 use hysteron_model::hysteresis::{BoucWen, Start};
-use hysteron_model::model_file::{ModelFile, SignalUnits};
+use hysteron_model::model_file::{Document, ModelFile, SignalUnits, read};
 use hysteron_model::record::{ChannelChoice, InputOutput, TimeBase};
 use hysteron_numeric::Complex64;
 use hysteron_rig::{BoucWenFractional, CampaignPlan, Plant, PowerTerm, Role, Truth, run_campaign};
@@ -194,7 +194,8 @@ fn a_kelvin_voigt_chain_is_recovered_behind_a_resonance() {
     let mut file = ModelFile::from_model(&found.model, SignalUnits::default());
     let known = found.of_numbers.as_ref().unwrap();
     file.set_covariance(&known.names, &known.matrix);
-    let model = ModelFile::from_slice(file.to_json().unwrap().as_bytes()).unwrap().to_model().unwrap();
+    let Document::Hammerstein(file) = read(file.to_json().unwrap().as_bytes()).unwrap() else { panic!() };
+    let model = file.to_model().unwrap();
     assert!(matches!(&model.dynamics, Dynamics::Integer(g) if g.denominator.len() == 5));
     assert_eq!(model, found.model);
 }

@@ -9,7 +9,7 @@ use hysteron_identify::{
 };
 use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_model::model_file::{ModelFile, SignalUnits};
+use hysteron_model::model_file::{Document, ModelFile, SignalUnits, read};
 use hysteron_model::record::{ChannelChoice, InputOutput};
 use hysteron_model::validate::{Scoring, choose_start, score};
 use hysteron_optimize::{Derivative, LeastSquaresProblem, Problem};
@@ -223,7 +223,7 @@ fn a_model_file_carries_what_the_fit_knows_of_the_output() {
     let known = found.of_numbers.as_ref().unwrap();
     let mut file = ModelFile::from_model(&found.model, SignalUnits::default());
     file.set_covariance(&known.names, &known.matrix);
-    let file = ModelFile::from_slice(file.to_json().unwrap().as_bytes()).unwrap();
+    let Document::Hammerstein(file) = read(file.to_json().unwrap().as_bytes()).unwrap() else { panic!() };
     for p in found.parameters.iter().filter(|p| p.block == "hysteresis" || p.name == "delay") {
         let written = file.number(&p.name).unwrap().std_error;
         assert_eq!(written.is_some(), p.std_error.is_some(), "{}", p.name);

@@ -42,5 +42,5 @@ pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};
 pub use hash::sha256;
-pub use model_file::{ModelDiskError, read_model_file, write_model_file};
+pub use model_file::{ModelDiskError, load_model, save_model};
 pub use options::ReadOptions;

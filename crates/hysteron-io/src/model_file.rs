@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use hysteron_model::Model;
 use hysteron_model::model_file::{MAX_BYTES, ModelFileError};
 
 use crate::atomic_file::{AtomicWriteError, write_atomically};
@@ -28,25 +29,22 @@ pub enum ModelDiskError {
     Content(#[from] ModelFileError),
 }
 
-/// The model file at `path`, parsed by `parse`.
+/// The model in the file at `path`, of any kind.
 ///
 /// # Errors
 /// If it cannot be read, is too large for a model, or not sound.
-pub fn read_model_file<T>(
-    path: &Path,
-    parse: fn(&[u8]) -> Result<T, ModelFileError>,
-) -> Result<T, ModelDiskError> {
+pub fn load_model(path: &Path) -> Result<Model, ModelDiskError> {
     let unreadable = |problem| ModelDiskError::Unreadable { path: path.to_owned(), problem };
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    Ok(parse(&bytes)?)
+    Ok(Model::from_json(&bytes)?)
 }
 
-/// Writes the text of a model file; `path` holds its old content or all of the new.
+/// Writes a model; `path` holds its old content or all of the new.
 ///
 /// # Errors
-/// If there is no text, the model not being sound, or it cannot be written.
-pub fn write_model_file(path: &Path, text: Result<String, ModelFileError>) -> Result<(), ModelDiskError> {
-    Ok(write_atomically(path, text?.as_bytes())?)
+/// If the model is not sound, or the file cannot be written.
+pub fn save_model(path: &Path, model: &Model) -> Result<(), ModelDiskError> {
+    Ok(write_atomically(path, model.to_json()?.as_bytes())?)
 }

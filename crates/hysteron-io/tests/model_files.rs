@@ -1,19 +1,19 @@
 //! Model files on disk.
 #![allow(clippy::unwrap_used)]
 
-use hysteron_io::{ModelDiskError, read_model_file, write_model_file};
+use hysteron_io::{ModelDiskError, load_model, save_model};
 use hysteron_model::dynamics::{Dynamics, Scheme};
-use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
-use hysteron_model::model_file::{ModelFile, SignalUnits};
+use hysteron_model::model_file::{ModelFile, Quantity, SignalUnits};
 use hysteron_model::record::InterSample;
+use hysteron_model::{Model, hammerstein};
 
 #[test]
-fn a_file_written_is_the_file_read_and_a_rejected_one_leaves_the_old() {
+fn a_file_written_is_the_file_read_and_what_is_not_sound_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.json");
     let hysteresis = Hysteresis::BoucWen(BoucWen::new(vec![15.0, -0.25], 3.5, 0.6, 0.2, 1.0).unwrap());
-    let model = Model {
+    let law = hammerstein::Model {
         hysteresis,
         dynamics: Dynamics::None,
         offset: 0.0,
@@ -22,13 +22,13 @@ fn a_file_written_is_the_file_read_and_a_rejected_one_leaves_the_old() {
         inter_sample: InterSample::Linear,
         sample_rate_hz: None,
     };
-    let file = ModelFile::from_model(&model, SignalUnits::default());
-    write_model_file(&path, file.to_json()).unwrap();
-    assert_eq!(read_model_file(&path, ModelFile::from_slice).unwrap(), file);
-    let mut broken = file.clone();
-    broken.delay.value = -1.0;
-    assert!(matches!(write_model_file(&path, broken.to_json()), Err(ModelDiskError::Content(_))));
-    assert_eq!(read_model_file(&path, ModelFile::from_slice).unwrap(), file);
-    let absent = read_model_file(&folder.path().join("absent.json"), ModelFile::from_slice);
+    let file = ModelFile::from_model(&law, SignalUnits::default());
+    let model = Model::try_from(file.clone()).unwrap();
+    save_model(&path, &model).unwrap();
+    assert_eq!(load_model(&path).unwrap(), model);
+    assert!(Model::try_from(ModelFile { delay: Quantity::new(-1.0, "s"), ..file }).is_err());
+    let full = folder.path().join("absent").join("model.json");
+    assert!(matches!(save_model(&full, &model), Err(ModelDiskError::Write(_))));
+    let absent = load_model(&folder.path().join("absent.json"));
     assert!(matches!(absent, Err(ModelDiskError::Unreadable { .. })));
 }

@@ -6,11 +6,11 @@
 
 use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
-use crate::hysteresis::{
-    DriveGrid, Hysteresis, HysteresisError, Memory, Origin, RecordEnds, polygon_of_means,
-};
+use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, Origin, RecordEnds, polygon_of_means};
 use crate::record::InterSample;
 use std::borrow::Cow;
+
+pub use crate::start::Start;
 
 /// A Hammerstein model: all that is needed to predict a displacement from a drive voltage.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,29 +29,6 @@ pub struct Model {
     pub inter_sample: InterSample,
     /// Sample rate the model was identified at \[Hz\]; `None` for a static model of a record without one.
     pub sample_rate_hz: Option<f64>,
-}
-
-/// What happened before a record's first sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Start {
-    /// The device rested at this voltage, free of hysteresis memory (z = 0), and moves to u(0) in one sample period.
-    /// With `voltage_v` = u(0) this is SPEC §3 `rest`, with 0 V (drive off) it is `zero`.
-    Rest {
-        /// Voltage before the first sample \[V\].
-        voltage_v: f64,
-    },
-    /// The device rested at this voltage with a hysteresis memory and moves to u(0) in one sample period.
-    Remembering {
-        /// Voltage before the first sample \[V\].
-        voltage_v: f64,
-        /// What the hysteresis block remembers there.
-        memory: Memory,
-    },
-    /// The record repeats: its first period has been run [`SETTLING_PERIODS`] times before.
-    Settled {
-        /// Samples of a period.
-        period_samples: usize,
-    },
 }
 
 /// Periods run before a record that starts [`Start::Settled`]: Bouc–Wen memory fades as e^(−β · path length).
@@ -104,39 +81,23 @@ pub enum SimulationError {
     Dynamics(#[from] DynamicsError),
 }
 
-impl Start {
-    /// At rest at a voltage \[V\] with a memory in the operator's own scale, virgin where there is none.
-    pub fn at_rest(hysteresis: &Hysteresis, voltage_v: f64, memory: Option<f64>) -> Self {
-        match memory {
-            None => Self::Rest { voltage_v },
-            Some(memory) => Self::Remembering { voltage_v, memory: hysteresis.memory(memory) },
+/// Drive with what ran before it, the number of samples put in front, and the voltage before all that.
+#[doc(hidden)]
+pub fn extend<'a>(start: &Start, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize, f64), SimulationError> {
+    match *start {
+        Start::AsIdentified => Ok((Cow::Borrowed(u), 0, u.first().copied().unwrap_or(0.0))),
+        Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
+            Ok((Cow::Borrowed(u), 0, voltage_v))
         }
-    }
-
-    /// Voltage before the first sample \[V\]; `None` where the record repeats.
-    pub fn voltage_v(&self) -> Option<f64> {
-        match *self {
-            Self::Rest { voltage_v } | Self::Remembering { voltage_v, .. } => Some(voltage_v),
-            Self::Settled { .. } => None,
-        }
-    }
-
-    /// Drive with what ran before it, the number of samples put in front, and the voltage before all that.
-    pub fn extend<'a>(&self, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize, f64), SimulationError> {
-        match *self {
-            Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
-                Ok((Cow::Borrowed(u), 0, voltage_v))
-            }
-            Start::Settled { period_samples } => {
-                let period = u.get(..period_samples).filter(|_| period_samples >= 2);
-                let Some(period) = period else {
-                    return Err(SimulationError::Period { samples: u.len(), period_samples });
-                };
-                let mut extended = period.repeat(SETTLING_PERIODS);
-                let prologue = extended.len();
-                extended.extend_from_slice(u);
-                Ok((Cow::Owned(extended), prologue, period[0]))
-            }
+        Start::Settled { period_samples } => {
+            let period = u.get(..period_samples).filter(|_| period_samples >= 2);
+            let Some(period) = period else {
+                return Err(SimulationError::Period { samples: u.len(), period_samples });
+            };
+            let mut extended = period.repeat(SETTLING_PERIODS);
+            let prologue = extended.len();
+            extended.extend_from_slice(u);
+            Ok((Cow::Owned(extended), prologue, period[0]))
         }
     }
 }
@@ -215,7 +176,7 @@ impl Model {
         start: &Start,
     ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
         let grid = |finer, factor| DriveGrid::new(sample_rate_hz, finer, factor);
-        let (extended, prologue, rest_voltage_v) = start.extend(u)?;
+        let (extended, prologue, rest_voltage_v) = extend(start, u)?;
         let mut v = vec![0.0; extended.len()];
         let operator = &self.hysteresis;
         let memory = match *start {

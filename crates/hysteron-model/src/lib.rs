@@ -17,8 +17,13 @@ pub mod fractional;
 pub mod hammerstein;
 pub mod hysteresis;
 pub mod invert;
+pub mod model;
 pub mod model_file;
 pub mod oscillator;
 pub mod realise;
 pub mod record;
+mod start;
 pub mod validate;
+
+pub use model::Model;
+pub use start::Start;

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use hysteron_identify::online::Term;
 use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::model_file::ScoreRole;
 use hysteron_model::record::{InputOutput, find_periods, noise_floor};
 use hysteron_model::validate::Scoring;
@@ -16,7 +17,7 @@ use hysteron_model::validate::Scoring;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::model::{LoadedModel, Signal};
+use crate::model::LoadedModel;
 use crate::numbers::{count, positive};
 use crate::output::{self, OutFile};
 use crate::start::StartFlags;
@@ -141,16 +142,17 @@ impl Adapt {
             }
             output::check_file("the model", path)?;
         }
-        let old = LoadedModel::read(&self.model)?;
+        let old = LoadedModel::read(&self.model, Capability::Adaptation)?;
         let mut data = self.columns.read(&self.record)?;
-        old.agreed_unit(&self.record, Signal::Input, &data.u_unit)?;
-        data.y_unit = old.agreed_unit(&self.record, Signal::Output, &data.y_unit)?;
+        old.agreed_unit(&self.record, SignalRole::Input, &data.u_unit)?;
+        data.y_unit = old.agreed_unit(&self.record, SignalRole::Output, &data.y_unit)?;
         let sample_rate_hz = data.sample_rate_hz().ok_or_else(|| {
             Failure::new(format!("cannot follow {}", self.record.display()))
                 .because("it has no uniform sample rate, and a memory is a number of samples")
                 .hint("give the sample rate with --sample-rate HZ")
         })?;
-        let (start, _) = old.simulate_record(&self.record, &data, &self.start, &Scoring::default())?;
+        let signals = data.clone().into();
+        let start = old.score(&self.record, &signals, &self.start, &Scoring::default())?.simulation.start;
         let noise = self.noise.or_else(|| known_noise(&old, &data)).ok_or_else(|| {
             Failure::new("the size of a residual where the model fits is not known")
                 .because("the model file holds no scores and the record shows no noise")
@@ -187,8 +189,7 @@ impl Adapt {
 
     fn write(&self, path: &Path, old: &LoadedModel, task: &Task, found: &Followed) -> Result<(), Failure> {
         let file = file::corrected(self, old, task, found)?;
-        hysteron_io::write_model_file(path, file.to_json())
-            .map_err(|e| Failure::new(format!("cannot write the model to {}", path.display())).because(e))
+        crate::model::write(path, file.clone())
     }
 
     fn refused(&self, because: &dyn std::fmt::Display) -> Failure {

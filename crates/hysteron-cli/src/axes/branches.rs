@@ -7,21 +7,22 @@ use std::sync::atomic::Ordering;
 use std::time::SystemTime;
 
 use hysteron_identify::coupled::{CoupledFitError, CoupledIdentification, identify};
+use hysteron_model::Start;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::model_file::{
     CoupledFile, Interval, Provenance, Quantity, RecordEntry, RecordRole, SignalUnits, ValidRange, timestamp,
 };
-use hysteron_model::validate::Scoring;
 use hysteron_optimize::Progress as SearchProgress;
 use hysteron_report::number::with_std_error;
 use serde_json::{Value, json};
 
-use super::{AxesFlags, AxesScored, LoadedAxes, table};
+use super::{AxesFlags, AxesScored, score_axes, table};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::identify::command_line;
 use crate::interrupt;
+use crate::model::{self, Loaded};
 use crate::progress::Progress;
 
 /// Identifies the branches of the records and writes their file; prints what was found.
@@ -49,15 +50,9 @@ pub fn identify_branches(
     drop(bar);
     let found = found.map_err(|e| explain(&e))?;
     let file = file(&found, &records);
-    hysteron_io::write_model_file(out, file.to_json())
-        .map_err(|e| Failure::new(format!("cannot write the model to {}", out.display())).because(e))?;
-    let loaded = LoadedAxes::recognise(out)?
-        .ok_or_else(|| Failure::new(format!("cannot read {} back", out.display())))?;
-    let scored = records
-        .iter()
-        .zip(paths)
-        .map(|(record, path)| loaded.score(path, record, &Scoring::default(), None))
-        .collect::<Result<Vec<_>, _>>()?;
+    model::write(out, file.clone())?;
+    let loaded = Loaded::read(out)?;
+    let scored = score_axes(&loaded, &records, paths, |_| Start::AsIdentified)?;
     if json {
         return console::json(&object(&found, &scored, out, &file));
     }

@@ -7,22 +7,25 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
 
 use clap::Args;
-use hysteron_identify::modes::{ModesFitError, ModesIdentification, ModesProgress, Options, identify};
+use hysteron_identify::modes::{
+    ModesFitError, ModesIdentification, ModesProgress, ModesRecordFit, Options, identify,
+};
+use hysteron_model::Start;
 use hysteron_model::axes::{AxesRecord, InfluenceMatrix};
 use hysteron_model::model_file::{
     InfluenceEntry, Interval, ModesFile, ModesScoreEntry, Provenance, RecordEntry, RecordRole, SignalUnits,
     ValidRange, timestamp,
 };
-use hysteron_model::validate::Scoring;
 use hysteron_report::number::significant;
 use serde_json::{Value, json};
 
-use super::{AxesFlags, AxesScored, LoadedAxes, kind_name, table};
+use super::{AxesFlags, AxesScored, kind_name, score_axes, table};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::identify::command_line;
 use crate::interrupt;
+use crate::model::{self, Loaded};
 use crate::numbers::{count, positive, whole};
 use crate::progress::Progress;
 
@@ -106,21 +109,14 @@ impl ModesFlags {
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = file(&found, &records, &options);
-        hysteron_io::write_model_file(out, file.to_json())
-            .map_err(|e| Failure::new(format!("cannot write the model to {}", out.display())).because(e))?;
+        model::write(out, file.clone())?;
         if found.interrupted {
             console::note("interrupted: the best so far was written");
         }
         // What was written is what is scored.
-        let loaded = LoadedAxes::recognise(out)?
-            .ok_or_else(|| Failure::new(format!("cannot read {} back", out.display())))?;
-        let scored = records
-            .iter()
-            .zip(paths)
-            .map(|(record, path)| {
-                loaded.score(path, record, &Scoring::default(), whole_period(record, &found))
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let loaded = Loaded::read(out)?;
+        let start = |record: &AxesRecord| whole_period(record, &found);
+        let scored = score_axes(&loaded, &records, paths, start)?;
         if json {
             return console::json(&object(&found, &scored, out, &file));
         }
@@ -130,10 +126,13 @@ impl ModesFlags {
     }
 }
 
-/// The period in s of a record that was taken for one as a whole.
-fn whole_period(record: &AxesRecord, found: &ModesIdentification) -> Option<f64> {
-    let fit = found.records.iter().find(|fit| fit.record == record.label())?;
-    (fit.period_samples == record.len()).then(|| record.len() as f64 / record.sample_rate_hz)
+/// The start of a record that was taken for one period as a whole.
+fn whole_period(record: &AxesRecord, found: &ModesIdentification) -> Start {
+    let whole = |fit: &&ModesRecordFit| fit.record == record.label() && fit.period_samples == record.len();
+    match found.records.iter().find(whole) {
+        Some(fit) => Start::Settled { period_samples: fit.period_samples },
+        None => Start::AsIdentified,
+    }
 }
 
 /// Progress bar and Ctrl-C.

@@ -3,16 +3,40 @@
 mod branches;
 mod flags;
 mod identify;
-mod loaded;
 mod scored;
 
 pub use branches::identify_branches;
 pub use flags::AxesFlags;
 pub use identify::ModesFlags;
-pub use loaded::LoadedAxes;
 pub use scored::{AxesScored, table};
 
+use std::path::PathBuf;
+
 use hysteron_identify::FindingKind;
+use hysteron_model::Start;
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::validate::Scoring;
+
+use crate::failure::Failure;
+use crate::model::Loaded;
+
+/// Scores of a model on the records that it was identified from, each from its start.
+///
+/// # Errors
+/// If one cannot be scored.
+fn score_axes(
+    loaded: &Loaded,
+    records: &[AxesRecord],
+    paths: &[PathBuf],
+    start: impl Fn(&AxesRecord) -> Start,
+) -> Result<Vec<AxesScored>, Failure> {
+    let score = |(record, path): (&AxesRecord, &PathBuf)| {
+        loaded
+            .score_from(path, &record.clone().into(), start(record), &Scoring::default())
+            .map(AxesScored::of)
+    };
+    records.iter().zip(paths).map(score).collect()
+}
 
 /// A finding's kind in a word.
 fn kind_name(kind: FindingKind) -> &'static str {

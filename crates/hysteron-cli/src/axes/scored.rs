@@ -1,7 +1,8 @@
 //! Scores of a record of several outputs, as JSON and as a table.
 
 use comfy_table::Table;
-use hysteron_model::axes::{AxesRecord, AxesScores};
+use hysteron_model::axes::AxesScores;
+use hysteron_model::model::Score;
 use hysteron_model::record::Unit;
 use hysteron_report::number::significant;
 use serde_json::{Map, Value, json};
@@ -19,14 +20,17 @@ pub struct AxesScored {
 }
 
 impl AxesScored {
-    /// Scores of a record; `level`: rms of its drive where that repeats.
-    pub fn new(record: &AxesRecord, scores: AxesScores, level: Option<f64>) -> Self {
+    /// Scores of a record of several outputs.
+    pub fn of(score: Score) -> Self {
+        let Score { record, unit, rmse, max_abs_error, fit_percent, outputs, axes, .. } = score;
+        let axes = axes.unwrap_or_default();
+        let mean_period_rmse = axes.mean_period_rmse;
         Self {
-            record: record.label(),
-            outputs: record.outputs.clone(),
-            unit: record.y_unit.clone(),
-            level,
-            scores,
+            record,
+            outputs: axes.outputs,
+            unit,
+            level: axes.level,
+            scores: AxesScores { outputs, rmse, max_abs_error, fit_percent, mean_period_rmse },
         }
     }
 

@@ -148,8 +148,7 @@ fn write_model(
     let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));
     let found = identify(campaign, &options, &mut Unwatched, None).map_err(|e| failure().because(e))?;
     let file = written::model_file(&found, campaign, &options);
-    hysteron_io::write_model_file(path, file.to_json())
-        .map_err(|e| Failure::new(format!("cannot write the model to {}", path.display())).because(e))?;
+    crate::model::write(path, file.clone())?;
     console::message(&format!("model of {} written to {}", preferred.candidate, path.display()));
     Ok(())
 }

@@ -229,9 +229,7 @@ impl Identify {
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = written::model_file(&found, &campaign, &options);
-        hysteron_io::write_model_file(&self.out, file.to_json()).map_err(|e| {
-            Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
-        })?;
+        crate::model::write(&self.out, file.clone())?;
         if found.cancelled {
             self.write_searches(&found.resume)?;
         }

@@ -2,7 +2,7 @@
 
 use hysteron_identify::{Choice, Demands, DynamicsChoice, Initial, Method, Options};
 use hysteron_model::dynamics::Creep;
-use hysteron_model::model_file::ModelFile;
+use hysteron_model::model::Capability;
 use hysteron_model::record::InterSample;
 use hysteron_optimize::{
     AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions,
@@ -11,16 +11,12 @@ use hysteron_optimize::{
 use super::Identify;
 use super::arguments::{CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg};
 use crate::failure::Failure;
+use crate::model::Loaded;
 
 impl Identify {
     pub(super) fn options(&self) -> Result<Options, Failure> {
         let start = match &self.start {
-            Some(path) => {
-                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
-                let file = hysteron_io::read_model_file(path, ModelFile::from_slice)
-                    .map_err(|e| failure().because(e))?;
-                Some(file.to_model().map_err(|e| failure().because(e))?)
-            }
+            Some(path) => Some(Loaded::read(path)?.hammerstein(Capability::StartOfAFit)?.law().clone()),
             None => None,
         };
         Ok(Options {

@@ -7,9 +7,10 @@ use hysteron_identify::oscillator::{
     Estimate, Identification, Initial, Options, OscillatorFitError, RecordFit, identify,
 };
 use hysteron_identify::{Choice, FindingKind};
+use hysteron_model::model::Capability;
 use hysteron_model::model_file::{
     Interval, OscillatorFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, SignalUnits,
-    StartKind, StoredModel, timestamp,
+    StartKind, timestamp,
 };
 use hysteron_model::record::{InputOutput, InterSample, Unit};
 use hysteron_report::number::with_std_error;
@@ -20,6 +21,7 @@ use super::parameters::typographic;
 use super::{Identify, command_line};
 use crate::console;
 use crate::failure::Failure;
+use crate::model::Loaded;
 use crate::output;
 use crate::scores::{self, Scored};
 
@@ -37,9 +39,7 @@ impl Identify {
         let records = self.columns.read_all(&self.records)?;
         let found = self.in_threads(|| identify(&records, &options).map_err(|e| explain(&e)))??;
         let file = file(&found, &options);
-        hysteron_io::write_model_file(&self.out, file.to_json()).map_err(|e| {
-            Failure::new(format!("cannot write the model to {}", self.out.display())).because(e)
-        })?;
+        crate::model::write(&self.out, file.clone())?;
         if self.result.json {
             return console::json(&self.object(&found, &file));
         }
@@ -92,20 +92,8 @@ impl Identify {
         let start = match &self.start {
             None => None,
             Some(path) => {
-                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
-                match hysteron_io::read_model_file(path, StoredModel::from_slice)
-                    .map_err(|e| failure().because(e))?
-                {
-                    StoredModel::Oscillator(file) => {
-                        Some(file.to_oscillator().map_err(|e| failure().because(e))?)
-                    }
-                    StoredModel::Hammerstein(_) => {
-                        return Err(failure().because("it is a Hammerstein model, not an oscillator"));
-                    }
-                    StoredModel::Modes(_) | StoredModel::Coupled(_) => {
-                        return Err(failure().because("it is a model of several axes, not an oscillator"));
-                    }
-                }
+                let loaded = Loaded::read(path)?;
+                Some(*loaded.oscillator(Capability::StartOfAFit)?.law())
             }
         };
         Ok(Options {

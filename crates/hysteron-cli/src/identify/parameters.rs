@@ -136,7 +136,7 @@ pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
                 ("u₀", "input at which the device had rested", voltage_v, fit.data.u_unit.to_string())
             }
             // The memory is among the fitted parameters.
-            Start::Remembering { .. } => continue,
+            Start::Remembering { .. } | Start::AsIdentified => continue,
             Start::Settled { period_samples } => {
                 ("N", "period on which the device had settled", period_samples as f64, "samples".into())
             }

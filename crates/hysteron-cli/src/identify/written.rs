@@ -82,6 +82,7 @@ fn coefficient(name: &str) -> Option<String> {
 fn start(record: &RecordFit, unit: &str) -> StartEntry {
     match record.start {
         Start::Settled { .. } => StartEntry { kind: StartKind::Settled, voltage: None },
+        Start::AsIdentified => StartEntry::default(),
         Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
             let own = record.data.u.first() == Some(&voltage_v);
             let unit = if unit.is_empty() { "1" } else { unit };

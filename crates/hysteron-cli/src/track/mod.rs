@@ -16,6 +16,7 @@ use hysteron_model::compensator::CompensatorError;
 use hysteron_model::control::{
     ControlError, Loop, LoopSettings, Plant, Reach, Sines, TuningError, Wanted, reach, slew_of_current,
 };
+use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::{RealiseError, RealiseOptions};
 use hysteron_model::record::{Channel, Record, TimeBase, Unit, shortest_swing};
 use hysteron_numeric::display::short;
@@ -27,7 +28,7 @@ use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::invert::range;
-use crate::model::{LoadedModel, Signal};
+use crate::model::LoadedModel;
 use crate::numbers::{ends, not_negative, number, positive, whole};
 use crate::output::{self, OutFile};
 use crate::realise::where_creep_stops;
@@ -179,9 +180,9 @@ impl Track {
             output::check_file("the samples", out)?;
         }
         self.result.check()?;
-        let model = LoadedModel::read(&self.model)?;
+        let model = LoadedModel::read(&self.model, Capability::Tracking)?;
         let reference = self.columns.read(&self.reference_file)?;
-        let unit = model.agreed_unit(&self.reference_file, Signal::Reference, &reference.unit)?;
+        let unit = model.agreed_unit(&self.reference_file, SignalRole::Reference, &reference.unit)?;
         let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
             return Err(self
                 .failure()

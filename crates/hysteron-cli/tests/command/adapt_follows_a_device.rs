@@ -1,10 +1,9 @@
 //! `adapt` follows a device whose gain changes, says when, writes the model of the last sample, and is silent
 //! where nothing changes.
 
+use crate::bench::model_data;
 use crate::bench::{Bench, static_model, triangle};
-use hysteron_io::read_model_file;
 use hysteron_model::hammerstein::Start;
-use hysteron_model::model_file::ModelFile;
 use serde_json::Value;
 
 const NOISE_UM: f64 = 0.01;
@@ -53,7 +52,7 @@ fn a_jump_of_the_gain_is_found_followed_and_written() {
         assert!(rmse("rmse_predicted") < 0.2 * rmse("rmse_before"), "{method}: {found}");
         assert_eq!(gain["std_error"].is_null(), method.starts_with("nlms"));
 
-        let new = read_model_file(&bench.path("new.json"), ModelFile::from_slice).unwrap();
+        let new = model_data(&bench.path("new.json"));
         let block = new.to_model().unwrap().hysteresis;
         let ratio = block.number("alpha").unwrap() / static_model().hysteresis.number("alpha").unwrap();
         assert!((ratio / gain["after"].as_f64().unwrap() - 1.0).abs() < 1e-12, "{method}");

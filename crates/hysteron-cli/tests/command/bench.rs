@@ -6,7 +6,7 @@ use std::process::Command;
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
-use hysteron_model::model_file::{ModelFile, SignalUnits};
+use hysteron_model::model_file::{Document, ModelFile, SignalUnits, read};
 use hysteron_model::record::InterSample;
 use tempfile::TempDir;
 
@@ -96,4 +96,12 @@ pub fn good_record() -> String {
     let rows =
         triangle().into_iter().enumerate().map(|(k, u)| format!("{},{u},{}\n", k as f64 / 100.0, 0.3 * u));
     format!("t_s,u_V,y_um\n{}", rows.collect::<String>())
+}
+
+/// The data of the Hammerstein model in a file.
+pub fn model_data(path: &Path) -> ModelFile {
+    match read(&std::fs::read(path).unwrap()).unwrap() {
+        Document::Hammerstein(file) => *file,
+        other => panic!("a model of the kind {}", other.kind()),
+    }
 }

@@ -1,12 +1,11 @@
 //! `frequency-response` fits structures to a response or to multisine records, says what each explains, and writes the one a
 //! model file can hold.
 
-use hysteron_io::read_model_file;
+use crate::bench::model_data;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use hysteron_model::dynamics::{Dynamics, InitialCondition, Scheme, SimulationPlan, TransferFunction};
-use hysteron_model::model_file::ModelFile;
 use hysteron_rig::excitation::{ExcitationSpec, Lines, Phases, Waveform};
 use serde_json::Value;
 
@@ -81,7 +80,7 @@ fn the_articles_stage_goes_into_a_model_file_that_simulates() {
     for (name, expected) in [("order2", 2.0384), ("order1", 1.0523), ("delay", 1e-4)] {
         assert!((parameter(fit, name) / expected - 1.0).abs() < 1e-6, "{name}: {fit}");
     }
-    let file = read_model_file(&bench.path("new.json"), ModelFile::from_slice).unwrap();
+    let file = model_data(&bench.path("new.json"));
     assert_eq!((file.units.input.as_str(), file.units.output.as_str()), ("V", "um"));
     let Dynamics::Fractional(g) = file.to_model().unwrap().dynamics else { panic!("not fractional") };
     assert!((g.dc_gain() - 5.2589 / 5.4955).abs() < 1e-6, "{g}");

@@ -1,10 +1,9 @@
 //! One command turns a measured record into a model file and a report; what cannot be identified is refused with a
 //! reason, and nothing half-written stays behind.
 
+use crate::bench::model_data;
 use crate::bench::{Bench, Run};
-use hysteron_io::read_model_file;
 use hysteron_model::hammerstein::Start;
-use hysteron_model::model_file::ModelFile;
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -70,7 +69,7 @@ fn parameters_come_back_and_demands_are_kept() {
     let bench = Bench::new();
     bench.write("loop.csv", simulated());
     json(&bench.run("identify loop.csv -o all.json --json"));
-    let file = read_model_file(&bench.path("all.json"), ModelFile::from_slice).unwrap();
+    let file = model_data(&bench.path("all.json"));
     for (name, truth) in
         [("linear", 0.3), ("quadratic", 1e-4), ("alpha", 0.08), ("beta", 0.05), ("gamma", 0.01)]
     {
@@ -80,13 +79,13 @@ fn parameters_come_back_and_demands_are_kept() {
     json(&bench.run(
         "identify loop.csv -o held.json --degree 2 --fix gamma=0 --bound beta=0.04:0.06 --delay 0 --json",
     ));
-    let held = read_model_file(&bench.path("held.json"), ModelFile::from_slice).unwrap();
+    let held = model_data(&bench.path("held.json"));
     assert_eq!(held.hysteresis.parameters.get("gamma").unwrap().value, 0.0);
     assert_eq!(held.provenance.unwrap().options["fix gamma"], "0");
     json(&bench.run(
         "identify loop.csv -o again.json --degree 2 --optimizer de --generations 5 --start all.json --json",
     ));
-    let again = read_model_file(&bench.path("again.json"), ModelFile::from_slice).unwrap();
+    let again = model_data(&bench.path("again.json"));
     assert_eq!(
         again.hysteresis.parameters.get("beta").unwrap().value,
         file.hysteresis.parameters.get("beta").unwrap().value

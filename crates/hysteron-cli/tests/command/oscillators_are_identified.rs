@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use crate::bench::Bench;
-use hysteron_model::model_file::{OscillatorFile, StartKind};
-use hysteron_model::oscillator::{Oscillator, RecordStart};
+use hysteron_model::Start;
+use hysteron_model::model_file::{self, Document, OscillatorFile, StartKind};
+use hysteron_model::oscillator::Oscillator;
 use hysteron_model::record::InterSample;
 use serde_json::Value;
 
@@ -27,7 +28,7 @@ fn force(samples: usize, size: f64) -> Vec<f64> {
 }
 
 /// A record as a file; the noise is a fixed pattern of one part in two hundred.
-fn csv(u: &[f64], start: RecordStart) -> String {
+fn csv(u: &[f64], start: Start) -> String {
     let y = DEVICE.simulate_record(u, RATE, InterSample::BandLimited, start).unwrap();
     let size = (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt();
     let mut text = "t_s,u_N,y_um\n".to_owned();
@@ -44,15 +45,18 @@ fn csv(u: &[f64], start: RecordStart) -> String {
 fn bench() -> Bench {
     let bench = Bench::new();
     let period = force(1024, 60.0);
-    bench.write("train.csv", csv(&period.repeat(3), RecordStart::Settled { period_samples: 1024 }));
+    bench.write("train.csv", csv(&period.repeat(3), Start::Settled { period_samples: 1024 }));
     let sweep: Vec<f64> =
         (0..2000).map(|k| 50.0 * (TAU * (15.0 + 5.0 * k as f64 / RATE) * k as f64 / RATE).sin()).collect();
-    bench.write("sweep.csv", csv(&sweep, RecordStart::Rest));
+    bench.write("sweep.csv", csv(&sweep, Start::Rest { voltage_v: 0.0 }));
     bench
 }
 
 fn read(bench: &Bench, name: &str) -> OscillatorFile {
-    OscillatorFile::from_slice(&std::fs::read(bench.path(name)).unwrap()).unwrap()
+    match model_file::read(&std::fs::read(bench.path(name)).unwrap()).unwrap() {
+        Document::Oscillator(file) => *file,
+        other => panic!("a model of the kind {}", other.kind()),
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `recalibrate` writes a model with a new gain, delay and offset, and refuses a record of something else.
 
+use crate::bench::model_data;
 use crate::bench::{Bench, static_model, triangle};
-use hysteron_io::read_model_file;
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::model_file::{ModelFile, SignalUnits};
 use serde_json::Value;
@@ -36,7 +36,7 @@ fn a_changed_gain_is_found_and_written_with_its_origin() {
     assert!((json["gain"]["old_std_error"].as_f64().unwrap() - 0.01).abs() < 1e-12);
     assert!((json["offset"].as_f64().unwrap() - 4.0).abs() < 0.01, "{json}");
 
-    let new = read_model_file(&bench.path("new.json"), ModelFile::from_slice).unwrap();
+    let new = model_data(&bench.path("new.json"));
     let block = new.to_model().unwrap().hysteresis;
     let number = |name| block.number(name).unwrap();
     assert!((number("alpha") / 0.08 - gain).abs() < 1e-12 && number("beta") == 0.05 && number("n") == 1.0);

@@ -7,7 +7,7 @@ use std::fmt::Write;
 use crate::bench::Bench;
 use hysteron_model::axes::{CoupledHammerstein, LevelLaw, ModesStart, Path as AxesPath, ScheduledModes};
 use hysteron_model::hysteresis::BoucWen;
-use hysteron_model::model_file::ModesFile;
+use hysteron_model::model_file::{Document, read};
 use hysteron_model::record::InterSample;
 use hysteron_numeric::Complex64;
 use serde_json::Value;
@@ -121,7 +121,9 @@ fn records_of_two_levels_become_a_file_that_predicts_one_between() {
         assert!((high / resonance - 1.0).abs() < 1e-3, "{mode}");
         assert!((low / high - 1.024).abs() < 2e-3, "{mode}");
     }
-    let file = ModesFile::from_slice(&std::fs::read(bench.path("stage.json")).unwrap()).unwrap();
+    let Document::Modes(file) = read(&std::fs::read(bench.path("stage.json")).unwrap()).unwrap() else {
+        panic!()
+    };
     assert_eq!((file.inputs, file.outputs), (vec!["u1".into(), "u2".into()], vec!["y1".into(), "y2".into()]));
     assert_eq!((file.units.input.as_str(), file.units.output.as_str()), ("V", "um"));
     assert_eq!(told["influence"].as_array().map(Vec::len), Some(2));

@@ -1,10 +1,9 @@
 //! `compare` ranks structures by what they predict, refuses where nothing is left to predict; `inspect` says before any fit what
 //! the records determine.
 
-use hysteron_io::read_model_file;
+use crate::bench::model_data;
 use std::path::Path;
 
-use hysteron_model::model_file::ModelFile;
 use serde_json::Value;
 
 use crate::bench::Bench;
@@ -59,7 +58,7 @@ fn a_campaign_ranks_dynamics_before_none_and_writes_the_model_that_it_prefers() 
     assert!(page.contains("Error against cost") && page.contains("inverse"));
     assert!(page.contains("<svg") && page.contains("noise floor") && page.contains("fractional+degree2"));
     assert!(run.stderr.contains(&format!("model of {} written", found["preferred"].as_str().unwrap())));
-    read_model_file(&bench.path("new.json"), ModelFile::from_slice).unwrap().to_model().unwrap();
+    model_data(&bench.path("new.json")).to_model().unwrap();
 }
 
 #[test]
@@ -197,7 +196,7 @@ fn the_report_of_an_identification_shows_its_neighbours_and_its_bands() {
         assert!(page.contains(part), "{part}");
     }
     // The file carries what the bands come from.
-    let file = read_model_file(&bench.path("new.json"), ModelFile::from_slice).unwrap();
+    let file = model_data(&bench.path("new.json"));
     let (names, _) = file.covariance().unwrap();
     assert!(names.iter().any(|n| n == "denominator[0].coefficient"), "{names:?}");
     let run = bench.run(&format!("validate new.json {SINES} --band --json"));

@@ -105,6 +105,7 @@ impl OutputUncertainty {
     ) -> Result<PredictionBand, IdentifyError> {
         let weights = self.coefficients.get(self.layout.polynomial.len()..).unwrap_or_default();
         let (before, memory) = match *start {
+            Start::AsIdentified => (Before::Rest { voltage_v: drive.first().copied().unwrap_or(0.0) }, 0.0),
             Start::Rest { voltage_v } => (Before::Rest { voltage_v }, 0.0),
             Start::Remembering { memory, .. } => {
                 (Before::Remembering, self.hysteresis.memory_of_columns(memory.value(), weights))

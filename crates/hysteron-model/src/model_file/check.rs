@@ -1,8 +1,8 @@
 //! What the types alone do not say about a model file.
 
 use super::{
-    DynamicsKind, FORMAT, HysteresisKind, Interval, ModelFile, ModelFileError, ModesScoreEntry, Parameters,
-    Quantity, ScoreEntry, StartKind, TermEntry, VERSION, ValidRange,
+    DynamicsKind, FORMAT, HysteresisKind, Interval, Kind, ModelFile, ModelFileError, ModesScoreEntry,
+    Parameters, Quantity, ScoreEntry, StartKind, TermEntry, VERSION, ValidRange,
     convert::{Units, form_of, numbers_of},
     polynomial_name,
 };
@@ -21,10 +21,7 @@ impl ModelFile {
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.
     pub fn check(&self) -> Result<(), ModelFileError> {
-        if self.format != FORMAT {
-            return Err(ModelFileError::NotAModel { found: Some(format!("{:?}", self.format)) });
-        }
-        version(self.version)?;
+        header(&self.format, self.version, (self.kind, Kind::Hammerstein))?;
         let units = Units::new(&self.units);
         match self.hysteresis.kind {
             HysteresisKind::BoucWen => bouc_wen(&self.hysteresis.parameters, &units)?,
@@ -249,12 +246,19 @@ pub(super) fn quantity(
     same_unit(path, &quantity.unit, unit)
 }
 
-pub(super) fn version(found: u64) -> Result<(), ModelFileError> {
-    if found == VERSION {
-        Ok(())
-    } else {
-        Err(ModelFileError::UnknownVersion { found: Some(found.to_string()) })
+/// Checks format, version and kind (found, expected).
+pub(super) fn header(
+    format: &str,
+    version: u64,
+    (found, expected): (Kind, Kind),
+) -> Result<(), ModelFileError> {
+    if format != FORMAT {
+        return Err(ModelFileError::NotAModel { found: Some(format!("{format:?}")) });
     }
+    if version != VERSION {
+        return Err(ModelFileError::UnknownVersion { found: Some(version.to_string()) });
+    }
+    if found == expected { Ok(()) } else { Err(ModelFileError::OtherKind { expected, found }) }
 }
 
 /// Names of inputs and outputs: all there, none twice.

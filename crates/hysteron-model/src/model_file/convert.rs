@@ -1,7 +1,7 @@
 //! Between the model and its file.
 
 use super::{
-    DynamicsBlock, DynamicsKind, FORMAT, HysteresisBlock, HysteresisKind, ModelFile, ModelFileError,
+    DynamicsBlock, DynamicsKind, FORMAT, HysteresisBlock, HysteresisKind, Kind, ModelFile, ModelFileError,
     Normalisation, Parameters, Quantity, SignalUnits, StartEntry, TermEntry, VERSION, polynomial_name,
 };
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
@@ -108,6 +108,7 @@ impl ModelFile {
         ModelFile {
             format: FORMAT.into(),
             version: VERSION,
+            kind: Kind::Hammerstein,
             name: None,
             hysteresis,
             dynamics,

@@ -5,27 +5,28 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{self, allowed, quantity};
 use super::convert::Units;
+use super::json;
 use super::{
-    ModelFileError, ModesScoreEntry, Provenance, Quantity, SignalUnits, StoredModel, VERSION, ValidRange,
+    FORMAT, Kind, ModelFileError, ModesScoreEntry, Provenance, Quantity, SignalUnits, VERSION, ValidRange,
 };
-use super::{json, schema};
 use crate::axes::{CoupledErrors, CoupledHammerstein, Path};
 use crate::hysteresis::BoucWen;
 
-/// Value of the key `format` in the file of coupled branches.
-pub const COUPLED_FORMAT: &str = "hysteron-coupled";
-
-/// A file of the format `hysteron-coupled`, version 1: y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn), v_n = u_n − z_n,
+/// A file of the format `hysteron-model`, kind `branches`: y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn), v_n = u_n − z_n,
 /// ż_n = α u̇_n − β |u̇_n| z_n − γ u̇_n |z_n|, G_mn a pair of poles of gain 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "the file of coupled branches (a JSON object)")]
 pub struct CoupledFile {
-    /// Always `hysteron-coupled`.
-    #[schemars(extend("const" = "hysteron-coupled"))]
+    /// Always `hysteron-model`.
+    #[schemars(extend("const" = "hysteron-model"))]
     pub format: String,
-    /// Always 1.
-    #[schemars(extend("const" = 1))]
+    /// Always 2.
+    #[schemars(extend("const" = 2))]
     pub version: u64,
+    /// Always `branches`.
+    #[serde(default = "branches")]
+    #[schemars(required, extend("const" = "branches"))]
+    pub kind: Kind,
     /// A name for people, of the device or the experiment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -110,8 +111,9 @@ impl CoupledFile {
         };
         let paths: Vec<PathEntry> = model.paths.iter().enumerate().map(path).collect();
         Self {
-            format: COUPLED_FORMAT.into(),
+            format: FORMAT.into(),
             version: VERSION,
+            kind: Kind::Branches,
             name: None,
             inputs,
             outputs,
@@ -158,10 +160,7 @@ impl CoupledFile {
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.
     pub fn check(&self) -> Result<(), ModelFileError> {
-        if self.format != COUPLED_FORMAT {
-            return Err(ModelFileError::NotCoupled { found: Some(format!("{:?}", self.format)) });
-        }
-        check::version(self.version)?;
+        check::header(&self.format, self.version, (self.kind, Kind::Branches))?;
         check::channels(&self.inputs, &self.outputs)?;
         let count = |path: &str, found: usize, expected: usize, what| {
             allowed(path, found as f64, found == expected && expected > 0, what)
@@ -200,18 +199,6 @@ impl CoupledFile {
         self.scores.iter().enumerate().try_for_each(|(i, score)| check::axes_score(i, score))
     }
 
-    /// Reads and checks a file's bytes.
-    ///
-    /// # Errors
-    /// [`ModelFileError`]: too large, not JSON, of another format or version, or a value that is missing, unknown or not
-    /// allowed.
-    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        match StoredModel::from_slice(bytes)? {
-            StoredModel::Coupled(file) => Ok(*file),
-            other => Err(ModelFileError::NotCoupled { found: Some(format!("{:?}", other.format())) }),
-        }
-    }
-
     /// The file's text: indented JSON with a final newline.
     ///
     /// # Errors
@@ -222,9 +209,8 @@ impl CoupledFile {
     }
 }
 
-/// JSON Schema (draft 2020-12) of version 1 of the file of coupled branches, indented, with a final newline.
-pub fn coupled_schema() -> String {
-    schema::of::<CoupledFile>("Hysteron coupled branches file, version 1")
+fn branches() -> Kind {
+    Kind::Branches
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What can be wrong with a model file.
 
-use super::{COUPLED_FORMAT, FORMAT, MODES_FORMAT, OSCILLATOR_FORMAT, VERSION};
+use super::{FORMAT, Kind, VERSION};
 use crate::axes::AxesError;
 use crate::hysteresis::HysteresisError;
 
@@ -28,23 +28,19 @@ pub enum ModelFileError {
         /// What is there, as JSON.
         found: Option<String>,
     },
-    /// The key `format` is missing or not that of an oscillator.
-    #[error("format: expected \"{OSCILLATOR_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
-    NotAnOscillator {
+    /// The key `kind` is missing or something else.
+    #[error("kind: expected {}, found {}", Kind::names(), found.as_deref().unwrap_or("no such key"))]
+    UnknownKind {
         /// What is there, as JSON.
         found: Option<String>,
     },
-    /// The key `format` is missing or not that of scheduled modes.
-    #[error("format: expected \"{MODES_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
-    NotModes {
-        /// What is there, as JSON.
-        found: Option<String>,
-    },
-    /// The key `format` is missing or not that of coupled branches.
-    #[error("format: expected \"{COUPLED_FORMAT}\", found {}", found.as_deref().unwrap_or("no such key"))]
-    NotCoupled {
-        /// What is there, as JSON.
-        found: Option<String>,
+    /// The keys are those of another kind.
+    #[error("kind: expected \"{expected}\", found \"{found}\"")]
+    OtherKind {
+        /// Kind whose keys these are.
+        expected: Kind,
+        /// Kind named.
+        found: Kind,
     },
     /// Columns without a name or with the same one.
     #[error("inputs, outputs: expected names that differ, found `{name}` twice or empty")]
@@ -56,7 +52,7 @@ pub enum ModelFileError {
     #[error(transparent)]
     Modes(#[from] AxesError),
     /// The file is of a version this program does not know.
-    #[error("version: this program reads version {VERSION}, found {}", found.as_deref().unwrap_or("no such key"))]
+    #[error("version: this program reads versions 1 and {VERSION}, found {}", found.as_deref().unwrap_or("no such key"))]
     UnknownVersion {
         /// What is there, as JSON.
         found: Option<String>,

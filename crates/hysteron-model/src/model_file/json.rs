@@ -2,15 +2,24 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{MAX_BYTES, ModelFileError, VERSION};
+use super::{FORMAT, Kind, MAX_BYTES, ModelFileError, VERSION};
 
-/// Format and version alone, so that a file of another version is told apart from a broken one.
+/// Format, version and kind alone, so that a file of another version is told apart from a broken one.
 #[derive(Deserialize)]
 #[serde(expecting = "a model file (a JSON object)")]
 pub(super) struct Header {
     format: Option<serde_json::Value>,
     version: Option<serde_json::Value>,
+    kind: Option<serde_json::Value>,
 }
+
+/// Kinds by the key `format` of version 1, which had one format a kind.
+const VERSION_1: [(&str, Kind); 4] = [
+    (FORMAT, Kind::Hammerstein),
+    ("hysteron-oscillator", Kind::Oscillator),
+    ("hysteron-modes", Kind::Modes),
+    ("hysteron-coupled", Kind::Branches),
+];
 
 impl Header {
     /// Of the bytes of a file that is no larger than a model can be.
@@ -21,21 +30,21 @@ impl Header {
         parse(bytes)
     }
 
-    /// Whether the format is `name`.
-    pub(super) fn is(&self, name: &str) -> bool {
-        self.format.as_ref().and_then(|format| format.as_str()) == Some(name)
-    }
-
-    /// The format as JSON, where there is one.
-    pub(super) fn format(&self) -> Option<String> {
-        self.format.as_ref().map(ToString::to_string)
-    }
-
-    /// Refuses every version but this program's.
-    pub(super) fn check_version(&self) -> Result<(), ModelFileError> {
-        match &self.version {
-            Some(version) if version.as_u64() == Some(VERSION) => Ok(()),
-            found => Err(ModelFileError::UnknownVersion { found: found.as_ref().map(ToString::to_string) }),
+    /// The kind of model, of a file of a version that this program reads.
+    pub(super) fn kind(&self) -> Result<Kind, ModelFileError> {
+        let text = |value: &Option<serde_json::Value>| value.as_ref().map(ToString::to_string);
+        let format = self.format.as_ref().and_then(|format| format.as_str()).unwrap_or_default();
+        let old = VERSION_1.into_iter().find(|(name, _)| *name == format);
+        let Some((_, old)) = old else {
+            return Err(ModelFileError::NotAModel { found: text(&self.format) });
+        };
+        match self.version.as_ref().and_then(serde_json::Value::as_u64) {
+            Some(1) => Ok(old),
+            Some(VERSION) if format == FORMAT => {
+                let kind = self.kind.as_ref().and_then(|kind| kind.as_str()).and_then(Kind::of_name);
+                kind.ok_or_else(|| ModelFileError::UnknownKind { found: text(&self.kind) })
+            }
+            _ => Err(ModelFileError::UnknownVersion { found: text(&self.version) }),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The versioned model file: a model is data.
 //!
-//! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 1`, the two blocks, and how they were made. Every
-//! number of the model is a [`Quantity`] `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of
+//! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 2`, the `kind` of model ([`Kind`]), its numbers, and how they
+//! were made. [`read`] takes every kind, and the files of version 1, which had a format a kind. The keys of a Hammerstein
+//! model are those of [`ModelFile`]; of the other kinds [`OscillatorFile`], [`ModesFile`], [`CoupledFile`]. Every number of the model is a [`Quantity`] `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of
 //! column headers (`um`, `V`, `A_per_m`):
 //!
 //! | number | unit |
@@ -26,16 +27,15 @@
 //! (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`, `correlation` and `std_error`) may
 //! be absent. Writing is atomic, and a file that could not be read back is never written. Numbers survive
 //! writing and reading bit for bit. [`json_schema`] is the same in JSON Schema.
-//!
-//! An oscillator, with hysteresis in feedback, has no such blocks: its file is of a format of its own, [`OscillatorFile`].
-//! So is that of scheduled modes of several inputs and outputs, [`ModesFile`]. [`StoredModel`] reads any.
 
 mod check;
 mod convert;
 mod correlation;
 mod coupled;
+mod document;
 mod error;
 mod json;
+mod kind;
 mod modes;
 mod oscillator;
 mod parameters;
@@ -49,21 +49,16 @@ use serde::{Deserialize, Serialize};
 pub use correlation::{
     CorrelationEntry, CorrelationRow, MAX_CORRELATED, number_mut, transfer_function_numbers,
 };
-pub use coupled::{ActuatorEntry, COUPLED_FORMAT, CoupledFile, PathEntry, coupled_schema};
+pub use coupled::{ActuatorEntry, CoupledFile, PathEntry};
+pub use document::{Document, read};
 pub use error::ModelFileError;
-pub use modes::{
-    HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, MODES_FORMAT, ModesFile, ModesScoreEntry,
-    modes_schema,
-};
-pub use oscillator::{
-    OSCILLATOR_FORMAT, OscillatorFile, OscillatorParameters, StoredModel, oscillator_schema,
-};
+pub use kind::Kind;
+pub use modes::{HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile, ModesScoreEntry};
+pub use oscillator::{OscillatorFile, OscillatorParameters};
 pub use parameters::{Parameters, polynomial_name};
 pub use provenance::{Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
 pub use quantity::{Interval, Quantity};
 pub use schema::json_schema;
-
-use json::{Header, parse};
 
 use crate::dynamics::Scheme;
 use crate::hysteresis::FamilyForm;
@@ -71,21 +66,25 @@ use crate::record::InterSample;
 
 /// Value of the key `format`.
 pub const FORMAT: &str = "hysteron-model";
-/// The one version this program writes and reads.
-pub const VERSION: u64 = 1;
+/// The version this program writes; version 1 is read.
+pub const VERSION: u64 = 2;
 /// Largest file read \[bytes\]; a model takes a few kilobytes.
 pub const MAX_BYTES: u64 = 16 << 20;
 
-/// A model file of version 1.
+/// The file of a Hammerstein model, kind `hammerstein`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "a model file (a JSON object)")]
 pub struct ModelFile {
     /// Always `hysteron-model`.
     #[schemars(extend("const" = "hysteron-model"))]
     pub format: String,
-    /// Always 1.
-    #[schemars(extend("const" = 1))]
+    /// Always 2.
+    #[schemars(extend("const" = 2))]
     pub version: u64,
+    /// Always `hammerstein`.
+    #[serde(default = "hammerstein")]
+    #[schemars(required, extend("const" = "hammerstein"))]
+    pub kind: Kind,
     /// A name for people, of the device or the experiment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -402,29 +401,18 @@ pub struct ValidRange {
 }
 
 impl ModelFile {
-    /// Reads and checks a model file's bytes.
-    ///
-    /// # Errors
-    /// [`ModelFileError`]: too large, no model, or not sound.
-    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        let header = Header::of(bytes)?;
-        if !header.is(FORMAT) {
-            return Err(ModelFileError::NotAModel { found: header.format() });
-        }
-        header.check_version()?;
-        let file: ModelFile = parse(bytes)?;
-        file.check()?;
-        Ok(file)
-    }
-
     /// The file's text: indented JSON with a final newline.
     ///
     /// # Errors
-    /// [`ModelFileError`] if the content would not be accepted by [`ModelFile::from_slice`].
+    /// [`ModelFileError`] if the content would not be accepted by [`read`].
     pub fn to_json(&self) -> Result<String, ModelFileError> {
         self.check()?;
         json::text(self)
     }
+}
+
+fn hammerstein() -> Kind {
+    Kind::Hammerstein
 }
 
 #[cfg(test)]

@@ -5,26 +5,27 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{self, allowed};
 use super::convert::Units;
-use super::{ModelFileError, Provenance, SignalUnits, StoredModel, VERSION, ValidRange};
-use super::{json, schema};
+use super::json;
+use super::{FORMAT, Kind, ModelFileError, Provenance, SignalUnits, VERSION, ValidRange};
 use crate::axes::{FeedbackStrain, InfluenceMatrix, LevelLaw, ScheduledModes, StrainLaw};
 
-/// Value of the key `format` in the file of scheduled modes.
-pub const MODES_FORMAT: &str = "hysteron-modes";
-
-/// A file of the format `hysteron-modes`, version 1: the numbers of [`ScheduledModes`], whose documentation has the equations.
+/// A file of the format `hysteron-model`, kind `modes`: the numbers of [`ScheduledModes`], whose documentation has the equations.
 ///
 /// Matrices are lists row by row. Units: inputs in `units.input`, outputs in `units.output`; strains, strokes and stresses in the
 /// unit of the inputs; states are numbers without a unit of their own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "the file of scheduled modes (a JSON object)")]
 pub struct ModesFile {
-    /// Always `hysteron-modes`.
-    #[schemars(extend("const" = "hysteron-modes"))]
+    /// Always `hysteron-model`.
+    #[schemars(extend("const" = "hysteron-model"))]
     pub format: String,
-    /// Always 1.
-    #[schemars(extend("const" = 1))]
+    /// Always 2.
+    #[schemars(extend("const" = 2))]
     pub version: u64,
+    /// Always `modes`.
+    #[serde(default = "modes")]
+    #[schemars(required, extend("const" = "modes"))]
+    pub kind: Kind,
     /// A name for people, of the device or the experiment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -201,8 +202,9 @@ impl ModesFile {
             stress_rows: f.stress_rows,
         });
         Self {
-            format: MODES_FORMAT.into(),
+            format: FORMAT.into(),
             version: VERSION,
+            kind: Kind::Modes,
             name: None,
             units,
             inputs,
@@ -270,10 +272,7 @@ impl ModesFile {
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.
     pub fn check(&self) -> Result<(), ModelFileError> {
-        if self.format != MODES_FORMAT {
-            return Err(ModelFileError::NotModes { found: Some(format!("{:?}", self.format)) });
-        }
-        check::version(self.version)?;
+        check::header(&self.format, self.version, (self.kind, Kind::Modes))?;
         check::channels(&self.inputs, &self.outputs)?;
         // Lengths are products of these: they have to be sensible before they are multiplied.
         let most = [self.inputs.len(), self.outputs.len(), self.modes, self.steps].into_iter().max();
@@ -293,18 +292,6 @@ impl ModesFile {
         self.scores.iter().enumerate().try_for_each(|(i, score)| check::axes_score(i, score))
     }
 
-    /// Reads and checks a file's bytes.
-    ///
-    /// # Errors
-    /// [`ModelFileError`]: too large, not JSON, of another format or version, or a value that is missing, unknown or not
-    /// allowed.
-    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        match StoredModel::from_slice(bytes)? {
-            StoredModel::Modes(file) => Ok(*file),
-            other => Err(ModelFileError::NotModes { found: Some(format!("{:?}", other.format())) }),
-        }
-    }
-
     /// The file's text: indented JSON with a final newline.
     ///
     /// # Errors
@@ -315,9 +302,8 @@ impl ModesFile {
     }
 }
 
-/// JSON Schema (draft 2020-12) of version 1 of the file of scheduled modes, indented, with a final newline.
-pub fn modes_schema() -> String {
-    schema::of::<ModesFile>("Hysteron modes file, version 1")
+fn modes() -> Kind {
+    Kind::Modes
 }
 
 #[cfg(test)]

@@ -1,35 +1,34 @@
 //! The file of an oscillator: hysteresis in feedback.
 
 use schemars::JsonSchema;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::check::{self, allowed, quantity, score};
 use super::convert::Units;
-use super::json::{self, Header, parse};
-use super::schema;
+use super::json;
 use super::{
-    COUPLED_FORMAT, CoupledFile, InterSampleName, MODES_FORMAT, ModelFile, ModelFileError, ModesFile,
-    Provenance, Quantity, ScoreEntry, SignalUnits, StartKind, VERSION, ValidRange,
+    FORMAT, InterSampleName, Kind, ModelFileError, Provenance, Quantity, ScoreEntry, SignalUnits, StartKind,
+    VERSION, ValidRange,
 };
 use crate::oscillator::Oscillator;
 
-/// Value of the key `format` in the file of an oscillator.
-pub const OSCILLATOR_FORMAT: &str = "hysteron-oscillator";
-
-/// A file of the format `hysteron-oscillator`, version 1: m ÿ + c ẏ + k y + z = u,
+/// A file of the format `hysteron-model`, kind `oscillator`: m ÿ + c ẏ + k y + z = u,
 /// ż = α ẏ − β |ẏ| z |z|ⁿ⁻¹ − γ ẏ |z|ⁿ, and how it was made.
 ///
 /// Every number is a [`Quantity`]; units follow from those of the signals, e.g. `N*s^2/um` for the mass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "the file of an oscillator (a JSON object)")]
 pub struct OscillatorFile {
-    /// Always `hysteron-oscillator`.
-    #[schemars(extend("const" = "hysteron-oscillator"))]
+    /// Always `hysteron-model`.
+    #[schemars(extend("const" = "hysteron-model"))]
     pub format: String,
-    /// Always 1.
-    #[schemars(extend("const" = 1))]
+    /// Always 2.
+    #[schemars(extend("const" = 2))]
     pub version: u64,
+    /// Always `oscillator`.
+    #[serde(default = "oscillator")]
+    #[schemars(required, extend("const" = "oscillator"))]
+    pub kind: Kind,
     /// A name for people, of the device or the experiment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -130,8 +129,9 @@ impl OscillatorFile {
         let mut of_units = oscillator.values().into_iter().zip(units);
         let mut next = || of_units.next().map_or(Quantity::new(0.0, "1"), |(v, unit)| Quantity::new(v, unit));
         Self {
-            format: OSCILLATOR_FORMAT.into(),
+            format: FORMAT.into(),
             version: VERSION,
+            kind: Kind::Oscillator,
             name: None,
             parameters: OscillatorParameters {
                 mass: next(),
@@ -167,10 +167,7 @@ impl OscillatorFile {
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.
     pub fn check(&self) -> Result<(), ModelFileError> {
-        if self.format != OSCILLATOR_FORMAT {
-            return Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", self.format)) });
-        }
-        check::version(self.version)?;
+        check::header(&self.format, self.version, (self.kind, Kind::Oscillator))?;
         // The unit of the shape depends on n, which has to be right first.
         quantity("parameters.n", &self.parameters.n, "1", Some(1.0))?;
         let n = self.parameters.n.value;
@@ -192,18 +189,6 @@ impl OscillatorFile {
         self.scores.iter().enumerate().try_for_each(|(i, s)| score(i, s))
     }
 
-    /// Reads and checks a file's bytes.
-    ///
-    /// # Errors
-    /// [`ModelFileError`]: too large, not JSON, of another format or version, or a value that is missing, unknown or not
-    /// allowed.
-    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        match StoredModel::from_slice(bytes)? {
-            StoredModel::Oscillator(file) => Ok(*file),
-            other => Err(ModelFileError::NotAnOscillator { found: Some(format!("{:?}", other.format())) }),
-        }
-    }
-
     /// The file's text: indented JSON with a final newline.
     ///
     /// # Errors
@@ -214,60 +199,8 @@ impl OscillatorFile {
     }
 }
 
-/// A model of any kind.
-#[derive(Clone, Debug, PartialEq)]
-pub enum StoredModel {
-    /// Hysteresis ahead of linear dynamics.
-    Hammerstein(Box<ModelFile>),
-    /// Hysteresis in feedback.
-    Oscillator(Box<OscillatorFile>),
-    /// Scheduled modes of several inputs and outputs.
-    Modes(Box<ModesFile>),
-    /// Coupled Hammerstein branches of several inputs and outputs.
-    Coupled(Box<CoupledFile>),
-}
-
-impl StoredModel {
-    /// Reads and checks the bytes of a file of any format.
-    ///
-    /// # Errors
-    /// As [`ModelFile::from_slice`].
-    pub fn from_slice(bytes: &[u8]) -> Result<Self, ModelFileError> {
-        fn checked<T: DeserializeOwned>(
-            bytes: &[u8],
-            check: fn(&T) -> Result<(), ModelFileError>,
-        ) -> Result<Box<T>, ModelFileError> {
-            Header::of(bytes)?.check_version()?;
-            let file = parse(bytes)?;
-            check(&file)?;
-            Ok(Box::new(file))
-        }
-        let header = Header::of(bytes)?;
-        Ok(if header.is(COUPLED_FORMAT) {
-            Self::Coupled(checked(bytes, CoupledFile::check)?)
-        } else if header.is(MODES_FORMAT) {
-            Self::Modes(checked(bytes, ModesFile::check)?)
-        } else if header.is(OSCILLATOR_FORMAT) {
-            Self::Oscillator(checked(bytes, OscillatorFile::check)?)
-        } else {
-            Self::Hammerstein(Box::new(ModelFile::from_slice(bytes)?))
-        })
-    }
-
-    /// The key `format` of its file.
-    pub fn format(&self) -> &str {
-        match self {
-            Self::Hammerstein(file) => &file.format,
-            Self::Oscillator(file) => &file.format,
-            Self::Modes(file) => &file.format,
-            Self::Coupled(file) => &file.format,
-        }
-    }
-}
-
-/// JSON Schema (draft 2020-12) of version 1 of an oscillator's file, indented, with a final newline.
-pub fn oscillator_schema() -> String {
-    schema::of::<OscillatorFile>("Hysteron oscillator file, version 1")
+fn oscillator() -> Kind {
+    Kind::Oscillator
 }
 
 #[cfg(test)]

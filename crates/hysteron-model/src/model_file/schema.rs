@@ -1,20 +1,12 @@
 //! The format as JSON Schema.
 
-use schemars::JsonSchema;
+use super::Document;
 
-use super::ModelFile;
-
-/// JSON Schema (draft 2020-12) of version 1 of the model file, indented, with a final newline.
+/// JSON Schema (draft 2020-12) of version 2 of the model file, of every kind, indented, with a final newline.
 ///
-/// Units, ascending orders and the relation between kind and terms are beyond it; [`ModelFile::from_slice`] checks
-/// them as well.
+/// Units, ascending orders and the relation between kind and terms are beyond it; [`read`](super::read) checks them as well.
 pub fn json_schema() -> String {
-    of::<ModelFile>("Hysteron model file, version 1")
-}
-
-/// The schema of a file, indented, with a final newline.
-pub(super) fn of<T: JsonSchema>(title: &str) -> String {
-    let mut schema = schemars::schema_for!(T);
-    schema.insert("title".into(), title.into());
+    let mut schema = schemars::schema_for!(Document);
+    schema.insert("title".into(), "Hysteron model file, version 2".into());
     format!("{:#}\n", schema.as_value())
 }

@@ -166,8 +166,15 @@ fn a_correlation_that_is_none_is_refused() {
     }
 }
 
+fn parsed(bytes: &[u8]) -> Result<ModelFile, ModelFileError> {
+    match super::read(bytes)? {
+        Document::Hammerstein(file) => Ok(*file),
+        other => panic!("a file of the kind {}", other.kind()),
+    }
+}
+
 fn read(text: &str) -> Result<ModelFile, ModelFileError> {
-    ModelFile::from_slice(text.as_bytes())
+    parsed(text.as_bytes())
 }
 
 /// The complete file with the value at a JSON pointer replaced (or removed), read again.
@@ -209,7 +216,8 @@ fn the_file_has_the_keys_and_units_that_are_promised() {
     let quantity =
         |value: f64, unit: &str| serde_json::json!({"value": value, "unit": unit, "std_error": null});
     assert_eq!(at("/format"), "hysteron-model");
-    assert_eq!(at("/version"), 1);
+    assert_eq!(at("/version"), 2);
+    assert_eq!(at("/kind"), "hammerstein");
     assert_eq!(at("/hysteresis/kind"), "bouc-wen");
     assert_eq!(at("/hysteresis/parameters/linear"), quantity(2.0, "um/V"));
     assert_eq!(at("/hysteresis/parameters/quadratic"), quantity(0.0031, "um/V^2"));
@@ -279,8 +287,14 @@ fn every_refusal_names_the_place_and_what_is_expected() {
     let cases: &[(&str, Option<Value>, &str)] = &[
         ("/format", Some(json!("other")), r#"format: expected "hysteron-model", found "other""#),
         ("/format", None, r#"format: expected "hysteron-model", found no such key"#),
-        ("/version", Some(json!(2)), "version: this program reads version 1, found 2"),
-        ("/version", Some(json!("1")), "version: this program reads version 1, found \"1\""),
+        ("/version", Some(json!(3)), "version: this program reads versions 1 and 2, found 3"),
+        ("/version", Some(json!("2")), "version: this program reads versions 1 and 2, found \"2\""),
+        (
+            "/kind",
+            Some(json!("other")),
+            "kind: expected \"hammerstein\", \"oscillator\", \"modes\", \"branches\", found \"other\"",
+        ),
+        ("/kind", None, "found no such key"),
         ("/scheme", Some(json!("euler")), "scheme: unknown variant `euler`, expected one of `tustin`"),
         (
             "/hysteresis/kind",
@@ -427,7 +441,7 @@ fn what_is_not_json_is_refused_with_line_and_column() {
     let nested = format!("{{\"format\": {}", "[".repeat(100_000));
     assert!(message(&nested).contains("recursion limit exceeded"));
     let big = vec![b' '; MAX_BYTES as usize + 1];
-    assert!(matches!(ModelFile::from_slice(&big), Err(ModelFileError::TooLarge { limit_bytes: MAX_BYTES })));
+    assert!(matches!(parsed(&big), Err(ModelFileError::TooLarge { limit_bytes: MAX_BYTES })));
 }
 
 #[test]
@@ -475,11 +489,11 @@ fn timestamps_agree_with_known_dates() {
 
 #[test]
 fn the_published_schema_is_up_to_date() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/hysteron-model-1.schema.json");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/hysteron-model-2.schema.json");
     let published = std::fs::read_to_string(path).expect(path);
     assert!(
         published == json_schema(),
-        "write it anew: hysteron schema > docs/schema/hysteron-model-1.schema.json"
+        "write it anew: hysteron schema > docs/schema/hysteron-model-2.schema.json"
     );
 }
 
@@ -518,7 +532,7 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        prop_assert!(ModelFile::from_slice(&bytes).is_err());
+        prop_assert!(parsed(&bytes).is_err());
     }
 
     /// A valid file with a few bytes overwritten, cut or repeated is read or refused, and what is read is sound.
@@ -536,9 +550,9 @@ proptest! {
                 _ => bytes.swap(at, 0),
             }
         }
-        if let Ok(file) = ModelFile::from_slice(&bytes) {
+        if let Ok(file) = parsed(&bytes) {
             prop_assert!(file.to_model().is_ok());
-            prop_assert_eq!(ModelFile::from_slice(file.to_json().unwrap().as_bytes()).unwrap(), file);
+            prop_assert_eq!(parsed(file.to_json().unwrap().as_bytes()).unwrap(), file);
         }
     }
 }

@@ -6,6 +6,11 @@ use crate::hysteresis::HysteresisError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OscillatorError {
+    /// A start with a hysteresis memory, which an oscillator at rest does not have.
+    #[error(
+        "an oscillator starts from rest without force, or settled on a period; a hysteresis memory does not apply"
+    )]
+    Memory,
     /// A parameter is out of range.
     #[error("oscillator parameter {name} is {value}: expected {expected}")]
     Parameter {

@@ -9,7 +9,7 @@
 //!   [`Oscillator::simulate_with_sensitivities`].
 //! * [`Drive`]: the force and what it does between its samples.
 //! * [`Start`]: where the oscillator stands before the first sample.
-//! * [`Oscillator::simulate_record`]: a whole record at once, from a [`RecordStart`].
+//! * [`Oscillator::simulate_record`]: a whole record at once, from a [`Start`](crate::Start).
 //!
 //! Identified by `hysteron_identify::oscillator`.
 //!
@@ -27,7 +27,6 @@ mod step;
 
 pub use drive::Drive;
 pub use error::OscillatorError;
-pub use record::RecordStart;
 pub use sensitivities::{PARTIALS, Response};
 pub use simulate::Start;
 

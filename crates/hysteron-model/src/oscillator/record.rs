@@ -1,20 +1,9 @@
 //! Simulation of a whole record.
 
-use super::{Drive, Oscillator, OscillatorError, Start};
+use super::{Drive, Oscillator, OscillatorError, Start as State};
 use crate::hysteresis::RecordEnds;
 use crate::record::InterSample;
-
-/// What happened before the first sample of a record.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RecordStart {
-    /// Rest without memory: y = ẏ = z = 0.
-    Rest,
-    /// The record's first period has been running for long.
-    Settled {
-        /// Samples of a period.
-        period_samples: usize,
-    },
-}
+use crate::start::Start;
 
 /// Largest difference of a force to itself a period later, as a share of its largest value, with which it repeats.
 const REPEATS: f64 = 1e-9;
@@ -30,27 +19,31 @@ impl Oscillator {
         u: &[f64],
         sample_rate_hz: f64,
         rule: InterSample,
-        start: RecordStart,
+        start: Start,
     ) -> Result<Vec<f64>, OscillatorError> {
         self.validate()?;
         let steps = self.steps(sample_rate_hz);
-        let open = |start: Start| {
+        let open = |start: State| {
             let drive = Drive::new(u, sample_rate_hz, rule, RecordEnds::Open, steps)?;
             let mut y = vec![0.0; u.len()];
             self.simulate(&drive, start, &mut y).map(|_| y)
         };
-        let RecordStart::Settled { period_samples } = start else { return open(Start::Rest) };
+        let period_samples = match start {
+            Start::Settled { period_samples } => period_samples,
+            Start::Remembering { .. } => return Err(OscillatorError::Memory),
+            Start::AsIdentified | Start::Rest { .. } => return open(State::Rest),
+        };
         let period = u.get(..period_samples).filter(|period| period.len() >= 2);
         let period = period.ok_or(OscillatorError::Period { samples: u.len(), period_samples })?;
         let drive = Drive::new(period, sample_rate_hz, rule, RecordEnds::Periodic, steps)?;
         let mut y = vec![0.0; period_samples];
-        let first = self.simulate(&drive, Start::Periodic, &mut y)?;
+        let first = self.simulate(&drive, State::Periodic, &mut y)?;
         let largest = u.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
         let same = |(a, b): (&f64, &f64)| (a - b).abs() <= REPEATS * largest;
         if u.iter().zip(u.iter().skip(period_samples)).all(same) {
             return Ok(y.iter().cycle().take(u.len()).copied().collect());
         }
-        open(Start::State(first))
+        open(State::State(first))
     }
 }
 
@@ -74,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_settled_record_repeats_and_goes_on_where_the_force_changes() {
-        let settled = RecordStart::Settled { period_samples: 50 };
+        let settled = Start::Settled { period_samples: 50 };
         let run = |u: &[f64]| OSCILLATOR.simulate_record(u, 750.0, InterSample::Linear, settled).unwrap();
         let repeated = run(&force(175));
         assert!(repeated.iter().zip(&repeated[50..]).all(|(a, b)| a == b));
@@ -90,7 +83,7 @@ mod tests {
     #[test]
     fn a_period_longer_than_the_record_is_refused() {
         let run = |period_samples| {
-            let start = RecordStart::Settled { period_samples };
+            let start = Start::Settled { period_samples };
             OSCILLATOR.simulate_record(&force(60), 750.0, InterSample::Linear, start).unwrap_err()
         };
         for period_samples in [0, 1, 61] {

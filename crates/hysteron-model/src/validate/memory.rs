@@ -23,7 +23,7 @@ pub(super) fn best_memory(
     let (low, high) = range_of(&record.u);
     let Some(&voltage_v) = record.u.first() else { return Ok(None) };
     let Some((least, most)) = model.hysteresis.memory_range(low, high) else { return Ok(None) };
-    let scored = scored_samples(record, scoring.skip_s)?;
+    let scored = scored_samples(record, scoring.skip_s.unwrap_or(0.0))?;
     let rate = record.sample_rate_hz();
     let remembering = |value: f64| Start::Remembering { voltage_v, memory: model.hysteresis.memory(value) };
     let rmse = |value: f64| match model.simulate(&record.u, rate, &remembering(value)) {

@@ -20,8 +20,9 @@ use crate::record::{InputOutput, TimeBase};
 /// How a record is scored.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Scoring {
-    /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0.
-    pub skip_s: f64,
+    /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0. `None`: none, but what a model
+    /// without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is scored.
+    pub skip_s: Option<f64>,
     /// What is done about the constant difference between the record and the simulation.
     pub offset: OffsetTreatment,
 }
@@ -140,7 +141,7 @@ const NEED_SAMPLES: usize = 2;
 /// # Errors
 /// [`ScoreError`] if lengths differ, a scored sample is not finite, or fewer than two samples are left to score.
 pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Result<Scores, ScoreError> {
-    let Compared { scored, y, mut e } = compared(record, simulated, scoring.skip_s)?;
+    let Compared { scored, y, mut e } = compared(record, simulated, scoring.skip_s.unwrap_or(0.0))?;
     let (total, samples) = (record.y.len(), y.len());
     let offset_estimated = scoring.offset == OffsetTreatment::Estimated;
     let offset = if offset_estimated { mean(&e) } else { 0.0 };

@@ -21,7 +21,7 @@ fn record(u: &[f64], y: &[f64], rate: Option<f64>) -> InputOutput {
     }
 }
 
-const FIXED: Scoring = Scoring { skip_s: 0.0, offset: OffsetTreatment::Fixed };
+const FIXED: Scoring = Scoring { skip_s: Some(0.0), offset: OffsetTreatment::Fixed };
 
 #[test]
 fn scores_of_four_samples_agree_with_the_sums_done_by_hand() {
@@ -53,14 +53,15 @@ fn skipped_seconds_and_invalid_samples_are_not_scored() {
     let mut rec = record(&[0.0; 10], &[50.0, 0.0, 1.0, 2.0, 3.0, 99.0, 4.0, 5.0, 6.0, 7.0], Some(10.0));
     let simulated = [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 5.0, 6.0, f64::NAN];
     rec.valid = Some((0..10).map(|k| k != 5 && k != 9).collect());
-    let s = score(&rec, &simulated, &Scoring { skip_s: 0.1, ..FIXED }).unwrap();
+    let s = score(&rec, &simulated, &Scoring { skip_s: Some(0.1), ..FIXED }).unwrap();
     assert_eq!((s.samples, s.skipped_samples, s.stroke, s.rmse), (7, 3, 6.0, 0.0));
 }
 
 #[test]
 fn skip_counts_whole_samples_for_every_rate_and_for_given_times() {
-    let scored =
-        |rec: &InputOutput, skip_s| score(rec, &rec.y, &Scoring { skip_s, ..FIXED }).unwrap().samples;
+    let scored = |rec: &InputOutput, skip_s| {
+        score(rec, &rec.y, &Scoring { skip_s: Some(skip_s), ..FIXED }).unwrap().samples
+    };
     let y: Vec<f64> = (0..2000).map(f64::from).collect();
     for rate in [10.0, 200.0, 1000.0, 4096.0] {
         assert_eq!(
@@ -95,7 +96,7 @@ fn every_refusal_names_its_numbers() {
     let refused =
         |rec: &InputOutput, simulated: &[f64], scoring| score(rec, simulated, &scoring).unwrap_err();
     assert_eq!(refused(&rec, &[0.0], FIXED), ScoreError::LengthMismatch { measured: 2, simulated: 1 });
-    let skip = |skip_s| Scoring { skip_s, ..FIXED };
+    let skip = |skip_s| Scoring { skip_s: Some(skip_s), ..FIXED };
     assert_eq!(refused(&rec, &[0.0, 1.0], skip(1.0)), ScoreError::SkipNeedsTime { skip_s: 1.0 });
     assert_eq!(refused(&rec, &[0.0, 1.0], skip(-1.0)), ScoreError::InvalidSkip { skip_s: -1.0 });
     let timed = record(&[0.0, 1.0], &[0.0, 1.0], Some(1.0));
@@ -235,7 +236,7 @@ proptest! {
         let mut rec = record(&column(|s| s.0), &column(|s| s.1), Some(100.0));
         rec.valid = Some(samples.iter().map(|s| s.3).collect());
         let offset = if estimated { OffsetTreatment::Estimated } else { OffsetTreatment::Fixed };
-        if let Ok(s) = score(&rec, &column(|s| s.2), &Scoring { skip_s, offset }) {
+        if let Ok(s) = score(&rec, &column(|s| s.2), &Scoring { skip_s: Some(skip_s), offset }) {
             prop_assert_eq!(s.samples + s.skipped_samples, samples.len());
             prop_assert!(s.rmse <= s.max_abs_error * (1.0 + 1e-12));
             for x in [s.rmse_percent_of_stroke, s.fit_percent, s.relative_error, s.loop_width_error_percent].into_iter().flatten() {

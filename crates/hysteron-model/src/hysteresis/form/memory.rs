@@ -1,9 +1,12 @@
 //! What an operator remembers where a record begins.
 
+use serde::{Deserialize, Serialize};
+
 use super::super::{Admissibility, Family, Hysteresis, HysteresisError, PrandtlIshlinskii};
 
 /// What a hysteresis operator remembers where a record begins, in one number.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Memory {
     /// Hysteretic displacement z \[µm\], of Bouc–Wen.
     Displacement(f64),

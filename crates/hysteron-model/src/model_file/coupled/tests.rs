@@ -1,5 +1,5 @@
+use super::super::{Document, read};
 use super::*;
-use crate::model_file::ModelFile;
 
 /// One input, two outputs.
 fn model() -> CoupledHammerstein {
@@ -18,11 +18,18 @@ fn file() -> CoupledFile {
     CoupledFile::new(&model(), Some(&errors), units, (vec!["u".into()], vec!["y1".into(), "y2".into()]))
 }
 
+fn parsed(bytes: &[u8]) -> Result<CoupledFile, ModelFileError> {
+    match read(bytes)? {
+        Document::Branches(file) => Ok(*file),
+        other => panic!("a file of the kind {}", other.kind()),
+    }
+}
+
 #[test]
 fn a_file_reads_back_bit_for_bit() {
     let text = file().to_json().unwrap();
     assert!(text.contains("\"um/V\"") && text.contains("\"1/V\""), "{text}");
-    let back = CoupledFile::from_slice(text.as_bytes()).unwrap();
+    let back = parsed(text.as_bytes()).unwrap();
     assert_eq!(back, file());
     assert_eq!(back.to_model().unwrap(), model());
     assert_eq!(back.paths[1][0].damping.std_error, Some(0.3));
@@ -35,7 +42,7 @@ fn what_is_not_allowed_is_named() {
     let mut refused = |pointer: &str, new: &str| {
         let new: serde_json::Value = serde_json::from_str(new).unwrap();
         let old = std::mem::replace(value.pointer_mut(pointer).unwrap(), new);
-        let error = CoupledFile::from_slice(value.to_string().as_bytes()).unwrap_err().to_string();
+        let error = parsed(value.to_string().as_bytes()).unwrap_err().to_string();
         *value.pointer_mut(pointer).unwrap() = old;
         error
     };
@@ -48,26 +55,25 @@ fn what_is_not_allowed_is_named() {
     assert!(refused("/offsets/0/unit", "\"V\"").contains("offsets[0]"));
     assert!(refused("/outputs/0", "\"u\"").contains("`u`"));
     assert!(refused("/sample_rate_hz", "0").contains("sample_rate_hz"));
-    assert!(refused("/version", "2").contains("version"));
+    assert!(refused("/version", "3").contains("version"));
     let misnamed = text.replacen("\"alpha\"", "\"alfa\"", 1);
-    assert!(CoupledFile::from_slice(misnamed.as_bytes()).unwrap_err().to_string().contains("alfa"));
+    assert!(parsed(misnamed.as_bytes()).unwrap_err().to_string().contains("alfa"));
 }
 
 #[test]
-fn each_format_is_told_from_the_others() {
+fn a_file_of_version_1_is_read_and_written_as_version_2() {
     let text = file().to_json().unwrap();
-    assert!(matches!(StoredModel::from_slice(text.as_bytes()), Ok(StoredModel::Coupled(_))));
-    let error = ModelFile::from_slice(text.as_bytes()).unwrap_err().to_string();
-    assert!(error.contains("hysteron-coupled"), "{error}");
-    assert!(CoupledFile::from_slice(b"{\"format\": \"x\"}").unwrap_err().to_string().contains("\"x\""));
+    let old = text
+        .replace("\"hysteron-model\"", "\"hysteron-coupled\"")
+        .replace("\"version\": 2,\n  \"kind\": \"branches\"", "\"version\": 1");
+    assert!(old != text && !old.contains("\"kind\": \"branches\""), "{old}");
+    assert_eq!(parsed(old.as_bytes()).unwrap(), file());
+    assert_eq!(parsed(old.as_bytes()).unwrap().to_json().unwrap(), text);
 }
 
 #[test]
-fn the_published_schema_is_up_to_date() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/hysteron-coupled-1.schema.json");
-    let published = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(
-        published == coupled_schema(),
-        "write it anew: hysteron schema --coupled > docs/schema/hysteron-coupled-1.schema.json"
-    );
+fn keys_of_another_kind_are_refused() {
+    let text = file().to_json().unwrap();
+    let other = text.replacen("\"kind\": \"branches\"", "\"kind\": \"hammerstein\"", 1);
+    assert!(read(other.as_bytes()).is_err());
 }

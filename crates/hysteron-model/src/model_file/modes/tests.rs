@@ -1,5 +1,5 @@
+use super::super::{Document, read};
 use super::*;
-use crate::model_file::ModelFile;
 
 /// One input, two outputs, one mode.
 fn model() -> ScheduledModes {
@@ -41,17 +41,24 @@ fn file() -> ModesFile {
     file
 }
 
+fn parsed(bytes: &[u8]) -> Result<ModesFile, ModelFileError> {
+    match read(bytes)? {
+        Document::Modes(file) => Ok(*file),
+        other => panic!("a file of the kind {}", other.kind()),
+    }
+}
+
 #[test]
 fn a_file_reads_back_bit_for_bit() {
     let text = file().to_json().unwrap();
-    let back = ModesFile::from_slice(text.as_bytes()).unwrap();
+    let back = parsed(text.as_bytes()).unwrap();
     assert_eq!(back, file());
     assert_eq!(back.to_model().unwrap(), model());
     let linear = ScheduledModes { feedback: None, ..model() };
     let of_linear = ModesFile::new(&linear, back.units.clone(), back.inputs, back.outputs);
     let text = of_linear.to_json().unwrap();
     assert!(text.contains("\"hysteresis\": null"));
-    assert_eq!(ModesFile::from_slice(text.as_bytes()).unwrap().to_model().unwrap(), linear);
+    assert_eq!(parsed(text.as_bytes()).unwrap().to_model().unwrap(), linear);
 }
 
 #[test]
@@ -60,7 +67,7 @@ fn what_is_not_allowed_is_named() {
     let mut value: serde_json::Value = serde_json::from_str(&text).unwrap();
     let mut refused = |pointer: &str, new: serde_json::Value| {
         let old = std::mem::replace(value.pointer_mut(pointer).unwrap(), new);
-        let error = ModesFile::from_slice(value.to_string().as_bytes()).unwrap_err().to_string();
+        let error = parsed(value.to_string().as_bytes()).unwrap_err().to_string();
         *value.pointer_mut(pointer).unwrap() = old;
         error
     };
@@ -77,30 +84,29 @@ fn what_is_not_allowed_is_named() {
     assert!(refused("/hysteresis/drive/radii/0", json("-0.5")).contains("radii"));
     assert!(refused("/hysteresis/drive/variance", json("0")).contains("variance"));
     assert!(refused("/influence/0/matrix", json("[1]")).contains("influence[0].matrix"));
-    assert!(refused("/version", json("2")).contains("version"));
+    assert!(refused("/version", json("3")).contains("version"));
     assert!(refused("/input/1", json("null")).contains("input[1]"));
     let misnamed = text.replace("\"strain_input\"", "\"strain_inputs\"");
-    assert!(ModesFile::from_slice(misnamed.as_bytes()).unwrap_err().to_string().contains("strain_inputs"));
+    assert!(parsed(misnamed.as_bytes()).unwrap_err().to_string().contains("strain_inputs"));
     // A number beyond the range of numbers is no number.
     let huge = text.replacen("0.9", "1e999", 1);
-    assert!(ModesFile::from_slice(huge.as_bytes()).is_err());
+    assert!(parsed(huge.as_bytes()).is_err());
 }
 
 #[test]
-fn each_format_is_told_from_the_others() {
+fn a_file_of_version_1_is_read_and_written_as_version_2() {
     let text = file().to_json().unwrap();
-    assert!(matches!(StoredModel::from_slice(text.as_bytes()), Ok(StoredModel::Modes(_))));
-    let error = ModelFile::from_slice(text.as_bytes()).unwrap_err().to_string();
-    assert!(error.contains("hysteron-modes"), "{error}");
-    assert!(ModesFile::from_slice(b"{\"format\": \"x\"}").unwrap_err().to_string().contains("\"x\""));
+    let old = text
+        .replace("\"hysteron-model\"", "\"hysteron-modes\"")
+        .replace("\"version\": 2,\n  \"kind\": \"modes\"", "\"version\": 1");
+    assert!(old != text && !old.contains("\"kind\": \"modes\""), "{old}");
+    assert_eq!(parsed(old.as_bytes()).unwrap(), file());
+    assert_eq!(parsed(old.as_bytes()).unwrap().to_json().unwrap(), text);
 }
 
 #[test]
-fn the_published_schema_is_up_to_date() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/schema/hysteron-modes-1.schema.json");
-    let published = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(
-        published == modes_schema(),
-        "write it anew: hysteron schema --modes > docs/schema/hysteron-modes-1.schema.json"
-    );
+fn keys_of_another_kind_are_refused() {
+    let text = file().to_json().unwrap();
+    let other = text.replacen("\"kind\": \"modes\"", "\"kind\": \"hammerstein\"", 1);
+    assert!(read(other.as_bytes()).is_err());
 }

@@ -1,0 +1,101 @@
+//! Which kind of model does what.
+
+use std::fmt;
+
+use crate::model_file::Kind;
+
+/// What can be asked of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Capability {
+    /// The output for a drive.
+    Simulation,
+    /// Scores on a record.
+    Scores,
+    /// A band around the output, from the errors of the numbers.
+    Bands,
+    /// Running sample by sample at a controller's rate.
+    Realisation,
+    /// The drive that follows a reference.
+    Inversion,
+    /// A control loop around the inverse.
+    Tracking,
+    /// Source code and FMUs.
+    Export,
+    /// A new gain and delay from a short record.
+    Recalibration,
+    /// Following a device while it runs.
+    Adaptation,
+    /// A gain and phase for every frequency.
+    FrequencyResponse,
+    /// The first start of an identification.
+    StartOfAFit,
+}
+
+impl Capability {
+    /// Every one.
+    pub const ALL: [Self; 11] = [
+        Self::Simulation,
+        Self::Scores,
+        Self::Bands,
+        Self::Realisation,
+        Self::Inversion,
+        Self::Tracking,
+        Self::Export,
+        Self::Recalibration,
+        Self::Adaptation,
+        Self::FrequencyResponse,
+        Self::StartOfAFit,
+    ];
+
+    /// What is asked, as the subject of a sentence.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Simulation => "simulation",
+            Self::Scores => "scoring",
+            Self::Bands => "a band around the output",
+            Self::Realisation => "realisation",
+            Self::Inversion => "inversion",
+            Self::Tracking => "closed-loop control",
+            Self::Export => "export",
+            Self::Recalibration => "recalibration",
+            Self::Adaptation => "adaptation",
+            Self::FrequencyResponse => "a frequency response",
+            Self::StartOfAFit => "a fit that starts from the model",
+        }
+    }
+
+    /// Whether models of this kind support it.
+    pub fn of(self, kind: Kind) -> bool {
+        match (kind, self) {
+            (Kind::Hammerstein, _) | (_, Self::Simulation | Self::Scores) => true,
+            (Kind::Oscillator, Self::StartOfAFit) => true,
+            (Kind::Oscillator | Kind::Modes | Kind::Branches, _) => false,
+        }
+    }
+}
+
+impl fmt::Display for Capability {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A kind of model does not do this yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{wanted} is not supported for a model of the kind \"{kind}\" yet")]
+pub struct Unsupported {
+    /// The kind of the model.
+    pub kind: Kind,
+    /// What was asked of it.
+    pub wanted: Capability,
+}
+
+impl Unsupported {
+    /// `Ok` where the kind supports it.
+    ///
+    /// # Errors
+    /// [`Unsupported`] where it does not.
+    pub fn check(kind: Kind, wanted: Capability) -> Result<(), Self> {
+        if wanted.of(kind) { Ok(()) } else { Err(Self { kind, wanted }) }
+    }
+}

@@ -1,0 +1,112 @@
+//! Why a model could not be run on a record.
+
+use crate::axes::{AxesError, AxesScoreError};
+use crate::hammerstein::SimulationError;
+use crate::model::Unsupported;
+use crate::model_file::Kind;
+use crate::oscillator::OscillatorError;
+use crate::record::Unit;
+use crate::validate::ScoreError;
+use hysteron_numeric::display::short;
+
+/// One of a model's signals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SignalRole {
+    /// The drive.
+    Input,
+    /// What was measured.
+    Output,
+    /// What the output is to be.
+    Reference,
+}
+
+impl SignalRole {
+    /// `input`, `output` or `reference`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// Why a model could not be simulated on a record, or not scored.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// Model and record are in units that do not convert.
+    #[error("the model's {} is in {model}, the record's in {record}", signal.name())]
+    Unit {
+        /// Which signal.
+        signal: SignalRole,
+        /// Unit of the model.
+        model: Unit,
+        /// Unit of the record.
+        record: Unit,
+    },
+    /// The signals are those of another kind of model.
+    #[error("a model of the kind \"{kind}\" takes {expected}")]
+    Signals {
+        /// The kind of the model.
+        kind: Kind,
+        /// What it takes.
+        expected: &'static str,
+    },
+    /// A rest voltage or a memory is given to a model that knows none.
+    #[error(
+        "a model of the kind \"{kind}\" starts from rest at its first sample, or settled on a period: a rest voltage or a \
+         hysteresis memory does not apply"
+    )]
+    RestVoltage {
+        /// The kind of the model.
+        kind: Kind,
+    },
+    /// The motion of a mass needs the time between samples.
+    #[error("the record has no uniform sample rate: the motion of a mass cannot be followed")]
+    NoSampleRate,
+    /// A Hammerstein model.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// An oscillator.
+    #[error(transparent)]
+    Oscillator(#[from] OscillatorError),
+    /// A model of several axes.
+    #[error(transparent)]
+    Axes(#[from] AxesError),
+    /// The kind does not support it.
+    #[error(transparent)]
+    Unsupported(#[from] Unsupported),
+    /// The record cannot be scored.
+    #[error(transparent)]
+    Score(#[from] ScoreError),
+    /// A record of several axes cannot be scored.
+    #[error(transparent)]
+    AxesScore(#[from] AxesScoreError),
+    /// Too few samples say anything about a model.
+    #[error("only {samples} of its {total} samples can be scored; need at least {need}")]
+    TooFewSamples {
+        /// Samples that can be scored.
+        samples: usize,
+        /// Samples of the record.
+        total: usize,
+        /// Samples needed.
+        need: usize,
+    },
+    /// The output stands still.
+    #[error("the output `{name}` is constant ({}): no motion to compare with", short(*value))]
+    ConstantOutput {
+        /// Name of the channel.
+        name: String,
+        /// Its value.
+        value: f64,
+    },
+    /// The input stands still.
+    #[error("the input `{name}` is constant ({}): the model has nothing to follow", short(*value))]
+    ConstantInput {
+        /// Name of the channel.
+        name: String,
+        /// Its value.
+        value: f64,
+    },
+}

@@ -1,0 +1,213 @@
+//! A model of any kind: its data and what it does.
+//!
+//! A [`Model`] is made from the bytes of a model file ([`Model::from_json`]) or from an identification. [`Model::simulate`] and
+//! [`Model::score`] take every kind; what a kind does not do is one error, [`Unsupported`].
+
+mod capability;
+mod error;
+mod remark;
+mod run;
+mod signals;
+
+pub use capability::{Capability, Unsupported};
+pub use error::{RunError, SignalRole};
+pub use remark::Remark;
+pub use run::{AxesScore, Score, Simulation};
+pub use signals::Signals;
+
+use crate::axes::{CoupledHammerstein, ScheduledModes};
+use crate::hammerstein;
+use crate::model_file::{
+    CoupledFile, Document, Kind, ModelFile, ModelFileError, ModesFile, OscillatorFile, Provenance,
+    SignalUnits, ValidRange, read,
+};
+use crate::oscillator::Oscillator;
+
+/// An identified model.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Model {
+    /// Hysteresis followed by linear dynamics.
+    Hammerstein(Box<Body<ModelFile, hammerstein::Model>>),
+    /// A mass on a hysteretic spring.
+    Oscillator(Box<Body<OscillatorFile, Oscillator>>),
+    /// Structural modes with hysteresis in feedback, of several inputs and outputs.
+    Modes(Box<Body<ModesFile, ScheduledModes>>),
+    /// Sums of Hammerstein branches, of several inputs and outputs.
+    Branches(Box<Body<CoupledFile, CoupledHammerstein>>),
+}
+
+/// Data of a model and the law that they define.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body<D, L> {
+    data: D,
+    law: L,
+}
+
+impl<D, L> Body<D, L> {
+    /// The numbers with their units and standard errors, and how they were made.
+    pub fn data(&self) -> &D {
+        &self.data
+    }
+
+    /// The law, ready to compute with.
+    pub fn law(&self) -> &L {
+        &self.law
+    }
+}
+
+/// Reads one field that every kind's data have.
+macro_rules! header {
+    ($model:expr, $body:ident => $field:expr) => {
+        match $model {
+            Model::Hammerstein($body) => $field,
+            Model::Oscillator($body) => $field,
+            Model::Modes($body) => $field,
+            Model::Branches($body) => $field,
+        }
+    };
+}
+
+impl Model {
+    /// The model in the bytes of a model file, of version 2 or 1.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] that names the place.
+    pub fn from_json(bytes: &[u8]) -> Result<Self, ModelFileError> {
+        read(bytes)?.try_into()
+    }
+
+    /// Text of the model file (version 2): indented JSON with a final newline.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] where the data are not sound.
+    pub fn to_json(&self) -> Result<String, ModelFileError> {
+        header!(self, body => body.data.to_json())
+    }
+
+    /// The kind of model.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Hammerstein(_) => Kind::Hammerstein,
+            Self::Oscillator(_) => Kind::Oscillator,
+            Self::Modes(_) => Kind::Modes,
+            Self::Branches(_) => Kind::Branches,
+        }
+    }
+
+    /// A name for people, of the device or the experiment.
+    pub fn name(&self) -> Option<&str> {
+        header!(self, body => body.data.name.as_deref())
+    }
+
+    /// Units of inputs and outputs.
+    pub fn units(&self) -> &SignalUnits {
+        header!(self, body => &body.data.units)
+    }
+
+    /// Columns of the inputs and of the outputs, where the model names them: one of several axes does.
+    pub fn channels(&self) -> Option<(&[String], &[String])> {
+        match self {
+            Self::Hammerstein(_) | Self::Oscillator(_) => None,
+            Self::Modes(body) => Some((&body.data.inputs, &body.data.outputs)),
+            Self::Branches(body) => Some((&body.data.inputs, &body.data.outputs)),
+        }
+    }
+
+    /// Sample rate that the model was identified at \[Hz\]; `None` for a static model of records without one.
+    pub fn sample_rate_hz(&self) -> Option<f64> {
+        match self {
+            Self::Hammerstein(body) => body.data.sample_rate_hz,
+            Self::Oscillator(body) => Some(body.data.sample_rate_hz),
+            Self::Modes(body) => Some(body.data.sample_rate_hz),
+            Self::Branches(body) => Some(body.data.sample_rate_hz),
+        }
+    }
+
+    /// What the records of the identification covered; outside of it the model extrapolates.
+    pub fn valid_range(&self) -> Option<&ValidRange> {
+        header!(self, body => body.data.valid_range.as_ref())
+    }
+
+    /// How the model was made.
+    pub fn provenance(&self) -> Option<&Provenance> {
+        header!(self, body => body.data.provenance.as_ref())
+    }
+
+    /// The Hammerstein model, for what the other kinds do not support yet.
+    ///
+    /// # Errors
+    /// [`Unsupported`], which names the kind and `wanted`.
+    pub fn hammerstein(
+        &self,
+        wanted: Capability,
+    ) -> Result<&Body<ModelFile, hammerstein::Model>, Unsupported> {
+        match self {
+            Self::Hammerstein(body) => Ok(body),
+            Self::Oscillator(_) | Self::Modes(_) | Self::Branches(_) => {
+                Err(Unsupported { kind: self.kind(), wanted })
+            }
+        }
+    }
+
+    /// The oscillator, for what the other kinds do not support.
+    ///
+    /// # Errors
+    /// [`Unsupported`], which names the kind and `wanted`.
+    pub fn oscillator(&self, wanted: Capability) -> Result<&Body<OscillatorFile, Oscillator>, Unsupported> {
+        match self {
+            Self::Oscillator(body) => Ok(body),
+            Self::Hammerstein(_) | Self::Modes(_) | Self::Branches(_) => {
+                Err(Unsupported { kind: self.kind(), wanted })
+            }
+        }
+    }
+}
+
+impl TryFrom<Document> for Model {
+    type Error = ModelFileError;
+
+    fn try_from(document: Document) -> Result<Self, ModelFileError> {
+        Ok(match document {
+            Document::Hammerstein(data) => {
+                Self::Hammerstein(Box::new(Body { law: data.to_model()?, data: *data }))
+            }
+            Document::Oscillator(data) => {
+                Self::Oscillator(Box::new(Body { law: data.to_oscillator()?, data: *data }))
+            }
+            Document::Modes(data) => Self::Modes(Box::new(Body { law: data.to_model()?, data: *data })),
+            Document::Branches(data) => Self::Branches(Box::new(Body { law: data.to_model()?, data: *data })),
+        })
+    }
+}
+
+impl TryFrom<ModelFile> for Model {
+    type Error = ModelFileError;
+
+    fn try_from(data: ModelFile) -> Result<Self, ModelFileError> {
+        Document::Hammerstein(Box::new(data)).try_into()
+    }
+}
+
+impl TryFrom<OscillatorFile> for Model {
+    type Error = ModelFileError;
+
+    fn try_from(data: OscillatorFile) -> Result<Self, ModelFileError> {
+        Document::Oscillator(Box::new(data)).try_into()
+    }
+}
+
+impl TryFrom<ModesFile> for Model {
+    type Error = ModelFileError;
+
+    fn try_from(data: ModesFile) -> Result<Self, ModelFileError> {
+        Document::Modes(Box::new(data)).try_into()
+    }
+}
+
+impl TryFrom<CoupledFile> for Model {
+    type Error = ModelFileError;
+
+    fn try_from(data: CoupledFile) -> Result<Self, ModelFileError> {
+        Document::Branches(Box::new(data)).try_into()
+    }
+}

@@ -1,0 +1,465 @@
+//! Simulation and scores of any kind of model.
+
+use super::{Body, Model, Remark, RunError, SignalRole, Signals};
+use crate::axes::{AxesRecord, AxesScores, ModesStart, SteadyPeriod};
+use crate::dynamics::Dynamics;
+use crate::hammerstein;
+use crate::model_file::{ModelFile, OscillatorFile, StartKind};
+use crate::oscillator::Oscillator;
+use crate::record::{InputOutput, InterSample, TimeBase, Unit, find_periods, range_of};
+use crate::start::Start;
+use crate::validate::{Scores, Scoring, StartError, choose_start, score, unfollowed_start};
+
+/// Excess over the valid range, as a share of it, that is not worth a remark.
+const RANGE_SLACK: f64 = 0.01;
+/// A level beyond those identified by this share deserves a remark.
+const LEVEL_SLACK: f64 = 0.02;
+/// Fewest samples that say anything about a model: with two, and the offset estimated from them, any line fits.
+const FEWEST_SAMPLES: usize = 3;
+/// Variation of a simulation, over its size, that is rounding.
+const ROUNDING: f64 = 1e-9;
+/// Rest without force, of an oscillator.
+const REST: Start = Start::Rest { voltage_v: 0.0 };
+
+/// Output of a model for a drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulation {
+    /// One list an output, in the model's output unit.
+    pub outputs: Vec<Vec<f64>>,
+    /// Start that was simulated from.
+    pub start: Start,
+    /// Unit of the input, the record's or, where it has none, the model's.
+    pub input_unit: Unit,
+    /// Mean period of a record of several axes that repeats.
+    pub period: Option<SteadyPeriod>,
+    /// What a user should know about it.
+    pub remarks: Vec<Remark>,
+}
+
+/// How well a model describes a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Score {
+    /// Name of the record: the path of its file, where it has one.
+    pub record: String,
+    /// Unit of the outputs.
+    pub unit: Unit,
+    /// √(mean e²) over all samples of all outputs, in `unit`.
+    pub rmse: f64,
+    /// Largest |e|, in `unit`.
+    pub max_abs_error: f64,
+    /// 100 · (1 − ‖e‖₂ / ‖y − ȳ‖₂) \[%\]; `None` for a constant record.
+    pub fit_percent: Option<f64>,
+    /// Scores of each output.
+    pub outputs: Vec<Scores>,
+    /// What a record of several axes has beside them.
+    pub axes: Option<AxesScore>,
+    /// The simulation that was scored.
+    pub simulation: Simulation,
+}
+
+/// Scores that only a record of several axes has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AxesScore {
+    /// Names of the outputs.
+    pub outputs: Vec<String>,
+    /// rms of the inputs about their means, where the drive repeats.
+    pub level: Option<f64>,
+    /// RMSE of the mean period, means off, where the drive repeats.
+    pub mean_period_rmse: Option<f64>,
+}
+
+impl Model {
+    /// The model's output for a drive, in free run: no measured output is used. [`Start::AsIdentified`] takes the start that the
+    /// model file assumes; a drive of several axes that repeats is in its steady state.
+    ///
+    /// # Errors
+    /// [`RunError`]: other units or channels, no or another sample rate where one is needed, a motion that cannot be simulated.
+    pub fn simulate(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
+        self.check_start(start)?;
+        match (self, signals) {
+            (Self::Hammerstein(body), Signals::Single(record)) => {
+                let mut run = self.prepared(record)?;
+                let start = match start {
+                    Start::AsIdentified => self.expected_start(record, &mut run.remarks),
+                    given => given,
+                };
+                run.remark_range(self, &record.u);
+                let y = body.law.simulate(&record.u, record.sample_rate_hz(), &start)?;
+                Ok(run.finished(start, y))
+            }
+            (Self::Oscillator(body), Signals::Single(record)) => {
+                let mut run = self.prepared(record)?;
+                let start = match start {
+                    Start::AsIdentified => self.expected_start(record, &mut run.remarks),
+                    given => given,
+                };
+                run.remark_range(self, &record.u);
+                let y = oscillate(body, record, start)?;
+                Ok(run.finished(start, y))
+            }
+            (Self::Modes(_) | Self::Branches(_), Signals::Several(record)) => {
+                self.simulate_axes(record, start)
+            }
+            _ => Err(self.takes_others()),
+        }
+    }
+
+    /// Scores of the model on a record, simulated from its start. [`Start::AsIdentified`]: from the start that explains the record
+    /// best, the one that the model file assumes unless another is better by more than 1 %; a hysteresis memory is estimated.
+    ///
+    /// # Errors
+    /// As [`Self::simulate`]; a record that says nothing about a model.
+    pub fn score(&self, signals: &Signals, start: Start, scoring: &Scoring) -> Result<Score, RunError> {
+        let (simulation, record, scores) = match (self, signals) {
+            (Self::Hammerstein(body), Signals::Single(record)) => {
+                let simulation = match start {
+                    Start::AsIdentified => self.explain_hammerstein(body, record, scoring)?,
+                    given => self.simulate(signals, given)?,
+                };
+                self.scored_single(record, simulation, scoring, body.law.dynamics == Dynamics::None)?
+            }
+            (Self::Oscillator(body), Signals::Single(record)) => {
+                let simulation = match start {
+                    Start::AsIdentified => self.explain_oscillator(body, record, scoring)?,
+                    given => self.simulate(signals, given)?,
+                };
+                self.scored_single(record, simulation, scoring, false)?
+            }
+            (Self::Modes(_) | Self::Branches(_), Signals::Several(record)) => {
+                return self.score_axes(record, start, scoring);
+            }
+            _ => return Err(self.takes_others()),
+        };
+        Ok(Score {
+            record: record.source.as_ref().map_or_else(|| record.name.clone(), |s| s.path.clone()),
+            unit: agreed_unit(SignalRole::Output, &self.units().output, &record.y_unit, &mut Vec::new())?,
+            rmse: scores.rmse,
+            max_abs_error: scores.max_abs_error,
+            fit_percent: scores.fit_percent,
+            outputs: vec![scores],
+            axes: None,
+            simulation,
+        })
+    }
+
+    /// The start that the model file assumes for a record; what is remarkable about it goes to `remarks`.
+    pub fn expected_start(&self, record: &InputOutput, remarks: &mut Vec<Remark>) -> Start {
+        match self {
+            Self::Hammerstein(body) => hammerstein_start(&body.data, record, remarks),
+            Self::Oscillator(body) => own_start(body.data.start, record).unwrap_or_else(|| {
+                remarks.push(Remark::DoesNotRepeat);
+                REST
+            }),
+            Self::Modes(_) | Self::Branches(_) => Start::AsIdentified,
+        }
+    }
+
+    /// The unit of a signal that model and record agree on: the record's, or the model's where the record gives none (which goes
+    /// to `remarks`).
+    ///
+    /// # Errors
+    /// [`RunError::Unit`].
+    pub fn agreed_unit(
+        &self,
+        signal: SignalRole,
+        found: &Unit,
+        remarks: &mut Vec<Remark>,
+    ) -> Result<Unit, RunError> {
+        let units = self.units();
+        let own = match signal {
+            SignalRole::Input => &units.input,
+            SignalRole::Output | SignalRole::Reference => &units.output,
+        };
+        agreed_unit(signal, own, found, remarks)
+    }
+
+    /// An input other than the first sample's before a record is known to a Hammerstein model alone.
+    fn check_start(&self, start: Start) -> Result<(), RunError> {
+        match (self, start) {
+            (Self::Hammerstein(_), _) | (_, Start::AsIdentified | Start::Settled { .. }) => Ok(()),
+            (Self::Oscillator(_), Start::Rest { voltage_v: 0.0 }) => Ok(()),
+            (_, Start::Rest { .. } | Start::Remembering { .. }) => {
+                Err(RunError::RestVoltage { kind: self.kind() })
+            }
+        }
+    }
+
+    fn takes_others(&self) -> RunError {
+        let expected = match self {
+            Self::Hammerstein(_) | Self::Oscillator(_) => "one input and one output",
+            Self::Modes(_) | Self::Branches(_) => "several named inputs and outputs",
+        };
+        RunError::Signals { kind: self.kind(), expected }
+    }
+
+    /// Checks the units of one input and one output.
+    fn prepared(&self, record: &InputOutput) -> Result<Prepared, RunError> {
+        let mut remarks = Vec::new();
+        let units = self.units();
+        let input_unit = agreed_unit(SignalRole::Input, &units.input, &record.u_unit, &mut remarks)?;
+        if !record.y.is_empty() {
+            agreed_unit(SignalRole::Output, &units.output, &record.y_unit, &mut remarks)?;
+        }
+        Ok(Prepared { input_unit, remarks })
+    }
+
+    fn explain_hammerstein(
+        &self,
+        body: &Body<ModelFile, hammerstein::Model>,
+        record: &InputOutput,
+        scoring: &Scoring,
+    ) -> Result<Simulation, RunError> {
+        let mut run = self.prepared(record)?;
+        let expected = hammerstein_start(&body.data, record, &mut run.remarks);
+        run.remark_range(self, &record.u);
+        let (chosen, y) = choose_start(&body.law, record, expected, scoring).map_err(|e| match e {
+            StartError::Simulation(e) => RunError::from(e),
+            StartError::Score(e) => e.into(),
+        })?;
+        if chosen != expected {
+            run.remarks.push(Remark::StartChosen { chosen, expected });
+        }
+        Ok(run.finished(chosen, y))
+    }
+
+    /// From rest, or settled on its period or on the whole record.
+    fn explain_oscillator(
+        &self,
+        body: &Body<OscillatorFile, Oscillator>,
+        record: &InputOutput,
+        scoring: &Scoring,
+    ) -> Result<Simulation, RunError> {
+        let mut run = self.prepared(record)?;
+        run.remark_range(self, &record.u);
+        let expected = own_start(body.data.start, record).unwrap_or(REST);
+        let whole = Start::Settled { period_samples: record.len() };
+        let others = [REST, whole].into_iter().filter(|start| *start != expected);
+        let mut best: Option<(f64, Start, Vec<f64>)> = None;
+        let mut failure = None;
+        for start in std::iter::once(expected).chain(others) {
+            let y = match oscillate(body, record, start) {
+                Ok(y) => y,
+                // A start that cannot be simulated is not the one.
+                Err(e) => {
+                    failure.get_or_insert(e);
+                    continue;
+                }
+            };
+            let rmse = score(record, &y, scoring)?.rmse;
+            if best.as_ref().is_none_or(|(least, ..)| rmse < *least) {
+                best = Some((rmse, start, y));
+            }
+        }
+        let (_, chosen, y) = best.ok_or_else(|| failure.unwrap_or(RunError::NoSampleRate))?;
+        if chosen != expected {
+            run.remarks.push(Remark::StartChosen { chosen, expected });
+        }
+        Ok(run.finished(chosen, y))
+    }
+
+    fn scored_single<'r>(
+        &self,
+        record: &'r InputOutput,
+        mut simulation: Simulation,
+        scoring: &Scoring,
+        is_static: bool,
+    ) -> Result<(Simulation, &'r InputOutput, Scores), RunError> {
+        let unfollowed = if is_static && scoring.skip_s.is_none() {
+            unfollowed_start(record, &simulation.start)
+        } else {
+            0
+        };
+        let masked = record.without_first(unfollowed);
+        if unfollowed > 0 {
+            simulation.remarks.push(Remark::LeftOut { samples: unfollowed });
+        }
+        let y = simulation.outputs.first().map_or(&[][..], Vec::as_slice);
+        check_meaningful(&masked, y)?;
+        let scores = score(&masked, y, scoring)?;
+        Ok((simulation, record, scores))
+    }
+
+    fn simulate_axes(&self, record: &AxesRecord, start: Start) -> Result<Simulation, RunError> {
+        let units = self.units();
+        let mut remarks = Vec::new();
+        let pairs = [
+            (SignalRole::Input, &units.input, &record.u_unit),
+            (SignalRole::Output, &units.output, &record.y_unit),
+        ];
+        let measured = usize::from(!record.y.is_empty());
+        for (signal, own, found) in pairs.into_iter().take(1 + measured) {
+            agreed_unit(signal, own, found, &mut Vec::new())?;
+        }
+        let (period, settled_given) = match start {
+            Start::Settled { period_samples } => {
+                let whole = record.len() / period_samples.max(1);
+                (Some(SteadyPeriod::mean(record, period_samples, 0, whole.max(1))?), true)
+            }
+            _ => (SteadyPeriod::find(record, false).ok(), false),
+        };
+        let rate = record.sample_rate_hz;
+        let mut settled = period.as_ref().map(SteadyPeriod::samples);
+        let outputs = match self {
+            Self::Modes(body) => {
+                let start = match (&period, settled) {
+                    (Some(period), Some(period_samples)) => {
+                        let law = &body.law.level;
+                        let level = period.level;
+                        if level < (1.0 - LEVEL_SLACK) * law.lowest
+                            || level > (1.0 + LEVEL_SLACK) * law.highest
+                        {
+                            remarks.push(Remark::LevelExtrapolates {
+                                level,
+                                identified: (law.lowest, law.highest),
+                                unit: Unit::new(&units.input),
+                            });
+                        }
+                        ModesStart::Settled { period_samples }
+                    }
+                    _ => {
+                        remarks.push(Remark::DoesNotRepeat);
+                        ModesStart::Rest { level: None }
+                    }
+                };
+                body.law.simulate(&record.u, rate, InterSample::BandLimited, start)?
+            }
+            Self::Branches(body) => {
+                // A drive whose outputs still settle began at rest.
+                settled =
+                    settled.filter(|_| settled_given || period.as_ref().is_some_and(|p| p.settling == 0));
+                body.law.simulate(&record.u, rate, settled)?
+            }
+            Self::Hammerstein(_) | Self::Oscillator(_) => return Err(self.takes_others()),
+        };
+        let start = settled.map_or(Start::AsIdentified, |period_samples| Start::Settled { period_samples });
+        Ok(Simulation { outputs, start, input_unit: record.u_unit.clone(), period, remarks })
+    }
+
+    fn score_axes(&self, record: &AxesRecord, start: Start, scoring: &Scoring) -> Result<Score, RunError> {
+        let simulation = self.simulate_axes(record, start)?;
+        let scores = AxesScores::new(record, &simulation.outputs, scoring, simulation.period.as_ref())?;
+        Ok(Score {
+            record: record.label(),
+            unit: record.y_unit.clone(),
+            rmse: scores.rmse,
+            max_abs_error: scores.max_abs_error,
+            fit_percent: scores.fit_percent,
+            outputs: scores.outputs,
+            axes: Some(AxesScore {
+                outputs: record.outputs.clone(),
+                level: simulation.period.as_ref().map(|period| period.level),
+                mean_period_rmse: scores.mean_period_rmse,
+            }),
+            simulation,
+        })
+    }
+}
+
+/// A run whose units agree.
+struct Prepared {
+    input_unit: Unit,
+    remarks: Vec<Remark>,
+}
+
+impl Prepared {
+    fn remark_range(&mut self, model: &Model, u: &[f64]) {
+        let Some(range) = model.valid_range() else { return };
+        let input = range_of(u);
+        let identified = (range.input.low, range.input.high);
+        let slack = RANGE_SLACK * (identified.1 - identified.0);
+        if input.0 < identified.0 - slack || input.1 > identified.1 + slack {
+            self.remarks.push(Remark::Extrapolates { input, identified, unit: Unit::new(&range.input.unit) });
+        }
+    }
+
+    fn finished(self, start: Start, y: Vec<f64>) -> Simulation {
+        let Self { input_unit, remarks } = self;
+        Simulation { outputs: vec![y], start, input_unit, period: None, remarks }
+    }
+}
+
+/// The unit that a model (`own`, a header symbol) and a record agree on: the record's, or the model's where the record gives none.
+fn agreed_unit(
+    signal: SignalRole,
+    own: &str,
+    found: &Unit,
+    remarks: &mut Vec<Remark>,
+) -> Result<Unit, RunError> {
+    let own = Unit::new(own);
+    if found.symbol().is_empty() {
+        if !own.symbol().is_empty() {
+            remarks.push(Remark::UnitAssumed { signal, unit: own.clone() });
+        }
+        return Ok(own);
+    }
+    if own.symbol().is_empty() || own == *found {
+        return Ok(found.clone());
+    }
+    Err(RunError::Unit { signal, model: own, record: found.clone() })
+}
+
+/// The period of a drive that repeats; only the drive counts, and stands in for the output.
+fn period_of_drive(u: &[f64], time: &TimeBase) -> Option<crate::record::Periods> {
+    let data = InputOutput::new("drive", time.clone(), u.to_vec(), u.to_vec()).ok()?;
+    find_periods(&data).ok()
+}
+
+/// The start that a Hammerstein model's file assumes.
+fn hammerstein_start(file: &ModelFile, record: &InputOutput, remarks: &mut Vec<Remark>) -> Start {
+    let first = Start::Rest { voltage_v: record.u.first().copied().unwrap_or(0.0) };
+    match (&file.start.voltage, file.start.kind) {
+        (Some(voltage), _) => Start::Rest { voltage_v: voltage.value },
+        (None, StartKind::Rest) => first,
+        (None, StartKind::Settled) => match period_of_drive(&record.u, &record.time) {
+            Some(p) => Start::Settled { period_samples: p.period_samples.round() as usize },
+            None => {
+                remarks.push(Remark::DoesNotRepeat);
+                first
+            }
+        },
+    }
+}
+
+/// The start that an oscillator's file assumes: for a settled one the drive's own period; `None` where it has none.
+fn own_start(kind: StartKind, record: &InputOutput) -> Option<Start> {
+    if kind == StartKind::Rest {
+        return Some(REST);
+    }
+    let periods = period_of_drive(&record.u, &record.time).filter(|p| p.start == 0 && p.count >= 2)?;
+    Some(Start::Settled { period_samples: periods.period_samples.round() as usize })
+}
+
+/// Displacement of an oscillator, its sensor's offset added.
+fn oscillate(
+    body: &Body<OscillatorFile, Oscillator>,
+    record: &InputOutput,
+    start: Start,
+) -> Result<Vec<f64>, RunError> {
+    let rate = record.sample_rate_hz().ok_or(RunError::NoSampleRate)?;
+    let mut y = body.law.simulate_record(&record.u, rate, body.data.inter_sample.into(), start)?;
+    y.iter_mut().for_each(|y| *y += body.data.offset.value);
+    Ok(y)
+}
+
+/// A score says nothing of one or two samples, nor where nothing moves: a sensor that stood still, or a drive that did (unless
+/// the model, started elsewhere, still moves towards it).
+fn check_meaningful(record: &InputOutput, simulated: &[f64]) -> Result<(), RunError> {
+    let valid = |k: usize| record.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let range = |x: &[f64]| {
+        let scored = x.iter().enumerate().filter(|(k, _)| valid(*k)).map(|(_, x)| *x);
+        scored.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let samples = (0..record.len()).filter(|&k| valid(k)).count();
+    if samples < FEWEST_SAMPLES {
+        return Err(RunError::TooFewSamples { samples, total: record.len(), need: FEWEST_SAMPLES });
+    }
+    let ((u_low, u_high), (y_low, y_high)) = (range(&record.u), range(&record.y));
+    if y_low == y_high {
+        return Err(RunError::ConstantOutput { name: record.output.clone(), value: y_low });
+    }
+    let (low, high) = range(simulated);
+    if u_low == u_high && high - low <= ROUNDING * low.abs().max(high.abs()) {
+        return Err(RunError::ConstantInput { name: record.input.clone(), value: u_low });
+    }
+    Ok(())
+}
