@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use hysteron::record::{
     ChannelChoice, DelayFinding, ExcitationKind, Inspection, LoopSense, NoiseMethod, WaveShape, inspect,
 };
-use hysteron_io::{ReadOptions, read_csv};
+use hysteron_io::{ReadOptions, read_record};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 fn inspected(path: &Path) -> Inspection {
-    let record = read_csv(path, &ReadOptions::default()).unwrap();
+    let record = read_record(path, &ReadOptions::default()).unwrap();
     inspect(&record.input_output(&ChannelChoice::default()).unwrap())
 }
 

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use hysteron::record::{InputOutput, TimeBase};
-use hysteron_io::{ReadOptions, read_csv, read_input_output};
+use hysteron_io::{ReadOptions, read_input_output, read_record};
 
 fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -106,7 +106,7 @@ fn every_public_file_reads_or_is_refused_for_the_right_reason() {
                     assert_eq!((d.input.as_str(), d.output.as_str()), (*input, *output), "{name}");
                 }
                 NoPair(text) => {
-                    assert!(read_csv(&file, &ReadOptions::default()).is_ok(), "{name}");
+                    assert!(read_record(&file, &ReadOptions::default()).is_ok(), "{name}");
                     let message = outcome.unwrap_err().to_string();
                     assert!(message.contains(text), "{name}: {message}");
                 }

@@ -2,14 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use hysteron::record::{Record, TimeBase};
-use hysteron_io::{ReadOptions, read_csv_bytes, read_input_output_bytes};
+use hysteron_io::{ReadOptions, read_input_output_bytes, read_record_bytes};
 
 fn read(text: &str) -> Record {
     read_with(text, &ReadOptions::default())
 }
 
 fn read_with(text: &str, options: &ReadOptions) -> Record {
-    read_csv_bytes("bench.csv", text.as_bytes(), options).unwrap()
+    read_record_bytes("bench.csv", text.as_bytes(), options).unwrap()
 }
 
 fn rate(record: &Record) -> f64 {
