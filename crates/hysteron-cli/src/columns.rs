@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron_io::{ReadOptions, read_csv, read_drive, read_input_output, read_reference};
+use hysteron_io::{ReadOptions, read_drive, read_input_output, read_record, read_reference};
 use hysteron_model::record::{ChannelChoice, InputOutput, Record, Signal, inspect};
 use rayon::prelude::*;
 
@@ -83,7 +83,7 @@ impl InputFlags {
         let drive = if self.scales.is_empty() {
             read_drive(path, &options).map_err(|e| unreadable(&e))?
         } else {
-            let record = read_csv(path, &options).map_err(|e| unreadable(&e))?;
+            let record = read_record(path, &options).map_err(|e| unreadable(&e))?;
             let record = self.scaled(record).map_err(|e| unreadable(&e))?;
             record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?
         };
@@ -98,7 +98,7 @@ impl InputFlags {
     /// # Errors
     /// If the file is not a readable record.
     pub fn read_record(&self, path: &Path) -> Result<Record, Failure> {
-        let record = read_csv(path, &self.time.options()).map_err(|e| cannot_read(path, &e))?;
+        let record = read_record(path, &self.time.options()).map_err(|e| cannot_read(path, &e))?;
         self.scaled(record).map_err(|e| cannot_read(path, &e))
     }
 
@@ -229,7 +229,7 @@ impl ColumnFlags {
     }
 
     fn read_scaled(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, String> {
-        let record = read_csv(path, &self.options()).map_err(|e| e.to_string())?;
+        let record = read_record(path, &self.options()).map_err(|e| e.to_string())?;
         let record = self.drive.scaled(record)?;
         let choice = ChannelChoice { input: self.drive.input.clone(), output: self.output.clone() };
         told.extend(record.select(&choice).map_err(|e| e.to_string())?.notes);

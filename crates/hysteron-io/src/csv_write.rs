@@ -8,7 +8,7 @@ use hysteron_model::record::{Record, RecordError, TimeBase};
 
 use crate::IoError;
 
-/// Writes a record as comma-separated text that [`read_csv`](crate::read_csv) reads back to the same numbers: column `t_s`
+/// Writes a record as comma-separated text that [`read_record`](crate::read_record) reads back to the same numbers: column `t_s`
 /// where there is a time base, one column a channel (`u_V`), `valid` where there is a mask. The file is complete or not there.
 ///
 /// # Errors

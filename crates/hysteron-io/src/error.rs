@@ -1,8 +1,10 @@
-//! What can be wrong with a file. Lines and columns count from 1, as editors do.
+//! What can be wrong with a file.
 
 use crate::atomic_file::AtomicWriteError;
 use hysteron_model::record::RecordError;
 use hysteron_model::record::ResponseDataError;
+
+use crate::place::Place;
 
 /// Why a file could not be read as a record, or a record not written.
 #[derive(Debug, thiserror::Error)]
@@ -17,12 +19,10 @@ pub enum IoError {
         source: std::io::Error,
     },
     /// The file cannot be read to its end.
-    #[error("cannot read `{file}` beyond line {line}: {source}")]
+    #[error("{place}: cannot be read: {source}")]
     Read {
-        /// The file.
-        file: String,
-        /// Last line read.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// What the operating system says.
         source: std::io::Error,
     },
@@ -37,73 +37,149 @@ pub enum IoError {
         /// What it is instead.
         what: &'static str,
     },
+    /// Arrays without data.
+    #[error("{place}: its columns hold no samples; was the recording stopped before it began?")]
+    NoSamples {
+        /// The file.
+        place: Place,
+    },
     /// A header without data.
     #[error(
-        "`{file}` has a header (line {line}) but no samples below it; was the recording stopped before it began?"
+        "`{}` has a header{} but no samples below it; was the recording stopped before it began?",
+        place.file,
+        place.in_brackets("")
     )]
     HeaderOnly {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
     },
     /// Numbers in the first line.
     #[error(
-        "`{file}`, line {line}: found {columns} number(s) where the column names should be; add a header line above, e.g. `{suggestion}`, with the units that hold"
+        "{place}: found {columns} number(s) where the column names should be; add a header line above, e.g. `{suggestion}`, with the units that hold"
     )]
     NoHeader {
-        /// The file.
-        file: String,
-        /// First line that is not a comment.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// Fields in it.
         columns: usize,
         /// Header that could be added.
         suggestion: String,
     },
     /// One sample only.
-    #[error("`{file}` has one sample only (line {line}); a record needs at least 2, a fit some hundreds")]
+    #[error(
+        "`{}` has one sample only{}; a record needs at least 2, a fit some hundreds",
+        place.file,
+        place.in_brackets("")
+    )]
     OneSample {
+        /// Where it stands.
+        place: Place,
+    },
+    /// Columns of different lengths.
+    #[error(
+        "{place}: {found} samples where `{reference}` has {expected}; cut them to one length, or choose columns with {choose_with}"
+    )]
+    LengthMismatch {
+        /// Where it stands.
+        place: Place,
+        /// Its number of samples.
+        found: usize,
+        /// Number of samples of the column it is held against.
+        expected: usize,
+        /// Header of that column.
+        reference: String,
+        /// The flags that choose columns.
+        choose_with: &'static str,
+    },
+    /// A binary file that does not hold what its format says.
+    #[error("{place}: no sound {format} file: {problem}; write it again, or save the record as CSV")]
+    Malformed {
+        /// Where it stands.
+        place: Place,
+        /// The format.
+        format: &'static str,
+        /// What is wrong.
+        problem: String,
+    },
+    /// An array of something else than real numbers.
+    #[error(
+        "{place}: found values of type {found}, expected real numbers of 8 to 64 bits or bool; convert it (`.astype(float)`), or choose other columns with {choose_with}"
+    )]
+    ArrayType {
+        /// Where it stands.
+        place: Place,
+        /// The type, as the file names it.
+        found: String,
+        /// The flags that choose columns.
+        choose_with: &'static str,
+    },
+    /// An array that is no column.
+    #[error(
+        "{place}: shape {found}, expected a column: (n,), (n, 1) or (1, n); save each column under a name of its own, or choose other columns with {choose_with}"
+    )]
+    ArrayShape {
+        /// Where it stands.
+        place: Place,
+        /// The shape.
+        found: String,
+        /// The flags that choose columns.
+        choose_with: &'static str,
+    },
+    /// An array without names of columns.
+    #[error(
+        "{place}: an array of shape {found} without column names; save named ones with their units, e.g. `numpy.savez(\"record.npz\", t_s=t, u_V=u, y_um=y)`"
+    )]
+    NoNames {
         /// The file.
-        file: String,
-        /// Its line.
-        line: u64,
+        place: Place,
+        /// The shape.
+        found: String,
+    },
+    /// A sample rate in the file that cannot be one.
+    #[error("{place}: no sample rate follows from {value}, expected a finite number above 0; correct it")]
+    BadRate {
+        /// Where it stands.
+        place: Place,
+        /// The number found.
+        value: f64,
+    },
+    /// A sample rate in the file that its time column contradicts.
+    #[error("{place}: {source}")]
+    RateContradictsTime {
+        /// Where the rate stands.
+        place: Place,
+        /// Both rates.
+        source: Box<RecordError>,
     },
     /// More bytes than allowed.
     #[error(
-        "`{file}` is larger than {limit_bytes} bytes (stopped in line {line}); raise the limit (`max_bytes`) if this is meant, or crop the file"
+        "`{}` is larger than {limit_bytes} bytes{}; raise the limit (`max_bytes`) if this is meant, or crop the file",
+        place.file,
+        place.in_brackets("stopped in ")
     )]
     TooLarge {
-        /// The file.
-        file: String,
-        /// Line reached.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The limit.
         limit_bytes: u64,
     },
     /// More numbers than allowed.
     #[error(
-        "`{file}`, line {line}: more than {limit} numbers to keep; choose columns with {choose_with}, or crop the file"
+        "{place}: more than {limit} numbers to keep; choose columns with {choose_with}, or crop the file"
     )]
     TooManyValues {
-        /// The file.
-        file: String,
-        /// Line reached.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The limit.
         limit: usize,
         /// The flags that choose columns.
         choose_with: &'static str,
     },
     /// More columns than a record can mean.
-    #[error(
-        "`{file}`, line {line}: {found} columns, more than {limit}; is this a record with one line a sample?"
-    )]
+    #[error("{place}: {found} columns, more than {limit}; is this a record with one line a sample?")]
     TooManyColumns {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// Columns found.
         found: usize,
         /// The limit.
@@ -111,71 +187,47 @@ pub enum IoError {
     },
     /// A line without end.
     #[error(
-        "`{file}`, line {line}: longer than {limit} bytes; expected text with one line a sample, is this a binary file or one with other line ends?"
+        "{place}: longer than {limit} bytes; expected text with one line a sample, is this a binary file or one with other line ends?"
     )]
     LineTooLong {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The limit.
         limit: usize,
     },
     /// Carriage returns within a line.
-    #[error(
-        "`{file}`, line {line}: carriage return within the line; save the file with LF or CRLF line ends"
-    )]
+    #[error("{place}: carriage return within the line; save the file with LF or CRLF line ends")]
     BareCarriageReturn {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
+        /// Where it stands.
+        place: Place,
     },
     /// Bytes that are no UTF-8.
-    #[error(
-        "`{file}`, line {line}, column {column}: byte 0x{byte:02X} is not UTF-8 text; save the file as UTF-8 ({hint})"
-    )]
+    #[error("{place}: byte 0x{byte:02X} is not UTF-8 text; save the file as UTF-8 ({hint})")]
     NotUtf8 {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column (field).
-        column: usize,
+        /// Where it stands.
+        place: Place,
         /// First byte that does not fit.
         byte: u8,
         /// What the file may be instead.
         hint: &'static str,
     },
     /// A quote that is not closed in its line.
-    #[error(
-        "`{file}`, line {line}, column {column}: a quoted field is not closed on its line; remove or close the quote"
-    )]
+    #[error("{place}: a quoted field is not closed on its line; remove or close the quote")]
     UnclosedQuote {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: usize,
+        /// Where it stands.
+        place: Place,
     },
     /// A column without a name.
-    #[error("`{file}`, line {line}, column {column}: no column name; give every column one, e.g. `u_V`")]
+    #[error("{place}: no column name; give every column one, e.g. `u_V`")]
     UnnamedColumn {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
-        /// The column.
-        column: usize,
+        /// Where it stands.
+        place: Place,
     },
     /// Two columns of one name.
-    #[error("`{file}`, line {line}: columns {first} and {second} are both called `{name}`; rename one")]
+    #[error("{place}: columns {first} and {second} are both called `{name}`; rename one")]
     DuplicateColumn {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The name.
         name: String,
         /// First column of that name.
@@ -184,12 +236,10 @@ pub enum IoError {
         second: usize,
     },
     /// A chosen column that is not there.
-    #[error("`{file}`, line {line}: no column `{asked}` ({flag}); the columns are {available}")]
+    #[error("{place}: no column `{asked}` ({flag}); the columns are {available}")]
     NoSuchColumn {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// What was asked for.
         asked: String,
         /// The flag it was asked with.
@@ -199,13 +249,11 @@ pub enum IoError {
     },
     /// A choice that several columns match.
     #[error(
-        "`{file}`, line {line}: `{asked}` ({flag}) could be any of {candidates}; write the name with its unit, or the column's number"
+        "{place}: `{asked}` ({flag}) could be any of {candidates}; write the name with its unit, or the column's number"
     )]
     AmbiguousColumn {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// What was asked for, or looked for.
         asked: String,
         /// The flag that decides.
@@ -215,13 +263,11 @@ pub enum IoError {
     },
     /// A chosen time column that is not in a unit of time.
     #[error(
-        "`{file}`, line {line}: column `{name}` cannot be the time (--time), it is in {unit}; expected s, ms, us, ns or min"
+        "{place}: column `{name}` cannot be the time (--time), it is in {unit}; expected s, ms, us, ns or min"
     )]
     NotTime {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The column.
         name: String,
         /// Its unit.
@@ -229,47 +275,39 @@ pub enum IoError {
     },
     /// A frequency response, not samples in time.
     #[error(
-        "`{file}`, line {line}: column `{column}` makes this look like a frequency response, not a record in time; expected columns such as `t_s,u_V,y_um`"
+        "{place}: column `{column}` makes this look like a frequency response, not a record in time; expected columns such as `t_s,u_V,y_um`"
     )]
     FrequencyResponse {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The column that gives it away.
         column: String,
     },
     /// No frequency column where a frequency response is wanted.
     #[error(
-        "`{file}`, line {line}: no frequency among the columns {found}; expected columns such as `f_Hz,re,im` or `f_Hz,magnitude,phase_deg`"
+        "{place}: no frequency among the columns {found}; expected columns such as `f_Hz,re,im` or `f_Hz,magnitude,phase_deg`"
     )]
     NoFrequency {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The columns found.
         found: String,
     },
     /// Frequencies without a complex value.
     #[error(
-        "`{file}`, line {line}: no complex response among the columns {found}; expected real and imaginary part (`re,im`, `stage_re,stage_im`) or magnitude and phase (`magnitude,phase_deg`, `magnitude_dB,phase_rad`)"
+        "{place}: no complex response among the columns {found}; expected real and imaginary part (`re,im`, `stage_re,stage_im`) or magnitude and phase (`magnitude,phase_deg`, `magnitude_dB,phase_rad`)"
     )]
     NoResponse {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The columns found.
         found: String,
     },
     /// Several responses, or none of the name asked for.
-    #[error("`{file}`, line {line}: {problem}; the responses are {available}; choose one with {flag}")]
+    #[error("{place}: {problem}; the responses are {available}; choose one with {flag}")]
     ChooseResponse {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// What is the matter.
         problem: String,
         /// Names of the responses.
@@ -278,18 +316,10 @@ pub enum IoError {
         flag: &'static str,
     },
     /// A frequency that is not positive.
-    #[error(
-        "`{file}`, line {line}, column {column} (`{name}`): found `{found}`, expected a frequency above 0; delete the line"
-    )]
+    #[error("{place}: found `{found}`, expected a frequency above 0; delete the line")]
     BadFrequency {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: usize,
-        /// Its name.
-        name: String,
+        /// Where it stands.
+        place: Place,
         /// The text found.
         found: String,
     },
@@ -311,27 +341,19 @@ pub enum IoError {
     },
     /// No channel besides time and mask.
     #[error(
-        "`{file}`, line {line}: no channel besides {found}; expected columns such as `t_s,u_V,y_um`; is the delimiter none of comma, semicolon, tab?"
+        "{place}: no channel besides {found}; expected columns such as `t_s,u_V,y_um`; is the delimiter none of comma, semicolon, tab?"
     )]
     NoChannels {
-        /// The file.
-        file: String,
-        /// Line of the header.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// The columns found.
         found: String,
     },
     /// Text where a number should be.
-    #[error("`{file}`, line {line}, column {column} (`{name}`): found `{found}`, expected a number{hint}")]
+    #[error("{place}: found `{found}`, expected a number{hint}")]
     NotANumber {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: usize,
-        /// Its name.
-        name: String,
+        /// Where it stands.
+        place: Place,
         /// The text found, cut to a readable length.
         found: String,
         /// What to do, where the text gives a clue; begins with a separator.
@@ -339,43 +361,29 @@ pub enum IoError {
     },
     /// An empty field.
     #[error(
-        "`{file}`, line {line}, column {column} (`{name}`): empty, expected a number; cut the record there or fill the gap and mark it 0 in a `valid` column"
+        "{place}: empty, expected a number; cut the record there or fill the gap and mark it 0 in a `valid` column"
     )]
     MissingValue {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: usize,
-        /// Its name.
-        name: String,
+        /// Where it stands.
+        place: Place,
     },
     /// NaN, an infinity, or a number too large for a double.
     #[error(
-        "`{file}`, line {line}, column {column} (`{name}`): `{found}` is not a finite number; cut the record there or fill the gap and mark it 0 in a `valid` column"
+        "{place}: `{found}` is not a finite number; cut the record there or fill the gap and mark it 0 in a `valid` column"
     )]
     NotFinite {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: usize,
-        /// Its name.
-        name: String,
+        /// Where it stands.
+        place: Place,
         /// The text found.
         found: String,
     },
     /// Decimal commas in a comma-separated file.
     #[error(
-        "`{file}`, line {line}: {found} fields where the header has {expected}: decimal commas in a comma-separated file cannot be told from delimiters; export it with semicolons or tabs between the columns, or with decimal points"
+        "{place}: {found} fields where the header has {expected}: decimal commas in a comma-separated file cannot be told from delimiters; export it with semicolons or tabs between the columns, or with decimal points"
     )]
     DecimalCommas {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// Fields found.
         found: usize,
         /// Fields of the header.
@@ -383,17 +391,11 @@ pub enum IoError {
     },
     /// Decimal commas and decimal points in one file.
     #[error(
-        "`{file}`, line {line}, column {column} (`{name}`): `{found}` mixes with the decimal {other} of line {other_line}; thousands separators are not read, write all numbers in one way"
+        "{place}: `{found}` mixes with the decimal {other} of line {other_line}; thousands separators are not read, write all numbers in one way"
     )]
     MixedDecimalMarks {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: usize,
-        /// Its name.
-        name: String,
+        /// Where it stands.
+        place: Place,
         /// The text found.
         found: String,
         /// `point` or `comma`.
@@ -402,14 +404,10 @@ pub enum IoError {
         other_line: u64,
     },
     /// A line with too few or too many fields.
-    #[error(
-        "`{file}`, line {line}: {found} fields where the header (line {header_line}) has {expected}{hint}"
-    )]
+    #[error("{place}: {found} fields where the header (line {header_line}) has {expected}{hint}")]
     Ragged {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// Fields found.
         found: usize,
         /// Fields of the header.
@@ -421,47 +419,31 @@ pub enum IoError {
     },
     /// A last line that stops in the middle.
     #[error(
-        "`{file}`, line {line}: the last line is cut off after {found} of {expected} fields; was the recording interrupted? Delete that line to use the rest"
+        "{place}: the last line is cut off after {found} of {expected} fields; was the recording interrupted? Delete that line to use the rest"
     )]
     Truncated {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
+        /// Where it stands.
+        place: Place,
         /// Fields found.
         found: usize,
         /// Fields of the header.
         expected: usize,
     },
     /// A mask value that is neither 0 nor 1.
-    #[error(
-        "`{file}`, line {line}, column {column} (`{name}`): found `{found}`, expected 0 (do not score) or 1"
-    )]
+    #[error("{place}: found `{found}`, expected 0 (do not score) or 1")]
     BadMask {
-        /// The file.
-        file: String,
-        /// The line.
-        line: u64,
-        /// The column.
-        column: usize,
-        /// Its name.
-        name: String,
+        /// Where it stands.
+        place: Place,
         /// The text found.
         found: String,
     },
     /// Time that runs backwards.
     #[error(
-        "`{file}`, line {line}, column {column} (`{name}`): time runs backwards, {after} s after {before} s; sort the rows, or split the file where the clock was reset"
+        "{place}: time runs backwards, {after} s after {before} s; sort the rows, or split the file where the clock was reset"
     )]
     TimeDecreases {
-        /// The file.
-        file: String,
-        /// Line of the earlier stamp that comes later.
-        line: u64,
-        /// The time column.
-        column: usize,
-        /// Its name.
-        name: String,
+        /// Where it stands.
+        place: Place,
         /// Time of the line before \[s\].
         before: f64,
         /// Time of this line \[s\].

@@ -1,4 +1,4 @@
-//! CSV file to frequency response.
+//! Columns to frequency response.
 
 use std::io::Read;
 use std::path::Path;
@@ -7,8 +7,8 @@ use hysteron_model::record::FrequencyResponse;
 use hysteron_model::record::{Source, Unit, split_header};
 use hysteron_numeric::Complex64;
 
-use crate::csv_read::{open, read_table};
-use crate::header::{Chosen, Column, ColumnRole, Header, list, named_columns};
+use crate::columns::{Columns, Heading, Headings};
+use crate::read::{open, read_columns};
 use crate::{IoError, ReadOptions};
 
 /// Which of a file's responses is wanted.
@@ -51,27 +51,32 @@ pub fn read_frequency_response_bytes(
 
 fn read(file: &str, source: impl Read, options: &ResponseOptions) -> Result<FrequencyResponse, IoError> {
     let defaults = ReadOptions::default();
-    let text = ReadOptions { max_bytes: options.max_bytes.unwrap_or(defaults.max_bytes), ..defaults };
-    let mut wanted = None;
-    let (table, sha256) = read_table(file, source, &text, |line, fields| {
-        let columns = named_columns(file, line, fields)?;
-        let layout = Layout::new(file, line, &columns, options)?;
-        let header = Header { columns: layout.with_roles(columns), line, chosen: Chosen::default() };
-        wanted = Some(layout);
-        Ok(header)
-    })?;
-    let columns = table.into_columns();
-    let Some(layout) = wanted else {
-        return Err(IoError::Empty { file: file.to_string(), what: "is empty" });
-    };
-    let source = Source { path: file.to_string(), sha256 };
+    let limits = ReadOptions { max_bytes: options.max_bytes.unwrap_or(defaults.max_bytes), ..defaults };
+    let wanted = |headings: &Headings| Ok(Layout::new(headings, options)?.wanted(headings.columns.len()));
+    let mut columns = read_columns(file, source, &limits, wanted)?;
+    let layout = Layout::new(&columns.headings, options)?;
+    columns.check_lengths(layout.frequency.0, layout.parts(), limits.choose_with)?;
+    to_hertz(&mut columns, layout.frequency)?;
     let failed = |source| IoError::Response { file: file.to_string(), source: Box::new(source) };
-    let mut response = layout.response.assemble(file, &columns, layout.frequency.0)?;
+    let mut response = layout.response.assemble(file, &columns.values, layout.frequency.0)?;
     if let Some(over) = &layout.over {
-        response = response.over(&over.assemble(file, &columns, layout.frequency.0)?).map_err(failed)?;
+        let over = over.assemble(file, &columns.values, layout.frequency.0)?;
+        response = response.over(&over).map_err(failed)?;
     }
-    response.source = Some(source);
+    response.source = Some(Source { path: file.to_string(), sha256: columns.sha256 });
     Ok(response)
+}
+
+/// Makes hertz of the frequency column by a factor; all must be positive.
+fn to_hertz(columns: &mut Columns, (column, factor): (usize, f64)) -> Result<(), IoError> {
+    let values = columns.values.get_mut(column).map(Vec::as_mut_slice).unwrap_or_default();
+    let below = values.iter().position(|&value| value.is_nan() || value * factor <= 0.0);
+    if let Some(at) = below {
+        let found = values[at].to_string();
+        return Err(IoError::BadFrequency { place: columns.place(column, at), found });
+    }
+    values.iter_mut().for_each(|value| *value *= factor);
+    Ok(())
 }
 
 /// The part of a complex number that a column holds.
@@ -103,11 +108,12 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(file: &str, line: u64, columns: &[Column], options: &ResponseOptions) -> Result<Self, IoError> {
-        let file = || file.to_string();
+    fn new(headings: &Headings, options: &ResponseOptions) -> Result<Self, IoError> {
+        let columns = &headings.columns;
+        let place = || headings.place();
         let frequency = columns.iter().enumerate().find_map(|(i, c)| Some((i, hertz(c)?)));
         let Some(frequency) = frequency else {
-            return Err(IoError::NoFrequency { file: file(), line, found: list(columns) });
+            return Err(IoError::NoFrequency { place: place(), found: headings.list() });
         };
         let mut groups: Vec<Group> = Vec::new();
         for (i, column) in columns.iter().enumerate().filter(|(i, _)| *i != frequency.0) {
@@ -124,12 +130,11 @@ impl Layout {
         }
         groups.retain(Group::is_complete);
         if groups.is_empty() {
-            return Err(IoError::NoResponse { file: file(), line, found: list(columns) });
+            return Err(IoError::NoResponse { place: place(), found: headings.list() });
         }
         let available = groups.iter().map(|g| format!("`{}`", g.shown_name())).collect::<Vec<_>>().join(", ");
         let choose = |problem: String, flag| IoError::ChooseResponse {
-            file: file(),
-            line,
+            place: place(),
             problem,
             available: available.clone(),
             flag,
@@ -148,21 +153,15 @@ impl Layout {
         Ok(Self { frequency, response, over })
     }
 
-    fn with_roles(&self, mut columns: Vec<Column>) -> Vec<Column> {
-        let read = |i: usize| {
-            [Some(&self.response), self.over.as_ref()]
-                .into_iter()
-                .flatten()
-                .any(|group| group.parts.iter().any(|(_, column)| *column == i))
-        };
-        for (i, column) in columns.iter_mut().enumerate() {
-            if i == self.frequency.0 {
-                column.role = ColumnRole::Frequency(self.frequency.1);
-            } else if read(i) {
-                column.role = ColumnRole::Channel;
-            }
-        }
-        columns
+    /// Columns of the responses.
+    fn parts(&self) -> impl Iterator<Item = usize> {
+        let groups = [Some(&self.response), self.over.as_ref()].into_iter().flatten();
+        groups.flat_map(|group| group.parts.iter().map(|&(_, column)| column))
+    }
+
+    /// Which of the file's columns are read.
+    fn wanted(&self, columns: usize) -> Vec<bool> {
+        (0..columns).map(|i| i == self.frequency.0 || self.parts().any(|part| part == i)).collect()
     }
 }
 
@@ -231,7 +230,7 @@ impl Group {
 }
 
 /// Factor to hertz of a frequency column.
-fn hertz(column: &Column) -> Option<f64> {
+fn hertz(column: &Heading) -> Option<f64> {
     let name = column.name.to_lowercase();
     match (name.as_str(), column.unit.symbol()) {
         ("f" | "freq" | "frequency", "" | "Hz") => Some(1.0),
@@ -243,7 +242,7 @@ fn hertz(column: &Column) -> Option<f64> {
 }
 
 /// Response that a column belongs to, the part it holds, and the unit it gives.
-fn part_of(column: &Column) -> Option<(String, Part, String)> {
+fn part_of(column: &Heading) -> Option<(String, Part, String)> {
     let unit = column.unit.symbol();
     let lower = column.name.to_lowercase();
     let (text, decibels) = match lower.strip_suffix("_db") {

@@ -1,46 +1,62 @@
 //! File formats of measured records: file to [`Record`](hysteron_model::record::Record) and back.
 //!
-//! [`read_csv`] takes what loggers, spreadsheets and numerical tools write and either returns a checked record or an [`IoError`]
-//! that names file, line and column, what was found, what was expected and what to do. [`read_input_output`] also decides
-//! which column drives and which responds. [`write_csv`] writes a record so that it reads back to the same numbers.
+//! [`read_record`] takes what loggers, spreadsheets and numerical tools write and either returns a checked record or an
+//! [`IoError`] that names file, line and column (or array and index), what was found, what was expected and what to do.
+//! [`read_input_output`] also decides which column drives and which responds. [`write_csv`] writes a record so that it reads
+//! back to the same numbers.
 //!
-//! # The format read
-//! * One header line, one line a sample. Delimiter comma, semicolon or tab, detected; decimal comma where the delimiter
-//!   is not a comma. UTF-8, with or without byte order mark; LF or CRLF. Quoted fields within a line.
+//! # Formats
+//! Delimited text (CSV), NPY and NPZ. The format is told by the first bytes, else by the extension; anything else is text.
+//!
+//! # Columns, in every format
 //! * A header is a name with its unit behind the last underscore (`u_V`, `u_cmd_V`, `H_A_per_m`) or in brackets (`u [V]`); see
 //!   [`split_header`](hysteron_model::record::split_header).
-//! * Lines that begin with `#` or `%` are comments, anywhere; blank lines are skipped. Where the first line is all numbers
-//!   and the comment line above it has as many fields, that comment is the header (as numpy's `savetxt` writes it).
-//!   A file without any header is refused, with the line to add.
 //! * Time: the column `t`, `time` or `timestamp`, or else the only one with a unit of time; in s where it has no unit.
 //!   Stamps must not decrease; equal ones are accepted and make the time base non-uniform.
 //! * A column `valid` of 0 and 1 is the sample mask. All other columns are channels and must be numbers; where both input and output are
 //!   chosen, only these are read.
 //!
-//! A measured frequency response is read by [`read_frequency_response`], by the same rules for text and numbers.
+//! # Text
+//! * One header line, one line a sample. Delimiter comma, semicolon or tab, detected; decimal comma where the delimiter
+//!   is not a comma. UTF-8, with or without byte order mark; LF or CRLF. Quoted fields within a line.
+//! * Lines that begin with `#` or `%` are comments, anywhere; blank lines are skipped. Where the first line is all numbers
+//!   and the comment line above it has as many fields, that comment is the header (as numpy's `savetxt` writes it).
+//!   A file without any header is refused, with the line to add.
+//!
+//! # Arrays
+//! * NPZ: an array of shape (n,), (n, 1) or (1, n) is a column, its name the header. Arrays of one number are no columns:
+//!   `fs` or `sample_rate` (in Hz; `fs_kHz`, `sample_rate_hz`) or `dt` (in s; `dt_ms`, `dt_us`) give the sample rate where there is no
+//!   time column, the others are not read.
+//! * NPY: the fields of a structured array are the columns. A plain array has no names and is refused.
+//! * Integers of 8 to 64 bits, floats of 32 and 64 bits, bool; either byte order.
+//!
+//! A measured frequency response is read by [`read_frequency_response`], by the same rules for formats, text and numbers.
 #![forbid(unsafe_code)]
 
+mod assemble;
 pub mod atomic_file;
-mod csv_read;
+mod columns;
+mod csv;
 mod csv_write;
-mod dialect;
 mod error;
 mod frequency_response;
 mod hash;
-mod header;
-mod lines;
 mod model_file;
+mod npy;
+mod npz;
 mod options;
-mod plain;
-mod table;
+mod place;
+mod read;
+mod roles;
 
-pub use csv_read::{
-    ReadOutcome, read_csv, read_csv_bytes, read_drive, read_input_output, read_input_output_bytes,
-    read_reference,
-};
 pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};
 pub use hash::sha256;
 pub use model_file::{ModelDiskError, load_model, save_model};
 pub use options::ReadOptions;
+pub use place::{Part, Place};
+pub use read::{
+    ReadOutcome, read_drive, read_input_output, read_input_output_bytes, read_record, read_record_bytes,
+    read_reference,
+};

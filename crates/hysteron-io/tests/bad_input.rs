@@ -1,10 +1,10 @@
 //! Every file that is no record is refused with a message that says where, what was found and what to do.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
-use hysteron_io::{IoError, ReadOptions, read_csv_bytes, read_input_output_bytes};
+use hysteron_io::{IoError, ReadOptions, read_input_output_bytes, read_record_bytes};
 
 fn refused_with(bytes: &[u8], options: &ReadOptions) -> String {
-    match read_csv_bytes("bench.csv", bytes, options) {
+    match read_record_bytes("bench.csv", bytes, options) {
         Ok(record) => panic!("accepted: {record:?}"),
         Err(err) => err.to_string(),
     }
@@ -235,7 +235,7 @@ fn huge_files_lines_and_tables_stop_at_a_limit() {
     let message = refused_with(text.as_bytes(), &ReadOptions { max_bytes: 1000, ..ReadOptions::default() });
     assert!(message.contains("larger than 1000 bytes") && message.contains("line "), "{message}");
     let exact = ReadOptions { max_bytes: text.len() as u64, ..ReadOptions::default() };
-    assert!(read_csv_bytes("bench.csv", text.as_bytes(), &exact).is_ok());
+    assert!(read_record_bytes("bench.csv", text.as_bytes(), &exact).is_ok());
     let message = refused_with(text.as_bytes(), &ReadOptions { max_values: 100, ..ReadOptions::default() });
     assert!(message.contains("line 52") && message.contains("more than 100 numbers"), "{message}");
     let message = refused_with(&vec![b'x'; 1 << 20], &ReadOptions::default());
@@ -254,7 +254,7 @@ fn an_endless_file_is_refused_at_the_limit() {
         println!("skipped: no /dev/zero here");
         return;
     }
-    let err = hysteron_io::read_csv(endless, &options).unwrap_err();
+    let err = hysteron_io::read_record(endless, &options).unwrap_err();
     assert!(matches!(err, IoError::LineTooLong { .. }), "{err}");
 }
 
@@ -262,7 +262,7 @@ fn an_endless_file_is_refused_at_the_limit() {
 fn a_missing_file_and_a_folder() {
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().join("no.csv"), folder.path().to_path_buf()] {
-        let err = hysteron_io::read_csv(&path, &ReadOptions::default()).unwrap_err();
+        let err = hysteron_io::read_record(&path, &ReadOptions::default()).unwrap_err();
         assert!(matches!(err, IoError::Open { .. }), "{err}");
         assert!(err.to_string().contains(&path.display().to_string()), "{err}");
     }

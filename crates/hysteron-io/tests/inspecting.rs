@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron_io::{ReadOptions, read_csv};
+use hysteron_io::{ReadOptions, read_record};
 use hysteron_model::record::{
     ChannelChoice, DelayFinding, ExcitationKind, Inspection, LoopSense, NoiseMethod, WaveShape, inspect,
 };
@@ -13,7 +13,7 @@ fn repository() -> PathBuf {
 }
 
 fn inspected(path: &Path) -> Inspection {
-    let record = read_csv(path, &ReadOptions::default()).unwrap();
+    let record = read_record(path, &ReadOptions::default()).unwrap();
     inspect(&record.input_output(&ChannelChoice::default()).unwrap())
 }
 

@@ -1,7 +1,7 @@
 //! Laws: what is written reads back; no input, however broken, panics.
 #![allow(clippy::unwrap_used)]
 
-use hysteron_io::{IoError, ReadOptions, read_csv, read_csv_bytes, write_csv, write_csv_to};
+use hysteron_io::{IoError, ReadOptions, read_record, read_record_bytes, write_csv, write_csv_to};
 use hysteron_model::record::{Channel, Record, RecordError, TimeBase};
 use proptest::prelude::*;
 
@@ -66,7 +66,7 @@ proptest! {
     fn a_record_written_reads_back_to_the_same_numbers(record in record()) {
         let mut bytes = Vec::new();
         write_csv_to(&mut bytes, &record).unwrap();
-        let back = read_csv_bytes("r.csv", &bytes, &ReadOptions::default()).unwrap();
+        let back = read_record_bytes("r.csv", &bytes, &ReadOptions::default()).unwrap();
         prop_assert_eq!(&back.channels, &record.channels);
         prop_assert_eq!(&back.valid, &record.valid);
         match (&record.time, &back.time) {
@@ -85,7 +85,7 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
-        let _ = read_csv_bytes("x", &bytes, &ReadOptions::default());
+        let _ = read_record_bytes("x", &bytes, &ReadOptions::default());
     }
 
     #[test]
@@ -95,7 +95,7 @@ proptest! {
         column in prop::option::of("[tuy1-5]"),
     ) {
         let options = ReadOptions { sample_rate_hz: rate, input: column, ..ReadOptions::default() };
-        match read_csv_bytes("x.csv", text.as_bytes(), &options) {
+        match read_record_bytes("x.csv", text.as_bytes(), &options) {
             Ok(record) => prop_assert_eq!(record.check(), Ok(())),
             Err(err) => {
                 let message = err.to_string();
@@ -121,7 +121,7 @@ fn a_file_written_is_complete_and_an_unsound_record_writes_none() {
         std::fs::read_to_string(&path).unwrap(),
         "t_s,u_V,y_um\n0,0.1,1\n0.005,0.2,2e20\n0.01,1e-9,-0\n"
     );
-    let back = read_csv(&path, &ReadOptions::default()).unwrap();
+    let back = read_record(&path, &ReadOptions::default()).unwrap();
     assert_eq!((&back.channels, &back.name), (&record.channels, &record.name));
 
     let mut broken = record;

@@ -1,7 +1,7 @@
 //! Long files, read in blocks of lines: the numbers and the messages are those of reading line by line.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use hysteron_io::{IoError, ReadOptions, read_csv_bytes};
+use hysteron_io::{IoError, Part, Place, ReadOptions, read_record_bytes};
 
 /// Rows of a file of about 4 MiB.
 const ROWS: usize = 100_000;
@@ -26,9 +26,13 @@ fn file(at: usize, row: &str) -> String {
 }
 
 fn read(text: &str) -> Result<(Vec<f64>, Vec<f64>), IoError> {
-    let record = read_csv_bytes("long.csv", text.as_bytes(), &ReadOptions::default())?;
+    let record = read_record_bytes("long.csv", text.as_bytes(), &ReadOptions::default())?;
     let samples = |name: &str| record.channel(name).unwrap().samples.clone();
     Ok((samples("u"), samples("y")))
+}
+
+fn cell(line: u64, column: u32, name: &str) -> Place {
+    Place { file: "long.csv".into(), part: Part::Cell { line, column, name: name.into() } }
 }
 
 #[test]
@@ -67,14 +71,14 @@ fn an_error_is_named_by_its_line_wherever_it_is() {
         let refused = |row: &str| read(&file(at, row)).unwrap_err();
         let time = at as f64 / 1000.0;
         assert!(matches!(refused(&format!("{time},x,1")),
-            IoError::NotANumber { line: l, column: 2, .. } if l == line));
+            IoError::NotANumber { place, .. } if place == cell(line, 2, "u_V")));
         assert!(matches!(refused(&format!("{time},1,inf")),
-            IoError::NotFinite { line: l, column: 3, .. } if l == line));
+            IoError::NotFinite { place, .. } if place == cell(line, 3, "y_um")));
         assert!(
-            matches!(refused(&format!("{time},1")), IoError::Ragged { line: l, found: 2, .. } if l == line)
+            matches!(refused(&format!("{time},1")), IoError::Ragged { place, found: 2, .. } if place.part == Part::Line(line))
         );
         assert!(
-            matches!(refused("-1,1,1"), IoError::TimeDecreases { line: l, after: -1.0, .. } if l == line)
+            matches!(refused("-1,1,1"), IoError::TimeDecreases { place, after: -1.0, .. } if place == cell(line, 1, "t_s"))
         );
     }
 }
@@ -82,12 +86,15 @@ fn an_error_is_named_by_its_line_wherever_it_is() {
 #[test]
 fn limits_hold_within_a_block() {
     let text = file(ROWS, "");
-    let with = |options: ReadOptions| read_csv_bytes("long.csv", text.as_bytes(), &options).unwrap_err();
+    let with = |options: ReadOptions| read_record_bytes("long.csv", text.as_bytes(), &options).unwrap_err();
     let few = with(ReadOptions { max_values: 3 * 40_000 + 1, ..ReadOptions::default() });
-    assert!(matches!(few, IoError::TooManyValues { line: 40_002, limit: 120_001, .. }), "{few}");
+    assert!(
+        matches!(&few, IoError::TooManyValues { place, limit: 120_001, .. } if place.part == Part::Line(40_002)),
+        "{few}"
+    );
     let short = with(ReadOptions { max_bytes: text.len() as u64 - 1, ..ReadOptions::default() });
     assert!(matches!(short, IoError::TooLarge { .. }), "{short}");
     let masked = text.replace("y_um\n", "valid\n");
-    let wrong = read_csv_bytes("long.csv", masked.as_bytes(), &ReadOptions::default()).unwrap_err();
-    assert!(matches!(wrong, IoError::BadMask { line: 2, column: 3, .. }), "{wrong}");
+    let wrong = read_record_bytes("long.csv", masked.as_bytes(), &ReadOptions::default()).unwrap_err();
+    assert!(matches!(&wrong, IoError::BadMask { place, .. } if *place == cell(2, 3, "valid")), "{wrong}");
 }

@@ -1,7 +1,7 @@
 //! What is accepted, and what it becomes.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use hysteron_io::{ReadOptions, read_csv_bytes, read_input_output_bytes};
+use hysteron_io::{ReadOptions, read_input_output_bytes, read_record_bytes};
 use hysteron_model::record::{Record, TimeBase};
 
 fn read(text: &str) -> Record {
@@ -9,7 +9,7 @@ fn read(text: &str) -> Record {
 }
 
 fn read_with(text: &str, options: &ReadOptions) -> Record {
-    read_csv_bytes("bench.csv", text.as_bytes(), options).unwrap()
+    read_record_bytes("bench.csv", text.as_bytes(), options).unwrap()
 }
 
 fn rate(record: &Record) -> f64 {

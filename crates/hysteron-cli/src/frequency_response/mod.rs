@@ -12,7 +12,7 @@ use hysteron_identify::frequency_response::empirical::{
     EmpiricalOptions, EmpiricalResponse, empirical_response,
 };
 use hysteron_identify::frequency_response::{Candidate, Family, FrequencyResponse, Weighting, compare};
-use hysteron_io::{IoError, ResponseOptions, read_csv, read_frequency_response};
+use hysteron_io::{IoError, ResponseOptions, read_frequency_response, read_record};
 
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -177,7 +177,7 @@ impl FrequencyResponseCommand {
 
     fn is_response(&self, file: &Path) -> bool {
         let named = self.response.is_some() || self.over.is_some();
-        named || matches!(read_csv(file, &self.columns.options()), Err(IoError::FrequencyResponse { .. }))
+        named || matches!(read_record(file, &self.columns.options()), Err(IoError::FrequencyResponse { .. }))
     }
 
     /// In the band and with the unit asked for.

@@ -171,3 +171,23 @@ fn a_sensor_in_volts_is_scaled_to_a_length_and_a_command_to_the_actuators_voltag
     assert_eq!(run.exit_code, 1);
     assert!(run.stderr.contains("no channel `z`"), "{}", run.stderr);
 }
+
+#[test]
+fn an_npz_file_is_a_record_too_and_its_errors_name_file_and_array() {
+    let bench = Bench::new();
+    bench.write("loop.npz", include_bytes!("../../../hysteron-io/tests/data/loop.npz"));
+    let run = bench.run("inspect loop.npz --json");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let found = &serde_json::from_str::<Value>(&run.stdout).unwrap()["records"][0];
+    assert_eq!((&found["samples"], &found["sample_rate_hz"]), (&Value::from(500), &Value::from(200.0)));
+    assert_eq!((&found["input"]["name"], &found["output"]["unit"]), (&Value::from("u"), &Value::from("um")));
+    assert_eq!(found["drive"]["kind"], "sine");
+    let run = bench.run("inspect loop.npz --input drive");
+    assert_eq!(run.exit_code, 1, "{run:?}");
+    for part in ["`loop.npz`: no column `drive` (--input)", "`u_V`, `y_um`"] {
+        assert!(run.stderr.contains(part), "{run:?}");
+    }
+    bench.write("bad.npy", b"\x93NUMPY\x01\x00\x76\x00");
+    let run = bench.run("inspect bad.npy");
+    assert!(run.exit_code == 1 && run.stderr.contains("no sound NPY file: it ends in its header"), "{run:?}");
+}

@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 
 use crate::IoError;
 use crate::options::MAX_LINE_BYTES;
+use crate::place::{Part, Place};
 
 /// Reader that hashes what passes and stops one byte after a limit.
 struct Hashed<R> {
@@ -66,15 +67,14 @@ impl<R: Read> Lines<R> {
         self.buffer.clear();
         let read = (&mut self.reader).take(MAX_LINE_BYTES as u64 + 1).read_until(b'\n', &mut self.buffer);
         if let Err(source) = read {
-            return Err(IoError::Read { file: self.file.clone(), line: self.line, source });
+            return Err(IoError::Read { place: self.place(self.line + 1), source });
+        }
+        if self.buffer.len() > MAX_LINE_BYTES {
+            return Err(IoError::LineTooLong { place: self.place(self.line + 1), limit: MAX_LINE_BYTES });
         }
         let hashed = self.reader.get_ref();
         if hashed.bytes > hashed.limit {
-            return Err(IoError::TooLarge {
-                file: self.file.clone(),
-                line: self.line + 1,
-                limit_bytes: hashed.limit,
-            });
+            return Err(IoError::TooLarge { place: self.place(self.line + 1), limit_bytes: hashed.limit });
         }
         if self.buffer.is_empty() {
             return Ok(None);
@@ -82,22 +82,13 @@ impl<R: Read> Lines<R> {
         self.line += 1;
         self.position += self.buffer.len() as u64;
         let ended = self.buffer.last() == Some(&b'\n');
-        if self.buffer.len() > MAX_LINE_BYTES {
-            return Err(IoError::LineTooLong {
-                file: self.file.clone(),
-                line: self.line,
-                limit: MAX_LINE_BYTES,
-            });
-        }
         let mut line = self.buffer.as_slice();
         if self.line == 1 {
             if let Some(rest) = line.strip_prefix(b"\xEF\xBB\xBF") {
                 line = rest;
             } else if line.starts_with(b"\xFF\xFE") || line.starts_with(b"\xFE\xFF") {
                 return Err(IoError::NotUtf8 {
-                    file: self.file.clone(),
-                    line: 1,
-                    column: 1,
+                    place: Place::cell(&self.file, 1, 1, ""),
                     byte: line[0],
                     hint: "it begins like UTF-16",
                 });
@@ -129,6 +120,10 @@ impl<R: Read> Lines<R> {
         self.reader.consume(bytes);
         self.position += bytes as u64;
         self.line += lines;
+    }
+
+    fn place(&self, line: u64) -> Place {
+        Place::new(&self.file, Part::Line(line))
     }
 
     /// Number of the line last read, from 1.

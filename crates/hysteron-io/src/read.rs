@@ -1,0 +1,174 @@
+//! Any file to record: the reader is chosen by content and extension, the rest is the same for all.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use hysteron_model::record::{ChannelChoice, InputOutput, Record, RecordError, Signal};
+
+use crate::assemble::assemble;
+use crate::columns::{Columns, Headings};
+use crate::place::{Part, Place};
+use crate::roles::{Chosen, Roles};
+use crate::{IoError, ReadOptions, csv, npy, npz};
+
+/// Formats that are read. A file of none of them is read as the first: text.
+static READERS: [Reader; 3] = [csv::READER, npy::READER, npz::READER];
+
+/// Bytes at the start of a file that [`Reader::recognises`] looks at.
+const HEAD_BYTES: u64 = 8;
+
+/// A format.
+pub(crate) struct Reader {
+    /// Extensions of its files, in lower case.
+    pub extensions: &'static [&'static str],
+    /// Whether a file that begins with these bytes is of this format, whatever its extension.
+    pub recognises: fn(&[u8]) -> bool,
+    /// Reads the columns that are wanted.
+    pub read: fn(Input<'_>) -> Result<Columns, IoError>,
+}
+
+/// A file to be read.
+pub(crate) struct Input<'a> {
+    /// Its name, for messages.
+    pub file: &'a str,
+    pub bytes: &'a mut dyn Read,
+    pub options: &'a ReadOptions,
+    /// Says which of the columns are to be read.
+    pub wanted: &'a mut dyn FnMut(&Headings) -> Result<Vec<bool>, IoError>,
+}
+
+impl Input<'_> {
+    /// All bytes of the file.
+    pub fn read_to_end(&mut self) -> Result<Vec<u8>, IoError> {
+        let (place, limit_bytes) = (Place::new(self.file, Part::Whole), self.options.max_bytes);
+        let mut bytes = Vec::new();
+        match self.bytes.take(limit_bytes.saturating_add(1)).read_to_end(&mut bytes) {
+            Err(source) => Err(IoError::Read { place, source }),
+            Ok(_) if bytes.len() as u64 > limit_bytes => Err(IoError::TooLarge { place, limit_bytes }),
+            Ok(_) => Ok(bytes),
+        }
+    }
+}
+
+/// Input and output of a file, and what was decided without being told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOutcome {
+    /// The two channels, ready for a fit.
+    pub data: InputOutput,
+    /// Plain sentences for the user.
+    pub notes: Vec<String>,
+}
+
+/// Reads a record; see the crate's description for the formats.
+///
+/// # Errors
+/// Any [`IoError`]; it names the file, and line and column or array where there are any.
+pub fn read_record(path: &Path, options: &ReadOptions) -> Result<Record, IoError> {
+    Ok(read(&path.display().to_string(), open(path)?, options)?.0)
+}
+
+/// Reads a record from memory; `name` stands for the file in messages, and its extension may choose the format.
+///
+/// # Errors
+/// As [`read_record`].
+pub fn read_record_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Record, IoError> {
+    Ok(read(name, bytes, options)?.0)
+}
+
+/// Reads a record and takes its input and output: as the options name them, otherwise by the rules of
+/// [`Record::select`](hysteron_model::record::Record::select).
+///
+/// # Errors
+/// As [`read_record`]; [`IoError::Record`] where input or output cannot be decided.
+pub fn read_input_output(path: &Path, options: &ReadOptions) -> Result<ReadOutcome, IoError> {
+    selected(&path.display().to_string(), open(path)?, options)
+}
+
+/// [`read_input_output`] from memory; `name` as for [`read_record_bytes`].
+///
+/// # Errors
+/// As [`read_input_output`].
+pub fn read_input_output_bytes(
+    name: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+) -> Result<ReadOutcome, IoError> {
+    selected(name, bytes, options)
+}
+
+/// Reads a record and takes its drive alone: as the options name it, otherwise by the rules of [`Record::drive`].
+///
+/// # Errors
+/// As [`read_record`]; [`IoError::Record`] where the drive cannot be decided.
+pub fn read_drive(path: &Path, options: &ReadOptions) -> Result<Signal, IoError> {
+    read_alone(path, options, |record, chosen| record.drive(chosen.input.as_deref()))
+}
+
+/// Reads a record and takes the reference alone: as the options name it, otherwise by the rules of [`Record::reference`].
+///
+/// # Errors
+/// As [`read_record`]; [`IoError::Record`] where the reference cannot be decided.
+pub fn read_reference(path: &Path, options: &ReadOptions) -> Result<Signal, IoError> {
+    read_alone(path, options, |record, chosen| record.reference(chosen.reference.as_deref()))
+}
+
+fn read_alone(
+    path: &Path,
+    options: &ReadOptions,
+    take: impl FnOnce(&Record, &Chosen) -> Result<Signal, RecordError>,
+) -> Result<Signal, IoError> {
+    let file = path.display().to_string();
+    let (record, chosen) = read(&file, open(path)?, options)?;
+    take(&record, &chosen).map_err(|source| IoError::Record { file, source: Box::new(source) })
+}
+
+fn selected(file: &str, source: impl Read, options: &ReadOptions) -> Result<ReadOutcome, IoError> {
+    let (record, Chosen { input, output, .. }) = read(file, source, options)?;
+    let choice = ChannelChoice { input, output };
+    let failed = |source| IoError::Record { file: file.to_string(), source: Box::new(source) };
+    let notes = record.select(&choice).map_err(failed)?.notes;
+    let data = record.input_output(&choice).map_err(failed)?;
+    Ok(ReadOutcome { data, notes })
+}
+
+fn read(file: &str, source: impl Read, options: &ReadOptions) -> Result<(Record, Chosen), IoError> {
+    let wanted = |headings: &Headings| Ok(Roles::new(headings, options)?.wanted());
+    assemble(read_columns(file, source, options, wanted)?, options)
+}
+
+pub(crate) fn open(path: &Path) -> Result<File, IoError> {
+    let failed = |source| IoError::Open { file: path.display().to_string(), source };
+    let file = File::open(path).map_err(failed)?;
+    if file.metadata().map_err(failed)?.is_dir() {
+        return Err(failed(std::io::Error::from(std::io::ErrorKind::IsADirectory)));
+    }
+    Ok(file)
+}
+
+/// Reads those columns of a file of any format that are `wanted`.
+pub(crate) fn read_columns(
+    file: &str,
+    mut source: impl Read,
+    options: &ReadOptions,
+    mut wanted: impl FnMut(&Headings) -> Result<Vec<bool>, IoError>,
+) -> Result<Columns, IoError> {
+    let mut head = Vec::new();
+    (&mut source)
+        .take(HEAD_BYTES)
+        .read_to_end(&mut head)
+        .map_err(|source| IoError::Read { place: Place::new(file, Part::Whole), source })?;
+    let reader = reader_of(file, &head);
+    let mut bytes = head.as_slice().chain(source);
+    (reader.read)(Input { file, bytes: &mut bytes, options, wanted: &mut wanted })
+}
+
+/// The reader that recognises the first bytes, else the one of the extension, else text.
+fn reader_of(file: &str, head: &[u8]) -> &'static Reader {
+    let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
+    READERS
+        .iter()
+        .find(|reader| (reader.recognises)(head))
+        .or_else(|| READERS.iter().find(|reader| reader.extensions.contains(&extension.as_str())))
+        .unwrap_or(&READERS[0])
+}

@@ -1,0 +1,179 @@
+//! What each column of a record is, decided by its header and by what the caller chose.
+
+use hysteron_model::record::{Quantity, header_of};
+
+use crate::columns::{Heading, Headings, list};
+use crate::{IoError, ReadOptions};
+
+/// What a column is read as.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Role {
+    /// Time; the factor makes seconds of it.
+    Time(f64),
+    Mask,
+    Channel,
+    /// Not read.
+    Skipped,
+}
+
+/// Headers of the channels chosen by the options, by name or number.
+#[derive(Clone, Debug)]
+pub(crate) struct Chosen {
+    pub input: Option<String>,
+    pub output: Option<String>,
+    pub reference: Option<String>,
+}
+
+/// The columns of a record.
+#[derive(Debug)]
+pub(crate) struct Roles {
+    /// One a column.
+    pub roles: Vec<Role>,
+    pub chosen: Chosen,
+}
+
+impl Roles {
+    /// Understands a file's headers.
+    pub fn new(headings: &Headings, options: &ReadOptions) -> Result<Self, IoError> {
+        let columns = &headings.columns;
+        let input = chosen(headings, options.input.as_deref(), "--input")?;
+        let output = chosen(headings, options.output.as_deref(), "--output")?;
+        let reference = chosen(headings, options.reference.as_deref(), "--reference")?;
+        let taken = [input, output, reference];
+        let time = time_column(headings, options.time.as_deref(), taken)?;
+        if time.is_none()
+            && taken.iter().all(Option::is_none)
+            && let Some(column) = columns.iter().find(|c| is_spectral(c))
+        {
+            let column = column.header.clone();
+            return Err(IoError::FrequencyResponse { place: headings.place(), column });
+        }
+        let only_chosen = input.is_some() && output.is_some();
+        let role = |(i, column): (usize, &Heading)| {
+            if taken.contains(&Some(i)) {
+                Role::Channel
+            } else if Some(i) == time {
+                Role::Time(match column.unit.base() {
+                    (Quantity::Time, factor) => factor,
+                    _ => 1.0,
+                })
+            } else if column.name.eq_ignore_ascii_case("valid") {
+                Role::Mask
+            } else if only_chosen || column.header.is_empty() {
+                Role::Skipped
+            } else {
+                Role::Channel
+            }
+        };
+        let roles: Vec<Role> = columns.iter().enumerate().map(role).collect();
+        if !roles.contains(&Role::Channel) {
+            return Err(IoError::NoChannels { place: headings.place(), found: headings.list() });
+        }
+        let header_at =
+            |i: Option<usize>| i.and_then(|i| columns.get(i)).map(|c| header_of(&c.name, &c.unit));
+        let [input, output, reference] = taken.map(header_at);
+        Ok(Roles { roles, chosen: Chosen { input, output, reference } })
+    }
+
+    /// Which columns a reader has to read.
+    pub fn wanted(&self) -> Vec<bool> {
+        self.roles.iter().map(|role| *role != Role::Skipped).collect()
+    }
+}
+
+/// Column that a flag names: by header or bare name exactly, else ignoring case, else by number from 1.
+fn chosen(headings: &Headings, asked: Option<&str>, flag: &'static str) -> Result<Option<usize>, IoError> {
+    let columns = &headings.columns;
+    let Some(asked) = asked.map(str::trim) else { return Ok(None) };
+    let same = |fold: &dyn Fn(&str) -> String| -> Vec<usize> {
+        let asked = fold(asked);
+        (0..columns.len())
+            .filter(|&i| {
+                let c = &columns[i];
+                !c.header.is_empty()
+                    && [c.header.as_str(), c.name.as_str(), header_of(&c.name, &c.unit).as_str()]
+                        .iter()
+                        .any(|text| fold(text) == asked)
+            })
+            .collect()
+    };
+    let mut found = same(&str::to_string);
+    if found.is_empty() {
+        found = same(&str::to_lowercase);
+    }
+    if found.is_empty()
+        && let Ok(number) = asked.parse::<usize>()
+        && (1..=columns.len()).contains(&number)
+    {
+        found.push(number - 1);
+    }
+    match found.as_slice() {
+        [one] => Ok(Some(*one)),
+        [] => Err(IoError::NoSuchColumn {
+            place: headings.place(),
+            asked: asked.to_string(),
+            flag,
+            available: headings.list(),
+        }),
+        several => Err(ambiguous(headings, several, asked, flag)),
+    }
+}
+
+fn time_column(
+    headings: &Headings,
+    asked: Option<&str>,
+    taken: [Option<usize>; 3],
+) -> Result<Option<usize>, IoError> {
+    let columns = &headings.columns;
+    let free = |i: &usize| !taken.contains(&Some(*i));
+    if let Some(index) = chosen(headings, asked, "--time")? {
+        let column = &columns[index];
+        if !column.unit.symbol().is_empty() && column.unit.base().0 != Quantity::Time {
+            return Err(IoError::NotTime {
+                place: headings.place(),
+                name: column.header.clone(),
+                unit: column.unit.to_string(),
+            });
+        }
+        return Ok(Some(index));
+    }
+    let is_time = |c: &Heading| c.unit.base().0 == Quantity::Time;
+    let has_time_name = |c: &Heading| {
+        (is_time(c) || c.unit.symbol().is_empty())
+            && ["t", "time", "timestamp"].contains(&c.name.to_lowercase().as_str())
+    };
+    let by_name: Vec<usize> =
+        (0..columns.len()).filter(|&i| has_time_name(&columns[i])).filter(free).collect();
+    if by_name.is_empty() {
+        // A lone unit of time makes a time column, but never of a column that is named as an input or an output.
+        let by_unit: Vec<usize> = (0..columns.len())
+            .filter(|&i| is_time(&columns[i]) && !columns[i].name.starts_with(['u', 'y', 'U', 'Y']))
+            .filter(free)
+            .collect();
+        return Ok(match by_unit.as_slice() {
+            [one] => Some(*one),
+            _ => None,
+        });
+    }
+    match by_name.as_slice() {
+        [one] => Ok(Some(*one)),
+        several => Err(ambiguous(headings, several, "time", "--time")),
+    }
+}
+
+fn ambiguous(headings: &Headings, several: &[usize], asked: &str, flag: &'static str) -> IoError {
+    let candidates = several.iter().filter_map(|&i| headings.columns.get(i));
+    IoError::AmbiguousColumn {
+        place: headings.place(),
+        asked: asked.to_string(),
+        flag,
+        candidates: list(candidates),
+    }
+}
+
+/// Frequency, or the real or imaginary part of something.
+fn is_spectral(column: &Heading) -> bool {
+    let name = column.name.to_lowercase();
+    ["f", "freq", "frequency", "omega"].contains(&name.as_str())
+        || (["Hz", "kHz", "MHz"].contains(&column.unit.symbol()) && !name.starts_with(['u', 'y']))
+}
