@@ -3,6 +3,8 @@
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
+use hysteron_io::atomic_file::write_atomically;
+
 use crate::error::ExportError;
 
 /// A file of an export.
@@ -25,7 +27,7 @@ const MARK: &[u8] = b"hysteron export";
 
 /// Writes all `files` into `folder`, made where it does not exist. Files of other names stay as they are; one of the same name is
 /// replaced where an export wrote it. Everything is written beside its place first, and then renamed; what was replaced is put back where a later
-/// rename fails.
+/// rename fails. A symbolic link to a file stays, and that file is replaced or made.
 ///
 /// # Errors
 /// [`ExportError::Foreign`] for a file of the same name that no export wrote; [`ExportError::Write`]. Nothing has changed then.
@@ -90,6 +92,8 @@ fn check(path: &Path) -> Result<(), ExportError> {
     let refused = |kind: ErrorKind| failed("writing", path)(kind.into());
     match std::fs::metadata(path) {
         Ok(found) if found.is_dir() => Err(refused(ErrorKind::IsADirectory)),
+        // A device or a pipe: no export wrote it, and reading it might wait for ever.
+        Ok(found) if !found.is_file() => Err(ExportError::Foreign { path: path.to_owned() }),
         Ok(_) => {
             let old = std::fs::read(path).map_err(failed("reading", path))?;
             let ours = old.windows(MARK.len()).any(|part| part == MARK);
@@ -110,17 +114,26 @@ fn replace(folder: &Path, new: &Path, old: &Path, name: &str) -> io::Result<()> 
     if path.exists() {
         std::fs::copy(&path, &kept)?;
     }
-    std::fs::rename(new.join(name), &path)
+    put(&new.join(name), &path)
+}
+
+/// Moves the file `from` to `path`, or its content to where a link there leads.
+fn put(from: &Path, path: &Path) -> io::Result<()> {
+    if path.is_symlink() {
+        return write_atomically(path, &std::fs::read(from)?).map_err(|e| e.source);
+    }
+    std::fs::rename(from, path)
 }
 
 /// Undoes [`replace`] as well as can be.
 fn put_back(folder: &Path, old: &Path, name: &str) {
     let (path, kept) = (folder.join(name), old.join(name));
     if kept.exists() {
-        let _ = std::fs::rename(&kept, &path);
+        let _ = put(&kept, &path);
         return;
     }
-    let _ = std::fs::remove_file(&path);
+    // A link that led to no file is left as it was.
+    let _ = path.canonicalize().and_then(std::fs::remove_file);
     remove_empty(folder, &path);
 }
 
@@ -163,6 +176,42 @@ mod tests {
         std::fs::write(&path, "x").unwrap();
         assert!(write_folder(&path, &[file("a.c", "1")]).is_err());
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "x");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_files_are_followed_and_pipes_are_left_alone() {
+        use std::os::unix::fs::symlink;
+        let place = tempfile::tempdir().unwrap();
+        let (folder, there) = (place.path().join("out"), place.path().join("there"));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::create_dir_all(&there).unwrap();
+        std::fs::write(there.join("a.c"), "/* hysteron export */ 1").unwrap();
+        symlink("../there/a.c", folder.join("a.c")).unwrap();
+        symlink("../there/made.c", folder.join("b.c")).unwrap();
+        write_folder(&folder, &[file("a.c", "2"), file("b.c", "2")]).unwrap();
+        assert!(folder.join("a.c").is_symlink() && folder.join("b.c").is_symlink());
+        for name in ["a.c", "made.c"] {
+            assert!(std::fs::read_to_string(there.join(name)).unwrap().ends_with('2'), "{name}");
+        }
+        // Put back through the links, too.
+        let (new, old) = (place.path().join("new"), place.path().join("old"));
+        std::fs::remove_file(there.join("made.c")).unwrap();
+        write_folder(&new, &[file("a.c", "3"), file("b.c", "3")]).unwrap();
+        for name in ["a.c", "b.c"] {
+            replace(&folder, &new, &old, name).unwrap();
+            assert!(std::fs::read_to_string(folder.join(name)).unwrap().ends_with('3'), "{name}");
+            put_back(&folder, &old, name);
+        }
+        assert!(std::fs::read_to_string(there.join("a.c")).unwrap().ends_with('2'));
+        assert!(folder.join("b.c").is_symlink() && !there.join("made.c").exists());
+        let pipe = folder.join("pipe.c");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        symlink("/dev/null", folder.join("null.c")).unwrap();
+        for name in ["pipe.c", "null.c"] {
+            let refused = write_folder(&folder, &[file(name, "2")]).unwrap_err();
+            assert!(matches!(refused, ExportError::Foreign { .. }), "{refused}");
+        }
     }
 
     /// Everything in a folder, folders without content included.

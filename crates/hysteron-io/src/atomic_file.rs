@@ -1,6 +1,7 @@
-//! Files that are either complete or not there: written beside the target, flushed to the disk, renamed over it.
+//! Files that are either complete or not there: written beside the target, flushed to the disk, renamed over
+//! it. Symbolic links are followed; devices, pipes and open descriptors are written directly.
 
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,7 @@ pub struct AtomicWriteError {
     pub source: io::Error,
 }
 
-/// Writes `bytes` to `path`: whoever opens `path`, at any moment, finds the old content or all of the new.
+/// Writes `bytes` to `path`: a reader finds the old content or all of the new, at any moment.
 ///
 /// # Errors
 /// Any step the operating system refuses; the old file is then untouched and no temporary file is left.
@@ -25,21 +26,99 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), AtomicWriteErro
     write_atomically_with(path, |out| out.write_all(bytes))
 }
 
-/// Finds out, before the work whose result it is to hold, whether `path` can be written; leaves nothing behind.
+/// Checks whether `path` can be written, before the work whose result it is to hold; leaves nothing behind.
 ///
 /// # Errors
-/// What [`write_atomically`] would meet now: no such folder, a folder that may not be written to, a folder of this name.
+/// Those of [`write_atomically`]: no such folder, a folder that may not be written to, a folder of this name,
+/// a loop of symbolic links.
 pub fn check_writable(path: &Path) -> Result<(), AtomicWriteError> {
     let failed = |action| move |source| AtomicWriteError { path: path.to_path_buf(), action, source };
-    match std::fs::metadata(path) {
-        Ok(found) if found.is_dir() => Err(failed("opening")(io::Error::from(io::ErrorKind::IsADirectory))),
-        // A pipe or a terminal: opening it only to see would be noticed at its other end.
-        Ok(found) if !found.is_file() => Ok(()),
-        _ => temporary_in(folder_of(path)).map(drop).map_err(failed(CREATING)),
+    match Target::of(path).map_err(failed(OPENING))? {
+        Target::File { folder, .. } => temporary_in(&folder).map(drop).map_err(failed(CREATING)),
+        // A pipe or a terminal: its other end would notice that it was opened.
+        Target::Stream(_) | Target::Descriptor(_) => Ok(()),
     }
 }
 
+const OPENING: &str = "opening";
 const CREATING: &str = "creating a file in its folder";
+
+/// Most symbolic links in a chain, as in Linux.
+const MOST_LINKS: usize = 40;
+
+/// Where the bytes for a path go, its symbolic links followed.
+#[derive(Debug)]
+enum Target {
+    /// A regular file, or one to be made: `path` in `folder`.
+    File { folder: PathBuf, path: PathBuf },
+    /// A device, pipe or socket, written directly: a rename would destroy it.
+    Stream(PathBuf),
+    /// An open descriptor (`/dev/stdout`, `/proc/self/fd/1`), written directly even where it is redirected to
+    /// a regular file: that file is open elsewhere, and may already hold output.
+    Descriptor(PathBuf),
+}
+
+impl Target {
+    fn of(path: &Path) -> io::Result<Self> {
+        let mut path = path.to_path_buf();
+        for _ in 0..=MOST_LINKS {
+            let is_folder = path.as_os_str().as_encoded_bytes().ends_with(b"/");
+            let Some(name) = path.file_name().filter(|_| !is_folder) else {
+                return Err(io::ErrorKind::IsADirectory.into());
+            };
+            let folder = folder_of(&path).canonicalize()?;
+            let place = folder.join(name);
+            let found = match std::fs::symlink_metadata(&place) {
+                Err(e) if e.kind() == io::ErrorKind::NotFound => {
+                    return Ok(Self::File { folder, path: place });
+                }
+                found => found?,
+            };
+            if holds_descriptors(&folder) {
+                if std::fs::metadata(&place)?.is_dir() {
+                    return Err(io::ErrorKind::IsADirectory.into());
+                }
+                return Ok(Self::Descriptor(place));
+            }
+            if found.is_dir() {
+                return Err(io::ErrorKind::IsADirectory.into());
+            }
+            if found.is_file() {
+                return Ok(Self::File { folder, path: place });
+            }
+            if !found.is_symlink() {
+                return Ok(Self::Stream(place));
+            }
+            path = folder.join(std::fs::read_link(&place)?);
+        }
+        Err(io::Error::other(format!("its symbolic links form a loop or a chain of more than {MOST_LINKS}")))
+    }
+}
+
+/// Whether a canonical `folder` is that of the open descriptors of a process: `/proc/PID/fd`, `/dev/fd`.
+fn holds_descriptors(folder: &Path) -> bool {
+    folder == Path::new("/dev/fd") || folder.starts_with("/proc") && folder.ends_with("fd")
+}
+
+/// Opens a descriptor for writing after its present content.
+fn open_descriptor(path: &Path) -> io::Result<File> {
+    #[cfg(unix)]
+    {
+        use std::os::fd::AsFd;
+        let process = Path::new("/proc").join(std::process::id().to_string());
+        let is_own = path.starts_with("/dev/fd") || path.starts_with(process);
+        // A duplicate shares the position in a redirected file, and serves a socket, which cannot be opened.
+        match path.file_name().and_then(|name| name.to_str()) {
+            Some("1") if is_own => {
+                io::stdout().flush()?;
+                return io::stdout().as_fd().try_clone_to_owned().map(File::from);
+            }
+            Some("2") if is_own => return io::stderr().as_fd().try_clone_to_owned().map(File::from),
+            _ => {}
+        }
+    }
+    OpenOptions::new().append(true).open(path)
+}
 
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
@@ -48,7 +127,7 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A temporary file with the permissions of an ordinary one. The error does not name it: the user knows nothing of it.
+/// A temporary file with the permissions of an ordinary one, which the error does not name to the user.
 fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".hysteron-").suffix(".tmp");
@@ -62,7 +141,8 @@ fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
 
 /// Like [`write_atomically`], for content that is produced piece by piece.
 ///
-/// A `path` that exists and is not a regular file (a pipe, a terminal) is written directly: there is nothing to rename over.
+/// Symbolic links are followed, and stay; the file behind a dangling link is made. A device, a pipe or an
+/// open descriptor (`/dev/stdout`) is written directly, and never renamed over.
 ///
 /// # Errors
 /// As [`write_atomically`]; also whatever `produce` returns.
@@ -71,30 +151,28 @@ pub fn write_atomically_with(
     produce: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), AtomicWriteError> {
     let failed = |action| move |source| AtomicWriteError { path: path.to_path_buf(), action, source };
-    if let Ok(found) = std::fs::metadata(path)
-        && !found.is_file()
-    {
-        if found.is_dir() {
-            return Err(failed("opening")(io::Error::from(io::ErrorKind::IsADirectory)));
+    let direct = match Target::of(path).map_err(failed(OPENING))? {
+        Target::File { folder, path: place } => {
+            let mut temporary = temporary_in(&folder).map_err(failed(CREATING))?;
+            {
+                let mut out = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
+                produce(&mut out).map_err(failed("writing"))?;
+                out.flush().map_err(failed("writing"))?;
+            }
+            temporary.as_file().sync_all().map_err(failed("flushing to the disk"))?;
+            temporary.persist(place).map_err(|e| failed("renaming the finished file")(e.error))?;
+            // The rename is durable once the folder is flushed, which some file systems cannot do.
+            if let Ok(handle) = File::open(folder) {
+                let _ = handle.sync_all();
+            }
+            return Ok(());
         }
-        let mut out = BufWriter::new(File::create(path).map_err(failed("opening"))?);
-        produce(&mut out).map_err(failed("writing"))?;
-        return out.flush().map_err(failed("writing"));
-    }
-    let folder = folder_of(path);
-    let mut temporary = temporary_in(folder).map_err(failed(CREATING))?;
-    {
-        let mut out = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
-        produce(&mut out).map_err(failed("writing"))?;
-        out.flush().map_err(failed("writing"))?;
-    }
-    temporary.as_file().sync_all().map_err(failed("flushing to the disk"))?;
-    temporary.persist(path).map_err(|e| failed("renaming the finished file")(e.error))?;
-    // The rename itself is durable once the folder is flushed; file systems that cannot do this lose nothing but time.
-    if let Ok(handle) = File::open(folder) {
-        let _ = handle.sync_all();
-    }
-    Ok(())
+        Target::Stream(place) => OpenOptions::new().write(true).open(place),
+        Target::Descriptor(place) => open_descriptor(&place),
+    };
+    let mut out = BufWriter::new(direct.map_err(failed(OPENING))?);
+    produce(&mut out).map_err(failed("writing"))?;
+    out.flush().map_err(failed("writing"))
 }
 
 #[cfg(test)]
@@ -170,5 +248,108 @@ mod tests {
         std::fs::write(&plain, b"x").unwrap();
         let mode = |p: &Path| std::fs::metadata(p).unwrap().permissions().mode();
         assert_eq!(mode(&path), mode(&plain));
+    }
+
+    #[cfg(unix)]
+    mod links {
+        use super::*;
+        use std::os::fd::AsRawFd;
+        use std::os::unix::fs::{FileTypeExt, symlink};
+
+        #[test]
+        fn a_link_to_a_file_stays_and_the_file_gets_the_content() {
+            let folder = tempfile::tempdir().unwrap();
+            let at = |name: &str| folder.path().join(name);
+            std::fs::create_dir_all(at("data/deep")).unwrap();
+            std::fs::write(at("data/file"), "old").unwrap();
+            // A chain through folders, relative and absolute, and a folder that is a link itself.
+            symlink("../file", at("data/deep/first")).unwrap();
+            symlink(at("data/deep/first"), at("second")).unwrap();
+            symlink("data/deep", at("folder")).unwrap();
+            for (link, content) in [("second", "1"), ("folder/first", "2"), ("data/deep/first", "3")] {
+                check_writable(&at(link)).unwrap();
+                write_atomically(&at(link), content.as_bytes()).unwrap();
+                assert!(at(link).is_symlink(), "{link}");
+                assert!(!at("data/file").is_symlink(), "{link}");
+                assert_eq!(std::fs::read_to_string(at("data/file")).unwrap(), content, "{link}");
+            }
+            assert_eq!(std::fs::read_dir(at("data")).unwrap().count(), 2);
+        }
+
+        #[test]
+        fn the_file_behind_a_dangling_link_is_made() {
+            let folder = tempfile::tempdir().unwrap();
+            let at = |name: &str| folder.path().join(name);
+            symlink("made", at("first")).unwrap();
+            symlink("first", at("second")).unwrap();
+            check_writable(&at("second")).unwrap();
+            assert!(!at("made").exists());
+            write_atomically(&at("second"), b"new").unwrap();
+            assert!(at("second").is_symlink() && at("first").is_symlink());
+            assert_eq!(std::fs::read(at("made")).unwrap(), b"new");
+            symlink("no/such/folder/file", at("lost")).unwrap();
+            let err = write_atomically(&at("lost"), b"x").unwrap_err();
+            assert_eq!(err.source.kind(), io::ErrorKind::NotFound);
+            assert_eq!(err.to_string(), check_writable(&at("lost")).unwrap_err().to_string());
+        }
+
+        #[test]
+        fn a_loop_of_links_and_a_link_to_a_folder_are_errors_that_say_so() {
+            let folder = tempfile::tempdir().unwrap();
+            let at = |name: &str| folder.path().join(name);
+            symlink("b", at("a")).unwrap();
+            symlink("a", at("b")).unwrap();
+            symlink(".", at("c")).unwrap();
+            for (link, wanted) in [("a", "loop"), ("c", "directory")] {
+                let err = write_atomically(&at(link), b"x").unwrap_err().to_string();
+                assert!(err.contains(wanted), "{err}");
+                assert_eq!(err, check_writable(&at(link)).unwrap_err().to_string());
+                assert!(at(link).is_symlink());
+            }
+            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+        }
+
+        #[test]
+        fn a_pipe_and_a_device_are_written_directly_and_stay() {
+            let folder = tempfile::tempdir().unwrap();
+            let pipe = folder.path().join("pipe");
+            let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
+            assert!(made.success());
+            let (to_pipe, to_null) = (folder.path().join("to_pipe"), folder.path().join("to_null"));
+            symlink("pipe", &to_pipe).unwrap();
+            symlink("/dev/null", &to_null).unwrap();
+            for path in [&pipe, &to_pipe] {
+                check_writable(path).unwrap();
+                let reader = std::thread::spawn({
+                    let pipe = pipe.clone();
+                    move || std::fs::read(pipe)
+                });
+                write_atomically(path, b"through the pipe").unwrap();
+                assert_eq!(reader.join().unwrap().unwrap(), b"through the pipe");
+                assert!(std::fs::metadata(path).unwrap().file_type().is_fifo());
+            }
+            check_writable(&to_null).unwrap();
+            write_atomically(&to_null, b"nothing").unwrap();
+            assert!(std::fs::metadata(&to_null).unwrap().file_type().is_char_device());
+            assert!(to_null.is_symlink() && to_pipe.is_symlink());
+        }
+
+        #[cfg(target_os = "linux")]
+        #[test]
+        fn an_open_descriptor_of_a_file_is_written_after_its_content() {
+            let folder = tempfile::tempdir().unwrap();
+            let (path, link) = (folder.path().join("file"), folder.path().join("link"));
+            let mut file = File::create(&path).unwrap();
+            file.write_all(b"before ").unwrap();
+            let descriptor = format!("/proc/self/fd/{}", file.as_raw_fd());
+            symlink(&descriptor, &link).unwrap();
+            for path in [Path::new(&descriptor), &link] {
+                check_writable(path).unwrap();
+                write_atomically(path, b"after ").unwrap();
+            }
+            assert_eq!(std::fs::read(&path).unwrap(), b"before after after ");
+            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+            assert!(link.is_symlink());
+        }
     }
 }

@@ -82,3 +82,31 @@ fn what_can_be_written_is_not_touched_before_it_is_there() {
     assert_eq!(std::fs::read_to_string(bench.path("new.json")).unwrap(), "precious");
     assert_eq!(bench.files(), ["model.json", "new.json", "run.csv"]);
 }
+
+/// With links of its own in the place of `/dev/stdout`, which a defect would replace for the whole machine.
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_is_written_directly_be_it_a_pipe_or_a_file() {
+    use std::os::unix::fs::symlink;
+    use std::process::{Command, Stdio};
+    let bench = bench();
+    symlink("/proc/self/fd/1", bench.path("stdout")).unwrap();
+    symlink("stdout", bench.path("chain")).unwrap();
+    let wave = "excite sine --frequency 1 --sample-rate 100 --high 1 -o";
+    assert_eq!(bench.run(&format!("{wave} drive.csv")).exit_code, 0);
+    let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
+    for link in ["stdout", "chain"] {
+        let run = bench.run(&format!("{wave} {link}"));
+        assert_eq!(run.exit_code, 0, "{run:?}");
+        assert!(run.stdout.contains(&drive), "{run:?}");
+        // Redirected to a file that holds something: nothing is lost, nothing replaced.
+        std::fs::write(bench.path("log"), "before\n").unwrap();
+        let log = std::fs::OpenOptions::new().append(true).open(bench.path("log")).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_hysteron"));
+        command.args(wave.split(' ')).arg(link).current_dir(bench.path("."));
+        assert!(command.stdout(log).stderr(Stdio::null()).status().unwrap().success());
+        let log = std::fs::read_to_string(bench.path("log")).unwrap();
+        assert!(log.starts_with("before\n") && log.contains(&drive), "{log}");
+        assert!(bench.path(link).is_symlink(), "{link}");
+    }
+}
