@@ -4,10 +4,11 @@ use hysteron::realise::{Coefficients, OperatorCoefficients, RuntimeParts};
 use hysteron_rt::{BoucWen, Branch, MOST_PANELS, Real, Sides};
 
 use crate::error::ExportError;
+use crate::escape::{c_comment, c_string};
 use crate::files::ExportedFile;
 use crate::golden::{Golden, HELD_FROM};
 use crate::number::Precision;
-use crate::subject::{Subject, one_line};
+use crate::subject::Subject;
 use crate::template::Filling;
 
 const HEADER: &str = concat!(
@@ -79,6 +80,13 @@ pub(crate) fn golden_keys(
         .flag("refuses_largest", golden.refuses_largest);
 }
 
+/// The comment at the head of a source.
+pub(crate) fn description_comment(lines: &[String]) -> String {
+    let lines: Vec<String> =
+        lines.iter().map(|line| format!(" * {}", c_comment(line)).trim_end().to_owned()).collect();
+    format!("/*\n{}\n */", lines.join("\n"))
+}
+
 /// What the templates of a model are filled with.
 pub(crate) fn filling(subject: &Subject, numbers: Numbers) -> Result<Filling, ExportError> {
     match subject.precision {
@@ -93,17 +101,16 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
     let mut filling = Filling::new(subject.precision);
     let tunable = numbers == Numbers::Tunable;
     let literal = |x: T| subject.precision.c_literal(x.into());
-    let lines: Vec<String> =
-        subject.description().iter().map(|line| format!(" * {}", one_line(line))).collect();
-    let unit = |unit: &str| one_line(unit);
     filling
         .key("name", &subject.name)
         .key("NAME", subject.name.to_ascii_uppercase())
         .key("real", subject.precision.c_type())
-        .key("DESCRIPTION", format!("/*\n{}\n */", lines.join("\n").replace(" \n", "\n")))
+        .key("DESCRIPTION", description_comment(&subject.description()))
         .key("RATE", subject.precision.c_literal(subject.realisation.sample_rate_hz))
-        .key("INPUT_UNIT", unit(&subject.input_unit))
-        .key("OUTPUT_UNIT", unit(&subject.output_unit))
+        .key("INPUT_UNIT", c_comment(&subject.input_unit))
+        .key("OUTPUT_UNIT", c_comment(&subject.output_unit))
+        .key("INPUT_UNIT_STRING", c_string(&subject.input_unit))
+        .key("OUTPUT_UNIT_STRING", c_string(&subject.output_unit))
         .key("LARGEST_EXPONENT", T::LARGEST.into().log10().round())
         .key(
             "TUNED_AS_ARGUMENT_FIRST",

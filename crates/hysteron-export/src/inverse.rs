@@ -4,7 +4,7 @@ use hysteron::compensator::{Compensation, CompensatorParts};
 use hysteron::realise::Realisation;
 use hysteron_rt::Real;
 
-use crate::c::{Numbers, filling, rows};
+use crate::c::{Numbers, description_comment, filling, rows};
 use crate::error::ExportError;
 use crate::files::ExportedFile;
 use crate::golden::{Rounding, patience, samples_of};
@@ -73,7 +73,7 @@ impl Inverse {
         Ok(inverse)
     }
 
-    /// What the source says about itself.
+    /// Description for the heads of the sources, as [`Subject::description`].
     pub(crate) fn description(&self) -> Vec<String> {
         let subject = &self.subject;
         let mut lines = vec![
@@ -194,14 +194,9 @@ fn of_type<T: Real + Into<f64>>(inverse: &Inverse, numbers: Numbers) -> Result<F
         "/* What taps and sections add up to at rest. */\nstatic const real GAIN = {};\n",
         literal(gain::<T>(law).into())
     ));
-    let lines: Vec<String> = inverse
-        .description()
-        .iter()
-        .map(|line| format!(" * {}", crate::subject::one_line(line)).trim_end().to_owned())
-        .collect();
     filling
         .key("TABLES", tables)
-        .key("DESCRIPTION", format!("/*\n{}\n */", lines.join("\n")))
+        .key("DESCRIPTION", description_comment(&inverse.description()))
         .key("LIMIT_LOW", low)
         .key("LIMIT_HIGH", high)
         .key("LIMIT_STEP", step)

@@ -12,6 +12,7 @@
 
 mod c;
 mod error;
+mod escape;
 mod files;
 mod fmu;
 mod golden;

@@ -7,11 +7,12 @@ use hysteron_rt::{BoucWen, Branch, LANES, Real, Sides};
 
 use crate::c::{Numbers, filling, golden_keys, of_thresholds, rows};
 use crate::error::ExportError;
+use crate::escape::{rust_comment, toml_string};
 use crate::files::ExportedFile;
 use crate::golden::Golden;
 use crate::inverse::{Inverse, golden_inverse_keys};
 use crate::number::Precision;
-use crate::subject::{Subject, one_line};
+use crate::subject::Subject;
 use crate::template::Filling;
 
 const SOURCE: &str = include_str!("../templates/rust/model.rs");
@@ -62,12 +63,12 @@ pub fn rust_files(
 fn common(subject: &Subject, description: Vec<String>, tables: String) -> Result<Filling, ExportError> {
     let mut filling = filling(subject, Numbers::Constant)?;
     let literal = |x: f64| subject.precision.rust_literal(x);
-    let description: Vec<String> = description
-        .iter()
-        .map(|line| format!("//! {}", escaped(&one_line(line))).trim_end().to_owned())
-        .collect();
+    let description: Vec<String> =
+        description.iter().map(|line| format!("//! {}", rust_comment(line)).trim_end().to_owned()).collect();
     filling
         .key("DESCRIPTION", description.join("\n"))
+        .key("INPUT_UNIT", rust_comment(&subject.input_unit))
+        .key("OUTPUT_UNIT", rust_comment(&subject.output_unit))
         .key("real", subject.precision.name())
         .key("RATE", literal(subject.realisation.sample_rate_hz))
         .key("TABLES", tables);
@@ -124,29 +125,16 @@ fn law(inverse: &Inverse) -> String {
     .concat()
 }
 
-/// Rustdoc's own characters are text in here.
-fn escaped(text: &str) -> String {
-    text.replace('[', "\\[")
-        .replace(']', "\\]")
-        .replace('<', "\\<")
-        .replace('*', "\\*")
-        .replace('_', "\\_")
-        .replace('`', "'")
-}
-
 fn manifest(subject: &Subject, runtime: Runtime<'_>) -> String {
     let version = env!("CARGO_PKG_VERSION");
     let runtime = match runtime {
-        Runtime::Registry => format!("\"{version}\""),
-        Runtime::Folder(path) => {
-            let path = path.to_string_lossy().replace('\\', "\\\\").replace('"', "\\\"");
-            format!("{{ path = \"{path}\" }}")
-        }
+        Runtime::Registry => toml_string(version),
+        Runtime::Folder(path) => format!("{{ path = {} }}", toml_string(&path.to_string_lossy())),
     };
     format!(
-        "# Written by hysteron export {version}.\n[package]\nname = \"{}\"\nversion = \"0.1.0\"\nedition = \"2024\"\npublish = false\n\n\
+        "# Written by hysteron export {version}.\n[package]\nname = {}\nversion = \"0.1.0\"\nedition = \"2024\"\npublish = false\n\n\
          [dependencies]\nhysteron-rt = {runtime}\n\n# Not part of any workspace around it.\n[workspace]\n",
-        subject.name
+        toml_string(&subject.name)
     )
 }
 

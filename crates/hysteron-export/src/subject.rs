@@ -79,12 +79,12 @@ impl Subject {
         self.range.as_ref().map_or((0.0, 1.0), |range| (range.input.low, range.input.high))
     }
 
-    /// What the source says about itself, a line each.
+    /// Description for the heads of the sources, line by line: text that each language has yet to escape.
     pub(crate) fn description(&self) -> Vec<String> {
         let linear = &self.realisation.dynamics;
         let (input, output) = (&self.input_unit, &self.output_unit);
         let number = significant;
-        let title = self.title.as_deref().map(|t| format!(" ({})", one_line(t))).unwrap_or_default();
+        let title = self.title.as_deref().map(|t| format!(" ({t})")).unwrap_or_default();
         let mut lines = vec![
             format!(
                 "{}{title}: {input} in, {output} out, {} Hz, {} precision.",
@@ -157,9 +157,9 @@ impl Subject {
             let percent = score.rmse_percent_of_stroke.map(|p| format!(", {} % of the stroke", number(p)));
             lines.push(format!(
                 "Error on {} ({of}): {} {} rms{}.",
-                one_line(&score.record),
+                score.record,
                 number(score.rmse),
-                one_line(&score.unit),
+                score.unit,
                 percent.unwrap_or_default()
             ));
         }
@@ -174,18 +174,6 @@ pub(crate) fn significant(x: f64) -> String {
     }
     let text = format!("{:.*}", (3 - x.abs().max(1e-3).log10().floor() as i32).max(0) as usize, x);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
-/// ASCII without anything that could end a comment or a line.
-pub(crate) fn one_line(text: &str) -> String {
-    text.replace('µ', "u")
-        .chars()
-        .map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' })
-        .collect::<String>()
-        .replace("*/", "* /")
-        .replace("/*", "/ *")
-        .replace('\\', "/")
-        .replace("??", "? ?")
 }
 
 fn operator_in_words(hysteresis: &Hysteresis) -> String {
@@ -297,10 +285,5 @@ mod tests {
         ] {
             assert_eq!(significant(x), text);
         }
-    }
-
-    #[test]
-    fn a_comment_cannot_be_left() {
-        assert_eq!(one_line("a*/ \n/*b\\ µm"), "a* / ?/ *b/ um");
     }
 }

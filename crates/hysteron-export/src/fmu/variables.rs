@@ -1,11 +1,14 @@
 //! Variables of an FMU and its `modelDescription.xml`.
 
+use std::collections::BTreeMap;
+
 use hysteron::realise::{Coefficients, OperatorCoefficients};
 use hysteron_rt::{Branch, Real, Sides};
 
 use super::FmiVersion;
+use crate::escape::xml;
 use crate::inverse::Inverse;
-use crate::subject::{Subject, one_line};
+use crate::subject::Subject;
 
 /// First value reference of a parameter.
 const FIRST_PARAMETER: usize = 6;
@@ -115,10 +118,6 @@ pub(super) fn cases(parameters: &[Parameter]) -> String {
     parameters.iter().enumerate().map(line).collect::<Vec<_>>().join("\n")
 }
 
-fn xml(text: &str) -> String {
-    one_line(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 /// `<BaseUnit …>` for the units of piezo stages; nothing for others, which are names alone.
 fn base_unit(unit: &str) -> String {
     let (factor, exponents) = match unit {
@@ -143,10 +142,10 @@ fn base_unit(unit: &str) -> String {
 fn units(subject: &Subject, parameters: &[Parameter]) -> String {
     let mut names: Vec<&str> = vec!["s", &subject.input_unit, &subject.output_unit];
     names.extend(parameters.iter().map(|p| p.unit.as_str()));
-    names.sort_unstable();
-    names.dedup();
-    let unit = |name: &&str| format!("    <Unit name=\"{}\">{}</Unit>\n", xml(name), base_unit(name));
-    format!("  <UnitDefinitions>\n{}  </UnitDefinitions>\n", names.iter().map(unit).collect::<String>())
+    // Different texts may be the same name in XML, which must be defined once.
+    let names: BTreeMap<String, &str> = names.into_iter().map(|name| (xml(name), name)).collect();
+    let unit = |(xml, name)| format!("    <Unit name=\"{xml}\">{}</Unit>\n", base_unit(name));
+    format!("  <UnitDefinitions>\n{}  </UnitDefinitions>\n", names.into_iter().map(unit).collect::<String>())
 }
 
 /// A variable that is no tunable parameter.

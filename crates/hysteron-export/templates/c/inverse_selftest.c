@@ -64,8 +64,8 @@ static int golden(void)
             worst = difference(u, voltages[k]);
         }
     }
-    printf("golden vectors: %d of %ld samples, largest difference %.2e $INPUT_UNIT, allowed %.2e $INPUT_UNIT\n", SAMPLES, run,
-           (double)worst, (double)tolerance);
+    printf("golden vectors: %d of %ld samples, largest difference %.2e %s, allowed %.2e %s\n", SAMPLES, run,
+           (double)worst, $INPUT_UNIT_STRING, (double)tolerance, $INPUT_UNIT_STRING);
     return passed("golden vectors", good && worst <= tolerance);
 }
 
@@ -98,6 +98,6 @@ static int bad_numbers(void)
 int main(void)
 {
     const int all = golden() & bad_numbers();
-    printf("%s: $name\n", all ? "PASSED" : "FAILED");
+    printf("%s: %s\n", all ? "PASSED" : "FAILED", "$name");
     return all ? 0 : 1;
 }

@@ -56,8 +56,8 @@ static int golden(void)
             worst = difference(y, displacements[k]);
         }
     }
-    printf("golden vectors: %d of %ld samples, largest difference %.2e $OUTPUT_UNIT, allowed %.2e $OUTPUT_UNIT\n", SAMPLES, run,
-           (double)worst, (double)tolerance);
+    printf("golden vectors: %d of %ld samples, largest difference %.2e %s, allowed %.2e %s\n", SAMPLES, run,
+           (double)worst, $OUTPUT_UNIT_STRING, (double)tolerance, $OUTPUT_UNIT_STRING);
     return passed("golden vectors", status == $NAME_OK && worst <= tolerance);
 }
 
@@ -106,6 +106,6 @@ static int bad_numbers(void)
 int main(void)
 {
     const int all = golden() & start() & bad_numbers();
-    printf("%s: $name\n", all ? "PASSED" : "FAILED");
+    printf("%s: %s\n", all ? "PASSED" : "FAILED", "$name");
     return all ? 0 : 1;
 }

@@ -10,6 +10,7 @@ mod arm;
 mod c_agrees;
 mod c_builds;
 mod fmu;
+mod hostile_text;
 mod inverse_agrees;
 mod loop_starts;
 mod models;
