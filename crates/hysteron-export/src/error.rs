@@ -70,6 +70,9 @@ pub enum ExportError {
         /// What went wrong.
         problem: String,
     },
+    /// No archive could be made.
+    #[error("the archive of the FMU cannot be made: {0}")]
+    Archive(#[from] zip::result::ZipError),
     /// A template asks for what is not there.
     #[error("internal: the template has no filling for {place}")]
     Template {
