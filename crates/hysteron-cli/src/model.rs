@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use hysteron_identify::{PredictionBand, PredictionError};
 use hysteron_io::{ModelDiskError, load_model, save_model};
 use hysteron_model::hammerstein::SimulationError;
-use hysteron_model::model::{Body, Capability, RunError, Score, SignalRole, Signals, Simulation};
+use hysteron_model::model::{
+    Body, Capability, RunError, Score, SignalRole, Signals, Simulation, Unsupported,
+};
 use hysteron_model::model_file::{ModelFile, ModelFileError};
-use hysteron_model::oscillator::{Oscillator, OscillatorError};
+use hysteron_model::oscillator::OscillatorError;
 use hysteron_model::record::{InputOutput, Quantity, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model, Start, hammerstein};
@@ -176,19 +178,11 @@ impl Loaded {
         self.model.hammerstein(wanted).map_err(|e| self.unsupported(&e))
     }
 
-    /// The oscillator, for what takes no other kind.
-    ///
-    /// # Errors
-    /// As [`Self::hammerstein`].
-    pub fn oscillator(
-        &self,
-        wanted: Capability,
-    ) -> Result<&Body<hysteron_model::model_file::OscillatorFile, Oscillator>, Failure> {
-        self.model.oscillator(wanted).map_err(|e| self.unsupported(&e))
-    }
-
-    fn unsupported(&self, error: &hysteron_model::model::Unsupported) -> Failure {
-        Failure::new(format!("cannot use {}", self.path.display())).because(error)
+    fn unsupported(&self, error: &Unsupported) -> Failure {
+        match error.wanted {
+            Capability::Bands => Failure::usage("--band does not go with this kind of model").because(error),
+            _ => Failure::new(format!("cannot use {}", self.path.display())).because(error),
+        }
     }
 
     /// Band of the output for the drive of the record at `path`, from the errors of the numbers in the file.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use hysteron_model::Model;
 use hysteron_model::model::Remark;
+use hysteron_model::{Model, Start};
 use hysteron_numeric::display::short;
 
 use crate::console;
@@ -41,22 +41,38 @@ fn text(model: &Model, remark: &Remark) -> Option<String> {
         Remark::DoesNotRepeat if model.channels().is_some() => {
             "this drive does not repeat and is taken to start at rest, its inputs held before (--settled says otherwise)".into()
         }
-        Remark::DoesNotRepeat => {
-            "the model was identified on settled periodic records; this drive does not repeat and is taken to start at rest at \
-             its first sample (--rest-voltage or --settled say otherwise)"
+        Remark::DoesNotRepeat if !model.rests_at_a_voltage() => {
+            "the model was identified on settled periodic records; this drive does not repeat and is taken to start at rest \
+             (--settled says otherwise)"
                 .into()
         }
-        Remark::StartChosen { chosen, expected } => {
-            format!(
-                "simulated {}, which explains it better than {} (--rest-voltage or --settled say otherwise)",
-                in_words(chosen, &units.input, &units.output),
-                in_words(expected, &units.input, &units.output)
-            )
+        Remark::DoesNotRepeat => {
+            "the model was identified on settled periodic records; this drive does not repeat and is taken to start at rest at \
+             its first sample (--rest-voltage says otherwise)"
+                .into()
         }
+        Remark::StartChosen { chosen, expected } if model.rests_at_a_voltage() => format!(
+            "simulated {}, which explains it better than {} (--rest-voltage or --settled say otherwise)",
+            in_words(chosen, &units.input, &units.output),
+            in_words(expected, &units.input, &units.output)
+        ),
+        Remark::StartChosen { chosen, expected } => format!(
+            "simulated {}, which explains it better than {} (--settled says otherwise)",
+            from_rest_or_settled(chosen),
+            from_rest_or_settled(expected)
+        ),
         Remark::LeftOut { samples } => format!(
             "the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples are not \
              scored (--skip 0 scores them)"
         ),
         _ => return None,
     })
+}
+
+/// A start of a model that knows no rest voltage.
+fn from_rest_or_settled(start: &Start) -> String {
+    match start {
+        Start::Settled { period_samples } => format!("settled on a period of {period_samples} samples"),
+        _ => "from rest".to_owned(),
+    }
 }

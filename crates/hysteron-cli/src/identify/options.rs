@@ -2,7 +2,6 @@
 
 use hysteron_identify::{Choice, Demands, DynamicsChoice, Initial, Method, Options};
 use hysteron_model::dynamics::Creep;
-use hysteron_model::model::Capability;
 use hysteron_model::record::InterSample;
 use hysteron_optimize::{
     AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions,
@@ -16,7 +15,11 @@ use crate::model::Loaded;
 impl Identify {
     pub(super) fn options(&self) -> Result<Options, Failure> {
         let start = match &self.start {
-            Some(path) => Some(Loaded::read(path)?.hammerstein(Capability::StartOfAFit)?.law().clone()),
+            Some(path) => {
+                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
+                let loaded = Loaded::read(path)?;
+                Some(loaded.model().as_hammerstein().map_err(|e| failure().because(e))?.law().clone())
+            }
             None => None,
         };
         Ok(Options {

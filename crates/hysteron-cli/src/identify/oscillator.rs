@@ -7,7 +7,6 @@ use hysteron_identify::oscillator::{
     Estimate, Identification, Initial, Options, OscillatorFitError, RecordFit, identify,
 };
 use hysteron_identify::{Choice, FindingKind};
-use hysteron_model::model::Capability;
 use hysteron_model::model_file::{
     Interval, OscillatorFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, SignalUnits,
     StartKind, timestamp,
@@ -92,8 +91,9 @@ impl Identify {
         let start = match &self.start {
             None => None,
             Some(path) => {
+                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
                 let loaded = Loaded::read(path)?;
-                Some(*loaded.oscillator(Capability::StartOfAFit)?.law())
+                Some(*loaded.model().as_oscillator().map_err(|e| failure().because(e))?.law())
             }
         };
         Ok(Options {

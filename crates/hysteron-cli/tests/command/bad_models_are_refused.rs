@@ -16,7 +16,7 @@ fn every_way_to_spoil_a_model_file_is_named() {
             good.replace("hysteron-model", "other-model"),
             r#"format: expected "hysteron-model", found "other-model""#,
         ),
-        (good.replace("\"version\": 1", "\"version\": 2"), "this program reads version 1, found 2"),
+        (good.replace("\"version\": 2", "\"version\": 3"), "this program reads versions 1 and 2, found 3"),
         (good.replace("\"scheme\"", "\"shceme\""), "unknown field `shceme`"),
         (good.replace("\"value\": 0.3,", ""), "hysteresis.parameters.linear: missing field `value`"),
         (good.replace("0.3", "1e999"), "number out of range"),

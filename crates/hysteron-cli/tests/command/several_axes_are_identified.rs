@@ -284,7 +284,7 @@ fn what_cannot_be_used_is_refused() {
     refuse("validate stage.json high1.csv --band", 2, "--band");
     refuse("validate stage.json high1.csv --rest-voltage 1", 2, "--rest-voltage");
     refuse("validate stage.json faster.csv", 1, "identified at 1000 Hz");
-    refuse("recalibrate stage.json high1.csv -o x.json", 1, "hysteron-modes");
+    refuse("recalibrate stage.json high1.csv -o x.json", 1, "kind \"modes\"");
     let text = std::fs::read_to_string(bench.path("stage.json")).unwrap();
     bench.write("bad.json", text.replacen("\"modes\": 2", "\"modes\": 3", 1));
     refuse("validate bad.json high1.csv", 1, "transition: expected 8 numbers, found 6");

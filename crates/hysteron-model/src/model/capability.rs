@@ -27,13 +27,11 @@ pub enum Capability {
     Adaptation,
     /// A gain and phase for every frequency.
     FrequencyResponse,
-    /// The first start of an identification.
-    StartOfAFit,
 }
 
 impl Capability {
     /// Every one.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 10] = [
         Self::Simulation,
         Self::Scores,
         Self::Bands,
@@ -44,7 +42,6 @@ impl Capability {
         Self::Recalibration,
         Self::Adaptation,
         Self::FrequencyResponse,
-        Self::StartOfAFit,
     ];
 
     /// What is asked, as the subject of a sentence.
@@ -60,7 +57,6 @@ impl Capability {
             Self::Recalibration => "recalibration",
             Self::Adaptation => "adaptation",
             Self::FrequencyResponse => "a frequency response",
-            Self::StartOfAFit => "a fit that starts from the model",
         }
     }
 
@@ -68,7 +64,6 @@ impl Capability {
     pub fn of(self, kind: Kind) -> bool {
         match (kind, self) {
             (Kind::Hammerstein, _) | (_, Self::Simulation | Self::Scores) => true,
-            (Kind::Oscillator, Self::StartOfAFit) => true,
             (Kind::Oscillator | Kind::Modes | Kind::Branches, _) => false,
         }
     }

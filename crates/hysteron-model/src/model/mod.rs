@@ -113,6 +113,11 @@ impl Model {
         }
     }
 
+    /// Whether a record can begin behind a rest at another input than its first sample's.
+    pub fn rests_at_a_voltage(&self) -> bool {
+        matches!(self, Self::Hammerstein(_))
+    }
+
     /// Sample rate that the model was identified at \[Hz\]; `None` for a static model of records without one.
     pub fn sample_rate_hz(&self) -> Option<f64> {
         match self {
@@ -141,24 +146,28 @@ impl Model {
         &self,
         wanted: Capability,
     ) -> Result<&Body<ModelFile, hammerstein::Model>, Unsupported> {
+        self.as_hammerstein().map_err(|_| Unsupported { kind: self.kind(), wanted })
+    }
+
+    /// The Hammerstein model, where it is one.
+    ///
+    /// # Errors
+    /// [`ModelFileError::OtherKind`].
+    pub fn as_hammerstein(&self) -> Result<&Body<ModelFile, hammerstein::Model>, ModelFileError> {
         match self {
             Self::Hammerstein(body) => Ok(body),
-            Self::Oscillator(_) | Self::Modes(_) | Self::Branches(_) => {
-                Err(Unsupported { kind: self.kind(), wanted })
-            }
+            other => Err(ModelFileError::OtherKind { expected: Kind::Hammerstein, found: other.kind() }),
         }
     }
 
-    /// The oscillator, for what the other kinds do not support.
+    /// The oscillator, where it is one.
     ///
     /// # Errors
-    /// [`Unsupported`], which names the kind and `wanted`.
-    pub fn oscillator(&self, wanted: Capability) -> Result<&Body<OscillatorFile, Oscillator>, Unsupported> {
+    /// [`ModelFileError::OtherKind`].
+    pub fn as_oscillator(&self) -> Result<&Body<OscillatorFile, Oscillator>, ModelFileError> {
         match self {
             Self::Oscillator(body) => Ok(body),
-            Self::Hammerstein(_) | Self::Modes(_) | Self::Branches(_) => {
-                Err(Unsupported { kind: self.kind(), wanted })
-            }
+            other => Err(ModelFileError::OtherKind { expected: Kind::Oscillator, found: other.kind() }),
         }
     }
 }

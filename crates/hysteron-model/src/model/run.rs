@@ -110,6 +110,7 @@ impl Model {
     /// # Errors
     /// As [`Self::simulate`]; a record that says nothing about a model.
     pub fn score(&self, signals: &Signals, start: Start, scoring: &Scoring) -> Result<Score, RunError> {
+        self.check_start(start)?;
         let (simulation, record, scores) = match (self, signals) {
             (Self::Hammerstein(body), Signals::Single(record)) => {
                 let simulation = match start {
