@@ -22,6 +22,7 @@ mod identify;
 mod inspect;
 mod interrupt;
 mod invert;
+mod maker;
 mod model;
 mod numbers;
 mod object;

@@ -2,16 +2,13 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
 
 use clap::Args;
 use hysteron_identify::IdentifyError;
 use hysteron_identify::recalibrate::{Change, Prior, Recalibration, Recording, SIGNIFICANT, recalibrate};
 use hysteron_model::Start;
 use hysteron_model::model::{Capability, SignalRole};
-use hysteron_model::model_file::{
-    ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp,
-};
+use hysteron_model::model_file::{ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole};
 use hysteron_model::record::Unit;
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
@@ -20,7 +17,7 @@ use serde_json::{Value, json};
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::identify::command_line;
+use crate::maker::maker;
 use crate::model::LoadedModel;
 use crate::numbers::number;
 use crate::output::{self, OutFile};
@@ -119,14 +116,7 @@ impl Recalibrate {
             samples: r.data.len() as u64,
             role: RecordRole::Both,
         };
-        Ok(Provenance {
-            program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
-            created: Some(timestamp(SystemTime::now())),
-            records: found.records.iter().map(record).collect(),
-            options,
-            seed: None,
-            command: Some(command_line()),
-        })
+        Ok(Provenance::new(&maker(), found.records.iter().map(record).collect(), options, None))
     }
 
     fn outcome(&self, found: &Recalibration, file: &ModelFile) -> Outcome {

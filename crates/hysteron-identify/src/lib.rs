@@ -34,6 +34,7 @@ mod static_step;
 pub mod structure;
 mod two_step;
 mod uncertainty;
+mod written;
 
 pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
 pub use error::IdentifyError;

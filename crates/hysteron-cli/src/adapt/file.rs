@@ -1,17 +1,14 @@
 //! The corrected model as a file.
 
 use std::collections::BTreeMap;
-use std::time::SystemTime;
 
 use clap::ValueEnum;
-use hysteron_model::model_file::{
-    ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp,
-};
+use hysteron_model::model_file::{ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole};
 
 use super::follow::Followed;
 use super::{Adapt, Task, text};
 use crate::failure::Failure;
-use crate::identify::command_line;
+use crate::maker::maker;
 use crate::model::LoadedModel;
 
 /// The old file with the new numbers; the old numbers' errors say nothing of them and are left out.
@@ -53,14 +50,7 @@ pub fn corrected(
         normalisation: previous.normalisation,
         start: previous.start.clone(),
         valid_range: previous.valid_range.clone(),
-        provenance: Some(Provenance {
-            program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
-            created: Some(timestamp(SystemTime::now())),
-            records: vec![record],
-            options,
-            seed: None,
-            command: Some(command_line()),
-        }),
+        provenance: Some(Provenance::new(&maker(), vec![record], options, None)),
         scores: vec![ScoreEntry::new(
             &task.data.name,
             ScoreRole::Training,

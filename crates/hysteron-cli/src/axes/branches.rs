@@ -1,17 +1,12 @@
 //! `hysteron identify --structure hammerstein --inputs … --outputs …`: a sum of branches.
 
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-use std::time::SystemTime;
 
 use hysteron_identify::coupled::{CoupledFitError, CoupledIdentification, identify};
 use hysteron_model::Start;
-use hysteron_model::axes::AxesRecord;
-use hysteron_model::model_file::{
-    CoupledFile, Interval, Provenance, Quantity, RecordEntry, RecordRole, SignalUnits, ValidRange, timestamp,
-};
+use hysteron_model::model_file::{CoupledFile, Quantity};
 use hysteron_optimize::Progress as SearchProgress;
 use hysteron_report::number::with_std_error;
 use serde_json::{Value, json};
@@ -20,8 +15,8 @@ use super::{AxesFlags, AxesScored, score_axes, table};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::identify::command_line;
 use crate::interrupt;
+use crate::maker::maker;
 use crate::model::{self, Loaded};
 use crate::progress::Progress;
 
@@ -49,7 +44,7 @@ pub fn identify_branches(
     let found = identify(&records, least_fit_percent, &mut watch);
     drop(bar);
     let found = found.map_err(|e| explain(&e))?;
-    let file = file(&found, &records);
+    let file = found.model_file(&records, &maker());
     model::write(out, file.clone())?;
     let loaded = Loaded::read(out)?;
     let scored = score_axes(&loaded, &records, paths, |_| Start::AsIdentified)?;
@@ -59,39 +54,6 @@ pub fn identify_branches(
     console::result(&text(&found, &scored, &file))?;
     console::message(&format!("model written to {}", out.display()));
     Ok(())
-}
-
-fn file(found: &CoupledIdentification, records: &[AxesRecord]) -> CoupledFile {
-    let first = records.first();
-    let symbol = |of: fn(&AxesRecord) -> &str| first.map_or_else(String::new, |r| of(r).to_owned());
-    let units = SignalUnits { input: symbol(|r| r.u_unit.symbol()), output: symbol(|r| r.y_unit.symbol()) };
-    let names = first.map_or_else(Default::default, |r| (r.inputs.clone(), r.outputs.clone()));
-    let mut file = CoupledFile::new(&found.model, found.errors.as_ref(), units.clone(), names);
-    let all = || records.iter().flat_map(|r| r.u.iter().flatten().copied());
-    file.valid_range = Some(ValidRange {
-        input: Interval {
-            low: all().fold(f64::INFINITY, f64::min),
-            high: all().fold(f64::NEG_INFINITY, f64::max),
-            unit: if units.input.is_empty() { "1".to_owned() } else { units.input },
-        },
-        frequency: None,
-        rate: None,
-    });
-    let entry = |r: &AxesRecord| RecordEntry {
-        path: r.label(),
-        sha256: r.source.as_ref().map(|s| s.sha256.clone()),
-        samples: r.len() as u64,
-        role: RecordRole::Both,
-    };
-    file.provenance = Some(Provenance {
-        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
-        created: Some(timestamp(SystemTime::now())),
-        records: records.iter().map(entry).collect(),
-        options: BTreeMap::from([("structure".to_owned(), "hammerstein".to_owned())]),
-        seed: None,
-        command: Some(command_line()),
-    });
-    file
 }
 
 /// Every parameter with where it belongs.

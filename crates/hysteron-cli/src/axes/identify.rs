@@ -1,10 +1,8 @@
 //! `hysteron identify --inputs … --outputs …`: scheduled modes with hysteresis in feedback.
 
-use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::SystemTime;
 
 use clap::Args;
 use hysteron_identify::modes::{
@@ -12,10 +10,7 @@ use hysteron_identify::modes::{
 };
 use hysteron_model::Start;
 use hysteron_model::axes::{AxesRecord, InfluenceMatrix};
-use hysteron_model::model_file::{
-    InfluenceEntry, Interval, ModesFile, ModesScoreEntry, Provenance, RecordEntry, RecordRole, SignalUnits,
-    ValidRange, timestamp,
-};
+use hysteron_model::model_file::ModesFile;
 use hysteron_report::number::significant;
 use serde_json::{Value, json};
 
@@ -23,8 +18,8 @@ use super::{AxesFlags, AxesScored, kind_name, score_axes, table};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::identify::command_line;
 use crate::interrupt;
+use crate::maker::maker;
 use crate::model::{self, Loaded};
 use crate::numbers::{count, positive, whole};
 use crate::progress::Progress;
@@ -108,7 +103,7 @@ impl ModesFlags {
         let found = identify(&records, &options, &mut |progress| watcher.tell(progress));
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
-        let file = file(&found, &records, &options);
+        let file = found.model_file(&records, &options, &maker());
         model::write(out, file.clone())?;
         if found.interrupted {
             console::note("interrupted: the best so far was written");
@@ -148,70 +143,6 @@ impl Watcher<'_> {
         let error = progress.rmse.map_or_else(String::new, |rmse| format!(", RMSE {}", significant(rmse, 4)));
         bar.set(progress.done, format!("{}{error}", progress.step));
         if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-fn file(found: &ModesIdentification, records: &[AxesRecord], options: &Options) -> ModesFile {
-    let first = records.first();
-    let symbol = |of: fn(&AxesRecord) -> &str| first.map_or_else(String::new, |r| of(r).to_owned());
-    let units = SignalUnits { input: symbol(|r| r.u_unit.symbol()), output: symbol(|r| r.y_unit.symbol()) };
-    let names = |of: fn(&AxesRecord) -> &Vec<String>| first.map_or_else(Vec::new, |r| of(r).clone());
-    let mut file = ModesFile::new(&found.model, units.clone(), names(|r| &r.inputs), names(|r| &r.outputs));
-    file.influence = found.influence.iter().map(|i| InfluenceEntry::new(i.level, &i.matrix)).collect();
-    file.valid_range = Some(valid_range(found, records, &units.input));
-    file.provenance = Some(provenance(records, options));
-    file.scores = found
-        .records
-        .iter()
-        .map(|r| ModesScoreEntry {
-            record: r.record.clone(),
-            level: r.level,
-            rmse: r.rmse,
-            output_rmse: r.output_rmse.clone(),
-            fit_percent: r.fit_percent,
-        })
-        .collect();
-    file
-}
-
-fn valid_range(found: &ModesIdentification, records: &[AxesRecord], unit: &str) -> ValidRange {
-    let all = || records.iter().flat_map(|r| r.u.iter().flatten().copied());
-    let unit = if unit.is_empty() { "1" } else { unit };
-    let (low, high) = found.excited_hz;
-    ValidRange {
-        input: Interval {
-            low: all().fold(f64::INFINITY, f64::min),
-            high: all().fold(f64::NEG_INFINITY, f64::max),
-            unit: unit.to_owned(),
-        },
-        frequency: Some(Interval { low, high, unit: "Hz".to_owned() }),
-        rate: None,
-    }
-}
-
-fn provenance(records: &[AxesRecord], options: &Options) -> Provenance {
-    let named = BTreeMap::from([
-        ("structure".to_owned(), "modes".to_owned()),
-        ("modes".to_owned(), options.modes.map_or_else(|| "auto".to_owned(), |n| n.to_string())),
-        ("steps".to_owned(), options.steps.to_string()),
-        ("plays".to_owned(), options.plays.to_string()),
-        ("hysteresis".to_owned(), options.hysteresis.to_string()),
-        ("iterations".to_owned(), options.iterations.to_string()),
-        ("exponent".to_owned(), options.exponent.to_string()),
-    ]);
-    let entry = |r: &AxesRecord| RecordEntry {
-        path: r.label(),
-        sha256: r.source.as_ref().map(|s| s.sha256.clone()),
-        samples: r.len() as u64,
-        role: RecordRole::Both,
-    };
-    Provenance {
-        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
-        created: Some(timestamp(SystemTime::now())),
-        records: records.iter().map(entry).collect(),
-        options: named,
-        seed: None,
-        command: Some(command_line()),
     }
 }
 

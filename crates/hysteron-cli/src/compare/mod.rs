@@ -21,8 +21,8 @@ use cost::CandidateCost;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::identify::written;
 use crate::interrupt;
+use crate::maker::maker;
 use crate::output::{self, OutFile};
 use crate::progress::Progress;
 use crate::result_flags::ResultFlags;
@@ -147,7 +147,7 @@ fn write_model(
         Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };
     let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));
     let found = identify(campaign, &options, &mut Unwatched, None).map_err(|e| failure().because(e))?;
-    let file = written::model_file(&found, campaign, &options);
+    let file = found.model_file(&options, &maker());
     crate::model::write(path, file.clone())?;
     console::message(&format!("model of {} written to {}", preferred.candidate, path.display()));
     Ok(())

@@ -8,7 +8,7 @@ use hysteron_report::number::significant;
 use hysteron_report::page::{Block, Cell, Column, Highlight, Page, Section, Table};
 
 use super::{Found, baselines, text};
-use crate::identify::command_line;
+use crate::maker::command_line;
 
 /// Candidates whose errors are shown fold by fold.
 const SHOWN_BY_FOLD: usize = 5;

@@ -2,18 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::SystemTime;
 
 use hysteron_identify::frequency_response::Candidate;
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
-use hysteron_model::model_file::{ModelFile, Provenance, SignalUnits, timestamp};
+use hysteron_model::model_file::{ModelFile, Provenance, SignalUnits};
 use hysteron_model::record::InterSample;
 
 use super::Found;
 use crate::failure::Failure;
-use crate::identify::command_line;
+use crate::maker::maker;
 
 /// Writes the candidate of the lowest AIC that a model file can hold; says which, and what the file lacks.
 pub fn write(path: &Path, found: &Found) -> Result<String, Failure> {
@@ -82,13 +81,6 @@ fn model_file(
         ("band".to_owned(), format!("{low}:{high} Hz")),
         ("relative rms error".to_owned(), format!("{:.4} %", 100.0 * candidate.fit.relative_rms)),
     ]);
-    file.provenance = Some(Provenance {
-        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
-        created: Some(timestamp(SystemTime::now())),
-        records: Vec::new(),
-        options,
-        seed: None,
-        command: Some(command_line()),
-    });
+    file.provenance = Some(Provenance::new(&maker(), Vec::new(), options, None));
     Ok(file)
 }

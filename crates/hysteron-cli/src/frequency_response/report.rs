@@ -10,7 +10,7 @@ use hysteron_report::page::{Block, Column, Page, Section, Table};
 
 use super::text::{ABOUT_AIC, cells, lowest_aic, what};
 use super::{Found, empirical};
-use crate::identify::command_line;
+use crate::maker::command_line;
 
 pub fn page(found: &Found) -> Page {
     let mut response = Section::new("Response and structures")

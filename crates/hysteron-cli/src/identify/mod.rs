@@ -9,9 +9,6 @@ mod parameters;
 mod report;
 mod search;
 mod starts;
-pub mod written;
-
-pub use written::command_line;
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -34,6 +31,7 @@ use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::maker::maker;
 use crate::numbers::{count, number, whole};
 use crate::output::{self, OutFile};
 use crate::result_flags::ResultFlags;
@@ -228,7 +226,7 @@ impl Identify {
         let found = identify(&campaign, &options, &mut watcher, resume);
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
-        let file = written::model_file(&found, &campaign, &options);
+        let file = found.model_file(&options, &maker());
         crate::model::write(&self.out, file.clone())?;
         if found.cancelled {
             self.write_searches(&found.resume)?;

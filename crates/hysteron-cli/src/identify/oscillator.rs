@@ -1,25 +1,20 @@
 //! `hysteron identify --structure oscillator`: a mass on a hysteretic spring.
 
-use std::collections::BTreeMap;
-use std::time::SystemTime;
-
 use hysteron_identify::oscillator::{
-    Estimate, Identification, Initial, Options, OscillatorFitError, RecordFit, identify,
+    Estimate, Identification, Initial, Options, OscillatorFitError, identify,
 };
 use hysteron_identify::{Choice, FindingKind};
-use hysteron_model::model_file::{
-    Interval, OscillatorFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, SignalUnits,
-    StartKind, timestamp,
-};
-use hysteron_model::record::{InputOutput, InterSample, Unit};
+use hysteron_model::model_file::OscillatorFile;
+use hysteron_model::record::InterSample;
 use hysteron_report::number::with_std_error;
 use serde_json::{Value, json};
 
+use super::Identify;
 use super::arguments::{InitialArg, InterSampleArg, MethodArg, OptimizerArg};
 use super::parameters::typographic;
-use super::{Identify, command_line};
 use crate::console;
 use crate::failure::Failure;
+use crate::maker::maker;
 use crate::model::Loaded;
 use crate::output;
 use crate::scores::{self, Scored};
@@ -37,7 +32,7 @@ impl Identify {
         let options = self.oscillator_options()?;
         let records = self.columns.read_all(&self.records)?;
         let found = self.in_threads(|| identify(&records, &options).map_err(|e| explain(&e)))??;
-        let file = file(&found, &options);
+        let file = found.model_file(&options, &maker());
         crate::model::write(&self.out, file.clone())?;
         if self.result.json {
             return console::json(&self.object(&found, &file));
@@ -190,80 +185,6 @@ fn text(found: &Identification, file: &OscillatorFile) -> String {
         text += &format!("data: {line}\n");
     }
     text
-}
-
-/// The model file: parameters, standard errors, range, how it was made, scores.
-fn file(found: &Identification, options: &Options) -> OscillatorFile {
-    let first = found.records.first();
-    let symbol =
-        |of: fn(&InputOutput) -> &Unit| first.map_or_else(String::new, |r| of(&r.data).symbol().to_owned());
-    let signals = SignalUnits { input: symbol(|d| &d.u_unit), output: symbol(|d| &d.y_unit) };
-    let rate = first.and_then(|r| r.data.sample_rate_hz()).unwrap_or(1.0);
-    let mut file = OscillatorFile::new(&found.oscillator, signals.clone(), found.inter_sample.into(), rate);
-    for (quantity, estimate) in file.parameters.all_mut().into_iter().zip(&found.estimates) {
-        quantity.std_error = estimate.std_error;
-    }
-    file.offset.value = found.offset;
-    if first.is_some_and(|r| r.period_samples.is_some()) {
-        file.start = StartKind::Settled;
-    }
-    file.valid_range = Some(valid_range(found, &signals.input));
-    file.provenance = Some(provenance(found, options));
-    file.scores = found
-        .records
-        .iter()
-        .map(|r| ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.scores))
-        .collect();
-    file
-}
-
-fn valid_range(found: &Identification, unit: &str) -> hysteron_model::model_file::ValidRange {
-    let forces = || found.records.iter().flat_map(|r| &r.data.u);
-    let slopes = |r: &RecordFit| {
-        let rate = r.data.sample_rate_hz().unwrap_or(0.0);
-        r.data.u.windows(2).map(|w| (w[1] - w[0]).abs() * rate).fold(0.0, f64::max)
-    };
-    let unit = if unit.is_empty() { "1" } else { unit };
-    let interval = |low, high, unit: &str| Interval { low, high, unit: unit.to_owned() };
-    let (low, high) = found.excited_hz;
-    hysteron_model::model_file::ValidRange {
-        input: interval(
-            forces().copied().fold(f64::INFINITY, f64::min),
-            forces().copied().fold(f64::NEG_INFINITY, f64::max),
-            unit,
-        ),
-        frequency: Some(interval(low, high, "Hz")),
-        rate: Some(interval(0.0, found.records.iter().map(slopes).fold(0.0, f64::max), &format!("{unit}/s"))),
-    }
-}
-
-fn provenance(found: &Identification, options: &Options) -> Provenance {
-    let initial = match options.initial {
-        Initial::Auto => "auto",
-        Initial::Rest => "rest",
-        Initial::Periodic => "periodic",
-        Initial::Free => "free",
-    };
-    let mut named = BTreeMap::from([
-        ("structure".to_owned(), "oscillator".to_owned()),
-        ("initial".to_owned(), initial.to_owned()),
-        ("inter-sample".to_owned(), found.inter_sample.name().to_owned()),
-    ]);
-    named.extend(options.fixed.iter().map(|(name, value)| (format!("fix {name}"), value.to_string())));
-    let record = |r: &RecordFit| RecordEntry {
-        path: r.data.source.as_ref().map_or(r.data.name.clone(), |s| s.path.clone()),
-        sha256: r.data.source.as_ref().map(|s| s.sha256.clone()),
-        samples: r.data.len() as u64,
-        role: RecordRole::Both,
-    };
-    Provenance {
-        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
-        created: Some(timestamp(SystemTime::now())),
-        records: found.records.iter().map(record).collect(),
-        options: named,
-        seed: None,
-        command: Some(command_line()),
-    }
 }
 
 /// The library's error with what to do about it.

@@ -17,7 +17,7 @@ use hysteron_report::record_curves::{BandWidths, RecordCurves};
 
 use super::parameters;
 use super::starts::starts;
-use super::written::command_line;
+use crate::maker::command_line;
 
 /// Frequencies at which the response is drawn.
 const RESPONSE_POINTS: usize = 400;

@@ -7,7 +7,7 @@ use super::controllers::{Controller, Family};
 use super::sheets::{adaptations, bandwidths, errors, margins, reaches};
 use super::text::{OF_ADAPTATIONS, introduction, of_bandwidths, of_runaways};
 use super::{Found, Run};
-use crate::identify::command_line;
+use crate::maker::command_line;
 use crate::numbers::ends;
 
 /// Curves of a figure at most.

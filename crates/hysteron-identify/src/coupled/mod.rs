@@ -6,6 +6,7 @@
 //! from the best of them. Standard errors come from the derivatives of everything at once, gains included, under white noise.
 
 mod problem;
+mod written;
 
 use rayon::prelude::*;
 

@@ -21,6 +21,7 @@ mod start;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod written;
 
 pub use error::ModesFitError;
 pub use summary::{LevelInfluence, ModeShift, ModesRecordFit};

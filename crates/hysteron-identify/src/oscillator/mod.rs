@@ -20,6 +20,7 @@ mod output_error;
 mod preparation;
 mod search;
 mod shapes;
+mod written;
 
 pub use error::OscillatorFitError;
 pub use knowledge::Estimate;

@@ -56,13 +56,13 @@ pub use kind::Kind;
 pub use modes::{HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile, ModesScoreEntry};
 pub use oscillator::{OscillatorFile, OscillatorParameters};
 pub use parameters::{Parameters, polynomial_name};
-pub use provenance::{Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
+pub use provenance::{Maker, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
 pub use quantity::{Interval, Quantity};
 pub use schema::json_schema;
 
 use crate::dynamics::Scheme;
 use crate::hysteresis::FamilyForm;
-use crate::record::InterSample;
+use crate::record::{InterSample, Unit};
 
 /// Value of the key `format`.
 pub const FORMAT: &str = "hysteron-model";
@@ -398,6 +398,41 @@ pub struct ValidRange {
     /// Range of |du/dt|, in the input's unit per second; null where the records have no time.
     #[serde(default)]
     pub rate: Option<Interval>,
+}
+
+impl SignalUnits {
+    /// Of an input and an output in these units.
+    pub fn of(input: &Unit, output: &Unit) -> Self {
+        Self { input: input.symbol().to_owned(), output: output.symbol().to_owned() }
+    }
+}
+
+impl ValidRange {
+    /// Range of the samples of the inputs, in `unit` (a header symbol), and the frequencies excited \[Hz\].
+    pub fn of_inputs<'a>(
+        inputs: impl IntoIterator<Item = &'a f64>,
+        unit: &str,
+        excited_hz: Option<(f64, f64)>,
+    ) -> Self {
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = inputs.into_iter().fold(ends, |(low, high), &u| (low.min(u), high.max(u)));
+        let unit = if unit.is_empty() { "1" } else { unit };
+        Self {
+            input: Interval { low, high, unit: unit.to_owned() },
+            frequency: excited_hz.map(|(low, high)| Interval { low, high, unit: "Hz".to_owned() }),
+            rate: None,
+        }
+    }
+
+    /// The same, with the largest rate of the input per second.
+    #[must_use]
+    pub fn with_rate(self, largest: f64) -> Self {
+        let unit = match self.input.unit.as_str() {
+            "1" => "1/s".to_owned(),
+            unit => format!("{unit}/s"),
+        };
+        Self { rate: Some(Interval { low: 0.0, high: largest, unit }), ..self }
+    }
 }
 
 impl ModelFile {

@@ -1,11 +1,12 @@
 //! How a model was made and how well it does.
 
 use std::collections::BTreeMap;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::axes::AxesRecord;
+use crate::record::{InputOutput, Source};
 use crate::validate::Scores;
 
 /// How a model was made: enough to make it again.
@@ -31,6 +32,30 @@ pub struct Provenance {
     pub command: Option<String>,
 }
 
+/// What only the program that makes a model knows: itself, the time, its command line.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Maker {
+    /// Program and version, e.g. `hysteron 0.1.0`.
+    pub program: String,
+    /// When, RFC 3339 in UTC ([`timestamp`]).
+    pub created: Option<String>,
+    /// The command that makes the model.
+    pub command: Option<String>,
+}
+
+impl Provenance {
+    /// How a model was made from these records with these options by name.
+    pub fn new(
+        maker: &Maker,
+        records: Vec<RecordEntry>,
+        options: BTreeMap<String, String>,
+        seed: Option<u64>,
+    ) -> Self {
+        let Maker { program, created, command } = maker.clone();
+        Self { program, created, records, options, seed, command }
+    }
+}
+
 /// A record used for an identification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "an object with the keys `path`, `sha256`, `samples` and `role`")]
@@ -44,6 +69,27 @@ pub struct RecordEntry {
     pub samples: u64,
     /// What it was used for.
     pub role: RecordRole,
+}
+
+impl RecordEntry {
+    /// A record of one input and one output.
+    pub fn of(record: &InputOutput, role: RecordRole) -> Self {
+        Self::named(record.source.as_ref(), &record.name, record.len(), role)
+    }
+
+    /// A record of several inputs and outputs.
+    pub fn of_axes(record: &AxesRecord) -> Self {
+        Self::named(record.source.as_ref(), &record.name, record.len(), RecordRole::Both)
+    }
+
+    fn named(source: Option<&Source>, name: &str, samples: usize, role: RecordRole) -> Self {
+        Self {
+            path: source.map_or(name, |s| &s.path).to_owned(),
+            sha256: source.map(|s| s.sha256.clone()),
+            samples: samples as u64,
+            role,
+        }
+    }
 }
 
 /// What a record was used for.
@@ -123,9 +169,8 @@ impl ScoreEntry {
     }
 }
 
-/// `time` as RFC 3339 in UTC, to the second: `2025-01-31T09:30:00Z`. Times before 1970 read as 1970.
-pub fn timestamp(time: SystemTime) -> String {
-    let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+/// A time in seconds since 1970 as RFC 3339 in UTC, to the second: `2025-01-31T09:30:00Z`.
+pub fn timestamp(seconds: u64) -> String {
     let (days, rest) = (seconds / 86_400, seconds % 86_400);
     // Civil date from days since 1970-01-01, in years that begin on 1 March (so that leap days come last).
     let shifted = days + 719_468;

@@ -1,26 +1,28 @@
 //! The model file of an identification.
 
 use std::collections::BTreeMap;
-use std::time::SystemTime;
 
-use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Identification, Initial, Method, Options, RecordFit, RecordRole,
-};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Start;
 use hysteron_model::model_file::{
-    Interval, ModelFile, Normalisation, Provenance, Quantity, RecordEntry, RecordRole as RoleEntry,
-    ScoreEntry, ScoreRole, SignalUnits, StartEntry, StartKind, ValidRange, timestamp,
+    Maker, ModelFile, Normalisation, Provenance, Quantity, RecordEntry, RecordRole as RoleEntry, ScoreEntry,
+    ScoreRole, SignalUnits, StartEntry, StartKind, ValidRange,
 };
-use hysteron_model::record::InterSample;
 
-/// The file: model, standard errors, range, how it was made, scores.
-pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: &Options) -> ModelFile {
-    let (input, output) = campaign
-        .first()
-        .map(|r| (r.data.u_unit.symbol().to_owned(), r.data.y_unit.symbol().to_owned()))
-        .unwrap_or_default();
-    let mut file = ModelFile::from_model(&found.model, SignalUnits { input: input.clone(), output });
+use crate::{Choice, DynamicsChoice, Identification, Initial, Method, Options, RecordFit, RecordRole};
+
+impl Identification {
+    /// The model as data: numbers with standard errors, range, how it was made with these `options`, scores.
+    pub fn model_file(&self, options: &Options, maker: &Maker) -> ModelFile {
+        model_file(self, options, maker)
+    }
+}
+
+fn model_file(found: &Identification, options: &Options, maker: &Maker) -> ModelFile {
+    let first = found.records.first().map(|r| &r.data);
+    let units = first.map_or_else(SignalUnits::default, |d| SignalUnits::of(&d.u_unit, &d.y_unit));
+    let input = units.input.clone();
+    let mut file = ModelFile::from_model(&found.model, units);
     match &found.of_numbers {
         Some(known) => file.set_covariance(&known.names, &known.matrix),
         None => give_errors(&mut file, found),
@@ -36,7 +38,7 @@ pub fn model_file(found: &Identification, campaign: &[CampaignRecord], options: 
         file.start = start(record, &input);
     }
     file.valid_range = Some(valid_range(found, &input));
-    file.provenance = Some(provenance(found, options));
+    file.provenance = Some(provenance(found, options, maker));
     file.scores = found
         .records
         .iter()
@@ -92,28 +94,19 @@ fn start(record: &RecordFit, unit: &str) -> StartEntry {
 }
 
 fn valid_range(found: &Identification, unit: &str) -> ValidRange {
-    let mut input = (f64::INFINITY, f64::NEG_INFINITY);
-    let mut rate: f64 = 0.0;
-    let mut timed = false;
-    for record in &found.records {
-        for &u in &record.data.u {
-            input = (input.0.min(u), input.1.max(u));
-        }
-        if let Some(fs) = record.data.sample_rate_hz() {
-            timed = true;
-            rate = record.data.u.windows(2).map(|w| (w[1] - w[0]).abs() * fs).fold(rate, f64::max);
-        }
-    }
-    let interval = |low, high, unit: &str| Interval { low, high, unit: unit.to_owned() };
-    let per_second = if unit.is_empty() { "1/s".to_owned() } else { format!("{unit}/s") };
-    ValidRange {
-        input: interval(input.0, input.1, if unit.is_empty() { "1" } else { unit }),
-        frequency: found.excited_hz.map(|(low, high)| interval(low, high, "Hz")),
-        rate: timed.then(|| interval(0.0, rate, &per_second)),
+    let inputs = found.records.iter().flat_map(|r| &r.data.u);
+    let range = ValidRange::of_inputs(inputs, unit, found.excited_hz);
+    let rates = found.records.iter().filter_map(|r| {
+        let fs = r.data.sample_rate_hz()?;
+        Some(r.data.u.windows(2).map(|w| (w[1] - w[0]).abs() * fs).fold(0.0, f64::max))
+    });
+    match rates.reduce(f64::max) {
+        Some(largest) => range.with_rate(largest),
+        None => range,
     }
 }
 
-fn provenance(found: &Identification, options: &Options) -> Provenance {
+fn provenance(found: &Identification, options: &Options, maker: &Maker) -> Provenance {
     let choice = |text: Option<String>| text.unwrap_or_else(|| "auto".into());
     let given = |c: Choice<f64>| match c {
         Choice::Given(x) => Some(x.to_string()),
@@ -136,7 +129,7 @@ fn provenance(found: &Identification, options: &Options) -> Provenance {
         ("n".to_owned(), choice(given(options.n)).replace("auto", "free")),
         ("delay".to_owned(), choice(given(options.delay_s))),
         ("scheme".to_owned(), found.model.scheme.name().to_owned()),
-        ("inter-sample".to_owned(), inter_sample(found.model.inter_sample).to_owned()),
+        ("inter-sample".to_owned(), found.model.inter_sample.name().to_owned()),
     ]);
     if options.dynamics.takes_two_steps() {
         named.insert("dynamics".into(), options.dynamics.name().into());
@@ -155,34 +148,14 @@ fn provenance(found: &Identification, options: &Options) -> Provenance {
     for (name, low, high) in &options.demands.bounded {
         named.insert(format!("bound {name}"), format!("{low}:{high}"));
     }
-    Provenance {
-        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
-        created: Some(timestamp(SystemTime::now())),
-        records: found
-            .records
-            .iter()
-            .map(|r| RecordEntry {
-                path: r.data.source.as_ref().map_or(r.data.name.clone(), |s| s.path.clone()),
-                sha256: r.data.source.as_ref().map(|s| s.sha256.clone()),
-                samples: r.data.u.len() as u64,
-                role: match r.role {
-                    RecordRole::QuasiStatic => RoleEntry::Static,
-                    RecordRole::Dynamic => RoleEntry::Dynamic,
-                },
-            })
-            .collect(),
-        options: named,
-        seed: Some(options.seed),
-        command: Some(command_line()),
-    }
-}
-
-fn inter_sample(rule: InterSample) -> &'static str {
-    match rule {
-        InterSample::Hold => "hold",
-        InterSample::Linear => "linear",
-        InterSample::BandLimited => "band-limited",
-    }
+    let entry = |r: &RecordFit| {
+        let role = match r.role {
+            RecordRole::QuasiStatic => RoleEntry::Static,
+            RecordRole::Dynamic => RoleEntry::Dynamic,
+        };
+        RecordEntry::of(&r.data, role)
+    };
+    Provenance::new(maker, found.records.iter().map(entry).collect(), named, Some(options.seed))
 }
 
 fn initial(initial: Initial) -> &'static str {
@@ -193,18 +166,4 @@ fn initial(initial: Initial) -> &'static str {
         Initial::Zero => "zero",
         Initial::Free => "free",
     }
-}
-
-/// The command as typed, quoted for a shell.
-pub fn command_line() -> String {
-    let quote = |word: String| {
-        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
-        if !word.is_empty() && word.chars().all(plain) {
-            word
-        } else {
-            format!("'{}'", word.replace('\'', r"'\''"))
-        }
-    };
-    let words = std::env::args_os().skip(1).map(|word| quote(word.to_string_lossy().into_owned()));
-    std::iter::once("hysteron".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
 }

@@ -1,0 +1,29 @@
+//! What only the program knows of the models it makes.
+
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use hysteron_model::model_file::{Maker, timestamp};
+
+/// This program, now, as it was called.
+pub fn maker() -> Maker {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    Maker {
+        program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),
+        created: Some(timestamp(seconds)),
+        command: Some(command_line()),
+    }
+}
+
+/// The command as typed, quoted for a shell.
+pub fn command_line() -> String {
+    let quote = |word: String| {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+        if !word.is_empty() && word.chars().all(plain) {
+            word
+        } else {
+            format!("'{}'", word.replace('\'', r"'\''"))
+        }
+    };
+    let words = std::env::args_os().skip(1).map(|word| quote(word.to_string_lossy().into_owned()));
+    std::iter::once("hysteron".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
