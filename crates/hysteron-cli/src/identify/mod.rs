@@ -5,10 +5,7 @@ mod family;
 mod options;
 mod oscillator;
 mod outcome;
-mod parameters;
-mod report;
 mod search;
-mod starts;
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -17,7 +14,8 @@ use std::sync::atomic::Ordering;
 use clap::Args;
 use hysteron_identify::structure::neighbours;
 use hysteron_identify::{CampaignRecord, FindingKind, RecordRole, identify};
-use hysteron_report::identification::{IdentificationReportData, identification_report};
+use hysteron_report::identification::report;
+use hysteron_report::page::Page;
 use hysteron_report::write_figures;
 
 use self::arguments::{
@@ -234,7 +232,8 @@ impl Identify {
         if self.result.has_report() || self.figures.is_some() {
             let stop = || stop.load(Ordering::Relaxed);
             let others = neighbours(&campaign, &options, &found, &stop);
-            self.write_report(&report::data(&self.out, &found, &file, &others))?;
+            let name = self.out.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
+            self.write_report(&report(&name, &found, &file, Some(&others)))?;
         }
         // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
         if self.result.json || !std::io::stdout().is_terminal() {
@@ -317,13 +316,12 @@ impl Identify {
         Ok(records.map(|(data, role)| CampaignRecord { data, role }).collect())
     }
 
-    fn write_report(&self, data: &IdentificationReportData) -> Result<(), Failure> {
-        let page = identification_report(data);
-        self.result.write(|| &page)?;
+    fn write_report(&self, page: &Page) -> Result<(), Failure> {
+        self.result.write(|| page)?;
         if let Some(folder) = &self.figures {
             let failure = || Failure::new(format!("cannot write the figures to {}", folder.display()));
             std::fs::create_dir_all(folder).map_err(|e| failure().because(e))?;
-            let written = write_figures(folder, "figure", &page)
+            let written = write_figures(folder, "figure", page)
                 .map_err(|e| output::cannot_write("the figures", folder, e))?;
             console::message(&format!("{} figures written to {}", written.len(), folder.display()));
         }

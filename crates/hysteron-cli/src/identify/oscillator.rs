@@ -11,13 +11,13 @@ use serde_json::{Value, json};
 
 use super::Identify;
 use super::arguments::{InitialArg, InterSampleArg, MethodArg, OptimizerArg};
-use super::parameters::typographic;
 use crate::console;
 use crate::failure::Failure;
 use crate::maker::maker;
 use crate::model::Loaded;
 use crate::output;
 use crate::scores::{self, Scored};
+use hysteron_report::identification::typographic;
 
 const TITLE: &str = "no oscillator was identified";
 

@@ -85,7 +85,7 @@ impl<'a> Outcome<'a> {
                     block: p.block,
                     name: &p.name,
                     value: p.value,
-                    unit: super::parameters::unit_of(p, file),
+                    unit: hysteron_report::identification::unit_of(p, file),
                     std_error: p.std_error,
                     interval_95: p.interval.map(|i| IntervalEntry {
                         low: i.low,
@@ -147,7 +147,7 @@ pub fn text(found: &Identification, file: &ModelFile) -> String {
     for p in &found.parameters {
         let (value, error) = with_std_error(p.value, p.std_error);
         let error = if p.std_error.is_some() { error } else { "-".to_owned() };
-        let unit = super::parameters::unit_of(p, file);
+        let unit = hysteron_report::identification::unit_of(p, file);
         let mut row = vec![p.block.to_owned(), p.name.clone(), value, error, unit];
         if intervals {
             row.push(p.interval.map_or("-".to_owned(), |i| interval(&i, p.std_error)));

@@ -1,7 +1,10 @@
-//! The report of an identification, filled for `hysteron-report`.
+//! Contents of the report, from the identification itself.
 
-use std::path::Path;
-
+use super::{DegreeRow, IdentificationReportData, ScoreRow, StructureRow};
+use crate::figure::{ConvergenceCurve, FrequencyResponseCurve};
+use crate::number::significant;
+use crate::page::Highlight;
+use crate::record_curves::{BandWidths, RecordCurves};
 use hysteron_identify::structure::{Neighbours, StructureError};
 use hysteron_identify::{FindingKind, Identification, Method, PredictionBand, RecordFit, RecordRole};
 use hysteron_model::dynamics::{Creep, Dynamics, TransferFunction};
@@ -9,15 +12,9 @@ use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::ModelFile;
 use hysteron_model::record::{InputOutput, TimeBase};
 use hysteron_model::validate::{definitions, residual_input_correlation, residual_whiteness};
-use hysteron_report::figure::{ConvergenceCurve, FrequencyResponseCurve};
-use hysteron_report::identification::{DegreeRow, IdentificationReportData, ScoreRow, StructureRow};
-use hysteron_report::number::significant;
-use hysteron_report::page::Highlight;
-use hysteron_report::record_curves::{BandWidths, RecordCurves};
 
 use super::parameters;
-use super::starts::starts;
-use crate::maker::command_line;
+use super::searches::starts;
 
 /// Frequencies at which the response is drawn.
 const RESPONSE_POINTS: usize = 400;
@@ -37,16 +34,16 @@ const SHOWN: [&str; 7] = [
 ];
 
 /// Everything the report shows.
-pub fn data(
-    path: &Path,
+pub(super) fn data(
+    model_name: &str,
     found: &Identification,
     file: &ModelFile,
-    others: &Result<Neighbours, StructureError>,
+    others: Option<&Result<Neighbours, StructureError>>,
 ) -> IdentificationReportData {
     let of_kind = |kind| found.findings.iter().filter(move |f| f.kind == kind).map(|f| f.text.clone());
     let unit = found.records.first().map(|r| r.data.y_unit.to_string()).unwrap_or_default();
     IdentificationReportData {
-        model_name: path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default(),
+        model_name: model_name.to_owned(),
         summary: summary(found),
         simulated: found.records.iter().any(|r| r.data.name.to_lowercase().contains("simulated")),
         highlights: highlights(found),
@@ -117,10 +114,10 @@ pub fn data(
                 chosen: degree == found.structure.degree,
             })
             .collect(),
-        structures: structures(others),
-        structures_note: about_structures(found, others),
+        structures: others.map_or_else(Vec::new, structures),
+        structures_note: others.map_or_else(String::new, |others| about_structures(found, others)),
         provenance: provenance(file),
-        commands: vec![command_line()],
+        commands: file.provenance.iter().filter_map(|p| p.command.clone()).collect(),
         footer: vec![file.provenance.as_ref().map(|p| p.program.clone()).unwrap_or_default()],
     }
 }

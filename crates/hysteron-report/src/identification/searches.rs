@@ -1,14 +1,14 @@
 //! The starts of the searches, for the report.
 
+use crate::starts::{SearchStarts, StartRow};
 use hysteron_identify::Identification;
 use hysteron_optimize::{LocalStatus, StartResult};
-use hysteron_report::starts::{SearchStarts, StartRow};
 
 /// Starts whose costs differ by less than this share of the best ended in the same optimum.
 const SAME: f64 = 1e-6;
 
 /// Every search that kept a record of its starts.
-pub fn starts(found: &Identification, unit: &str) -> Vec<SearchStarts> {
+pub(super) fn starts(found: &Identification, unit: &str) -> Vec<SearchStarts> {
     let searches = found.searches.iter().filter(|search| !search.outcome.starts.is_empty());
     searches
         .map(|search| {

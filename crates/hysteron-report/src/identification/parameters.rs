@@ -1,11 +1,11 @@
 //! The model's parameters with symbol, meaning and unit.
 
+use super::ParameterRow;
 use hysteron_identify::{Identification, IntervalMethod, Parameter};
 use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::{HysteresisKind, ModelFile};
 use hysteron_model::record::Unit;
-use hysteron_report::identification::ParameterRow;
 
 /// Unit of a parameter: as in the model file, else by its name.
 pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
@@ -25,7 +25,7 @@ pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
 }
 
 /// `um/V^2` as µm/V².
-pub(super) fn typographic(unit: &str) -> String {
+pub fn typographic(unit: &str) -> String {
     const RAISED: [&str; 10] = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
     let mut text = unit.replace("um", "µm").replace('*', " ");
     for (digit, raised) in RAISED.iter().enumerate() {
@@ -110,7 +110,7 @@ fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> Par
 }
 
 /// The model's parameters, then what belongs to the records: the sensor's offset and the start of each.
-pub fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
+pub(super) fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow> {
     let mut rows: Vec<ParameterRow> =
         found.parameters.iter().map(|p| parameter_row(p, found, file)).collect();
     let Some(first) = found.records.first() else { return rows };

@@ -1,6 +1,12 @@
 //! The report of an identification: what was measured, what was found, how good it is, how to repeat it.
 //!
-//! [`IdentificationReportData`] is plain data that the command line fills; [`identification_report`] lays it out.
+//! [`report`] makes the page from the result. [`IdentificationReportData`] is what it shows, laid out by [`identification_report`].
+
+mod contents;
+mod parameters;
+mod searches;
+
+pub use parameters::{typographic, unit_of};
 
 use crate::figure::ticks::fixed;
 use crate::figure::{
@@ -11,7 +17,20 @@ use crate::number::{significant, with_std_error};
 use crate::page::{Block, Column, Highlight, Page, Section, Table};
 use crate::record_curves::RecordCurves;
 use crate::starts::SearchStarts;
-use hysteron_identify::Correlation;
+use hysteron_identify::structure::{Neighbours, StructureError};
+use hysteron_identify::{Correlation, Identification};
+use hysteron_model::model_file::ModelFile;
+
+/// The report of an identification, whose model's data are `file`: model, errors, scores, measured against simulated, findings,
+/// how to repeat it. `others`: structures next to the identified one, where they were compared.
+pub fn report(
+    model_name: &str,
+    found: &Identification,
+    file: &ModelFile,
+    others: Option<&Result<Neighbours, StructureError>>,
+) -> Page {
+    identification_report(&contents::data(model_name, found, file, others))
+}
 
 /// Everything the report of an identification shows. Empty parts are left out of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
