@@ -173,7 +173,7 @@ impl Invert {
                 .because("the reference has no uniform sample rate, which is to be the controller's")
                 .hint("give the sample rate with --sample-rate HZ, or a time column of even steps"));
         };
-        let range_v = match (self.range, &model.file.valid_range) {
+        let range_v = match (self.range, &model.file().valid_range) {
             (Some(range), _) => range,
             (None, Some(valid)) => [valid.input.low, valid.input.high],
             (None, None) => {
@@ -216,7 +216,7 @@ impl Invert {
                     short(high),
                     short(from),
                     short(to),
-                    input = Unit::new(&model.file.units.input),
+                    input = Unit::new(&model.file().units.input),
                 )).hint(
                     "change the reference's offset, widen --range, or say where the device rests with --rest-voltage VOLTS",
                 ),
@@ -237,7 +237,7 @@ impl Invert {
         })?;
         let band = self.band(&model, &found, sample_rate_hz);
         let summary = summary(&reference.samples, &found, sample_rate_hz, band, &model);
-        self.write(reference.time, &reference.samples, &unit, &model.file.units.input, found)?;
+        self.write(reference.time, &reference.samples, &unit, &model.file().units.input, found)?;
         if self.json { console::json(&summary.object()) } else { console::result(&text(&summary)) }
     }
 
@@ -272,7 +272,7 @@ impl Invert {
 
     /// A remark where the reference moves faster than what the model was identified with.
     fn remark_fast(&self, model: &LoadedModel, reference: &[f64], sample_rate_hz: f64) {
-        let Some(valid) = model.file.valid_range.as_ref().and_then(|range| range.frequency.as_ref()) else {
+        let Some(valid) = model.file().valid_range.as_ref().and_then(|range| range.frequency.as_ref()) else {
             return;
         };
         let fastest_hz = sample_rate_hz / (2.0 * shortest_swing(reference) as f64);
@@ -290,7 +290,7 @@ impl Invert {
     /// Half of the 95 % band at its widest; `None` where the file does not hold what it takes.
     fn band(&self, model: &LoadedModel, found: &InverseDrive, sample_rate_hz: f64) -> Option<f64> {
         let start = found.rest.unwrap_or(Start::Settled { period_samples: found.drive.len() });
-        model.file.correlation.as_ref()?;
+        model.file().correlation.as_ref()?;
         let band = model.band(&self.reference_file, &found.drive, Some(sample_rate_hz), &start).ok()?;
         Some(band.of_output().into_iter().fold(0.0, f64::max))
     }
@@ -349,8 +349,8 @@ fn summary(
         predicted_max_error: errors().fold(0.0, f64::max),
         predicted_rms_percent_of_stroke: 100.0 * rms / (high - low).max(f64::MIN_POSITIVE),
         band,
-        input_unit: model.file.units.input.clone(),
-        output_unit: model.file.units.output.clone(),
+        input_unit: model.file().units.input.clone(),
+        output_unit: model.file().units.output.clone(),
     }
 }
 

@@ -310,9 +310,7 @@ fn cannot_read(path: &Path, error: ModelDiskError) -> Failure {
 /// A Hammerstein model and the file it came from, for commands that take no other kind.
 pub struct LoadedModel {
     loaded: Loaded,
-    /// The data of the model.
-    pub file: ModelFile,
-    law: hammerstein::Model,
+    body: Body<ModelFile, hammerstein::Model>,
 }
 
 impl LoadedModel {
@@ -322,14 +320,23 @@ impl LoadedModel {
     /// If it cannot be read, is not sound, or of a kind that does not support what is `wanted` yet.
     pub fn read(path: &Path, wanted: Capability) -> Result<Self, Failure> {
         let loaded = Loaded::read(path)?;
-        let body = loaded.hammerstein(wanted)?;
-        let (file, law) = (body.data().clone(), body.law().clone());
-        Ok(Self { loaded, file, law })
+        let body = loaded.hammerstein(wanted)?.clone();
+        Ok(Self { loaded, body })
+    }
+
+    /// Data and law.
+    pub fn body(&self) -> &Body<ModelFile, hammerstein::Model> {
+        &self.body
+    }
+
+    /// The data of the model.
+    pub fn file(&self) -> &ModelFile {
+        self.body.data()
     }
 
     /// The law.
     pub fn model(&self) -> &hammerstein::Model {
-        &self.law
+        self.body.law()
     }
 }
 

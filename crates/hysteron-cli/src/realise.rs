@@ -53,8 +53,6 @@ pub struct Realise {
 /// Samples of the sweep that is compared and timed, and passes of the clock.
 const SAMPLES: usize = 20_000;
 const ROUNDS: usize = 20;
-/// Where nobody says how far down creep is to go, this share of the lowest frequency of the records.
-const BELOW_RECORDS: f64 = 1e-3;
 
 /// What was found out, for text and JSON.
 struct Found {
@@ -70,7 +68,7 @@ struct Found {
 impl Realise {
     pub fn run(&self) -> Result<(), Failure> {
         let loaded = LoadedModel::read(&self.model, Capability::Realisation)?;
-        let range = loaded.file.valid_range.as_ref();
+        let range = loaded.file().valid_range.as_ref();
         let failed = |e: RealiseError| cannot(&self.model, &e);
         let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };
         let realisation = realised(&self.model, &loaded, self.sample_rate, &options)?;
@@ -82,7 +80,7 @@ impl Realise {
         let mut streams = [parts.stream().map_err(failed)?];
         let timed = drive.get(..SAMPLES).unwrap_or(&drive);
         let times = nanoseconds_per_sample(&mut streams, timed, ROUNDS).map_err(failed)?;
-        let units = &loaded.file.units;
+        let units = &loaded.file().units;
         let found = Found {
             realisation,
             verification,
@@ -118,7 +116,7 @@ pub fn along_sweep(
     realisation: &Realisation,
     accuracy: f64,
 ) -> Result<(Verification, (f64, f64)), Failure> {
-    let range = loaded.file.valid_range.as_ref();
+    let range = loaded.file().valid_range.as_ref();
     let rate = realisation.sample_rate_hz;
     let found = verify(realisation, &drive(range, rate)).map_err(|e| cannot(path, &e))?;
     remark_sweep(&found, accuracy);
@@ -163,12 +161,7 @@ pub fn where_creep_stops(
     sample_rate_hz: f64,
     options: RealiseOptions,
 ) -> RealiseOptions {
-    let frequency = loaded.file.valid_range.as_ref().and_then(|range| range.frequency.as_ref());
-    let low = frequency.map(|f| BELOW_RECORDS * f.low).filter(|low| *low > 0.0);
-    match realise(loaded.model(), sample_rate_hz, &options) {
-        Err(RealiseError::LowestFrequency) => RealiseOptions { lowest_frequency_hz: low, ..options },
-        _ => options,
-    }
+    loaded.body().realise_options(sample_rate_hz, options)
 }
 
 /// The sweep that is compared: the frequencies of the records, within what the sample rate carries.

@@ -66,9 +66,9 @@ impl Recalibrate {
         let old = LoadedModel::read(&self.model, Capability::Recalibration)?;
         let recordings =
             self.records.iter().map(|path| self.recording(&old, path)).collect::<Result<Vec<_>, _>>()?;
-        let prior = Prior::of(&old.file);
+        let prior = Prior::of(old.file());
         let found = recalibrate(old.model(), prior, &recordings, self.least_fit).map_err(|e| explain(&e))?;
-        let mut file = found.file(&old.file);
+        let mut file = found.file(old.file());
         file.provenance = Some(self.provenance(&found, prior)?);
         file.scores = found
             .records

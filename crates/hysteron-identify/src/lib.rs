@@ -34,6 +34,7 @@ mod static_step;
 pub mod structure;
 mod two_step;
 mod uncertainty;
+mod watch;
 mod written;
 
 pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
@@ -52,6 +53,7 @@ pub use result::{
 };
 pub use static_fit::StaticFit;
 pub(crate) use uncertainty::correlation_time;
+pub use watch::{Event, Told, Watch};
 
 use engine::Engine;
 use facts::RecordFacts;

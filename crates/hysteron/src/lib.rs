@@ -1,53 +1,103 @@
-//! Hysteron: measured records of a piezo actuator go in, a checked model comes out.
+//! Hysteron: measured records of a piezo actuator go in, a checked model comes out, and a controller runs its inverse.
 //!
-//! The model is a Hammerstein model, Bouc–Wen hysteresis followed by fractional-order dynamics with delay, after L. Yang,
-//! Z. Zhao, Y. Zhang and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042. "Eq. 1" and the like are its
-//! equations. Units at every surface: V, µm, s, Hz.
-//!
-//! # From a record to a model to a score
+//! The model is a Hammerstein model, hysteresis followed by fractional-order dynamics with delay, after L. Yang, Z. Zhao, Y. Zhang
+//! and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042; or an oscillator, modes or branches ([`Kind`]). Units at every
+//! surface: V, µm, s, Hz.
 //!
 //! ```
-//! use hysteron_model::hammerstein::Start;
-//! use hysteron_model::hysteresis::{BoucWen, Hysteresis};
-//! use hysteron_identify::{CampaignRecord, Options, Unwatched, identify};
-//! use hysteron_model::record::{InputOutput, TimeBase};
-//! use hysteron_model::validate::{Scoring, score};
+//! use hysteron::prelude::*;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # std::env::set_current_dir(folder.path())?;
+//! # let line = |k: u32| {
+//! #     let t = f64::from(k) / 200.0;
+//! #     let u = (2.0 - f64::from(k / 200) * 0.5) * (1.0 - (std::f64::consts::TAU * t).cos());
+//! #     format!("{t},{u},{}\n", 15.0 * u - 0.25 * u * u)
+//! # };
+//! # let text: String = std::iter::once("t_s,u_V,y_um\n".to_owned()).chain((0..600).map(line)).collect();
+//! # std::fs::write("loop.csv", &text)?;
+//! # std::fs::write("unseen.csv", &text)?;
+//! let records = hysteron::read(["loop.csv"])?;
+//! let fit = Identify::new(&records)
+//!     .hysteresis("prandtl-ishlinskii".parse()?)
+//!     .watch(|event| {
+//!         eprintln!("{}: {:.0} %", event.stage, 100.0 * event.fraction);
+//!         ControlFlow::Continue(())
+//!     })
+//!     .run()?;
+//! fit.save("model.json")?;
+//! fit.report("model")?.save("report.html")?;
 //!
-//! // A device to measure: here one that we know. 1 Hz loops of shrinking amplitude, 200 Hz, 0–4 V.
-//! let device = Hysteresis::BoucWen(BoucWen::new(vec![15.0, -0.25], 3.5, 0.6, 0.2, 1.0)?);
-//! let measure = |amplitudes: &[f64]| {
-//!     let phase = |k: usize| std::f64::consts::TAU * k as f64 / 200.0;
-//!     let u: Vec<f64> =
-//!         (0..200 * amplitudes.len()).map(|k| amplitudes[k / 200] * (1.0 - phase(k).cos())).collect();
-//!     let mut y = vec![0.0; u.len()];
-//!     device.simulate(&u, hysteron_model::hysteresis::Origin::Virgin { rest: 0.0 }, &mut y).map(|_| (u, y))
-//! };
-//! let (u, y) = measure(&[2.0, 1.5, 1.0, 0.5])?;
-//! let record = InputOutput::new("loops", TimeBase::uniform(200.0), u, y)?;
+//! let model = Model::load("model.json")?;
+//! let drive = Signal::uniform(vec![0.0, 1.0, 2.0, 1.0], 200.0, "V");
+//! let y = model.simulate(&drive, Start::AsIdentified)?;
+//! assert_eq!(y.samples.len(), 4);
 //!
-//! // Identify: degree, start, delay and dynamics are chosen from the record.
-//! let campaign = [CampaignRecord { data: record, role: None }];
-//! let found = identify(&campaign, &Options::default(), &mut Unwatched, None)?;
-//! let number = |name| found.model.hysteresis.number(name).unwrap_or(f64::NAN);
-//! assert!((number("alpha") - 3.5).abs() < 1e-3 && (number("beta") - 0.6).abs() < 1e-3);
-//! for finding in &found.findings {
-//!     println!("{}", finding.text);
-//! }
+//! let unseen = hysteron::read(["unseen.csv"])?.remove(0);
+//! let score = model.score(&unseen, Scoring::default())?;
+//! assert!(score.rmse < 0.05, "RMSE {} {}", score.rmse, score.unit);
 //!
-//! // Score on a record that the fit has not seen.
-//! let (u, y) = measure(&[0.7, 1.8])?;
-//! let unseen = InputOutput::new("unseen", TimeBase::uniform(200.0), u, y)?;
-//! let simulated = found.model.simulate(&unseen.u, Some(200.0), &Start::Rest { voltage_v: 0.0 })?;
-//! let scores = score(&unseen, &simulated, &Scoring::default())?;
-//! assert!(scores.rmse < 1e-3, "RMSE {} µm", scores.rmse);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! let reference = Signal::uniform(vec![10.0, 10.5, 11.0, 11.5], 200.0, "um");
+//! let drive = model.invert(&reference, Limits::range(0.0, 4.0))?;
+//! assert!(drive.samples.iter().all(|u| (0.0..=4.0).contains(u)));
+//!
+//! let mut controller = model.controller(10_000.0, Limits::range(0.0, 4.0).slew(5e3))?;
+//! let voltage = controller.step(10.0).voltage;
+//! assert!((0.0..=4.0).contains(&voltage));
+//!
+//! model.export(10_000.0, Target::C { float: Precision::F32 })?.write("firmware")?;
+//! # assert!(std::path::Path::new("firmware/model.c").exists() && std::path::Path::new("report.html").exists());
+//! # Ok(())
+//! # }
 //! ```
 //!
-//! The crates behind it, in the order of the data: [`io`] reads, [`identify`] finds a [`model`], [`report`] shows it,
-//! [`export`] writes it as source.
+//! What a kind of model does not do yet is one error, [`Unsupported`]. The crates behind this one have the parts: `hysteron-model`
+//! (records, hysteresis, dynamics, simulation, inversion), `hysteron-identify`, `hysteron-io`, `hysteron-report`, `hysteron-export`.
+#![forbid(unsafe_code)]
 
-pub use hysteron_export as export;
-pub use hysteron_identify as identify;
-pub use hysteron_io as io;
-pub use hysteron_model as model;
-pub use hysteron_report as report;
+mod error;
+mod export;
+mod identify;
+mod model;
+pub mod prelude;
+mod report;
+
+pub use error::Error;
+pub use export::{Export, Target};
+pub use identify::{Fit, Identify};
+pub use model::Model;
+pub use report::Report;
+
+#[doc(inline)]
+pub use hysteron_export::Precision;
+#[doc(inline)]
+pub use hysteron_identify::{DynamicsChoice, Event, Finding, FindingKind, Method, RecordRole, Watch};
+#[doc(inline)]
+pub use hysteron_io::ReadOptions;
+#[doc(inline)]
+pub use hysteron_model::Start;
+#[doc(inline)]
+pub use hysteron_model::compensator::{Controller, Limits};
+#[doc(inline)]
+pub use hysteron_model::dynamics::{Creep, Scheme};
+#[doc(inline)]
+pub use hysteron_model::hysteresis::{FamilyForm, HysteresisForm};
+#[doc(inline)]
+pub use hysteron_model::model::{Capability, Remark, Score, Unsupported};
+#[doc(inline)]
+pub use hysteron_model::model_file::Kind;
+#[doc(inline)]
+pub use hysteron_model::record::{Channel, InterSample, Record, Signal, TimeBase, Unit};
+#[doc(inline)]
+pub use hysteron_model::validate::{OffsetTreatment, Scores, Scoring};
+
+use std::path::Path;
+
+/// Reads records, each from a file of any format that is known: CSV, NPY, NPZ.
+///
+/// # Errors
+/// [`Error::Read`] for the first file that is no readable record; it names file, line and column.
+pub fn read<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Record>, Error> {
+    let options = ReadOptions::default();
+    paths.into_iter().map(|path| Ok(hysteron_io::read_record(path.as_ref(), &options)?)).collect()
+}

@@ -44,7 +44,7 @@ pub fn corrected(
         samples: task.data.len() as u64,
         role: RecordRole::Both,
     };
-    let previous = &old.file;
+    let previous = old.file();
     Ok(ModelFile {
         name: previous.name.clone(),
         normalisation: previous.normalisation,

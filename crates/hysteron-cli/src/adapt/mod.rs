@@ -199,7 +199,7 @@ impl Adapt {
 
 /// The largest training RMSE in the model file, else the noise floor of the record.
 fn known_noise(old: &LoadedModel, data: &InputOutput) -> Option<f64> {
-    let training = old.file.scores.iter().filter(|s| s.role == ScoreRole::Training).map(|s| s.rmse);
+    let training = old.file().scores.iter().filter(|s| s.role == ScoreRole::Training).map(|s| s.rmse);
     let floor = || noise_floor(data, find_periods(data).ok().as_ref()).map(|floor| floor.rms);
     training.reduce(f64::max).or_else(floor).filter(|noise| *noise > 0.0)
 }

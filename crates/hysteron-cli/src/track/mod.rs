@@ -205,7 +205,7 @@ impl Track {
             sines,
             settings,
             runs,
-            input: Unit::new(&model.file.units.input),
+            input: Unit::new(&model.file().units.input),
             output: unit,
         };
         self.write(reference.time, &found)?;
@@ -222,7 +222,7 @@ impl Track {
     }
 
     fn settings(&self, model: &LoadedModel, sample_rate_hz: f64) -> Result<LoopSettings, Failure> {
-        let valid = model.file.valid_range.as_ref();
+        let valid = model.file().valid_range.as_ref();
         let range_v = match (self.range, valid) {
             (Some(range), _) => range,
             (None, Some(valid)) => [valid.input.low, valid.input.high],

@@ -10,6 +10,7 @@
 //! [`crate::invert`]; what of the reference is not known is predicted ([`Prediction`]), and the prediction is folded into the gains. The hysteresis
 //! is inverted exactly, one step at a time, by `hysteron-rt`, where all of it runs: [`hysteron_rt::Compensator`].
 
+mod controller;
 mod parts;
 mod prediction;
 mod riccati;
@@ -20,6 +21,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
+pub use controller::{Controller, Limits};
 pub use parts::CompensatorParts;
 pub use prediction::Prediction;
 

@@ -58,7 +58,7 @@ pub use duhem::Duhem;
 pub use error::HysteresisError;
 pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};
 pub use follow::{DriveLimits, Followed};
-pub use form::{Columns, HysteresisForm, Memory, Origin, Partial};
+pub use form::{Columns, HysteresisForm, Memory, Origin, Partial, UnknownFamily};
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
 #[doc(hidden)]

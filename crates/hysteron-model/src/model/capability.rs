@@ -25,8 +25,8 @@ pub enum Capability {
     Recalibration,
     /// Following a device while it runs.
     Adaptation,
-    /// A gain and phase for every frequency.
-    FrequencyResponse,
+    /// The page of a fit.
+    Report,
 }
 
 impl Capability {
@@ -41,7 +41,7 @@ impl Capability {
         Self::Export,
         Self::Recalibration,
         Self::Adaptation,
-        Self::FrequencyResponse,
+        Self::Report,
     ];
 
     /// What is asked, as the subject of a sentence.
@@ -56,7 +56,7 @@ impl Capability {
             Self::Export => "export",
             Self::Recalibration => "recalibration",
             Self::Adaptation => "adaptation",
-            Self::FrequencyResponse => "a frequency response",
+            Self::Report => "a report",
         }
     }
 

@@ -22,6 +22,10 @@ use crate::model_file::{
     SignalUnits, ValidRange, read,
 };
 use crate::oscillator::Oscillator;
+use crate::realise::{RealiseError, RealiseOptions, realise};
+
+/// Share of the lowest frequency of the records down to which a model that creeps for ever is realised.
+const CREEP_BELOW_RECORDS: f64 = 1e-3;
 
 /// An identified model.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +56,19 @@ impl<D, L> Body<D, L> {
     /// The law, ready to compute with.
     pub fn law(&self) -> &L {
         &self.law
+    }
+}
+
+impl Body<ModelFile, hammerstein::Model> {
+    /// The same options; where the model creeps for ever and no lowest frequency is named, a thousandth of the lowest frequency of
+    /// the records it was identified from.
+    pub fn realise_options(&self, sample_rate_hz: f64, options: RealiseOptions) -> RealiseOptions {
+        let frequency = self.data.valid_range.as_ref().and_then(|range| range.frequency.as_ref());
+        let low = frequency.map(|f| CREEP_BELOW_RECORDS * f.low).filter(|low| *low > 0.0);
+        match realise(&self.law, sample_rate_hz, &options) {
+            Err(RealiseError::LowestFrequency) => RealiseOptions { lowest_frequency_hz: low, ..options },
+            _ => options,
+        }
     }
 }
 

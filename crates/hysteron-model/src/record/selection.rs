@@ -37,6 +37,14 @@ pub struct Signal {
     pub notes: Vec<String>,
 }
 
+impl Signal {
+    /// Samples at a rate \[Hz\], in a unit written as in column headers (`V`, `um`).
+    pub fn uniform(samples: Vec<f64>, sample_rate_hz: f64, unit: &str) -> Self {
+        let time = TimeBase::uniform(sample_rate_hz);
+        Self { samples, unit: Unit::new(unit), name: "signal".to_owned(), time, notes: Vec::new() }
+    }
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
     Input,

@@ -32,6 +32,24 @@ pub enum HysteresisForm {
     Family(FamilyForm),
 }
 
+/// A name that is no family's.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no hysteresis family is called `{found}`: expected one of {}", HysteresisForm::usual().map(HysteresisForm::name).join(", "))]
+pub struct UnknownFamily {
+    /// The name.
+    pub found: String,
+}
+
+impl std::str::FromStr for HysteresisForm {
+    type Err = UnknownFamily;
+
+    /// The family of this name, with its usual number of elements.
+    fn from_str(name: &str) -> Result<Self, UnknownFamily> {
+        let named = Self::usual().into_iter().find(|form| form.name() == name);
+        named.ok_or_else(|| UnknownFamily { found: name.to_owned() })
+    }
+}
+
 impl HysteresisForm {
     /// Every family with its usual number of elements, the article's first.
     pub fn usual() -> [Self; 16] {

@@ -1,0 +1,72 @@
+//! A model as source that runs without Hysteron.
+
+use std::path::Path;
+
+use hysteron_export::{
+    ExportedFile, Precision, Runtime, Subject, c_files, fmu_files, rust_files, write_folder,
+};
+use hysteron_model::model::{Body, Capability};
+use hysteron_model::realise::{RealiseOptions, realise};
+
+use crate::{Error, Model};
+
+/// What to write.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// C99: a header, a source without `malloc`, a self-test with golden vectors.
+    C {
+        /// Number type.
+        float: Precision,
+    },
+    /// A `no_std` crate on top of `hysteron-rt`, with the same golden vectors.
+    Rust {
+        /// Number type.
+        float: Precision,
+    },
+    /// FMI 2.0 and 3.0 for co-simulation: source, and on 64-bit Linux a binary made by the C compiler `cc`.
+    Fmu,
+}
+
+/// Files of an export.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Export {
+    files: Vec<ExportedFile>,
+}
+
+impl Export {
+    /// The files, by name and content.
+    pub fn files(&self) -> impl Iterator<Item = (&str, &[u8])> {
+        self.files.iter().map(|file| (file.name.as_str(), file.bytes.as_slice()))
+    }
+
+    /// Writes all files into a folder, made where it does not exist, or none.
+    ///
+    /// # Errors
+    /// [`Error::Export`].
+    pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), Error> {
+        Ok(write_folder(folder.as_ref(), &self.files)?)
+    }
+}
+
+impl Model {
+    /// The model as source for a controller's rate \[Hz\]; names in it begin with `model`.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`], [`Error::Realise`], [`Error::Export`].
+    pub fn export(&self, sample_rate_hz: f64, target: Target) -> Result<Export, Error> {
+        let body: &Body<_, _> = self.core().hammerstein(Capability::Export)?;
+        let options = body.realise_options(sample_rate_hz, RealiseOptions::default());
+        let realisation = realise(body.law(), sample_rate_hz, &options)?;
+        let float = match target {
+            Target::C { float } | Target::Rust { float } => float,
+            Target::Fmu => Precision::F64,
+        };
+        let subject = Subject::new("model", float, body.data(), realisation, options.accuracy)?;
+        let files = match target {
+            Target::C { .. } => c_files(&subject)?,
+            Target::Rust { .. } => rust_files(&subject, None, Runtime::Registry)?,
+            Target::Fmu => fmu_files(&subject, "cc")?,
+        };
+        Ok(Export { files })
+    }
+}

@@ -1,0 +1,124 @@
+//! A model of any kind, with its file, its records and its controller.
+
+use std::path::Path;
+
+use hysteron_io::{load_model, save_model};
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::compensator::{CompensatorOptions, Controller, Limits};
+use hysteron_model::invert::InverseOptions;
+use hysteron_model::model::{Capability, Score, Signals};
+use hysteron_model::model_file::Kind;
+use hysteron_model::realise::RealiseOptions;
+use hysteron_model::record::{ChannelChoice, Record, Signal, TimeBase, Unit};
+use hysteron_model::validate::Scoring;
+use hysteron_model::{Model as Core, Start};
+
+use crate::Error;
+
+/// An identified model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model(Core);
+
+impl From<Core> for Model {
+    fn from(core: Core) -> Self {
+        Self(core)
+    }
+}
+
+impl Model {
+    /// The model in a file, of any kind.
+    ///
+    /// # Errors
+    /// [`Error::ModelFile`], which names the place.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
+        Ok(Self(load_model(path.as_ref())?))
+    }
+
+    /// Writes the model file; an existing file is replaced in one step.
+    ///
+    /// # Errors
+    /// [`Error::ModelFile`].
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        Ok(save_model(path.as_ref(), &self.0)?)
+    }
+
+    /// The kind of model.
+    pub fn kind(&self) -> Kind {
+        self.0.kind()
+    }
+
+    /// The model of `hysteron-model`, with its numbers, units and standard errors.
+    pub fn core(&self) -> &Core {
+        &self.0
+    }
+
+    /// The output for a drive in free run, of a model of one input and one output.
+    ///
+    /// # Errors
+    /// [`Error::Run`].
+    pub fn simulate(&self, drive: &Signal, start: Start) -> Result<Signal, Error> {
+        let simulation = self.0.simulate(&drive.clone().into(), start)?;
+        Ok(Signal {
+            samples: simulation.outputs.into_iter().next().unwrap_or_default(),
+            unit: Unit::new(&self.0.units().output),
+            name: "y".to_owned(),
+            time: drive.time.clone(),
+            notes: Vec::new(),
+        })
+    }
+
+    /// How well the model describes a record, simulated from the start that explains it best. Columns are the model's own, else chosen
+    /// by name and unit.
+    ///
+    /// # Errors
+    /// [`Error::Record`], [`Error::Axes`], [`Error::Run`].
+    pub fn score(&self, record: &Record, scoring: Scoring) -> Result<Score, Error> {
+        Ok(self.0.score(&self.signals(record)?, Start::AsIdentified, &scoring)?)
+    }
+
+    /// The drive, held between its samples, that makes the output follow a reference.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`], [`Error::NoSampleRate`], [`Error::Inversion`].
+    pub fn invert(&self, reference: &Signal, limits: Limits) -> Result<Signal, Error> {
+        let law = self.0.hammerstein(Capability::Inversion)?.law();
+        let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
+            return Err(Error::NoSampleRate { name: reference.name.clone() });
+        };
+        let options = InverseOptions {
+            slew_v_per_s: limits.slew_v_per_s,
+            ..InverseOptions::within([limits.low, limits.high])
+        };
+        let found = law.invert(&reference.samples, sample_rate_hz, &options)?;
+        Ok(Signal {
+            samples: found.drive,
+            unit: Unit::new(&self.0.units().input),
+            name: "u".to_owned(),
+            time: reference.time.clone(),
+            notes: Vec::new(),
+        })
+    }
+
+    /// A controller at its rate \[Hz\] that knows the reference up to the present sample: reference in, voltage out. It starts at rest at the
+    /// voltage of the range next to 0 V.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`], [`Error::Controller`].
+    pub fn controller(&self, sample_rate_hz: f64, limits: Limits) -> Result<Controller, Error> {
+        let body = self.0.hammerstein(Capability::Inversion)?;
+        let options = CompensatorOptions {
+            preview: Some(0),
+            realise: body.realise_options(sample_rate_hz, RealiseOptions::default()),
+            ..CompensatorOptions::default()
+        };
+        Ok(Controller::new(body.law(), sample_rate_hz, limits, &options)?)
+    }
+
+    /// The channels of a record that the model takes.
+    fn signals(&self, record: &Record) -> Result<Signals, Error> {
+        Ok(match self.0.channels() {
+            Some((inputs, outputs)) => AxesRecord::new(record, inputs, outputs)?.into(),
+            None => record.input_output(&ChannelChoice::default())?.into(),
+        })
+    }
+}
