@@ -51,7 +51,12 @@ impl Bench {
 
     /// Runs `hysteron` with these arguments, separated by blanks.
     pub fn run(&self, arguments: &str) -> Run {
-        let output = Command::new(Path::new(env!("CARGO_BIN_EXE_hysteron")))
+        self.run_program(Path::new(env!("CARGO_BIN_EXE_hysteron")), arguments)
+    }
+
+    /// Runs another `hysteron` with these arguments, separated by blanks.
+    pub fn run_program(&self, program: &Path, arguments: &str) -> Run {
+        let output = Command::new(program)
             .args(arguments.split_whitespace())
             .current_dir(self.0.path())
             .output()

@@ -25,6 +25,7 @@ mod oscillators_are_identified;
 mod outputs_are_checked_first;
 mod public_records_are_explained;
 mod recalibrate_finds_gain_and_delay;
+mod results_are_unchanged;
 mod rig_makes_records;
 mod schema_and_completions_are_printed;
 mod several_axes_are_identified;

@@ -41,11 +41,15 @@ fn csv(u: &[f64], start: Start) -> String {
     text
 }
 
+/// Three periods of a steady state, as a file.
+pub fn settled_record() -> String {
+    csv(&force(1024, 60.0).repeat(3), Start::Settled { period_samples: 1024 })
+}
+
 /// A folder with a periodic record to identify from and one from rest.
 fn bench() -> Bench {
     let bench = Bench::new();
-    let period = force(1024, 60.0);
-    bench.write("train.csv", csv(&period.repeat(3), Start::Settled { period_samples: 1024 }));
+    bench.write("train.csv", settled_record());
     let sweep: Vec<f64> =
         (0..2000).map(|k| 50.0 * (TAU * (15.0 + 5.0 * k as f64 / RATE) * k as f64 / RATE).sin()).collect();
     bench.write("sweep.csv", csv(&sweep, Start::Rest { voltage_v: 0.0 }));

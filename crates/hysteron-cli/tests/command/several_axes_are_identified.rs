@@ -16,6 +16,9 @@ const RATE: f64 = 1000.0;
 const PERIOD: usize = 1024;
 /// Half a bandwidth is four lines or more.
 const DAMPING: f64 = 0.03;
+/// Records: name, level in V, seed.
+pub const LEVELS: [(&str, f64, u64); 5] =
+    [("low1", 0.1, 1), ("low2", 0.1, 2), ("high1", 0.5, 3), ("high2", 0.5, 4), ("between", 0.3, 5)];
 const COLUMNS: &str = "--inputs u1_V,u2_V --outputs y1_nm,y2_nm";
 
 /// Two actuators, two sensors, modes at 130 and 250 Hz that fall by 3 % up to 0.5 V rms.
@@ -59,7 +62,7 @@ fn device() -> ScheduledModes {
 }
 
 /// Two periods of the device under multisines up to 400 Hz of this level, as a file, with a little noise on the outputs.
-fn csv(level: f64, seed: u64) -> String {
+pub fn csv(level: f64, seed: u64) -> String {
     let mut state = seed;
     let mut random = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -91,9 +94,7 @@ fn csv(level: f64, seed: u64) -> String {
 
 fn bench() -> Bench {
     let bench = Bench::new();
-    for (name, level, seed) in
-        [("low1", 0.1, 1), ("low2", 0.1, 2), ("high1", 0.5, 3), ("high2", 0.5, 4), ("between", 0.3, 5)]
-    {
+    for (name, level, seed) in LEVELS {
         bench.write(&format!("{name}.csv"), csv(level, seed));
     }
     bench
@@ -153,7 +154,7 @@ fn records_of_two_levels_become_a_file_that_predicts_one_between() {
 }
 
 /// Two axes with hysteresis and coupling, both driven at once by slow waves and low-passed noise from rest.
-fn slow_csv(seed: u64, samples: usize) -> String {
+pub fn slow_csv(seed: u64, samples: usize) -> String {
     let actuator = |alpha, beta, gamma| BoucWen { polynomial: vec![1.0], alpha, beta, gamma, n: 1.0 };
     let path =
         |gain, natural_frequency_hz| AxesPath { gain, natural_frequency_hz, damping: 0.1, delay_s: 1e-3 };
