@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo test export-tools bench study article figures clean check-toolchain check-components
+.PHONY: FORCE help demo check test export-tools bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 OUT := out
@@ -36,12 +36,21 @@ demo: $(HYSTERON) ## build, identify the measured example record, print the scor
 export-tools: ## install what the tests of exported source use: clang, ARM compiler and simulator, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
 
-test: check-components export-tools ## format, lints, all tests, doc tests, documentation, no_std proof
+check: check-components ## before every commit: format, lints, arrows between crates and folders, unit and doc tests
 	cargo fmt --all --check
+	@command -v python3 >/dev/null || { echo "error: python3 is not installed"; \
+	  echo "  try: your system's package, e.g. 'apt-get install python3'"; exit 1; }
+	scripts/house.py
 	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo test --workspace --locked --lib --bins
+	cargo test --workspace --locked --doc
+
+test: check ## everything: check, documentation, no_std proof, integration tests; what exports need is installed last
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	crates/hysteron-rt/proof/run.sh
-	cargo test --workspace --locked
+	cargo test --workspace --exclude hysteron-export --locked --tests
+	$(MAKE) export-tools
+	cargo test -p hysteron-export --locked --tests
 
 article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, figures, page
 	$(HYSTERON) article --out-dir $(OUT)/article

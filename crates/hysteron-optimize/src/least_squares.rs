@@ -8,7 +8,7 @@ use super::algorithm::check_option;
 use super::jacobian::UnitResiduals;
 use super::ledger::Ledger;
 use super::levenberg_marquardt::LocalFit;
-use super::minimize::Advance;
+use super::outcome::Advance;
 use super::starts::fill_start;
 use super::{Bounds, Differences, OptimizeError, Settings, Starts, StopReason};
 use serde::{Deserialize, Serialize};

@@ -5,6 +5,7 @@ use super::evaluate::Evaluator;
 use super::jacobian::UnitResiduals;
 use super::least_squares::MultiStart;
 use super::ledger::{Scratch, Search};
+use super::outcome::Advance;
 use super::{
     Algorithm, Bounds, Checkpoint, LeastSquaresProblem, Observer, OptimizeError, Outcome, Problem, Progress,
     Settings, StopReason, abc, cma_es, de, de_abc, pso,
@@ -89,12 +90,6 @@ pub fn minimize_cost<P: Problem>(
         }
         Advance::Continue
     })
-}
-
-/// Whether a run can go on after a generation.
-pub(super) enum Advance {
-    Continue,
-    Finished(StopReason),
 }
 
 fn initial_state(algorithm: &Algorithm, search: &mut Search<'_>) -> State {

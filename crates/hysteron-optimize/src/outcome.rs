@@ -55,3 +55,9 @@ impl Outcome {
         self.improvements.iter().find(|i| i.cost <= target).map(|i| i.evaluation)
     }
 }
+
+/// Whether a run can go on after a generation.
+pub(super) enum Advance {
+    Continue,
+    Finished(StopReason),
+}

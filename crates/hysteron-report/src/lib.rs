@@ -21,6 +21,7 @@ mod base64;
 mod escape;
 pub mod figure;
 pub mod identification;
+pub mod model;
 pub mod number;
 pub mod page;
 pub mod record_curves;

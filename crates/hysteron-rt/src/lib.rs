@@ -39,6 +39,7 @@
 mod bouc_wen;
 mod branch;
 mod dual;
+mod increment;
 mod model;
 mod online;
 mod plane;

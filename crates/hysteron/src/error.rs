@@ -43,13 +43,13 @@ pub enum Error {
     Identify(#[from] IdentifyError),
     /// No oscillator was identified.
     #[error(transparent)]
-    Oscillator(Box<OscillatorFitError>),
+    Oscillator(#[from] OscillatorFitError),
     /// No modes were identified.
     #[error(transparent)]
     Modes(#[from] ModesFitError),
     /// No branches were identified.
     #[error(transparent)]
-    Branches(Box<CoupledFitError>),
+    Branches(#[from] CoupledFitError),
     /// The model cannot be run on a record, or not scored.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -77,16 +77,4 @@ pub enum Error {
         /// Name of the signal.
         name: String,
     },
-}
-
-impl From<OscillatorFitError> for Error {
-    fn from(error: OscillatorFitError) -> Self {
-        Self::Oscillator(Box::new(error))
-    }
-}
-
-impl From<CoupledFitError> for Error {
-    fn from(error: CoupledFitError) -> Self {
-        Self::Branches(Box::new(error))
-    }
 }

@@ -12,10 +12,9 @@ use hysteron_model::Model as Core;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_model::model::{Capability, Unsupported};
 use hysteron_model::model_file::{Kind, Maker, ModelFile, timestamp};
 use hysteron_model::record::{ChannelChoice, Record};
-use hysteron_report::identification::report;
+use hysteron_report::{identification, model};
 
 use crate::{Error, Model, Report};
 
@@ -196,13 +195,15 @@ impl Fit {
         self.shown.as_ref().map(|shown| &shown.0)
     }
 
-    /// The report of the fit, titled with a name for the model.
+    /// The report of the fit: for a Hammerstein model with curves, for the other kinds numbers, errors, scores and findings.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for kinds that have none yet.
-    pub fn report(&self, name: &str) -> Result<Report, Error> {
-        let unsupported = Unsupported { kind: self.model.kind(), wanted: Capability::Report };
-        let (found, data) = self.shown.as_deref().ok_or(unsupported)?;
-        Ok(Report(report(name, found, data, None)))
+    /// [`Error::Model`] where the data of the model are not sound.
+    pub fn report(&self) -> Result<Report, Error> {
+        let name = self.model.core().name().unwrap_or("Identified model");
+        Ok(Report(match self.shown.as_deref() {
+            Some((found, data)) => identification::report(name, found, data, None),
+            None => model::report(name, self.model.core(), &self.findings)?,
+        }))
     }
 }

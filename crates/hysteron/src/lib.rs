@@ -26,7 +26,7 @@
 //!     })
 //!     .run()?;
 //! fit.save("model.json")?;
-//! fit.report("model")?.save("report.html")?;
+//! fit.report()?.save("report.html")?;
 //!
 //! let model = Model::load("model.json")?;
 //! let drive = Signal::uniform(vec![0.0, 1.0, 2.0, 1.0], 200.0, "V");

@@ -189,7 +189,7 @@ impl Adapt {
 
     fn write(&self, path: &Path, old: &LoadedModel, task: &Task, found: &Followed) -> Result<(), Failure> {
         let file = file::corrected(self, old, task, found)?;
-        crate::model::write(path, file.clone())
+        crate::model::write(path, file).map(|_| ())
     }
 
     fn refused(&self, because: &dyn std::fmt::Display) -> Failure {

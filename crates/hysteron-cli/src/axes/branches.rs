@@ -17,8 +17,9 @@ use crate::console;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::maker::maker;
-use crate::model::{self, Loaded};
+use crate::model;
 use crate::progress::Progress;
+use crate::result_flags::ResultFlags;
 
 /// Identifies the branches of the records and writes their file; prints what was found.
 ///
@@ -26,7 +27,7 @@ use crate::progress::Progress;
 /// If the records cannot be read or used, or the file cannot be written.
 pub fn identify_branches(
     (paths, axes, columns): (&[PathBuf], &AxesFlags, &InputFlags),
-    (out, json): (&Path, bool),
+    (out, result): (&Path, &ResultFlags),
     least_fit_percent: f64,
 ) -> Result<(), Failure> {
     if axes.outputs.is_empty() {
@@ -45,10 +46,13 @@ pub fn identify_branches(
     drop(bar);
     let found = found.map_err(|e| explain(&e))?;
     let file = found.model_file(&records, &maker());
-    model::write(out, file.clone())?;
-    let loaded = Loaded::read(out)?;
+    let loaded = model::write(out, file.clone())?;
     let scored = score_axes(&loaded, &records, paths, |_| Start::AsIdentified)?;
-    if json {
+    if result.has_report() {
+        let page = loaded.report(&found.findings)?;
+        result.write(|| page)?;
+    }
+    if result.json {
         return console::json(&object(&found, &scored, out, &file));
     }
     console::result(&text(&found, &scored, &file))?;

@@ -20,9 +20,10 @@ use crate::console;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::maker::maker;
-use crate::model::{self, Loaded};
+use crate::model;
 use crate::numbers::{count, positive, whole};
 use crate::progress::Progress;
+use crate::result_flags::ResultFlags;
 
 /// What can be said about scheduled modes.
 #[derive(Args, Clone, Debug)]
@@ -89,7 +90,7 @@ impl ModesFlags {
     pub fn run(
         &self,
         (paths, axes, columns): (&[PathBuf], &AxesFlags, &InputFlags),
-        (out, json): (&Path, bool),
+        (out, result): (&Path, &ResultFlags),
         (whole_records, least_fit_percent): (bool, f64),
     ) -> Result<(), Failure> {
         if axes.outputs.is_empty() {
@@ -104,15 +105,17 @@ impl ModesFlags {
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = found.model_file(&records, &options, &maker());
-        model::write(out, file.clone())?;
+        let loaded = model::write(out, file.clone())?;
         if found.interrupted {
             console::note("interrupted: the best so far was written");
         }
-        // What was written is what is scored.
-        let loaded = Loaded::read(out)?;
         let start = |record: &AxesRecord| whole_period(record, &found);
         let scored = score_axes(&loaded, &records, paths, start)?;
-        if json {
+        if result.has_report() {
+            let page = loaded.report(&found.findings)?;
+            result.write(|| page)?;
+        }
+        if result.json {
             return console::json(&object(&found, &scored, out, &file));
         }
         console::result(&text(&found, &scored, &file))?;

@@ -148,7 +148,7 @@ fn write_model(
     let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));
     let found = identify(campaign, &options, &mut Unwatched, None).map_err(|e| failure().because(e))?;
     let file = found.model_file(&options, &maker());
-    crate::model::write(path, file.clone())?;
+    crate::model::write(path, file)?;
     console::message(&format!("model of {} written to {}", preferred.candidate, path.display()));
     Ok(())
 }

@@ -28,7 +28,7 @@ pub fn write(path: &Path, found: &Found) -> Result<String, Failure> {
                     if tf.is_integer_order() { Dynamics::Integer(tf) } else { Dynamics::Fractional(tf) };
                 let file =
                     model_file(dynamics, delay_s, candidate, found).map_err(|e| failure().because(e))?;
-                crate::model::write(path, file.clone())?;
+                crate::model::write(path, file)?;
                 let start = if infinite {
                     " Its gain at zero frequency is infinite (a power law): simulate it from 0 V (--rest-voltage 0)."
                 } else {

@@ -265,7 +265,7 @@ impl Identify {
         )?;
         output::check_file("the model", &self.out)?;
         let columns = (self.records.as_slice(), &self.axes, self.columns.of_drive());
-        self.in_threads(|| identify_branches(columns, (&self.out, self.result.json), self.least_fit))?
+        self.in_threads(|| identify_branches(columns, (&self.out, &self.result), self.least_fit))?
     }
 
     fn run_modes(&self) -> Result<(), Failure> {
@@ -290,7 +290,7 @@ impl Identify {
         output::check_file("the model", &self.out)?;
         let columns = (self.records.as_slice(), &self.axes, self.columns.of_drive());
         self.in_threads(|| {
-            self.modes.run(columns, (&self.out, self.result.json), (whole_records, self.least_fit))
+            self.modes.run(columns, (&self.out, &self.result), (whole_records, self.least_fit))
         })?
     }
 

@@ -33,7 +33,11 @@ impl Identify {
         let records = self.columns.read_all(&self.records)?;
         let found = self.in_threads(|| identify(&records, &options).map_err(|e| explain(&e)))??;
         let file = found.model_file(&options, &maker());
-        crate::model::write(&self.out, file.clone())?;
+        let loaded = crate::model::write(&self.out, file.clone())?;
+        if self.result.has_report() {
+            let page = loaded.report(&found.findings)?;
+            self.result.write(|| page)?;
+        }
         if self.result.json {
             return console::json(&self.object(&found, &file));
         }
@@ -66,7 +70,6 @@ impl Identify {
             ("--delay", !matches!(self.delay.0, Choice::Auto)),
             ("--bound", !self.bound.is_empty()),
             ("--scheme", self.scheme.is_some()),
-            ("--report", self.result.has_report()),
             ("--figures", self.figures.is_some()),
         ];
         match given.iter().chain(further).find(|(_, given)| *given) {

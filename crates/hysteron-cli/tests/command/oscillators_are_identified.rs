@@ -129,7 +129,7 @@ fn what_does_not_go_with_an_oscillator_is_refused() {
         "--degree 2",
         "--creep fractional",
         "--optimizer de-abc",
-        "--report r.html",
+        "--figures f",
         "--fix alpha=1",
     ] {
         let run = bench.run(&format!("identify train.csv --structure oscillator -o o.json {flags}"));

@@ -25,13 +25,11 @@ pub enum Capability {
     Recalibration,
     /// Following a device while it runs.
     Adaptation,
-    /// The page of a fit.
-    Report,
 }
 
 impl Capability {
     /// Every one.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 9] = [
         Self::Simulation,
         Self::Scores,
         Self::Bands,
@@ -41,7 +39,6 @@ impl Capability {
         Self::Export,
         Self::Recalibration,
         Self::Adaptation,
-        Self::Report,
     ];
 
     /// What is asked, as the subject of a sentence.
@@ -56,7 +53,6 @@ impl Capability {
             Self::Export => "export",
             Self::Recalibration => "recalibration",
             Self::Adaptation => "adaptation",
-            Self::Report => "a report",
         }
     }
 

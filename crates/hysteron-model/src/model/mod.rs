@@ -189,6 +189,17 @@ impl Model {
     }
 }
 
+impl From<Model> for Document {
+    fn from(model: Model) -> Self {
+        match model {
+            Model::Hammerstein(body) => Self::Hammerstein(Box::new(body.data)),
+            Model::Oscillator(body) => Self::Oscillator(Box::new(body.data)),
+            Model::Modes(body) => Self::Modes(Box::new(body.data)),
+            Model::Branches(body) => Self::Branches(Box::new(body.data)),
+        }
+    }
+}
+
 impl TryFrom<Document> for Model {
     type Error = ModelFileError;
 

@@ -9,7 +9,7 @@ pub use duhem::{MOST_MOMENTS, moments};
 pub use jiles_atherton::{GAUSS_LEGENDRE, MOST_PANELS, langevin, langevin_slope};
 pub use root::rising_root;
 
-use crate::model::IncrementMemory;
+use crate::increment::IncrementMemory;
 use crate::real::Real;
 use crate::series::{log_distance, relaxation};
 use jiles_atherton::Shape;

@@ -1,8 +1,8 @@
 //! Feedback beside feedforward: what the measured error adds to the reference.
 
 use super::operator::in_range;
-use super::sections::accumulate;
 use super::{Limited, Limits, Linear, ModelError};
+use crate::increment::accumulate;
 use crate::model::Drive;
 use crate::real::Real;
 

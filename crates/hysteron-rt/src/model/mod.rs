@@ -10,13 +10,14 @@ mod operator;
 mod reach;
 mod sections;
 
+pub use crate::increment::IncrementMemory;
 pub use compensator::{Compensator, Drive, Law, Limited, Limits};
 pub use error::ModelError;
 pub use feedback::{Feedback, Held, Line};
 pub use lms::{FilteredLms, LmsFilter, LmsMemory, LmsSettings};
 pub use means::Means;
 pub use observer::{Observed, Observer};
-pub use operator::{Hysteresis, IncrementMemory, Operator};
+pub use operator::{Hysteresis, Operator};
 pub use reach::{MOST_LOOKS, Reached};
 pub use sections::{Compensated, LANES, Linear, MOST_TAPS, PolePair, RealPoles, Sections, SectionsMemory};
 

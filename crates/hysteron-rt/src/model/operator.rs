@@ -1,52 +1,12 @@
 //! The hysteresis block of a streaming model.
 
 use super::ModelError;
-use super::sections::accumulate;
 use crate::bouc_wen::BoucWen;
 use crate::branch::Branch;
+use crate::increment::IncrementMemory;
 use crate::plane::{LEAST_TURNS, Plane, Turns};
 use crate::play::{PlayBank, SidedPlays};
 use crate::real::Real;
-
-/// A state that moves by increments (z of a Bouc–Wen operator, say), and what rounding has left of them. Two are equal where they go on alike.
-#[derive(Clone, Copy, Debug)]
-pub struct IncrementMemory<T> {
-    z: T,
-    carry: T,
-    /// Both before the last move. Nothing waits for them unless that move is taken back.
-    before: (T, T),
-}
-
-impl<T: PartialEq> PartialEq for IncrementMemory<T> {
-    fn eq(&self, other: &Self) -> bool {
-        self.z == other.z && self.carry == other.carry
-    }
-}
-
-impl<T: Real> IncrementMemory<T> {
-    /// The state `z`.
-    pub fn new(z: T) -> Self {
-        Self { z, carry: T::of(0.0), before: (z, T::of(0.0)) }
-    }
-
-    /// The state.
-    pub fn z(&self) -> T {
-        self.z
-    }
-
-    /// Moves by an increment; the state after it.
-    #[inline(always)]
-    pub(crate) fn advance(&mut self, increment: T) -> T {
-        self.before = (self.z, self.carry);
-        accumulate(&mut self.z, &mut self.carry, increment);
-        self.z
-    }
-
-    /// As it was before the last move.
-    fn take_back(&mut self) {
-        (self.z, self.carry) = self.before;
-    }
-}
 
 /// What adds memory to the polynomial l\[u\].
 #[derive(Debug)]
@@ -198,7 +158,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::None => in_range_or_overflow(v)?,
             Operator::BoucWen { operators, memory } => {
                 for (operator, memory) in operators.iter().zip(memory.iter_mut()) {
-                    v = v - memory.advance(operator.increment(memory.z, du));
+                    v = v - memory.advance(operator.increment(memory.z(), du));
                 }
                 in_range_or_taken_back(v, memory)?;
             }
@@ -261,7 +221,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::BoucWen { operators, memory } => {
                 let du = voltage - self.voltage;
                 let operators = operators.iter().zip(memory.iter());
-                operators.fold(v, |v, (operator, memory)| v - (memory.z + operator.increment(memory.z, du)))
+                operators
+                    .fold(v, |v, (operator, memory)| v - (memory.z() + operator.increment(memory.z(), du)))
             }
             Operator::Branch { law, weights, memory } => v + law.look(weights, memory, self.voltage, voltage),
             Operator::Plays { bank, states } => v + bank.look(states, voltage),

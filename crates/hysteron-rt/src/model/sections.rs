@@ -3,6 +3,7 @@
 use core::array::from_fn;
 
 use super::ModelError;
+use crate::increment::accumulate;
 use crate::real::Real;
 
 /// Real poles updated together: a vector's worth.
@@ -51,15 +52,6 @@ impl<T: Real, const N: usize> Compensated<T, N> {
     pub fn has_subnormal(&self) -> bool {
         self.value.iter().chain(&self.carry).any(|x| x.abs() > T::of(0.0) && x.abs() < T::LEAST_NORMAL)
     }
-}
-
-/// x + δ without losing what is smaller than half a unit of x (W. Kahan 1965, doi:10.1145/363707.363723).
-#[inline(always)]
-pub(super) fn accumulate<T: Real>(x: &mut T, carry: &mut T, delta: T) {
-    let delta = delta + *carry;
-    let sum = *x + delta;
-    *carry = delta - (sum - *x);
-    *x = sum;
 }
 
 /// Coefficients of a linear block with the response, in the unit delay q,

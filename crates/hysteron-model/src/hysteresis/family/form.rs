@@ -11,7 +11,7 @@ use super::super::{
 use super::run;
 use super::stream::Runner;
 use crate::hysteresis::follow::{self, DriveLimits, Followed};
-use crate::hysteresis::form::{Columns, Origin};
+use crate::hysteresis::outputs::{Columns, Origin};
 
 /// Intervals of the plane of a Preisach density.
 const DENSITY_INTERVALS: usize = 40;

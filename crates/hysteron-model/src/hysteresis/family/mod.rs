@@ -5,10 +5,9 @@ mod run;
 mod stream;
 
 pub use form::{FamilyForm, NumberUnit};
-pub(super) use run::Scratch;
 pub use stream::FamilyStream;
 
-use super::form::{Columns, Origin};
+use super::outputs::{Columns, Origin};
 use super::{DriveGrid, HysteresisError, polynomial};
 
 /// Static model v = Σ_{i≥1} polynomial\[i−1\] uⁱ + Σⱼ weightsⱼ Hⱼ\[u; shape\] \[µm\] of one [`FamilyForm`].

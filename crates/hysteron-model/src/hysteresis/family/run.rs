@@ -1,11 +1,8 @@
 //! A kernel run into the columns of a fit.
 
 use super::super::HysteresisError;
-use super::super::columns::{ColumnKernel, ColumnSensitivities, ColumnStart};
-use super::super::form::{Columns, Origin};
-
-/// Buffers of a kernel, kept between runs.
-pub(in crate::hysteresis) type Scratch = ColumnSensitivities;
+use super::super::columns::{ColumnKernel, ColumnStart};
+use super::super::outputs::{Columns, Origin};
 
 /// The first `fixed` numbers of `shape` are the kernel's structure, which no derivative is taken of.
 pub(super) fn run<K: ColumnKernel>(

@@ -1,7 +1,7 @@
 //! Bouc–Wen: one column ζ.
 
+use super::super::outputs::{Columns, Origin};
 use super::super::{BoucWenState, HysteresisError, Start, UnitShape};
-use super::columns::{Columns, Origin};
 
 /// Index of n among the shape numbers.
 const N: usize = 2;

@@ -5,13 +5,12 @@
 //! runs the operators into [`Columns`] with their derivatives, and makes the [`Hysteresis`] that they stand for.
 
 mod bouc_wen;
-mod columns;
 mod memory;
 mod plays;
 
-pub use columns::{Columns, Origin, Partial};
 pub use memory::Memory;
 
+use super::outputs::{Columns, Origin};
 use super::{
     BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape,
 };

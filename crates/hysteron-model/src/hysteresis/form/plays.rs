@@ -4,8 +4,8 @@
 //! not, F keeps its value and its derivatives.
 
 use super::super::HysteresisError;
+use super::super::outputs::{Columns, Origin};
 use super::super::pass::Every;
-use super::columns::{Columns, Origin};
 
 /// A play and its derivatives with respect to its threshold and to the memory.
 #[derive(Clone, Copy)]

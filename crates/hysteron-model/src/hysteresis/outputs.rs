@@ -1,7 +1,7 @@
 //! What the operators of a family put out over a record.
 
-use super::super::family::Scratch;
-use super::super::sensitivities::Sensitivities;
+use super::columns::ColumnSensitivities;
+use super::sensitivities::Sensitivities;
 
 /// Where an operator stands before the first sample of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,8 +36,8 @@ pub struct Columns {
     pub rest: Vec<f64>,
     /// ∂(H_j before the first sample)/∂memory.
     pub rest_by_memory: Vec<f64>,
-    pub(super) sensitivities: Sensitivities,
-    pub(in crate::hysteresis) scratch: Scratch,
+    pub(in crate::hysteresis) sensitivities: Sensitivities,
+    pub(in crate::hysteresis) scratch: ColumnSensitivities,
 }
 
 /// Derivative of one column with respect to one shape number.
