@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::interrupt::Interrupt;
 use crate::numbers::whole;
 use crate::output;
 use crate::progress::Progress;
@@ -82,7 +82,7 @@ impl Article {
             .num_threads(self.threads.map_or(0, usize::from))
             .build()
             .map_err(|e| failure().because(e))?;
-        let stop = interrupt::stop_flag("nothing is written")?;
+        let stop = Interrupt::listen("nothing is written")?;
         const STEPS: f64 = 1000.0;
         let bar = Progress::new("article", STEPS as u64);
         let watcher = |stage: &Stage| {
@@ -90,7 +90,9 @@ impl Article {
             if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         pool.install(|| reproduce(&plan, &watcher)).map_err(|e| match e {
-            ArticleError::Stopped => failure().because(e).hint("nothing was written; run it again"),
+            ArticleError::Stopped => {
+                failure().because(e).hint("nothing was written; run it again").exiting_with(stop.exit_code())
+            }
             _ => failure().because(e),
         })
     }

@@ -25,6 +25,11 @@ impl Failure {
         Failure { exit_code: 2, ..Failure::new(error) }
     }
 
+    /// The same with another exit code.
+    pub fn exiting_with(self, exit_code: u8) -> Self {
+        Failure { exit_code, ..self }
+    }
+
     /// The reason, usually the library's error.
     pub fn because(mut self, reason: impl Display) -> Self {
         self.because = Some(reason.to_string());

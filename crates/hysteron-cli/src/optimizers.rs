@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::interrupt::Interrupt;
 use crate::numbers::whole;
 use crate::progress::Progress;
 use crate::result_flags::ResultFlags;
@@ -78,7 +78,7 @@ impl Optimizers {
             threads: self.threads,
             ..StudyOptions::default()
         };
-        let stop = interrupt::stop_flag("no comparison is printed")?;
+        let stop = Interrupt::listen("no comparison is printed")?;
         let runs = options.problems.len() * options.competitors.len() * options.seeds;
         let bar = Progress::new("optimizer runs", runs as u64);
         let mut progress = |p: &hysteron_article::optimizer_study::StudyProgress| {
@@ -87,6 +87,9 @@ impl Optimizers {
         };
         run_study(&options, &mut progress).map_err(|e| match e {
             StudyError::Option { .. } => Failure::usage("cannot compare the optimisers").because(e),
+            StudyError::Cancelled { .. } => {
+                Failure::new("cannot compare the optimisers").because(e).exiting_with(stop.exit_code())
+            }
             _ => Failure::new("cannot compare the optimisers").because(e),
         })
     }

@@ -1,14 +1,33 @@
-//! Progress bar with the time left, on standard error; nothing where standard error is not a terminal.
+//! Progress with the time left, on standard error: a bar on a terminal, elsewhere a line every ten seconds.
 
 use std::borrow::Cow;
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// A bar that goes away when dropped.
-pub struct Progress(ProgressBar);
+use crate::console;
+
+/// Time between the lines where standard error is no terminal.
+const BETWEEN_LINES: Duration = Duration::from_secs(10);
+
+/// Progress of one piece of work; a bar goes away when dropped.
+pub struct Progress {
+    bar: ProgressBar,
+    lines: Option<Lines>,
+}
+
+/// Lines in the place of a bar.
+struct Lines {
+    what: String,
+    began: Instant,
+    /// Intervals that have had their line.
+    printed: AtomicU64,
+}
 
 impl Progress {
-    /// A bar of `steps` steps, labelled with what is being done.
+    /// Of `steps` steps, labelled with what is being done.
     pub fn new(what: &str, steps: u64) -> Self {
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
         let template = "{prefix} {wide_bar} {pos}/{len}, {eta} left {msg}";
@@ -16,23 +35,64 @@ impl Progress {
             ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()),
         );
         bar.set_prefix(what.to_owned());
-        Progress(bar)
+        let lines = || Lines { what: what.to_owned(), began: Instant::now(), printed: AtomicU64::new(0) };
+        Progress { bar, lines: (!std::io::stderr().is_terminal()).then(lines) }
     }
 
     /// There are `steps` steps after all.
     pub fn set_length(&self, steps: u64) {
-        self.0.set_length(steps);
+        self.bar.set_length(steps);
     }
 
-    /// `done` steps are done; `remark` is shown behind the bar, e.g. the best cost so far.
+    /// `done` steps are done; `remark` is shown behind them, e.g. the best cost so far.
     pub fn set(&self, done: u64, remark: impl Into<Cow<'static, str>>) {
-        self.0.set_position(done);
-        self.0.set_message(remark);
+        let remark = remark.into();
+        if let Some(lines) = &self.lines
+            && lines.is_due()
+        {
+            let steps = self.bar.length().unwrap_or(done).max(1);
+            console::message(&line(&lines.what, done, steps, lines.began.elapsed(), &remark));
+        }
+        self.bar.set_position(done);
+        self.bar.set_message(remark);
     }
+}
+
+impl Lines {
+    /// Whether an interval has passed without a line, for one caller.
+    fn is_due(&self) -> bool {
+        let intervals = self.began.elapsed().as_secs() / BETWEEN_LINES.as_secs();
+        self.printed.fetch_max(intervals, Ordering::Relaxed) < intervals
+    }
+}
+
+/// `progress: 42 %, joint fit, best RMSE 0.0123, 35 s left`.
+fn line(what: &str, done: u64, steps: u64, elapsed: Duration, remark: &str) -> String {
+    let share = done.min(steps) as f64 / steps as f64;
+    let mut text = format!("progress: {:.0} %, {what}", 100.0 * share);
+    if !remark.is_empty() {
+        text += &format!(", {remark}");
+    }
+    if share > 0.0 {
+        text += &format!(", {:.0} s left", elapsed.as_secs_f64() * (1.0 / share - 1.0));
+    }
+    text
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_has_the_share_done_the_work_and_the_time_left() {
+        let text = line("joint fit", 42, 100, Duration::from_secs(42), "best RMSE 0.0123");
+        assert_eq!(text, "progress: 42 %, joint fit, best RMSE 0.0123, 58 s left");
+        assert_eq!(line("modes", 0, 10, Duration::from_secs(1), ""), "progress: 0 %, modes");
     }
 }

@@ -9,7 +9,7 @@ use super::result::{Finding, FindingKind, Identification, RecordFit};
 use super::{IdentifyError, RecordFacts, identifiability};
 use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
 use hysteron_model::hammerstein::Start;
-use hysteron_model::hysteresis::{Family, Hysteresis};
+use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
 use hysteron_model::record::{LoopSense, implausible_units, loop_shape, range_of, turning_points};
 use hysteron_numeric::Complex64;
 use hysteron_numeric::display::short;
@@ -136,7 +136,12 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     let spans = result.records.iter().map(|fit| range_of(&fit.data.u));
     let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));
     let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
-    say(FindingKind::Verdict, "admissibility", verdict(&result.model.hysteresis, span, &unit));
+    let drives: Vec<TimedDrive<'_>> = result
+        .records
+        .iter()
+        .map(|fit| (fit.data.u.as_slice(), fit.data.sample_rate_hz().map(|rate| 1.0 / rate)))
+        .collect();
+    say(FindingKind::Verdict, "admissibility", verdict(&result.model.hysteresis, &drives, span, &unit));
     if let Some(smoothing) = result.structure.smoothing {
         say(FindingKind::Verdict, "weights", drawn_together(smoothing));
     }
@@ -282,48 +287,43 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     result.treatment = treatment(facts, options, result);
 }
 
-/// What the hysteresis block can do to its user, over the voltages of the records.
-fn verdict(hysteresis: &Hysteresis, (low, high): (f64, f64), unit: &str) -> String {
-    match hysteresis {
-        Hysteresis::BoucWen(operator) => format!("Hysteresis block: {}.", operator.admissibility()),
-        Hysteresis::Family(model) => family_verdict(model, (low, high), unit),
+/// Whether the hysteresis block is bounded and has an inverse over the voltages of the records, by the one criterion of
+/// [`Hysteresis::invertibility`].
+fn verdict(
+    hysteresis: &Hysteresis,
+    drives: &[TimedDrive<'_>],
+    (low, high): (f64, f64),
+    unit: &str,
+) -> String {
+    let span = format!("{} to {} {unit}", short(low), short(high));
+    let span = span.trim_end();
+    let (name, found) = match hysteresis {
+        Hysteresis::BoucWen(operator) => {
+            return format!("Hysteresis block: {}.", operator.admissibility());
+        }
         Hysteresis::PrandtlIshlinskii(operator) => {
-            let span = format!("{} to {} {unit}", short(low), short(high));
-            let span = span.trim_end();
-            match operator.step_inverse([low, high]) {
+            return match operator.step_inverse([low, high]) {
                 Ok(_) => format!(
                     "Hysteresis block: bounded by its drive; it has an exact inverse from {span}, where every move raises the \
                      output with the drive."
                 ),
                 Err(why) => format!("Hysteresis block: bounded by its drive; no inverse from {span}: {why}."),
-            }
+            };
+        }
+        Hysteresis::Family(model) => (model.form.name(), hysteresis.invertibility(drives)),
+    };
+    match found {
+        Ok(Invertibility::Everywhere) => format!(
+            "Hysteresis block ({name}): every move raises the output with the drive from {span}, so that it has an inverse."
+        ),
+        Ok(found @ (Invertibility::Nowhere { .. } | Invertibility::FallsAlongDrives { .. })) => {
+            format!("Hysteresis block ({name}): no inverse from {span}: {found}.")
+        }
+        Ok(Invertibility::AlongDrives { .. }) | Err(_) => {
+            format!("Hysteresis block ({name}): its inverse is not known to exist for every history.")
         }
     }
 }
-
-/// Whether weights of one sign make every move raise the output.
-fn family_verdict(model: &Family, (low, high): (f64, f64), unit: &str) -> String {
-    let name = model.form.name();
-    let slope = |u: f64| {
-        let powers = model.polynomial.iter().zip(1_i32..);
-        powers.map(|(c, power)| f64::from(power) * c * u.powi(power - 1)).sum::<f64>()
-    };
-    let rising = model.form.is_monotone()
-        && model.weights.iter().all(|w| *w >= 0.0)
-        && (0..=GRID).all(|k| slope(low + (high - low) * k as f64 / GRID as f64) > 0.0);
-    if rising {
-        let span = format!("{} to {} {unit}", short(low), short(high));
-        format!(
-            "Hysteresis block ({name}): every move raises the output with the drive from {}, so that it has an inverse.",
-            span.trim_end()
-        )
-    } else {
-        format!("Hysteresis block ({name}): its inverse is not known to exist for every history.")
-    }
-}
-
-/// Voltages at which the slope of a polynomial is looked at.
-const GRID: usize = 200;
 
 /// Which parameters the records leave open, by their standard errors alone.
 fn precision(result: &Identification) -> Vec<Finding> {
@@ -474,6 +474,7 @@ pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Cl
 mod tests {
     use super::*;
     use hysteron_model::dynamics::Term;
+    use hysteron_model::hysteresis::{Family, FamilyForm};
 
     #[test]
     fn a_gain_at_rest_that_no_record_has_shown_is_said() {
@@ -485,5 +486,28 @@ mod tests {
         assert_eq!(extrapolated_to_rest(&lag, 0.1), None);
         let integrator = TransferFunction::new(vec![term(1.0, 0.0)], vec![term(1.0, 1.0)]).unwrap();
         assert_eq!(extrapolated_to_rest(&integrator, 1.0), None);
+    }
+
+    /// Weights of one sign and a rising polynomial were once the whole criterion here: wrong for plays that widen with the rate, blind
+    /// for slip.
+    #[test]
+    fn the_verdict_on_an_inverse_is_that_of_the_inverse() {
+        let drive: Vec<f64> = (0..400).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.05).cos()).collect();
+        let of = |form, linear, shape, weights| {
+            let model = Family::new(vec![linear], form, shape, weights).unwrap();
+            verdict(&Hysteresis::Family(model), &[(&drive, Some(1e-3))], (0.0, 10.0), "V")
+        };
+        // λ/T = 1.4: a sample widens the plays by more than its move; l' = 0.19 < 0.5 · 0.4.
+        let plays = FamilyForm::RateDependentPlays { plays: 2 };
+        let widened = of(plays, 0.19, vec![3.0, 1.4e-3], vec![0.3, 0.2]);
+        assert!(!widened.contains("so that it has an inverse"), "{widened}");
+        let steeper = of(plays, 0.21, vec![3.0, 1.4e-3], vec![0.3, 0.2]);
+        assert!(steeper.contains("so that it has an inverse"), "{steeper}");
+        // Stiffnesses of both signs, whose partial sums 1.1, 1.2, 1.0 stay above 0.
+        let slip = FamilyForm::MaxwellSlip { elements: 2 };
+        let mixed = of(slip, 1.0, vec![3.0], vec![-0.1, 0.2]);
+        assert!(mixed.contains("so that it has an inverse"), "{mixed}");
+        let falling = of(slip, -0.1, vec![3.0], vec![0.5, 0.4]);
+        assert!(falling.contains("no inverse from 0 to 10 V"), "{falling}");
     }
 }

@@ -15,7 +15,7 @@ use super::{AxesFlags, AxesScored, score_axes, table};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::interrupt::{ANEW, Interrupt, partial};
 use crate::maker::maker;
 use crate::model;
 use crate::progress::Progress;
@@ -35,7 +35,7 @@ pub fn identify_branches(
             .hint("name them in order, e.g. --outputs y1_nm,y2_nm,y3_nm"));
     }
     let records = axes.read_all(paths, columns)?;
-    let stop = interrupt::stop_flag("the best so far is kept")?;
+    let stop = Interrupt::listen("the best so far is kept")?;
     let mut bar: Option<Progress> = None;
     let mut watch = |progress: &SearchProgress<'_>| {
         let bar = bar.get_or_insert_with(|| Progress::new("branches", progress.generations as u64));
@@ -46,18 +46,21 @@ pub fn identify_branches(
     drop(bar);
     let found = found.map_err(|e| explain(&e))?;
     let file = found.model_file(&records, &maker());
-    let loaded = model::write(out, file.clone())?;
+    let interrupted = stop.load(Ordering::Relaxed);
+    let written = if interrupted { partial(out) } else { out.to_path_buf() };
+    let loaded = model::write(&written, file.clone())?;
     let scored = score_axes(&loaded, &records, paths, |_| Start::AsIdentified)?;
     if result.has_report() {
         let page = loaded.report(&found.findings)?;
         result.write(|| page)?;
     }
     if result.json {
-        return console::json(&object(&found, &scored, out, &file));
+        console::json(&object(&found, &scored, &written, &file))?;
+    } else {
+        console::result(&text(&found, &scored, &file))?;
+        console::message(&format!("model written to {}", written.display()));
     }
-    console::result(&text(&found, &scored, &file))?;
-    console::message(&format!("model written to {}", out.display()));
-    Ok(())
+    if interrupted { Err(stop.failure(&written, ANEW)) } else { Ok(()) }
 }
 
 /// Every parameter with where it belongs.

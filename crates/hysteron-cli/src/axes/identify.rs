@@ -18,7 +18,7 @@ use super::{AxesFlags, AxesScored, kind_name, score_axes, table};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::interrupt::{ANEW, Interrupt, partial};
 use crate::maker::maker;
 use crate::model;
 use crate::numbers::{count, positive, whole};
@@ -99,16 +99,14 @@ impl ModesFlags {
         }
         let records = axes.read_all(paths, columns)?;
         let options = self.options(whole_records, least_fit_percent);
-        let stop = interrupt::stop_flag("the best so far is kept")?;
+        let stop = Interrupt::listen("the best so far is kept")?;
         let mut watcher = Watcher { stop: &stop, bar: None };
         let found = identify(&records, &options, &mut |progress| watcher.tell(progress));
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = found.model_file(&records, &options, &maker());
-        let loaded = model::write(out, file.clone())?;
-        if found.interrupted {
-            console::note("interrupted: the best so far was written");
-        }
+        let written = if found.interrupted { partial(out) } else { out.to_path_buf() };
+        let loaded = model::write(&written, file.clone())?;
         let start = |record: &AxesRecord| whole_period(record, &found);
         let scored = score_axes(&loaded, &records, paths, start)?;
         if result.has_report() {
@@ -116,11 +114,12 @@ impl ModesFlags {
             result.write(|| page)?;
         }
         if result.json {
-            return console::json(&object(&found, &scored, out, &file));
+            console::json(&object(&found, &scored, &written, &file))?;
+        } else {
+            console::result(&text(&found, &scored, &file))?;
+            console::message(&format!("model written to {}", written.display()));
         }
-        console::result(&text(&found, &scored, &file))?;
-        console::message(&format!("model written to {}", out.display()));
-        Ok(())
+        if found.interrupted { Err(stop.failure(&written, ANEW)) } else { Ok(()) }
     }
 }
 

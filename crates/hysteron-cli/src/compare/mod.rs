@@ -21,7 +21,7 @@ use cost::CandidateCost;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::interrupt::Interrupt;
 use crate::maker::maker;
 use crate::output::{self, OutFile};
 use crate::progress::Progress;
@@ -97,7 +97,7 @@ impl Compare {
         self.result.check()?;
         let records = self.columns.read_all(&self.records)?.into_iter();
         let campaign: Vec<_> = records.map(|data| CampaignRecord { data, role: None }).collect();
-        let stop = interrupt::stop_flag("what is finished is printed")?;
+        let stop = Interrupt::listen("what is finished is printed")?;
         let watcher = Console { stop: &stop, bar: Progress::new("comparing", 1) };
         let candidates = (!self.candidates.is_empty()).then_some(self.candidates.as_slice());
         let comparison = compare(&campaign, candidates, &Options::default(), &watcher);
@@ -127,6 +127,12 @@ impl Compare {
         if found.comparison.ranking.is_none() {
             return Err(nothing(&found.comparison));
         }
+        if found.comparison.interrupted {
+            return Err(Failure::new("the comparison was interrupted")
+                .because("what was finished is printed, and no model is written")
+                .hint("run it again, or name fewer structures with --candidates")
+                .exiting_with(stop.exit_code()));
+        }
         self.out.as_ref().map_or(Ok(()), |path| write_model(path, &found.comparison, &campaign))
     }
 }
@@ -139,10 +145,6 @@ fn write_model(
 ) -> Result<(), Failure> {
     let Some(ranking) = &comparison.ranking else { return Ok(()) };
     let preferred = &comparison.entries[ranking.preferred];
-    if comparison.interrupted {
-        console::note("the comparison was interrupted: no model is written");
-        return Ok(());
-    }
     let options =
         Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };
     let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));

@@ -28,7 +28,7 @@ use crate::axes::{AxesFlags, ModesFlags, identify_branches};
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt;
+use crate::interrupt::{Interrupt, partial};
 use crate::maker::maker;
 use crate::numbers::{count, number, whole};
 use crate::output::{self, OutFile};
@@ -52,7 +52,8 @@ use crate::result_flags::ResultFlags;
     --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of force and displacement \
     around a resonance; a force that repeats is taken to be in its steady state, another one to start from rest (--initial). Held \
     with --fix: mass, damping, n.\n\n\
-    Ctrl-C keeps the best so far and writes MODEL.searches.json; go on from there with --resume.\n\n\
+    Ctrl-C writes the best so far to MODEL.partial.json, which every command reads, and leaves MODEL.json as it was (exit code 130, 143 after \
+    SIGTERM); --resume MODEL.partial.json goes on from there.\n\n\
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
     Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
     Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json\n\
@@ -219,13 +220,14 @@ impl Identify {
         let options = self.options()?;
         let campaign = self.campaign()?;
         let resume = self.resume.as_deref().map(read_searches).transpose()?;
-        let stop = interrupt::stop_flag("the best so far is kept")?;
+        let stop = Interrupt::listen("the best so far is kept")?;
         let mut watcher = Console::new(&stop);
         let found = identify(&campaign, &options, &mut watcher, resume);
         drop(watcher);
         let found = found.map_err(|e| explain(&e))?;
         let file = found.model_file(&options, &maker());
-        crate::model::write(&self.out, file.clone())?;
+        let written = if found.cancelled { partial(&self.out) } else { self.out.to_path_buf() };
+        crate::model::write(&written, file.clone())?;
         if found.cancelled {
             self.write_searches(&found.resume)?;
         }
@@ -241,10 +243,15 @@ impl Identify {
             warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&f.text));
         }
         if self.result.json {
-            return console::json(&outcome::Outcome::new(&self.out, &found, &file));
+            console::json(&outcome::Outcome::new(&written, &found, &file))?;
+        } else {
+            console::result(&outcome::text(&found, &file))?;
+            console::message(&format!("model written to {}", written.display()));
         }
-        console::result(&outcome::text(&found, &file))?;
-        console::message(&format!("model written to {}", self.out.display()));
+        if found.cancelled {
+            let resume = format!("go on with the same command and --resume {}", written.display());
+            return Err(stop.failure(&written, &resume));
+        }
         Ok(())
     }
 

@@ -1,14 +1,13 @@
 //! A search as it is watched, interrupted and resumed, and what to do about one that fails.
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use hysteron_identify::{IdentifyError, Searches, Watcher};
 use hysteron_optimize::{OptimizeError, Progress as SearchProgress, ResumeError};
 
 use super::Identify;
-use crate::console;
 use crate::failure::Failure;
 use crate::progress::Progress;
 
@@ -51,15 +50,18 @@ impl Identify {
         let text = serde_json::to_string(searches).map_err(|e| failure().because(e))?;
         hysteron_io::atomic_file::write_atomically(&path, text.as_bytes())
             .map_err(|e| failure().because(e))?;
-        console::note(&format!("interrupted; go on with the same command and --resume {}", path.display()));
         Ok(())
     }
 }
 
+/// State of the searches of an interrupted identification, from the file of the searches or from the model beside it.
 pub(super) fn read_searches(path: &Path) -> Result<Searches, Failure> {
+    let beside = path.to_str().and_then(|path| path.strip_suffix(".partial.json"));
+    let beside = beside.map(|stem| PathBuf::from(format!("{stem}.searches.json")));
+    let path = beside.as_deref().unwrap_or(path);
     let failure = || {
         Failure::new(format!("cannot resume from {}", path.display()))
-            .hint("it must be the MODEL.searches.json that an interrupted identification wrote")
+            .hint("it must be the MODEL.partial.json (or MODEL.searches.json) that an interrupted identification wrote")
     };
     let size = std::fs::metadata(path).map_err(|e| failure().because(e))?.len();
     if size > MAX_RESUME_BYTES {

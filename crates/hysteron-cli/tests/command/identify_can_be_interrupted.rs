@@ -32,6 +32,7 @@ fn an_interrupted_fit_keeps_the_best_and_resumes_to_the_same_bits() {
             .spawn()
             .unwrap()
     };
+    bench.write("cut.json", "precious");
     // Interrupted after the small fits that choose the start, in the search itself: wait longer on a slow machine.
     let reached = [1, 3, 9].into_iter().find_map(|seconds| {
         let child = start("-o cut.json --generations 400000");
@@ -40,10 +41,15 @@ fn an_interrupted_fit_keeps_the_best_and_resumes_to_the_same_bits() {
         let began = Instant::now();
         let output = child.wait_with_output().unwrap();
         let said = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.success(), "{said}");
+        assert_eq!(output.status.code(), Some(130), "{said}");
         assert!(began.elapsed() < Duration::from_secs(20), "it stops soon");
-        assert!(said.contains("--resume cut.searches.json"), "{said}");
-        assert!(bench.path("cut.json").exists(), "the best so far is kept");
+        assert!(said.contains("--resume cut.partial.json"), "{said}");
+        assert!(bench.path("cut.partial.json").exists(), "the best so far is kept");
+        assert_eq!(
+            std::fs::read_to_string(bench.path("cut.json")).unwrap(),
+            "precious",
+            "what was there stays"
+        );
         generation(&std::fs::read_to_string(bench.path("cut.searches.json")).unwrap())
     });
     let reached = reached.unwrap();
@@ -54,7 +60,7 @@ fn an_interrupted_fit_keeps_the_best_and_resumes_to_the_same_bits() {
     let shorter = text.replace("\"generations\":400000", &format!("\"generations\":{total}"));
     bench.write("cut.searches.json", shorter);
     assert!(
-        start(&format!("-o resumed.json --generations {total} --resume cut.searches.json"))
+        start(&format!("-o resumed.json --generations {total} --resume cut.partial.json"))
             .wait()
             .unwrap()
             .success()
@@ -66,6 +72,27 @@ fn an_interrupted_fit_keeps_the_best_and_resumes_to_the_same_bits() {
         file["hysteresis"].to_string()
     };
     assert_eq!(block("resumed.json"), block("straight.json"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_terminated_fit_exits_with_143_and_its_partial_model_is_read_like_any() {
+    let bench = Bench::new();
+    bench.write("long.csv", long_record());
+    let child = Command::new(env!("CARGO_BIN_EXE_hysteron"))
+        .args("identify long.csv --optimizer de --population 8 --generations 400000 -o cut.json".split(' '))
+        .current_dir(bench.path("."))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(143), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!bench.path("cut.json").exists());
+    let run = bench.run("validate cut.partial.json long.csv");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
 }
 
 /// Generation that the interrupted main search had reached; `None` if it had not begun.
