@@ -14,6 +14,7 @@ use std::sync::atomic::Ordering;
 use clap::Args;
 use hysteron_identify::structure::neighbours;
 use hysteron_identify::{CampaignRecord, FindingKind, RecordRole, identify};
+use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_report::identification::report;
 use hysteron_report::page::Page;
 use hysteron_report::write_figures;
@@ -22,7 +23,6 @@ use self::arguments::{
     ChoiceArg, CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg, SchemeArg,
     StructureArg, degree, delay, exponent, name_range, name_value,
 };
-use self::family::HysteresisArg;
 use self::search::{Console, explain, read_searches};
 use crate::axes::{AxesFlags, ModesFlags, identify_branches};
 use crate::columns::ColumnFlags;
@@ -81,8 +81,8 @@ pub struct Identify {
     structure: Option<StructureArg>,
 
     /// Hysteresis block
-    #[arg(long, value_enum, default_value_t = HysteresisArg::BoucWen)]
-    hysteresis: HysteresisArg,
+    #[arg(long, value_name = "HYSTERESIS", value_parser = family::parser(), default_value = "bouc-wen")]
+    hysteresis: HysteresisForm,
 
     /// Elements of the hysteresis block: plays, slip elements, states, lines or intervals of a plane, degree
     /// [default: the family's own]

@@ -9,6 +9,7 @@ use hysteron_optimize::{
 
 use super::Identify;
 use super::arguments::{CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg};
+use super::family::with_elements;
 use crate::failure::Failure;
 use crate::model::Loaded;
 
@@ -27,7 +28,7 @@ impl Identify {
                 MethodArg::Joint => Method::Joint,
                 MethodArg::TwoStep => Method::TwoStep,
             },
-            hysteresis: self.hysteresis.form(self.elements)?,
+            hysteresis: with_elements(self.hysteresis, self.elements)?,
             order: self.order,
             creep: self.creep()?,
             initial: match self.initial {

@@ -31,6 +31,22 @@ pub enum HysteresisForm {
     Family(FamilyForm),
 }
 
+/// Most elements of a family; a plane has a weight for every pair.
+const MOST_ELEMENTS: usize = 60;
+const MOST_OF_A_PLANE: usize = 16;
+
+/// A number of elements that a family cannot have.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{family} cannot have {found} elements: {allowed}")]
+pub struct UnknownElements {
+    /// Name of the family.
+    pub family: &'static str,
+    /// The number.
+    pub found: usize,
+    /// What is allowed.
+    pub allowed: String,
+}
+
 /// A name that is no family's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no hysteresis family is called `{found}`: expected one of {}", HysteresisForm::usual().map(HysteresisForm::name).join(", "))]
@@ -50,6 +66,78 @@ impl std::str::FromStr for HysteresisForm {
 }
 
 impl HysteresisForm {
+    /// What the family is, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::BoucWen => "Polynomial less one relaxing state: few parameters",
+            Self::PrandtlIshlinskii { .. } => {
+                "Polynomial and 12 plays: minor loops, exact inverse (this and the following: joint)"
+            }
+            Self::Family(family) => match family {
+                FamilyForm::ParallelBoucWen { .. } => "Two Bouc-Wen states of unlike sharpness",
+                FamilyForm::NonSymmetricBoucWen => "Bouc-Wen with a term that makes its loop asymmetric",
+                FamilyForm::SongDerKiureghian => "Bouc-Wen with six coefficients",
+                FamilyForm::Dahl => "One relaxing state with an exponent of its own",
+                FamilyForm::Duhem { .. } => "Coleman's and Hodgdon's equation with slopes up to u^2",
+                FamilyForm::MaxwellSlip { .. } => "12 elastic elements that slip: plays in other coordinates",
+                FamilyForm::OneSidedPlays { .. } => "12 plays for a drive to one side of rest",
+                FamilyForm::RateDependentPlays { .. } => "12 plays that get wider with the rate of the drive",
+                FamilyForm::DeadZonePlays { .. } => {
+                    "12 plays and six bands of what they put out: minor loops that differ with bias"
+                }
+                FamilyForm::GeneralisedPlays { .. } => "8 plays behind saturating, unequal envelopes",
+                FamilyForm::KrasnoselskiiPokrovskii { .. } => {
+                    "Ramped relays on a grid of 8 lines (36 weights)"
+                }
+                FamilyForm::Preisach { .. } => "Relays on a plane of 10 intervals (55 weights)",
+                FamilyForm::PreisachDensity => "Relays on a plane with a density of four numbers",
+                FamilyForm::JilesAtherton => "Jiles' and Atherton's magnetisation",
+            },
+        }
+    }
+
+    /// The family with another number of elements: plays, slip elements, states, lines or intervals of a plane, degree.
+    ///
+    /// # Errors
+    /// [`UnknownElements`] for a number that the family cannot have.
+    pub fn with_elements(self, count: usize) -> Result<Self, UnknownElements> {
+        let refused = |allowed: String| UnknownElements { family: self.name(), found: count, allowed };
+        let within = |most: usize| {
+            (1..=most).contains(&count).then_some(count).ok_or_else(|| refused(format!("it has 1 to {most}")))
+        };
+        let family = match self {
+            Self::PrandtlIshlinskii { .. } => {
+                return Ok(Self::PrandtlIshlinskii { plays: within(MOST_ELEMENTS)? });
+            }
+            Self::BoucWen => {
+                return Err(refused("it has one state; take parallel-bouc-wen for more".to_owned()));
+            }
+            Self::Family(family) => family,
+        };
+        Ok(Self::Family(match family {
+            FamilyForm::ParallelBoucWen { .. } => FamilyForm::ParallelBoucWen { states: within(3)? },
+            FamilyForm::Duhem { .. } => FamilyForm::Duhem { degree: within(9)? },
+            FamilyForm::MaxwellSlip { .. } => FamilyForm::MaxwellSlip { elements: within(MOST_ELEMENTS)? },
+            FamilyForm::OneSidedPlays { .. } => FamilyForm::OneSidedPlays { plays: within(MOST_ELEMENTS)? },
+            FamilyForm::RateDependentPlays { .. } => {
+                FamilyForm::RateDependentPlays { plays: within(MOST_ELEMENTS)? }
+            }
+            FamilyForm::DeadZonePlays { .. } => FamilyForm::DeadZonePlays { plays: within(MOST_ELEMENTS)? },
+            FamilyForm::GeneralisedPlays { .. } => {
+                FamilyForm::GeneralisedPlays { plays: within(MOST_ELEMENTS)? }
+            }
+            FamilyForm::KrasnoselskiiPokrovskii { .. } => {
+                FamilyForm::KrasnoselskiiPokrovskii { lines: within(MOST_OF_A_PLANE)? }
+            }
+            FamilyForm::Preisach { .. } => FamilyForm::Preisach { intervals: within(MOST_OF_A_PLANE)? },
+            FamilyForm::NonSymmetricBoucWen
+            | FamilyForm::SongDerKiureghian
+            | FamilyForm::Dahl
+            | FamilyForm::PreisachDensity
+            | FamilyForm::JilesAtherton => return Err(refused("their number is fixed".to_owned())),
+        }))
+    }
+
     /// Every family with its usual number of elements, the article's first.
     pub fn usual() -> [Self; 16] {
         let family = Self::Family;

@@ -256,3 +256,24 @@ fn another_number_of_shape_numbers_is_refused() {
     let run = HysteresisForm::BoucWen.run(&[1.0], 1, &[0.0], Origin::Periodic, None, &mut Columns::default());
     assert!(matches!(run, Err(HysteresisError::ShapeCount { expected: 3, found: 1 })));
 }
+
+#[test]
+fn every_family_is_parsed_from_its_name_and_described() {
+    for form in HysteresisForm::usual() {
+        assert_eq!(form.name().parse(), Ok(form));
+        assert!(!form.summary().is_empty());
+    }
+    let unknown = "preisch".parse::<HysteresisForm>().unwrap_err().to_string();
+    assert!(unknown.contains("`preisch`") && unknown.contains("preisach-density"), "{unknown}");
+}
+
+#[test]
+fn elements_beyond_a_family_are_refused() {
+    let of = |name: &str, count| name.parse::<HysteresisForm>().unwrap().with_elements(count);
+    assert_eq!(of("preisach", 4).unwrap().columns(), 10);
+    for (name, count) in
+        [("bouc-wen", 1), ("dahl", 1), ("parallel-bouc-wen", 4), ("preisach", 17), ("prandtl-ishlinskii", 61)]
+    {
+        assert!(of(name, count).is_err(), "{name} {count}");
+    }
+}
