@@ -1,30 +1,24 @@
 //! `hysteron adapt`: a model corrected over a record, sample by sample, as a controller would.
 
-mod file;
-mod follow;
 mod text;
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-use hysteron_identify::online::Term;
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_identify::online::{FollowMethod, FollowOptions, Followed, Term, known_noise};
 use hysteron_model::model::{Capability, SignalRole};
-use hysteron_model::model_file::ScoreRole;
-use hysteron_model::record::{InputOutput, find_periods, noise_floor};
+use hysteron_model::record::{InputOutput, Source};
 use hysteron_model::validate::Scoring;
 
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
+use crate::maker::maker;
 use crate::model::LoadedModel;
 use crate::numbers::{count, positive};
 use crate::output::{self, OutFile};
 use crate::start::StartFlags;
-use follow::Followed;
-
-/// Memory of least squares where none is given, as a share of the record.
-const MEMORY: f64 = 0.2;
 
 /// Follow a drifting device: correct a model over a record sample by sample, and say when it no longer fits.
 #[derive(Args)]
@@ -52,7 +46,7 @@ pub struct Adapt {
     method: Method,
 
     /// Coefficients that may move, up to six, separated by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = term, default_value = "offset,gain")]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = Term::from_str, default_value = "offset,gain")]
     terms: Vec<Term>,
 
     /// Memory of rls in s (a fifth of the record if not given)
@@ -105,32 +99,10 @@ pub enum Method {
     Nlms,
 }
 
-fn term(text: &str) -> Result<Term, String> {
-    let unknown = || "expected offset, gain, power=N or creep=SECONDS".to_owned();
-    match text.trim().split_once('=') {
-        None if text.trim() == "offset" => Ok(Term::Offset),
-        None if text.trim() == "gain" => Ok(Term::Gain),
-        Some(("power", n)) => n.parse().map(Term::Power).map_err(|_| unknown()),
-        Some(("creep", s)) => positive(s).map(|lag_s| Term::Creep { lag_s }).map_err(|_| unknown()),
-        _ => Err(unknown()),
-    }
-}
-
-/// The model before, the record, and how it is followed.
+/// The record, and how the model is followed over it.
 struct Task<'a> {
-    model: &'a Model,
     data: &'a InputOutput,
-    start: Start,
-    terms: &'a [Term],
-    method: Method,
-    memory_s: f64,
-    sample_rate_hz: f64,
-    /// One of so many samples is learnt from; `None`: as the record asks.
-    every: Option<usize>,
-    step: f64,
-    noise: f64,
-    run_length: f64,
-    reopen: bool,
+    options: FollowOptions,
 }
 
 impl Adapt {
@@ -146,33 +118,31 @@ impl Adapt {
         let mut data = self.columns.read(&self.record)?;
         old.agreed_unit(&self.record, SignalRole::Input, &data.u_unit)?;
         data.y_unit = old.agreed_unit(&self.record, SignalRole::Output, &data.y_unit)?;
-        let sample_rate_hz = data.sample_rate_hz().ok_or_else(|| {
-            Failure::new(format!("cannot follow {}", self.record.display()))
+        if data.sample_rate_hz().is_none() {
+            return Err(Failure::new(format!("cannot follow {}", self.record.display()))
                 .because("it has no uniform sample rate, and a memory is a number of samples")
-                .hint("give the sample rate with --sample-rate HZ")
-        })?;
+                .hint("give the sample rate with --sample-rate HZ"));
+        }
         let signals = data.clone().into();
         let start = old.score(&self.record, &signals, &self.start, &Scoring::default())?.simulation.start;
-        let noise = self.noise.or_else(|| known_noise(&old, &data)).ok_or_else(|| {
+        let noise = self.noise.or_else(|| known_noise(old.file(), &data)).ok_or_else(|| {
             Failure::new("the size of a residual where the model fits is not known")
                 .because("the model file holds no scores and the record shows no noise")
                 .hint("give it with --noise")
         })?;
-        let task = Task {
-            model: old.model(),
-            data: &data,
-            start,
-            terms: &self.terms,
-            method: self.method,
-            memory_s: self.memory.unwrap_or(MEMORY * data.len() as f64 / sample_rate_hz),
-            sample_rate_hz,
-            every: self.every,
-            step: self.step,
+        let options = FollowOptions {
+            method: match self.method {
+                Method::Rls => FollowMethod::LeastSquares { memory_s: self.memory },
+                Method::Nlms => FollowMethod::Gradient { step: self.step },
+            },
+            terms: self.terms.clone(),
             noise,
+            every: self.every,
             run_length: self.run_length,
             reopen: self.reopen,
         };
-        let found = task.followed().map_err(|e| self.refused(&e))?;
+        let found = Followed::over(&data, old.model(), &start, &options).map_err(|e| self.refused(&e))?;
+        let task = Task { data: &data, options };
         if let Some(path) = &self.out {
             self.write(path, &old, &task, &found)?;
         }
@@ -188,18 +158,17 @@ impl Adapt {
     }
 
     fn write(&self, path: &Path, old: &LoadedModel, task: &Task, found: &Followed) -> Result<(), Failure> {
-        let file = file::corrected(self, old, task, found)?;
+        let bytes = std::fs::read(&self.model).map_err(|e| {
+            Failure::new(format!("cannot read the model {}", self.model.display())).because(e)
+        })?;
+        let source = Source { path: self.model.display().to_string(), sha256: hysteron_io::sha256(&bytes) };
+        let file = found
+            .model_file(task.data, &task.options, (old.file(), &source), &maker())
+            .map_err(|e| Failure::new("the corrected coefficients make no model").because(e))?;
         crate::model::write(path, file).map(|_| ())
     }
 
     fn refused(&self, because: &dyn std::fmt::Display) -> Failure {
         Failure::new(format!("cannot follow {}", self.record.display())).because(because)
     }
-}
-
-/// The largest training RMSE in the model file, else the noise floor of the record.
-fn known_noise(old: &LoadedModel, data: &InputOutput) -> Option<f64> {
-    let training = old.file().scores.iter().filter(|s| s.role == ScoreRole::Training).map(|s| s.rmse);
-    let floor = || noise_floor(data, find_periods(data).ok().as_ref()).map(|floor| floor.rms);
-    training.reduce(f64::max).or_else(floor).filter(|noise| *noise > 0.0)
 }

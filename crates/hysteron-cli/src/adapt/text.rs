@@ -2,29 +2,17 @@
 
 use std::path::Path;
 
-use clap::ValueEnum;
-use hysteron_identify::online::{Alarm, Term};
+use hysteron_identify::online::{Alarm, FollowMethod, Followed};
 use hysteron_numeric::display::short;
 use hysteron_report::number::{significant, with_std_error};
 use hysteron_rt::Misfit;
 use serde_json::{Value, json};
 
-use super::follow::Followed;
-use super::{Method, Task};
+use super::Task;
 use crate::console;
 
 /// Alarms that are printed one by one.
 const SHOWN: usize = 5;
-
-/// A term as on the command line.
-pub fn name(term: Term) -> String {
-    match term {
-        Term::Offset => "offset".to_owned(),
-        Term::Gain => "gain".to_owned(),
-        Term::Power(n) => format!("power={n}"),
-        Term::Creep { lag_s } => format!("creep={}", short(lag_s)),
-    }
-}
 
 fn misfit(misfit: Misfit) -> (&'static str, &'static str) {
     match misfit {
@@ -39,17 +27,13 @@ fn time_s(task: &Task, alarm: &Alarm) -> f64 {
     task.data.time.time_s(alarm.sample).unwrap_or(first)
 }
 
-fn method(task: &Task) -> String {
-    task.method.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned())
-}
-
 /// The tables and what they say.
 pub fn text(task: &Task, found: &Followed) -> String {
     let mut moved = console::table(&["coefficient", "before", "after", "±", "least", "greatest"]);
     for path in &found.paths {
         let (end, error) = with_std_error(path.end, path.std_error);
         moved.add_row([
-            name(path.term),
+            path.term.to_string(),
             significant(path.start, 6),
             end,
             if path.std_error.is_some() { error } else { "-".to_owned() },
@@ -69,10 +53,14 @@ pub fn text(task: &Task, found: &Followed) -> String {
     ] {
         errors.add_row([what.to_owned(), significant(scores.rmse, 4), significant(scores.max_abs_error, 4)]);
     }
-    let noise = format!("{} {unit}", short(task.noise));
-    let how = match task.method {
-        Method::Rls => format!("recursive least squares, memory {} s", short(task.memory_s)),
-        Method::Nlms => format!("normalised least mean squares, step {}", short(task.step)),
+    let noise = format!("{} {unit}", short(task.options.noise));
+    let how = match task.options.method {
+        FollowMethod::LeastSquares { .. } => {
+            format!("recursive least squares, memory {} s", short(found.memory_s.unwrap_or_default()))
+        }
+        FollowMethod::Gradient { step } => {
+            format!("normalised least mean squares, step {}", short(step))
+        }
     };
     let from =
         if found.every == 1 { "every sample".to_owned() } else { format!("one of {} samples", found.every) };
@@ -88,7 +76,7 @@ fn verdict(task: &Task, found: &Followed) -> String {
     let Some(first) = found.alarms.first() else {
         return "verdict: the corrected model fits: no alarm over the record.\n".to_owned();
     };
-    let says = if task.reopen {
+    let says = if task.options.reopen {
         "alarms, after each of which the coefficients were free again"
     } else {
         "the corrected model no longer fits"
@@ -112,7 +100,7 @@ pub fn outcome(task: &Task, found: &Followed, model: Option<&Path>) -> Value {
         .iter()
         .map(|p| {
             json!({
-                "term": name(p.term),
+                "term": p.term.to_string(),
                 "before": p.start,
                 "after": p.end,
                 "std_error": p.std_error,
@@ -130,10 +118,10 @@ pub fn outcome(task: &Task, found: &Followed, model: Option<&Path>) -> Value {
         "model": model.map(|m| m.display().to_string()),
         "record": task.data.source.as_ref().map_or(&task.data.name, |s| &s.path),
         "unit": task.data.y_unit.symbol(),
-        "method": method(task),
-        "memory_s": (task.method == Method::Rls).then_some(task.memory_s),
+        "method": task.options.method.name(),
+        "memory_s": found.memory_s,
         "every": found.every,
-        "noise": task.noise,
+        "noise": task.options.noise,
         "coefficients": coefficients,
         "rmse_before": found.before.rmse,
         "rmse_before_offset_estimated": found.before_offset_estimated.rmse,

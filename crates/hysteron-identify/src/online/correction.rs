@@ -1,30 +1,12 @@
 //! Which coefficients of a model may move, and what their regressors are.
 
-use super::CorrectionError;
+use super::{CorrectionError, Term};
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::record::range_of;
 
 /// Highest power of the drive that may be corrected.
 const HIGHEST_POWER: u32 = 20;
-
-/// A coefficient that may move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Term {
-    /// Offset \[µm\], regressor 1; nominally the model's.
-    Offset,
-    /// Gain \[1\], regressor w, the model's output less its offset \[µm\]; nominally 1.
-    Gain,
-    /// Change of the polynomial's coefficient of uⁿ \[µm/Vⁿ\], regressor G ∗ uⁿ with the model's delay; nominally
-    /// 0. With [`Self::Gain`] it is the change after the gain.
-    Power(u32),
-    /// Creep \[1\], regressor w behind a first-order lag, 1/(1 + `lag_s`·s), settled at the first sample;
-    /// nominally 0. One term a decade of time makes the usual sum of lags.
-    Creep {
-        /// Time constant \[s\].
-        lag_s: f64,
-    },
-}
 
 /// A model with N coefficients that may move: y = fixed + φᵀθ, where the nominal θ gives the model's own output.
 ///

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::hysteresis::HysteresisError;
+use hysteron_model::validate::ScoreError;
 
 /// A correction that cannot be set up, run or written back.
 #[derive(Debug, Error)]
@@ -66,4 +67,25 @@ pub enum CorrectionError {
         /// Why.
         cause: SampleError,
     },
+}
+
+/// Why a model cannot be followed over a record.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FollowError {
+    /// The correction.
+    #[error(transparent)]
+    Correction(#[from] CorrectionError),
+    /// Settings of the estimator or the monitor.
+    #[error(transparent)]
+    Settings(#[from] OnlineError<f64>),
+    /// The outputs cannot be scored.
+    #[error(transparent)]
+    Score(#[from] ScoreError),
+    /// No terms, or too many.
+    #[error("between one and six terms can be followed, not {0}")]
+    Terms(usize),
+    /// A record whose samples are not equally spaced.
+    #[error("it has no uniform sample rate, and a memory is a number of samples")]
+    NotUniform,
 }

@@ -47,8 +47,13 @@
 mod adapter;
 mod correction;
 mod error;
+mod file;
+mod follow;
 mod spacing;
+mod term;
 
 pub use adapter::{Adapted, Adapter, Alarm, Estimator, Trace};
-pub use correction::{Correction, Regressors, Row, Term};
-pub use error::CorrectionError;
+pub use correction::{Correction, Regressors, Row};
+pub use error::{CorrectionError, FollowError};
+pub use follow::{FollowMethod, FollowOptions, Followed, MOST_TERMS, Path, known_noise};
+pub use term::{Term, UnknownTerm};

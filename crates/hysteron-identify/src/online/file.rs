@@ -1,0 +1,44 @@
+//! A corrected model as a file.
+
+use std::collections::BTreeMap;
+
+use super::{CorrectionError, FollowOptions, Followed};
+use hysteron_model::model_file::{
+    Maker, ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole,
+};
+use hysteron_model::record::{InputOutput, Source};
+
+impl Followed {
+    /// Model file with the coefficients of the last sample. `old`: the file of the model that was corrected, and where it was read
+    /// from. Standard errors and covariance of the old numbers are left out: they say nothing of the new ones.
+    ///
+    /// # Errors
+    /// [`CorrectionError`] where the coefficients make no model.
+    pub fn model_file(
+        &self,
+        data: &InputOutput,
+        options: &FollowOptions,
+        (old, source): (&ModelFile, &Source),
+        maker: &Maker,
+    ) -> Result<ModelFile, &CorrectionError> {
+        let model = self.model.as_ref()?;
+        let mut named = BTreeMap::from([
+            ("method".to_owned(), "adapt".to_owned()),
+            ("adapted model".to_owned(), source.path.clone()),
+            ("adapted model sha256".to_owned(), source.sha256.clone()),
+            ("estimator".to_owned(), options.method.name().to_owned()),
+            ("noise".to_owned(), options.noise.to_string()),
+        ]);
+        named.extend(self.paths.iter().map(|path| (path.term.to_string(), path.end.to_string())));
+        let records = vec![RecordEntry::of(data, RecordRole::Both)];
+        Ok(ModelFile {
+            name: old.name.clone(),
+            normalisation: old.normalisation,
+            start: old.start.clone(),
+            valid_range: old.valid_range.clone(),
+            provenance: Some(Provenance::new(maker, records, named, None)),
+            scores: vec![ScoreEntry::new(&data.name, ScoreRole::Training, data.y_unit.symbol(), &self.last)],
+            ..ModelFile::from_model(model, old.units.clone())
+        })
+    }
+}

@@ -1,0 +1,258 @@
+//! A model corrected over a whole record.
+
+use super::{Adapter, Alarm, Correction, CorrectionError, Estimator, FollowError, Term};
+use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::model_file::{ModelFile, ScoreRole};
+use hysteron_model::record::{InputOutput, find_periods, noise_floor, range_of, shortest_swing};
+use hysteron_model::validate::{OffsetTreatment, Scores, Scoring, score};
+use hysteron_rt::{FitMonitor, MonitorSettings, Nlms, NlmsSettings, Rls, RlsSettings, Unexcited};
+
+/// Most terms of a correction over a record.
+pub const MOST_TERMS: usize = 6;
+/// Default memory of least squares, as a share of the record.
+const MEMORY: f64 = 0.2;
+/// A coefficient may move the output by this share of its stroke.
+const MAY_MOVE: f64 = 0.1;
+/// Shift of the mean and growth of the spread that the monitor looks for, in units of the noise.
+const SHIFT: f64 = 0.5;
+const SPREAD: f64 = 1.5;
+/// Samples learnt from in half of the drive's shortest period, where nothing is said.
+const IN_A_SWING: usize = 20;
+/// Fewest samples an alarm is made of.
+const FEWEST: u16 = 3;
+/// Shortest memory, in samples learnt from.
+const SHORTEST_MEMORY: f64 = 2.0;
+
+/// Options of [`Followed::over`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct FollowOptions {
+    /// Estimator of the coefficients.
+    pub method: FollowMethod,
+    /// Coefficients that may move, 1 to [`MOST_TERMS`].
+    pub terms: Vec<Term>,
+    /// Standard deviation of a residual where the model fits \[µm\], above 0; see [`known_noise`].
+    pub noise: f64,
+    /// Learn from one of so many samples; `None`: 40 to the period of the fastest drive, fewer where the residuals stay alike
+    /// for longer.
+    pub every: Option<usize>,
+    /// Mean number of samples learnt from to a false alarm, at least.
+    pub run_length: f64,
+    /// After an alarm the coefficients are as uncertain as at the start.
+    pub reopen: bool,
+}
+
+/// Estimator of the coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FollowMethod {
+    /// Recursive least squares with forgetting.
+    LeastSquares {
+        /// Memory \[s\]; `None`: a fifth of the record.
+        memory_s: Option<f64>,
+    },
+    /// Normalised least mean squares.
+    Gradient {
+        /// Share of every error that is taken, above 0 and below 2.
+        step: f64,
+    },
+}
+
+impl FollowMethod {
+    /// `rls` or `nlms`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LeastSquares { .. } => "rls",
+            Self::Gradient { .. } => "nlms",
+        }
+    }
+
+    /// Memory \[s\] over a record of this many samples; `None` for a method without one.
+    pub fn memory_s(self, samples: usize, sample_rate_hz: f64) -> Option<f64> {
+        match self {
+            Self::LeastSquares { memory_s } => {
+                Some(memory_s.unwrap_or(MEMORY * samples as f64 / sample_rate_hz))
+            }
+            Self::Gradient { .. } => None,
+        }
+    }
+}
+
+/// Standard deviation of a residual where the model fits: the largest training RMSE in the model file, else the noise
+/// floor of the record; `None` where neither is above 0.
+pub fn known_noise(file: &ModelFile, data: &InputOutput) -> Option<f64> {
+    let training = file.scores.iter().filter(|s| s.role == ScoreRole::Training).map(|s| s.rmse);
+    let floor = || noise_floor(data, find_periods(data).ok().as_ref()).map(|floor| floor.rms);
+    training.reduce(f64::max).or_else(floor).filter(|noise| *noise > 0.0)
+}
+
+/// One coefficient over a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Path {
+    /// The coefficient.
+    pub term: Term,
+    /// Its nominal value.
+    pub start: f64,
+    /// Its value after the last sample.
+    pub end: f64,
+    /// Standard error of the end; `None` where the method gives none.
+    pub std_error: Option<f64>,
+    /// Least value over the record, the nominal one included.
+    pub least: f64,
+    /// Greatest.
+    pub greatest: f64,
+}
+
+/// A model corrected over a record.
+#[derive(Debug)]
+pub struct Followed {
+    /// One of so many samples was learnt from.
+    pub every: usize,
+    /// Memory \[s\], of a method that has one.
+    pub memory_s: Option<f64>,
+    /// The coefficients.
+    pub paths: Vec<Path>,
+    /// Scores of the model as it was.
+    pub before: Scores,
+    /// The same but for its offset.
+    pub before_offset_estimated: Scores,
+    /// Every sample predicted with the coefficients of the samples before it.
+    pub predicted: Scores,
+    /// All samples with the coefficients of the last.
+    pub last: Scores,
+    /// First samples at which the corrected model no longer fitted.
+    pub alarms: Vec<Alarm>,
+    /// The model with the coefficients of the last sample; the error where a model has no place for them.
+    pub model: Result<Model, CorrectionError>,
+}
+
+impl Followed {
+    /// Runs `data` through the correction of `model`, simulated from `start`.
+    ///
+    /// # Errors
+    /// [`FollowError`]: a record without sample rate, terms that cannot be corrected, options out of range.
+    pub fn over(
+        data: &InputOutput,
+        model: &Model,
+        start: &Start,
+        options: &FollowOptions,
+    ) -> Result<Self, FollowError> {
+        let task = Task {
+            data,
+            model,
+            start,
+            options,
+            sample_rate_hz: data.sample_rate_hz().ok_or(FollowError::NotUniform)?,
+        };
+        match options.terms.len() {
+            1 => task.with_terms::<1>(),
+            2 => task.with_terms::<2>(),
+            3 => task.with_terms::<3>(),
+            4 => task.with_terms::<4>(),
+            5 => task.with_terms::<5>(),
+            MOST_TERMS => task.with_terms::<MOST_TERMS>(),
+            count => Err(FollowError::Terms(count)),
+        }
+    }
+}
+
+struct Task<'a> {
+    data: &'a InputOutput,
+    model: &'a Model,
+    start: &'a Start,
+    options: &'a FollowOptions,
+    sample_rate_hz: f64,
+}
+
+impl Task<'_> {
+    /// The record with only one of `every` samples valid: the others are predicted.
+    fn learnt_from(&self, every: usize) -> InputOutput {
+        let is_valid = |k: usize| self.data.valid.as_ref().is_none_or(|valid| valid[k]);
+        let mask = (0..self.data.len()).map(|k| k.is_multiple_of(every) && is_valid(k)).collect();
+        InputOutput { valid: Some(mask), ..self.data.clone() }
+    }
+
+    fn with_terms<const N: usize>(&self) -> Result<Followed, FollowError> {
+        let Self { data, options, sample_rate_hz, .. } = *self;
+        let noise = options.noise;
+        let terms: [Term; N] =
+            options.terms.as_slice().try_into().map_err(|_| FollowError::Terms(options.terms.len()))?;
+        let correction = Correction::new(self.model.clone(), terms)?;
+        let regressors = correction.regressors(&data.u, Some(sample_rate_hz), self.start)?;
+        let every = match options.every {
+            Some(every) => every.max(1),
+            None => {
+                let alike = regressors.samples_per_independent_one(data)?.ceil() as usize;
+                alike.max(shortest_swing(&data.u) / IN_A_SWING)
+            }
+        };
+        let nominal = correction.nominal();
+        let output =
+            |parameters: &[f64; N]| regressors.rows().map(|r| r.output(parameters)).collect::<Vec<_>>();
+        let as_it_was = output(&nominal);
+        let (low, high) = range_of(&as_it_was);
+        let deviations = regressors.spans().map(|span| MAY_MOVE * (high - low) / span);
+        let memory_s = options.method.memory_s(data.len(), sample_rate_hz);
+        let estimator = match options.method {
+            FollowMethod::LeastSquares { .. } => {
+                let memory = memory_s.unwrap_or_default() * sample_rate_hz / every as f64;
+                Estimator::LeastSquares(Rls::new(RlsSettings {
+                    start: nominal,
+                    deviations,
+                    noise,
+                    forgetting: 1.0 - 1.0 / memory.max(SHORTEST_MEMORY),
+                    unexcited: Unexcited::Hold,
+                    bounds: None,
+                })?)
+            }
+            FollowMethod::Gradient { step } => Estimator::Gradient {
+                nlms: Nlms::new(NlmsSettings {
+                    start: nominal,
+                    deviations,
+                    step,
+                    regulariser: noise * noise,
+                    bounds: None,
+                })?,
+                deviation_um: noise,
+            },
+        };
+        let monitor = FitMonitor::new(MonitorSettings {
+            shift: Some(SHIFT),
+            spread: Some(SPREAD),
+            run_length: options.run_length,
+            fewest: FEWEST,
+        })?;
+        let mut adapter = Adapter::new(estimator, monitor, options.reopen);
+        let trace = adapter.run(&regressors, &self.learnt_from(every))?;
+        let end = *adapter.parameters();
+        let path = |i: usize| {
+            let over = trace.parameters.iter().map(|p| p[i]);
+            let std_error = match adapter.estimator() {
+                Estimator::LeastSquares(rls) => rls.covariance(i).map(|row| row[i].sqrt()),
+                Estimator::Gradient { .. } => None,
+            };
+            Path {
+                term: terms[i],
+                start: nominal[i],
+                end: end[i],
+                std_error,
+                least: over.clone().fold(nominal[i], f64::min),
+                greatest: over.fold(nominal[i], f64::max),
+            }
+        };
+        let scored =
+            |simulated: &[f64], offset| score(data, simulated, &Scoring { offset, ..Scoring::default() });
+        Ok(Followed {
+            every,
+            memory_s,
+            paths: (0..N).map(path).collect(),
+            before: scored(&as_it_was, OffsetTreatment::Fixed)?,
+            before_offset_estimated: scored(&as_it_was, OffsetTreatment::Estimated)?,
+            predicted: scored(&trace.predicted, OffsetTreatment::Fixed)?,
+            last: scored(&output(&end), OffsetTreatment::Fixed)?,
+            alarms: trace.alarms,
+            model: correction.corrected(&end),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;
