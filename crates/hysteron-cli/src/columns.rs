@@ -201,7 +201,7 @@ impl ColumnFlags {
 
     fn read_inspected(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
         let data = self.read_told(path, told)?;
-        told.extend(inspect(&data).findings.into_iter().filter(|f| f.is_warning).map(|f| f.text));
+        told.extend(inspect(&data).findings.into_iter().filter(|f| f.is_warning()).map(|f| f.text));
         Ok(data)
     }
 

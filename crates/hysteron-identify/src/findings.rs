@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use super::engine::Search;
 use super::joint::Smoothing;
 use super::options::{Choice, Method, Options, RecordRole};
-use super::result::{Finding, FindingKind, Identification, RecordFit};
+use super::result::{Identification, RecordFit};
+use super::{Finding, FindingKind};
 use super::{IdentifyError, RecordFacts, identifiability};
 use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
 use hysteron_model::hammerstein::Start;
@@ -117,7 +118,7 @@ fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) ->
 
 pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Identification) {
     let mut findings = Vec::new();
-    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
+    let mut say = |kind, topic, text: String| findings.push(Finding::new(kind, topic, text));
     let fitted_statically: Vec<(&RecordFacts, &RecordFit)> =
         facts.iter().zip(&result.records).filter(|(_, r)| r.role == RecordRole::QuasiStatic).collect();
 
@@ -221,7 +222,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         Some(covariance) => findings.extend(identifiability::verdict(facts, result, covariance)),
         None => findings.extend(precision(result)),
     }
-    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
+    let mut say = |kind, topic, text: String| findings.push(Finding::new(kind, topic, text));
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
             let at = range.to_unit(*x);
@@ -328,7 +329,7 @@ fn verdict(
 /// Which parameters the records leave open, by their standard errors alone.
 fn precision(result: &Identification) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut say = |kind, topic, text: String| findings.push(Finding { kind, topic, text });
+    let mut say = |kind, topic, text: String| findings.push(Finding::new(kind, topic, text));
     let undetermined: Vec<&str> = result
         .bounds
         .first()

@@ -3,7 +3,8 @@
 use super::RecordFacts;
 use super::findings::amplitudes;
 use super::joint::{Covariance, without_number};
-use super::result::{Finding, FindingKind, Identification, Parameter};
+use super::result::{Identification, Parameter};
+use super::{Finding, FindingKind};
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_numeric::display::short;
 
@@ -34,7 +35,7 @@ pub(super) fn verdict(
 ) -> Vec<Finding> {
     let advisor = Advisor::new(facts, result);
     let mut findings = Vec::new();
-    let mut say = |text| findings.push(Finding { kind: FindingKind::Advice, topic: "identifiability", text });
+    let mut say = |text| findings.push(Finding::new(FindingKind::Advice, "identifiability", text));
     // Where a record started says nothing of the device, and b, c₀, c₁ repeat what the other symbols say.
     let of_device =
         |p: &&Parameter| !p.held && p.block != "start" && !["b", "c0", "c1"].contains(&p.name.as_str());
@@ -88,7 +89,7 @@ pub(super) fn verdict(
     if findings.is_empty() {
         findings.push(Finding {
             kind: FindingKind::Verdict,
-            topic: "identifiability",
+            topic: "identifiability".into(),
             text: format!(
                 "Every parameter is determined by these records (condition number {:.0}; largest correlation {}).",
                 covariance.condition_number,

@@ -39,6 +39,7 @@ mod written;
 
 pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
 pub use error::IdentifyError;
+pub use hysteron_model::{Finding, FindingKind};
 pub use joint::{
     Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,
     Smoothing,
@@ -48,9 +49,7 @@ pub use options::{
     CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,
 };
 pub use prediction::PredictionError;
-pub use result::{
-    Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, Reduction, StructureChoice,
-};
+pub use result::{Correlation, Identification, Parameter, RecordFit, Reduction, StructureChoice};
 pub use static_fit::StaticFit;
 pub(crate) use uncertainty::correlation_time;
 pub use watch::{Event, Told, Watch};

@@ -3,6 +3,7 @@
 use super::engine::{Search, Searches};
 use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand, Smoothing};
 use super::options::{Method, RecordRole};
+use hysteron_model::Finding;
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scores;
@@ -158,26 +159,4 @@ pub struct StructureChoice {
     pub left_out: Vec<usize>,
     /// How the weights of a plane were drawn together.
     pub smoothing: Option<Smoothing>,
-}
-
-/// A statement in plain words.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Finding {
-    /// How much it matters.
-    pub kind: FindingKind,
-    /// What it is about, in a word or two.
-    pub topic: &'static str,
-    /// The statement.
-    pub text: String,
-}
-
-/// How much a [`Finding`] matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FindingKind {
-    /// Good to know.
-    Verdict,
-    /// The records leave something undetermined; what to measure.
-    Advice,
-    /// Do not use the model without having read this.
-    Warning,
 }

@@ -6,12 +6,11 @@ use super::dynamic_step::{self, DynamicStep, HysteresisOutput};
 use super::engine::{Engine, Search};
 use super::linear_step::LinearStep;
 use super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
-use super::result::{
-    Correlation, Finding, FindingKind, Identification, Parameter, RecordFit, StructureChoice,
-};
+use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
 use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{correlation, covariance, standard_error};
 use super::{Covariance, IdentifyError, RecordFacts, findings};
+use super::{Finding, FindingKind};
 use hysteron_model::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
 use hysteron_model::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use hysteron_model::hammerstein::{Model, Start};
@@ -120,7 +119,7 @@ pub(super) fn identify(
         resume,
     };
     findings::write(facts, options, &mut identification);
-    let said = |text| Finding { kind: FindingKind::Verdict, topic: "dynamic block", text };
+    let said = |text| Finding::new(FindingKind::Verdict, "dynamic block", text);
     identification.findings.extend(verdict.map(said));
     Ok(identification)
 }

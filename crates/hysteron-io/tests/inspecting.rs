@@ -63,7 +63,7 @@ fn the_shipped_record_of_a_real_stack() {
     assert!(start.lag_s > 0.012 && start.lag_s < 0.015, "{start:?}");
     let text = words(&found);
     assert!(text.contains("cannot be determined from this record"), "{text}");
-    assert!(found.findings.iter().all(|f| !f.is_warning), "{text}");
+    assert!(found.findings.iter().all(|f| !f.is_warning()), "{text}");
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn a_slow_loop_of_events() {
     let shape = found.loop_shape.unwrap();
     assert!((shape.opening - 7.4).abs() < 0.1 && (shape.opening_percent - 30.0).abs() < 0.5, "{shape:?}");
     assert!((found.output_step.unwrap() - 0.158).abs() < 1e-3);
-    assert!(found.findings.iter().any(|f| f.is_warning && f.text.contains("not uniform")));
+    assert!(found.findings.iter().any(|f| f.is_warning() && f.text.contains("not uniform")));
 }
 
 #[test]

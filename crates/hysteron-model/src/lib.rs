@@ -13,6 +13,7 @@ pub mod axes;
 pub mod compensator;
 pub mod control;
 pub mod dynamics;
+mod finding;
 pub mod fractional;
 pub mod hammerstein;
 pub mod hysteresis;
@@ -25,5 +26,6 @@ pub mod record;
 mod start;
 pub mod validate;
 
+pub use finding::{Finding, FindingKind};
 pub use model::Model;
 pub use start::Start;

@@ -94,9 +94,7 @@ fn object(found: &CoupledIdentification, scored: &[AxesScored], out: &Path, file
         "parameters": parameters(file).into_iter()
             .map(|(of, name, q)| json!({"of": of, "name": name, "value": q.value, "unit": q.unit, "std_error": q.std_error}))
             .collect::<Vec<_>>(),
-        "findings": found.findings.iter()
-            .map(|f| json!({"kind": super::kind_name(f.kind), "text": f.text}))
-            .collect::<Vec<_>>(),
+        "findings": found.findings,
     })
 }
 
@@ -109,7 +107,7 @@ fn text(found: &CoupledIdentification, scored: &[AxesScored], file: &CoupledFile
     }
     let mut text = format!("{rows}\n\n{}\n\n", table(scored));
     for finding in &found.findings {
-        text += &format!("{}: {}\n", super::kind_name(finding.kind), finding.text);
+        text += &format!("{finding}\n");
     }
     text
 }

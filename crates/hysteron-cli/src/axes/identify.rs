@@ -14,7 +14,7 @@ use hysteron_model::model_file::ModesFile;
 use hysteron_report::number::significant;
 use serde_json::{Value, json};
 
-use super::{AxesFlags, AxesScored, kind_name, score_axes, table};
+use super::{AxesFlags, AxesScored, score_axes, table};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -161,9 +161,7 @@ fn object(found: &ModesIdentification, scored: &[AxesScored], out: &Path, file: 
             .map(|m| json!({"lowest_level": mode(&m.low), "highest_level": mode(&m.high)}))
             .collect::<Vec<_>>(),
         "influence": file.influence,
-        "findings": found.findings.iter()
-            .map(|f| json!({"kind": kind_name(f.kind), "text": f.text}))
-            .collect::<Vec<_>>(),
+        "findings": found.findings,
     })
 }
 
@@ -198,7 +196,7 @@ fn text(found: &ModesIdentification, scored: &[AxesScored], file: &ModesFile) ->
     }
     text += &format!("{}\n\n", table(scored));
     for finding in &found.findings {
-        text += &format!("{}: {}\n", kind_name(finding.kind), finding.text);
+        text += &format!("{finding}\n");
     }
     for line in &found.treatment {
         text += &format!("data: {line}\n");

@@ -12,7 +12,6 @@ pub use scored::{AxesScored, table};
 
 use std::path::PathBuf;
 
-use hysteron_identify::FindingKind;
 use hysteron_model::Start;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::validate::Scoring;
@@ -36,13 +35,4 @@ fn score_axes(
             .map(AxesScored::of)
     };
     records.iter().zip(paths).map(score).collect()
-}
-
-/// A finding's kind in a word.
-fn kind_name(kind: FindingKind) -> &'static str {
-    match kind {
-        FindingKind::Verdict => "verdict",
-        FindingKind::Advice => "advice",
-        FindingKind::Warning => "warning",
-    }
 }

@@ -1,9 +1,9 @@
 //! `hysteron identify --structure oscillator`: a mass on a hysteretic spring.
 
+use hysteron_identify::Choice;
 use hysteron_identify::oscillator::{
     Estimate, Identification, Initial, Options, OscillatorFitError, identify,
 };
-use hysteron_identify::{Choice, FindingKind};
 use hysteron_model::model_file::OscillatorFile;
 use hysteron_model::record::InterSample;
 use hysteron_report::number::with_std_error;
@@ -137,18 +137,8 @@ impl Identify {
             "searches": found.shapes.iter().map(|s| ("shape", s)).chain([("output error", &found.search)])
                 .map(|(step, s)| json!({"step": step, "cost": s.cost, "evaluations": s.evaluations}))
                 .collect::<Vec<_>>(),
-            "findings": found.findings.iter()
-                .map(|f| json!({"kind": kind_name(f.kind), "text": f.text}))
-                .collect::<Vec<_>>(),
+            "findings": found.findings,
         })
-    }
-}
-
-fn kind_name(kind: FindingKind) -> &'static str {
-    match kind {
-        FindingKind::Verdict => "verdict",
-        FindingKind::Advice => "advice",
-        FindingKind::Warning => "warning",
     }
 }
 
@@ -182,7 +172,7 @@ fn text(found: &Identification, file: &OscillatorFile) -> String {
     }
     let mut text = format!("{table}\n\n{}\n\n", scores::table(&scored(found)));
     for finding in &found.findings {
-        text += &format!("{}: {}\n", kind_name(finding.kind), finding.text);
+        text += &format!("{finding}\n");
     }
     for line in &found.treatment {
         text += &format!("data: {line}\n");

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hysteron_identify::{FindingKind, Identification, Interval, IntervalMethod};
+use hysteron_identify::{Finding, Identification, Interval, IntervalMethod};
 use hysteron_model::model_file::ModelFile;
 use hysteron_report::number::with_std_error;
 use serde::Serialize;
@@ -21,7 +21,7 @@ pub struct Outcome<'a> {
     parameters: Vec<ParameterEntry<'a>>,
     searches: Vec<SearchEntry>,
     reduction: Option<ReductionEntry>,
-    findings: Vec<FindingEntry<'a>>,
+    findings: &'a [Finding],
     interrupted: bool,
 }
 
@@ -32,15 +32,8 @@ struct ParameterEntry<'a> {
     value: f64,
     unit: String,
     std_error: Option<f64>,
-    interval_95: Option<IntervalEntry>,
+    interval_95: Option<Interval>,
     held: bool,
-}
-
-#[derive(Serialize)]
-struct IntervalEntry {
-    low: f64,
-    high: f64,
-    method: &'static str,
 }
 
 #[derive(Serialize)]
@@ -58,12 +51,6 @@ struct ReductionEntry {
     samples: usize,
     searched: usize,
     moved_std_errors: f64,
-}
-
-#[derive(Serialize)]
-struct FindingEntry<'a> {
-    kind: &'static str,
-    text: &'a str,
 }
 
 fn scored(found: &Identification) -> Vec<Scored> {
@@ -87,11 +74,7 @@ impl<'a> Outcome<'a> {
                     value: p.value,
                     unit: hysteron_report::identification::unit_of(p, file),
                     std_error: p.std_error,
-                    interval_95: p.interval.map(|i| IntervalEntry {
-                        low: i.low,
-                        high: i.high,
-                        method: i.method.name(),
-                    }),
+                    interval_95: p.interval,
                     held: p.held,
                 })
                 .collect(),
@@ -111,21 +94,9 @@ impl<'a> Outcome<'a> {
                 searched: r.searched,
                 moved_std_errors: r.moved,
             }),
-            findings: found
-                .findings
-                .iter()
-                .map(|f| FindingEntry { kind: kind_name(f.kind), text: &f.text })
-                .collect(),
+            findings: &found.findings,
             interrupted: found.cancelled,
         }
-    }
-}
-
-fn kind_name(kind: FindingKind) -> &'static str {
-    match kind {
-        FindingKind::Verdict => "verdict",
-        FindingKind::Advice => "advice",
-        FindingKind::Warning => "warning",
     }
 }
 
@@ -156,7 +127,7 @@ pub fn text(found: &Identification, file: &ModelFile) -> String {
     }
     let mut text = format!("{parameters}\n\n{}\n\n", scores::table(&scored(found)));
     for finding in &found.findings {
-        text += &format!("{}: {}\n", kind_name(finding.kind), finding.text);
+        text += &format!("{finding}\n");
     }
     for line in &found.treatment {
         text += &format!("data: {line}\n");

@@ -143,7 +143,7 @@ impl<'a> Entry<'a> {
             findings: found
                 .findings
                 .iter()
-                .map(|f| Finding { warning: f.is_warning, text: &f.text })
+                .map(|f| Finding { warning: f.is_warning(), text: &f.text })
                 .collect(),
         }
     }

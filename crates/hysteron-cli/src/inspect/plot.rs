@@ -53,7 +53,7 @@ pub fn write(path: &Path, records: &[Inspected]) -> Result<(), Failure> {
 
 fn section(record: &Inspected) -> Section {
     let findings = record.found.findings.iter().map(|f| {
-        if f.is_warning { Block::warning(f.text.as_str()) } else { Block::paragraph(f.text.as_str()) }
+        if f.is_warning() { Block::warning(f.text.as_str()) } else { Block::paragraph(f.text.as_str()) }
     });
     Section::new(record.data.name.as_str()).block(figure(record)).blocks(findings)
 }

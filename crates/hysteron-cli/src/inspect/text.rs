@@ -50,7 +50,7 @@ pub fn describe(inspected: &Inspected) -> String {
     }
     let mut text = format!("{table}\n");
     for finding in &found.findings {
-        text += &format!("{}{}\n", if finding.is_warning { "WARNING: " } else { "- " }, finding.text);
+        text += &format!("{}{}\n", if finding.is_warning() { "WARNING: " } else { "- " }, finding.text);
     }
     text
 }

@@ -259,5 +259,5 @@ fn findings(errors: Option<&CoupledErrors>) -> Vec<Finding> {
     let text = "these records do not determine all parameters: there are no standard errors. Drive every input over a wider range of \
                 frequencies and amplitudes."
         .to_owned();
-    vec![Finding { kind: FindingKind::Warning, topic: "parameters", text }]
+    vec![Finding::new(FindingKind::Warning, "parameters", text)]
 }

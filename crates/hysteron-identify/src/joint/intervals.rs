@@ -7,6 +7,7 @@ use super::problem::{JointProblem, JointWorkspace};
 use super::profile::{Fit, Optimum, Profiled};
 use hysteron_optimize::{LeastSquaresProblem, Problem};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Quantile of the normal distribution that leaves 2.5 % above it.
 pub(in super::super) const NORMAL_975: f64 = 1.959_963_984_540_054;
@@ -21,7 +22,8 @@ const SIMULATION: f64 = 0.4;
 const PROFILE: f64 = 12.0;
 
 /// An interval that holds the true value in 95 of 100 campaigns.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Interval {
     /// Lower end, in the parameter's unit.
     pub low: f64,
@@ -32,7 +34,8 @@ pub struct Interval {
 }
 
 /// How an interval came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum IntervalMethod {
     /// 1.96 standard errors to each side; the fit is linear enough in this parameter (checked at two standard errors).
     Quadratic,

@@ -136,7 +136,7 @@ pub(super) fn identify(
     let mut findings = findings(&model, &modes, &influence, &campaign, scheduled);
     if ledger.stopped {
         let text = "the search was interrupted: this is the best so far.".to_owned();
-        findings.push(Finding { kind: FindingKind::Warning, topic: "search", text });
+        findings.push(Finding::new(FindingKind::Warning, "search", text));
     }
     Ok(ModesIdentification {
         parameters,
@@ -275,7 +275,7 @@ fn findings(
     scheduled: bool,
 ) -> Vec<Finding> {
     let mut all = Vec::new();
-    let mut say = |kind, topic, text: String| all.push(Finding { kind, topic, text });
+    let mut say = |kind, topic, text: String| all.push(Finding::new(kind, topic, text));
     if scheduled {
         let fall = |m: &ModeShift| 100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz);
         let mut falls: Vec<f64> = modes.iter().map(fall).collect();

@@ -156,7 +156,7 @@ fn findings(
     correlation: Option<&Correlation>,
 ) -> Vec<Finding> {
     let mut all = Vec::new();
-    let mut say = |kind, topic, text: String| all.push(Finding { kind, topic, text });
+    let mut say = |kind, topic, text: String| all.push(Finding::new(kind, topic, text));
     let whole = oscillator.stiffness + oscillator.alpha;
     let admissibility = oscillator.admissibility();
     let small =

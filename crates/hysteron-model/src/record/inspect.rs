@@ -1,5 +1,6 @@
 //! What is in a record, in numbers and in plain words.
 
+use crate::finding::{Finding, FindingKind};
 use hysteron_numeric::display::short;
 
 use super::turning_points::{median, range_of};
@@ -54,15 +55,6 @@ pub struct Inspection {
     pub start_up: Option<StartUp>,
     /// What this means, in order of weight.
     pub findings: Vec<Finding>,
-}
-
-/// A plain sentence about a record.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Finding {
-    /// Whether it stands in the way of a good model.
-    pub is_warning: bool,
-    /// The sentence.
-    pub text: String,
 }
 
 /// Inspects a record. Everything is computed on the record as it is; masked samples are left out of the output's range and clipping alone.
@@ -131,7 +123,7 @@ impl Inspection {
     }
 
     fn warnings(&self, data: &InputOutput, findings: &mut Vec<Finding>) {
-        let mut warn = |text: String| findings.push(Finding { is_warning: true, text });
+        let mut warn = |text: String| findings.push(Finding::new(FindingKind::Warning, "record", text));
         let (u_low, u_high) = self.input_range;
         let (y_low, y_high) = self.output_range;
         let stroke = y_high - y_low;
@@ -220,7 +212,7 @@ impl Inspection {
     }
 
     fn notes(&self, data: &InputOutput, findings: &mut Vec<Finding>) {
-        let mut note = |text: String| findings.push(Finding { is_warning: false, text });
+        let mut note = |text: String| findings.push(Finding::new(FindingKind::Verdict, "record", text));
         let unit = spaced(&data.y_unit);
         let span = self.frequency_span_hz;
         let hz = |f: f64| format!("{f:.4} Hz");
@@ -387,7 +379,7 @@ mod tests {
         let data = InputOutput::new("r", TimeBase::uniform(10.0), vec![3.0; 50], vec![1.0; 50]).unwrap();
         let found = inspect(&data);
         assert_eq!(found.kind, ExcitationKind::Constant);
-        assert!(found.findings[0].is_warning);
+        assert!(found.findings[0].is_warning());
         let text = words(&data);
         assert!(
             text.contains("input `u` is constant (3 V)") && text.contains("output `y` is constant"),

@@ -34,7 +34,7 @@ pub use delay::{
 pub use error::RecordError;
 pub use excitation_kind::{ExcitationKind, WaveShape, excitation_kind};
 pub use frequency_response::{FrequencyResponse, ResponseDataError, unwrapped_phase_deg};
-pub use inspect::{Finding, Inspection, inspect};
+pub use inspect::{Inspection, inspect};
 pub use inter_sample::{InterSample, UnknownInterSample};
 pub use loop_shape::{LoopSense, LoopShape, loop_shape};
 pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};

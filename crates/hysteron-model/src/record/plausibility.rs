@@ -119,7 +119,7 @@ mod tests {
             (record(49.0, 100.0, 1e-3), "200 kHz is a very fast sampling"),
             (record(49.0, 100.0, 1e3), "fastest cycle takes 1000 s"),
         ] {
-            let warnings: Vec<_> = inspect(&data).findings.into_iter().filter(|f| f.is_warning).collect();
+            let warnings: Vec<_> = inspect(&data).findings.into_iter().filter(|f| f.is_warning()).collect();
             assert_eq!(warnings.len(), 1, "{warnings:?}");
             assert!(warnings[0].text.contains(part), "{part}: {}", warnings[0].text);
         }

@@ -55,7 +55,7 @@ pub(super) fn data(
             .findings
             .iter()
             .filter(|f| f.kind == FindingKind::Verdict)
-            .map(|f| (f.topic.to_owned(), f.text.clone()))
+            .map(|f| (f.topic.to_string(), f.text.clone()))
             .collect(),
         scores: found
             .records

@@ -1,0 +1,75 @@
+//! What was found out about records, a fit or a model, in plain words.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// A statement in plain words.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Finding {
+    /// How much it matters.
+    pub kind: FindingKind,
+    /// What it is about, in a word or two.
+    pub topic: Cow<'static, str>,
+    /// The statement.
+    pub text: String,
+}
+
+/// How much a [`Finding`] matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FindingKind {
+    /// Good to know.
+    Verdict,
+    /// The records leave something undetermined; what to measure.
+    Advice,
+    /// Do not use the model without having read this.
+    Warning,
+}
+
+impl Finding {
+    /// A finding about `topic`.
+    pub fn new(kind: FindingKind, topic: &'static str, text: impl Into<String>) -> Self {
+        Self { kind, topic: Cow::Borrowed(topic), text: text.into() }
+    }
+
+    /// Whether it stands in the way of a good model.
+    pub fn is_warning(&self) -> bool {
+        self.kind == FindingKind::Warning
+    }
+}
+
+impl FindingKind {
+    /// `verdict`, `advice` or `warning`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Verdict => "verdict",
+            Self::Advice => "advice",
+            Self::Warning => "warning",
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.kind.name(), self.text)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_written_by_their_names_and_findings_read_back() {
+        for kind in [FindingKind::Verdict, FindingKind::Advice, FindingKind::Warning] {
+            let finding = Finding::new(kind, "units", "the output has no unit");
+            let json = serde_json::to_value(&finding).unwrap();
+            assert_eq!(json["kind"], kind.name());
+            assert_eq!(serde_json::from_value::<Finding>(json).unwrap(), finding);
+        }
+    }
+}
