@@ -2,37 +2,8 @@
 
 use hysteron_identify::structure::Prospects;
 use hysteron_model::record::InputOutput;
-use serde::Serialize;
 
 use crate::console;
-
-/// As JSON; `determined` is null where it is in part.
-#[derive(Serialize)]
-pub struct Entry<'a> {
-    statements: Vec<Statement<'a>>,
-    measure_next: Option<&'a str>,
-}
-
-#[derive(Serialize)]
-struct Statement<'a> {
-    topic: &'a str,
-    determined: Option<bool>,
-    text: &'a str,
-}
-
-impl<'a> Entry<'a> {
-    pub fn new(prospects: &'a Prospects) -> Self {
-        let statement = |p: &'a hysteron_identify::structure::Prospect| Statement {
-            topic: p.topic,
-            determined: p.determined,
-            text: &p.text,
-        };
-        Entry {
-            statements: prospects.statements.iter().map(statement).collect(),
-            measure_next: prospects.next.as_deref(),
-        }
-    }
-}
 
 /// For people.
 pub fn text(prospects: &Prospects, records: &[InputOutput]) -> String {
@@ -47,7 +18,7 @@ pub fn text(prospects: &Prospects, records: &[InputOutput]) -> String {
             Some(false) => "no",
             None => "in part",
         };
-        table.add_row([p.topic, answer, p.text.as_str()]);
+        table.add_row([p.topic.as_ref(), answer, p.text.as_str()]);
     }
     let mut text = format!("{table}\n");
     if records.len() > 1 {

@@ -1,15 +1,14 @@
 //! `hysteron inspect`: what is in a record.
 
 mod campaign;
-mod json;
 mod plot;
 mod text;
 
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron_identify::structure::prospects;
-use hysteron_model::record::{InputOutput, Inspection, inspect};
+use hysteron_identify::structure::{Prospects, prospects};
+use hysteron_model::record::{InputOutput, Inspection, InspectionSummary, inspect};
 use serde::Serialize;
 
 use crate::columns::ColumnFlags;
@@ -51,8 +50,8 @@ struct Inspected {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    records: Vec<json::Entry<'a>>,
-    campaign: campaign::Entry<'a>,
+    records: Vec<InspectionSummary>,
+    campaign: &'a Prospects,
 }
 
 impl Inspect {
@@ -74,8 +73,8 @@ impl Inspect {
         let prospects = prospects(&records);
         if self.json {
             return console::json(&Report {
-                records: inspected.iter().map(json::Entry::new).collect(),
-                campaign: campaign::Entry::new(&prospects),
+                records: inspected.iter().map(|i| i.found.summary(&i.data)).collect(),
+                campaign: &prospects,
             });
         }
         let mut parts: Vec<String> = inspected.iter().map(text::describe).collect();

@@ -3,7 +3,7 @@
 use hysteron_model::record::{TimeBase, Unit};
 use hysteron_report::number::significant;
 
-use super::{Inspected, json};
+use super::Inspected;
 use crate::console;
 
 /// Jitter that is the rounding of written times, in samples.
@@ -34,9 +34,9 @@ pub fn describe(inspected: &Inspected) -> String {
     row("output", signal(&data.output, &data.y_unit, found.output_range));
     let hz = |f: f64| significant(f, 4);
     let drive = match found.frequency_span_hz {
-        Some((low, high)) if low == high => format!("{}, {} Hz", json::kind(&found.kind), hz(low)),
-        Some((low, high)) => format!("{}, {} to {} Hz", json::kind(&found.kind), hz(low), hz(high)),
-        None => json::kind(&found.kind).into(),
+        Some((low, high)) if low == high => format!("{}, {} Hz", found.kind.name(), hz(low)),
+        Some((low, high)) => format!("{}, {} to {} Hz", found.kind.name(), hz(low), hz(high)),
+        None => found.kind.name().into(),
     };
     row("drive", drive);
     if let Some(shape) = &found.loop_shape {

@@ -1,5 +1,9 @@
 //! What a campaign can determine, judged by its drives alone, and which record to measure next.
 
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
 use super::super::RecordFacts;
 use super::content::{Content, brief, near};
 use super::folds::Fold;
@@ -18,10 +22,10 @@ const LONG_S: f64 = 10.0;
 const OFF_ZERO: f64 = 0.02;
 
 /// Whether a campaign determines something.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Prospect {
     /// What, in a word or two.
-    pub topic: &'static str,
+    pub topic: Cow<'static, str>,
     /// `Some(true)`: yes; `Some(false)`: no; `None`: in part.
     pub determined: Option<bool>,
     /// Why, in plain words.
@@ -29,13 +33,15 @@ pub struct Prospect {
 }
 
 /// What a campaign can determine.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Prospects {
-    /// Amplitudes and frequencies of each record, in words.
+    /// Amplitudes and frequencies of each record, in words; the statements say as much, so they are not serialised.
+    #[serde(skip)]
     pub records: Vec<String>,
     /// Statement by statement.
     pub statements: Vec<Prospect>,
     /// The record to measure next; `None` where nothing is missing.
+    #[serde(rename = "measure_next")]
     pub next: Option<String>,
 }
 
@@ -153,7 +159,7 @@ fn amplitudes(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
         let text = "one amplitude and no start from rest: β and γ cannot be told apart, and minor loops are extrapolated";
         (Some(false), text.to_owned())
     };
-    Prospect { topic: "β, γ, n, polynomial", determined, text }
+    Prospect { topic: "β, γ, n, polynomial".into(), determined, text }
 }
 
 fn frequencies(contents: &[Content]) -> Prospect {
@@ -166,7 +172,7 @@ fn frequencies(contents: &[Content]) -> Prospect {
         let text = format!("{} Hz only: dynamics cannot be told from hysteresis", brief(high));
         (Some(false), text)
     };
-    Prospect { topic: "dynamics", determined, text }
+    Prospect { topic: "dynamics".into(), determined, text }
 }
 
 /// Gain and phase by frequency, from sweeps and multisines, and from the fundamentals of records of one frequency.
@@ -195,13 +201,13 @@ fn resonance(facts: &[RecordFacts]) -> Prospect {
         && high.frequency_hz < FAST_OVER_SLOW * low.frequency_hz
     {
         let text = format!("{} Hz only: whether there is one is not known", brief(high.frequency_hz));
-        return Prospect { topic: TOPIC, determined: Some(false), text };
+        return Prospect { topic: TOPIC.into(), determined: Some(false), text };
     }
     let lowest = |part: &[Response]| part.iter().map(|p| p.gain).fold(f64::INFINITY, f64::min);
     let peak = points.iter().enumerate().max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
     let Some((at, top)) = peak else {
         let text = "no record of several frequencies: whether there is one is not known".to_owned();
-        return Prospect { topic: TOPIC, determined: Some(false), text };
+        return Prospect { topic: TOPIC.into(), determined: Some(false), text };
     };
     let (before, after) = (lowest(&points[..at]), lowest(&points[at + 1..]));
     let (determined, text) = if top.gain > PROMINENCE * before && top.gain > PROMINENCE * after {
@@ -216,7 +222,7 @@ fn resonance(facts: &[RecordFacts]) -> Prospect {
         );
         (None, text)
     };
-    Prospect { topic: TOPIC, determined, text }
+    Prospect { topic: TOPIC.into(), determined, text }
 }
 
 fn delay(facts: &[RecordFacts]) -> Prospect {
@@ -236,7 +242,7 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
         match found {
             Some(DelayFinding::FromPhase { delay_s, std_error_s, constant_lag_rad, .. }) => {
                 let text = words(delay_s, std_error_s, constant_lag_rad);
-                return Prospect { topic: TOPIC, determined: Some(true), text };
+                return Prospect { topic: TOPIC.into(), determined: Some(true), text };
             }
             Some(DelayFinding::FromStartUp(s)) => {
                 bound.get_or_insert((s.delay_range_s.1, "from a start from rest"));
@@ -254,21 +260,21 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
         delay_from_phase(&responses(facts))
     {
         let text = words(delay_s, std_error_s, constant_lag_rad);
-        return Prospect { topic: TOPIC, determined: Some(true), text };
+        return Prospect { topic: TOPIC.into(), determined: Some(true), text };
     }
     match bound {
         Some((most, "")) => Prospect {
-            topic: TOPIC,
+            topic: TOPIC.into(),
             determined: Some(false),
             text: format!("cannot be told from loop width: at most {} ms", milliseconds(most)),
         },
         Some((most, how)) => Prospect {
-            topic: TOPIC,
+            topic: TOPIC.into(),
             determined: None,
             text: format!("{how} alone: at most {} ms", milliseconds(most)),
         },
         None => Prospect {
-            topic: TOPIC,
+            topic: TOPIC.into(),
             determined: Some(false),
             text: "nothing in the records speaks of it".into(),
         },
@@ -303,7 +309,7 @@ fn creep(facts: &[RecordFacts]) -> Prospect {
     } else {
         (Some(false), format!("the longest record has {} s, and no level is held", brief(longest)))
     };
-    Prospect { topic: "creep", determined, text }
+    Prospect { topic: "creep".into(), determined, text }
 }
 
 /// The drive starts at 0 V, or jumps from a rest.
@@ -327,5 +333,5 @@ fn starts(facts: &[RecordFacts]) -> Prospect {
             format!("{n} of {} records start from rest; the others begin with an unknown memory", facts.len()),
         ),
     };
-    Prospect { topic: "start and offset", determined, text }
+    Prospect { topic: "start and offset".into(), determined, text }
 }

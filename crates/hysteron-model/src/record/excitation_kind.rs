@@ -56,6 +56,22 @@ pub enum WaveShape {
     Other,
 }
 
+impl ExcitationKind {
+    /// `constant`, `steps`, `ramps`, `sine`, `triangle`, `wave`, `sweep` or `broadband`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Steps { .. } => "steps",
+            Self::Ramps { .. } => "ramps",
+            Self::Wave { shape: WaveShape::Sine, .. } => "sine",
+            Self::Wave { shape: WaveShape::Triangle, .. } => "triangle",
+            Self::Wave { shape: WaveShape::Other, .. } => "wave",
+            Self::Sweep { .. } => "sweep",
+            Self::Broadband { .. } => "broadband",
+        }
+    }
+}
+
 /// Classifies a drive by its holds, the distances between its turning points (of more than 2 % of its range), and its spectrum.
 pub fn excitation_kind(u: &[f64]) -> ExcitationKind {
     let Some((start, end)) = active_range(u) else {

@@ -13,6 +13,7 @@ mod error;
 mod excitation_kind;
 mod frequency_response;
 mod inspect;
+mod inspection_summary;
 mod inter_sample;
 mod loop_shape;
 mod noise_floor;
@@ -35,6 +36,10 @@ pub use error::RecordError;
 pub use excitation_kind::{ExcitationKind, WaveShape, excitation_kind};
 pub use frequency_response::{FrequencyResponse, ResponseDataError, unwrapped_phase_deg};
 pub use inspect::{Inspection, inspect};
+pub use inspection_summary::{
+    ChannelSummary, DelaySummary, DriveSummary, InspectionFinding, InspectionSummary, LoopSummary,
+    PeriodsSummary,
+};
 pub use inter_sample::{InterSample, UnknownInterSample};
 pub use loop_shape::{LoopSense, LoopShape, loop_shape};
 pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};
