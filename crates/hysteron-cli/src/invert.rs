@@ -13,6 +13,7 @@ use hysteron_model::invert::{
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{Channel, Record, TimeBase, Unit, shortest_swing};
+use hysteron_model::record::{Keyed, key_in};
 use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
@@ -21,7 +22,6 @@ use crate::console;
 use crate::failure::Failure;
 use crate::model::LoadedModel;
 use crate::numbers::{ends, number, positive, whole};
-use crate::object::{Object, key_in};
 use crate::output::{self, OutFile};
 use crate::realise::where_creep_stops;
 
@@ -134,9 +134,9 @@ struct Summary {
 }
 
 impl Summary {
-    fn object(&self) -> Object {
+    fn object(&self) -> Keyed {
         let (input, output) = (self.input_unit.as_str(), self.output_unit.as_str());
-        Object::default()
+        Keyed::default()
             .with("samples", self.samples)
             .with("sample_rate_hz", self.sample_rate_hz)
             .in_unit("rest", input, self.rest)

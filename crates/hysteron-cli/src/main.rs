@@ -25,7 +25,6 @@ mod invert;
 mod maker;
 mod model;
 mod numbers;
-mod object;
 mod optimizers;
 mod output;
 mod progress;

@@ -1,20 +1,14 @@
-//! Scores of records as JSON that others rely on, and as a table.
+//! Scores of records as a table and in sentences.
 
 use std::collections::HashSet;
 use std::path::Path;
 
 use comfy_table::Table;
-use hysteron_model::Start;
-use hysteron_model::hysteresis::Memory;
-use hysteron_model::model::{Score, Simulation};
-use hysteron_model::record::{InputOutput, Unit};
-use hysteron_model::validate::{CorrelationTest, Definition, Scores, definitions};
+use hysteron_model::model::{BandScore, Score};
+use hysteron_model::validate::{CorrelationTest, Definition, definitions};
 use hysteron_report::number::significant;
-use serde::Serialize;
-use serde::ser::{SerializeMap, Serializer};
 
 use crate::console;
-use crate::object::key_in;
 
 /// The scores shown in the table, by key.
 const SHOWN: [&str; 10] = [
@@ -30,171 +24,82 @@ const SHOWN: [&str; 10] = [
     "loop_width_error_percent",
 ];
 
-/// Scores of one record.
-#[derive(Clone, Debug)]
-pub struct Scored {
-    record: String,
-    input_unit: Unit,
-    unit: Unit,
-    scores: Scores,
-    /// The start simulated from, where it was estimated from the record.
-    start: Option<Start>,
-    within: Option<Within>,
+/// How the band holds the record, in a sentence; `None` where none was asked for.
+pub fn within_band(score: &Score) -> Option<String> {
+    let BandScore { inside_percent, measurement, model } = score.band?;
+    let unit = score.unit.to_string();
+    Some(format!(
+        "{}: {} % of the samples lie within the 95 % band of a new measurement, ± {} {unit} at its widest (± {} {unit} of it from the \
+         errors of the parameters).",
+        score.record,
+        significant(inside_percent, 3),
+        significant(measurement, 3),
+        significant(model, 2)
+    ))
 }
 
-/// How the 95 % band of a new measurement holds a record, in the unit of its output.
-#[derive(Clone, Copy, Debug)]
-pub struct Within {
-    /// Share of the scored samples within the band \[%\].
-    pub inside_percent: f64,
-    /// Half of its width, at its widest.
-    pub measurement: f64,
-    /// The same of the band of the model's output.
-    pub model: f64,
+/// What was estimated of the record's start, in a sentence; `None` where nothing was.
+pub fn estimated_start(score: &Score) -> Option<String> {
+    let (voltage_v, memory) = score.estimated_memory()?;
+    let memory = memory.in_words(
+        &significant(memory.value(), 4),
+        &score.simulation.input_unit.to_string(),
+        &score.unit.to_string(),
+    );
+    Some(format!(
+        "{}: simulated from rest at its first input, {}, {memory}, estimated from the record.",
+        score.record,
+        significant(voltage_v, 4)
+    ))
 }
 
-impl Scored {
-    /// Scores of a record, in the unit of its output.
-    pub fn new(data: &InputOutput, scores: Scores) -> Self {
-        let record = data.source.as_ref().map_or(&data.name, |s| &s.path).clone();
-        let (input_unit, unit) = (data.u_unit.clone(), data.y_unit.clone());
-        Scored { record, input_unit, unit, scores, start: None, within: None }
-    }
-
-    /// Scores of a record of one output.
-    pub fn of(score: Score) -> Option<Self> {
-        let Score { record, unit, outputs, simulation, .. } = score;
-        let Simulation { start, input_unit, .. } = simulation;
-        let scores = outputs.into_iter().next()?;
-        Some(Scored { record, input_unit, unit, scores, start: Some(start), within: None })
-    }
-
-    /// The same, with how a band holds it.
-    pub fn within(self, within: Option<Within>) -> Self {
-        Scored { within, ..self }
-    }
-
-    /// How the band holds the record, in a sentence; `None` where none was asked for.
-    pub fn within_band(&self) -> Option<String> {
-        let Within { inside_percent, measurement, model } = self.within?;
-        let unit = self.unit.to_string();
-        Some(format!(
-            "{}: {} % of the samples lie within the 95 % band of a new measurement, ± {} {unit} at its widest (± {} {unit} of it from the \
-             errors of the parameters).",
-            self.record,
-            significant(inside_percent, 3),
-            significant(measurement, 3),
-            significant(model, 2)
-        ))
-    }
-
-    /// What was estimated of the record's start, in a sentence; `None` where nothing was.
-    pub fn estimated_start(&self) -> Option<String> {
-        let Some(Start::Remembering { voltage_v, memory }) = self.start else { return None };
-        let memory = memory.in_words(
-            &significant(memory.value(), 4),
-            &self.input_unit.to_string(),
-            &self.unit.to_string(),
-        );
-        Some(format!(
-            "{}: simulated from rest at its first input, {}, {memory}, estimated from the record.",
-            self.record,
-            significant(voltage_v, 4)
-        ))
-    }
-
-    /// The scores shown, in their order.
-    fn values(&self) -> Vec<String> {
-        let s = &self.scores;
-        let ratio = |x: Option<f64>, digits: usize| {
-            x.map_or("-".to_owned(), |x| format!("{x:.digits$}").replace('-', "−"))
-        };
-        // What is left of the model's own offset after rounding is no offset.
-        let offset = if s.offset.abs() < 1e-9 * s.stroke { 0.0 } else { s.offset };
-        vec![
-            s.samples.to_string(),
-            s.skipped_samples.to_string(),
-            significant(offset, 4),
-            significant(s.rmse, 4),
-            significant(s.max_abs_error, 4),
-            ratio(s.rmse_percent_of_stroke, 3),
-            ratio(s.max_percent_of_stroke, 3),
-            ratio(s.fit_percent, 2),
-            ratio(s.relative_error, 5),
-            ratio(s.loop_width_error_percent, 3),
-        ]
-    }
-
-    /// What the residual tests found, in a sentence; `None` for a record too short for them.
-    pub fn residual_tests(&self) -> Option<String> {
-        let outside = |test: &CorrelationTest| {
-            let CorrelationTest { outside, lags, largest, largest_lag, .. } = test;
-            format!("{outside} of {lags} lags (largest {largest:.3} at lag {largest_lag})")
-        };
-        let own = self.scores.whiteness.as_ref()?;
-        let input = self.scores.input_correlation.as_ref()?;
-        Some(format!(
-            "{}: the residual's autocorrelation leaves its 99 % bounds at {}, its correlation with the input at {}.",
-            self.record,
-            outside(own),
-            outside(input)
-        ))
-    }
+/// The scores shown, in their order.
+fn values(score: &Score) -> Vec<String> {
+    let Some(s) = score.outputs.first() else { return Vec::new() };
+    let ratio = |x: Option<f64>, digits: usize| {
+        x.map_or("-".to_owned(), |x| format!("{x:.digits$}").replace('-', "−"))
+    };
+    // What is left of the model's own offset after rounding is no offset.
+    let offset = if s.offset.abs() < 1e-9 * s.stroke { 0.0 } else { s.offset };
+    vec![
+        s.samples.to_string(),
+        s.skipped_samples.to_string(),
+        significant(offset, 4),
+        significant(s.rmse, 4),
+        significant(s.max_abs_error, 4),
+        ratio(s.rmse_percent_of_stroke, 3),
+        ratio(s.max_percent_of_stroke, 3),
+        ratio(s.fit_percent, 2),
+        ratio(s.relative_error, 5),
+        ratio(s.loop_width_error_percent, 3),
+    ]
 }
 
-/// A start with an estimated memory, in the model's units.
-#[derive(Serialize)]
-struct RememberingStart {
-    kind: &'static str,
-    voltage: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    z: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    virgin_at: Option<f64>,
-}
-
-impl Serialize for Scored {
-    /// Lengths in µm; the keys of another output end in its unit, and `unit` names it. `start` is there where a hysteresis
-    /// memory was estimated.
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let s = &self.scores;
-        let symbol = self.unit.symbol();
-        let in_unit = |key: &str| key_in(key, symbol);
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("record", &self.record)?;
-        map.serialize_entry("samples", &s.samples)?;
-        map.serialize_entry("skipped_samples", &s.skipped_samples)?;
-        if symbol != "um" {
-            map.serialize_entry("unit", symbol)?;
-        }
-        map.serialize_entry(&in_unit("offset"), &s.offset)?;
-        map.serialize_entry(&in_unit("rmse"), &s.rmse)?;
-        map.serialize_entry(&in_unit("max_abs_error"), &s.max_abs_error)?;
-        map.serialize_entry("rmse_percent_of_stroke", &s.rmse_percent_of_stroke)?;
-        map.serialize_entry("max_percent_of_stroke", &s.max_percent_of_stroke)?;
-        map.serialize_entry("fit_percent", &s.fit_percent)?;
-        if let Some(within) = self.within {
-            map.serialize_entry("within_band_percent", &within.inside_percent)?;
-            map.serialize_entry(&in_unit("band_of_measurement"), &within.measurement)?;
-            map.serialize_entry(&in_unit("band_of_model"), &within.model)?;
-        }
-        if let Some(Start::Remembering { voltage_v, memory }) = self.start {
-            let (z, virgin_at) = match memory {
-                Memory::Displacement(z) => (Some(z), None),
-                Memory::VirginAt(voltage) => (None, Some(voltage)),
-            };
-            let start = RememberingStart { kind: "remembering", voltage: voltage_v, z, virgin_at };
-            map.serialize_entry("start", &start)?;
-        }
-        map.end()
-    }
+/// What the residual tests found, in a sentence; `None` for a record too short for them.
+pub fn residual_tests(score: &Score) -> Option<String> {
+    let outside = |test: &CorrelationTest| {
+        let CorrelationTest { outside, lags, largest, largest_lag, .. } = test;
+        format!("{outside} of {lags} lags (largest {largest:.3} at lag {largest_lag})")
+    };
+    let scores = score.outputs.first()?;
+    let own = scores.whiteness.as_ref()?;
+    let input = scores.input_correlation.as_ref()?;
+    Some(format!(
+        "{}: the residual's autocorrelation leaves its 99 % bounds at {}, its correlation with the input at {}.",
+        score.record,
+        outside(own),
+        outside(input)
+    ))
 }
 
 /// Records up to which the table has a column a record: it then fits a narrow terminal.
 const SIDE_BY_SIDE: usize = 3;
 
-/// The table for people: a column a record for a few records, a row a record for more.
-pub fn table(records: &[Scored]) -> Table {
+/// The table for people: a column a record for a few records, a row a record for more and for several outputs.
+pub fn table(records: &[Score]) -> Table {
+    if records.iter().any(|r| r.axes.is_some()) {
+        return axes_table(records);
+    }
     let one_unit = records.windows(2).all(|pair| pair[0].unit == pair[1].unit);
     let unit = records.first().map(|r| r.unit.to_string()).filter(|unit| one_unit && !unit.is_empty());
     let mut metrics: Vec<String> = shown()
@@ -204,7 +109,7 @@ pub fn table(records: &[Scored]) -> Table {
             (unit, _) => console::in_unit(d.name, unit),
         })
         .collect();
-    let mut values: Vec<Vec<String>> = records.iter().map(Scored::values).collect();
+    let mut values: Vec<Vec<String>> = records.iter().map(values).collect();
     if !one_unit {
         metrics.push("unit".to_owned());
         values.iter_mut().zip(records).for_each(|(values, r)| values.push(r.unit.to_string()));
@@ -227,8 +132,48 @@ pub fn table(records: &[Scored]) -> Table {
     table
 }
 
+/// A row a record of several outputs.
+fn axes_table(records: &[Score]) -> Table {
+    let unit = records.first().map_or_else(String::new, |r| r.unit.to_string());
+    let in_unit = |name: &str| console::in_unit(name, &unit);
+    let mut header = vec![
+        "record".to_owned(),
+        "level".to_owned(),
+        in_unit("RMSE"),
+        in_unit("of mean period"),
+        in_unit("max error"),
+        "fit [%]".to_owned(),
+    ];
+    if let Some(axes) = records.first().and_then(|first| first.axes.as_ref()) {
+        header.extend(axes.outputs.iter().map(|name| in_unit(&format!("RMSE {name}"))));
+    }
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let mut table = console::table(&header);
+    let number = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| significant(x, 4));
+    for r in records {
+        let axes = r.axes.as_ref();
+        let name = Path::new(&r.record).file_name().and_then(|name| name.to_str());
+        let mut row = vec![
+            name.unwrap_or(&r.record).to_owned(),
+            number(axes.and_then(|a| a.level)),
+            number(Some(r.rmse)),
+            number(axes.and_then(|a| a.mean_period_rmse)),
+            number(Some(r.max_abs_error)),
+            number(r.fit_percent),
+        ];
+        row.extend(r.outputs.iter().map(|s| number(Some(s.rmse))));
+        table.add_row(row);
+    }
+    table
+}
+
+/// What the scores of several outputs mean.
+pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation − offset over all outputs, the offset of each sensor estimated unless \
+    --fixed-offset is given; of mean period: the same of the mean over the record's periods, in which noise counts less; level: rms \
+    of the inputs.";
+
 /// File names where they tell the records apart, else the paths as given.
-fn names(records: &[Scored]) -> Vec<&str> {
+fn names(records: &[Score]) -> Vec<&str> {
     let short: Vec<&str> = records
         .iter()
         .map(|r| Path::new(&r.record).file_name().and_then(|name| name.to_str()).unwrap_or(&r.record))
@@ -253,15 +198,19 @@ fn shown() -> impl Iterator<Item = &'static Definition> {
 #[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 mod tests {
     use super::*;
-    use hysteron_model::record::{Source, TimeBase};
+    use hysteron_model::Start;
+    use hysteron_model::model::Simulation;
+    use hysteron_model::record::{InputOutput, Source, TimeBase, Unit};
     use hysteron_model::validate::{Scoring, score};
 
-    fn scored(path: &str) -> Scored {
+    fn scored(path: &str) -> Score {
         let (u, y) = (vec![0.0, 1.0, 2.0, 1.0, 0.0], vec![0.0, 2.0, 5.0, 3.0, 0.5]);
         let mut data = InputOutput::new("r", TimeBase::uniform(10.0), u, y).unwrap();
         let scores = score(&data, &[0.0, 2.1, 4.8, 3.0, 0.5], &Scoring::default()).unwrap();
         data.source = Some(Source { path: path.into(), sha256: String::new() });
-        Scored::new(&data, scores)
+        let simulation =
+            Simulation::of_single(vec![0.0, 2.1, 4.8, 3.0, 0.5], Start::AsIdentified, Unit::new("V"));
+        Score::of_single(&data, data.y_unit.clone(), scores, simulation)
     }
 
     #[test]
@@ -269,7 +218,7 @@ mod tests {
         let text = table(&[scored("a/x.csv"), scored("b/y.csv")]).to_string();
         assert!(text.starts_with("| score "), "{text}");
         assert!(text.contains("RMSE [µm]") && text.contains("x.csv") && !text.contains("a/x.csv"), "{text}");
-        let many: Vec<Scored> = ["p.csv", "q.csv", "r.csv", "s.csv"].iter().map(|p| scored(p)).collect();
+        let many: Vec<Score> = ["p.csv", "q.csv", "r.csv", "s.csv"].iter().map(|p| scored(p)).collect();
         let text = table(&many).to_string();
         assert!(text.starts_with("| record "), "{text}");
         assert_eq!(text.lines().count(), 6, "{text}");
@@ -284,7 +233,7 @@ mod tests {
     #[test]
     fn records_of_different_units_name_them_in_a_row() {
         let text =
-            table(&[scored("x.csv"), Scored { unit: Unit::new("urad"), ..scored("y.csv") }]).to_string();
+            table(&[scored("x.csv"), Score { unit: Unit::new("urad"), ..scored("y.csv") }]).to_string();
         assert!(!text.contains("RMSE [µm]") && text.contains("| unit ") && text.contains("µrad"), "{text}");
     }
 }

@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::PredictionError;
-use hysteron_model::model::{Capability, Remark, Score, Signals};
+use hysteron_model::model::{Capability, Score, Signals};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{OffsetTreatment, Scoring};
 use serde::Serialize;
 
-use crate::axes::{self, AxesFlags, AxesScored};
+use crate::axes::AxesFlags;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::model::Loaded;
 use crate::numbers::not_negative;
-use crate::scores::{self, Scored, Within};
+use crate::scores;
 use crate::start::StartFlags;
 
 /// Score a model on records it may not have seen: simulation from the start of each record, not prediction.
@@ -63,7 +63,7 @@ pub struct Validate {
 
 #[derive(Serialize)]
 struct Report {
-    records: Vec<Scored>,
+    records: Vec<Score>,
 }
 
 impl Validate {
@@ -72,88 +72,52 @@ impl Validate {
         if self.band {
             loaded.hammerstein(Capability::Bands)?;
         }
-        let scores = self.records.iter().map(|path| self.score(&loaded, path));
-        let scores = scores.collect::<Result<Vec<_>, Failure>>()?;
-        if loaded.model().channels().is_some() {
-            return self.show_axes(scores.into_iter().map(|(score, _)| score));
-        }
-        let records =
-            scores.into_iter().filter_map(|(score, within)| Some(Scored::of(score)?.within(within)));
-        let records: Vec<Scored> = records.collect();
+        let records = self.records.iter().map(|path| self.score(&loaded, path));
+        let records = records.collect::<Result<Vec<_>, Failure>>()?;
         if self.json { console::json(&Report { records }) } else { console::result(&self.text(&records)) }
     }
 
-    fn score(&self, loaded: &Loaded, path: &Path) -> Result<(Score, Option<Within>), Failure> {
+    fn score(&self, loaded: &Loaded, path: &Path) -> Result<Score, Failure> {
         let signals = loaded.read_record(path, &self.columns, &self.axes)?;
         let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
         let scoring = Scoring { skip_s: self.skip, offset };
         let score = loaded.score(path, &signals, &self.start, &scoring)?;
-        let within = match &signals {
-            Signals::Single(record) if self.band => Some(self.within(loaded, path, record, &score)?),
-            _ => None,
-        };
-        Ok((score, within))
-    }
-
-    fn show_axes(&self, scores: impl Iterator<Item = Score>) -> Result<(), Failure> {
-        let records: Vec<AxesScored> = scores.map(AxesScored::of).collect();
-        if self.json {
-            let records: Vec<_> = records.iter().map(AxesScored::json).collect();
-            return console::json(&serde_json::json!({ "records": records }));
+        match &signals {
+            Signals::Single(record) if self.band => self.with_band(loaded, path, record, score),
+            _ => Ok(score),
         }
-        console::result(&format!(
-            "{}\n\nRMSE: root mean square of y − simulation − offset over all outputs, the offset of each sensor estimated unless \
-             --fixed-offset is given; of mean period: the same of the mean over the record's periods, in which noise counts less; level: rms \
-             of the inputs.\n",
-            axes::table(&records)
-        ))
     }
 
-    /// How well the band of a new measurement holds this one.
-    fn within(
+    /// The score with how the band of a new measurement holds the record.
+    fn with_band(
         &self,
         loaded: &Loaded,
         path: &Path,
         record: &InputOutput,
-        score: &Score,
-    ) -> Result<Within, Failure> {
-        let simulation = &score.simulation;
-        let band = loaded.band(path, &record.u, record.sample_rate_hz(), &simulation.start)?;
+        score: Score,
+    ) -> Result<Score, Failure> {
+        let band = loaded.band(path, &record.u, record.sample_rate_hz(), &score.simulation.start)?;
         if band.noise == 0.0 {
             return Err(loaded.no_band(&PredictionError::NoScores));
         }
-        let left_out = simulation.remarks.iter().map(|remark| match remark {
-            Remark::LeftOut { samples } => *samples,
-            _ => 0,
-        });
-        let scored = record.without_first(left_out.sum());
-        let (simulated, offset) = (
-            simulation.outputs.first().map_or(&[][..], Vec::as_slice),
-            score.outputs.first().map_or(0.0, |s| s.offset),
-        );
-        let half = band.of_measurement();
-        let skipped = (self.skip.unwrap_or(0.0) * scored.sample_rate_hz().unwrap_or(0.0)).ceil() as usize;
-        let valid = |k: &usize| scored.valid.as_ref().is_none_or(|mask| mask.get(*k) == Some(&true));
-        let all: Vec<usize> = (skipped..scored.len()).filter(valid).collect();
-        let inside = all.iter().filter(|&&k| (scored.y[k] - simulated[k] - offset).abs() <= half[k]).count();
-        Ok(Within {
-            inside_percent: 100.0 * inside as f64 / all.len().max(1) as f64,
-            model: band.of_output().into_iter().fold(0.0, f64::max),
-            measurement: half.into_iter().fold(0.0, f64::max),
-        })
+        let held = band.holds(record, &score, self.skip.unwrap_or(0.0));
+        Ok(Score { band: Some(held), ..score })
     }
 
-    fn text(&self, records: &[Scored]) -> String {
+    fn text(&self, records: &[Score]) -> String {
+        if records.iter().any(|r| r.axes.is_some()) {
+            return format!("{}\n\n{}\n", scores::table(records), scores::AXES_EXPLANATION);
+        }
         let offset = if self.fixed_offset {
             "The offset is the model's own (--fixed-offset)."
         } else {
             "The offset of each record's sensor was estimated from the record: the mean residual, added to the simulation."
         };
-        let lines = |sentence: fn(&Scored) -> Option<String>| {
+        let lines = |sentence: fn(&Score) -> Option<String>| {
             records.iter().filter_map(sentence).map(|text| text + "\n").collect::<String>()
         };
-        let (starts, residuals) = (lines(Scored::estimated_start), lines(Scored::residual_tests));
-        let bands = lines(Scored::within_band);
+        let (starts, residuals) = (lines(scores::estimated_start), lines(scores::residual_tests));
+        let bands = lines(scores::within_band);
         format!(
             "{}\n\n{offset}\n{starts}{bands}{residuals}\n{}",
             scores::table(records),

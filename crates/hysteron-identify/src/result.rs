@@ -5,6 +5,7 @@ use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand, Smoo
 use super::options::{Method, RecordRole};
 use hysteron_model::Finding;
 use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::model::{Score, Simulation};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scores;
 use hysteron_optimize::Bounds;
@@ -138,6 +139,12 @@ pub struct RecordFit {
 }
 
 impl RecordFit {
+    /// The scores with what they are of; simulated from the start that was fitted.
+    pub fn score(&self) -> Score {
+        let simulation = Simulation::of_single(self.simulated.clone(), self.start, self.data.u_unit.clone());
+        Score::of_single(&self.data, self.data.y_unit.clone(), self.scores.clone(), simulation)
+    }
+
     /// Fit \[%\]; 0 where it is not defined.
     pub(super) fn fit_percent(&self) -> f64 {
         self.scores.fit_percent.unwrap_or(0.0)

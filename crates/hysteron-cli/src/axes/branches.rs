@@ -6,12 +6,13 @@ use std::sync::atomic::Ordering;
 
 use hysteron_identify::coupled::{CoupledFitError, CoupledIdentification, identify};
 use hysteron_model::Start;
+use hysteron_model::model::Score;
 use hysteron_model::model_file::{CoupledFile, Quantity};
 use hysteron_optimize::Progress as SearchProgress;
 use hysteron_report::number::with_std_error;
 use serde_json::{Value, json};
 
-use super::{AxesFlags, AxesScored, score_axes, table};
+use super::{AxesFlags, score_axes};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -20,6 +21,7 @@ use crate::maker::maker;
 use crate::model;
 use crate::progress::Progress;
 use crate::result_flags::ResultFlags;
+use crate::scores::table;
 
 /// Identifies the branches of the records and writes their file; prints what was found.
 ///
@@ -86,11 +88,11 @@ fn parameters(file: &CoupledFile) -> Vec<(String, &'static str, &Quantity)> {
     all
 }
 
-fn object(found: &CoupledIdentification, scored: &[AxesScored], out: &Path, file: &CoupledFile) -> Value {
+fn object(found: &CoupledIdentification, scored: &[Score], out: &Path, file: &CoupledFile) -> Value {
     json!({
         "model": out.display().to_string(),
         "structure": "hammerstein",
-        "records": scored.iter().map(AxesScored::json).collect::<Vec<_>>(),
+        "records": scored,
         "parameters": parameters(file).into_iter()
             .map(|(of, name, q)| json!({"of": of, "name": name, "value": q.value, "unit": q.unit, "std_error": q.std_error}))
             .collect::<Vec<_>>(),
@@ -98,7 +100,7 @@ fn object(found: &CoupledIdentification, scored: &[AxesScored], out: &Path, file
     })
 }
 
-fn text(found: &CoupledIdentification, scored: &[AxesScored], file: &CoupledFile) -> String {
+fn text(found: &CoupledIdentification, scored: &[Score], file: &CoupledFile) -> String {
     let mut rows = console::table(&["of", "parameter", "value", "std. error", "unit"]);
     for (of, name, q) in parameters(file) {
         let (value, error) = with_std_error(q.value, q.std_error);

@@ -10,11 +10,12 @@ use hysteron_identify::modes::{
 };
 use hysteron_model::Start;
 use hysteron_model::axes::{AxesRecord, InfluenceMatrix};
+use hysteron_model::model::Score;
 use hysteron_model::model_file::ModesFile;
 use hysteron_report::number::significant;
 use serde_json::{Value, json};
 
-use super::{AxesFlags, AxesScored, score_axes, table};
+use super::{AxesFlags, score_axes};
 use crate::columns::InputFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -24,6 +25,7 @@ use crate::model;
 use crate::numbers::{count, positive, whole};
 use crate::progress::Progress;
 use crate::result_flags::ResultFlags;
+use crate::scores::table;
 
 /// What can be said about scheduled modes.
 #[derive(Args, Clone, Debug)]
@@ -149,14 +151,14 @@ impl Watcher<'_> {
 }
 
 /// The object of `--json`.
-fn object(found: &ModesIdentification, scored: &[AxesScored], out: &Path, file: &ModesFile) -> Value {
+fn object(found: &ModesIdentification, scored: &[Score], out: &Path, file: &ModesFile) -> Value {
     let mode = |m: &hysteron_model::axes::Mode| json!({"frequency_hz": m.frequency_hz, "damping": m.damping});
     json!({
         "model": out.display().to_string(),
         "structure": "modes",
         "parameters": found.parameters,
         "interrupted": found.interrupted,
-        "records": scored.iter().map(AxesScored::json).collect::<Vec<_>>(),
+        "records": scored,
         "modes": found.modes.iter()
             .map(|m| json!({"lowest_level": mode(&m.low), "highest_level": mode(&m.high)}))
             .collect::<Vec<_>>(),
@@ -166,7 +168,7 @@ fn object(found: &ModesIdentification, scored: &[AxesScored], out: &Path, file: 
 }
 
 /// The result for people.
-fn text(found: &ModesIdentification, scored: &[AxesScored], file: &ModesFile) -> String {
+fn text(found: &ModesIdentification, scored: &[Score], file: &ModesFile) -> String {
     let mut modes = console::table(&[
         "mode",
         "lowest level [Hz]",

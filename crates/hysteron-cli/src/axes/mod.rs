@@ -3,17 +3,16 @@
 mod branches;
 mod flags;
 mod identify;
-mod scored;
 
 pub use branches::identify_branches;
 pub use flags::AxesFlags;
 pub use identify::ModesFlags;
-pub use scored::{AxesScored, table};
 
 use std::path::PathBuf;
 
 use hysteron_model::Start;
 use hysteron_model::axes::AxesRecord;
+use hysteron_model::model::Score;
 use hysteron_model::validate::Scoring;
 
 use crate::failure::Failure;
@@ -28,11 +27,9 @@ fn score_axes(
     records: &[AxesRecord],
     paths: &[PathBuf],
     start: impl Fn(&AxesRecord) -> Start,
-) -> Result<Vec<AxesScored>, Failure> {
+) -> Result<Vec<Score>, Failure> {
     let score = |(record, path): (&AxesRecord, &PathBuf)| {
-        loaded
-            .score_from(path, &record.clone().into(), start(record), &Scoring::default())
-            .map(AxesScored::of)
+        loaded.score_from(path, &record.clone().into(), start(record), &Scoring::default())
     };
     records.iter().zip(paths).map(score).collect()
 }

@@ -2,8 +2,9 @@
 
 use hysteron_identify::Choice;
 use hysteron_identify::oscillator::{
-    Estimate, Identification, Initial, Options, OscillatorFitError, identify,
+    Estimate, Identification, Initial, Options, OscillatorFitError, RecordFit, identify,
 };
+use hysteron_model::model::Score;
 use hysteron_model::model_file::OscillatorFile;
 use hysteron_model::record::InterSample;
 use hysteron_report::number::with_std_error;
@@ -16,7 +17,7 @@ use crate::failure::Failure;
 use crate::maker::maker;
 use crate::model::Loaded;
 use crate::output;
-use crate::scores::{self, Scored};
+use crate::scores;
 use hysteron_report::identification::typographic;
 
 const TITLE: &str = "no oscillator was identified";
@@ -142,8 +143,8 @@ impl Identify {
     }
 }
 
-fn scored(found: &Identification) -> Vec<Scored> {
-    found.records.iter().map(|r| Scored::new(&r.data, r.scores.clone())).collect()
+fn scored(found: &Identification) -> Vec<Score> {
+    found.records.iter().map(RecordFit::score).collect()
 }
 
 /// Unit of an estimate, as in the model file.

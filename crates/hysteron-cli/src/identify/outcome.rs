@@ -2,19 +2,20 @@
 
 use std::path::Path;
 
-use hysteron_identify::{Finding, Identification, Interval, IntervalMethod};
+use hysteron_identify::{Finding, Identification, Interval, IntervalMethod, RecordFit};
+use hysteron_model::model::Score;
 use hysteron_model::model_file::ModelFile;
 use hysteron_report::number::with_std_error;
 use serde::Serialize;
 
 use crate::console;
-use crate::scores::{self, Scored};
+use crate::scores;
 
 /// The object of `--json`.
 #[derive(Serialize)]
 pub struct Outcome<'a> {
     model: String,
-    records: Vec<Scored>,
+    records: Vec<Score>,
     hysteresis: &'a hysteron_model::model_file::HysteresisBlock,
     dynamics: &'a hysteron_model::model_file::DynamicsBlock,
     delay: &'a hysteron_model::model_file::Quantity,
@@ -53,8 +54,8 @@ struct ReductionEntry {
     moved_std_errors: f64,
 }
 
-fn scored(found: &Identification) -> Vec<Scored> {
-    found.records.iter().map(|r| Scored::new(&r.data, r.scores.clone())).collect()
+fn scored(found: &Identification) -> Vec<Score> {
+    found.records.iter().map(RecordFit::score).collect()
 }
 
 impl<'a> Outcome<'a> {

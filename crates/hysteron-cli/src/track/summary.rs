@@ -1,17 +1,17 @@
 //! The result as an object.
 
 use hysteron_model::control::{Edge, Reach, SineAnswer, Sines};
+use hysteron_model::record::{Keyed, key_in};
 
 use super::runs::{Adaptation, differ};
 use super::sheets::law;
 use super::{Found, Run};
 use crate::numbers::ends;
-use crate::object::{Object, key_in};
 
-pub fn summary(found: &Found) -> Object {
+pub fn summary(found: &Found) -> Keyed {
     let (input, output) = (found.input.symbol(), found.output.symbol());
     let slew = found.settings.slew_v_per_s;
-    Object::default()
+    Keyed::default()
         .with("simulated", true)
         .with("plant", found.plant)
         .with("samples", found.reference.len())
@@ -26,21 +26,21 @@ pub fn summary(found: &Found) -> Object {
 }
 
 /// The sines by which bandwidths were measured.
-fn played(sines: &Sines, output: &str) -> Object {
-    Object::default()
+fn played(sines: &Sines, output: &str) -> Keyed {
+    Keyed::default()
         .in_unit("level", output, sines.level)
         .in_unit("amplitude", output, sines.amplitude)
         .with("lowest_hz", sines.range_hz[0])
         .with("highest_hz", sines.range_hz[1])
 }
 
-fn row(run: &Run, input: &str, output: &str) -> Object {
+fn row(run: &Run, input: &str, output: &str) -> Keyed {
     let (drive_low, drive_high) = ends(&run.played.drive);
     let (margins, both) = (run.made.margins(), run.bandwidths());
     // Null where it lies beyond the sines.
     let found = |i: usize| both.and_then(|both| Edge::found(both[i].1));
     let answers = run.followed.iter().flat_map(|followed| &followed.answers);
-    Object::default()
+    Keyed::default()
         .with("controller", run.controller.name())
         .in_unit("rms", output, run.score.rms)
         .in_unit("max", output, run.score.max)
@@ -69,8 +69,8 @@ fn row(run: &Run, input: &str, output: &str) -> Object {
         .with("adaptation", run.adaptation.as_ref().map(adaptation))
 }
 
-fn sine(answer: &SineAnswer) -> Object {
-    Object::default()
+fn sine(answer: &SineAnswer) -> Keyed {
+    Keyed::default()
         .with("frequency_hz", answer.frequency_hz)
         .with("error_percent_of_stroke", answer.error_percent)
         .with("gain", answer.followed.norm())
@@ -78,9 +78,9 @@ fn sine(answer: &SineAnswer) -> Object {
         .with("samples_held_back", answer.held_back)
 }
 
-fn adaptation(own: &Adaptation) -> Object {
+fn adaptation(own: &Adaptation) -> Keyed {
     let filter = &own.filter;
-    Object::default()
+    Keyed::default()
         .with("weights", filter.adaptive.weights)
         .with("stride_samples", filter.stride)
         .with("step", filter.rate)
@@ -93,8 +93,8 @@ fn adaptation(own: &Adaptation) -> Object {
         .with("best_weights_rms_percent_of_stroke", own.best_percent)
 }
 
-fn reach(reach: &Reach, input: &str, output: &str) -> Object {
-    Object::default()
+fn reach(reach: &Reach, input: &str, output: &str) -> Keyed {
+    Keyed::default()
         .in_unit("amplitude", output, reach.amplitude)
         .in_unit("drive_amplitude", input, reach.amplitude_v)
         .with("highest_hz", reach.highest_hz)

@@ -16,6 +16,8 @@ use super::record::{Before, Ingredients, JointRecord};
 use hysteron_model::dynamics::{DynamicForm, Sampling, Scheme};
 use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
+use hysteron_model::model::{BandScore, Remark, Score};
+use hysteron_model::record::InputOutput;
 use hysteron_model::record::InterSample;
 use hysteron_optimize::{Bounds, Problem};
 use nalgebra::DMatrix;
@@ -42,6 +44,30 @@ impl PredictionBand {
     /// Half the width of the band that holds a measurement with 95 % at each sample \[output unit\].
     pub fn of_measurement(&self) -> Vec<f64> {
         self.std_dev.iter().map(|sd| NORMAL_975 * sd.hypot(self.noise)).collect()
+    }
+
+    /// How the band of a measurement holds a record that was scored, `skip_s` of it left out at the start.
+    pub fn holds(&self, record: &InputOutput, score: &Score, skip_s: f64) -> BandScore {
+        let simulation = &score.simulation;
+        let left_out = simulation.remarks.iter().map(|remark| match remark {
+            Remark::LeftOut { samples } => *samples,
+            _ => 0,
+        });
+        let scored = record.without_first(left_out.sum());
+        let (simulated, offset) = (
+            simulation.outputs.first().map_or(&[][..], Vec::as_slice),
+            score.outputs.first().map_or(0.0, |s| s.offset),
+        );
+        let half = self.of_measurement();
+        let skipped = (skip_s * scored.sample_rate_hz().unwrap_or(0.0)).ceil() as usize;
+        let valid = |k: &usize| scored.valid.as_ref().is_none_or(|mask| mask.get(*k) == Some(&true));
+        let all: Vec<usize> = (skipped..scored.len()).filter(valid).collect();
+        let inside = all.iter().filter(|&&k| (scored.y[k] - simulated[k] - offset).abs() <= half[k]).count();
+        BandScore {
+            inside_percent: 100.0 * inside as f64 / all.len().max(1) as f64,
+            model: self.of_output().into_iter().fold(0.0, f64::max),
+            measurement: half.into_iter().fold(0.0, f64::max),
+        }
     }
 }
 

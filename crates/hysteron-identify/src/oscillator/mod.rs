@@ -26,6 +26,7 @@ pub use error::OscillatorFitError;
 pub use knowledge::Estimate;
 
 use super::{Correlation, Finding};
+use hysteron_model::model::{Score, Simulation};
 use hysteron_model::oscillator::{Oscillator, Start};
 use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_model::validate::Scores;
@@ -117,6 +118,17 @@ pub struct RecordFit {
     pub simulated: Vec<f64>,
     /// Scores (offset estimated).
     pub scores: Scores,
+}
+
+impl RecordFit {
+    /// The scores with what they are of.
+    pub fn score(&self) -> Score {
+        let start = self.period_samples.map_or(hysteron_model::Start::AsIdentified, |period_samples| {
+            hysteron_model::Start::Settled { period_samples }
+        });
+        let simulation = Simulation::of_single(self.simulated.clone(), start, self.data.u_unit.clone());
+        Score::of_single(&self.data, self.data.y_unit.clone(), self.scores.clone(), simulation)
+    }
 }
 
 /// Identifies an oscillator from records that share the device.

@@ -7,12 +7,14 @@ mod capability;
 mod error;
 mod remark;
 mod run;
+mod score;
 mod signals;
 
 pub use capability::{Capability, Unsupported};
 pub use error::{RunError, SignalRole};
 pub use remark::Remark;
-pub use run::{AxesScore, Score, Simulation};
+pub use run::Simulation;
+pub use score::{AxesScore, BandScore, Score};
 pub use signals::Signals;
 
 use crate::axes::{CoupledHammerstein, ScheduledModes};

@@ -1,6 +1,6 @@
 //! Simulation and scores of any kind of model.
 
-use super::{Body, Model, Remark, RunError, SignalRole, Signals};
+use super::{AxesScore, Body, Model, Remark, RunError, Score, SignalRole, Signals};
 use crate::axes::{AxesRecord, AxesScores, ModesStart, SteadyPeriod};
 use crate::dynamics::Dynamics;
 use crate::hammerstein;
@@ -36,36 +36,11 @@ pub struct Simulation {
     pub remarks: Vec<Remark>,
 }
 
-/// How well a model describes a record.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Score {
-    /// Name of the record: the path of its file, where it has one.
-    pub record: String,
-    /// Unit of the outputs.
-    pub unit: Unit,
-    /// √(mean e²) over all samples of all outputs, in `unit`.
-    pub rmse: f64,
-    /// Largest |e|, in `unit`.
-    pub max_abs_error: f64,
-    /// 100 · (1 − ‖e‖₂ / ‖y − ȳ‖₂) \[%\]; `None` for a constant record.
-    pub fit_percent: Option<f64>,
-    /// Scores of each output.
-    pub outputs: Vec<Scores>,
-    /// What a record of several axes has beside them.
-    pub axes: Option<AxesScore>,
-    /// The simulation that was scored.
-    pub simulation: Simulation,
-}
-
-/// Scores that only a record of several axes has.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct AxesScore {
-    /// Names of the outputs.
-    pub outputs: Vec<String>,
-    /// rms of the inputs about their means, where the drive repeats.
-    pub level: Option<f64>,
-    /// RMSE of the mean period, means off, where the drive repeats.
-    pub mean_period_rmse: Option<f64>,
+impl Simulation {
+    /// Of one output, without remarks.
+    pub fn of_single(y: Vec<f64>, start: Start, input_unit: Unit) -> Self {
+        Self { outputs: vec![y], start, input_unit, period: None, remarks: Vec::new() }
+    }
 }
 
 impl Model {
@@ -131,16 +106,8 @@ impl Model {
             }
             _ => return Err(self.takes_others()),
         };
-        Ok(Score {
-            record: record.source.as_ref().map_or_else(|| record.name.clone(), |s| s.path.clone()),
-            unit: agreed_unit(SignalRole::Output, &self.units().output, &record.y_unit, &mut Vec::new())?,
-            rmse: scores.rmse,
-            max_abs_error: scores.max_abs_error,
-            fit_percent: scores.fit_percent,
-            outputs: vec![scores],
-            axes: None,
-            simulation,
-        })
+        let unit = agreed_unit(SignalRole::Output, &self.units().output, &record.y_unit, &mut Vec::new())?;
+        Ok(Score::of_single(record, unit, scores, simulation))
     }
 
     /// The start that the model file assumes for a record; what is remarkable about it goes to `remarks`.
@@ -351,6 +318,7 @@ impl Model {
                 level: simulation.period.as_ref().map(|period| period.level),
                 mean_period_rmse: scores.mean_period_rmse,
             }),
+            band: None,
             simulation,
         })
     }
@@ -375,7 +343,7 @@ impl Prepared {
 
     fn finished(self, start: Start, y: Vec<f64>) -> Simulation {
         let Self { input_unit, remarks } = self;
-        Simulation { outputs: vec![y], start, input_unit, period: None, remarks }
+        Simulation { remarks, ..Simulation::of_single(y, start, input_unit) }
     }
 }
 

@@ -15,6 +15,7 @@ mod frequency_response;
 mod inspect;
 mod inspection_summary;
 mod inter_sample;
+mod keyed;
 mod loop_shape;
 mod noise_floor;
 mod periods;
@@ -41,6 +42,7 @@ pub use inspection_summary::{
     PeriodsSummary,
 };
 pub use inter_sample::{InterSample, UnknownInterSample};
+pub use keyed::{Keyed, key_in};
 pub use loop_shape::{LoopSense, LoopShape, loop_shape};
 pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};
 pub use periods::{Periods, find_periods};
@@ -248,6 +250,11 @@ impl InputOutput {
     /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
         self.u.is_empty()
+    }
+
+    /// Path of the record's file, or its name where it comes from none.
+    pub fn label(&self) -> &str {
+        self.source.as_ref().map_or(&self.name, |s| &s.path)
     }
 
     /// The record with its first `samples` samples masked as not valid.

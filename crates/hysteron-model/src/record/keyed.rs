@@ -4,11 +4,11 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use serde_json::value::{RawValue, to_raw_value};
 
-/// An object, its entries in the order they were put in.
-#[derive(Default)]
-pub struct Object(Vec<(String, Box<RawValue>)>);
+/// A JSON object, its entries in the order they were put in.
+#[derive(Clone, Debug, Default)]
+pub struct Keyed(Vec<(String, Box<RawValue>)>);
 
-impl Object {
+impl Keyed {
     /// The same with one more entry; numbers that are not finite are null.
     #[must_use]
     pub fn with(mut self, key: impl Into<String>, value: impl Serialize) -> Self {
@@ -28,7 +28,7 @@ pub fn key_in(key: &str, symbol: &str) -> String {
     if symbol.is_empty() { key.to_owned() } else { format!("{key}_{symbol}") }
 }
 
-impl Serialize for Object {
+impl Serialize for Keyed {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
         for (key, value) in &self.0 {
