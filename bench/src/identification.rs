@@ -1,15 +1,13 @@
 //! The article's identification on records of the simulated bench.
 
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Method, Options, RecordRole, Searches, Watcher, identify,
+    CampaignRecord, Choice, DynamicsChoice, Method, Options, RecordRole, Watch, identify,
 };
 use hysteron_model::record::{InputOutput, TimeBase};
-use hysteron_optimize::{Algorithm, DeAbcOptions, DeOptions, Progress};
+use hysteron_optimize::{Algorithm, DeAbcOptions, DeOptions};
 use hysteron_rig::{CampaignPlan, Role, Truth, run_campaign};
 use serde::Deserialize;
 
@@ -45,17 +43,6 @@ pub fn write_campaign(directory: &Path, seed: u64) -> Result<Answer, BenchError>
     Ok(Answer::Done)
 }
 
-/// Counts the evaluations of every search, the small ones that choose a structure among them.
-#[derive(Default)]
-struct Counter(BTreeMap<String, usize>);
-
-impl Watcher for Counter {
-    fn progress(&mut self, step: &str, progress: &Progress<'_>, _: &dyn Fn() -> Searches) -> ControlFlow<()> {
-        self.0.insert(step.to_owned(), progress.evaluations);
-        ControlFlow::Continue(())
-    }
-}
-
 impl Request {
     /// Identifies: degree 2 and n = 1 as in the article, no delay, orders and coefficients at once.
     pub fn run(&self) -> Result<Answer, BenchError> {
@@ -85,8 +72,7 @@ impl Request {
             ..Options::default()
         };
         let start = Instant::now();
-        let mut counter = Counter::default();
-        let found = identify(&campaign, &options, &mut counter, None)?;
+        let found = identify(&campaign, &options, &Watch::silent(), None)?;
         let seconds = start.elapsed().as_secs_f64();
         let searches = found.searches.iter().map(|search| Search {
             step: search.step.clone(),
@@ -98,7 +84,13 @@ impl Request {
         Ok(Answer::Identified {
             seconds,
             searches: searches.collect(),
-            evaluations: counter.0,
+            // Of every search, the small ones that choose a structure among them.
+            evaluations: found
+                .resume
+                .searches
+                .iter()
+                .map(|(step, s)| (step.clone(), s.evaluations()))
+                .collect(),
             rmse_um: found.records.iter().map(|record| record.scores.rmse).collect(),
             boxes: found
                 .bounds

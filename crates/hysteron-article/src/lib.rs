@@ -33,10 +33,10 @@ pub use loops::{LoopAt, LoopStudy};
 pub use models::{Eq13, ModelFit, ModelKind, ModelStudy, SineCurves, SineScore};
 pub use optimizers::{Contender, OptimizerStudy, quantile};
 pub use plan::Plan;
-pub use progress::{Progress, Watcher};
 pub use recovery::{RecoveredBlocks, Recovery, RecoveryCase};
 pub use static_block::{StaticParameters, StaticStudy};
 
+use hysteron_identify::Watch;
 use measurements::Measurements;
 use progress::Stages;
 use serde::Serialize;
@@ -67,10 +67,10 @@ pub struct Reproduction {
 /// Runs the whole reproduction in the current `rayon` pool.
 ///
 /// # Errors
-/// [`ArticleError::Stopped`] if the watcher asked for it; otherwise what failed, in the order of the work.
-pub fn reproduce(plan: &Plan, watcher: &Watcher<'_>) -> Result<Reproduction, ArticleError> {
+/// [`ArticleError::Stopped`] if it was stopped; otherwise what failed, in the order of the work.
+pub fn reproduce(plan: &Plan, watch: &Watch<'_>) -> Result<Reproduction, ArticleError> {
     plan.validate()?;
-    let stages = &Stages::new(watcher);
+    let stages = &Stages::new(watch);
     let bench = Measurements::take(plan, stages)?;
     let loops = LoopStudy::of(&bench)?;
     let optimizers = OptimizerStudy::run(plan, &bench, stages)?;

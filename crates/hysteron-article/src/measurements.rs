@@ -21,7 +21,7 @@ pub(super) struct Measurements {
 }
 
 impl Measurements {
-    pub(super) fn take(plan: &Plan, stages: &Stages<'_>) -> Result<Self, ArticleError> {
+    pub(super) fn take(plan: &Plan, stages: &Stages<'_, '_>) -> Result<Self, ArticleError> {
         stages.check(Stage::Bench, 0.0, "")?;
         let truth = Truth::default();
         let runs = run_campaign(&truth, &plan.campaign(), plan.seed)?;

@@ -7,16 +7,14 @@ use super::progress::{Stage, Stages};
 use super::static_block::{StaticStudy, article_options, rmse};
 use super::{ArticleError, Plan};
 use hysteron_identify::{
-    CampaignRecord, Choice, Demands, DynamicsChoice, Identification, IdentifyError, Method, Options,
-    RecordRole, Searches, Watcher as SearchWatcher,
+    CampaignRecord, Choice, Demands, DynamicsChoice, Event, Identification, IdentifyError, Method, Options,
+    RecordRole, Searches, Watch,
 };
 use hysteron_model::dynamics::{Dynamics, TransferFunction};
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{OffsetTreatment, Scoring, score};
-use hysteron_optimize::Progress;
 use serde::Serialize;
-use std::ops::ControlFlow;
 
 /// A model of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -183,38 +181,23 @@ impl ModelStudy {
     }
 }
 
-/// Passes the progress of a search on, and remembers whether it was stopped.
-struct Relay<'a> {
-    stages: &'a Stages<'a>,
-    kind: ModelKind,
-    stopped: bool,
-}
-
-impl SearchWatcher for Relay<'_> {
-    fn progress(&mut self, _: &str, progress: &Progress<'_>, _: &dyn Fn() -> Searches) -> ControlFlow<()> {
-        let (stage, from, width) = self.kind.stage();
-        let within = progress.generation as f64 / progress.generations.max(1) as f64;
-        let word = self.stages.at(stage, from + width * within.min(1.0), self.kind.name());
-        self.stopped |= word.is_break();
-        word
-    }
-}
-
 /// Identifies every model and scores it.
 pub(super) fn identify(
     plan: &Plan,
     bench: &Measurements,
-    stages: &Stages<'_>,
+    stages: &Stages<'_, '_>,
 ) -> Result<(StaticStudy, ModelStudy), ArticleError> {
     let loop_only = [campaign_record(&bench.loop_1hz, RecordRole::QuasiStatic)];
     let both = [loop_only[0].clone(), campaign_record(&bench.sweep, RecordRole::Dynamic)];
     let run = |kind: ModelKind, resume: Option<Searches>| -> Result<Identification, ArticleError> {
-        let mut relay = Relay { stages, kind, stopped: false };
+        let (stage, from, width) = kind.stage();
+        let told = |event: &Event<'_>| stages.at(stage, from + width * event.fraction, kind.name());
+        let watch = Watch::new(told).stopped_by(stages.stop());
         let options = kind.options(plan);
         let records: &[CampaignRecord] =
             if options.dynamics == DynamicsChoice::None { &loop_only } else { &both };
-        let found = hysteron_identify::identify(records, &options, &mut relay, resume);
-        if relay.stopped {
+        let found = hysteron_identify::identify(records, &options, &watch, resume);
+        if watch.is_stopped() {
             return Err(ArticleError::Stopped);
         }
         found.map_err(|source: IdentifyError| ArticleError::Identify {

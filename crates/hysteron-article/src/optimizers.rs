@@ -86,7 +86,11 @@ fn contenders() -> Vec<(&'static str, &'static str, Algorithm)> {
 }
 
 impl OptimizerStudy {
-    pub(super) fn run(plan: &Plan, bench: &Measurements, stages: &Stages<'_>) -> Result<Self, ArticleError> {
+    pub(super) fn run(
+        plan: &Plan,
+        bench: &Measurements,
+        stages: &Stages<'_, '_>,
+    ) -> Result<Self, ArticleError> {
         stages.check(Stage::Optimizers, 0.0, "")?;
         let failed = |source: IdentifyError| ArticleError::Identify {
             model: "static block".into(),

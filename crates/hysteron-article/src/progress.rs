@@ -2,19 +2,8 @@
 
 use super::ArticleError;
 use std::ops::ControlFlow;
-use std::sync::Mutex;
 
-/// How far a reproduction is.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Progress {
-    /// What is being done.
-    pub stage: String,
-    /// Share of the whole work done, 0 … 1 (by the time that the stages usually take).
-    pub done: f64,
-}
-
-/// Told about progress from any thread; `Break` stops the reproduction.
-pub type Watcher<'a> = dyn Fn(&Progress) -> ControlFlow<()> + Sync + 'a;
+use hysteron_identify::{Event, Stop, Watch};
 
 /// The stages in the order of the work, with the share of the time they usually take.
 const WEIGHTS: [(&str, f64); 5] = [
@@ -35,14 +24,17 @@ pub(super) enum Stage {
     Recovery,
 }
 
-pub(super) struct Stages<'a> {
-    watcher: &'a Watcher<'a>,
-    furthest: Mutex<f64>,
+pub(super) struct Stages<'a, 'w> {
+    watch: &'a Watch<'w>,
 }
 
-impl<'a> Stages<'a> {
-    pub(super) fn new(watcher: &'a Watcher<'a>) -> Self {
-        Self { watcher, furthest: Mutex::new(0.0) }
+impl<'a, 'w> Stages<'a, 'w> {
+    pub(super) fn new(watch: &'a Watch<'w>) -> Self {
+        Self { watch }
+    }
+
+    pub(super) fn stop(&self) -> &Stop {
+        self.watch.stop()
     }
 
     /// The share `within` (0 … 1) of a stage is done; `detail` says with what.
@@ -50,14 +42,9 @@ impl<'a> Stages<'a> {
         let index = stage as usize;
         let before: f64 = WEIGHTS[..index].iter().map(|(_, weight)| weight).sum();
         let (name, weight) = WEIGHTS[index];
-        let mut done = before + weight * within.clamp(0.0, 1.0);
-        // Threads report in any order; progress never runs backwards.
-        if let Ok(mut furthest) = self.furthest.lock() {
-            *furthest = furthest.max(done);
-            done = *furthest;
-        }
+        let done = before + weight * within.clamp(0.0, 1.0);
         let stage = if detail.is_empty() { name.to_owned() } else { format!("{name} ({detail})") };
-        (self.watcher)(&Progress { stage, done })
+        self.watch.tell(Event::new(&stage, done, None))
     }
 
     /// As [`Self::at`], where stopping is an error.

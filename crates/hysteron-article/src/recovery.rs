@@ -10,7 +10,7 @@ use super::progress::{Stage, Stages};
 use super::static_block::{StaticParameters, article_options};
 use super::{ArticleError, Plan};
 use hysteron_identify::{
-    CampaignRecord, Choice, Demands, IdentifyError, Options, RecordRole, Unwatched, identify,
+    CampaignRecord, Choice, Demands, IdentifyError, Options, RecordRole, Watch, identify,
 };
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_rig::excitation::SweepLaw;
@@ -146,7 +146,7 @@ impl RecoveryCase {
             model: "article's own plant".into(),
             source: source.into(),
         };
-        let found = identify(&records, &options, &mut Unwatched, None).map_err(failed)?;
+        let found = identify(&records, &options, &Watch::silent(), None).map_err(failed)?;
         let Dynamics::Fractional(g) = &found.model.dynamics else { return Err(no_form()) };
         let cost = |i: usize| found.searches.get(i).map_or(f64::NAN, |s| s.outcome.cost);
         Ok(RecoveredBlocks {
@@ -186,7 +186,7 @@ fn without_dynamics(mut truth: Truth) -> Truth {
 }
 
 impl Recovery {
-    pub(super) fn run(plan: &Plan, stages: &Stages<'_>) -> Result<Self, ArticleError> {
+    pub(super) fn run(plan: &Plan, stages: &Stages<'_, '_>) -> Result<Self, ArticleError> {
         let cases = RecoveryCase::all();
         stages.check(Stage::Recovery, 0.0, "")?;
         let done = std::sync::atomic::AtomicUsize::new(0);

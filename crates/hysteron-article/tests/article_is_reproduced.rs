@@ -2,13 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use hysteron_article::{ArticleError, ModelKind, Plan, Progress, Reproduction, printed, reproduce};
+use hysteron_article::{ArticleError, ModelKind, Plan, Reproduction, printed, reproduce};
+use hysteron_identify::{Event, Watch};
 use std::ops::ControlFlow;
 use std::sync::{Mutex, OnceLock};
 
 fn rehearsal(threads: usize) -> Reproduction {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| reproduce(&Plan::quick(), &|_: &Progress| ControlFlow::Continue(()))).unwrap()
+    pool.install(|| reproduce(&Plan::quick(), &Watch::silent())).unwrap()
 }
 
 fn found() -> &'static Reproduction {
@@ -81,10 +82,12 @@ fn threads_change_nothing() {
 #[test]
 fn progress_runs_forward_and_stopping_is_obeyed() {
     let seen = Mutex::new(Vec::new());
-    let stopped = reproduce(&Plan::quick(), &|p: &Progress| {
-        seen.lock().unwrap().push(p.done);
-        if p.done > 0.3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    let watch = Watch::new(|event: &Event<'_>| {
+        seen.lock().unwrap().push(event.fraction);
+        if event.fraction > 0.3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
+    let stopped = reproduce(&Plan::quick(), &watch);
+    drop(watch);
     assert!(matches!(stopped, Err(ArticleError::Stopped)), "{stopped:?}");
     let seen = seen.into_inner().unwrap();
     assert!(seen.iter().all(|d| (0.0..=1.0).contains(d)) && seen.iter().any(|d| *d > 0.3));
@@ -92,14 +95,13 @@ fn progress_runs_forward_and_stopping_is_obeyed() {
 
 #[test]
 fn plans_that_make_no_sense_are_refused() {
-    let watcher = |_: &Progress| ControlFlow::Continue(());
     for plan in [
         Plan { runs: 1, ..Plan::quick() },
         Plan { sample_rate_hz: 100.0, ..Plan::quick() },
         Plan { sweep_s: f64::NAN, ..Plan::quick() },
         Plan { loop_decimation: 0, ..Plan::quick() },
     ] {
-        let refused = reproduce(&plan, &watcher);
+        let refused = reproduce(&plan, &Watch::silent());
         assert!(matches!(refused, Err(ArticleError::Plan { .. })), "{refused:?}");
     }
 }

@@ -8,15 +8,15 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 use hysteron_article::printed::{EQ_13, TABLE_2};
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, IdentifyError, Method, Options, RecordRole, Searches, StaticFit,
-    Unwatched, Watcher, identify,
+    CampaignRecord, Choice, DynamicsChoice, Event, IdentifyError, Method, Options, RecordRole, Searches,
+    StaticFit, Watch, identify,
 };
 use hysteron_model::dynamics::{Dynamics, Scheme, SecondOrder, Term, TransferFunction};
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::{Document, ModelFile, SignalUnits, read};
 use hysteron_model::record::{ChannelChoice, InputOutput, InterSample, TimeBase};
-use hysteron_optimize::{Algorithm, DeAbcOptions, DeOptions, Problem, Progress};
+use hysteron_optimize::{Algorithm, DeAbcOptions, DeOptions, Problem};
 use hysteron_rig::excitation::SweepLaw;
 use hysteron_rig::{CampaignPlan, Role, Truth, run_campaign};
 use std::f64::consts::TAU;
@@ -74,7 +74,7 @@ fn assert_close(found: f64, truth: f64, relative: f64, name: &str) {
 
 #[test]
 fn static_parameters_come_back_from_noise_free_loops() {
-    let found = identify(&static_campaign(), &two_step(), &mut Unwatched, None).unwrap();
+    let found = identify(&static_campaign(), &two_step(), &Watch::silent(), None).unwrap();
     let b = block(&found.model);
     assert_eq!(b.polynomial.len(), 2, "degree chosen");
     for (name, x, t) in [
@@ -97,7 +97,7 @@ fn population_methods_search_all_parameters_as_the_article_does() {
         degree: Choice::Given(2),
         ..two_step()
     };
-    let found = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap();
+    let found = identify(&static_campaign(), &options, &Watch::silent(), None).unwrap();
     let search = &found.searches[0];
     assert_eq!(search.outcome.best.len(), 5, "quadratic, linear, α, β, γ");
     assert_eq!(search.outcome.evaluations, 61 * 50);
@@ -115,7 +115,7 @@ fn delay_and_lag_come_back_from_a_start_from_rest() {
     let u: Vec<f64> = (0..800).map(|k| 5.0 + 5.0 * (TAU * k as f64 / 200.0).sin()).collect();
     let y = model.simulate(&u, Some(200.0), &Start::Rest { voltage_v: 0.0 }).unwrap();
     let campaign = [record("started", 200.0, u, y)];
-    let found = identify(&campaign, &two_step(), &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &two_step(), &Watch::silent(), None).unwrap();
     assert_eq!(found.records[0].start, Start::Rest { voltage_v: 0.0 });
     assert_close(found.model.delay_s, 0.011, 1e-4, "delay");
     let Dynamics::Integer(g) = &found.model.dynamics else { panic!("{:?}", found.model.dynamics) };
@@ -150,7 +150,7 @@ fn fractional_orders_and_coefficients_come_back_at_once() {
     for scheme in [Scheme::Tustin, Scheme::GrunwaldLetnikov, Scheme::Bdf2] {
         let campaign = dynamic_campaign(FORM, 0.00013, scheme);
         let options = Options { scheme: Choice::Given(scheme), ..two_step() };
-        let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+        let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
         assert_eq!(found.records[0].role, RecordRole::Dynamic, "the sweep is recognised");
         assert_eq!(found.records[1].role, RecordRole::QuasiStatic);
         let Dynamics::Fractional(g) = &found.model.dynamics else { panic!("not fractional") };
@@ -199,7 +199,7 @@ fn where_both_blocks_act_together_the_two_step_way_is_biased_as_the_prototype_is
         ..two_step()
     };
     options.demands.fixed = vec![("offset".into(), 0.0)];
-    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let Dynamics::Fractional(g) = &found.model.dynamics else { panic!("not fractional") };
     let [_, _, c2] = g.denominator.as_slice() else { panic!("not Eq. 13") };
     let percent = |found: f64, truth: f64| 100.0 * (found / truth - 1.0);
@@ -220,7 +220,7 @@ fn integer_and_polynomial_blocks_fit_an_integer_plant() {
     let campaign = dynamic_campaign(form, 0.0, Scheme::Tustin);
     for dynamics in [Integer, Arx, OutputError, BoxJenkins, Srivc] {
         let options = Options { dynamics, ..two_step() };
-        let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+        let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
         let fit = found.records[0].scores.fit_percent.unwrap();
         println!("{dynamics:?}: {fit}");
         assert!(fit > 99.9, "{dynamics:?}: {fit}");
@@ -243,29 +243,8 @@ fn integer_and_polynomial_blocks_fit_an_integer_plant() {
 #[test]
 fn quasi_static_records_alone_give_no_fractional_model() {
     let options = Options { dynamics: DynamicsChoice::Fractional, ..two_step() };
-    let error = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    let error = identify(&static_campaign(), &options, &Watch::silent(), None).unwrap_err();
     assert!(matches!(error, IdentifyError::NoDynamicInformation { .. }), "{error}");
-}
-
-/// Stops a search after some generations and keeps what is needed to go on.
-struct Interrupt {
-    after: usize,
-    kept: Option<Searches>,
-}
-
-impl Watcher for Interrupt {
-    fn progress(
-        &mut self,
-        step: &str,
-        progress: &Progress<'_>,
-        searches: &dyn Fn() -> Searches,
-    ) -> ControlFlow<()> {
-        if step.starts_with("static block") && progress.generation == self.after {
-            self.kept = Some(searches());
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
-    }
 }
 
 fn colony(threads: usize) -> Options {
@@ -281,15 +260,27 @@ fn colony(threads: usize) -> Options {
 #[test]
 fn an_interrupted_identification_goes_on_to_the_same_bits() {
     let campaign = static_campaign();
-    let straight = identify(&campaign, &colony(1), &mut Unwatched, None).unwrap();
-    let mut interrupt = Interrupt { after: 9, kept: None };
-    let stopped = identify(&campaign, &colony(1), &mut interrupt, None).unwrap();
+    let straight = identify(&campaign, &colony(1), &Watch::silent(), None).unwrap();
+    let (mut generation, mut kept) = (0, None);
+    let interrupt = Watch::new(|event: &Event<'_>| {
+        if event.stage.starts_with("static block") {
+            if generation == 9 {
+                kept = event.searches();
+                assert!(event.model().is_some(), "the model is shown as it grows");
+                return ControlFlow::Break(());
+            }
+            generation += 1;
+        }
+        ControlFlow::Continue(())
+    });
+    let stopped = identify(&campaign, &colony(1), &interrupt, None).unwrap();
+    drop(interrupt);
     assert!(stopped.cancelled);
     assert_ne!(stopped.model, straight.model);
     let json = serde_json::to_string(&stopped.resume).unwrap();
-    assert_eq!(stopped.resume, interrupt.kept.unwrap());
+    assert_eq!(stopped.resume, kept.unwrap());
     let resume: Searches = serde_json::from_str(&json).unwrap();
-    let resumed = identify(&campaign, &colony(1), &mut Unwatched, Some(resume)).unwrap();
+    let resumed = identify(&campaign, &colony(1), &Watch::silent(), Some(resume)).unwrap();
     assert!(!resumed.cancelled);
     assert_eq!(resumed.model, straight.model);
 }
@@ -297,8 +288,8 @@ fn an_interrupted_identification_goes_on_to_the_same_bits() {
 #[test]
 fn threads_do_not_change_the_result() {
     let campaign = static_campaign();
-    let one = identify(&campaign, &colony(1), &mut Unwatched, None).unwrap();
-    let three = identify(&campaign, &colony(3), &mut Unwatched, None).unwrap();
+    let one = identify(&campaign, &colony(1), &Watch::silent(), None).unwrap();
+    let three = identify(&campaign, &colony(3), &Watch::silent(), None).unwrap();
     assert_eq!(one.model, three.model);
 }
 
@@ -315,7 +306,7 @@ fn the_start_of_a_long_record_is_told_from_part_of_its_samples() {
             ..two_step()
         };
         let campaign = [record("loop", rate, u.clone(), y)];
-        let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+        let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
         assert_eq!(found.records[0].start, start);
         assert!(found.records[0].scores.rmse < 1e-6, "{start:?}: {}", found.records[0].scores.rmse);
     }
@@ -326,19 +317,19 @@ fn demands_are_honoured() {
     let mut options = Options { degree: Choice::Given(2), ..two_step() };
     options.demands.fixed = vec![("gamma".into(), 0.1)];
     options.demands.bounded = vec![("linear".into(), 3.0, 3.1)];
-    let found = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap();
+    let found = identify(&static_campaign(), &options, &Watch::silent(), None).unwrap();
     let b = block(&found.model);
     assert_eq!(b.gamma, 0.1);
     assert!((3.0..=3.1).contains(&b.polynomial[0]));
     options.demands.fixed = vec![("gama".into(), 0.1)];
-    let error = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    let error = identify(&static_campaign(), &options, &Watch::silent(), None).unwrap_err();
     assert!(error.to_string().contains("no parameter 'gama'"), "{error}");
 }
 
 #[test]
 fn a_constant_input_is_refused_by_name() {
     let campaign = [record("flat", 100.0, vec![1.0; 50], (0..50).map(f64::from).collect())];
-    let error = identify(&campaign, &two_step(), &mut Unwatched, None).unwrap_err();
+    let error = identify(&campaign, &two_step(), &Watch::silent(), None).unwrap_err();
     assert!(error.to_string().contains("record 'flat': the input is constant"), "{error}");
 }
 
@@ -348,7 +339,7 @@ fn a_held_offset_is_kept_and_not_estimated() {
         let mut options =
             Options { degree: Choice::Given(2), least_fit_percent: f64::NEG_INFINITY, ..two_step() };
         options.demands.fixed = vec![("offset".into(), offset)];
-        identify(&static_campaign(), &options, &mut Unwatched, None).unwrap()
+        identify(&static_campaign(), &options, &Watch::silent(), None).unwrap()
     };
     // The truth's sensor stands at −7.5 µm.
     let right = held(-7.5);
@@ -359,7 +350,7 @@ fn a_held_offset_is_kept_and_not_estimated() {
     assert!(wrong.searches[0].outcome.cost > 1e3 * right.searches[0].outcome.cost.max(1e-9));
     let mut options = two_step();
     options.demands.bounded = vec![("offset".into(), -8.0, 0.0)];
-    let error = identify(&static_campaign(), &options, &mut Unwatched, None).unwrap_err();
+    let error = identify(&static_campaign(), &options, &Watch::silent(), None).unwrap_err();
     assert!(error.to_string().contains("'offset'"), "{error}");
 }
 

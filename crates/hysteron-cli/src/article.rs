@@ -1,13 +1,11 @@
 //! `hysteron article`: the source article, reproduced on the simulated bench.
 
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 use clap::Args;
 use hysteron_article::page::{page, tables};
-use hysteron_article::{ArticleError, Plan, Progress as Stage, Reproduction, reproduce};
+use hysteron_article::{ArticleError, Plan, Reproduction, reproduce};
 use hysteron_io::atomic_file::write_atomically;
 use hysteron_report::{write_figures, write_page};
 use serde::Serialize;
@@ -17,7 +15,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::numbers::whole;
 use crate::output;
-use crate::progress::Progress;
+use crate::progress;
 
 /// Reproduce the source article on a simulated bench: its tables and figures beside its printed numbers.
 #[derive(Args)]
@@ -83,13 +81,8 @@ impl Article {
             .build()
             .map_err(|e| failure().because(e))?;
         let stop = Interrupt::listen("nothing is written")?;
-        const STEPS: f64 = 1000.0;
-        let bar = Progress::new("article", STEPS as u64);
-        let watcher = |stage: &Stage| {
-            bar.set((STEPS * stage.done) as u64, stage.stage.clone());
-            if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        pool.install(|| reproduce(&plan, &watcher)).map_err(|e| match e {
+        let watch = progress::watch(&stop);
+        pool.install(|| reproduce(&plan, &watch)).map_err(|e| match e {
             ArticleError::Stopped => {
                 failure().because(e).hint("nothing was written; run it again").exiting_with(stop.exit_code())
             }

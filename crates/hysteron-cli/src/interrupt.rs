@@ -1,9 +1,10 @@
 //! Ctrl-C (SIGINT) and SIGTERM: the first asks the work to stop and says what becomes of it, the second aborts.
 
-use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use hysteron_identify::Stop;
 
 use crate::console;
 use crate::failure::Failure;
@@ -14,19 +15,11 @@ const SIGNALLED: u8 = 128;
 /// What to do about an interrupted fit that keeps no state of its search.
 pub const ANEW: &str = "use it as it is, or run the command again: this kind of model begins anew";
 
-/// Whether the work is asked to stop; a flag that becomes true at the first signal.
+/// Asks the work to stop at the first signal.
 #[derive(Clone)]
 pub struct Interrupt {
-    raised: Arc<AtomicBool>,
+    stop: Stop,
     exit_code: Arc<AtomicU8>,
-}
-
-impl Deref for Interrupt {
-    type Target = AtomicBool;
-
-    fn deref(&self) -> &AtomicBool {
-        &self.raised
-    }
 }
 
 impl Interrupt {
@@ -35,18 +28,28 @@ impl Interrupt {
     /// # Errors
     /// If the operating system refuses.
     pub fn listen(kept: &'static str) -> Result<Self, Failure> {
-        let interrupt = Self { raised: Arc::default(), exit_code: Arc::new(AtomicU8::new(0)) };
+        let interrupt = Self { stop: Stop::new(), exit_code: Arc::new(AtomicU8::new(0)) };
         let own = interrupt.clone();
         let raise = move |signal: u8| {
-            if own.raised.load(Ordering::Relaxed) {
+            if own.stop.is_requested() {
                 std::process::exit(i32::from(SIGNALLED + signal));
             }
             own.exit_code.store(SIGNALLED + signal, Ordering::Relaxed);
-            own.raised.store(true, Ordering::Relaxed);
+            own.stop.request();
             console::message(&format!("stopping: {kept}; press Ctrl-C again to abort at once"));
         };
         listen(raise).map_err(|e| Failure::new("cannot listen for Ctrl-C").because(e))?;
         Ok(interrupt)
+    }
+
+    /// What stops the work.
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// The failure of work, with the exit code of an interruption where it was one.
+    pub fn told(&self, failure: Failure) -> Failure {
+        if self.stop.is_requested() { failure.exiting_with(self.exit_code()) } else { failure }
     }
 
     /// The failure of a fit that was interrupted, whose best so far is in `partial`.

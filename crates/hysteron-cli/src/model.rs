@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron_identify::{Finding, PredictionBand, PredictionError};
+use hysteron_identify::{PredictionBand, PredictionError};
 use hysteron_io::{ModelDiskError, load_model, save_model};
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
@@ -13,8 +13,6 @@ use hysteron_model::oscillator::OscillatorError;
 use hysteron_model::record::{InputOutput, Quantity, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model, Start, hammerstein};
-use hysteron_report::model::report;
-use hysteron_report::page::Page;
 
 use crate::axes::AxesFlags;
 use crate::columns::{ColumnFlags, InputFlags};
@@ -41,15 +39,6 @@ impl Loaded {
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model
-    }
-
-    /// The report of the model that was just identified.
-    ///
-    /// # Errors
-    /// If its data are not sound.
-    pub fn report(&self, findings: &[Finding]) -> Result<Page, Failure> {
-        let name = self.path.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
-        report(&name, &self.model, findings).map_err(|e| Failure::new("cannot make the report").because(e))
     }
 
     /// Inputs and outputs of the record at `path`, as the model takes them.
@@ -302,15 +291,24 @@ impl Loaded {
     }
 }
 
-/// Writes a model file; the model as it will be read.
+/// Writes a model file.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn save(path: &Path, model: &Model) -> Result<(), Failure> {
+    let failure = || Failure::new(format!("cannot write the model to {}", path.display()));
+    save_model(path, model).map_err(|e| failure().because(e))
+}
+
+/// [`save`] of the data of a model; the model as it will be read.
 ///
 /// # Errors
 /// If the data are not sound, or the file cannot be written.
 pub fn write(path: &Path, data: impl TryInto<Model, Error = ModelFileError>) -> Result<Loaded, Failure> {
-    let model = data.try_into().map_err(ModelDiskError::from);
-    let written = model.and_then(|model| save_model(path, &model).map(|()| model));
     let failure = || Failure::new(format!("cannot write the model to {}", path.display()));
-    Ok(Loaded { path: path.to_owned(), model: written.map_err(|e| failure().because(e))? })
+    let model = data.try_into().map_err(|e| failure().because(ModelDiskError::from(e)))?;
+    save(path, &model)?;
+    Ok(Loaded { path: path.to_owned(), model })
 }
 
 /// The failure to read the model file at `path`.

@@ -1,8 +1,5 @@
 //! `hysteron optimizers`: the optimisers compared.
 
-use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
-
 use clap::Args;
 use hysteron_article::optimizer_study::{
     Competitor, ProblemResult, Row, Study, StudyError, StudyOptions, StudyProblem, run_study,
@@ -16,7 +13,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::numbers::whole;
-use crate::progress::Progress;
+use crate::progress;
 use crate::result_flags::ResultFlags;
 
 /// Compare the optimisers on the article's two identification problems, over many seeds with one budget.
@@ -79,13 +76,7 @@ impl Optimizers {
             ..StudyOptions::default()
         };
         let stop = Interrupt::listen("no comparison is printed")?;
-        let runs = options.problems.len() * options.competitors.len() * options.seeds;
-        let bar = Progress::new("optimizer runs", runs as u64);
-        let mut progress = |p: &hysteron_article::optimizer_study::StudyProgress| {
-            bar.set(p.done as u64, p.competitor.name());
-            if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
-        run_study(&options, &mut progress).map_err(|e| match e {
+        run_study(&options, &progress::watch(&stop)).map_err(|e| match e {
             StudyError::Option { .. } => Failure::usage("cannot compare the optimisers").because(e),
             StudyError::Cancelled { .. } => {
                 Failure::new("cannot compare the optimisers").because(e).exiting_with(stop.exit_code())

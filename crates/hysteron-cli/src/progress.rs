@@ -2,12 +2,17 @@
 
 use std::borrow::Cow;
 use std::io::IsTerminal;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use hysteron_identify::{Event, Watch};
+use hysteron_report::number::significant;
+
 use crate::console;
+use crate::interrupt::Interrupt;
 
 /// Time between the lines where standard error is no terminal.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
@@ -30,18 +35,13 @@ impl Progress {
     /// Of `steps` steps, labelled with what is being done.
     pub fn new(what: &str, steps: u64) -> Self {
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr());
-        let template = "{prefix} {wide_bar} {pos}/{len}, {eta} left {msg}";
+        let template = "{wide_bar} {percent} %, {eta} left, {prefix}{msg}";
         bar.set_style(
             ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()),
         );
         bar.set_prefix(what.to_owned());
         let lines = || Lines { what: what.to_owned(), began: Instant::now(), printed: AtomicU64::new(0) };
         Progress { bar, lines: (!std::io::stderr().is_terminal()).then(lines) }
-    }
-
-    /// There are `steps` steps after all.
-    pub fn set_length(&self, steps: u64) {
-        self.bar.set_length(steps);
     }
 
     /// `done` steps are done; `remark` is shown behind them, e.g. the best cost so far.
@@ -58,6 +58,24 @@ impl Progress {
     }
 }
 
+/// Steps of a bar that shows a fraction.
+const STEPS: f64 = 1000.0;
+
+/// Shows what work tells about itself until it ends; the first Ctrl-C stops it.
+pub fn watch(interrupt: &Interrupt) -> Watch<'static> {
+    let mut shown: Option<Progress> = None;
+    let show = move |event: &Event<'_>| {
+        let bar = shown.get_or_insert_with(|| Progress::new("", STEPS as u64));
+        let mut remark = event.stage.to_owned();
+        if let Some(cost) = event.cost {
+            remark += &format!(", best RMSE {}", significant(cost, 5));
+        }
+        bar.set((STEPS * event.fraction) as u64, remark);
+        ControlFlow::Continue(())
+    };
+    Watch::new(show).stopped_by(interrupt.stop())
+}
+
 impl Lines {
     /// Whether an interval has passed without a line, for one caller.
     fn is_due(&self) -> bool {
@@ -69,9 +87,9 @@ impl Lines {
 /// `progress: 42 %, joint fit, best RMSE 0.0123, 35 s left`.
 fn line(what: &str, done: u64, steps: u64, elapsed: Duration, remark: &str) -> String {
     let share = done.min(steps) as f64 / steps as f64;
-    let mut text = format!("progress: {:.0} %, {what}", 100.0 * share);
-    if !remark.is_empty() {
-        text += &format!(", {remark}");
+    let mut text = format!("progress: {:.0} %", 100.0 * share);
+    for part in [what, remark].into_iter().filter(|part| !part.is_empty()) {
+        text += &format!(", {part}");
     }
     if share > 0.0 {
         text += &format!(", {:.0} s left", elapsed.as_secs_f64() * (1.0 / share - 1.0));

@@ -3,7 +3,8 @@
 use super::dynamic_problem::{DynamicLayout, DynamicProblem, DynamicRecord, DynamicSolution};
 use super::engine::{Engine, Search};
 use super::layout::{BoxBuilder, Role, pick};
-use super::options::{Choice, Options};
+use super::options::{Choice, DynamicsChoice, Options};
+use super::shown::shown;
 use super::static_step::OFFSET;
 use super::{IdentifyError, RecordFacts};
 use hysteron_model::dynamics::delay::delay_in_place;
@@ -107,12 +108,21 @@ fn dynamic_records(
         .collect()
 }
 
+/// The block of a transfer function of the orders asked for.
+pub(super) fn order(g: TransferFunction, options: &Options) -> Dynamics {
+    match options.dynamics {
+        DynamicsChoice::Integer => Dynamics::Integer(g),
+        _ => Dynamics::Fractional(g),
+    }
+}
+
 /// Identifies Eq. 13's structure; `integer` holds the orders at 2 and 1.
 pub(super) fn identify_dynamic(
     outputs: &[HysteresisOutput<'_>],
     options: &Options,
     integer: bool,
-    engine: &mut Engine<'_>,
+    hysteresis: &BoucWen,
+    engine: &mut Engine<'_, '_>,
 ) -> Result<DynamicStep, IdentifyError> {
     let fastest_hz = outputs.iter().map(|o| o.facts.highest_frequency_hz()).fold(0.0, f64::max);
     let rate_hz = outputs.iter().map(|o| o.rate_hz).fold(f64::INFINITY, f64::min);
@@ -153,7 +163,13 @@ pub(super) fn identify_dynamic(
     let values = outputs.iter().flat_map(|o| o.v.iter().chain(&o.facts.data.y).map(|x| x.to_bits()));
     let identity = format!("{kind} {layout:?} {:x}", super::fingerprint(values));
     let problem = DynamicProblem::new(dynamic_records(outputs, options)?, layout.clone(), bounds, identity);
-    let search = engine.search(&format!("dynamic block, {kind} order"), &problem, guesses)?;
+    let grown = |x: &[f64]| {
+        let solution = problem.solve(x)?;
+        let dynamics = order(solution.transfer_function(), options);
+        shown(hysteresis, dynamics, solution.delay_s, options, outputs.first()?.facts)
+    };
+    let step = format!("dynamic block, {kind} order");
+    let search = engine.search(&step, &problem, guesses, Some(&grown))?;
     let evaluations = search.outcome.evaluations;
     let solution =
         problem.solve(&search.outcome.best).ok_or(OptimizeError::NoFeasiblePoint { evaluations })?;

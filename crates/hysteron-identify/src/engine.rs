@@ -1,55 +1,16 @@
 //! Runs the searches of an identification one after another: progress, cancellation and resumption in one place.
 
-use super::IdentifyError;
-use hysteron_optimize::{
-    Algorithm, Checkpoint, LeastSquaresOptions, LeastSquaresProblem, Outcome, Progress, Settings, StopReason,
-    minimize,
-};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Told about the searches of an identification; may stop it, and the best so far is kept.
-pub trait Watcher {
-    /// A generation of the search `step` is done. `searches` holds everything needed to go on from here, and is worth
-    /// saving now and then (it is built only when asked for).
-    fn progress(
-        &mut self,
-        step: &str,
-        progress: &Progress<'_>,
-        searches: &dyn Fn() -> Searches,
-    ) -> ControlFlow<()>;
-}
+use hysteron_model::Model;
+use hysteron_optimize::{
+    Algorithm, Checkpoint, LeastSquaresOptions, LeastSquaresProblem, Observer, OptimizeError, Outcome,
+    Progress, Settings, Stop, StopReason, minimize,
+};
 
-/// The watcher that looks away.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Unwatched;
-
-impl Watcher for Unwatched {
-    fn progress(&mut self, _: &str, _: &Progress<'_>, _: &dyn Fn() -> Searches) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-}
-
-/// State of an identification: the searches done and the one under way. Serialise it to interrupt an identification
-/// and go on later to the same final bits.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Searches {
-    /// `hysteron-searches`.
-    pub format: SearchesFormat,
-    /// Checkpoint of each search, by its name.
-    pub searches: BTreeMap<String, Checkpoint>,
-}
-
-/// Format tag of [`Searches`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum SearchesFormat {
-    /// The only one.
-    #[default]
-    #[serde(rename = "hysteron-searches-1")]
-    Version1,
-}
+use crate::searches::{Searches, SearchesFormat};
+use crate::watch::{Event, Plan, State, Watch};
 
 /// One search of an identification, for reports.
 #[derive(Clone, Debug)]
@@ -62,25 +23,53 @@ pub struct Search {
     pub outcome: Outcome,
 }
 
-pub(super) struct Engine<'a> {
+/// The model at a point of a search, for those who want to see it grow; `None`: it is not shown.
+pub(super) type Show<'s> = Option<&'s dyn Fn(&[f64]) -> Option<Model>>;
+
+pub(super) struct Engine<'a, 'w> {
     algorithm: Option<&'a Algorithm>,
     settings: Settings,
-    watcher: &'a mut dyn Watcher,
+    watch: &'a Watch<'w>,
+    plan: Plan,
+    /// Share of the whole work done so far.
+    fraction: f64,
     resumed: BTreeMap<String, Checkpoint>,
     done: BTreeMap<String, Checkpoint>,
     /// A search was stopped: later ones stop as soon as they have a result.
     pub(super) cancelled: bool,
 }
 
-impl<'a> Engine<'a> {
+impl<'a, 'w> Engine<'a, 'w> {
     pub(super) fn new(
         algorithm: Option<&'a Algorithm>,
         settings: Settings,
-        watcher: &'a mut dyn Watcher,
+        watch: &'a Watch<'w>,
+        plan: Plan,
         resume: Option<Searches>,
     ) -> Self {
         let resumed = resume.map(|r| r.searches).unwrap_or_default();
-        Self { algorithm, settings, watcher, resumed, done: BTreeMap::new(), cancelled: false }
+        Self {
+            algorithm,
+            settings,
+            watch,
+            plan,
+            fraction: 0.0,
+            resumed,
+            done: BTreeMap::new(),
+            cancelled: watch.is_stopped(),
+        }
+    }
+
+    /// What stops the work.
+    pub(super) fn stop(&self) -> &Stop {
+        self.watch.stop()
+    }
+
+    /// Work that is no search begins; whether it is worth beginning.
+    pub(super) fn enter(&mut self, stage: &str) -> bool {
+        self.fraction = self.plan.fraction(stage, 0.0).unwrap_or(self.fraction);
+        self.cancelled |= self.watch.tell(Event::new(stage, self.fraction, None)).is_break();
+        !self.cancelled
     }
 
     /// Runs the algorithm that was asked for (least squares by default).
@@ -89,10 +78,11 @@ impl<'a> Engine<'a> {
         step: &str,
         problem: &P,
         starts: Vec<Vec<f64>>,
-    ) -> Result<Search, IdentifyError> {
+        show: Show<'_>,
+    ) -> Result<Search, OptimizeError> {
         let least_squares = Algorithm::LeastSquares(LeastSquaresOptions { starts: 12, ..Default::default() });
         let algorithm = self.algorithm.cloned().unwrap_or(least_squares);
-        self.run(step, problem, &algorithm, starts)
+        self.run(step, problem, &algorithm, starts, show)
     }
 
     /// Least squares from the given starts only: the small fits that choose a structure.
@@ -101,13 +91,14 @@ impl<'a> Engine<'a> {
         step: &str,
         problem: &P,
         starts: Vec<Vec<f64>>,
-    ) -> Result<Search, IdentifyError> {
+    ) -> Result<Search, OptimizeError> {
         // Structures are told apart by far larger differences.
         self.local_fits(
             step,
             problem,
             starts,
             LeastSquaresOptions { cost_tolerance: 1e-8, ..Default::default() },
+            None,
         )
     }
 
@@ -117,8 +108,9 @@ impl<'a> Engine<'a> {
         step: &str,
         problem: &P,
         starts: Vec<Vec<f64>>,
-    ) -> Result<Search, IdentifyError> {
-        self.local_fits(step, problem, starts, LeastSquaresOptions::default())
+        show: Show<'_>,
+    ) -> Result<Search, OptimizeError> {
+        self.local_fits(step, problem, starts, LeastSquaresOptions::default(), show)
     }
 
     /// A few iterations of least squares from each start: where other fits begin.
@@ -127,9 +119,9 @@ impl<'a> Engine<'a> {
         step: &str,
         problem: &P,
         starts: Vec<Vec<f64>>,
-    ) -> Result<Search, IdentifyError> {
+    ) -> Result<Search, OptimizeError> {
         let options = LeastSquaresOptions { iterations: 12, cost_tolerance: 1e-4, ..Default::default() };
-        self.local_fits(step, problem, starts, options)
+        self.local_fits(step, problem, starts, options, None)
     }
 
     fn local_fits<P: LeastSquaresProblem>(
@@ -138,20 +130,23 @@ impl<'a> Engine<'a> {
         problem: &P,
         starts: Vec<Vec<f64>>,
         options: LeastSquaresOptions,
-    ) -> Result<Search, IdentifyError> {
+        show: Show<'_>,
+    ) -> Result<Search, OptimizeError> {
         let options = LeastSquaresOptions { starts: starts.len().max(1), ..options };
-        self.run(step, problem, &Algorithm::LeastSquares(options), starts)
+        self.run(step, problem, &Algorithm::LeastSquares(options), starts, show)
     }
 
-    fn run<P: LeastSquaresProblem>(
+    /// Runs `algorithm`.
+    pub(super) fn run<P: LeastSquaresProblem>(
         &mut self,
         step: &str,
         problem: &P,
         algorithm: &Algorithm,
         starts: Vec<Vec<f64>>,
-    ) -> Result<Search, IdentifyError> {
+        show: Show<'_>,
+    ) -> Result<Search, OptimizeError> {
         let generations = self.settings.generations;
-        self.run_for(step, problem, algorithm, starts, generations)
+        self.run_for(step, problem, algorithm, starts, generations, show)
     }
 
     /// Runs `algorithm` for this many generations.
@@ -162,19 +157,11 @@ impl<'a> Engine<'a> {
         algorithm: &Algorithm,
         starts: Vec<Vec<f64>>,
         generations: usize,
-    ) -> Result<Search, IdentifyError> {
+        show: Show<'_>,
+    ) -> Result<Search, OptimizeError> {
         let settings = Settings { starts, generations, ..self.settings.clone() };
         let resume = self.resumed.remove(step);
-        let (watcher, done, cancelled) = (&mut *self.watcher, &self.done, self.cancelled);
-        let mut observer = |progress: &Progress<'_>| {
-            let searches = || {
-                let mut searches = done.clone();
-                searches.insert(step.to_owned(), progress.checkpoint().clone());
-                Searches { format: SearchesFormat::Version1, searches }
-            };
-            let asked = watcher.progress(step, progress, &searches);
-            if cancelled && progress.best_cost.is_finite() { ControlFlow::Break(()) } else { asked }
-        };
+        let mut observer = Observed { engine: self, step, show };
         let outcome = minimize(problem, algorithm, &settings, &mut observer, resume)?;
         // A search after an interrupted one started from unfinished results: it is not worth keeping.
         if !self.cancelled {
@@ -184,8 +171,38 @@ impl<'a> Engine<'a> {
         Ok(Search { step: step.to_owned(), algorithm: algorithm.name(), outcome })
     }
 
+    /// State after the searches so far, and of the one under way.
+    fn searches_with(&self, step: &str, checkpoint: &Checkpoint) -> Searches {
+        let mut searches = self.done.clone();
+        searches.insert(step.to_owned(), checkpoint.clone());
+        Searches { format: SearchesFormat::Version1, searches }
+    }
+
     /// State after the searches so far.
     pub(super) fn searches(&self) -> Searches {
         Searches { format: SearchesFormat::Version1, searches: self.done.clone() }
+    }
+}
+
+/// A search under way, as its optimiser sees it.
+struct Observed<'e, 'a, 'w, 's> {
+    engine: &'e mut Engine<'a, 'w>,
+    step: &'s str,
+    show: Show<'s>,
+}
+
+impl Observer for Observed<'_, '_, '_, '_> {
+    fn generation(&mut self, progress: &Progress<'_>) -> ControlFlow<()> {
+        let engine = &mut *self.engine;
+        let within = progress.generation as f64 / progress.generations.max(1) as f64;
+        engine.fraction = engine.plan.fraction(self.step, within).unwrap_or(engine.fraction);
+        let searches = || engine.searches_with(self.step, progress.checkpoint());
+        let model = || self.show.and_then(|show| show(progress.best));
+        let state = State { model: Some(&model), searches: Some(&searches) };
+        engine.watch.tell(Event::new(self.step, engine.fraction, Some(progress.best_cost)).with(state))
+    }
+
+    fn stop(&self) -> Option<Stop> {
+        Some(self.engine.stop().clone())
     }
 }

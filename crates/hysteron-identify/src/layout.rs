@@ -2,6 +2,7 @@
 
 use super::IdentifyError;
 use hysteron_optimize::{Bounds, Range};
+use serde::{Deserialize, Serialize};
 
 /// How one named parameter enters a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +34,8 @@ impl Role {
 }
 
 /// What a user asks of single parameters: `--fix NAME=VALUE` and `--bound NAME=LOW:HIGH`.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Demands {
     /// Parameters held at a value.
     pub fixed: Vec<(String, f64)>,

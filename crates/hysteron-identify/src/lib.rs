@@ -14,6 +14,7 @@ mod engine;
 mod error;
 mod facts;
 mod findings;
+mod fit;
 pub mod frequency_response;
 mod identifiability;
 mod joint;
@@ -28,6 +29,8 @@ mod prediction;
 mod projection;
 pub mod recalibrate;
 mod result;
+mod searches;
+mod shown;
 mod static_fit;
 mod static_problem;
 mod static_step;
@@ -37,8 +40,9 @@ mod uncertainty;
 mod watch;
 mod written;
 
-pub use engine::{Search, Searches, SearchesFormat, Unwatched, Watcher};
+pub use engine::Search;
 pub use error::IdentifyError;
+pub use fit::{Fit, FitError, FitParameter, FitRecords, Found, Place, Task, fit, fit_on};
 pub use hysteron_model::{Finding, FindingKind};
 pub use joint::{
     Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,
@@ -50,15 +54,17 @@ pub use options::{
 };
 pub use prediction::PredictionError;
 pub use result::{Correlation, Identification, Parameter, RecordFit, Reduction, StructureChoice};
+pub use searches::{Searches, SearchesFormat};
 pub use static_fit::StaticFit;
 pub(crate) use uncertainty::correlation_time;
-pub use watch::{Event, Told, Watch};
+pub use watch::{Event, Watch};
 
 use engine::Engine;
 use facts::RecordFacts;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_optimize::Settings;
+pub use hysteron_optimize::Stop;
 use static_step::OFFSET;
 
 /// Identifies a Hammerstein model from a campaign: by one joint fit, or by the article's two-step procedure
@@ -71,7 +77,7 @@ use static_step::OFFSET;
 pub fn identify(
     records: &[CampaignRecord],
     options: &Options,
-    watcher: &mut dyn Watcher,
+    watch: &Watch<'_>,
     resume: Option<Searches>,
 ) -> Result<Identification, IdentifyError> {
     options.validate()?;
@@ -83,8 +89,17 @@ pub fn identify(
         threads: options.threads,
         ..Settings::default()
     };
-    let engine = Engine::new(options.algorithm.as_ref(), settings, watcher, resume);
     let joint = options.method == Method::Joint && !options.dynamics.takes_two_steps();
+    let in_two_steps = !joint
+        || (!campaign::has_second_step(&roles, options)
+            && options.hysteresis == HysteresisForm::BoucWen
+            && options.creep == Creep::None);
+    let plan = match &options.algorithm {
+        _ if in_two_steps => two_step::PLAN,
+        Some(algorithm) if algorithm.name() != "least-squares" => joint::POPULATION_PLAN,
+        _ => joint::PLAN,
+    };
+    let engine = Engine::new(options.algorithm.as_ref(), settings, watch, plan, resume);
     if !joint && options.creep != Creep::None {
         return Err(IdentifyError::CreepTakesJointFit);
     }

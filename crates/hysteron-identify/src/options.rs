@@ -7,6 +7,7 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_optimize::Algorithm;
+use serde::{Deserialize, Serialize};
 
 /// A record of the campaign and what it is for.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +19,8 @@ pub struct CampaignRecord {
 }
 
 /// What a record is used for in the two-step identification.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RecordRole {
     /// Step 1: hysteresis block.
     QuasiStatic,
@@ -27,7 +29,8 @@ pub enum RecordRole {
 }
 
 /// How a campaign with dynamics is identified.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// All records, both blocks, delay and initial states in one fit.
     #[default]
@@ -37,7 +40,8 @@ pub enum Method {
 }
 
 /// What happened before the records of a joint fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Initial {
     /// `Rest`, but a record that starts off 0 V may have been switched on from there; judged by the record.
     #[default]
@@ -53,7 +57,8 @@ pub enum Initial {
 }
 
 /// Dynamic block asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum DynamicsChoice {
     /// What the records support: fractional with a dynamic record, a first-order lag with a start from rest, else none.
     #[default]
@@ -103,7 +108,8 @@ impl DynamicsChoice {
 }
 
 /// A value that is given or chosen from the data.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Choice<T> {
     /// Chosen from the data.
     #[default]
@@ -113,7 +119,8 @@ pub enum Choice<T> {
 }
 
 /// Options of an identification; the defaults are meant to be right.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
@@ -147,7 +154,8 @@ pub struct Options {
     pub delay_s: Choice<f64>,
     /// Single parameters fixed or bounded.
     pub demands: Demands,
-    /// Model whose parameters are the first start of every search.
+    /// Model whose parameters are the first start of every search; written as a model file is.
+    #[serde(with = "as_model_file")]
     pub start: Option<Model>,
     /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start smoothly, whose
     /// estimates do not depend on the sample rate, else `tustin`.
@@ -225,5 +233,64 @@ impl Options {
             return refuse("delay", delay, "0 to 10 seconds");
         }
         Ok(())
+    }
+}
+
+/// A Hammerstein model as the data of its file.
+mod as_model_file {
+    use super::Model;
+    use hysteron_model::model_file::{ModelFile, SignalUnits};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+    pub(super) fn serialize<S: Serializer>(model: &Option<Model>, serializer: S) -> Result<S::Ok, S::Error> {
+        let file = model.as_ref().map(|model| ModelFile::from_model(model, SignalUnits::default()));
+        file.serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Model>, D::Error> {
+        let file = Option::<ModelFile>::deserialize(deserializer)?;
+        file.map(|file| file.to_model().map_err(de::Error::custom)).transpose()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
+mod tests {
+    use super::*;
+    use hysteron_model::dynamics::Dynamics;
+    use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+
+    #[test]
+    fn options_are_read_back_and_what_is_left_out_is_the_default() {
+        let hysteresis = BoucWen { polynomial: vec![0.1, 0.02], alpha: 0.3, beta: 0.2, gamma: -0.1, n: 1.0 };
+        let start = Model {
+            hysteresis: Hysteresis::BoucWen(hysteresis),
+            dynamics: Dynamics::None,
+            offset: 0.5,
+            delay_s: 0.0,
+            scheme: Scheme::Tustin,
+            inter_sample: InterSample::Hold,
+            sample_rate_hz: None,
+        };
+        let options = Options {
+            hysteresis: HysteresisForm::PrandtlIshlinskii { plays: 9 },
+            dynamics: DynamicsChoice::TwoFractional,
+            creep: Creep::KelvinVoigt { elements: 3 },
+            degree: Choice::Given(4),
+            demands: Demands {
+                fixed: vec![("offset".into(), 1.0)],
+                bounded: vec![("delay".into(), 0.0, 1e-3)],
+            },
+            start: Some(start),
+            ..Options::default()
+        };
+        let text = serde_json::to_string(&options).unwrap();
+        assert_eq!(serde_json::from_str::<Options>(&text).unwrap(), options);
+        let few: Options =
+            serde_json::from_str(r#"{"dynamics": "fractional", "degree": {"given": 2}}"#).unwrap();
+        let expected =
+            Options { dynamics: DynamicsChoice::Fractional, degree: Choice::Given(2), ..Options::default() };
+        assert_eq!(few, expected);
+        assert!(serde_json::from_str::<Options>(r#"{"dynamic": "none"}"#).is_err());
     }
 }

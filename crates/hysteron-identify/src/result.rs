@@ -1,12 +1,14 @@
 //! What an identification hands out.
 
-use super::engine::{Search, Searches};
+use super::engine::Search;
 use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand, Smoothing};
 use super::options::{Method, RecordRole};
+use super::searches::Searches;
 use hysteron_model::Finding;
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::model::{Score, Simulation};
-use hysteron_model::record::InputOutput;
+use hysteron_model::model_file::{HysteresisKind, ModelFile, typographic};
+use hysteron_model::record::{InputOutput, Unit};
 use hysteron_model::validate::Scores;
 use hysteron_optimize::Bounds;
 
@@ -84,6 +86,23 @@ pub struct Correlation {
 impl Parameter {
     pub(super) fn new(block: &'static str, name: &str, value: f64, std_error: Option<f64>) -> Self {
         Self { block, name: name.to_owned(), value, std_error, interval: None, held: false }
+    }
+
+    /// Unit of a parameter: as in the model file, else by its name.
+    pub fn unit(&self, file: &ModelFile) -> String {
+        if let Some(quantity) = file.hysteresis.parameters.get(&self.name) {
+            return if quantity.unit == "1" { String::new() } else { typographic(&quantity.unit) };
+        }
+        match self.name.as_str() {
+            name if name.starts_with("natural_frequency") => "Hz".into(),
+            "delay" | "lag" | "creep_start" => "s".into(),
+            name if name.starts_with("creep_time_") => "s".into(),
+            name if name.starts_with("memory_") => match file.hysteresis.kind {
+                HysteresisKind::BoucWen => Unit::new(&file.units.output).to_string(),
+                _ => Unit::new(&file.units.input).to_string(),
+            },
+            _ => String::new(),
+        }
     }
 }
 

@@ -3,10 +3,11 @@
 use super::engine::{Engine, Search};
 use super::layout::{BoxBuilder, Demands, Role};
 use super::options::{Choice, DynamicsChoice, Options};
+use super::shown::shown;
 use super::static_problem::{StaticLayout, StaticProblem, StaticRecord, StaticSolution};
 use super::uncertainty::correlation_time;
 use super::{IdentifyError, RecordFacts};
-use hysteron_model::dynamics::Scheme;
+use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hammerstein::{Start, extend};
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::polynomial_name;
@@ -55,7 +56,7 @@ pub(super) fn identify_static(
     records: &[&RecordFacts],
     options: &Options,
     dynamics_follow: bool,
-    engine: &mut Engine<'_>,
+    engine: &mut Engine<'_, '_>,
 ) -> Result<StaticStep, IdentifyError> {
     let scales = Scales::of(records);
     let starts: Vec<Start> =
@@ -91,7 +92,11 @@ pub(super) fn identify_static(
     let elimination = options.algorithm.as_ref().is_none_or(|a| a.name() == "least-squares");
     let (problem, layout) = setup.problem(degree, elimination)?;
     let guesses = setup.guesses(&problem, &layout);
-    let search = engine.search(&format!("static block, degree {degree}"), &problem, guesses)?;
+    let grown = |x: &[f64]| {
+        let solution = problem.solve(x)?;
+        shown(&solution.hysteresis, Dynamics::None, solution.delay_s, options, records.first()?)
+    };
+    let search = engine.search(&format!("static block, degree {degree}"), &problem, guesses, Some(&grown))?;
     let solution = problem
         .solve(&search.outcome.best)
         .ok_or(OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
@@ -158,7 +163,7 @@ pub(super) fn jump_share(facts: &RecordFacts, start: &Start) -> f64 {
 pub(super) fn choose_start(
     facts: &RecordFacts,
     options: &Options,
-    engine: &mut Engine<'_>,
+    engine: &mut Engine<'_, '_>,
 ) -> Result<Start, IdentifyError> {
     let scales = &Scales::of(&[facts]);
     let first = facts.data.u[0];
@@ -192,8 +197,8 @@ pub(super) fn choose_start(
         match engine.quick_fit(&name, &problem, guesses) {
             Ok(search) if search.outcome.cost < best.0 => best = (search.outcome.cost, start),
             // A start that cannot be simulated is simply not the one.
-            Ok(_) | Err(IdentifyError::Optimize(OptimizeError::NoFeasiblePoint { .. })) => {}
-            Err(other) => return Err(other),
+            Ok(_) | Err(OptimizeError::NoFeasiblePoint { .. }) => {}
+            Err(other) => return Err(other.into()),
         }
     }
     Ok(best.1)
@@ -338,7 +343,7 @@ impl Setup<'_> {
 fn choose_degree(
     setup: &Setup<'_>,
     records: &[&RecordFacts],
-    engine: &mut Engine<'_>,
+    engine: &mut Engine<'_, '_>,
     tried: &mut Vec<(usize, f64, f64)>,
 ) -> Result<usize, IdentifyError> {
     let demanded = (1..=super::HIGHEST_DEGREE)

@@ -9,15 +9,20 @@ use super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
 use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{correlation, covariance, standard_error};
+use super::watch::Plan;
 use super::{Covariance, IdentifyError, RecordFacts, findings};
 use super::{Finding, FindingKind};
 use hysteron_model::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
 use hysteron_model::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use hysteron_model::hammerstein::{Model, Start};
-use hysteron_model::hysteresis::Hysteresis;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::polynomial_name;
 use hysteron_model::validate::{Scoring, score};
 use hysteron_optimize::{Bounds, Problem};
+
+/// Stages of the article's two steps.
+pub(super) const PLAN: Plan =
+    Plan(&[("start of", 0.05), ("degree", 0.10), ("static block", 0.40), ("dynamic block", 0.45)]);
 
 /// Identifies one block after the other. A campaign of quasi-static records alone has no second step, and its first is a joint
 /// fit of all that such records determine.
@@ -25,7 +30,7 @@ pub(super) fn identify(
     facts: &[RecordFacts],
     roles: &[RecordRole],
     options: &Options,
-    mut engine: Engine<'_>,
+    mut engine: Engine<'_, '_>,
 ) -> Result<Identification, IdentifyError> {
     let dynamic = of_role(facts, roles, RecordRole::Dynamic);
     let quasi_static = of_role(facts, roles, RecordRole::QuasiStatic);
@@ -54,8 +59,10 @@ pub(super) fn identify(
         (true, wanted) if wanted.takes_two_steps() => {
             Step2::Linear(Box::new(LinearStep::fit(&outputs, step1.solution.delay_s, options)?))
         }
-        (true, DynamicsChoice::Integer) => Step2::integer_order(&outputs, options, true, &mut engine)?,
-        (true, _) => Step2::integer_order(&outputs, options, false, &mut engine)?,
+        (true, DynamicsChoice::Integer) => {
+            Step2::integer_order(&outputs, options, true, &step1.solution.hysteresis, &mut engine)?
+        }
+        (true, _) => Step2::integer_order(&outputs, options, false, &step1.solution.hysteresis, &mut engine)?,
     };
 
     let mut model = assemble(&step1, &step2, &static_records, &dynamic, options);
@@ -80,7 +87,9 @@ pub(super) fn identify(
             band: None,
         });
     }
-    findings::require_fit(&fits, facts, options)?;
+    if !engine.cancelled {
+        findings::require_fit(&fits, facts, options)?;
+    }
     let structure = StructureChoice {
         smoothing: None,
         degrees: step1.degrees.clone(),
@@ -136,9 +145,11 @@ impl Step2 {
         outputs: &[HysteresisOutput<'_>],
         options: &Options,
         integer: bool,
-        engine: &mut Engine<'_>,
+        hysteresis: &BoucWen,
+        engine: &mut Engine<'_, '_>,
     ) -> Result<Self, IdentifyError> {
-        Ok(Self::Order(Box::new(dynamic_step::identify_dynamic(outputs, options, integer, engine)?)))
+        let step = dynamic_step::identify_dynamic(outputs, options, integer, hysteresis, engine)?;
+        Ok(Self::Order(Box::new(step)))
     }
 
     fn bounds(&self) -> Option<&Bounds> {
@@ -213,13 +224,7 @@ fn assemble(
         Step2::Arx(arx) => (Dynamics::Arx(arx.clone()), solution.delay_s),
         Step2::Linear(step) => (step.dynamics.clone(), solution.delay_s + step.delay_s),
         Step2::Order(step) => {
-            let g = step.solution.transfer_function();
-            let dynamics = if options.dynamics == DynamicsChoice::Integer {
-                Dynamics::Integer(g)
-            } else {
-                Dynamics::Fractional(g)
-            };
-            (dynamics, step.solution.delay_s)
+            (dynamic_step::order(step.solution.transfer_function(), options), step.solution.delay_s)
         }
     };
     let rate = |records: &[&RecordFacts]| records.first().and_then(|f| f.data.sample_rate_hz());

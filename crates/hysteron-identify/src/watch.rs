@@ -1,57 +1,175 @@
-//! Progress of an identification of any kind, and the right to stop it.
+//! Progress of everything that takes time, and the right to stop it.
 
 use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
-use hysteron_optimize::Progress;
+use hysteron_model::Model;
+use hysteron_optimize::Stop;
 
-use crate::engine::{Searches, Watcher};
-use crate::modes::ModesProgress;
+use crate::searches::Searches;
 
-/// What an identification tells about itself.
-#[derive(Clone, Debug, PartialEq)]
+/// What work tells about itself.
 pub struct Event<'a> {
     /// What is being done.
     pub stage: &'a str,
-    /// Share of the stage that is done, 0 to 1.
+    /// Share of the whole work that is done, 0 to 1, by the time that its stages usually take; it never falls.
     pub fraction: f64,
     /// Best cost so far: RMSE in the unit of the output, in a joint fit weighted.
     pub cost: Option<f64>,
+    state: State<'a>,
 }
 
-/// Told about an identification; may stop it, and the best so far is kept.
-pub trait Watch {
-    /// Something was done.
-    fn event(&mut self, event: &Event<'_>) -> ControlFlow<()>;
+/// What can be asked for in an event; it is made only then.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct State<'a> {
+    pub model: Option<&'a dyn Fn() -> Option<Model>>,
+    pub searches: Option<&'a dyn Fn() -> Searches>,
 }
 
-impl<F: FnMut(&Event<'_>) -> ControlFlow<()>> Watch for F {
-    fn event(&mut self, event: &Event<'_>) -> ControlFlow<()> {
-        self(event)
+impl<'a> Event<'a> {
+    /// Of work that has no model on its way.
+    pub fn new(stage: &'a str, fraction: f64, cost: Option<f64>) -> Self {
+        Self { stage, fraction, cost: cost.filter(|cost| cost.is_finite()), state: State::default() }
+    }
+
+    pub(crate) fn with(self, state: State<'a>) -> Self {
+        Self { state, ..self }
+    }
+
+    /// The best model so far, where there is one yet.
+    pub fn model(&self) -> Option<Model> {
+        self.state.model.and_then(|model| model())
+    }
+
+    /// Everything needed to go on from here, worth saving now and then; `None` where the work cannot be resumed.
+    pub fn searches(&self) -> Option<Searches> {
+        self.state.searches.map(|searches| searches())
+    }
+
+    /// Time left after `elapsed` of the work; `None` at its beginning.
+    pub fn time_left(&self, elapsed: Duration) -> Option<Duration> {
+        (self.fraction > 0.0)
+            .then(|| elapsed.as_secs_f64() * (1.0 - self.fraction) / self.fraction)
+            .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
     }
 }
 
-/// A [`Watch`] told about the searches of every kind of identification.
-pub struct Told<'a>(pub &'a mut dyn Watch);
+type Told<'a> = dyn FnMut(&Event<'_>) -> ControlFlow<()> + Send + 'a;
 
-impl Told<'_> {
-    /// One generation of a search.
-    pub fn search(&mut self, stage: &str, progress: &Progress<'_>) -> ControlFlow<()> {
-        self.tell(stage, progress.generation as f64, progress.generations as f64, Some(progress.best_cost))
-    }
+/// Who is told about work, and who may stop it: the one told, by [`ControlFlow::Break`], or anyone who holds the [`Stop`]. The best so
+/// far is kept.
+pub struct Watch<'a> {
+    told: Option<Mutex<Box<Told<'a>>>>,
+    stop: Stop,
+    furthest: Mutex<f64>,
+}
 
-    /// One step of an identification of modes.
-    pub fn modes(&mut self, progress: &ModesProgress) -> ControlFlow<()> {
-        self.tell(progress.step, progress.done as f64, progress.whole as f64, progress.rmse)
-    }
-
-    fn tell(&mut self, stage: &str, done: f64, whole: f64, cost: Option<f64>) -> ControlFlow<()> {
-        let fraction = if whole > 0.0 { (done / whole).clamp(0.0, 1.0) } else { 0.0 };
-        self.0.event(&Event { stage, fraction, cost: cost.filter(|cost| cost.is_finite()) })
+impl Default for Watch<'_> {
+    fn default() -> Self {
+        Self::silent()
     }
 }
 
-impl Watcher for Told<'_> {
-    fn progress(&mut self, step: &str, progress: &Progress<'_>, _: &dyn Fn() -> Searches) -> ControlFlow<()> {
-        self.search(step, progress)
+impl<'a> Watch<'a> {
+    /// Nobody is told.
+    pub fn silent() -> Self {
+        Self { told: None, stop: Stop::new(), furthest: Mutex::new(0.0) }
+    }
+
+    /// `told` is told, from one thread at a time.
+    pub fn new(told: impl FnMut(&Event<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
+        Self { told: Some(Mutex::new(Box::new(told))), ..Self::silent() }
+    }
+
+    /// The same, stopped by `stop` too.
+    #[must_use]
+    pub fn stopped_by(self, stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..self }
+    }
+
+    /// What stops the work.
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// Whether the work is asked to stop.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.is_requested()
+    }
+
+    /// Tells that something was done. Threads tell in any order; the fraction told never falls.
+    pub fn tell(&self, event: Event<'_>) -> ControlFlow<()> {
+        if let Some(told) = &self.told {
+            let fraction = {
+                let mut furthest = self.furthest.lock().unwrap_or_else(PoisonError::into_inner);
+                *furthest = furthest.max(event.fraction.clamp(0.0, 1.0));
+                *furthest
+            };
+            let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+            if told(&Event { fraction, ..event }).is_break() {
+                self.stop.request();
+            }
+        }
+        if self.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Stages of work in their order, each with the share of the time that it usually takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan(pub &'static [(&'static str, f64)]);
+
+impl Plan {
+    /// Share of the whole work done when the share `within` of a stage is; `None` for a stage that is not in the plan. A stage is found by the
+    /// beginning of its name.
+    pub(crate) fn fraction(&self, stage: &str, within: f64) -> Option<f64> {
+        let whole: f64 = self.0.iter().map(|(_, share)| share).sum();
+        let begins = |(name, _): &&(&str, f64)| stage.starts_with(name);
+        let longest = self.0.iter().filter(begins).max_by_key(|(name, _)| name.len())?;
+        let before: f64 =
+            self.0.iter().take_while(|(name, _)| *name != longest.0).map(|(_, share)| share).sum();
+        Some((before + longest.1 * within.clamp(0.0, 1.0)) / whole)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fraction_is_of_the_whole_work_and_never_falls() {
+        let plan = Plan(&[("starts", 1.0), ("joint fit", 2.0), ("joint fit, others", 1.0)]);
+        assert_eq!(plan.fraction("joint fit", 0.5), Some(0.5));
+        assert_eq!(plan.fraction("joint fit, others", 0.0), Some(0.75));
+        assert_eq!(plan.fraction("elsewhere", 0.5), None);
+        let mut told = Vec::new();
+        let watch = Watch::new(|event: &Event<'_>| {
+            told.push(event.fraction);
+            ControlFlow::Continue(())
+        });
+        for fraction in [0.1, 0.5, 0.3, 2.0] {
+            assert!(watch.tell(Event::new("stage", fraction, None)).is_continue());
+        }
+        drop(watch);
+        assert_eq!(told, [0.1, 0.5, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn either_side_stops() {
+        let watch = Watch::new(|_: &Event<'_>| ControlFlow::Break(()));
+        assert!(watch.tell(Event::new("stage", 0.1, None)).is_break() && watch.is_stopped());
+        let stop = Stop::new();
+        let watch = Watch::silent().stopped_by(&stop);
+        assert!(!watch.is_stopped());
+        stop.request();
+        assert!(watch.tell(Event::new("stage", 0.1, None)).is_break());
+    }
+
+    #[test]
+    fn time_left_follows_from_the_time_taken() {
+        let event = Event::new("stage", 0.25, Some(f64::NAN));
+        assert_eq!(event.cost, None);
+        assert_eq!(event.time_left(Duration::from_secs(10)), Some(Duration::from_secs(30)));
+        assert_eq!(Event::new("stage", 0.0, None).time_left(Duration::from_secs(10)), None);
     }
 }

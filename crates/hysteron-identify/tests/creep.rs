@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Identification, Options, RecordRole, Unwatched, identify,
+    CampaignRecord, Choice, DynamicsChoice, Identification, Options, RecordRole, Watch, identify,
 };
 use hysteron_model::dynamics::{
     Creep, DynamicForm, Dynamics, Modes, Scheme, Term, TransferFunction, stability,
@@ -176,7 +176,7 @@ fn a_kelvin_voigt_chain_is_recovered_behind_a_resonance() {
         degree: Choice::Given(2),
         ..Options::default()
     };
-    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let mut elements: Vec<[(String, f64); 2]> = (1..=2)
         .map(|i| {
             [format!("creep_{i}"), format!("creep_time_{i}")]
@@ -256,7 +256,7 @@ fn logarithmic_creep_is_recovered_from_its_own_equation() {
         scheme: Choice::Given(Scheme::Tustin),
         ..Options::default()
     };
-    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let expected = [
         ("linear", 2.8),
         ("quadratic", 0.03),

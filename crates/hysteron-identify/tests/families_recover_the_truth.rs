@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 
 use hysteron_identify::{
-    CampaignRecord, Choice, DynamicsChoice, Identification, Options, RecordRole, Unwatched, identify,
+    CampaignRecord, Choice, DynamicsChoice, Identification, Options, RecordRole, Watch, identify,
 };
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hammerstein::{Model, Start};
@@ -80,7 +80,7 @@ fn fitted(truth: &Model, noise_um: f64) -> Identification {
         degree: Choice::Given(truth.hysteresis.polynomial().len()),
         ..Options::default()
     };
-    identify(&campaign, &options, &mut Unwatched, None).unwrap()
+    identify(&campaign, &options, &Watch::silent(), None).unwrap()
 }
 
 /// Every number of the hysteresis with a standard error, in standard errors of it.
@@ -146,7 +146,7 @@ fn on_the_bench(truth: &Truth, hysteresis: HysteresisForm) -> Vec<f64> {
         .collect();
     let dynamics = DynamicsChoice::Integer;
     let options = Options { hysteresis, dynamics, degree: Choice::Given(3), ..Options::default() };
-    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let unseen = runs.iter().filter(|r| matches!(r.role, Role::Tracking | Role::Validation { .. }));
     unseen
         .map(|run| {

@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 use hysteron_identify::{
     CampaignRecord, Choice, Demands, DynamicsChoice, Identification, JointObjective, Options, PredictionBand,
-    RecordRole, Unwatched, identify,
+    RecordRole, Watch, identify,
 };
 use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::HysteresisForm;
@@ -120,7 +120,7 @@ fn fit(runs: &[CampaignRun], degree: usize, threads: Option<usize>) -> Identific
         .map(|r| CampaignRecord { data: data(r), role: None })
         .collect();
     let options = Options { degree: Choice::Given(degree), threads, ..Options::default() };
-    identify(&campaign, &options, &mut Unwatched, None).unwrap()
+    identify(&campaign, &options, &Watch::silent(), None).unwrap()
 }
 
 /// Deviations from the truth in standard errors.
@@ -210,7 +210,7 @@ fn what_would_shape_a_hysteretic_part_is_held_where_there_is_none() {
     let campaign = [CampaignRecord { data: data(&runs[1]), role: Some(RecordRole::Dynamic) }];
     let demands = Demands { fixed: vec![("alpha".into(), 0.0)], bounded: Vec::new() };
     let options = Options { demands, degree: Choice::Given(2), n: Choice::Auto, ..Options::default() };
-    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let held = found.parameters.iter().filter(|p| p.held).map(|p| p.name.as_str());
     assert!(held.eq(["alpha", "beta", "gamma", "n"]), "{:?}", found.parameters);
     assert!(found.parameters.iter().all(|p| !p.name.starts_with("memory")));
@@ -324,7 +324,7 @@ fn weights_of_plays_come_back_within_three_standard_errors() {
         degree: Choice::Given(1),
         ..Options::default()
     };
-    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let expected = |name: &str| match name {
         "linear" => Some(2.1),
         "weight_1" => Some(weights[0]),
@@ -420,7 +420,7 @@ fn three_resonances_come_back_within_three_standard_errors() {
         .collect();
     let options =
         Options { dynamics: DynamicsChoice::Modes, order: 6, degree: Choice::Given(1), ..Options::default() };
-    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let value = |name: String| {
         let p = found.parameters.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no {name}"));
         (p.value, p.std_error.unwrap_or_else(|| panic!("{name} = {} has no error", p.value)))
@@ -468,7 +468,7 @@ fn plays_meet_the_default_bench_to_a_thousandth_of_its_stroke() {
     assert_eq!(campaign.len(), 2);
     let hysteresis = HysteresisForm::PrandtlIshlinskii { plays: 20 };
     let options = Options { hysteresis, degree: Choice::Given(5), ..Options::default() };
-    let found = identify(&campaign, &options, &mut Unwatched, None).unwrap();
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let mut seen = 0;
     for run in runs.iter().filter(|r| matches!(r.role, Role::Tracking | Role::Validation { .. })) {
         let unseen = data(run);

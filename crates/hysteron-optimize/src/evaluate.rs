@@ -1,9 +1,9 @@
 //! Evaluation of many candidates at once.
 
 use super::points::Points;
-use super::{Derivative, LeastSquaresProblem, OptimizeError, Problem};
+use super::{Derivative, LeastSquaresProblem, OptimizeError, Problem, Stop};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Costs of points of the unit box.
 pub(super) trait Evaluate {
@@ -26,6 +26,25 @@ pub(super) struct Evaluator<'p, P: Problem> {
     problem: &'p P,
     pool: Option<rayon::ThreadPool>,
     slots: Vec<Slot<P::Workspace>>,
+    refusal: Refusal,
+}
+
+/// Evaluations that are asked for after a stop are not made, once there is a point to hand out.
+struct Refusal {
+    stop: Option<Stop>,
+    found: AtomicBool,
+}
+
+impl Refusal {
+    fn is_due(&self) -> bool {
+        self.stop.as_ref().is_some_and(Stop::is_requested) && self.found.load(Ordering::Relaxed)
+    }
+
+    fn saw(&self, feasible: bool) {
+        if feasible {
+            self.found.store(true, Ordering::Relaxed);
+        }
+    }
 }
 
 /// What one evaluating thread owns.
@@ -37,7 +56,11 @@ struct Slot<W> {
 
 impl<'p, P: Problem> Evaluator<'p, P> {
     /// `threads`: a pool of its own, or `None` for the current one.
-    pub(super) fn new(problem: &'p P, threads: Option<usize>) -> Result<Self, OptimizeError> {
+    pub(super) fn new(
+        problem: &'p P,
+        threads: Option<usize>,
+        stop: Option<Stop>,
+    ) -> Result<Self, OptimizeError> {
         let pool = match threads {
             Some(threads) if threads > 1 => Some(
                 rayon::ThreadPoolBuilder::new()
@@ -50,11 +73,14 @@ impl<'p, P: Problem> Evaluator<'p, P> {
         let slots = (0..threads.unwrap_or_else(rayon::current_num_threads))
             .map(|_| Slot { workspace: None, x: vec![0.0; problem.bounds().dimension()], done: Vec::new() })
             .collect();
-        Ok(Self { problem, pool, slots })
+        let refusal = Refusal { stop, found: AtomicBool::new(false) };
+        Ok(Self { problem, pool, slots, refusal })
     }
 
     /// Cost at one point, outside every count.
     pub(super) fn cost(&mut self, point: &[f64]) -> f64 {
+        // It was found in the run that is gone on with.
+        self.refusal.saw(true);
         self.slots.first_mut().map_or(f64::INFINITY, |slot| slot.cost(self.problem, point))
     }
 }
@@ -82,7 +108,7 @@ impl<W> Slot<W> {
 
 impl<P: Problem> Evaluate for Evaluator<'_, P> {
     fn costs(&mut self, points: &Points, costs: &mut Vec<f64>) {
-        let (problem, count) = (self.problem, points.len());
+        let (problem, count, refusal) = (self.problem, points.len(), &self.refusal);
         costs.clear();
         costs.resize(count, f64::INFINITY);
         let next = AtomicUsize::new(0);
@@ -92,7 +118,11 @@ impl<P: Problem> Evaluate for Evaluator<'_, P> {
                 if i >= count {
                     break;
                 }
+                if refusal.is_due() {
+                    continue;
+                }
                 let cost = slot.cost(problem, points.get(i));
+                refusal.saw(cost.is_finite());
                 slot.done.push((i, cost));
             }
         };
@@ -113,14 +143,15 @@ impl<P: LeastSquaresProblem> EvaluateResiduals for Evaluator<'_, P> {
     }
 
     fn residuals(&mut self, points: &Points, columns: &mut [f64], feasible: &mut Vec<bool>) {
-        let (problem, count) = (self.problem, points.len());
+        let (problem, count, refusal) = (self.problem, points.len(), &self.refusal);
         feasible.clear();
         feasible.resize(count, false);
         let length = problem.residual_count();
         let share = count.div_ceil(self.slots.len().max(1)).max(1);
         let work = |((first, slot), (columns, feasible)): ((usize, &mut Slot<_>), Columns<'_>)| {
             for ((i, column), feasible) in (first * share..).zip(columns.chunks_mut(length)).zip(feasible) {
-                *feasible = slot.residuals(problem, points.get(i), column);
+                *feasible = !refusal.is_due() && slot.residuals(problem, points.get(i), column);
+                refusal.saw(*feasible);
             }
         };
         let (slots, block) = (&mut self.slots, share * length);
@@ -138,6 +169,9 @@ impl<P: LeastSquaresProblem> EvaluateResiduals for Evaluator<'_, P> {
     }
 
     fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative {
+        if self.refusal.is_due() {
+            return Derivative::Infeasible;
+        }
         let Some(slot) = self.slots.first_mut() else { return Derivative::Infeasible };
         self.problem.bounds().from_unit(point, &mut slot.x);
         let workspace = slot.workspace.get_or_insert_with(|| self.problem.workspace());

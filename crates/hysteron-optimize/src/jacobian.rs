@@ -68,7 +68,7 @@ pub fn residual_jacobian<P: LeastSquaresProblem>(
     bounds.validate()?;
     let settings = Settings { starts: vec![x.to_vec()], ..Settings::default() };
     settings.validate(bounds.dimension())?;
-    let mut evaluator = Evaluator::new(problem, None)?;
+    let mut evaluator = Evaluator::new(problem, None, None)?;
     let mut residuals = UnitResiduals::new(bounds, &mut evaluator);
     let mut unit = vec![0.0; bounds.dimension()];
     bounds.to_unit(x, &mut unit);

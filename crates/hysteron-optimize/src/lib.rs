@@ -69,6 +69,7 @@ mod problem;
 mod pso;
 mod settings;
 mod starts;
+mod stop;
 mod stream;
 
 pub use abc::AbcOptions;
@@ -90,6 +91,7 @@ pub use problem::{Derivative, LeastSquaresProblem, Problem};
 pub use pso::PsoOptions;
 pub use settings::{Settings, Stagnation};
 pub use starts::Starts;
+pub use stop::Stop;
 
 #[cfg(test)]
 mod test_problems;

@@ -8,7 +8,7 @@ use super::ledger::{Scratch, Search};
 use super::outcome::Advance;
 use super::{
     Algorithm, Bounds, Checkpoint, LeastSquaresProblem, Observer, OptimizeError, Outcome, Problem, Progress,
-    Settings, StopReason, abc, cma_es, de, de_abc, pso,
+    Settings, Stop, StopReason, abc, cma_es, de, de_abc, pso,
 };
 
 /// Minimises the root mean square of the residuals of `problem` over its box with any algorithm.
@@ -31,7 +31,7 @@ pub fn minimize<P: LeastSquaresProblem>(
     if problem.residual_count() == 0 {
         return Err(OptimizeError::NoResiduals);
     }
-    let (checkpoint, mut evaluator) = prepare(problem, algorithm, settings, resume)?;
+    let (checkpoint, mut evaluator) = prepare(problem, algorithm, settings, observer.stop(), resume)?;
     let bounds = problem.bounds();
     let mut residuals = UnitResiduals::new(bounds, &mut evaluator);
     drive(checkpoint, bounds, observer, &mut |checkpoint| {
@@ -64,7 +64,7 @@ pub fn minimize_cost<P: Problem>(
     if matches!(algorithm, Algorithm::LeastSquares(_)) {
         return Err(OptimizeError::NeedsResiduals);
     }
-    let (checkpoint, mut evaluator) = prepare(problem, algorithm, settings, resume)?;
+    let (checkpoint, mut evaluator) = prepare(problem, algorithm, settings, observer.stop(), resume)?;
     let bounds = problem.bounds();
     let mut scratch = Scratch::new(bounds.dimension());
     drive(checkpoint, bounds, observer, &mut |checkpoint| {
@@ -108,6 +108,7 @@ fn prepare<'p, P: Problem>(
     problem: &'p P,
     algorithm: &Algorithm,
     settings: &Settings,
+    stop: Option<Stop>,
     resume: Option<Checkpoint>,
 ) -> Result<(Checkpoint, Evaluator<'p, P>), OptimizeError> {
     let bounds = problem.bounds();
@@ -118,8 +119,10 @@ fn prepare<'p, P: Problem>(
     if let Some(checkpoint) = &resume {
         checkpoint.check_same_run(&identity, bounds, algorithm, settings)?;
     }
-    let mut evaluator = Evaluator::new(problem, settings.threads)?;
+    let mut evaluator = Evaluator::new(problem, settings.threads, stop)?;
     let checkpoint = match resume {
+        // Stopped before its first generation was done.
+        Some(checkpoint) if matches!(checkpoint.state, State::NotStarted) => checkpoint,
         Some(checkpoint) => {
             checkpoint.check_cost(evaluator.cost(&checkpoint.ledger.best))?;
             checkpoint
@@ -140,6 +143,9 @@ fn drive(
     step: &mut dyn FnMut(&mut Checkpoint) -> Advance,
 ) -> Result<Outcome, OptimizeError> {
     let mut best = vec![0.0; bounds.dimension()];
+    let stop = observer.stop();
+    // Where a generation is left unfinished: what to go on from.
+    let mut before = None;
     let stopped = loop {
         let started = !matches!(checkpoint.state, State::NotStarted);
         if started {
@@ -148,7 +154,13 @@ fn drive(
         if let Some(reason) = checkpoint.finished {
             break reason;
         }
-        if let Advance::Finished(reason) = step(&mut checkpoint) {
+        let whole = stop.as_ref().map(|_| checkpoint.clone());
+        let advance = step(&mut checkpoint);
+        if stop.as_ref().is_some_and(Stop::is_requested) && checkpoint.ledger.best_cost.is_finite() {
+            before = whole;
+            break StopReason::Cancelled;
+        }
+        if let Advance::Finished(reason) = advance {
             checkpoint.finished = Some(reason);
         }
         checkpoint.ledger.generation += usize::from(started);
@@ -177,7 +189,7 @@ fn drive(
         stopped,
         scouts_fired,
         starts,
-        checkpoint,
+        checkpoint: before.unwrap_or(checkpoint),
     })
 }
 

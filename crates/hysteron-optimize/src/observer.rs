@@ -1,6 +1,6 @@
 //! Progress of a run and the right to stop it.
 
-use super::{Bounds, Checkpoint};
+use super::{Bounds, Checkpoint, Stop};
 use std::ops::ControlFlow;
 
 /// Told about progress once a generation (or iteration); may stop the run, whose best so far is kept.
@@ -9,11 +9,27 @@ use std::ops::ControlFlow;
 pub trait Observer {
     /// One generation is done.
     fn generation(&mut self, progress: &Progress<'_>) -> ControlFlow<()>;
+
+    /// What ends the run within a generation, from another thread: evaluations that have not begun are left out, and the checkpoint is
+    /// that of the generation before.
+    fn stop(&self) -> Option<Stop> {
+        None
+    }
 }
 
 impl<F: FnMut(&Progress<'_>) -> ControlFlow<()>> Observer for F {
     fn generation(&mut self, progress: &Progress<'_>) -> ControlFlow<()> {
         self(progress)
+    }
+}
+
+impl Observer for Stop {
+    fn generation(&mut self, _: &Progress<'_>) -> ControlFlow<()> {
+        if self.is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn stop(&self) -> Option<Stop> {
+        Some(self.clone())
     }
 }
 

@@ -20,6 +20,7 @@ macro_rules! put {
 mod base64;
 mod escape;
 pub mod figure;
+pub mod fit;
 pub mod identification;
 pub mod model;
 pub mod number;

@@ -1,10 +1,7 @@
 //! What can go wrong.
 
 use hysteron_export::ExportError;
-use hysteron_identify::IdentifyError;
-use hysteron_identify::coupled::CoupledFitError;
-use hysteron_identify::modes::ModesFitError;
-use hysteron_identify::oscillator::OscillatorFitError;
+use hysteron_identify::FitError;
 use hysteron_io::atomic_file::AtomicWriteError;
 use hysteron_io::{IoError, ModelDiskError};
 use hysteron_model::axes::AxesError;
@@ -38,18 +35,9 @@ pub enum Error {
     /// No family of this name.
     #[error(transparent)]
     Family(#[from] UnknownFamily),
-    /// No Hammerstein model was identified.
+    /// No model was identified.
     #[error(transparent)]
-    Identify(#[from] IdentifyError),
-    /// No oscillator was identified.
-    #[error(transparent)]
-    Oscillator(#[from] OscillatorFitError),
-    /// No modes were identified.
-    #[error(transparent)]
-    Modes(#[from] ModesFitError),
-    /// No branches were identified.
-    #[error(transparent)]
-    Branches(#[from] CoupledFitError),
+    Fit(#[from] FitError),
     /// The model cannot be run on a record, or not scored.
     #[error(transparent)]
     Run(#[from] RunError),

@@ -5,20 +5,18 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use hysteron_identify::{
-    CampaignRecord, DynamicsChoice, Event, Finding, Identification, Options, Told, coupled, identify, modes,
-    oscillator,
+    CampaignRecord, DynamicsChoice, Event, Finding, Fit as Found, FitParameter, FitRecords, Options,
+    Searches, Stop, Task, Watch, fit_on,
 };
-use hysteron_model::Model as Core;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_model::model_file::{Kind, Maker, ModelFile, timestamp};
-use hysteron_model::record::{ChannelChoice, Record};
-use hysteron_report::{identification, model};
+use hysteron_model::model::Score;
+use hysteron_model::model_file::{Kind, Maker, timestamp};
+use hysteron_model::record::{ChannelChoice, InputOutput, Record};
+use serde::{Serialize, Serializer};
 
 use crate::{Error, Model, Report};
-
-type Watching<'a> = Box<dyn FnMut(&Event<'_>) -> ControlFlow<()> + 'a>;
 
 /// An identification to be run: records and what is asked of it. What is not asked is chosen from the records.
 pub struct Identify<'a> {
@@ -27,7 +25,10 @@ pub struct Identify<'a> {
     inputs: Vec<String>,
     outputs: Vec<String>,
     options: Options,
-    watching: Option<Watching<'a>>,
+    task: Option<Task>,
+    watch: Watch<'a>,
+    stop: Stop,
+    resume: Option<Searches>,
 }
 
 impl<'a> Identify<'a> {
@@ -39,7 +40,10 @@ impl<'a> Identify<'a> {
             inputs: Vec::new(),
             outputs: Vec::new(),
             options: Options::default(),
-            watching: None,
+            task: None,
+            watch: Watch::silent(),
+            stop: Stop::new(),
+            resume: None,
         }
     }
 
@@ -47,6 +51,13 @@ impl<'a> Identify<'a> {
     #[must_use]
     pub fn kind(mut self, kind: Kind) -> Self {
         self.kind = Some(kind);
+        self
+    }
+
+    /// Kind of model with every option of its identification, in the place of the single ones.
+    #[must_use]
+    pub fn task(mut self, task: Task) -> Self {
+        self.task = Some(task);
         self
     }
 
@@ -92,69 +103,59 @@ impl<'a> Identify<'a> {
 
     /// Told about the progress; may stop the fit, whose best so far is then the result.
     #[must_use]
-    pub fn watch(mut self, watching: impl FnMut(&Event<'_>) -> ControlFlow<()> + 'a) -> Self {
-        self.watching = Some(Box::new(watching));
+    pub fn watch(mut self, told: impl FnMut(&Event<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
+        self.watch = Watch::new(told);
+        self
+    }
+
+    /// What stops the fit from another thread; the best so far is then the result.
+    #[must_use]
+    pub fn stop(mut self, stop: &Stop) -> Self {
+        self.stop = stop.clone();
+        self
+    }
+
+    /// Goes on from the searches of an interrupted fit of the same records with the same options, to the same final bits.
+    #[must_use]
+    pub fn resume(mut self, searches: Searches) -> Self {
+        self.resume = Some(searches);
         self
     }
 
     /// Runs the identification.
     ///
     /// # Errors
-    /// [`Error::Record`], [`Error::Axes`] for records that cannot be used; [`Error::Identify`], [`Error::Oscillator`],
-    /// [`Error::Modes`], [`Error::Branches`] where no model describes them.
-    pub fn run(mut self) -> Result<Fit, Error> {
-        let mut silent = |_: &Event<'_>| ControlFlow::Continue(());
-        let mut watching = self.watching.take();
-        let mut told = match &mut watching {
-            Some(watching) => Told(watching),
-            None => Told(&mut silent),
+    /// [`Error::Record`], [`Error::Axes`] for records that cannot be used; [`Error::Fit`] where no model describes them.
+    pub fn run(self) -> Result<Fit, Error> {
+        let kind = match (self.kind, self.inputs.len()) {
+            (Some(kind), _) => kind,
+            (None, 0 | 1) => Kind::Hammerstein,
+            (None, _) => Kind::Modes,
         };
-        let several = self.inputs.len() > 1;
-        match self.kind.unwrap_or(if several { Kind::Modes } else { Kind::Hammerstein }) {
-            Kind::Hammerstein => {
-                let campaign = self.single()?.into_iter().map(|data| CampaignRecord { data, role: None });
-                let campaign: Vec<_> = campaign.collect();
-                let found = identify(&campaign, &self.options, &mut told, None)?;
-                let data = found.model_file(&self.options, &maker());
-                let (findings, interrupted) = (found.findings.clone(), found.cancelled);
-                let shown = Some(Box::new((found, data.clone())));
-                Ok(Fit { model: Core::try_from(data)?.into(), findings, interrupted, shown })
-            }
-            Kind::Oscillator => {
-                let options = oscillator::Options::default();
-                let found = oscillator::identify(&self.single()?, &options)?;
-                let model = Core::try_from(found.model_file(&options, &maker()))?.into();
-                Ok(Fit { model, findings: found.findings, interrupted: false, shown: None })
-            }
-            Kind::Modes => {
-                let (records, options) = (self.axes()?, modes::Options::default());
-                let found = modes::identify(&records, &options, &mut |progress| told.modes(progress))?;
-                let model = Core::try_from(found.model_file(&records, &options, &maker()))?.into();
-                Ok(Fit { model, findings: found.findings, interrupted: found.interrupted, shown: None })
-            }
-            Kind::Branches => {
-                let records = self.axes()?;
-                let least_fit = self.options.least_fit_percent;
-                let mut stopped = false;
-                let mut observer = |progress: &hysteron_optimize::Progress<'_>| {
-                    let asked = told.search("branches", progress);
-                    stopped |= asked.is_break();
-                    asked
-                };
-                let found = coupled::identify(&records, least_fit, &mut observer)?;
-                let model = Core::try_from(found.model_file(&records, &maker()))?.into();
-                Ok(Fit { model, findings: found.findings, interrupted: stopped, shown: None })
-            }
-        }
+        let task = match (&self.task, kind) {
+            (Some(task), _) => task.clone(),
+            (None, Kind::Hammerstein) => Task::Hammerstein(Box::new(self.options.clone())),
+            (None, kind) => Task::of(kind),
+        };
+        let records = if task.takes_several_axes() {
+            FitRecords::Several(self.several()?)
+        } else {
+            let record = |data| CampaignRecord { data, role: None };
+            FitRecords::Single(self.single()?.into_iter().map(record).collect())
+        };
+        let Self { options, watch, stop, resume, .. } = self;
+        let watch = watch.stopped_by(&stop);
+        let fit = || hysteron_identify::fit(&records, &task, &watch, resume, &maker());
+        Ok(Fit::from(fit_on(options.threads, fit)?))
     }
 
-    fn single(&self) -> Result<Vec<hysteron_model::record::InputOutput>, Error> {
+    fn single(&self) -> Result<Vec<InputOutput>, Error> {
         let choice =
             ChannelChoice { input: self.inputs.first().cloned(), output: self.outputs.first().cloned() };
         self.records.iter().map(|record| Ok(record.input_output(&choice)?)).collect()
     }
 
-    fn axes(&self) -> Result<Vec<AxesRecord>, Error> {
+    fn several(&self) -> Result<Vec<AxesRecord>, Error> {
         self.records.iter().map(|record| Ok(AxesRecord::new(record, &self.inputs, &self.outputs)?)).collect()
     }
 }
@@ -169,16 +170,24 @@ fn maker() -> Maker {
     }
 }
 
-/// An identified model and what is to be known about it.
+/// An identified model and what is to be known about it. As JSON it is what `hysteron identify --json` prints.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// The model.
     pub model: Model,
-    /// Verdicts, advice and warnings.
-    pub findings: Vec<Finding>,
-    /// The fit was stopped; the model is the best so far.
-    pub interrupted: bool,
-    shown: Option<Box<(Identification, ModelFile)>>,
+    found: Found,
+}
+
+impl From<Found> for Fit {
+    fn from(found: Found) -> Self {
+        Self { model: found.model.clone().into(), found }
+    }
+}
+
+impl Serialize for Fit {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.found.serialize(serializer)
+    }
 }
 
 impl Fit {
@@ -190,9 +199,34 @@ impl Fit {
         self.model.save(path)
     }
 
-    /// The identification in full, of a Hammerstein model.
-    pub fn identification(&self) -> Option<&Identification> {
-        self.shown.as_ref().map(|shown| &shown.0)
+    /// Scores of the records that it was identified from.
+    pub fn scores(&self) -> &[Score] {
+        &self.found.scores
+    }
+
+    /// The parameters with their standard errors.
+    pub fn parameters(&self) -> &[FitParameter] {
+        &self.found.parameters
+    }
+
+    /// Verdicts, advice and warnings.
+    pub fn findings(&self) -> &[Finding] {
+        &self.found.findings
+    }
+
+    /// The fit was stopped; the model is the best so far.
+    pub fn is_interrupted(&self) -> bool {
+        self.found.interrupted
+    }
+
+    /// What [`Identify::resume`] goes on from; `None` for a kind that begins anew.
+    pub fn searches(&self) -> Option<&Searches> {
+        self.found.resume.as_ref()
+    }
+
+    /// The identification in full.
+    pub fn core(&self) -> &Found {
+        &self.found
     }
 
     /// The report of the fit: for a Hammerstein model with curves, for the other kinds numbers, errors, scores and findings.
@@ -201,9 +235,6 @@ impl Fit {
     /// [`Error::Model`] where the data of the model are not sound.
     pub fn report(&self) -> Result<Report, Error> {
         let name = self.model.core().name().unwrap_or("Identified model");
-        Ok(Report(match self.shown.as_deref() {
-            Some((found, data)) => identification::report(name, found, data, None),
-            None => model::report(name, self.model.core(), &self.findings)?,
-        }))
+        Ok(Report(hysteron_report::fit::report(name, &self.found, None)?))
     }
 }

@@ -71,7 +71,10 @@ pub use report::Report;
 #[doc(inline)]
 pub use hysteron_export::Precision;
 #[doc(inline)]
-pub use hysteron_identify::{DynamicsChoice, Event, Finding, FindingKind, Method, RecordRole, Watch};
+pub use hysteron_identify::{
+    DynamicsChoice, Event, Finding, FindingKind, FitParameter, Method, RecordRole, Searches, Stop, Task,
+    Watch,
+};
 #[doc(inline)]
 pub use hysteron_io::ReadOptions;
 #[doc(inline)]

@@ -5,7 +5,7 @@
 //! followed from it. *Hysteresis alone*: the Bouc–Wen block is identified with v as the output (with a lag for the
 //! amplifier in front of it) and what it gives is put through the true dynamics of the bench.
 
-use hysteron_identify::{CampaignRecord, Choice, Demands, DynamicsChoice, Options, Unwatched, identify};
+use hysteron_identify::{CampaignRecord, Choice, Demands, DynamicsChoice, Options, Watch, identify};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::record::ChannelChoice;
@@ -119,7 +119,7 @@ fn simulate(Fit { model, start }: &Fit, drive: &[f64], rate_hz: f64) -> Outcome<
 }
 
 fn fit(records: &[CampaignRecord], options: &Options) -> Outcome<Fit> {
-    let found = identify(records, options, &mut Unwatched, None)?;
+    let found = identify(records, options, &Watch::silent(), None)?;
     let start = found.records.first().ok_or("a fit has a record")?.start;
     Ok(Fit { model: found.model, start })
 }

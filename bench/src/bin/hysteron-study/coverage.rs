@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 use std::io::{Write, stdout};
 
-use hysteron_identify::{CampaignRecord, Choice, Identification, Options, RecordRole, Unwatched, identify};
+use hysteron_identify::{CampaignRecord, Choice, Identification, Options, RecordRole, Watch, identify};
 use rand::Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
@@ -83,7 +83,7 @@ pub fn study(campaigns: usize) -> Outcome<()> {
     let values: Vec<_> = values.into_iter().filter(|(name, _)| name != "n").collect();
     let records = true_records(&device)?;
     let options = Options { degree: Choice::Given(2), ..from_truth(&device)? };
-    let ideal = identify(&records, &options, &mut Unwatched, None)?;
+    let ideal = identify(&records, &options, &Watch::silent(), None)?;
     for record in &ideal.records {
         writeln!(
             stdout(),
@@ -98,7 +98,7 @@ pub fn study(campaigns: usize) -> Outcome<()> {
             .into_par_iter()
             .map(|campaign| {
                 let seed = (2 + number as u64) << 32 | campaign as u64;
-                let found = identify(&with_noise(&records, memory, seed), &options, &mut Unwatched, None)?;
+                let found = identify(&with_noise(&records, memory, seed), &options, &Watch::silent(), None)?;
                 Ok(values.iter().map(|(name, truth)| judge(&found, name, *truth)).collect())
             })
             .collect::<Outcome<_>>()?;

@@ -4,7 +4,7 @@
 use std::io::{Write, stdout};
 use std::time::Instant;
 
-use hysteron_identify::{Identification, Unwatched, identify};
+use hysteron_identify::{Identification, Watch, identify};
 use hysteron_rig::excitation::Excitation;
 use rayon::prelude::*;
 
@@ -32,9 +32,9 @@ impl Trial {
         let device = Device::random(seed)?;
         let records = play(&device.bench(NOISE_UM)?, drives, seed)?;
         let begun = Instant::now();
-        let found = identify(&records, &cold(), &mut Unwatched, None);
+        let found = identify(&records, &cold(), &Watch::silent(), None);
         let seconds = begun.elapsed().as_secs_f64();
-        let reference = identify(&records, &from_truth(&device)?, &mut Unwatched, None)?;
+        let reference = identify(&records, &from_truth(&device)?, &Watch::silent(), None)?;
         let starts = found.as_ref().map_or(0, |found| found.searches[0].outcome.starts.len());
         let excess = found.map_err(|error| error.to_string()).and_then(|found| excess(&found, &reference));
         Ok(Self { seed, excess, starts, seconds, device })

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use hysteron_identify::{Choice, Options, Unwatched, identify};
+use hysteron_identify::{Choice, Options, Watch, identify};
 use hysteron_model::dynamics::SecondOrder;
 use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::BoucWen;
@@ -63,7 +63,7 @@ impl Trial {
         let records = play(&truth, drives, seed)?;
         let n = if device.hysteresis.n == 1.0 { Choice::Given(1.0) } else { Choice::Auto };
         let begun = Instant::now();
-        let found = identify(&records, &Options { n, ..cold() }, &mut Unwatched, None)?;
+        let found = identify(&records, &Options { n, ..cold() }, &Watch::silent(), None)?;
         let seconds = begun.elapsed().as_secs_f64();
         let mut errors = Vec::new();
         for (name, value) in device.values()? {

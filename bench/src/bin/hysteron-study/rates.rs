@@ -3,7 +3,7 @@
 
 use std::io::{Write, stdout};
 
-use hysteron_identify::{CampaignRecord, Choice, Options, Unwatched, identify};
+use hysteron_identify::{CampaignRecord, Choice, Options, Watch, identify};
 use hysteron_model::dynamics::Scheme;
 use rayon::prelude::*;
 
@@ -32,7 +32,7 @@ type Estimate = (f64, f64);
 /// The estimates of [`NAMES`] from a campaign.
 fn estimates(records: &[CampaignRecord], scheme: Scheme) -> Outcome<Vec<Estimate>> {
     let options = Options { scheme: Choice::Given(scheme), degree: Choice::Given(2), ..cold() };
-    let found = identify(records, &options, &mut Unwatched, None)?;
+    let found = identify(records, &options, &Watch::silent(), None)?;
     NAMES
         .iter()
         .map(|name| {

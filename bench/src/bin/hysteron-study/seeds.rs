@@ -3,7 +3,7 @@
 
 use std::io::{Write, stdout};
 
-use hysteron_identify::{CampaignRecord, DynamicsChoice, Options, Unwatched, identify};
+use hysteron_identify::{CampaignRecord, DynamicsChoice, Options, Watch, identify};
 use hysteron_model::record::ChannelChoice;
 use hysteron_rig::{CampaignPlan, Role, Truth, run_campaign};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ pub fn study(seeds: usize) -> Outcome<()> {
             .into_par_iter()
             .map(|seed| {
                 let options = Options { seed, dynamics, threads: Some(1), ..Options::default() };
-                let found = identify(&records, &options, &mut Unwatched, None)?;
+                let found = identify(&records, &options, &Watch::silent(), None)?;
                 let outcome = &found.searches[0].outcome;
                 Ok((outcome.cost, outcome.starts.len(), found.structure.degree))
             })

@@ -27,12 +27,14 @@
 //!
 //! ```no_run
 //! use hysteron_article::optimizer_study::{StudyOptions, run_study};
+//! use hysteron_identify::{Event, Watch};
 //! use std::ops::ControlFlow;
 //!
-//! let study = run_study(&StudyOptions::default(), &mut |progress| {
-//!     eprintln!("{} of {} runs", progress.done, progress.runs);
+//! let watch = Watch::new(|event: &Event<'_>| {
+//!     eprintln!("{:.0} %, {}", 100.0 * event.fraction, event.stage);
 //!     ControlFlow::Continue(())
-//! })?;
+//! });
+//! let study = run_study(&StudyOptions::default(), &watch)?;
 //! for problem in &study.problems {
 //!     for row in &problem.rows {
 //!         println!("{}: {:.4}, {} %", row.name, row.median_best_rmse, row.success_percent);
@@ -52,7 +54,7 @@ mod summary;
 
 pub use competitor::Competitor;
 pub use fractional_block::FractionalBlock;
-pub use options::{StudyError, StudyOptions, StudyProblem, StudyProgress};
+pub use options::{StudyError, StudyOptions, StudyProblem};
 pub use run::run_study;
 pub use static_block::StaticBlock;
 pub use study::{Curve, Parameter, ProblemResult, Row, Run, Study};

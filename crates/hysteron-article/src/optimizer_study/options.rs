@@ -75,19 +75,6 @@ impl StudyProblem {
     }
 }
 
-/// How far a study has come; told after every run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StudyProgress {
-    /// Runs done.
-    pub done: usize,
-    /// Runs planned.
-    pub runs: usize,
-    /// Problem of the run just done.
-    pub problem: StudyProblem,
-    /// Competitor of the run just done.
-    pub competitor: Competitor,
-}
-
 /// Why a study could not be made.
 #[derive(Clone, Debug, Error)]
 #[non_exhaustive]
@@ -102,7 +89,7 @@ pub enum StudyError {
         /// What is allowed.
         wanted: &'static str,
     },
-    /// The progress callback asked to stop.
+    /// It was asked to stop.
     #[error("the optimiser study was stopped after {done} of {runs} runs")]
     Cancelled {
         /// Runs done.

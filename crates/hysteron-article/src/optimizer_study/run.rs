@@ -1,36 +1,32 @@
 //! The study itself.
 
 use super::study::{Parameter, ProblemResult, Row, Study};
-use super::{FractionalBlock, StaticBlock, StudyError, StudyOptions, StudyProblem, StudyProgress};
+use super::{FractionalBlock, StaticBlock, StudyError, StudyOptions, StudyProblem};
+use hysteron_identify::{Event, Watch};
 use hysteron_optimize::{
-    Algorithm, Differences, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Outcome, Progress,
-    Settings, Unobserved, minimize,
+    Algorithm, Differences, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Outcome, Settings,
+    Unobserved, minimize,
 };
 use rayon::prelude::*;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Success is an RMSE within this factor of the best that can be reached.
 const SUCCESS: f64 = 1.01;
 
-/// Told after every run, from whichever thread made it; may stop the study.
-type Callback<'a> = dyn FnMut(&StudyProgress) -> ControlFlow<()> + Send + 'a;
-
 /// Runs every competitor on every problem from every seed, the runs spread over threads; the result does not depend on
-/// their number. `progress` is told after every run and may stop the study.
+/// their number. `watch` is told after every run.
 ///
 /// With the default options (620 runs of up to 7 550 simulations of 2000 samples) this takes about two minutes on two
 /// cores.
 ///
 /// # Errors
-/// [`StudyError::Option`]; [`StudyError::Cancelled`] if `progress` said so; [`StudyError::Optimize`] if a run failed.
-pub fn run_study(options: &StudyOptions, progress: &mut Callback<'_>) -> Result<Study, StudyError> {
+/// [`StudyError::Option`]; [`StudyError::Cancelled`] if it was stopped; [`StudyError::Optimize`] if a run failed.
+pub fn run_study(options: &StudyOptions, watch: &Watch<'_>) -> Result<Study, StudyError> {
     options.validate()?;
     let ticker = Ticker {
-        progress: Mutex::new((0, progress)),
+        watch,
+        done: AtomicUsize::new(0),
         runs: options.problems.len() * options.competitors.len() * options.seeds,
-        cancelled: AtomicBool::new(false),
     };
     let all = || options.problems.iter().map(|&problem| table(problem, options, &ticker)).collect();
     let problems: Result<Vec<_>, _> = match options.threads {
@@ -77,9 +73,8 @@ fn compare(
         .collect();
     let one = |&(c, seed): &(usize, u64)| -> Result<(u64, Outcome), StudyError> {
         ticker.check()?;
-        let mut observer = |_: &Progress<'_>| ticker.flow();
         let competitor = options.competitors[c];
-        let outcome = competitor.run(problem, options.budget, seed, &mut observer);
+        let outcome = competitor.run(problem, options.budget, seed, &mut ticker.watch.stop().clone());
         ticker.check()?;
         ticker.tick(name, competitor);
         Ok((seed, outcome?))
@@ -119,35 +114,24 @@ fn polished_from(problem: &impl LeastSquaresProblem, truth: &[f64]) -> Result<f6
 }
 
 /// Counts the runs and carries the wish to stop.
-struct Ticker<'a, 'b> {
-    progress: Mutex<(usize, &'a mut Callback<'b>)>,
+struct Ticker<'a, 'w> {
+    watch: &'a Watch<'w>,
+    done: AtomicUsize,
     runs: usize,
-    cancelled: AtomicBool,
 }
 
 impl Ticker<'_, '_> {
-    fn flow(&self) -> ControlFlow<()> {
-        if self.cancelled.load(Ordering::Relaxed) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    }
-
     fn check(&self) -> Result<(), StudyError> {
-        if self.flow().is_continue() {
-            return Ok(());
+        if self.watch.is_stopped() {
+            return Err(StudyError::Cancelled { done: self.done.load(Ordering::Relaxed), runs: self.runs });
         }
-        let done = self.progress.lock().unwrap_or_else(PoisonError::into_inner).0;
-        Err(StudyError::Cancelled { done, runs: self.runs })
+        Ok(())
     }
 
     fn tick(&self, problem: StudyProblem, competitor: super::Competitor) {
-        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-        progress.0 += 1;
-        let told = StudyProgress { done: progress.0, runs: self.runs, problem, competitor };
-        if (progress.1)(&told).is_break() {
-            self.cancelled.store(true, Ordering::Relaxed);
-        }
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        let stage = format!("{}: {}", problem.title(), competitor.name());
+        // What comes next asks whether to stop.
+        let _ = self.watch.tell(Event::new(&stage, done as f64 / self.runs as f64, None));
     }
 }

@@ -1,10 +1,7 @@
 use super::*;
+use hysteron_identify::{Event, Watch};
 use hysteron_optimize::{StopReason, Unobserved};
 use std::ops::ControlFlow;
-
-fn quiet(_: &StudyProgress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
 
 fn study_of(problem: StudyProblem, competitors: &[Competitor], seeds: usize, budget: usize) -> ProblemResult {
     let options = StudyOptions {
@@ -14,7 +11,7 @@ fn study_of(problem: StudyProblem, competitors: &[Competitor], seeds: usize, bud
         budget,
         ..StudyOptions::default()
     };
-    run_study(&options, &mut quiet).unwrap().problems.remove(0)
+    run_study(&options, &Watch::silent()).unwrap().problems.remove(0)
 }
 
 #[test]
@@ -60,7 +57,7 @@ fn study_does_not_depend_on_the_number_of_threads() {
     let run = |threads| {
         let options =
             StudyOptions { seeds: 2, budget: 200, threads: Some(threads), ..StudyOptions::default() };
-        run_study(&options, &mut quiet).unwrap()
+        run_study(&options, &Watch::silent()).unwrap()
     };
     let one = run(1);
     assert_eq!(one, run(3));
@@ -76,17 +73,19 @@ fn progress_counts_every_run_and_can_stop_the_study() {
     let options = StudyOptions { seeds: 2, budget: 200, threads: Some(1), ..StudyOptions::default() };
     let runs = 2 * 2 * Competitor::ALL.len();
     let mut seen = Vec::new();
-    run_study(&options, &mut |progress| {
-        seen.push(progress.done);
-        assert_eq!(progress.runs, runs);
+    let count = Watch::new(|event: &Event<'_>| {
+        seen.push((event.fraction * runs as f64).round() as usize);
         ControlFlow::Continue(())
-    })
-    .unwrap();
-    assert_eq!(seen, (1..=runs).collect::<Vec<_>>());
-    let stopped = run_study(&options, &mut |progress| match progress.done {
-        3 => ControlFlow::Break(()),
-        _ => ControlFlow::Continue(()),
     });
+    run_study(&options, &count).unwrap();
+    drop(count);
+    assert_eq!(seen, (1..=runs).collect::<Vec<_>>());
+    let mut told = 0;
+    let third = Watch::new(|_: &Event<'_>| {
+        told += 1;
+        if told == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let stopped = run_study(&options, &third);
     assert!(matches!(stopped, Err(StudyError::Cancelled { done: 3, .. })), "{stopped:?}");
 }
 
@@ -112,7 +111,7 @@ fn options_outside_their_range_are_refused() {
         (StudyOptions { competitors: vec![], ..StudyOptions::default() }, "competitors"),
         (StudyOptions { threads: Some(0), ..StudyOptions::default() }, "threads"),
     ] {
-        let error = run_study(&options, &mut quiet).unwrap_err();
+        let error = run_study(&options, &Watch::silent()).unwrap_err();
         assert!(matches!(error, StudyError::Option { option, .. } if option == name), "{error}");
     }
 }

@@ -1,5 +1,6 @@
 //! `--baselines`: black-box models beside the structures, on the same folds.
 
+use hysteron_identify::Stop;
 use hysteron_identify::baselines::{Baseline, CrossValidated, Trained, cross_validate};
 use hysteron_identify::structure::{Comparison, Fold};
 use hysteron_model::record::InputOutput;
@@ -11,11 +12,7 @@ use super::{Found, text};
 use crate::console;
 
 /// Every baseline on the folds of the comparison; those that were not stopped.
-pub fn scored(
-    comparison: &Comparison,
-    records: &[InputOutput],
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Vec<CrossValidated> {
+pub fn scored(comparison: &Comparison, records: &[InputOutput], stop: &Stop) -> Vec<CrossValidated> {
     let score = |kind| {
         console::message(&format!("training {}", Baseline::name(kind)));
         cross_validate(kind, records, &comparison.folds, stop)

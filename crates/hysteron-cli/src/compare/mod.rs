@@ -7,14 +7,11 @@ mod report;
 mod text;
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use hysteron_identify::baselines::CrossValidated;
-use hysteron_identify::structure::{
-    Candidate, CompareWatcher, Comparison, StructureError, UnknownCandidate, compare,
-};
-use hysteron_identify::{CampaignRecord, Options, Unwatched, identify};
+use hysteron_identify::structure::{Candidate, Comparison, StructureError, UnknownCandidate, compare};
+use hysteron_identify::{CampaignRecord, Options, Watch, identify};
 
 use cost::CandidateCost;
 
@@ -24,7 +21,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::maker::maker;
 use crate::output::{self, OutFile};
-use crate::progress::Progress;
+use crate::progress;
 use crate::result_flags::ResultFlags;
 
 /// Compare structures by their simulated error on data they were not fitted to, and say which the records support.
@@ -98,15 +95,15 @@ impl Compare {
         let records = self.columns.read_all(&self.records)?.into_iter();
         let campaign: Vec<_> = records.map(|data| CampaignRecord { data, role: None }).collect();
         let stop = Interrupt::listen("what is finished is printed")?;
-        let watcher = Console { stop: &stop, bar: Progress::new("comparing", 1) };
+        let watch = progress::watch(&stop);
         let candidates = (!self.candidates.is_empty()).then_some(self.candidates.as_slice());
-        let comparison = compare(&campaign, candidates, &Options::default(), &watcher);
-        drop(watcher);
+        let comparison = compare(&campaign, candidates, &Options::default(), &watch);
+        drop(watch);
         let comparison = comparison.map_err(|e| explain(&e))?;
         let baselines = match &comparison.ranking {
             Some(_) if self.baselines => {
                 let data: Vec<_> = campaign.iter().map(|r| r.data.clone()).collect();
-                baselines::scored(&comparison, &data, &|| stop.load(Ordering::Relaxed))
+                baselines::scored(&comparison, &data, stop.stop())
             }
             _ => Vec::new(),
         };
@@ -148,7 +145,7 @@ fn write_model(
     let options =
         Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };
     let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));
-    let found = identify(campaign, &options, &mut Unwatched, None).map_err(|e| failure().because(e))?;
+    let found = identify(campaign, &options, &Watch::silent(), None).map_err(|e| failure().because(e))?;
     let file = found.model_file(&options, &maker());
     crate::model::write(path, file)?;
     console::message(&format!("model of {} written to {}", preferred.candidate, path.display()));
@@ -172,22 +169,5 @@ fn explain(error: &StructureError) -> Failure {
                 .hint(format!("measure {measure}."))
         }
         error => Failure::new("structures cannot be compared on these records").because(error),
-    }
-}
-
-/// Progress bar and Ctrl-C.
-struct Console<'a> {
-    stop: &'a AtomicBool,
-    bar: Progress,
-}
-
-impl CompareWatcher for Console<'_> {
-    fn done(&self, fits: usize, of: usize, what: &str) {
-        self.bar.set_length(of as u64);
-        self.bar.set(fits as u64, what.to_owned());
-    }
-
-    fn stop(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
     }
 }

@@ -1,21 +1,21 @@
 //! `hysteron identify`: records in, model file and report out.
 
 mod arguments;
+mod failure;
 mod family;
+mod modes_flags;
 mod options;
-mod oscillator;
+mod other_kinds;
 mod outcome;
 mod search;
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
-use std::sync::atomic::Ordering;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron_identify::structure::neighbours;
-use hysteron_identify::{CampaignRecord, FindingKind, RecordRole, identify};
+use hysteron_identify::{CampaignRecord, FindingKind, Fit, FitRecords, RecordRole, Stop, Task, fit, fit_on};
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_report::identification::report;
+use hysteron_report::fit::report;
 use hysteron_report::page::Page;
 use hysteron_report::write_figures;
 
@@ -23,15 +23,21 @@ use self::arguments::{
     ChoiceArg, CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg, SchemeArg,
     StructureArg, degree, delay, exponent, name_range, name_value,
 };
-use self::search::{Console, explain, read_searches};
-use crate::axes::{AxesFlags, ModesFlags, identify_branches};
+use self::failure::explain;
+use self::modes_flags::ModesFlags;
+use self::outcome::Outcome;
+use self::search::read_searches;
+use crate::axes::AxesFlags;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt::{Interrupt, partial};
+use crate::interrupt::{ANEW, Interrupt, partial};
 use crate::maker::maker;
+use crate::model;
 use crate::numbers::{count, number, whole};
 use crate::output::{self, OutFile};
+use crate::progress;
+use crate::remarks;
 use crate::result_flags::ResultFlags;
 
 /// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
@@ -199,9 +205,51 @@ pub struct Identify {
 
 impl Identify {
     pub fn run(&self) -> Result<(), Failure> {
+        let task = self.task()?;
+        self.check_outputs()?;
+        let records = self.fit_records(&task)?;
+        let resume = self.resume.as_deref().map(read_searches).transpose()?;
+        let stop = Interrupt::listen("the best so far is kept")?;
+        let watch = progress::watch(&stop);
+        let found = fit_on(self.threads, || fit(&records, &task, &watch, resume, &maker()));
+        drop(watch);
+        let found = found.map_err(|e| stop.told(explain(&e)))?;
+        let written = if found.interrupted { partial(&self.out) } else { self.out.to_path_buf() };
+        model::save(&written, &found.model)?;
+        if let Some(searches) = found.resume.as_ref().filter(|_| found.interrupted) {
+            self.write_searches(searches)?;
+        }
+        if self.result.has_report() || self.figures.is_some() {
+            self.write_report(&self.page(&records, &task, &found, stop.stop())?)?;
+        }
+        for score in &found.scores {
+            remarks::tell(Path::new(&score.record), &found.model, &score.simulation.remarks);
+        }
+        // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
+        if self.result.json || !std::io::stdout().is_terminal() {
+            let warnings = found.findings.iter().filter(|f| f.kind == FindingKind::Warning);
+            warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&f.text));
+        }
+        if self.result.json {
+            console::json(&Outcome { model: written.display().to_string(), fit: &found })?;
+        } else {
+            console::result(&outcome::text(&found))?;
+            console::message(&format!("model written to {}", written.display()));
+        }
+        if found.interrupted {
+            let resume = found.resume.as_ref();
+            let resume =
+                resume.map(|_| format!("go on with the same command and --resume {}", written.display()));
+            return Err(stop.failure(&written, resume.as_deref().unwrap_or(ANEW)));
+        }
+        Ok(())
+    }
+
+    /// The kind of model that the flags ask for, and what they ask of it.
+    fn task(&self) -> Result<Task, Failure> {
         match (self.structure, self.axes.are_given()) {
-            (Some(StructureArg::Modes), _) | (None, true) => return self.run_modes(),
-            (Some(StructureArg::Hammerstein), true) => return self.run_branches(),
+            (Some(StructureArg::Modes), _) | (None, true) => return self.modes(),
+            (Some(StructureArg::Hammerstein), true) => return self.branches(),
             (Some(StructureArg::Oscillator), true) => {
                 return Err(Failure::usage(
                     "--inputs and --outputs go with --structure modes or hammerstein",
@@ -214,91 +262,27 @@ impl Identify {
             return Err(Failure::usage(format!("{flag} goes with --structure modes")));
         }
         if self.structure == Some(StructureArg::Oscillator) {
-            return self.run_oscillator();
+            return self.oscillator();
         }
-        self.check_outputs()?;
-        let options = self.options()?;
-        let campaign = self.campaign()?;
-        let resume = self.resume.as_deref().map(read_searches).transpose()?;
-        let stop = Interrupt::listen("the best so far is kept")?;
-        let mut watcher = Console::new(&stop);
-        let found = identify(&campaign, &options, &mut watcher, resume);
-        drop(watcher);
-        let found = found.map_err(|e| explain(&e))?;
-        let file = found.model_file(&options, &maker());
-        let written = if found.cancelled { partial(&self.out) } else { self.out.to_path_buf() };
-        crate::model::write(&written, file.clone())?;
-        if found.cancelled {
-            self.write_searches(&found.resume)?;
-        }
-        if self.result.has_report() || self.figures.is_some() {
-            let stop = || stop.load(Ordering::Relaxed);
-            let others = neighbours(&campaign, &options, &found, &stop);
-            let name = self.out.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
-            self.write_report(&report(&name, &found, &file, Some(&others)))?;
-        }
-        // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
-        if self.result.json || !std::io::stdout().is_terminal() {
-            let warnings = found.findings.iter().filter(|f| f.kind == FindingKind::Warning);
-            warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&f.text));
-        }
-        if self.result.json {
-            console::json(&outcome::Outcome::new(&written, &found, &file))?;
-        } else {
-            console::result(&outcome::text(&found, &file))?;
-            console::message(&format!("model written to {}", written.display()));
-        }
-        if found.cancelled {
-            let resume = format!("go on with the same command and --resume {}", written.display());
-            return Err(stop.failure(&written, &resume));
-        }
-        Ok(())
+        Ok(Task::Hammerstein(Box::new(self.options()?)))
     }
 
-    fn run_branches(&self) -> Result<(), Failure> {
-        if let Some(flag) = self.modes.given() {
-            return Err(Failure::usage(format!("{flag} goes with --structure modes")));
+    fn fit_records(&self, task: &Task) -> Result<FitRecords, Failure> {
+        if !task.takes_several_axes() {
+            return self.campaign().map(FitRecords::Single);
         }
-        self.refuse_flags_but(
-            "hammerstein and several axes",
-            "these branches are Bouc–Wen loops with n = 1, a pair of poles and a delay each",
-            &[
-                ("--inter-sample", self.inter_sample.is_some()),
-                ("--start", self.start.is_some()),
-                ("--fix", !self.fix.is_empty()),
-                ("--n", self.n.is_some()),
-                ("--initial", self.initial != InitialArg::Auto),
-            ],
-        )?;
-        output::check_file("the model", &self.out)?;
-        let columns = (self.records.as_slice(), &self.axes, self.columns.of_drive());
-        self.in_threads(|| identify_branches(columns, (&self.out, &self.result), self.least_fit))?
+        if self.axes.outputs.is_empty() {
+            return Err(Failure::usage("several axes need their outputs")
+                .hint("name them in order, e.g. --outputs y1_nm,y2_nm,y3_nm"));
+        }
+        self.axes.read_all(&self.records, self.columns.of_drive()).map(FitRecords::Several)
     }
 
-    fn run_modes(&self) -> Result<(), Failure> {
-        self.refuse_flags_but(
-            "modes",
-            "modes have --modes, --plays, --linear, --steps, --iterations, --exponent, --initial periodic",
-            &[
-                ("--inter-sample", self.inter_sample.is_some()),
-                ("--start", self.start.is_some()),
-                ("--fix", !self.fix.is_empty()),
-                ("--n", self.n.is_some()),
-            ],
-        )?;
-        let whole_records = match self.initial {
-            InitialArg::Auto => false,
-            InitialArg::Periodic => true,
-            _ => {
-                return Err(Failure::usage("modes are identified from a steady state")
-                    .hint("leave --initial out, or say --initial periodic"));
-            }
-        };
-        output::check_file("the model", &self.out)?;
-        let columns = (self.records.as_slice(), &self.axes, self.columns.of_drive());
-        self.in_threads(|| {
-            self.modes.run(columns, (&self.out, &self.result), (whole_records, self.least_fit))
-        })?
+    /// The report; with the structures next to an identified Hammerstein model, unless there is no time for them.
+    fn page(&self, records: &FitRecords, task: &Task, found: &Fit, stop: &Stop) -> Result<Page, Failure> {
+        let name = self.out.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
+        let others = if found.interrupted { None } else { found.neighbours(records, task, stop) };
+        report(&name, found, others.as_ref()).map_err(|e| Failure::new("cannot make the report").because(e))
     }
 
     fn check_outputs(&self) -> Result<(), Failure> {

@@ -1,11 +1,10 @@
 //! What `hysteron identify` prints.
 
-use std::path::Path;
-
-use hysteron_identify::{Finding, Identification, Interval, IntervalMethod, RecordFit};
-use hysteron_model::model::Score;
-use hysteron_model::model_file::ModelFile;
-use hysteron_report::number::with_std_error;
+use hysteron_identify::{Fit, FitParameter, Found, Interval, IntervalMethod, Place};
+use hysteron_model::Model;
+use hysteron_model::axes::InfluenceMatrix;
+use hysteron_model::model_file::{ModesFile, typographic};
+use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
 
 use crate::console;
@@ -14,91 +13,35 @@ use crate::scores;
 /// The object of `--json`.
 #[derive(Serialize)]
 pub struct Outcome<'a> {
-    model: String,
-    records: Vec<Score>,
-    hysteresis: &'a hysteron_model::model_file::HysteresisBlock,
-    dynamics: &'a hysteron_model::model_file::DynamicsBlock,
-    delay: &'a hysteron_model::model_file::Quantity,
-    parameters: Vec<ParameterEntry<'a>>,
-    searches: Vec<SearchEntry>,
-    reduction: Option<ReductionEntry>,
-    findings: &'a [Finding],
-    interrupted: bool,
+    pub model: String,
+    #[serde(flatten)]
+    pub fit: &'a Fit,
 }
 
-#[derive(Serialize)]
-struct ParameterEntry<'a> {
-    block: &'a str,
-    name: &'a str,
-    value: f64,
-    unit: String,
-    std_error: Option<f64>,
-    interval_95: Option<Interval>,
-    held: bool,
-}
-
-#[derive(Serialize)]
-struct SearchEntry {
-    step: String,
-    optimizer: &'static str,
-    cost: f64,
-    evaluations: usize,
-    generations: usize,
-}
-
-/// The search on thinned records: what the fit of all samples then changed.
-#[derive(Serialize)]
-struct ReductionEntry {
-    samples: usize,
-    searched: usize,
-    moved_std_errors: f64,
-}
-
-fn scored(found: &Identification) -> Vec<Score> {
-    found.records.iter().map(RecordFit::score).collect()
-}
-
-impl<'a> Outcome<'a> {
-    pub fn new(path: &Path, found: &'a Identification, file: &'a ModelFile) -> Self {
-        Outcome {
-            model: path.display().to_string(),
-            records: scored(found),
-            hysteresis: &file.hysteresis,
-            dynamics: &file.dynamics,
-            delay: &file.delay,
-            parameters: found
-                .parameters
-                .iter()
-                .map(|p| ParameterEntry {
-                    block: p.block,
-                    name: &p.name,
-                    value: p.value,
-                    unit: hysteron_report::identification::unit_of(p, file),
-                    std_error: p.std_error,
-                    interval_95: p.interval,
-                    held: p.held,
-                })
-                .collect(),
-            searches: found
-                .searches
-                .iter()
-                .map(|s| SearchEntry {
-                    step: s.step.clone(),
-                    optimizer: s.algorithm,
-                    cost: s.outcome.cost,
-                    evaluations: s.outcome.evaluations,
-                    generations: s.outcome.generations,
-                })
-                .collect(),
-            reduction: found.reduction.map(|r| ReductionEntry {
-                samples: r.samples,
-                searched: r.searched,
-                moved_std_errors: r.moved,
-            }),
-            findings: &found.findings,
-            interrupted: found.cancelled,
+/// The same for people.
+pub fn text(fit: &Fit) -> String {
+    let mut text = String::new();
+    if !fit.parameters.is_empty() {
+        text += &format!("{}\n\n", parameters(&fit.parameters));
+    }
+    if let (Found::Modes(found), Model::Modes(body)) = (&fit.found, &fit.model) {
+        text += &modes(&found.modes);
+        for level in &found.influence {
+            let (size, unit) = (significant(level.level, 4), &body.data().units.input);
+            text += &format!("influence at {size} {unit} rms\n{}\n\n", influence(&level.matrix, body.data()));
         }
     }
+    text += &format!("{}\n\n", scores::table(&fit.scores));
+    for finding in &fit.findings {
+        text += &format!("{finding}\n");
+    }
+    for line in &fit.treatment {
+        text += &format!("data: {line}\n");
+    }
+    if let Found::Modes(found) = &fit.found {
+        text += &format!("data: {} parameters were fitted\n", found.parameters);
+    }
+    text
 }
 
 /// Both ends to the digits of the standard error; `*` where they come from a profile.
@@ -108,30 +51,70 @@ fn interval(interval: &Interval, std_error: Option<f64>) -> String {
     format!("{} … {}{mark}", end(interval.low), end(interval.high))
 }
 
-/// The same for people.
-pub fn text(found: &Identification, file: &ModelFile) -> String {
-    let mut headings = vec!["block", "parameter", "value", "std. error", "unit"];
-    let intervals = found.parameters.iter().any(|p| p.interval.is_some());
+fn parameters(list: &[FitParameter]) -> comfy_table::Table {
+    let place = list.first().and_then(|p| p.place.as_ref()).map(|place| match place {
+        Place::Block(_) => "block",
+        Place::Of(_) => "of",
+    });
+    let intervals = list.iter().any(|p| p.interval_95.is_some());
+    let mut headings: Vec<&str> = place.into_iter().collect();
+    headings.extend(["parameter", "value", "std. error", "unit"]);
     if intervals {
         headings.push("95 % interval");
     }
-    let mut parameters = console::table(&headings);
-    for p in &found.parameters {
+    let mut table = console::table(&headings);
+    for p in list {
         let (value, error) = with_std_error(p.value, p.std_error);
-        let error = if p.std_error.is_some() { error } else { "-".to_owned() };
-        let unit = hysteron_report::identification::unit_of(p, file);
-        let mut row = vec![p.block.to_owned(), p.name.clone(), value, error, unit];
+        let error = match (p.held, p.std_error) {
+            (true, _) => "held".to_owned(),
+            (false, None) => "-".to_owned(),
+            (false, Some(_)) => error,
+        };
+        let unit = if p.unit == "1" { String::new() } else { typographic(&p.unit) };
+        let mut row: Vec<String> = match &p.place {
+            Some(Place::Block(name) | Place::Of(name)) => vec![name.clone()],
+            None => Vec::new(),
+        };
+        row.extend([p.name.clone(), value, error, unit]);
         if intervals {
-            row.push(p.interval.map_or("-".to_owned(), |i| interval(&i, p.std_error)));
+            row.push(p.interval_95.map_or("-".to_owned(), |i| interval(&i, p.std_error)));
         }
-        parameters.add_row(row);
+        table.add_row(row);
     }
-    let mut text = format!("{parameters}\n\n{}\n\n", scores::table(&scored(found)));
-    for finding in &found.findings {
-        text += &format!("{finding}\n");
+    table
+}
+
+fn modes(found: &[hysteron_identify::modes::ModeShift]) -> String {
+    let mut modes = console::table(&[
+        "mode",
+        "lowest level [Hz]",
+        "highest level [Hz]",
+        "fall [%]",
+        "damping, lowest [%]",
+        "damping, highest [%]",
+    ]);
+    for (k, m) in found.iter().enumerate() {
+        modes.add_row(vec![
+            (k + 1).to_string(),
+            significant(m.low.frequency_hz, 5),
+            significant(m.high.frequency_hz, 5),
+            significant(100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz), 2),
+            significant(100.0 * m.low.damping, 3),
+            significant(100.0 * m.high.damping, 3),
+        ]);
     }
-    for line in &found.treatment {
-        text += &format!("data: {line}\n");
+    format!("{modes}\n\n")
+}
+
+fn influence(matrix: &InfluenceMatrix, file: &ModesFile) -> comfy_table::Table {
+    let unit = format!("{}/{}", hysteron_model::record::Unit::new(&file.units.output), file.units.input);
+    let mut header = vec![format!("[{unit}]")];
+    header.extend(file.inputs.iter().cloned());
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let mut table = console::table(&header);
+    for (name, row) in file.outputs.iter().zip(matrix.values.chunks(matrix.inputs.max(1))) {
+        let numbers = row.iter().map(|g| significant(*g, 4));
+        table.add_row(std::iter::once(name.clone()).chain(numbers));
     }
-    text
+    table
 }

@@ -1,47 +1,14 @@
-//! A search as it is watched, interrupted and resumed, and what to do about one that fails.
+//! The searches of an interrupted fit, on disk.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use hysteron_identify::{IdentifyError, Searches, Watcher};
-use hysteron_optimize::{OptimizeError, Progress as SearchProgress, ResumeError};
+use hysteron_identify::Searches;
 
 use super::Identify;
 use crate::failure::Failure;
-use crate::progress::Progress;
 
 /// Largest file of interrupted searches read \[bytes\].
 const MAX_RESUME_BYTES: u64 = 256 << 20;
-
-/// Progress bar and Ctrl-C.
-pub(super) struct Console<'a> {
-    stop: &'a AtomicBool,
-    shown: Option<(String, Progress)>,
-}
-
-impl<'a> Console<'a> {
-    pub(super) fn new(stop: &'a AtomicBool) -> Self {
-        Self { stop, shown: None }
-    }
-}
-
-impl Watcher for Console<'_> {
-    fn progress(
-        &mut self,
-        step: &str,
-        progress: &SearchProgress<'_>,
-        _: &dyn Fn() -> Searches,
-    ) -> ControlFlow<()> {
-        if self.shown.as_ref().is_none_or(|(name, _)| name != step) {
-            self.shown = Some((step.to_owned(), Progress::new(step, progress.generations as u64)));
-        }
-        if let Some((_, bar)) = &self.shown {
-            bar.set(progress.generation as u64, format!("best RMSE {:.5}", progress.best_cost));
-        }
-        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
 
 impl Identify {
     pub(super) fn write_searches(&self, searches: &Searches) -> Result<(), Failure> {
@@ -69,35 +36,4 @@ pub(super) fn read_searches(path: &Path) -> Result<Searches, Failure> {
     }
     let bytes = std::fs::read(path).map_err(|e| failure().because(e))?;
     serde_json::from_slice(&bytes).map_err(|e| failure().because(e))
-}
-
-/// The library's error with what to do about it.
-pub(super) fn explain(error: &IdentifyError) -> Failure {
-    const TITLE: &str = "no model was identified";
-    let failure = Failure::new(TITLE).because(error);
-    match error {
-        IdentifyError::UnknownParameter { .. }
-        | IdentifyError::Demand { .. }
-        | IdentifyError::CreepTakesJointFit
-        | IdentifyError::Option { .. } => Failure::usage(TITLE).because(error),
-        IdentifyError::Optimize(OptimizeError::Resume(error)) => {
-            let failure = Failure::new(TITLE).hint(
-                "resume with the records and options of the interrupted run; or leave --resume out and begin anew",
-            );
-            match error {
-                ResumeError::Problem { .. } => {
-                    failure.because("the interrupted searches are of other records or options")
-                }
-                error => failure.because(error),
-            }
-        }
-        IdentifyError::ModelClass { .. } => failure.hint(
-            "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 hands the model \
-             out all the same",
-        ),
-        IdentifyError::NotUniform { .. } => failure.hint("give --sample-rate HZ, or --dynamics none"),
-        IdentifyError::Constant { .. } => failure.hint("choose other columns with --input and --output"),
-        IdentifyError::Units { .. } => failure.hint("correct the headers, or choose columns with --input and --output"),
-        _ => failure,
-    }
 }

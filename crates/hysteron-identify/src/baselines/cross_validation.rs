@@ -9,6 +9,7 @@ use super::{Baseline, BaselineError, Trained, lag_intervals, train};
 use crate::structure::Fold;
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, score};
+use hysteron_optimize::Stop;
 
 /// A baseline in a cross-validation.
 #[derive(Clone, Debug)]
@@ -44,12 +45,12 @@ impl CrossValidated {
 /// rate of the record. The samples that start a simulation are not scored. The times between lags are chosen
 /// from those for the drives of all records; everything else from what is trained on.
 ///
-/// `stop` is asked between trainings; `None` where it said so.
+/// `stop` is looked at between trainings; `None` where it was asked for.
 pub fn cross_validate(
     kind: Baseline,
     records: &[InputOutput],
     folds: &[Fold],
-    stop: &(dyn Fn() -> bool + Sync),
+    stop: &Stop,
 ) -> Option<CrossValidated> {
     let begun = Instant::now();
     let mut found = CrossValidated {
@@ -75,8 +76,8 @@ pub fn cross_validate(
                 error_on(&trained, held)
             };
             let (whole, errors) = rayon::join(
-                || (!stop()).then(whole),
-                || folds.par_iter().map(|f| (!stop()).then(|| on_fold(f))).collect::<Vec<_>>(),
+                || (!stop.is_requested()).then(whole),
+                || folds.par_iter().map(|f| (!stop.is_requested()).then(|| on_fold(f))).collect::<Vec<_>>(),
             );
             match whole? {
                 Ok((model, rmse)) => (found.model, found.training_rmse) = (Some(model), Some(rmse)),

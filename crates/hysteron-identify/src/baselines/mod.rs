@@ -34,7 +34,7 @@ pub use free_run::OneStep;
 pub use kernel_narx::KernelNarx;
 pub use monomial::Monomial;
 pub use neural_narx::NeuralNarx;
-pub use orthogonal_least_squares::{Selected, Stop, select};
+pub use orthogonal_least_squares::{Selected, StoppingRule, select};
 pub use polynomial_narx::PolynomialNarx;
 pub use regressors::{Lags, Regressors, Series};
 pub use signals::{Scale, Units, lag_intervals};

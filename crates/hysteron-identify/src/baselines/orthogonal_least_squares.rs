@@ -16,7 +16,7 @@ pub struct Selected {
 
 /// What remains of the target after each selection ends the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stop {
+pub struct StoppingRule {
     /// Terms at most.
     pub terms: usize,
     /// The search ends where the criterion N ln(Σ e²) + k ln N (Schwarz 1978, doi:10.1214/aos/1176344136) has
@@ -31,9 +31,9 @@ pub struct Stop {
 /// w being what is left of the column after projection on those selected before (S. Chen, S. A. Billings, W.
 /// Luo, Int. J. Control 50 (1989) 1873–1896, doi:10.1080/00207178908953472). Neither the selection nor the
 /// ratios depend on the scales of the columns or of the target. Columns are overwritten by what is left of them
-/// (modified Gram–Schmidt). Ends with the best value of the criterion in [`Stop`]; terms after it are not
+/// (modified Gram–Schmidt). Ends with the best value of the criterion in [`StoppingRule`]; terms after it are not
 /// returned.
-pub fn select(columns: &mut [Vec<f64>], target: &[f64], stop: &Stop) -> Vec<Selected> {
+pub fn select(columns: &mut [Vec<f64>], target: &[f64], stop: &StoppingRule) -> Vec<Selected> {
     let rows = target.len() as f64;
     let whole = dot(target, target);
     let squares: Vec<f64> = columns.iter().map(|c| dot(c, c)).collect();
@@ -88,7 +88,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
     use proptest::prelude::*;
 
-    const STOP: Stop = Stop { terms: 20, patience: 3 };
+    const STOP: StoppingRule = StoppingRule { terms: 20, patience: 3 };
 
     fn wave(k: usize, j: usize) -> f64 {
         ((k * k + 3 * k * j) as f64 * 0.61 + j as f64).sin() + 0.2 * (k as f64 * 0.05 * j as f64).cos()
@@ -116,7 +116,7 @@ mod tests {
             .map(|k| 2.0 * all[4][k] - 0.7 * all[1][k] + 0.3 * all[7][k] + 0.1 * wave(k, 30))
             .collect();
         let whole: f64 = target.iter().map(|y| y * y).sum();
-        let selected = select(&mut all.clone(), &target, &Stop { terms: 9, patience: 9 });
+        let selected = select(&mut all.clone(), &target, &StoppingRule { terms: 9, patience: 9 });
         assert!(selected.len() >= 3, "{selected:?}");
         let mut chosen = Vec::new();
         for step in &selected {

@@ -3,7 +3,7 @@
 use super::BaselineError;
 use super::free_run::{Differentiable, OneStep, simulated_error};
 use super::monomial::Monomial;
-use super::orthogonal_least_squares::{Stop, select};
+use super::orthogonal_least_squares::{StoppingRule, select};
 use super::regressors::{Lags, Regressors, Series};
 use super::simulation_error::{Feedback, refine};
 use super::training_set::{Rows, TrainingSet};
@@ -12,7 +12,7 @@ use hysteron_numeric::triangular;
 /// Highest degree of a term: the least with which rate-independent hysteresis is a model (see [`Lags`]).
 const DEGREE: usize = 3;
 /// Terms at most, and terms without gain after which the selection ends.
-const STOP: Stop = Stop { terms: 30, patience: 4 };
+const STOP: StoppingRule = StoppingRule { terms: 30, patience: 4 };
 /// Rows that terms are selected on, and that coefficients are fitted to.
 const ROWS_SELECTED_ON: usize = 6000;
 const ROWS_FITTED: usize = 60_000;

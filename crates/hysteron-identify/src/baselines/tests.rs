@@ -1,5 +1,6 @@
 //! What every baseline keeps to.
 
+use hysteron_optimize::Stop;
 use std::f64::consts::TAU;
 
 use proptest::prelude::*;
@@ -158,7 +159,7 @@ fn what_is_left_out_is_scored_by_what_is_trained_on_the_rest_whatever_the_thread
     let folds = [whole(3), part];
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| cross_validate(Baseline::Kernel, &records, &folds, &|| false)).unwrap()
+        pool.install(|| cross_validate(Baseline::Kernel, &records, &folds, &Stop::new())).unwrap()
     };
     let (one, three) = (run(1), run(3));
     assert_eq!(one.fold_rmse, three.fold_rmse);
@@ -170,7 +171,7 @@ fn what_is_left_out_is_scored_by_what_is_trained_on_the_rest_whatever_the_thread
     // The last record is not trained on: its output may be anything, the error says so.
     let mut other = records.clone();
     other[3].y.iter_mut().skip(100).for_each(|y| *y *= 2.0);
-    let changed = cross_validate(Baseline::Kernel, &other, &folds[..1], &|| false).unwrap();
+    let changed = cross_validate(Baseline::Kernel, &other, &folds[..1], &Stop::new()).unwrap();
     let trained = train(Baseline::Kernel, &records[..3], &lag_intervals(&records).unwrap());
     let trained = trained.unwrap();
     let simulated = trained.simulate(&other[3]).unwrap();
@@ -179,7 +180,9 @@ fn what_is_left_out_is_scored_by_what_is_trained_on_the_rest_whatever_the_thread
     let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     let expected = (errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64).sqrt();
     assert!((changed.fold_rmse[0].unwrap() / expected - 1.0).abs() < 1e-12);
-    assert!(cross_validate(Baseline::Kernel, &records, &folds, &|| true).is_none());
+    let stop = Stop::new();
+    stop.request();
+    assert!(cross_validate(Baseline::Kernel, &records, &folds, &stop).is_none());
 }
 
 /// y_k from the definition: lagged samples, binomial coefficients, one product after the other.

@@ -10,16 +10,20 @@ mod written;
 
 use rayon::prelude::*;
 
-use super::{Finding, FindingKind};
+use super::engine::Engine;
+use super::watch::Plan;
+use super::{Finding, FindingKind, Searches, Watch};
+use hysteron_model::Model;
 use hysteron_model::axes::{
     AxesError, AxesRecord, AxesScoreError, AxesScores, CoupledErrors, CoupledHammerstein, SteadyPeriod,
 };
+use hysteron_model::model_file::{CoupledFile, SignalUnits};
 use hysteron_model::validate::Scoring;
 use hysteron_optimize::{
-    Algorithm, Differences, LeastSquaresOptions, Observer, OptimizeError, Problem, Settings, minimize,
-    residual_jacobian,
+    Algorithm, Differences, LeastSquaresOptions, OptimizeError, Problem, Settings, Stop, residual_jacobian,
 };
 use problem::{CoupledProblem, OF_ACTUATOR, OF_PATH, Piece};
+use serde::{Deserialize, Serialize};
 
 /// Damping ratios and shares of the sample rate that natural frequencies start from.
 const DAMPINGS: [f64; 3] = [0.02, 0.15, 0.8];
@@ -52,6 +56,9 @@ pub enum CoupledFitError {
         /// In what they differ.
         what: &'static str,
     },
+    /// Stopped too early.
+    #[error("the fit was stopped before there was a model")]
+    Stopped,
     /// No start could be simulated or the inputs are not told apart.
     #[error(
         "no branches can be fitted: an input does not move, or moves together with another in all records"
@@ -77,6 +84,24 @@ pub enum CoupledFitError {
     },
 }
 
+/// What a user can ask of the identification.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// Least fit accepted, pooled over the outputs of each record \[%\].
+    pub least_fit_percent: f64,
+}
+
+impl Default for Options {
+    /// At least 75 % explained.
+    fn default() -> Self {
+        Self { least_fit_percent: 75.0 }
+    }
+}
+
+/// Stages of the identification.
+const PLAN: Plan = Plan(&[("starts", 0.3), ("branches", 0.6), ("standard errors", 0.1)]);
+
 /// Identified branches.
 #[derive(Clone, Debug)]
 pub struct CoupledIdentification {
@@ -88,17 +113,22 @@ pub struct CoupledIdentification {
     pub records: Vec<AxesScores>,
     /// Verdicts, advice and warnings in plain words.
     pub findings: Vec<Finding>,
+    /// The search was stopped early; the model is the best so far.
+    pub interrupted: bool,
+    /// State to go on from.
+    pub resume: Searches,
 }
 
 /// Identifies the branches from records that share the device, the sample rate and the channels. Every input rested at its first sample
-/// before its record, or is in its steady state where all of them repeat. An observer that stops the search gets the best so far.
+/// before its record, or is in its steady state where all of them repeat.
 ///
 /// # Errors
 /// [`CoupledFitError`].
 pub fn identify(
     records: &[AxesRecord],
-    least_fit_percent: f64,
-    observer: &mut dyn Observer,
+    options: &Options,
+    watch: &Watch<'_>,
+    resume: Option<Searches>,
 ) -> Result<CoupledIdentification, CoupledFitError> {
     let first = records.first().filter(|r| !r.y.is_empty()).ok_or(CoupledFitError::NoRecords)?;
     same(first, records)?;
@@ -110,16 +140,25 @@ pub fn identify(
         })
         .collect();
     let problem = CoupledProblem::new(&pieces, None).ok_or(CoupledFitError::NoRecords)?;
-    let starts: Vec<Vec<f64>> = SHAPES.par_iter().filter_map(|shape| start(&problem, *shape)).collect();
+    let mut engine = Engine::new(None, Settings::default(), watch, PLAN, resume);
+    engine.enter("starts");
+    let starts: Vec<Vec<f64>> =
+        SHAPES.par_iter().filter_map(|shape| start(&problem, *shape, watch.stop())).collect();
     if starts.is_empty() {
-        return Err(CoupledFitError::NoStart);
+        return Err(if watch.is_stopped() { CoupledFitError::Stopped } else { CoupledFitError::NoStart });
     }
-    let options =
+    let search =
         LeastSquaresOptions { starts: starts.len(), agreement: None, ..LeastSquaresOptions::default() };
-    let settings = Settings { starts, ..Settings::default() };
-    let found = minimize(&problem, &Algorithm::LeastSquares(options), &settings, observer, None)?;
+    let shown = |x: &[f64]| {
+        let units = SignalUnits::of(&first.u_unit, &first.y_unit);
+        let names = (first.inputs.clone(), first.outputs.clone());
+        Model::try_from(CoupledFile::new(&problem.model(x)?, None, units, names)).ok()
+    };
+    let search = Algorithm::LeastSquares(search);
+    let found = engine.run("branches", &problem, &search, starts, Some(&shown))?.outcome;
     let model = problem.model(&found.best).ok_or(CoupledFitError::NoStart)?;
-    let errors = errors(&pieces, &problem, &model, &found.best);
+    let errors =
+        if engine.enter("standard errors") { errors(&pieces, &problem, &model, &found.best) } else { None };
     let scores = pieces
         .iter()
         .map(|piece| {
@@ -130,13 +169,15 @@ pub fn identify(
         .collect::<Result<Vec<_>, CoupledFitError>>()?;
     for (record, score) in records.iter().zip(&scores) {
         let fit_percent = score.fit_percent.unwrap_or(0.0);
-        if fit_percent < least_fit_percent {
-            let record = record.label();
-            return Err(CoupledFitError::ModelClass { record, fit_percent, need: least_fit_percent });
+        // Who interrupts takes what there is.
+        if fit_percent < options.least_fit_percent && !engine.cancelled {
+            let (record, need) = (record.label(), options.least_fit_percent);
+            return Err(CoupledFitError::ModelClass { record, fit_percent, need });
         }
     }
     let findings = findings(errors.as_ref());
-    Ok(CoupledIdentification { model, errors, records: scores, findings })
+    let (interrupted, resume) = (engine.cancelled, engine.searches());
+    Ok(CoupledIdentification { model, errors, records: scores, findings, interrupted, resume })
 }
 
 fn same(first: &AxesRecord, records: &[AxesRecord]) -> Result<(), CoupledFitError> {
@@ -155,8 +196,8 @@ fn same(first: &AxesRecord, records: &[AxesRecord]) -> Result<(), CoupledFitErro
     Ok(())
 }
 
-/// Best point of the lattice, one path after the other; `None` where nothing can be simulated.
-fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64)) -> Option<Vec<f64>> {
+/// Best point of the lattice, one path after the other; `None` where nothing can be simulated, or it was stopped.
+fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64), stop: &Stop) -> Option<Vec<f64>> {
     let bounds = problem.bounds();
     let rate = problem.pieces.first()?.record.sample_rate_hz;
     let mut x: Vec<f64> = bounds.ranges.iter().map(|r| r.from_unit(0.5)).collect();
@@ -185,6 +226,9 @@ fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64)) -> Option<Vec<
         for path in 0..paths {
             let (m, n) = (path / problem.inputs, path % problem.inputs);
             let attempt = |values: &[f64; 3]| {
+                if stop.is_requested() {
+                    return None;
+                }
                 let mut moved = x.clone();
                 set(&mut moved, path, values);
                 let column = problem.column(&problem.point(&moved), m, n)?;

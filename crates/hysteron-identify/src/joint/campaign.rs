@@ -41,7 +41,7 @@ impl<'a> JointMember<'a> {
     pub(in super::super) fn new(
         facts: &'a RecordFacts,
         options: &Options,
-        engine: &mut Engine<'_>,
+        engine: &mut Engine<'_, '_>,
     ) -> Result<Self, IdentifyError> {
         let rate_hz = facts.require_sample_rate()?;
         let first = facts.data.u[0];

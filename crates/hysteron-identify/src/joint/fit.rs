@@ -1,6 +1,6 @@
 //! From records to a model in one fit: reduced records from many starts, then all samples from the best.
 
-use super::super::engine::{Engine, Search};
+use super::super::engine::{Engine, Search, Show};
 use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::super::result::{Identification, RecordFit, Reduction, StructureChoice};
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE, OFFSET};
@@ -15,9 +15,10 @@ use super::problem::{JointProblem, JointSolution};
 use super::setup::{self, JointSetup, memory_name};
 use super::smoothing::smoothed;
 use super::starts::Starts;
+use crate::watch::Plan;
 use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::model_file::polynomial_name;
+use hysteron_model::model_file::{ModelFile, SignalUnits, polynomial_name};
 use hysteron_model::validate::{Scoring, mean_residual, score};
 use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
 use rayon::prelude::*;
@@ -31,12 +32,39 @@ const AGREEMENT: usize = 3;
 /// Starts with fitted dynamics, beside the best one as it is, before any other.
 const FIRST_STARTS: usize = 2;
 
+/// Stages of a joint fit by least squares.
+pub(in super::super) const PLAN: Plan = Plan(&[
+    ("start of", 0.05),
+    ("slowest record", 0.05),
+    ("dynamics, start", 0.10),
+    ("joint fit", 0.25),
+    ("joint fit, other starts", 0.15),
+    ("joint fit, population", 0.05),
+    ("joint fit, polished", 0.02),
+    ("joint fit with creep", 0.05),
+    ("degree", 0.08),
+    (ALL_SAMPLES, 0.10),
+    (ERRORS, 0.10),
+]);
+/// Stages of a joint fit by a population method.
+pub(in super::super) const POPULATION_PLAN: Plan = Plan(&[
+    ("start of", 0.02),
+    ("joint fit", 0.80),
+    ("joint fit, polished", 0.02),
+    ("joint fit with creep", 0.02),
+    ("degree", 0.05),
+    (ALL_SAMPLES, 0.05),
+    (ERRORS, 0.04),
+]);
+const ALL_SAMPLES: &str = "all samples";
+const ERRORS: &str = "standard errors and intervals";
+
 /// Identifies both blocks from all records at once.
 pub(in super::super) fn identify(
     facts: &[RecordFacts],
     roles: &[RecordRole],
     options: &Options,
-    mut engine: Engine<'_>,
+    mut engine: Engine<'_, '_>,
 ) -> Result<Identification, IdentifyError> {
     let form = setup::form(options);
     check_demands(options, &form, facts.len())?;
@@ -51,7 +79,8 @@ pub(in super::super) fn identify(
         Choice::Auto => DEGREE_OF_STARTS,
     };
     let problem = setup.problem(first_degree, reduced)?;
-    let mut search = search_globally(&problem, &setup, &mut engine)?;
+    let grown = |x: &[f64]| shown(&problem, x, &setup);
+    let mut search = search_globally(&problem, &setup, &mut engine, Some(&grown))?;
     if options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None {
         let creeping = setup.with(DynamicForm { creep: Creep::Fractional, ..form }, options);
         if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, &mut engine)? {
@@ -62,14 +91,14 @@ pub(in super::super) fn identify(
     let mut degrees = Vec::new();
     let mut degree = first_degree;
     let mut best = search.outcome.best.clone();
-    if options.degree == Choice::Auto {
+    if options.degree == Choice::Auto && !engine.cancelled {
         (degree, best) = choose_degree(&setup, reduced, &search, &mut engine, &mut degrees)?;
     }
     let small = if reduced { Some(setup.problem(degree, true)?) } else { None };
     let at_small = best.clone();
     let (problem, x, mut reduction) = if let Some(small) = &small {
         let whole = setup.problem(degree, false)?;
-        let polished = engine.quick_fit("all samples", &whole, vec![best.clone()])?;
+        let polished = engine.quick_fit(ALL_SAMPLES, &whole, vec![best.clone()])?;
         let reduction = Reduction { samples: whole.residual_count(), searched: small.valid(), moved: 0.0 };
         search.outcome.cost = polished.outcome.cost;
         search.outcome.best.clone_from(&polished.outcome.best);
@@ -80,13 +109,16 @@ pub(in super::super) fn identify(
         search.outcome.best.clone_from(&best);
         (whole, best, None)
     };
-    let smoothed = smoothed(&problem, &x);
+    // Who interrupts takes what there is, at once.
+    let certain = engine.enter(ERRORS);
+    let smoothed = if certain { smoothed(&problem, &x) } else { None };
     let (linearisation, known_small) = rayon::join(
         || match &smoothed {
             Some((coefficients, _)) => problem.linearise_at(&x, coefficients),
-            None => problem.linearise(&x),
+            None if certain => problem.linearise(&x),
+            None => None,
         },
-        || small.as_ref().and_then(|small| knowledge::knowledge(small, &at_small)),
+        || small.as_ref().filter(|_| certain).and_then(|small| knowledge::knowledge(small, &at_small)),
     );
     let solution = match &linearisation {
         Some(linearisation) => problem.solution(&x, &linearisation.coefficients),
@@ -100,7 +132,9 @@ pub(in super::super) fn identify(
         || linearisation.and_then(|linearisation| knowledge::knowledge_of(&problem, &x, linearisation)),
     );
     let mut fits = fits?;
-    findings::require_fit(&fits, facts, options)?;
+    if certain {
+        findings::require_fit(&fits, facts, options)?;
+    }
     let own = known.as_ref().map(|known| &known.covariance);
     if let (Some(reduction), Some(own)) = (&mut reduction, own) {
         reduction.moved = moved(own, &x, &at_small);
@@ -130,10 +164,10 @@ pub(in super::super) fn identify(
     if let Some(known) = &known {
         let found = match (&small, &known_small) {
             // The likelihood of weights that are drawn together is not that of the records.
-            _ if structure.smoothing.is_some() => Vec::new(),
-            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance),
+            _ if structure.smoothing.is_some() || engine.stop().is_requested() => Vec::new(),
+            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance, engine.stop()),
             (Some(_), None) => Vec::new(),
-            (None, _) => intervals(&problem, known, &known.covariance),
+            (None, _) => intervals(&problem, known, &known.covariance, engine.stop()),
         };
         parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
     }
@@ -153,11 +187,20 @@ pub(in super::super) fn identify(
         findings: Vec::new(),
         treatment: Vec::new(),
         excited_hz: super::super::campaign::excited(facts),
-        cancelled: engine.cancelled,
+        cancelled: engine.cancelled || engine.stop().is_requested(),
         resume: engine.searches(),
     };
     findings::write(facts, options, &mut identification);
     Ok(identification)
+}
+
+/// The model at a point of the search as it would be handed out, without errors and scores.
+fn shown(problem: &JointProblem, x: &[f64], setup: &JointSetup<'_>) -> Option<hysteron_model::Model> {
+    let solution = problem.solve(x)?;
+    let law = assemble(&solution, &setup.form, setup.members, setup.options).ok()?;
+    let first = &setup.members.first()?.facts.data;
+    let units = SignalUnits::of(&first.u_unit, &first.y_unit);
+    hysteron_model::Model::try_from(ModelFile::from_model(&law, units)).ok()
 }
 
 /// The model's simulation of every record. Where the offset is free, the model's own is that of its first record.
@@ -198,10 +241,11 @@ fn simulated(
 fn search_globally(
     problem: &JointProblem,
     setup: &JointSetup<'_>,
-    engine: &mut Engine<'_>,
+    engine: &mut Engine<'_, '_>,
+    show: Show<'_>,
 ) -> Result<Search, IdentifyError> {
     if let Some(algorithm) = &setup.options.algorithm {
-        let mut search = engine.search("joint fit", problem, setup.guesses(problem)?)?;
+        let mut search = engine.search("joint fit", problem, setup.guesses(problem)?, show)?;
         if algorithm.name() != "least-squares" && !engine.cancelled {
             let best = search.outcome.best.clone();
             let polished = engine.quick_fit("joint fit, polished", problem, vec![best])?.outcome;
@@ -210,9 +254,9 @@ fn search_globally(
         return Ok(search);
     }
     let mut search = if setup.options.start.is_some() {
-        engine.search("joint fit", problem, setup.guesses(problem)?)?
+        engine.search("joint fit", problem, setup.guesses(problem)?, show)?
     } else {
-        search_from_places(problem, setup, engine)?
+        search_from_places(problem, setup, engine, show)?
     };
     if agreeing(&search) >= AGREEMENT || engine.cancelled {
         return Ok(search);
@@ -220,7 +264,7 @@ fn search_globally(
     let population = Algorithm::DeAbc(DeAbcOptions::default());
     let generations = (setup.options.generations / 20).max(5);
     let starts = vec![search.outcome.best.clone()];
-    let wide = engine.run_for("joint fit, population", problem, &population, starts, generations)?;
+    let wide = engine.run_for("joint fit, population", problem, &population, starts, generations, show)?;
     search.outcome.evaluations += wide.outcome.evaluations;
     let starts = vec![wide.outcome.best];
     take_better(&mut search, engine.quick_fit("joint fit, population polished", problem, starts)?);
@@ -231,19 +275,20 @@ fn search_globally(
 fn search_from_places(
     problem: &JointProblem,
     setup: &JointSetup<'_>,
-    engine: &mut Engine<'_>,
+    engine: &mut Engine<'_, '_>,
+    show: Show<'_>,
 ) -> Result<Search, IdentifyError> {
     let places = setup.places(problem, engine)?;
     let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
     points.extend(setup.unfitted(problem, &places));
-    let mut search = engine.fit_from("joint fit", problem, points)?;
+    let mut search = engine.fit_from("joint fit", problem, points, show)?;
     search.outcome.evaluations += places.evaluations + evaluations;
     if agreeing(&search) >= AGREEMENT || engine.cancelled {
         return Ok(search);
     }
     let others = setup.fitted(problem, &places, FIRST_STARTS..usize::MAX, engine)?;
     search.outcome.evaluations += others.evaluations;
-    take_better(&mut search, engine.search("joint fit, other starts", problem, others.points)?);
+    take_better(&mut search, engine.search("joint fit, other starts", problem, others.points, show)?);
     Ok(search)
 }
 
@@ -264,7 +309,7 @@ fn try_creep(
     setup: &JointSetup<'_>,
     degree: usize,
     reduced: bool,
-    engine: &mut Engine<'_>,
+    engine: &mut Engine<'_, '_>,
 ) -> Result<Option<Search>, IdentifyError> {
     let coloured = information(plain, &found.outcome.best) < WHITE * plain.valid() as f64;
     if !coloured || engine.cancelled {
@@ -313,7 +358,7 @@ fn choose_degree(
     setup: &JointSetup<'_>,
     reduced: bool,
     found: &Search,
-    engine: &mut Engine<'_>,
+    engine: &mut Engine<'_, '_>,
     tried: &mut Vec<(usize, f64, f64)>,
 ) -> Result<(usize, Vec<f64>), IdentifyError> {
     let demanded = (1..=super::super::HIGHEST_DEGREE)

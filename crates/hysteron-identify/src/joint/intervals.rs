@@ -5,6 +5,7 @@ use super::super::layout::Role;
 use super::knowledge::{Covariance, Knowledge};
 use super::problem::{JointProblem, JointWorkspace};
 use super::profile::{Fit, Optimum, Profiled};
+use hysteron_optimize::Stop;
 use hysteron_optimize::{LeastSquaresProblem, Problem};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -72,11 +73,12 @@ impl Interval {
 }
 
 /// Intervals of everything that `whole` has a standard error of, in its order and symbols (unit-α). The shape of the sum of
-/// squares is taken from `problem`, which may be the reduced one, at its own optimum `known`.
+/// squares is taken from `problem`, which may be the reduced one, at its own optimum `known`. What `stop` cuts short stays unchecked.
 pub(in super::super) fn intervals(
     problem: &JointProblem,
     known: &Knowledge,
     whole: &Covariance,
+    stop: &Stop,
 ) -> Vec<Option<Interval>> {
     let at = &known.covariance.values;
     let free: Vec<usize> = (0..at.len()).filter(|&j| known.covariance.std_error(j).is_some()).collect();
@@ -113,6 +115,9 @@ pub(in super::super) fn intervals(
         .flat_map_iter(|some| {
             let mut fit = whole_fit();
             let departure = |(_, profiled): &(usize, Profiled<'_>)| {
+                if stop.is_requested() {
+                    return [0.0; 2];
+                }
                 [-LOOK_AT, LOOK_AT]
                     .map(|steps| (profiled.along_valley(&mut fit, &optimum, steps) / steps - 1.0).abs())
             };
@@ -129,6 +134,9 @@ pub(in super::super) fn intervals(
     // The most curved first, as far as the work goes.
     curved.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     curved.truncate((left / PROFILE) as usize);
+    if stop.is_requested() {
+        return found;
+    }
     let profiles: Vec<Option<Interval>> = curved
         .par_iter()
         .map(|&(_, j)| {
@@ -261,7 +269,9 @@ mod tests {
         let error = known.covariance.std_error(0).unwrap();
         assert!((error / variance.sqrt() - 1.0).abs() < 0.15, "{error} {}", variance.sqrt());
 
-        let [Some(interval)] = intervals(&problem, &known, &known.covariance)[..] else { panic!() };
+        let [Some(interval)] = intervals(&problem, &known, &known.covariance, &Stop::new())[..] else {
+            panic!()
+        };
         assert_eq!(interval.method, IntervalMethod::Quadratic);
         assert!((interval.high - (slope + 1.96 * error)).abs() < 1e-4 * error);
         assert!((interval.low - (slope - 1.96 * error)).abs() < 1e-4 * error);

@@ -22,7 +22,7 @@ mod tests;
 
 pub use band::{OutputUncertainty, PredictionBand};
 pub(super) use campaign::JointMember;
-pub(super) use fit::{assemble, identify};
+pub(super) use fit::{PLAN, POPULATION_PLAN, assemble, identify};
 pub use intervals::{Interval, IntervalMethod};
 pub use knowledge::Covariance;
 pub(super) use knowledge::coloured_square;

@@ -1,7 +1,7 @@
 //! The joint fit as a problem of its own: to study its cost, or to hand it to another optimiser.
 
 use super::super::campaign::usable;
-use super::super::{CampaignRecord, Choice, Engine, IdentifyError, Options, Unwatched};
+use super::super::{CampaignRecord, Choice, Engine, IdentifyError, Options, Watch};
 use super::campaign::JointMember;
 use super::fit::DEGREE_OF_STARTS;
 use super::problem::{JointProblem, JointWorkspace};
@@ -30,8 +30,8 @@ impl JointObjective {
     pub fn new(campaign: &[CampaignRecord], options: &Options, reduced: bool) -> Result<Self, IdentifyError> {
         options.validate()?;
         let facts = usable(campaign)?;
-        let mut watcher = Unwatched;
-        let mut engine = Engine::new(None, Settings::default(), &mut watcher, None);
+        let watch = Watch::silent();
+        let mut engine = Engine::new(None, Settings::default(), &watch, super::PLAN, None);
         let members = facts
             .iter()
             .map(|facts| JointMember::new(facts, options, &mut engine))

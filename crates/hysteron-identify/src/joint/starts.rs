@@ -92,7 +92,7 @@ impl JointSetup<'_> {
     pub(super) fn places(
         &self,
         problem: &JointProblem,
-        engine: &mut Engine<'_>,
+        engine: &mut Engine<'_, '_>,
     ) -> Result<Places, IdentifyError> {
         let mut evaluations = 0;
         let loops = self.loops(problem, engine, &mut evaluations)?;
@@ -107,7 +107,7 @@ impl JointSetup<'_> {
         problem: &JointProblem,
         places: &Places,
         which: Range<usize>,
-        engine: &mut Engine<'_>,
+        engine: &mut Engine<'_, '_>,
     ) -> Result<Starts, IdentifyError> {
         let mut starts = Starts::default();
         let pairs = places.motions.iter().zip(places.loops.iter().cycle()).enumerate();
@@ -173,7 +173,7 @@ impl JointSetup<'_> {
     fn loops(
         &self,
         whole: &JointProblem,
-        engine: &mut Engine<'_>,
+        engine: &mut Engine<'_, '_>,
         evaluations: &mut usize,
     ) -> Result<Vec<Loop>, IdentifyError> {
         let options = self.fast(whole.bounds());

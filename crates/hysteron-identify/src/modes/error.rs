@@ -6,6 +6,9 @@ use hysteron_model::axes::AxesError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModesFitError {
+    /// Stopped too early.
+    #[error("the fit was stopped before there was a model")]
+    Stopped,
     /// A record or model that cannot be used.
     #[error(transparent)]
     Axes(#[from] AxesError),

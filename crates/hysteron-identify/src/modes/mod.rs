@@ -26,13 +26,13 @@ mod written;
 pub use error::ModesFitError;
 pub use summary::{LevelInfluence, ModeShift, ModesRecordFit};
 
-use std::ops::ControlFlow;
-
-use super::Finding;
+use super::{Finding, Watch};
 use hysteron_model::axes::{AxesRecord, InfluenceMatrix, ScheduledModes};
+use serde::{Deserialize, Serialize};
 
 /// What a user can ask of the identification.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Pairs of poles the vector fit starts from; `None`: chosen by how well they follow the response. What is found can be fewer.
     pub modes: Option<usize>,
@@ -74,22 +74,6 @@ impl Default for Options {
     }
 }
 
-/// Where the identification stands.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ModesProgress {
-    /// What is being done.
-    pub step: &'static str,
-    /// Work done, of `whole`, as far as it can be foreseen.
-    pub done: u64,
-    /// All of it.
-    pub whole: u64,
-    /// rms error of the records so far, each level alike \[output unit\]; `None` before the first simulation.
-    pub rmse: Option<f64>,
-}
-
-/// Told of progress; may stop the search, of which the best so far is then handed out.
-pub type ModesObserver<'a> = dyn FnMut(&ModesProgress) -> ControlFlow<()> + 'a;
-
 /// An identified model.
 #[derive(Clone, Debug)]
 pub struct ModesIdentification {
@@ -122,7 +106,7 @@ pub struct ModesIdentification {
 pub fn identify(
     records: &[AxesRecord],
     options: &Options,
-    observer: &mut ModesObserver<'_>,
+    watch: &Watch<'_>,
 ) -> Result<ModesIdentification, ModesFitError> {
-    summary::identify(records, options, observer)
+    summary::identify(records, options, watch)
 }

@@ -7,6 +7,7 @@ use super::columns::Freedom;
 use super::records::Piece;
 use hysteron_model::axes::{ScheduledModes, Trajectory, simulate_steady};
 use hysteron_numeric::{FeedbackTangent, InstructionSet, LANES, Lanes, TangentState};
+use hysteron_optimize::Stop;
 
 /// Blocks of columns multiplied with each other at once.
 const PANEL: usize = 4;
@@ -55,17 +56,18 @@ pub(super) fn cost(model: &ScheduledModes, pieces: &[&Piece]) -> f64 {
     costs.iter().sum()
 }
 
-/// The normal equations at the model; `None` where a record cannot be simulated.
+/// The normal equations at the model; `None` where a record cannot be simulated, or it was stopped.
 pub(super) fn normal_equations(
     model: &ScheduledModes,
     freedom: &Freedom,
     pieces: &[&Piece],
+    stop: &Stop,
 ) -> Option<NormalEquations> {
     let count = freedom.columns.len();
     let mut sum = NormalEquations { matrix: DMatrix::zeros(count, count), gradient: DVector::zeros(count) };
     for piece in pieces {
         let s = model.state_of(&piece.period);
-        let (matrix, gradient) = of_record(model, freedom, piece, s)?;
+        let (matrix, gradient) = of_record(model, freedom, piece, s, stop)?;
         let factor = |scheduled: bool| if scheduled { s } else { 1.0 };
         for (j, b) in freedom.columns.iter().enumerate() {
             let weight = piece.weight * factor(b.scheduled);
@@ -84,11 +86,12 @@ fn of_record(
     freedom: &Freedom,
     piece: &Piece,
     s: f64,
+    stop: &Stop,
 ) -> Option<(DMatrix<f64>, DVector<f64>)> {
     let (compared, faded) = preroll(model, s, piece.fine.len() / model.inputs);
     let trajectory = Trajectory::new(model, s, &piece.fine, compared, faded)?;
     let e = difference(piece, &trajectory.y);
-    let blocks = derivatives(model, freedom, &trajectory, s);
+    let blocks = derivatives(model, freedom, &trajectory, s, stop);
     let (outputs, samples) = (model.outputs, piece.period.samples());
     // Panels of each output: its dynamic columns, then its own signals and the residual.
     let dynamic: Vec<&[Vec<Lanes>]> = blocks.chunks(PANEL).collect();
@@ -108,6 +111,9 @@ fn of_record(
         .collect();
     let products: Vec<DMatrix<f64>> =
         pairs.par_iter().map(|&(m, a, b)| panels[m][a].transposed_times(&panels[m][b])).collect();
+    if stop.is_requested() {
+        return None;
+    }
     let size = freedom.base_columns(outputs);
     let (mut matrix, mut gradient) = (DMatrix::zeros(size, size), DVector::zeros(size));
     let residual = freedom.own.len();
@@ -139,12 +145,13 @@ fn of_record(
     Some((matrix, gradient))
 }
 
-/// Derivatives of the outputs with respect to the dynamic columns, block by block: outputs · samples lanes each.
+/// Derivatives of the outputs with respect to the dynamic columns, block by block: outputs · samples lanes each; zeros once it is stopped.
 pub(super) fn derivatives(
     model: &ScheduledModes,
     freedom: &Freedom,
     trajectory: &Trajectory,
     s: f64,
+    stop: &Stop,
 ) -> Vec<Vec<Lanes>> {
     let at = model.at(s);
     let (n, x) = (model.inputs, model.states());
@@ -179,7 +186,9 @@ pub(super) fn derivatives(
     let set = InstructionSet::detected();
     let run = |forcing: &Vec<_>| {
         let mut out = vec![[0.0; LANES]; trajectory.y.len()];
-        system.run(set, forcing, &mut TangentState::default(), &mut out);
+        if !stop.is_requested() {
+            system.run(set, forcing, &mut TangentState::default(), &mut out);
+        }
         out
     };
     freedom.blocks.par_iter().map(run).collect()

@@ -1,13 +1,13 @@
 //! Levenberg–Marquardt on normal equations (J. J. Moré, doi:10.1007/BFb0067700: scaled by the diagonal).
 
-use std::ops::ControlFlow;
-
 use nalgebra::{DMatrix, DVector};
 
 use super::columns::{Freedom, Group};
 use super::normal::{cost, normal_equations};
 use super::records::{Campaign, Piece, error_of};
-use super::{ModesObserver, ModesProgress};
+use crate::Watch;
+use crate::watch::{Event, State};
+use hysteron_model::Model;
 use hysteron_model::axes::{LARGEST_POLE, ScheduledModes};
 
 /// Factors of the damping after a step that was taken and one that was not.
@@ -30,21 +30,26 @@ pub(super) struct Stage {
     pub work: u64,
 }
 
-/// Work done, of all.
-pub(super) struct Ledger<'a, 'b> {
-    pub observer: &'a mut ModesObserver<'b>,
+/// Work done, of all, and who is told of it.
+pub(super) struct Ledger<'a, 'w> {
+    pub watch: &'a Watch<'w>,
     pub done: u64,
     pub whole: u64,
-    pub stopped: bool,
+    /// Makes a model of the numbers of a search.
+    pub show: &'a dyn Fn(&ScheduledModes) -> Option<Model>,
 }
 
 impl Ledger<'_, '_> {
-    /// Tells the observer; remembers if it wants to stop.
-    pub(super) fn tell(&mut self, step: &'static str, rmse: Option<f64>) {
-        let progress = ModesProgress { step, done: self.done, whole: self.whole.max(self.done), rmse };
-        if let ControlFlow::Break(()) = (self.observer)(&progress) {
-            self.stopped = true;
-        }
+    /// Tells what is being done; whether to go on.
+    pub(super) fn tell(&self, stage: &str, rmse: Option<f64>, model: Option<&ScheduledModes>) -> bool {
+        let fraction = self.done as f64 / self.whole.max(self.done).max(1) as f64;
+        let model = || model.and_then(self.show);
+        let state = State { model: Some(&model), searches: None };
+        self.watch.tell(Event::new(stage, fraction, rmse).with(state)).is_continue()
+    }
+
+    pub(super) fn is_stopped(&self) -> bool {
+        self.watch.is_stopped()
     }
 }
 
@@ -61,11 +66,11 @@ pub(super) fn search(
     let mut damping = stage.damping;
     let end = ledger.done + stage.work * stage.iterations as u64;
     for _ in 0..stage.iterations {
-        ledger.tell(stage.name, error_of(least, pieces));
-        if ledger.stopped {
+        if !ledger.tell(stage.name, error_of(least, pieces), Some(&model)) {
             break;
         }
-        let Some(equations) = normal_equations(&model, &freedom, pieces) else { break };
+        let stop = ledger.watch.stop();
+        let Some(equations) = normal_equations(&model, &freedom, pieces, stop) else { break };
         let scale: Vec<f64> = equations.matrix.diagonal().iter().map(|d| d.sqrt()).collect();
         // A parameter without effect stays.
         let per = |k: usize| if scale[k] > 0.0 { 1.0 / scale[k] } else { 0.0 };
@@ -74,6 +79,9 @@ pub(super) fn search(
         let target = DVector::from_fn(count, |i, _| equations.gradient[i] * per(i));
         let mut taken = None;
         for _ in 0..TRIES {
+            if ledger.is_stopped() {
+                break;
+            }
             let mut matrix = scaled.clone();
             (0..count).for_each(|k| matrix[(k, k)] += damping);
             if let Some(factor) = matrix.cholesky() {

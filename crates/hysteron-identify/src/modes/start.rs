@@ -9,6 +9,7 @@ use hysteron_model::axes::{
     Trajectory, VectorFit, frequency, linear_states, spectrum, spread_poles,
 };
 use hysteron_numeric::Complex64;
+use hysteron_optimize::Stop;
 
 /// Poles start between these shares of the highest excited frequency, with this damping.
 const SPREAD: (f64, f64) = (0.1, 1.05);
@@ -43,7 +44,11 @@ pub(super) struct Start {
 }
 
 /// Linear modes from the frequency response of the highest level.
-pub(super) fn linear_start(campaign: &Campaign, options: &Options) -> Result<Start, ModesFitError> {
+pub(super) fn linear_start(
+    campaign: &Campaign,
+    options: &Options,
+    stop: &Stop,
+) -> Result<Start, ModesFitError> {
     let top = campaign.top();
     let periods: Vec<_> = top.iter().map(|piece| &piece.period).collect();
     let response = FrequencyMatrix::local_polynomial(&periods)?;
@@ -60,7 +65,7 @@ pub(super) fn linear_start(campaign: &Campaign, options: &Options) -> Result<Sta
             && mode.damping * mode.frequency_hz > NARROWEST_LINES * line_hz
             && mode.frequency_hz < 1.2 * top_hz
     };
-    let (pairs, poles) = choose_poles(&fit, &response, (options.modes, rate, top_hz), is_mode)?;
+    let (pairs, poles) = choose_poles(&fit, &response, (options.modes, rate, top_hz), is_mode, stop)?;
     if poles.pairs.is_empty() {
         return Err(ModesFitError::NoModes { top_hz });
     }
@@ -82,6 +87,7 @@ fn choose_poles(
     response: &FrequencyMatrix,
     (given, rate, top_hz): (Option<usize>, f64, f64),
     is_mode: impl Fn(&Complex64) -> bool,
+    stop: &Stop,
 ) -> Result<(usize, CommonPoles), ModesFitError> {
     let poles = |count: usize| -> Result<CommonPoles, ModesFitError> {
         let start = spread_poles(count, (SPREAD.0 * top_hz, SPREAD.1 * top_hz), START_DAMPING, rate);
@@ -95,6 +101,9 @@ fn choose_poles(
     }
     let mut best: Option<(f64, usize, CommonPoles)> = None;
     for count in TRIED {
+        if stop.is_requested() {
+            return Err(ModesFitError::Stopped);
+        }
         // Fewer equations than unknowns say nothing.
         if 4 * (2 * count + 2) > 2 * response.len() {
             break;

@@ -5,9 +5,10 @@ use super::normal::residual;
 use super::records::{Campaign, Piece};
 use super::search::{Ledger, Stage, search};
 use super::start::{add_feedback, linear_start};
-use super::{ModesFitError, ModesIdentification, ModesObserver, Options};
-use crate::{Finding, FindingKind};
+use super::{ModesFitError, ModesIdentification, Options};
+use crate::{Finding, FindingKind, Watch};
 use hysteron_model::axes::{AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes};
+use hysteron_model::model_file::{ModesFile, SignalUnits};
 use hysteron_numeric::display::short;
 
 /// A record and how the model describes it.
@@ -90,16 +91,24 @@ pub(super) const ALL: [Group; 11] = [
 pub(super) fn identify(
     records: &[AxesRecord],
     options: &Options,
-    observer: &mut ModesObserver<'_>,
+    watch: &Watch<'_>,
 ) -> Result<ModesIdentification, ModesFitError> {
     check(options)?;
     let campaign = Campaign::new(records, options)?;
     let scheduled = campaign.levels.len() > 1;
     let stages = stages(options, scheduled);
     let whole = stages.iter().map(|s| s.work * s.iterations as u64).sum();
-    let mut ledger = Ledger { observer, done: 0, whole, stopped: false };
-    ledger.tell("frequency response", None);
-    let start = linear_start(&campaign, options)?;
+    let show = |model: &ScheduledModes| {
+        let first = records.first()?;
+        let units = SignalUnits::of(&first.u_unit, &first.y_unit);
+        let file = ModesFile::new(model, units, first.inputs.clone(), first.outputs.clone());
+        hysteron_model::Model::try_from(file).ok()
+    };
+    let mut ledger = Ledger { watch, done: 0, whole, show: &show };
+    if !ledger.tell("frequency response", None, None) {
+        return Err(ModesFitError::Stopped);
+    }
+    let start = linear_start(&campaign, options, watch.stop())?;
     let mut model = start.model.clone();
     if !scheduled {
         model.transition_slopes.iter_mut().for_each(|slope| *slope = 0.0);
@@ -108,7 +117,7 @@ pub(super) fn identify(
     let top = campaign.top();
     let mut parameters = 0;
     for stage in &stages {
-        if ledger.stopped {
+        if ledger.is_stopped() {
             break;
         }
         if stage.groups.contains(&Group::Coefficients) && model.feedback.is_none() {
@@ -122,7 +131,7 @@ pub(super) fn identify(
     for fit in &fits {
         // Not a number describes nothing. Who interrupts takes what there is.
         let enough = fit.fit_percent >= options.least_fit_percent;
-        if !enough && !ledger.stopped {
+        if !enough && !ledger.is_stopped() {
             return Err(ModesFitError::ModelClass {
                 record: fit.record.clone(),
                 fit_percent: fit.fit_percent,
@@ -134,7 +143,7 @@ pub(super) fn identify(
     let modes = shifts(&model);
     let influence = influence(&campaign, &start.influence);
     let mut findings = findings(&model, &modes, &influence, &campaign, scheduled);
-    if ledger.stopped {
+    if ledger.is_stopped() {
         let text = "the search was interrupted: this is the best so far.".to_owned();
         findings.push(Finding::new(FindingKind::Warning, "search", text));
     }
@@ -143,7 +152,7 @@ pub(super) fn identify(
         records: fits,
         modes,
         influence,
-        interrupted: ledger.stopped,
+        interrupted: ledger.is_stopped(),
         findings,
         treatment: treatment(&campaign, start.pairs, model.modes),
         excited_hz: start.excited_hz,

@@ -1,5 +1,6 @@
 //! Derivatives and normal equations against slow, obvious ways.
 
+use hysteron_optimize::Stop;
 use nalgebra::DVector;
 
 use super::columns::Freedom;
@@ -115,7 +116,7 @@ fn every_derivative_is_that_of_central_differences() {
     let preroll = 6 * count;
     let expected = differences(&model, &freedom, s, &piece.fine, preroll);
     let trajectory = Trajectory::new(&model, s, &piece.fine, preroll, preroll).unwrap();
-    let blocks = derivatives(&model, &freedom, &trajectory, s);
+    let blocks = derivatives(&model, &freedom, &trajectory, s, &Stop::new());
     let (samples, outputs) = (piece.period.samples(), model.outputs);
     for (column, expected) in freedom.columns.iter().zip(&expected) {
         let factor = if column.scheduled { s } else { 1.0 };
@@ -145,7 +146,7 @@ fn the_normal_equations_are_those_of_the_columns_and_lower_the_cost() {
     let pieces = [piece(7, 0.8, &model), piece(8, 1.5, &model)];
     let all: Vec<&Piece> = pieces.iter().collect();
     let freedom = Freedom::new(&model, &ALL);
-    let found = normal_equations(&model, &freedom, &all).unwrap();
+    let found = normal_equations(&model, &freedom, &all, &Stop::new()).unwrap();
     let count = freedom.columns.len();
     let mut matrix = nalgebra::DMatrix::zeros(count, count);
     let mut gradient = DVector::zeros(count);
@@ -186,7 +187,7 @@ fn the_normal_equations_are_the_same_bits_for_any_number_of_threads() {
     let freedom = Freedom::new(&model, &ALL);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| normal_equations(&model, &freedom, &[&piece]).unwrap())
+        pool.install(|| normal_equations(&model, &freedom, &[&piece], &Stop::new()).unwrap())
     };
     let (one, three) = (on(1), on(3));
     assert_eq!(one.matrix, three.matrix);

@@ -1,5 +1,6 @@
 //! What the records know about the parameters.
 
+use hysteron_model::model_file::OscillatorFile;
 use nalgebra::DMatrix;
 
 use super::coordinates::covariance as of_parameters;
@@ -22,6 +23,20 @@ pub struct Estimate {
     pub held: bool,
     /// It ended at the end of its range.
     pub at_limit: bool,
+}
+
+impl Estimate {
+    /// Unit as in the model file, empty for a pure number.
+    pub fn unit(&self, file: &OscillatorFile) -> String {
+        let parameter =
+            Oscillator::NAMES.iter().zip(file.parameters.all()).find(|(name, _)| **name == self.name);
+        match (parameter, self.name) {
+            (Some((_, quantity)), _) if quantity.unit == "1" => String::new(),
+            (Some((_, quantity)), _) => quantity.unit.clone(),
+            (None, "natural_frequency") => "Hz".to_owned(),
+            (None, _) => String::new(),
+        }
+    }
 }
 
 /// Distance from an end of a range on the unit box within which a coordinate is at the end.

@@ -25,15 +25,17 @@ mod written;
 pub use error::OscillatorFitError;
 pub use knowledge::Estimate;
 
-use super::{Correlation, Finding};
+use super::{Correlation, Finding, Searches, Watch};
 use hysteron_model::model::{Score, Simulation};
 use hysteron_model::oscillator::{Oscillator, Start};
 use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_model::validate::Scores;
 use hysteron_optimize::Outcome;
+use serde::{Deserialize, Serialize};
 
 /// What happened before a record.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Initial {
     /// A steady state where the force repeats, else rest.
     #[default]
@@ -47,7 +49,8 @@ pub enum Initial {
 }
 
 /// What a user can ask of the identification of an oscillator.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// What happened before each record.
     pub initial: Initial,
@@ -103,6 +106,10 @@ pub struct Identification {
     pub treatment: Vec<String>,
     /// Lowest and highest frequency of the forces \[Hz\].
     pub excited_hz: (f64, f64),
+    /// The search was stopped early; the model is the best so far.
+    pub interrupted: bool,
+    /// State to go on from.
+    pub resume: Searches,
 }
 
 /// One record and the oscillator's simulation of it.
@@ -136,6 +143,11 @@ impl RecordFit {
 /// # Errors
 /// [`OscillatorFitError`]: records that cannot be used, options that cannot be met, records that are not those of an
 /// oscillator.
-pub fn identify(records: &[InputOutput], options: &Options) -> Result<Identification, OscillatorFitError> {
-    search::identify(records, options)
+pub fn identify(
+    records: &[InputOutput],
+    options: &Options,
+    watch: &Watch<'_>,
+    resume: Option<Searches>,
+) -> Result<Identification, OscillatorFitError> {
+    search::identify(records, options, watch, resume)
 }

@@ -9,20 +9,28 @@ use super::output_error::OutputError;
 use super::preparation::{Piece, PieceStart, pieces};
 use super::shapes::candidates;
 use super::{Identification, Options, OscillatorFitError, RecordFit};
-use crate::{Correlation, Finding, FindingKind};
+use crate::engine::Engine;
+use crate::watch::Plan;
+use crate::{Correlation, Finding, FindingKind, Searches, Watch};
 use hysteron_model::hysteresis::{Admissibility, RecordEnds};
+use hysteron_model::model_file::{OscillatorFile, SignalUnits};
 use hysteron_model::oscillator::{Drive, Oscillator, Start};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, score};
 use hysteron_numeric::display::short;
-use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings, Unobserved, minimize};
+use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings};
 
 /// Parameters that can be held: they are coordinates of the search.
 const HOLDABLE: [(&str, usize); 3] = [("mass", 0), ("damping", 1), ("n", N)];
 
+/// Stages of the identification.
+const PLAN: Plan = Plan(&[("shapes", 0.2), ("output error", 0.8)]);
+
 pub(super) fn identify(
     records: &[InputOutput],
     options: &Options,
+    watch: &Watch<'_>,
+    resume: Option<Searches>,
 ) -> Result<Identification, OscillatorFitError> {
     let held = held(options)?;
     if let Some(start) = &options.start {
@@ -30,7 +38,9 @@ pub(super) fn identify(
     }
     let pieces = pieces(records, options)?;
     let regression = EquationError::new(&pieces, options)?;
-    let (candidates, shapes) = candidates(&regression, options)?;
+    let mut engine = Engine::new(None, Settings::default(), watch, PLAN, resume);
+    engine.enter("shapes");
+    let (candidates, shapes) = candidates(&regression, options, &mut engine)?;
     let [mass, _, stiffness] = regression.linear;
     let linear = Oscillator::from_values([mass, 0.0, stiffness, 0.0, 0.0, 0.0, 1.0]);
     let drives = pieces
@@ -53,8 +63,14 @@ pub(super) fn identify(
         agreement: Some(2),
         ..LeastSquaresOptions::default()
     });
-    let settings = Settings { starts, ..Settings::default() };
-    let search = minimize(&problem, &algorithm, &settings, &mut Unobserved, None)?;
+    let shown = |x: &[f64]| {
+        let first = records.first()?;
+        let units = SignalUnits::of(&first.u_unit, &first.y_unit);
+        let rate = first.sample_rate_hz()?;
+        let file = OscillatorFile::new(&problem.oscillator(x), units, options.inter_sample.into(), rate);
+        hysteron_model::Model::try_from(file).ok()
+    };
+    let search = engine.run("output error", &problem, &algorithm, starts, Some(&shown))?.outcome;
     let oscillator = problem.oscillator(&search.best);
     let fits = problem.starts(&search.best);
     let fits = records
@@ -66,7 +82,8 @@ pub(super) fn identify(
         .collect::<Result<Vec<_>, _>>()?;
     for fit in &fits {
         let fit_percent = fit.scores.fit_percent.unwrap_or(0.0);
-        if fit_percent < options.least_fit_percent {
+        // Who interrupts takes what there is.
+        if fit_percent < options.least_fit_percent && !engine.cancelled {
             return Err(OscillatorFitError::ModelClass {
                 record: fit.data.name.clone(),
                 fit_percent,
@@ -89,6 +106,8 @@ pub(super) fn identify(
         findings,
         treatment: pieces.iter().map(treatment).collect(),
         excited_hz: regression.band_hz,
+        interrupted: engine.cancelled,
+        resume: engine.searches(),
     })
 }
 

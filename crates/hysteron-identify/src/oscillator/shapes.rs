@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use super::coordinates::{Coordinates, SHARPEST};
 use super::equation_error::{Coefficients, EquationError, Scratch};
 use super::{Options, OscillatorFitError};
+use crate::engine::Engine;
 use hysteron_optimize::{
-    Algorithm, Bounds, LeastSquaresOptions, LeastSquaresProblem, Outcome, Problem, Range, Settings,
-    Unobserved, minimize, root_mean_square,
+    Algorithm, Bounds, LeastSquaresOptions, LeastSquaresProblem, Outcome, Problem, Range, root_mean_square,
 };
 
 /// |b| of the lattice: from a loop that hardly bends over the motion to one that turns within a small part of it.
@@ -32,6 +32,7 @@ pub(super) struct Candidate {
 pub(super) fn candidates(
     regression: &EquationError,
     options: &Options,
+    engine: &mut Engine<'_, '_>,
 ) -> Result<(Vec<Candidate>, Vec<Outcome>), OscillatorFitError> {
     let held = options.fixed.iter().find(|(name, _)| name == "n").map(|(_, n)| *n);
     let given = options.start.map(|start| Coordinates::of(&start, regression.size).0);
@@ -61,8 +62,7 @@ pub(super) fn candidates(
             step_tolerance: 1e-6,
             ..LeastSquaresOptions::default()
         });
-        let settings = Settings { starts: shapes, ..Settings::default() };
-        let outcome = minimize(&problem, &algorithm, &settings, &mut Unobserved, None)?;
+        let outcome = engine.run(&format!("shapes, n = {n}"), &problem, &algorithm, shapes, None)?.outcome;
         if let &[b, g] = outcome.best.as_slice()
             && let Some((coefficients, error)) = regression.project([b, g, n], &mut Scratch::default(), None)
         {

@@ -1,12 +1,12 @@
 //! Fits of one candidate: to the whole campaign, and to what a fold leaves of it.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
 
 use super::super::joint::{JointMember, JointProblem, JointSetup, assemble, form, memory_name, scheme};
 use super::super::layout::Role;
 use super::super::options::{CampaignRecord, Choice, Options};
 use super::super::uncertainty::correlation_time;
-use super::super::{IdentifyError, RecordFacts, Unwatched, identify};
+use super::super::{IdentifyError, RecordFacts, Watch, identify};
 use super::candidate::Candidate;
 use super::folds::Fold;
 use hysteron_model::dynamics::Dynamics;
@@ -14,7 +14,7 @@ use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, choose_start, score};
 use hysteron_optimize::{
-    Algorithm, LeastSquaresOptions, OptimizeError, Problem, Progress, Settings, StopReason, minimize,
+    Algorithm, LeastSquaresOptions, OptimizeError, Problem, Settings, Stop, StopReason, minimize,
 };
 
 /// Starts polished for the whole campaign, and iterations of each; iterations of a fit to what a fold leaves.
@@ -45,8 +45,8 @@ pub(super) struct Campaign<'a> {
     pub(super) facts: &'a [RecordFacts],
     pub(super) members: &'a [JointMember<'a>],
     pub(super) options: &'a Options,
-    /// Asked before every iteration; `true` ends the fit under way.
-    pub(super) stop: &'a (dyn Fn() -> bool + Sync),
+    /// Ends the fit under way.
+    pub(super) stop: &'a Stop,
 }
 
 /// Why a fit gave nothing.
@@ -159,9 +159,7 @@ impl Campaign<'_> {
             ..LeastSquaresOptions::default()
         });
         let settings = Settings { starts, seed: self.options.seed, ..Settings::default() };
-        let mut observer =
-            |_: &Progress<'_>| if (self.stop)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let outcome = minimize(problem, &algorithm, &settings, &mut observer, None)?;
+        let outcome = minimize(problem, &algorithm, &settings, &mut self.stop.clone(), None)?;
         if outcome.stopped == StopReason::Cancelled {
             return Err(NoFit::Stopped);
         }
@@ -274,14 +272,17 @@ impl Campaign<'_> {
         campaign: &[CampaignRecord],
         options: &Options,
     ) -> Result<(Model, Vec<Start>), NoFit> {
-        if (self.stop)() {
+        if self.stop.is_requested() {
             return Err(NoFit::Stopped);
         }
         let algorithm =
             Algorithm::LeastSquares(LeastSquaresOptions { starts: POLISHED, ..Default::default() });
         let options =
             Options { algorithm: Some(algorithm), least_fit_percent: f64::NEG_INFINITY, ..options.clone() };
-        let found = identify(campaign, &options, &mut Unwatched, None)?;
+        let found = identify(campaign, &options, &Watch::silent().stopped_by(self.stop), None)?;
+        if found.cancelled {
+            return Err(NoFit::Stopped);
+        }
         Ok((found.model, found.records.iter().map(|r| r.start).collect()))
     }
 

@@ -29,7 +29,8 @@ use super::campaign::usable;
 use super::engine::Engine;
 use super::joint::JointMember;
 use super::options::{CampaignRecord, Options};
-use super::{IdentifyError, Unwatched};
+use super::watch::Plan;
+use super::{Event, IdentifyError, Watch};
 use fit::{Campaign, Named, NoFit, Training, WholeFit};
 use hysteron_model::hammerstein::Model;
 use hysteron_optimize::Settings;
@@ -56,14 +57,6 @@ pub enum StructureError {
     /// The records are not usable.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-}
-
-/// Told how far a comparison is; may stop it, and what is finished is kept.
-pub trait CompareWatcher: Sync {
-    /// So many fits of so many are done; the one just done.
-    fn done(&self, fits: usize, of: usize, what: &str);
-    /// Whether to stop.
-    fn stop(&self) -> bool;
 }
 
 /// A comparison of structures.
@@ -124,23 +117,20 @@ pub fn compare(
     campaign: &[CampaignRecord],
     candidates: Option<&[Candidate]>,
     options: &Options,
-    watcher: &dyn CompareWatcher,
+    watch: &Watch<'_>,
 ) -> Result<Comparison, StructureError> {
     options.validate()?;
     let facts = usable(campaign)?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     let folds = folds::plan(&facts, &contents)?;
     let options = &Options { demands: Default::default(), algorithm: None, start: None, ..options.clone() };
-    let mut unwatched = Unwatched;
     let settings = Settings { seed: options.seed, ..Settings::default() };
-    let mut engine = Engine::new(None, settings, &mut unwatched, None);
+    let mut engine = Engine::new(None, settings, watch, Plan(&[]), None);
     let members =
         facts.iter().map(|f| JointMember::new(f, options, &mut engine)).collect::<Result<Vec<_>, _>>()?;
-    let stop = || watcher.stop();
-    let campaign = Campaign { facts: &facts, members: &members, options, stop: &stop };
+    let campaign = Campaign { facts: &facts, members: &members, options, stop: watch.stop() };
 
-    let mut run =
-        Run { campaign, folds, watcher, done: AtomicUsize::new(0), planned: 0, finished: Vec::new() };
+    let mut run = Run { campaign, folds, watch, done: AtomicUsize::new(0), planned: 0, finished: Vec::new() };
     match candidates {
         Some(candidates) => run.add(candidates),
         None => run.search(),
@@ -150,10 +140,10 @@ pub fn compare(
 }
 
 /// A comparison under way.
-struct Run<'a> {
+struct Run<'a, 'w> {
     campaign: Campaign<'a>,
     folds: Vec<Fold>,
-    watcher: &'a dyn CompareWatcher,
+    watch: &'a Watch<'w>,
     done: AtomicUsize,
     planned: usize,
     finished: Vec<Finished>,
@@ -165,7 +155,7 @@ struct Finished {
     training: Option<Training>,
 }
 
-impl Run<'_> {
+impl Run<'_, '_> {
     /// One part of the structure after the other, the rest as in the best so far, until a pass changes nothing: which dynamics predict best
     /// depends on the hysteresis before them, and the other way round.
     fn search(&mut self) {
@@ -180,7 +170,7 @@ impl Run<'_> {
                     + (alternatives.len() + to_come) * (self.folds.len() + 1);
                 self.add(&alternatives);
                 match self.ranking() {
-                    Some(ranking) if !self.watcher.stop() => {
+                    Some(ranking) if !self.watch.is_stopped() => {
                         best = self.finished[ranking.best].entry.candidate;
                     }
                     _ => return,
@@ -196,7 +186,7 @@ impl Run<'_> {
         let fits = self.folds.len() + 1;
         self.planned = self.planned.max(self.done.load(Ordering::Relaxed) + candidates.len() * fits);
         for &candidate in candidates {
-            if self.watcher.stop() {
+            if self.watch.is_stopped() {
                 return;
             }
             if self.finished.iter().any(|f| f.entry.candidate == candidate) {
@@ -212,7 +202,9 @@ impl Run<'_> {
 
     fn step(&self, fits: usize, candidate: Candidate) {
         let done = self.done.fetch_add(fits, Ordering::Relaxed) + fits;
-        self.watcher.done(done, self.planned, &candidate.to_string());
+        let fraction = done as f64 / self.planned.max(1) as f64;
+        // Whoever wants to stop is asked by what comes next.
+        let _ = self.watch.tell(Event::new(&candidate.to_string(), fraction, None));
     }
 
     /// The candidate on the whole campaign and on every fold; `None` where it was stopped.
@@ -276,7 +268,7 @@ impl Run<'_> {
         // Residuals of the closest fit are the least structured.
         let closest = self.finished.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
         let information = closest.and_then(|f| f.training).map_or(2.0, |t| t.information.max(2.0));
-        let interrupted = self.watcher.stop();
+        let interrupted = self.watch.is_stopped();
         let entries = self
             .finished
             .into_iter()

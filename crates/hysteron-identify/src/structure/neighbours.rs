@@ -9,14 +9,15 @@ use super::super::campaign::usable;
 use super::super::engine::Engine;
 use super::super::joint::JointMember;
 use super::super::options::{CampaignRecord, Choice, DynamicsChoice, Options};
-use super::super::{Identification, Unwatched};
+use super::super::{Identification, Watch};
 use super::candidate::{Block, Candidate};
 use super::content::Content;
 use super::fit::{Campaign, Named, NoFit, Training};
 use super::{StructureError, folds};
+use crate::watch::Plan;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_optimize::Settings;
+use hysteron_optimize::{Settings, Stop};
 
 /// Highest polynomial degree tried.
 const HIGHEST_DEGREE: usize = 5;
@@ -55,15 +56,15 @@ pub fn neighbours(
     campaign: &[CampaignRecord],
     options: &Options,
     found: &Identification,
-    stop: &(dyn Fn() -> bool + Sync),
+    stop: &Stop,
 ) -> Result<Neighbours, StructureError> {
     let facts = usable(campaign)?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     folds::plan(&facts, &contents)?;
     let options = &Options { algorithm: None, start: Some(found.model.clone()), ..options.clone() };
-    let mut unwatched = Unwatched;
+    let watch = Watch::silent().stopped_by(stop);
     let settings = Settings { seed: options.seed, ..Settings::default() };
-    let mut engine = Engine::new(None, settings, &mut unwatched, None);
+    let mut engine = Engine::new(None, settings, &watch, Plan(&[]), None);
     let members =
         facts.iter().map(|f| JointMember::new(f, options, &mut engine)).collect::<Result<Vec<_>, _>>()?;
     let campaign = Campaign { facts: &facts, members: &members, options, stop };

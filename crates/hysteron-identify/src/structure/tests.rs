@@ -1,13 +1,14 @@
 //! A campaign made with a known structure.
 
 use std::f64::consts::TAU;
-use std::sync::Mutex;
+use std::ops::ControlFlow;
 
 use super::*;
 use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
 use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::record::{InputOutput, InterSample, TimeBase};
+use hysteron_optimize::Stop;
 
 const RATE_HZ: f64 = 1000.0;
 const NOISE: f64 = 0.004;
@@ -56,26 +57,6 @@ fn campaign() -> Vec<CampaignRecord> {
     ]
 }
 
-/// Counts the fits, and asks to stop once so many are done.
-struct Counter {
-    told: Mutex<Vec<(usize, usize)>>,
-    stop_after: usize,
-}
-
-impl CompareWatcher for Counter {
-    fn done(&self, fits: usize, of: usize, _: &str) {
-        self.told.lock().unwrap().push((fits, of));
-    }
-
-    fn stop(&self) -> bool {
-        self.told.lock().unwrap().len() >= self.stop_after
-    }
-}
-
-fn counter(stop_after: usize) -> Counter {
-    Counter { told: Mutex::default(), stop_after }
-}
-
 fn candidates(names: &[&str]) -> Vec<Candidate> {
     names.iter().map(|n| n.parse().unwrap()).collect()
 }
@@ -83,8 +64,13 @@ fn candidates(names: &[&str]) -> Vec<Candidate> {
 #[test]
 fn the_structure_that_made_the_records_is_preferred() {
     let list = candidates(&["none", "integer1", "integer2", "integer2+degree2", "fractional"]);
-    let watcher = counter(usize::MAX);
-    let found = compare(&campaign(), Some(&list), &Options::default(), &watcher).unwrap();
+    let mut told = Vec::new();
+    let watch = Watch::new(|event: &Event<'_>| {
+        told.push(event.fraction);
+        ControlFlow::Continue(())
+    });
+    let found = compare(&campaign(), Some(&list), &Options::default(), &watch).unwrap();
+    drop(watch);
     let labels: Vec<&str> = found.folds.iter().map(|f| f.label.as_str()).collect();
     assert_eq!(labels, ["slow", "half", "quick", "quicker"]);
     let ranking = found.ranking.unwrap();
@@ -104,15 +90,20 @@ fn the_structure_that_made_the_records_is_preferred() {
     assert!(found.independent_samples > 0.5 * found.samples as f64, "{}", found.independent_samples);
     let bic = |i: usize| found.entries[i].bic.unwrap();
     assert!((0..5).all(|i| i == 3 || bic(i) > bic(3)), "{:?}", (0..5).map(bic).collect::<Vec<_>>());
-    assert_eq!(watcher.told.lock().unwrap().len(), 25);
-    assert!(watcher.told.lock().unwrap().contains(&(25, 25)));
+    told.retain(|fraction| *fraction > 0.0);
+    assert_eq!((told.len(), told.last()), (25, Some(&1.0)));
     assert!(!found.interrupted);
 }
 
 #[test]
 fn what_is_finished_is_kept_when_stopped() {
     let list = candidates(&["none", "integer1", "integer2"]);
-    let found = compare(&campaign(), Some(&list), &Options::default(), &counter(7)).unwrap();
+    let mut told = 0;
+    let seven = Watch::new(|event: &Event<'_>| {
+        told += usize::from(event.fraction > 0.0);
+        if told >= 7 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let found = compare(&campaign(), Some(&list), &Options::default(), &seven).unwrap();
     assert!(found.interrupted);
     assert_eq!(found.entries.len(), 1, "the second candidate was under way");
     assert_eq!(found.ranking.unwrap().order, [0]);
@@ -123,8 +114,7 @@ fn the_result_does_not_depend_on_the_threads() {
     let list = candidates(&["none", "integer2"]);
     let errors = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let found =
-            pool.install(|| compare(&campaign(), Some(&list), &Options::default(), &counter(usize::MAX)));
+        let found = pool.install(|| compare(&campaign(), Some(&list), &Options::default(), &Watch::silent()));
         found.unwrap().entries.into_iter().flat_map(|e| e.fold_rmse).collect::<Vec<_>>()
     };
     assert_eq!(errors(1), errors(3));
@@ -133,7 +123,7 @@ fn the_result_does_not_depend_on_the_threads() {
 #[test]
 fn an_arx_candidate_is_compared_beside_the_others() {
     let list = candidates(&["none", "arx"]);
-    let found = compare(&campaign(), Some(&list), &Options::default(), &counter(usize::MAX)).unwrap();
+    let found = compare(&campaign(), Some(&list), &Options::default(), &Watch::silent()).unwrap();
     let arx = &found.entries[1];
     assert_eq!(arx.failures, Vec::<String>::new());
     assert!(arx.parameters > 7 && arx.training_rmse.unwrap() < found.entries[0].training_rmse.unwrap());
@@ -147,8 +137,8 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
         ..Options::default()
     };
     let campaign = campaign();
-    let found = crate::identify(&campaign, &options, &mut Unwatched, None).unwrap();
-    let list = neighbours(&campaign, &options, &found, &|| false).unwrap();
+    let found = crate::identify(&campaign, &options, &Watch::silent(), None).unwrap();
+    let list = neighbours(&campaign, &options, &found, &Stop::new()).unwrap();
     let names: Vec<String> = list.entries.iter().map(|e| e.candidate.to_string()).collect();
     assert_eq!(names[0], "integer2+degree2");
     let entry = |name: &str| &list.entries[names.iter().position(|n| n == name).unwrap()];
@@ -161,14 +151,17 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
         assert!(richer.rmse < 1.001 * own.rmse && richer.bic > own.bic, "{richer:?} {own:?}");
     }
     let once = [campaign[0].clone()];
-    assert!(matches!(neighbours(&once, &options, &found, &|| false), Err(StructureError::CannotRank { .. })));
+    assert!(matches!(
+        neighbours(&once, &options, &found, &Stop::new()),
+        Err(StructureError::CannotRank { .. })
+    ));
 }
 
 #[test]
 fn parts_of_a_sweep_are_predicted_from_the_others() {
     let records = [measured("sweep", 4.0, |t| 2.0 * (1.0 - (TAU * (t + 6.0 * t * t)).cos()))];
     let list = candidates(&["none+degree2", "integer2+degree2"]);
-    let found = compare(&records, Some(&list), &Options::default(), &counter(usize::MAX)).unwrap();
+    let found = compare(&records, Some(&list), &Options::default(), &Watch::silent()).unwrap();
     assert_eq!(found.folds.len(), 4);
     let ranking = found.ranking.unwrap();
     assert_eq!(ranking.preferred, 1);

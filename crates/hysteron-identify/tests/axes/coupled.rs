@@ -1,11 +1,11 @@
 //! A simulated two-axis stage with cross-coupling, hysteresis of each actuator, a mode and a delay of each path: all branches are found in
 //! one fit, to within their standard errors.
 
-use hysteron_identify::coupled::{CoupledFitError, identify};
+use hysteron_identify::Watch;
+use hysteron_identify::coupled::{CoupledFitError, Options, identify};
 use hysteron_model::axes::{AxesRecord, CoupledHammerstein, Path};
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_model::record::{Channel, Record, TimeBase};
-use hysteron_optimize::Unobserved;
 
 use crate::device::Random;
 
@@ -60,7 +60,7 @@ fn record(seed: u64, noise: f64) -> AxesRecord {
 #[test]
 fn every_parameter_of_a_coupled_stage_is_found_to_within_its_error() {
     let truth = stage();
-    let found = identify(&[record(1, NOISE)], 75.0, &mut Unobserved).unwrap();
+    let found = identify(&[record(1, NOISE)], &Options::default(), &Watch::silent(), None).unwrap();
     let errors = found.errors.as_ref().unwrap();
     let check = |what: String, found: f64, truth: f64, error: f64| {
         println!("{what}: {found:.5} ± {error:.5}, truth {truth}");
@@ -102,6 +102,12 @@ fn every_parameter_of_a_coupled_stage_is_found_to_within_its_error() {
 fn inputs_that_move_together_or_not_at_all_are_refused() {
     let mut together = record(1, NOISE);
     together.u[1] = vec![0.5; SAMPLES];
-    assert!(matches!(identify(&[together], 75.0, &mut Unobserved), Err(CoupledFitError::NoStart)));
-    assert!(matches!(identify(&[], 75.0, &mut Unobserved), Err(CoupledFitError::NoRecords)));
+    assert!(matches!(
+        identify(&[together], &Options::default(), &Watch::silent(), None),
+        Err(CoupledFitError::NoStart)
+    ));
+    assert!(matches!(
+        identify(&[], &Options::default(), &Watch::silent(), None),
+        Err(CoupledFitError::NoRecords)
+    ));
 }

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use hysteron_identify::FindingKind;
-use hysteron_identify::modes::{ModesFitError, ModesIdentification, ModesProgress, Options, identify};
+use hysteron_identify::modes::{ModesFitError, ModesIdentification, Options, identify};
+use hysteron_identify::{Event, FindingKind, Watch};
 use hysteron_model::axes::{AxesRecord, ScheduledModes, SteadyPeriod};
 
 use crate::device::{HIGH, LOW, MODES, device, linear_device, record, record_of};
@@ -12,7 +12,7 @@ use crate::device::{HIGH, LOW, MODES, device, linear_device, record, record_of};
 const NOISE: f64 = 0.02;
 
 fn fit(records: &[AxesRecord], options: &Options) -> Result<ModesIdentification, ModesFitError> {
-    identify(records, options, &mut |_| ControlFlow::Continue(()))
+    identify(records, options, &Watch::silent())
 }
 
 fn training_of(device: &ScheduledModes) -> Vec<AxesRecord> {
@@ -89,14 +89,16 @@ fn one_level_leaves_the_shift_out_and_says_so() {
 #[test]
 fn a_stopped_search_hands_out_the_best_so_far() {
     let options = Options { modes: Some(3), hysteresis: false, ..Options::default() };
-    let mut told: Vec<ModesProgress> = Vec::new();
-    let found = identify(&training(), &options, &mut |progress| {
-        told.push(progress.clone());
+    let mut told: Vec<(f64, bool)> = Vec::new();
+    let watch = Watch::new(|event: &Event<'_>| {
+        told.push((event.fraction, event.model().is_some()));
         if told.len() == 4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    })
-    .unwrap();
+    });
+    let found = identify(&training(), &options, &watch).unwrap();
+    drop(watch);
     assert!(found.interrupted && told.len() == 4);
-    assert!(told.windows(2).all(|w| w[0].done <= w[1].done && w[0].whole == w[1].whole), "{told:?}");
+    assert!(told.windows(2).all(|w| w[0].0 <= w[1].0), "{told:?}");
+    assert!(told[3].1 && !told[0].1, "there is a model to be seen once there is a start: {told:?}");
 }
 
 #[test]

@@ -2,9 +2,9 @@
 //!
 //! Read through `HYSTERON_DATA`; the test is skipped without.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use hysteron_identify::Watch;
 use hysteron_identify::modes::{Options, identify};
 use hysteron_model::axes::{AxesRecord, SteadyPeriod};
 use hysteron_model::record::{Channel, Record, TimeBase};
@@ -42,7 +42,7 @@ fn modes_that_follow_the_level_predict_unseen_records_better_than_published() {
     let Some(training) = training.iter().map(|name| record(name)).collect::<Option<Vec<_>>>() else { return };
     // What a test has time for: one step a sample and no hysteresis. The full model is in docs/theory/scheduled-modes.md.
     let options = Options { modes: Some(18), steps: 1, hysteresis: false, ..Options::default() };
-    let found = identify(&training, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let found = identify(&training, &options, &Watch::silent()).unwrap();
     for (name, published) in [("train_100mV_exp1.csv", PUBLISHED[0]), ("train_300mV_exp4.csv", PUBLISHED[1])]
     {
         let Some(held_out) = record(name) else { return };

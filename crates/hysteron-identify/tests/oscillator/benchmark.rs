@@ -4,13 +4,17 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron_identify::oscillator::{Identification, Options, identify};
+use hysteron_identify::oscillator::{Identification, Options, OscillatorFitError};
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
 use hysteron_model::oscillator::{Drive, Oscillator, Start};
 use hysteron_model::record::{InputOutput, TimeBase};
 use rayon::prelude::*;
 
 use crate::oracles::{BENCHMARK, Random, rms};
+
+fn identify(records: &[InputOutput], options: &Options) -> Result<Identification, OscillatorFitError> {
+    hysteron_identify::oscillator::identify(records, options, &hysteron_identify::Watch::silent(), None)
+}
 
 const RATE: f64 = 750.0;
 /// Integration rate of the benchmark over its sample rate.

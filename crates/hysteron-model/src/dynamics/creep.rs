@@ -2,6 +2,7 @@
 
 use super::form::{FormParameter, free, not_negative, order, scale};
 use super::linearised::{Number, Sum};
+use serde::{Deserialize, Serialize};
 
 /// Most elements of a [`Creep::KelvinVoigt`] chain.
 pub const MOST_CREEP_ELEMENTS: usize = 4;
@@ -13,7 +14,8 @@ pub const MOST_CREEP_ELEMENTS: usize = 4;
 /// *Review of Scientific Instruments* 71 (2000) 1896, doi:10.1063/1.1150559 (logarithmic); D. Croft, G. Shed,
 /// S. Devasia, "Creep, hysteresis, and vibration compensation for piezoactuators", *Journal of Dynamic Systems,
 /// Measurement, and Control* 123 (2001) 35, doi:10.1115/1.1341197 (chain of springs and dampers).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Creep {
     /// C = 1.
     #[default]

@@ -82,6 +82,30 @@ pub struct PathEntry {
 }
 
 impl CoupledFile {
+    /// Every parameter with where it belongs.
+    pub fn parameters(&self) -> Vec<(String, &'static str, &Quantity)> {
+        let mut all = Vec::new();
+        for (name, a) in self.inputs.iter().zip(&self.actuators) {
+            all.extend(
+                [("alpha", &a.alpha), ("beta", &a.beta), ("gamma", &a.gamma)]
+                    .map(|(p, q)| (name.clone(), p, q)),
+            );
+        }
+        for (output, row) in self.outputs.iter().zip(&self.paths) {
+            for (input, p) in self.inputs.iter().zip(row) {
+                let path = format!("{input} to {output}");
+                let numbers = [
+                    ("gain", &p.gain),
+                    ("natural_frequency", &p.natural_frequency),
+                    ("damping", &p.damping),
+                    ("delay", &p.delay),
+                ];
+                all.extend(numbers.map(|(name, q)| (path.clone(), name, q)));
+            }
+        }
+        all
+    }
+
     /// File of a model whose channels have these names and units; without range, provenance or scores.
     pub fn new(
         model: &CoupledHammerstein,

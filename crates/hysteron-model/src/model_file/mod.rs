@@ -57,7 +57,7 @@ pub use modes::{HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile
 pub use oscillator::{OscillatorFile, OscillatorParameters};
 pub use parameters::{Parameters, polynomial_name};
 pub use provenance::{Maker, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
-pub use quantity::{Interval, Quantity};
+pub use quantity::{Interval, Quantity, typographic};
 pub use schema::json_schema;
 
 use crate::dynamics::Scheme;

@@ -34,3 +34,13 @@ pub struct Interval {
     /// Unit of both.
     pub unit: String,
 }
+
+/// `um/V^2` as µm/V².
+pub fn typographic(unit: &str) -> String {
+    const RAISED: [&str; 10] = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+    let mut text = unit.replace("um", "µm").replace('*', " ");
+    for (digit, raised) in RAISED.iter().enumerate() {
+        text = text.replace(&format!("^{digit}"), raised);
+    }
+    text
+}

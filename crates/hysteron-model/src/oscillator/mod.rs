@@ -31,11 +31,13 @@ pub use sensitivities::{PARTIALS, Response};
 pub use simulate::Start;
 
 use crate::hysteresis::{Admissibility, UnitShape};
+use serde::{Deserialize, Serialize};
 
 /// Parameters of the oscillator m ÿ + c ẏ + k y + z = u, ż = α ẏ − β |ẏ| z |z|ⁿ⁻¹ − γ ẏ |z|ⁿ.
 ///
 /// Units: those of the record, u in N and y in µm, say; then m in N s²/µm, and so on. Any other pair will do.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Oscillator {
     /// Mass m > 0 \[N s²/µm\].
     pub mass: f64,

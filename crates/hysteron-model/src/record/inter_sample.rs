@@ -1,10 +1,12 @@
 //! What a sampled signal does between its samples.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
 /// What is assumed of a signal between its samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum InterSample {
     /// Held until the next sample: a digital-to-analogue converter without a filter.
     Hold,

@@ -69,7 +69,7 @@ fn derivatives_of_the_problem_are_used_scaled_and_counted_once() {
     let jacobian = residual_jacobian(&problem, &[0.7, 0.4], Differences::default()).unwrap();
     assert!((jacobian - exact([0.7, 0.4])).abs().max() < 1e-15);
 
-    let mut evaluator = Evaluator::new(&problem, Some(1)).unwrap();
+    let mut evaluator = Evaluator::new(&problem, Some(1), None).unwrap();
     let mut unit = UnitResiduals::new(problem.bounds(), &mut evaluator);
     let mut ledger = Ledger::new(2);
     assert!(unit.load(&[0.5, 0.5]));
@@ -77,7 +77,7 @@ fn derivatives_of_the_problem_are_used_scaled_and_counted_once() {
     assert_eq!(ledger.evaluations, 1);
     let on_unit_box = unit.columns().to_vec();
     let by_differences = Residuals { bounds: bounds(), count: 2, residuals };
-    let mut evaluator = Evaluator::new(&by_differences, Some(1)).unwrap();
+    let mut evaluator = Evaluator::new(&by_differences, Some(1), None).unwrap();
     let mut unit = UnitResiduals::new(by_differences.bounds(), &mut evaluator);
     assert!(unit.load(&[0.5, 0.5]));
     unit.differentiate(&[0.5, 0.5], Differences::central(), &Settings::default(), &mut ledger).unwrap();

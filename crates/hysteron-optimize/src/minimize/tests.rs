@@ -185,6 +185,39 @@ fn cancelled_run_keeps_its_best_so_far() {
     }
 }
 
+/// A stop asked for in the middle of a generation, by the evaluation of this number.
+#[test]
+fn stop_within_a_generation_makes_no_further_evaluation_and_loses_no_bit() {
+    for algorithm in all_algorithms() {
+        let settings = Settings { generations: 12, threads: Some(1), ..Settings::default() };
+        let straight = minimize(&curved(), &algorithm, &settings, &mut Unobserved, None).unwrap();
+        for at in [0, 1, 30, 77, 130].into_iter().filter(|at| *at < straight.evaluations) {
+            let stop = Stop::new();
+            let count = std::sync::atomic::AtomicUsize::new(0);
+            let problem = Residuals {
+                bounds: cube(2, -3.0, 4.0),
+                count: 2,
+                residuals: |x: &[f64], out: &mut [f64]| {
+                    if count.fetch_add(1, std::sync::atomic::Ordering::Relaxed) == at {
+                        stop.request();
+                    }
+                    out.copy_from_slice(&[10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]);
+                    true
+                },
+            };
+            let stopped = minimize(&problem, &algorithm, &settings, &mut stop.clone(), None).unwrap();
+            assert_eq!(stopped.stopped, StopReason::Cancelled, "{}", algorithm.name());
+            assert_eq!(count.load(std::sync::atomic::Ordering::Relaxed), at + 1, "{}", algorithm.name());
+            let text = serde_json::to_string(&stopped.checkpoint).unwrap();
+            let checkpoint = serde_json::from_str(&text).unwrap();
+            let resumed =
+                minimize(&curved(), &algorithm, &settings, &mut Unobserved, Some(checkpoint)).unwrap();
+            assert_eq!(resumed.best, straight.best, "{} stopped at {at}", algorithm.name());
+            assert_eq!(resumed.cost.to_bits(), straight.cost.to_bits());
+        }
+    }
+}
+
 #[test]
 fn budget_is_met_exactly_even_inside_a_generation() {
     for budget in [7, 163, 330] {

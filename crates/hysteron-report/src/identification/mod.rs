@@ -6,8 +6,6 @@ mod contents;
 mod parameters;
 mod searches;
 
-pub use parameters::{typographic, unit_of};
-
 use crate::figure::ticks::fixed;
 use crate::figure::{
     Axis, Colour, ConvergenceCurve, Dash, Figure, FrequencyResponseCurve, Series, Style, convergence,

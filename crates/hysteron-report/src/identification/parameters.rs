@@ -4,35 +4,7 @@ use super::ParameterRow;
 use hysteron_identify::{Identification, IntervalMethod, Parameter};
 use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::Hysteresis;
-use hysteron_model::model_file::{HysteresisKind, ModelFile};
-use hysteron_model::record::Unit;
-
-/// Unit of a parameter: as in the model file, else by its name.
-pub fn unit_of(parameter: &Parameter, file: &ModelFile) -> String {
-    if let Some(quantity) = file.hysteresis.parameters.get(&parameter.name) {
-        return if quantity.unit == "1" { String::new() } else { typographic(&quantity.unit) };
-    }
-    match parameter.name.as_str() {
-        name if name.starts_with("natural_frequency") => "Hz".into(),
-        "delay" | "lag" | "creep_start" => "s".into(),
-        name if name.starts_with("creep_time_") => "s".into(),
-        name if name.starts_with("memory_") => match file.hysteresis.kind {
-            HysteresisKind::BoucWen => Unit::new(&file.units.output).to_string(),
-            _ => Unit::new(&file.units.input).to_string(),
-        },
-        _ => String::new(),
-    }
-}
-
-/// `um/V^2` as µm/V².
-pub fn typographic(unit: &str) -> String {
-    const RAISED: [&str; 10] = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
-    let mut text = unit.replace("um", "µm").replace('*', " ");
-    for (digit, raised) in RAISED.iter().enumerate() {
-        text = text.replace(&format!("^{digit}"), raised);
-    }
-    text
-}
+use hysteron_model::model_file::ModelFile;
 
 /// Name of the record whose hysteresis memory this parameter is.
 fn record_of_memory<'a>(name: &str, found: &'a Identification) -> Option<&'a str> {
@@ -97,7 +69,7 @@ fn parameter_row(p: &Parameter, found: &Identification, file: &ModelFile) -> Par
         symbol: symbol.to_owned(),
         meaning: memory.unwrap_or_else(|| meaning.to_owned()),
         value: p.value,
-        unit: unit_of(p, file),
+        unit: p.unit(file),
         std_error: p.std_error,
         interval: p.interval.map(|i| (i.low, i.high)),
         is_profiled: p.interval.is_some_and(|i| i.method == IntervalMethod::Profile),

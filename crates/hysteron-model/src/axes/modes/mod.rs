@@ -38,6 +38,7 @@ pub use trajectory::Trajectory;
 
 use crate::axes::AxesError;
 use hysteron_numeric::Complex64;
+use serde::{Deserialize, Serialize};
 
 /// Scheduled modes with the hysteresis of drive and stress in feedback. Matrices are stored row by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +89,7 @@ pub struct AtLevel {
 }
 
 /// Frequency and damping of a mode.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mode {
     /// \|s\|/2π of its pole s \[Hz\].
     pub frequency_hz: f64,

@@ -12,12 +12,14 @@ use super::run;
 use super::stream::Runner;
 use crate::hysteresis::follow::{self, DriveLimits, Followed};
 use crate::hysteresis::outputs::{Columns, Origin};
+use serde::{Deserialize, Serialize};
 
 /// Intervals of the plane of a Preisach density.
 const DENSITY_INTERVALS: usize = 40;
 
 /// A family of columns with its fixed structure. Families on a grid take its ends from their shape numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FamilyForm {
     /// [`ParallelBoucWen`].
     ParallelBoucWen {

@@ -14,9 +14,11 @@ use super::outputs::{Columns, Origin};
 use super::{
     BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape,
 };
+use serde::{Deserialize, Serialize};
 
 /// A family of hysteresis operators with its fixed structure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum HysteresisForm {
     /// H = ζ of the unit-α form, s = −1: weight α; shape β', γ', n. Memory of a record: ζ(0) \[V\].
     #[default]

@@ -1,0 +1,65 @@
+//! Flags of scheduled modes.
+
+use clap::Args;
+use hysteron_identify::modes::Options;
+
+use crate::numbers::{count, positive, whole};
+
+/// What can be said about scheduled modes.
+#[derive(Args, Clone, Debug)]
+pub struct ModesFlags {
+    /// Pairs of poles the modes are looked for from [default: as many as follow the response]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    modes: Option<usize>,
+
+    /// Plays of each hysteresis; 0: polynomials alone [default: 6]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    plays: Option<usize>,
+
+    /// Leave the hysteresis out: linear modes at each level
+    #[arg(long, help_heading = "Several axes")]
+    linear: bool,
+
+    /// Steps of the simulation a sample, 1 to 8 [default: 2]
+    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    steps: Option<usize>,
+
+    /// Most iterations of the last search [default: 12]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    iterations: Option<usize>,
+
+    /// Exponent with which the modes follow the level of the drive [default: 1]
+    #[arg(long, value_name = "P", value_parser = positive, allow_hyphen_values = true, help_heading = "Several axes")]
+    exponent: Option<f64>,
+}
+
+impl ModesFlags {
+    /// The first flag given, if one is.
+    pub fn given(&self) -> Option<&'static str> {
+        [
+            ("--modes", self.modes.is_some()),
+            ("--plays", self.plays.is_some()),
+            ("--linear", self.linear),
+            ("--steps", self.steps.is_some()),
+            ("--iterations", self.iterations.is_some()),
+            ("--exponent", self.exponent.is_some()),
+        ]
+        .into_iter()
+        .find_map(|(flag, given)| given.then_some(flag))
+    }
+
+    pub fn options(&self, whole_records: bool, least_fit_percent: f64) -> Options {
+        let defaults = Options::default();
+        Options {
+            modes: self.modes,
+            plays: self.plays.unwrap_or(defaults.plays),
+            hysteresis: !self.linear,
+            steps: self.steps.unwrap_or(defaults.steps),
+            iterations: self.iterations.unwrap_or(defaults.iterations),
+            exponent: self.exponent.unwrap_or(defaults.exponent),
+            whole_records,
+            least_fit_percent,
+            ..defaults
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What the flags ask of an oscillator, of modes and of branches.
+
+use hysteron_identify::oscillator::{Initial, Options};
+use hysteron_identify::{Choice, Task, coupled};
+use hysteron_model::record::InterSample;
+
+use super::Identify;
+use super::arguments::{InitialArg, InterSampleArg, MethodArg, OptimizerArg};
+use crate::failure::Failure;
+use crate::model::Loaded;
+
+impl Identify {
+    pub(super) fn oscillator(&self) -> Result<Task, Failure> {
+        self.refuse_flags_but(
+            "oscillator",
+            "an oscillator has --initial, --n, --fix (mass, damping, n), --inter-sample, --start",
+            &[],
+        )?;
+        self.oscillator_options().map(Task::Oscillator)
+    }
+
+    pub(super) fn branches(&self) -> Result<Task, Failure> {
+        if let Some(flag) = self.modes.given() {
+            return Err(Failure::usage(format!("{flag} goes with --structure modes")));
+        }
+        self.refuse_flags_but(
+            "hammerstein and several axes",
+            "these branches are Bouc–Wen loops with n = 1, a pair of poles and a delay each",
+            &[
+                ("--inter-sample", self.inter_sample.is_some()),
+                ("--start", self.start.is_some()),
+                ("--fix", !self.fix.is_empty()),
+                ("--n", self.n.is_some()),
+                ("--initial", self.initial != InitialArg::Auto),
+            ],
+        )?;
+        Ok(Task::Branches(coupled::Options { least_fit_percent: self.least_fit }))
+    }
+
+    pub(super) fn modes(&self) -> Result<Task, Failure> {
+        self.refuse_flags_but(
+            "modes",
+            "modes have --modes, --plays, --linear, --steps, --iterations, --exponent, --initial periodic",
+            &[
+                ("--inter-sample", self.inter_sample.is_some()),
+                ("--start", self.start.is_some()),
+                ("--fix", !self.fix.is_empty()),
+                ("--n", self.n.is_some()),
+            ],
+        )?;
+        let whole_records = match self.initial {
+            InitialArg::Auto => false,
+            InitialArg::Periodic => true,
+            _ => {
+                return Err(Failure::usage("modes are identified from a steady state")
+                    .hint("leave --initial out, or say --initial periodic"));
+            }
+        };
+        Ok(Task::Modes(self.modes.options(whole_records, self.least_fit)))
+    }
+
+    /// Flags of the Hammerstein model mean nothing to another structure; what was asked for is not silently left out.
+    fn refuse_flags_but(
+        &self,
+        structure: &str,
+        own: &str,
+        further: &[(&'static str, bool)],
+    ) -> Result<(), Failure> {
+        let given = [
+            ("--static", !self.static_records.is_empty()),
+            ("--dynamic", !self.dynamic_records.is_empty()),
+            ("--elements", self.elements.is_some()),
+            ("--dynamics", self.dynamics.is_some()),
+            ("--method", self.method != MethodArg::Joint),
+            ("--order", self.order != 2),
+            ("--creep", self.creep.is_some() || self.creep_elements.is_some()),
+            ("--drift", self.drift),
+            ("--optimizer", self.optimizer != OptimizerArg::Auto),
+            ("--generations", self.generations.is_some()),
+            ("--population", self.population.is_some()),
+            ("--degree", !matches!(self.degree.0, Choice::Auto)),
+            ("--delay", !matches!(self.delay.0, Choice::Auto)),
+            ("--bound", !self.bound.is_empty()),
+            ("--scheme", self.scheme.is_some()),
+            ("--figures", self.figures.is_some()),
+        ];
+        match given.iter().chain(further).find(|(_, given)| *given) {
+            None => Ok(()),
+            Some((flag, _)) => {
+                Err(Failure::usage(format!("{flag} does not go with --structure {structure}"))
+                    .hint(format!("leave it out; {own}")))
+            }
+        }
+    }
+
+    fn oscillator_options(&self) -> Result<Options, Failure> {
+        let mut fixed = self.fix.clone();
+        if let Some(Choice::Given(n)) = self.n.map(|n| n.0) {
+            fixed.push(("n".to_owned(), n));
+        }
+        let start = match &self.start {
+            None => None,
+            Some(path) => {
+                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
+                let loaded = Loaded::read(path)?;
+                Some(*loaded.model().as_oscillator().map_err(|e| failure().because(e))?.law())
+            }
+        };
+        Ok(Options {
+            initial: match self.initial {
+                InitialArg::Auto => Initial::Auto,
+                InitialArg::Rest | InitialArg::Zero => Initial::Rest,
+                InitialArg::Periodic => Initial::Periodic,
+                InitialArg::Free => Initial::Free,
+            },
+            inter_sample: self.inter_sample.map_or(InterSample::BandLimited, InterSampleArg::into),
+            fixed,
+            start,
+            steps: None,
+            least_fit_percent: self.least_fit,
+        })
+    }
+}

@@ -1,0 +1,439 @@
+//! From records to a model of any kind, and everything that is to be known about it.
+
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::model::{RunError, Score};
+use hysteron_model::model_file::{Kind, Maker, ModelFileError};
+use hysteron_model::record::{InputOutput, Keyed};
+use hysteron_model::validate::Scoring;
+use hysteron_model::{Model, Start};
+use serde::{Deserialize, Serialize, Serializer};
+
+use crate::coupled::{self, CoupledFitError, CoupledIdentification};
+use crate::modes::{self, ModesFitError, ModesIdentification};
+use crate::oscillator::{self, OscillatorFitError};
+use crate::structure::{Neighbours, StructureError, neighbours};
+use crate::{
+    CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, Searches, Stop, Watch,
+    identify,
+};
+
+/// A kind of model and what is asked of its identification.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", content = "options", rename_all = "kebab-case")]
+pub enum Task {
+    /// Hysteresis followed by linear dynamics.
+    Hammerstein(Box<Options>),
+    /// A mass on a hysteretic spring.
+    Oscillator(oscillator::Options),
+    /// Structural modes with hysteresis in feedback.
+    Modes(modes::Options),
+    /// A sum of Hammerstein branches.
+    Branches(coupled::Options),
+}
+
+impl Task {
+    /// A kind with the default options.
+    pub fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::Hammerstein => Self::Hammerstein(Box::default()),
+            Kind::Oscillator => Self::Oscillator(oscillator::Options::default()),
+            Kind::Modes => Self::Modes(modes::Options::default()),
+            Kind::Branches => Self::Branches(coupled::Options::default()),
+        }
+    }
+
+    /// Whether it takes records of several inputs and outputs.
+    pub fn takes_several_axes(&self) -> bool {
+        matches!(self, Self::Modes(_) | Self::Branches(_))
+    }
+}
+
+/// Records as a kind takes them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FitRecords {
+    /// One input and one output: Hammerstein models and oscillators.
+    Single(Vec<CampaignRecord>),
+    /// Several named inputs and outputs: modes and branches.
+    Several(Vec<AxesRecord>),
+}
+
+/// Why no model came of the records.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FitError {
+    /// Of a Hammerstein model.
+    #[error(transparent)]
+    Hammerstein(#[from] IdentifyError),
+    /// Of an oscillator.
+    #[error(transparent)]
+    Oscillator(#[from] OscillatorFitError),
+    /// Of modes.
+    #[error(transparent)]
+    Modes(#[from] ModesFitError),
+    /// Of branches.
+    #[error(transparent)]
+    Branches(#[from] CoupledFitError),
+    /// The kind takes other records.
+    #[error("{kind} takes records of {expected}")]
+    Records {
+        /// Kind of model asked for.
+        kind: Kind,
+        /// What its records have.
+        expected: &'static str,
+    },
+    /// The model found is not sound.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
+    /// The model found cannot be scored on its records.
+    #[error(transparent)]
+    Score(#[from] RunError),
+    /// So many threads cannot be had.
+    #[error("cannot work on {threads} threads: {reason}")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// Why not.
+        reason: String,
+    },
+}
+
+/// An identified model and what is to be known about it.
+///
+/// As JSON: scores, parameters, findings, and what only its kind has.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The model, with its file's data.
+    pub model: Model,
+    /// Scores of every record that it was identified from.
+    pub scores: Vec<Score>,
+    /// Every parameter that was estimated or held; modes have too many to be read.
+    pub parameters: Vec<FitParameter>,
+    /// Verdicts, advice and warnings.
+    pub findings: Vec<Finding>,
+    /// What was done to the data, in plain words.
+    pub treatment: Vec<String>,
+    /// The fit was stopped; the model is the best so far.
+    pub interrupted: bool,
+    /// State to go on from; `None` for a kind that begins anew.
+    pub resume: Option<Searches>,
+    /// What only its kind has.
+    pub found: Found,
+}
+
+/// The identification in full, by kind.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Found {
+    /// Of a Hammerstein model.
+    Hammerstein(Box<Identification>),
+    /// Of an oscillator.
+    Oscillator(Box<oscillator::Identification>),
+    /// Of modes.
+    Modes(Box<ModesIdentification>),
+    /// Of branches.
+    Branches(Box<CoupledIdentification>),
+}
+
+/// A parameter of an identified model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FitParameter {
+    /// What it belongs to, where there are several.
+    #[serde(flatten)]
+    pub place: Option<Place>,
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Unit, empty for a pure number.
+    pub unit: String,
+    /// Standard error; `None` where the parameter was held or the data do not determine it.
+    pub std_error: Option<f64>,
+    /// Interval that holds the true value in 95 of 100 campaigns; a joint fit only.
+    pub interval_95: Option<Interval>,
+    /// It was held at this value.
+    pub held: bool,
+    /// It ended at an end of its range.
+    pub at_limit: bool,
+}
+
+/// What a parameter belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Place {
+    /// A block of the model.
+    Block(String),
+    /// An actuator or a path, by the names of its signals.
+    Of(String),
+}
+
+impl Fit {
+    /// The structures next to the identified one, fitted to the same records; `None` for a kind that has no others.
+    pub fn neighbours(
+        &self,
+        records: &FitRecords,
+        task: &Task,
+        stop: &Stop,
+    ) -> Option<Result<Neighbours, StructureError>> {
+        match (&self.found, records, task) {
+            (Found::Hammerstein(found), FitRecords::Single(records), Task::Hammerstein(options)) => {
+                Some(neighbours(records, options, found, stop))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Identifies a model of the kind that `task` asks for. `resume`: go on from the searches of an interrupted fit of the same records.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit(
+    records: &FitRecords,
+    task: &Task,
+    watch: &Watch<'_>,
+    resume: Option<Searches>,
+    maker: &Maker,
+) -> Result<Fit, FitError> {
+    let others = |kind: Kind, expected| FitError::Records { kind, expected };
+    match (task, records) {
+        (Task::Hammerstein(options), FitRecords::Single(records)) => {
+            let found = identify(records, options, watch, resume)?;
+            hammerstein(found, options, maker)
+        }
+        (Task::Oscillator(options), FitRecords::Single(records)) => {
+            let records: Vec<InputOutput> = records.iter().map(|r| r.data.clone()).collect();
+            let found = oscillator::identify(&records, options, watch, resume)?;
+            oscillator_fit(found, options, maker)
+        }
+        (Task::Modes(options), FitRecords::Several(records)) => {
+            let found = modes::identify(records, options, watch)?;
+            modes_fit(found, records, options, maker)
+        }
+        (Task::Branches(options), FitRecords::Several(records)) => {
+            let found = coupled::identify(records, options, watch, resume)?;
+            branches_fit(found, records, maker)
+        }
+        (Task::Hammerstein(_), _) => Err(others(Kind::Hammerstein, "one input and one output")),
+        (Task::Oscillator(_), _) => Err(others(Kind::Oscillator, "one input and one output")),
+        (Task::Modes(_), _) => Err(others(Kind::Modes, "several named inputs and outputs")),
+        (Task::Branches(_), _) => Err(others(Kind::Branches, "several named inputs and outputs")),
+    }
+}
+
+/// [`fit`] on so many threads; the result does not depend on their number.
+///
+/// # Errors
+/// As [`fit`]; [`FitError::Threads`].
+pub fn fit_on(
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<Fit, FitError> + Send,
+) -> Result<Fit, FitError> {
+    let Some(threads) = threads else { return work() };
+    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool.install(work),
+        Err(e) => Err(FitError::Threads { threads, reason: e.to_string() }),
+    }
+}
+
+fn hammerstein(found: Identification, options: &Options, maker: &Maker) -> Result<Fit, FitError> {
+    let file = found.model_file(options, maker);
+    let parameters = found.parameters.iter().map(|p| FitParameter {
+        place: Some(Place::Block(p.block.to_owned())),
+        name: p.name.clone(),
+        value: p.value,
+        unit: p.unit(&file),
+        std_error: p.std_error,
+        interval_95: p.interval,
+        held: p.held,
+        at_limit: false,
+    });
+    Ok(Fit {
+        parameters: parameters.collect(),
+        model: Model::try_from(file)?,
+        scores: found.records.iter().map(crate::RecordFit::score).collect(),
+        findings: found.findings.clone(),
+        treatment: found.treatment.clone(),
+        interrupted: found.cancelled,
+        resume: Some(found.resume.clone()),
+        found: Found::Hammerstein(Box::new(found)),
+    })
+}
+
+fn oscillator_fit(
+    found: oscillator::Identification,
+    options: &oscillator::Options,
+    maker: &Maker,
+) -> Result<Fit, FitError> {
+    let file = found.model_file(options, maker);
+    let parameters = found.estimates.iter().map(|e| FitParameter {
+        place: None,
+        name: e.name.to_owned(),
+        value: e.value,
+        unit: e.unit(&file),
+        std_error: e.std_error,
+        interval_95: None,
+        held: e.held,
+        at_limit: e.at_limit,
+    });
+    Ok(Fit {
+        parameters: parameters.collect(),
+        model: Model::try_from(file)?,
+        scores: found.records.iter().map(oscillator::RecordFit::score).collect(),
+        findings: found.findings.clone(),
+        treatment: found.treatment.clone(),
+        interrupted: found.interrupted,
+        resume: Some(found.resume.clone()),
+        found: Found::Oscillator(Box::new(found)),
+    })
+}
+
+fn modes_fit(
+    found: ModesIdentification,
+    records: &[AxesRecord],
+    options: &modes::Options,
+    maker: &Maker,
+) -> Result<Fit, FitError> {
+    let model = Model::try_from(found.model_file(records, options, maker))?;
+    // A record that was taken for one period as a whole is scored as that.
+    let start = |record: &AxesRecord| {
+        let whole =
+            |fit: &&modes::ModesRecordFit| fit.record == record.label() && fit.period_samples == record.len();
+        match found.records.iter().find(whole) {
+            Some(fit) => Start::Settled { period_samples: fit.period_samples },
+            None => Start::AsIdentified,
+        }
+    };
+    Ok(Fit {
+        scores: scores(&model, records, start)?,
+        model,
+        parameters: Vec::new(),
+        findings: found.findings.clone(),
+        treatment: found.treatment.clone(),
+        interrupted: found.interrupted,
+        resume: None,
+        found: Found::Modes(Box::new(found)),
+    })
+}
+
+fn branches_fit(
+    found: CoupledIdentification,
+    records: &[AxesRecord],
+    maker: &Maker,
+) -> Result<Fit, FitError> {
+    let file = found.model_file(records, maker);
+    let parameters = file.parameters().into_iter().map(|(of, name, q)| FitParameter {
+        place: Some(Place::Of(of)),
+        name: name.to_owned(),
+        value: q.value,
+        unit: q.unit.clone(),
+        std_error: q.std_error,
+        interval_95: None,
+        held: false,
+        at_limit: false,
+    });
+    let parameters = parameters.collect();
+    let model = Model::try_from(file)?;
+    Ok(Fit {
+        scores: scores(&model, records, |_| Start::AsIdentified)?,
+        model,
+        parameters,
+        findings: found.findings.clone(),
+        treatment: Vec::new(),
+        interrupted: found.interrupted,
+        resume: Some(found.resume.clone()),
+        found: Found::Branches(Box::new(found)),
+    })
+}
+
+fn scores(
+    model: &Model,
+    records: &[AxesRecord],
+    start: impl Fn(&AxesRecord) -> Start,
+) -> Result<Vec<Score>, RunError> {
+    let score = |r: &AxesRecord| model.score(&r.clone().into(), start(r), &Scoring::default());
+    records.iter().map(score).collect()
+}
+
+/// One search, as JSON.
+#[derive(Serialize)]
+struct SearchEntry<'a> {
+    step: &'a str,
+    optimizer: &'a str,
+    cost: f64,
+    evaluations: usize,
+    generations: usize,
+}
+
+/// Thinning while searching, as JSON.
+#[derive(Serialize)]
+struct ReductionEntry {
+    samples: usize,
+    searched: usize,
+    moved_std_errors: f64,
+}
+
+/// A mode at the lowest and at the highest level, as JSON.
+#[derive(Serialize)]
+struct ModeEntry {
+    lowest_level: hysteron_model::axes::Mode,
+    highest_level: hysteron_model::axes::Mode,
+}
+
+impl Serialize for Fit {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut told = Keyed::default();
+        match &self.found {
+            Found::Hammerstein(_) => {}
+            Found::Oscillator(_) => told = told.with("structure", "oscillator"),
+            Found::Modes(_) => told = told.with("structure", "modes"),
+            Found::Branches(_) => told = told.with("structure", "hammerstein"),
+        }
+        told = told.with("records", &self.scores);
+        told = match &self.found {
+            Found::Modes(found) => told.with("parameters", found.parameters),
+            _ => told.with("parameters", &self.parameters),
+        };
+        let told = match (&self.found, &self.model) {
+            (Found::Hammerstein(found), Model::Hammerstein(body)) => {
+                let searches = found.searches.iter().map(|s| (s.step.as_str(), s.algorithm, &s.outcome));
+                let reduction = found.reduction.map(|r| ReductionEntry {
+                    samples: r.samples,
+                    searched: r.searched,
+                    moved_std_errors: r.moved,
+                });
+                let file = body.data();
+                told.with("hysteresis", &file.hysteresis)
+                    .with("dynamics", &file.dynamics)
+                    .with("delay", &file.delay)
+                    .with("searches", entries(searches))
+                    .with("reduction", reduction)
+            }
+            (Found::Oscillator(found), _) => {
+                let shapes = found.shapes.iter().map(|s| ("shape", "least-squares", s));
+                let last = std::iter::once(("output error", "least-squares", &found.search));
+                told.with("searches", entries(shapes.chain(last)))
+            }
+            (Found::Modes(found), Model::Modes(body)) => {
+                let mode = |m: &modes::ModeShift| ModeEntry { lowest_level: m.low, highest_level: m.high };
+                told.with("modes", found.modes.iter().map(mode).collect::<Vec<_>>())
+                    .with("influence", &body.data().influence)
+            }
+            _ => told,
+        };
+        told.with("findings", &self.findings).with("interrupted", self.interrupted).serialize(serializer)
+    }
+}
+
+fn entries<'a>(
+    searches: impl Iterator<Item = (&'a str, &'a str, &'a hysteron_optimize::Outcome)>,
+) -> Vec<SearchEntry<'a>> {
+    let entry =
+        |(step, optimizer, outcome): (&'a str, &'a str, &'a hysteron_optimize::Outcome)| SearchEntry {
+            step,
+            optimizer,
+            cost: outcome.cost,
+            evaluations: outcome.evaluations,
+            generations: outcome.generations,
+        };
+    searches.map(entry).collect()
+}

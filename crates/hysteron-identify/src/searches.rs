@@ -1,0 +1,26 @@
+//! State of an interrupted identification.
+
+use std::collections::BTreeMap;
+
+use hysteron_optimize::Checkpoint;
+use serde::{Deserialize, Serialize};
+
+/// State of an identification: the searches done and the one under way. Serialise it to interrupt an identification
+/// and go on later to the same final bits.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Searches {
+    /// `hysteron-searches`.
+    pub format: SearchesFormat,
+    /// Checkpoint of each search, by its name.
+    pub searches: BTreeMap<String, Checkpoint>,
+}
+
+/// Format tag of [`Searches`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SearchesFormat {
+    /// The only one.
+    #[default]
+    #[serde(rename = "hysteron-searches-1")]
+    Version1,
+}

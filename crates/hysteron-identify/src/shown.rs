@@ -1,0 +1,30 @@
+//! The model of a search under way.
+
+use hysteron_model::dynamics::Dynamics;
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::model_file::{ModelFile, SignalUnits};
+
+use super::RecordFacts;
+use super::options::Options;
+
+/// A model under way as it would be handed out, without errors and scores.
+pub(super) fn shown(
+    hysteresis: &BoucWen,
+    dynamics: Dynamics,
+    delay_s: f64,
+    options: &Options,
+    first: &RecordFacts,
+) -> Option<hysteron_model::Model> {
+    let law = Model {
+        hysteresis: Hysteresis::BoucWen(hysteresis.clone()),
+        dynamics,
+        offset: 0.0,
+        delay_s,
+        scheme: options.scheme(),
+        inter_sample: options.inter_sample,
+        sample_rate_hz: first.data.sample_rate_hz(),
+    };
+    let units = SignalUnits::of(&first.data.u_unit, &first.data.y_unit);
+    hysteron_model::Model::try_from(ModelFile::from_model(&law, units)).ok()
+}
