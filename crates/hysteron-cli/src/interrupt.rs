@@ -12,9 +12,6 @@ use crate::failure::Failure;
 /// What shells expect of a program ended by signal N: 128 + N.
 const SIGNALLED: u8 = 128;
 
-/// What to do about an interrupted fit that keeps no state of its search.
-pub const ANEW: &str = "use it as it is, or run the command again: this kind of model begins anew";
-
 /// Asks the work to stop at the first signal.
 #[derive(Clone)]
 pub struct Interrupt {

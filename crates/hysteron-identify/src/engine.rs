@@ -9,7 +9,7 @@ use hysteron_optimize::{
     Progress, Settings, Stop, StopReason, minimize,
 };
 
-use crate::searches::{Searches, SearchesFormat};
+use crate::searches::Searches;
 use crate::watch::{Event, Plan, State, Watch};
 
 /// One search of an identification, for reports.
@@ -175,12 +175,12 @@ impl<'a, 'w> Engine<'a, 'w> {
     fn searches_with(&self, step: &str, checkpoint: &Checkpoint) -> Searches {
         let mut searches = self.done.clone();
         searches.insert(step.to_owned(), checkpoint.clone());
-        Searches { format: SearchesFormat::Version1, searches }
+        Searches { searches, ..Searches::default() }
     }
 
     /// State after the searches so far.
     pub(super) fn searches(&self) -> Searches {
-        Searches { format: SearchesFormat::Version1, searches: self.done.clone() }
+        Searches { searches: self.done.clone(), ..Searches::default() }
     }
 }
 

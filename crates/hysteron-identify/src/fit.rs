@@ -114,8 +114,8 @@ pub struct Fit {
     pub treatment: Vec<String>,
     /// The fit was stopped; the model is the best so far.
     pub interrupted: bool,
-    /// State to go on from; `None` for a kind that begins anew.
-    pub resume: Option<Searches>,
+    /// State to go on from.
+    pub resume: Searches,
     /// What only its kind has.
     pub found: Found,
 }
@@ -206,7 +206,7 @@ pub fn fit(
             oscillator_fit(found, options, maker)
         }
         (Task::Modes(options), FitRecords::Several(records)) => {
-            let found = modes::identify(records, options, watch)?;
+            let found = modes::identify(records, options, watch, resume)?;
             modes_fit(found, records, options, maker)
         }
         (Task::Branches(options), FitRecords::Several(records)) => {
@@ -254,7 +254,7 @@ fn hammerstein(found: Identification, options: &Options, maker: &Maker) -> Resul
         findings: found.findings.clone(),
         treatment: found.treatment.clone(),
         interrupted: found.cancelled,
-        resume: Some(found.resume.clone()),
+        resume: found.resume.clone(),
         found: Found::Hammerstein(Box::new(found)),
     })
 }
@@ -282,7 +282,7 @@ fn oscillator_fit(
         findings: found.findings.clone(),
         treatment: found.treatment.clone(),
         interrupted: found.interrupted,
-        resume: Some(found.resume.clone()),
+        resume: found.resume.clone(),
         found: Found::Oscillator(Box::new(found)),
     })
 }
@@ -310,7 +310,7 @@ fn modes_fit(
         findings: found.findings.clone(),
         treatment: found.treatment.clone(),
         interrupted: found.interrupted,
-        resume: None,
+        resume: found.resume.clone(),
         found: Found::Modes(Box::new(found)),
     })
 }
@@ -340,7 +340,7 @@ fn branches_fit(
         findings: found.findings.clone(),
         treatment: Vec::new(),
         interrupted: found.interrupted,
-        resume: Some(found.resume.clone()),
+        resume: found.resume.clone(),
         found: Found::Branches(Box::new(found)),
     })
 }

@@ -54,7 +54,7 @@ pub use options::{
 };
 pub use prediction::PredictionError;
 pub use result::{Correlation, Identification, Parameter, RecordFit, Reduction, StructureChoice};
-pub use searches::{Searches, SearchesFormat};
+pub use searches::{ModesCheckpoint, Searches, SearchesFormat};
 pub use static_fit::StaticFit;
 pub(crate) use uncertainty::correlation_time;
 pub use watch::{Event, Watch};

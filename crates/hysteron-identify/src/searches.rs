@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use hysteron_model::model_file::ModesFile;
 use hysteron_optimize::Checkpoint;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,25 @@ pub struct Searches {
     pub format: SearchesFormat,
     /// Checkpoint of each search, by its name.
     pub searches: BTreeMap<String, Checkpoint>,
+    /// The search for modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<Box<ModesCheckpoint>>,
+}
+
+/// Where the search for modes stands.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModesCheckpoint {
+    /// Of the records and options.
+    pub problem: String,
+    /// Searches done.
+    pub stage: usize,
+    /// Iterations of the one under way.
+    pub iteration: usize,
+    /// Damping of its next step.
+    pub damping: f64,
+    /// The best model so far.
+    pub model: ModesFile,
 }
 
 /// Format tag of [`Searches`].

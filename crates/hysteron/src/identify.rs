@@ -219,9 +219,9 @@ impl Fit {
         self.found.interrupted
     }
 
-    /// What [`Identify::resume`] goes on from; `None` for a kind that begins anew.
-    pub fn searches(&self) -> Option<&Searches> {
-        self.found.resume.as_ref()
+    /// What [`Identify::resume`] goes on from.
+    pub fn searches(&self) -> &Searches {
+        &self.found.resume
     }
 
     /// The identification in full.

@@ -13,6 +13,9 @@ const NO_OSCILLATOR: &str = "no oscillator was identified";
 const NO_MODES: &str = "no modes were identified";
 const NO_BRANCHES: &str = "no branches were identified";
 
+const RESUME: &str =
+    "resume with the records and options of the interrupted run; or leave --resume out and begin anew";
+
 /// The library's error with what to do about it.
 pub(super) fn explain(error: &FitError) -> Failure {
     match error {
@@ -26,9 +29,7 @@ pub(super) fn explain(error: &FitError) -> Failure {
 
 /// A fit that cannot go on from what was given to go on from.
 fn cannot_resume(title: &str, error: &ResumeError) -> Failure {
-    let failure = Failure::new(title).hint(
-        "resume with the records and options of the interrupted run; or leave --resume out and begin anew",
-    );
+    let failure = Failure::new(title).hint(RESUME);
     match error {
         ResumeError::Problem { .. } => {
             failure.because("the interrupted searches are of other records or options")
@@ -77,6 +78,7 @@ fn oscillator(error: &OscillatorFitError) -> Failure {
 fn modes(error: &ModesFitError) -> Failure {
     let failure = Failure::new(NO_MODES).because(error);
     match error {
+        ModesFitError::Resume => failure.hint(RESUME),
         ModesFitError::Option { .. } => Failure::usage(NO_MODES).because(error),
         ModesFitError::ModelClass { .. } => failure.hint(
             "check the columns and their order (--inputs, --outputs); --least-fit 0 hands the model out all the same",

@@ -31,7 +31,7 @@ use crate::axes::AxesFlags;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
-use crate::interrupt::{ANEW, Interrupt, partial};
+use crate::interrupt::{Interrupt, partial};
 use crate::maker::maker;
 use crate::model;
 use crate::numbers::{count, number, whole};
@@ -216,8 +216,8 @@ impl Identify {
         let found = found.map_err(|e| stop.told(explain(&e)))?;
         let written = if found.interrupted { partial(&self.out) } else { self.out.to_path_buf() };
         model::save(&written, &found.model)?;
-        if let Some(searches) = found.resume.as_ref().filter(|_| found.interrupted) {
-            self.write_searches(searches)?;
+        if found.interrupted {
+            self.write_searches(&found.resume)?;
         }
         if self.result.has_report() || self.figures.is_some() {
             self.write_report(&self.page(&records, &task, &found, stop.stop())?)?;
@@ -237,10 +237,8 @@ impl Identify {
             console::message(&format!("model written to {}", written.display()));
         }
         if found.interrupted {
-            let resume = found.resume.as_ref();
-            let resume =
-                resume.map(|_| format!("go on with the same command and --resume {}", written.display()));
-            return Err(stop.failure(&written, resume.as_deref().unwrap_or(ANEW)));
+            let resume = format!("go on with the same command and --resume {}", written.display());
+            return Err(stop.failure(&written, &resume));
         }
         Ok(())
     }

@@ -1,11 +1,18 @@
 //! Why no model was identified.
 
 use hysteron_model::axes::AxesError;
+use hysteron_model::model_file::ModelFileError;
 
 /// Why no modes were identified.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModesFitError {
+    /// What was to be gone on with is of another problem.
+    #[error("the interrupted search is of other records or options")]
+    Resume,
+    /// The model of an interrupted search is not sound.
+    #[error(transparent)]
+    ModelFile(#[from] ModelFileError),
     /// Stopped too early.
     #[error("the fit was stopped before there was a model")]
     Stopped,

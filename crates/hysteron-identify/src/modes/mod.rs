@@ -26,7 +26,7 @@ mod written;
 pub use error::ModesFitError;
 pub use summary::{LevelInfluence, ModeShift, ModesRecordFit};
 
-use super::{Finding, Watch};
+use super::{Finding, Searches, Watch};
 use hysteron_model::axes::{AxesRecord, InfluenceMatrix, ScheduledModes};
 use serde::{Deserialize, Serialize};
 
@@ -89,6 +89,8 @@ pub struct ModesIdentification {
     pub influence: Vec<LevelInfluence>,
     /// Whether the search was stopped before its end.
     pub interrupted: bool,
+    /// State to go on from.
+    pub resume: Searches,
     /// Verdicts, advice and warnings in plain words.
     pub findings: Vec<Finding>,
     /// What was done to the data, in plain words.
@@ -107,6 +109,7 @@ pub fn identify(
     records: &[AxesRecord],
     options: &Options,
     watch: &Watch<'_>,
+    resume: Option<Searches>,
 ) -> Result<ModesIdentification, ModesFitError> {
-    summary::identify(records, options, watch)
+    summary::identify(records, options, watch, resume)
 }

@@ -5,10 +5,11 @@ use nalgebra::{DMatrix, DVector};
 use super::columns::{Freedom, Group};
 use super::normal::{cost, normal_equations};
 use super::records::{Campaign, Piece, error_of};
-use crate::Watch;
 use crate::watch::{Event, State};
+use crate::{ModesCheckpoint, Searches, Watch};
 use hysteron_model::Model;
 use hysteron_model::axes::{LARGEST_POLE, ScheduledModes};
+use hysteron_model::model_file::ModesFile;
 
 /// Factors of the damping after a step that was taken and one that was not.
 const EASIER: f64 = 0.25;
@@ -35,17 +36,37 @@ pub(super) struct Ledger<'a, 'w> {
     pub watch: &'a Watch<'w>,
     pub done: u64,
     pub whole: u64,
-    /// Makes a model of the numbers of a search.
-    pub show: &'a dyn Fn(&ScheduledModes) -> Option<Model>,
+    /// Makes the data of a file of the numbers of a search.
+    pub file: &'a dyn Fn(&ScheduledModes) -> ModesFile,
+    /// Of the records and options.
+    pub problem: &'a str,
+    /// Searches done.
+    pub stage: usize,
+    /// Where the search stood when it last began an iteration.
+    pub state: Option<Box<ModesCheckpoint>>,
+}
+
+/// Where a search begins: at the start of the stage, or within it.
+#[derive(Clone, Copy)]
+pub(super) struct From {
+    pub iteration: usize,
+    pub damping: f64,
 }
 
 impl Ledger<'_, '_> {
     /// Tells what is being done; whether to go on.
     pub(super) fn tell(&self, stage: &str, rmse: Option<f64>, model: Option<&ScheduledModes>) -> bool {
         let fraction = self.done as f64 / self.whole.max(self.done).max(1) as f64;
-        let model = || model.and_then(self.show);
-        let state = State { model: Some(&model), searches: None };
+        let model = || model.and_then(|model| Model::try_from((self.file)(model)).ok());
+        let searches = || Searches { modes: self.state.clone(), ..Searches::default() };
+        let state = State { model: Some(&model), searches: Some(&searches) };
         self.watch.tell(Event::new(stage, fraction, rmse).with(state)).is_continue()
+    }
+
+    /// Remembers where the search stands.
+    fn keep(&mut self, iteration: usize, damping: f64, model: &ScheduledModes) {
+        let (problem, stage, model) = (self.problem.to_owned(), self.stage, (self.file)(model));
+        self.state = Some(Box::new(ModesCheckpoint { problem, stage, iteration, damping, model }));
     }
 
     pub(super) fn is_stopped(&self) -> bool {
@@ -57,15 +78,18 @@ impl Ledger<'_, '_> {
 pub(super) fn search(
     start: ScheduledModes,
     stage: &Stage,
+    from: From,
     (campaign, pieces): (&Campaign, &[&Piece]),
     ledger: &mut Ledger<'_, '_>,
 ) -> (ScheduledModes, usize) {
     let freedom = Freedom::new(&start, stage.groups);
     let mut model = start;
     let mut least = cost(&model, pieces);
-    let mut damping = stage.damping;
+    let mut damping = from.damping;
     let end = ledger.done + stage.work * stage.iterations as u64;
-    for _ in 0..stage.iterations {
+    ledger.done += stage.work * from.iteration as u64;
+    for iteration in from.iteration..stage.iterations {
+        ledger.keep(iteration, damping, &model);
         if !ledger.tell(stage.name, error_of(least, pieces), Some(&model)) {
             break;
         }

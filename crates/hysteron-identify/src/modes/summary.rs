@@ -3,10 +3,10 @@
 use super::columns::Group;
 use super::normal::residual;
 use super::records::{Campaign, Piece};
-use super::search::{Ledger, Stage, search};
+use super::search::{From, Ledger, Stage, search};
 use super::start::{add_feedback, linear_start};
 use super::{ModesFitError, ModesIdentification, Options};
-use crate::{Finding, FindingKind, Watch};
+use crate::{Finding, FindingKind, ModesCheckpoint, Searches, Watch, fingerprint};
 use hysteron_model::axes::{AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes};
 use hysteron_model::model_file::{ModesFile, SignalUnits};
 use hysteron_numeric::display::short;
@@ -88,23 +88,41 @@ pub(super) const ALL: [Group; 11] = [
     Group::FeedthroughSlopes,
 ];
 
+/// The problem, for checkpoints: records and options.
+fn identity(records: &[AxesRecord], options: &Options) -> String {
+    let values = records.iter().flat_map(|r| r.u.iter().chain(&r.y)).flatten().map(|x| x.to_bits());
+    format!("modes {options:?} {:x}", fingerprint(values))
+}
+
+/// Where an interrupted search of the same problem stood.
+fn resumed(resume: Option<Searches>, problem: &str) -> Result<Option<Box<ModesCheckpoint>>, ModesFitError> {
+    match resume {
+        None => Ok(None),
+        Some(Searches { modes: Some(state), .. }) if state.problem == problem => Ok(Some(state)),
+        Some(_) => Err(ModesFitError::Resume),
+    }
+}
+
 pub(super) fn identify(
     records: &[AxesRecord],
     options: &Options,
     watch: &Watch<'_>,
+    resume: Option<Searches>,
 ) -> Result<ModesIdentification, ModesFitError> {
     check(options)?;
     let campaign = Campaign::new(records, options)?;
     let scheduled = campaign.levels.len() > 1;
     let stages = stages(options, scheduled);
     let whole = stages.iter().map(|s| s.work * s.iterations as u64).sum();
-    let show = |model: &ScheduledModes| {
-        let first = records.first()?;
-        let units = SignalUnits::of(&first.u_unit, &first.y_unit);
-        let file = ModesFile::new(model, units, first.inputs.clone(), first.outputs.clone());
-        hysteron_model::Model::try_from(file).ok()
+    let file = |model: &ScheduledModes| {
+        let (units, inputs, outputs) = records.first().map_or_else(Default::default, |r| {
+            (SignalUnits::of(&r.u_unit, &r.y_unit), r.inputs.clone(), r.outputs.clone())
+        });
+        ModesFile::new(model, units, inputs, outputs)
     };
-    let mut ledger = Ledger { watch, done: 0, whole, show: &show };
+    let problem = identity(records, options);
+    let resume = resumed(resume, &problem)?;
+    let mut ledger = Ledger { watch, done: 0, whole, file: &file, problem: &problem, stage: 0, state: None };
     if !ledger.tell("frequency response", None, None) {
         return Err(ModesFitError::Stopped);
     }
@@ -116,16 +134,29 @@ pub(super) fn identify(
     let all: Vec<&Piece> = campaign.pieces.iter().collect();
     let top = campaign.top();
     let mut parameters = 0;
-    for stage in &stages {
+    for (index, stage) in stages.iter().enumerate() {
         if ledger.is_stopped() {
             break;
+        }
+        ledger.stage = index;
+        let mut from = From { iteration: 0, damping: stage.damping };
+        match &resume {
+            Some(state) if index < state.stage => {
+                ledger.done += stage.work * stage.iterations as u64;
+                continue;
+            }
+            Some(state) if index == state.stage => {
+                model = state.model.to_model()?;
+                from = From { iteration: state.iteration, damping: state.damping };
+            }
+            _ => {}
         }
         if stage.groups.contains(&Group::Coefficients) && model.feedback.is_none() {
             add_feedback(&start, &mut model, &top, options.plays);
         }
         let alone = stage.groups == LINEAR && scheduled;
         let pieces = if alone { &top } else { &all };
-        (model, parameters) = search(model, stage, (&campaign, pieces), &mut ledger);
+        (model, parameters) = search(model, stage, from, (&campaign, pieces), &mut ledger);
     }
     let fits = fits(&model, &campaign, records);
     for fit in &fits {
@@ -153,6 +184,7 @@ pub(super) fn identify(
         modes,
         influence,
         interrupted: ledger.is_stopped(),
+        resume: Searches { modes: ledger.state, ..Searches::default() },
         findings,
         treatment: treatment(&campaign, start.pairs, model.modes),
         excited_hz: start.excited_hz,

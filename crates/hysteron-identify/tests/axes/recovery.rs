@@ -12,7 +12,7 @@ use crate::device::{HIGH, LOW, MODES, device, linear_device, record, record_of};
 const NOISE: f64 = 0.02;
 
 fn fit(records: &[AxesRecord], options: &Options) -> Result<ModesIdentification, ModesFitError> {
-    identify(records, options, &Watch::silent())
+    identify(records, options, &Watch::silent(), None)
 }
 
 fn training_of(device: &ScheduledModes) -> Vec<AxesRecord> {
@@ -94,11 +94,20 @@ fn a_stopped_search_hands_out_the_best_so_far() {
         told.push((event.fraction, event.model().is_some()));
         if told.len() == 4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    let found = identify(&training(), &options, &watch).unwrap();
+    let found = identify(&training(), &options, &watch, None).unwrap();
     drop(watch);
     assert!(found.interrupted && told.len() == 4);
     assert!(told.windows(2).all(|w| w[0].0 <= w[1].0), "{told:?}");
     assert!(told[3].1 && !told[0].1, "there is a model to be seen once there is a start: {told:?}");
+    // What was stopped goes on to the same bits, from its text too; on other records it does not.
+    let text = serde_json::to_string(&found.resume).unwrap();
+    let resume = || Some(serde_json::from_str(&text).unwrap());
+    let straight = fit(&training(), &options).unwrap();
+    let resumed = identify(&training(), &options, &Watch::silent(), resume()).unwrap();
+    assert!(!resumed.interrupted && found.model != straight.model);
+    assert_eq!(resumed.model, straight.model);
+    let others = identify(&training()[..1], &options, &Watch::silent(), resume());
+    assert!(matches!(others, Err(ModesFitError::Resume)), "{others:?}");
 }
 
 #[test]

@@ -42,7 +42,7 @@ fn modes_that_follow_the_level_predict_unseen_records_better_than_published() {
     let Some(training) = training.iter().map(|name| record(name)).collect::<Option<Vec<_>>>() else { return };
     // What a test has time for: one step a sample and no hysteresis. The full model is in docs/theory/scheduled-modes.md.
     let options = Options { modes: Some(18), steps: 1, hysteresis: false, ..Options::default() };
-    let found = identify(&training, &options, &Watch::silent()).unwrap();
+    let found = identify(&training, &options, &Watch::silent(), None).unwrap();
     for (name, published) in [("train_100mV_exp1.csv", PUBLISHED[0]), ("train_300mV_exp4.csv", PUBLISHED[1])]
     {
         let Some(held_out) = record(name) else { return };
