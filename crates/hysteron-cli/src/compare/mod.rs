@@ -122,7 +122,7 @@ impl Compare {
             console::result(&text::text(&found))?;
         }
         if found.comparison.ranking.is_none() {
-            return Err(nothing(&found.comparison));
+            return Err(stop.told(nothing(&found.comparison)));
         }
         if found.comparison.interrupted {
             return Err(Failure::new("the comparison was interrupted")

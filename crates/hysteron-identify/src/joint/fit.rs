@@ -71,7 +71,7 @@ pub(in super::super) fn identify(
     let members: Vec<JointMember<'_>> =
         facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
     let options = &Options { scheme: Choice::Given(setup::scheme(options, &members)), ..options.clone() };
-    let mut setup = JointSetup::new(&members, form, options);
+    let mut setup = JointSetup::new(&members, form, options).stopped_by(engine.stop());
     let reduced = members.iter().any(|member| member.factor > 1);
 
     let first_degree = match options.degree {
@@ -96,7 +96,9 @@ pub(in super::super) fn identify(
     }
     let small = if reduced { Some(setup.problem(degree, true)?) } else { None };
     let at_small = best.clone();
-    let (problem, x, mut reduction) = if let Some(small) = &small {
+    let (problem, x, mut reduction) = if engine.cancelled {
+        (setup.problem(degree, reduced)?, best, None)
+    } else if let Some(small) = &small {
         let whole = setup.problem(degree, false)?;
         let polished = engine.quick_fit(ALL_SAMPLES, &whole, vec![best.clone()])?;
         let reduction = Reduction { samples: whole.residual_count(), searched: small.valid(), moved: 0.0 };

@@ -12,7 +12,7 @@ use super::resonances::{Resonance, resonances};
 use hysteron_model::dynamics::{DynamicForm, Modes, Scheme};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::polynomial_name;
-use hysteron_optimize::{Bounds, Range};
+use hysteron_optimize::{Bounds, Range, Stop};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -31,6 +31,8 @@ pub(in super::super) struct JointSetup<'a> {
     prepared: Arc<[Mutex<Option<Prepared>>; 2]>,
     /// Found when first needed.
     resonances: Arc<OnceLock<Vec<Resonance>>>,
+    /// Once it is asked for, starts are no longer compared.
+    pub(super) stop: Stop,
 }
 
 /// The records as a fit sees them, whatever of it is held.
@@ -64,7 +66,13 @@ impl<'a> JointSetup<'a> {
             members,
             prepared: Arc::default(),
             resonances: Arc::default(),
+            stop: Stop::new(),
         }
+    }
+
+    /// The same, stopped by `stop`.
+    pub(in super::super) fn stopped_by(self, stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..self }
     }
 
     /// The same records with another form of the dynamics, or other parameters held.

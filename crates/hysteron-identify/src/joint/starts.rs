@@ -13,7 +13,7 @@ use super::setup::{JointSetup, memory_name, without_number};
 use hysteron_model::dynamics::{Creep, Dynamics, Modes};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::polynomial_name;
-use hysteron_optimize::{Bounds, Problem};
+use hysteron_optimize::{Bounds, Problem, Stop};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -112,6 +112,9 @@ impl JointSetup<'_> {
         let mut starts = Starts::default();
         let pairs = places.motions.iter().zip(places.loops.iter().cycle()).enumerate();
         for (number, (motion, found)) in pairs.take(which.end).skip(which.start) {
+            if engine.stop().is_requested() {
+                break;
+            }
             let options = self.holding(found);
             let held = self.with(self.form, &options).problem(problem.degree(), true)?;
             let mut point = self.looping(problem.bounds(), found, *motion);
@@ -156,7 +159,7 @@ impl JointSetup<'_> {
     fn slow(&self, options: &Options, degree: usize) -> Result<(JointProblem, Vec<Placed>), IdentifyError> {
         let index = self.slowest();
         let members = self.members.get(index..=index).unwrap_or_default();
-        let setup = JointSetup::new(members, self.form, options);
+        let setup = JointSetup::new(members, self.form, options).stopped_by(&self.stop);
         let problem = setup.problem(degree, true)?;
         let lattice = self
             .shapes()
@@ -164,7 +167,7 @@ impl JointSetup<'_> {
             .flat_map(|numbers| [false, true].map(|settled| Shape { numbers: numbers.clone(), settled }));
         let lattice: Vec<Shape> = lattice.collect();
         let point = |shape: &Shape| setup.point(problem.bounds(), shape, FAST);
-        let ordered = by_cost(&problem, &lattice, point);
+        let ordered = by_cost(&problem, &lattice, point, &self.stop);
         let starts = ordered.into_iter().map(|shape| (shape.clone(), point(&shape))).collect();
         Ok((problem, starts))
     }
@@ -241,7 +244,7 @@ impl JointSetup<'_> {
             };
             PLACES.iter().flat_map(of)
         });
-        let ordered = by_cost(problem, &lattice.collect::<Vec<_>>(), |motion| point(*motion));
+        let ordered = by_cost(problem, &lattice.collect::<Vec<_>>(), |motion| point(*motion), &self.stop);
         let mut picked: Vec<Motion> = Vec::new();
         for motion in ordered {
             let alike = |other: &Motion| {
@@ -329,17 +332,22 @@ impl JointSetup<'_> {
     }
 }
 
-/// The candidates in the order of their cost; those that cannot be simulated last.
+/// The candidates in the order of their cost; last those that cannot be simulated, and those not tried when it was stopped.
 fn by_cost<T: Clone + Send + Sync>(
     problem: &JointProblem,
     candidates: &[T],
     point: impl Fn(&T) -> Vec<f64> + Sync,
+    stop: &Stop,
 ) -> Vec<T> {
     let share = candidates.len().div_ceil(rayon::current_num_threads()).max(1);
     let shares = candidates.par_chunks(share).flat_map_iter(|share| {
         let mut ws = problem.workspace();
         let point = &point;
-        share.iter().map(move |candidate| (problem.cost(&point(candidate), &mut ws), candidate.clone()))
+        share.iter().map(move |candidate| {
+            let tried = !stop.is_requested();
+            let cost = if tried { problem.cost(&point(candidate), &mut ws) } else { f64::INFINITY };
+            (cost, candidate.clone())
+        })
     });
     let mut costs: Vec<(f64, T)> = shares.collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));

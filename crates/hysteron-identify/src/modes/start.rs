@@ -91,7 +91,10 @@ fn choose_poles(
 ) -> Result<(usize, CommonPoles), ModesFitError> {
     let poles = |count: usize| -> Result<CommonPoles, ModesFitError> {
         let start = spread_poles(count, (SPREAD.0 * top_hz, SPREAD.1 * top_hz), START_DAMPING, rate);
-        let mut found = fit.poles(&start, RELOCATIONS)?;
+        let mut found = fit.poles(&start, RELOCATIONS, || !stop.is_requested())?;
+        if stop.is_requested() {
+            return Err(ModesFitError::Stopped);
+        }
         found.pairs.retain(&is_mode);
         found.real.clear();
         Ok(found)

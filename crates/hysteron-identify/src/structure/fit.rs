@@ -71,7 +71,7 @@ impl Campaign<'_> {
         if candidate.block.takes_two_steps() {
             return self.fit_in_two_steps(&options);
         }
-        let setup = JointSetup::new(self.members, form(&options), &options);
+        let setup = JointSetup::new(self.members, form(&options), &options).stopped_by(self.stop);
         let problem = setup.problem(candidate.degree, true)?;
         let guesses = setup.guesses(&problem)?;
         let base = guesses.first().cloned().unwrap_or_default();
@@ -196,7 +196,7 @@ impl Campaign<'_> {
             .map(|((record, _), facts)| self.members[*record].masked(facts))
             .collect();
         let options = self.candidate_options(candidate, &members);
-        let setup = JointSetup::new(&members, form(&options), &options);
+        let setup = JointSetup::new(&members, form(&options), &options).stopped_by(self.stop);
         let problem = setup.problem(candidate.degree, true)?;
         // The memory of a record is known by its place in the campaign.
         let renamed: Named = whole

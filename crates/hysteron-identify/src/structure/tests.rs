@@ -130,6 +130,34 @@ fn an_arx_candidate_is_compared_beside_the_others() {
 }
 
 #[test]
+fn a_stopped_joint_fit_is_resumed_to_the_same_bits_wherever_it_was_stopped() {
+    let options = Options { dynamics: crate::DynamicsChoice::Integer, ..Options::default() };
+    let campaign = campaign();
+    let mut events = 0;
+    let count = Watch::new(|event: &Event<'_>| {
+        events += 1;
+        assert!(event.stage != "joint fit" || event.model().is_some(), "the model is shown as it grows");
+        ControlFlow::Continue(())
+    });
+    let straight = crate::identify(&campaign, &options, &count, None).unwrap();
+    drop(count);
+    for share in [0.2, 0.5, 0.8] {
+        let mut left = (share * events as f64) as usize;
+        let watch = Watch::new(|_: &Event<'_>| {
+            left = left.saturating_sub(1);
+            if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        let stopped = crate::identify(&campaign, &options, &watch, None).unwrap();
+        drop(watch);
+        assert!(stopped.cancelled);
+        let resumed = crate::identify(&campaign, &options, &Watch::silent(), Some(stopped.resume)).unwrap();
+        assert!(!resumed.cancelled);
+        assert_eq!(resumed.model, straight.model, "stopped after {share} of the events");
+        assert_eq!(resumed.parameters, straight.parameters);
+    }
+}
+
+#[test]
 fn the_neighbours_of_what_was_identified_are_told_apart() {
     let options = Options {
         dynamics: crate::DynamicsChoice::Integer,

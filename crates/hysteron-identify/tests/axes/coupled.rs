@@ -1,8 +1,10 @@
 //! A simulated two-axis stage with cross-coupling, hysteresis of each actuator, a mode and a delay of each path: all branches are found in
 //! one fit, to within their standard errors.
 
-use hysteron_identify::Watch;
+use std::ops::ControlFlow;
+
 use hysteron_identify::coupled::{CoupledFitError, Options, identify};
+use hysteron_identify::{Event, Watch};
 use hysteron_model::axes::{AxesRecord, CoupledHammerstein, Path};
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_model::record::{Channel, Record, TimeBase};
@@ -96,6 +98,25 @@ fn every_parameter_of_a_coupled_stage_is_found_to_within_its_error() {
         println!("output {m}: {error:.5} um");
         assert!(error < 0.6 * NOISE, "output {m}: {error} um");
     }
+}
+
+#[test]
+fn a_stopped_search_is_resumed_to_the_same_bits() {
+    let records = [record(1, NOISE)];
+    let straight = identify(&records, &Options::default(), &Watch::silent(), None).unwrap();
+    let (mut told, mut last) = (0, 0.0);
+    let watch = Watch::new(|event: &Event<'_>| {
+        assert!(event.fraction >= last, "the fraction never falls");
+        last = event.fraction;
+        told += usize::from(event.stage == "branches");
+        if told == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let stopped = identify(&records, &Options::default(), &watch, None).unwrap();
+    drop(watch);
+    assert!(stopped.interrupted && stopped.model != straight.model);
+    let resumed = identify(&records, &Options::default(), &Watch::silent(), Some(stopped.resume)).unwrap();
+    assert!(!resumed.interrupted);
+    assert_eq!(resumed.model, straight.model);
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! Identification of simulated oscillators, noise added: what comes back, and what is refused. Every record here is simulated.
 
+use std::ops::ControlFlow;
+
 use hysteron_identify::oscillator::{Identification, Initial, Options, OscillatorFitError};
+use hysteron_identify::{Event, Watch};
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
 use hysteron_model::oscillator::{Drive, Oscillator, Start};
 use hysteron_model::record::{InputOutput, TimeBase};
@@ -8,7 +11,7 @@ use hysteron_model::record::{InputOutput, TimeBase};
 use crate::oracles::{BENCHMARK, Random, multisine, rms};
 
 fn identify(records: &[InputOutput], options: &Options) -> Result<Identification, OscillatorFitError> {
-    hysteron_identify::oscillator::identify(records, options, &hysteron_identify::Watch::silent(), None)
+    hysteron_identify::oscillator::identify(records, options, &Watch::silent(), None)
 }
 
 const RATE: f64 = 750.0;
@@ -68,6 +71,24 @@ fn every_parameter_comes_back_within_three_standard_errors() {
         assert!((fit.scores.offset - 30.0 * noise).abs() < noise);
         assert_eq!(fit.period_samples, Some(2048));
     }
+}
+
+#[test]
+fn a_stopped_search_is_resumed_to_the_same_bits() {
+    let records = [steady(&DEVICE, 2048, 3, 0.1, 12)];
+    let straight = identify(&records, &Options::default()).unwrap();
+    let mut models = 0;
+    let watch = Watch::new(|event: &Event<'_>| {
+        models += usize::from(event.stage == "output error" && event.model().is_some());
+        if models == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let of = hysteron_identify::oscillator::identify;
+    let stopped = of(&records, &Options::default(), &watch, None).unwrap();
+    drop(watch);
+    assert!(stopped.interrupted && stopped.oscillator != straight.oscillator);
+    let resumed = of(&records, &Options::default(), &Watch::silent(), Some(stopped.resume)).unwrap();
+    assert!(!resumed.interrupted);
+    assert_eq!(resumed.oscillator, straight.oscillator);
 }
 
 #[test]

@@ -61,13 +61,18 @@ impl VectorFit {
         Self { z, entries, held }
     }
 
-    /// Poles after `passes` relocations from pairs `start`, by ascending angle.
+    /// Poles after `passes` relocations from pairs `start`, by ascending angle; after as many as `go_on` allows, which is asked before each.
     ///
     /// # Errors
     /// [`AxesError::NoPoles`].
-    pub fn poles(&self, start: &[Complex64], passes: usize) -> Result<CommonPoles, AxesError> {
+    pub fn poles(
+        &self,
+        start: &[Complex64],
+        passes: usize,
+        go_on: impl Fn() -> bool,
+    ) -> Result<CommonPoles, AxesError> {
         let mut poles = CommonPoles { pairs: start.to_vec(), real: Vec::new() };
-        for _ in 0..passes {
+        for _ in (0..passes).take_while(|_| go_on()) {
             poles = self.relocate(&poles).ok_or(AxesError::NoPoles)?;
         }
         poles.pairs.sort_by(|a, b| a.arg().total_cmp(&b.arg()));
@@ -261,7 +266,7 @@ mod tests {
         let response = FrequencyMatrix { inputs: 2, outputs: 2, frequency_hz, lines, values };
         let fit = VectorFit::new(&response, rate, vec![0.3]);
         let start = spread_poles(4, (100.0, 1200.0), 0.01, rate);
-        let found = fit.poles(&start, 20).unwrap();
+        let found = fit.poles(&start, 20, || true).unwrap();
         assert!(found.real.is_empty() && found.pairs.len() == 4, "{found:?}");
         for (found, &(f, damping)) in found.pairs.iter().zip(&modes) {
             let mode = frequency(*found, rate);
