@@ -61,3 +61,9 @@ pub fn table(header: &[&str]) -> comfy_table::Table {
 pub fn in_unit(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
 }
+
+/// A clock that runs from now on.
+pub fn clock() -> impl Fn() -> std::time::Duration {
+    let begun = std::time::Instant::now();
+    move || begun.elapsed()
+}

@@ -13,6 +13,7 @@ use hysteron_report::number::significant;
 use serde::Serialize;
 
 use crate::console;
+use crate::console::clock;
 use crate::failure::Failure;
 use crate::model::LoadedModel;
 use crate::numbers::{positive, share};
@@ -79,7 +80,7 @@ impl Realise {
         let mut parts = StreamParts::new(&realisation).map_err(failed)?;
         let mut streams = [parts.stream().map_err(failed)?];
         let timed = drive.get(..SAMPLES).unwrap_or(&drive);
-        let times = nanoseconds_per_sample(&mut streams, timed, ROUNDS).map_err(failed)?;
+        let times = nanoseconds_per_sample(&mut streams, timed, ROUNDS, &clock()).map_err(failed)?;
         let units = &loaded.file().units;
         let found = Found {
             realisation,

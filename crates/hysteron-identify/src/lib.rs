@@ -7,6 +7,7 @@
 
 pub mod baselines;
 mod campaign;
+mod compared;
 pub mod coupled;
 mod dynamic_problem;
 mod dynamic_step;
@@ -40,6 +41,7 @@ mod uncertainty;
 mod watch;
 mod written;
 
+pub use compared::{CandidateCost, Compared};
 pub use engine::Search;
 pub use error::IdentifyError;
 pub use fit::{Fit, FitError, FitParameter, FitRecords, Found, Place, Task, fit, fit_on};

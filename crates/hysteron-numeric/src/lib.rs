@@ -11,6 +11,7 @@ mod feedback_tangent;
 pub mod fft;
 mod inner_product;
 mod non_negative;
+pub mod number;
 mod relaxation;
 mod series;
 mod triangular;

@@ -18,15 +18,16 @@ macro_rules! put {
 }
 
 mod base64;
+pub mod comparison;
 mod escape;
 pub mod figure;
 pub mod fit;
 pub mod identification;
 pub mod model;
-pub mod number;
 pub mod page;
 pub mod record_curves;
 pub mod starts;
 mod write;
 
+pub use hysteron_numeric::number;
 pub use write::{write_figures, write_page};

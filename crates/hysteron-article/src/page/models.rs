@@ -3,8 +3,8 @@
 use crate::{Eq13, ModelFit, ModelKind, Reproduction, SineCurves, printed};
 
 use super::{ComparisonRow, ComparisonTable, SIMULATED};
-use hysteron_report::figure::ticks::fixed;
 use hysteron_report::figure::{Axis, Dash, Figure, Panel, Series, Style, errors_by_frequency};
+use hysteron_report::number::fixed;
 use hysteron_report::number::significant;
 use hysteron_report::page::{Block, Column, Section, Table};
 

@@ -3,8 +3,8 @@
 use crate::{Reproduction, printed};
 
 use super::{ComparisonRow, ComparisonTable, SIMULATED};
-use hysteron_report::figure::ticks::fixed;
 use hysteron_report::figure::{Axis, Figure, measured_and_model, residual};
+use hysteron_report::number::fixed;
 use hysteron_report::number::significant;
 use hysteron_report::page::{Block, Section};
 

@@ -1,19 +1,16 @@
 //! `hysteron compare`: which structure do these records support?
 
-mod baselines;
-mod cost;
-mod json;
-mod report;
 mod text;
 
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron_identify::baselines::CrossValidated;
+use hysteron_identify::baselines::{Baseline, CrossValidated, cross_validate};
 use hysteron_identify::structure::{Candidate, Comparison, StructureError, UnknownCandidate, compare};
-use hysteron_identify::{CampaignRecord, Options, Watch, identify};
-
-use cost::CandidateCost;
+use hysteron_identify::{CampaignRecord, Compared, FitRecords, Options, Stop, Task, Watch, fit};
+use hysteron_model::model_file::Maker;
+use hysteron_model::record::InputOutput;
+use hysteron_report::comparison;
 
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -73,19 +70,6 @@ fn candidate(text: &str) -> Result<Candidate, UnknownCandidate> {
     text.parse()
 }
 
-/// What was compared, for text, JSON and page.
-struct Found {
-    comparison: Comparison,
-    /// Black-box models on the same folds.
-    baselines: Vec<CrossValidated>,
-    /// Names of the records.
-    records: Vec<String>,
-    /// Unit of the output, as printed.
-    unit: String,
-    /// What each candidate costs, in the order of the entries.
-    costs: Vec<CandidateCost>,
-}
-
 impl Compare {
     pub fn run(&self) -> Result<(), Failure> {
         if let Some(path) = &self.out {
@@ -103,21 +87,15 @@ impl Compare {
         let baselines = match &comparison.ranking {
             Some(_) if self.baselines => {
                 let data: Vec<_> = campaign.iter().map(|r| r.data.clone()).collect();
-                baselines::scored(&comparison, &data, stop.stop())
+                baselines(&comparison, &data, stop.stop())
             }
             _ => Vec::new(),
         };
-        let costs = cost::costs(&comparison, &campaign);
-        let found = Found {
-            costs,
-            comparison,
-            baselines,
-            records: campaign.iter().map(|r| r.data.name.clone()).collect(),
-            unit: campaign.first().map_or(String::new(), |r| r.data.y_unit.to_string()),
-        };
-        self.result.write(|| report::page(&found))?;
+        let maker = maker();
+        let found = Compared::new(comparison, &campaign, baselines, &console::clock());
+        self.result.write(|| comparison::page(&found, &maker))?;
         if self.result.json {
-            console::json(&json::Summary::new(&found))?;
+            console::json(&found)?;
         } else {
             console::result(&text::text(&found))?;
         }
@@ -130,7 +108,9 @@ impl Compare {
                 .hint("run it again, or name fewer structures with --candidates")
                 .exiting_with(stop.exit_code()));
         }
-        self.out.as_ref().map_or(Ok(()), |path| write_model(path, &found.comparison, &campaign))
+        self.out
+            .as_ref()
+            .map_or(Ok(()), |path| write_model(path, &found.comparison, &campaign, stop.stop(), &maker))
     }
 }
 
@@ -139,17 +119,30 @@ fn write_model(
     path: &std::path::Path,
     comparison: &Comparison,
     campaign: &[CampaignRecord],
+    stop: &Stop,
+    maker: &Maker,
 ) -> Result<(), Failure> {
     let Some(ranking) = &comparison.ranking else { return Ok(()) };
     let preferred = &comparison.entries[ranking.preferred];
     let options =
         Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };
     let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));
-    let found = identify(campaign, &options, &Watch::silent(), None).map_err(|e| failure().because(e))?;
-    let file = found.model_file(&options, &maker());
-    crate::model::write(path, file)?;
+    let (records, task) = (FitRecords::Single(campaign.to_vec()), Task::Hammerstein(Box::new(options)));
+    let found = fit(&records, &task, &Watch::silent().stopped_by(stop), None, maker);
+    crate::model::save(path, &found.map_err(|e| failure().because(e))?.model)?;
     console::message(&format!("model of {} written to {}", preferred.candidate, path.display()));
     Ok(())
+}
+
+/// Every baseline on the folds of the comparison; those that were not stopped.
+fn baselines(comparison: &Comparison, records: &[InputOutput], stop: &Stop) -> Vec<CrossValidated> {
+    let score = |kind| {
+        console::message(&format!("training {}", Baseline::name(kind)));
+        let now = console::clock();
+        let found = cross_validate(kind, records, &comparison.folds, stop)?;
+        Some(CrossValidated { seconds: Some(now().as_secs_f64()), ..found })
+    };
+    Baseline::ALL.into_iter().map_while(score).collect()
 }
 
 /// No candidate came through.

@@ -1,5 +1,7 @@
 //! What models cost sample by sample, side by side.
 
+use std::time::Duration;
+
 use super::stream::{StreamParts, nanoseconds_per_sample};
 use super::{RealiseError, RealiseOptions, realise};
 use crate::hammerstein::Model;
@@ -14,13 +16,14 @@ pub struct Cost {
 }
 
 /// Realises `models` for `sample_rate_hz` and times them along the same drive in turns. Comparable with each other, not with another
-/// run or machine. A model that cannot be realised is no error of the others.
+/// run or machine; `now` is a clock. A model that cannot be realised is no error of the others.
 pub fn side_by_side(
     models: &[&Model],
     sample_rate_hz: f64,
     options: &RealiseOptions,
     drive: &[f64],
     rounds: usize,
+    now: &dyn Fn() -> Duration,
 ) -> Vec<Result<Cost, RealiseError>> {
     let first = drive.first().copied().unwrap_or(0.0);
     let mut parts: Vec<Result<(usize, StreamParts), RealiseError>> = models
@@ -43,7 +46,7 @@ pub fn side_by_side(
             streams.push(stream);
         }
     }
-    let times = nanoseconds_per_sample(&mut streams, drive, rounds);
+    let times = nanoseconds_per_sample(&mut streams, drive, rounds, now);
     let mut times = times.unwrap_or_default().into_iter();
     parts
         .into_iter()

@@ -3,7 +3,7 @@
 use super::layout::{PlacedPanel, SMALL};
 use super::style::Colour;
 use super::text::{number, width};
-use super::ticks::fixed;
+use hysteron_numeric::number::fixed;
 
 /// Opacity of a full cell: dark text on it can still be read.
 const FULL: f64 = 0.7;

@@ -1,8 +1,9 @@
 //! Where everything stands: ranges of the axes, frames, legends. Nothing may overlap the data.
 
 use super::text::{fit, width};
-use super::ticks::{SMALLEST_SPAN, Ticks, superscript, ticks};
+use super::ticks::{SMALLEST_SPAN, Ticks, ticks};
 use super::{Axis, Figure, Marker, Panel, Scale, Series, Style};
+use hysteron_numeric::number::superscript;
 
 /// Sizes of text \[px\]; 12 px is 9 pt, the smallest that journals accept.
 pub(crate) const SMALL: f64 = 12.0;

@@ -1,5 +1,7 @@
 //! Tick positions and their labels: steps of 1, 2 or 5 times a power of ten, decades on a logarithmic axis.
 
+use hysteron_numeric::number::{fixed, superscript};
+
 use super::Scale;
 
 /// Marks of one axis.
@@ -131,32 +133,6 @@ fn power_label(value: f64) -> String {
     let mantissa = (value / 10f64.powi(exponent)).round() as i64;
     let power = format!("10{}", superscript(exponent));
     if mantissa == 1 { power } else { format!("{mantissa}×{power}") }
-}
-
-/// `exponent` in superscript digits.
-pub fn superscript(exponent: i32) -> String {
-    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    exponent
-        .to_string()
-        .chars()
-        .map(|c| c.to_digit(10).and_then(|d| DIGITS.get(d as usize).copied()).unwrap_or('⁻'))
-        .collect()
-}
-
-/// `value` with fixed decimals, a true minus sign and thin spaces between thousands from 10 000 on.
-pub fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{:.*}", decimals, value.abs());
-    let (whole, rest) = text.split_at(text.find('.').unwrap_or(text.len()));
-    let negative = value < 0.0 && text.bytes().any(|b| (b'1'..=b'9').contains(&b));
-    let mut out = String::from(if negative { "−" } else { "" });
-    for (i, c) in whole.chars().enumerate() {
-        if i > 0 && whole.len() > 4 && (whole.len() - i) % 3 == 0 {
-            out.push('\u{2009}');
-        }
-        out.push(c);
-    }
-    out.push_str(rest);
-    out
 }
 
 #[cfg(test)]

@@ -6,7 +6,6 @@ mod contents;
 mod parameters;
 mod searches;
 
-use crate::figure::ticks::fixed;
 use crate::figure::{
     Axis, Colour, ConvergenceCurve, Dash, Figure, FrequencyResponseCurve, Series, Style, convergence,
     correlation_matrix, frequency_response,
@@ -18,6 +17,7 @@ use crate::starts::SearchStarts;
 use hysteron_identify::structure::{Neighbours, StructureError};
 use hysteron_identify::{Correlation, Identification};
 use hysteron_model::model_file::ModelFile;
+use hysteron_numeric::number::fixed;
 
 /// The report of an identification, whose model's data are `file`: model, errors, scores, measured against simulated, findings,
 /// how to repeat it. `others`: structures next to the identified one, where they were compared.

@@ -2,13 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use hysteron_identify::structure::Comparison;
-use hysteron_report::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
-use hysteron_report::number::significant;
-use hysteron_report::page::{Block, Cell, Column, Highlight, Page, Section, Table};
-
-use super::{Found, baselines, text};
-use crate::maker::command_line;
+use crate::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
+use crate::number::significant;
+use crate::page::{Block, Cell, Column, Highlight, Page, Section, Table};
+use hysteron_identify::structure::{Comparison, Entry, Fold};
+use hysteron_identify::{Compared, baselines::CrossValidated};
+use hysteron_model::model_file::Maker;
 
 /// Candidates whose errors are shown fold by fold.
 const SHOWN_BY_FOLD: usize = 5;
@@ -17,12 +16,13 @@ const LINE_PX: f64 = 26.0;
 /// Height of the picture of error over cost \[px\].
 const COST_PX: f64 = 420.0;
 
-pub fn page(found: &Found) -> Page {
+/// The page of a comparison; `maker`: who made it, and by which command.
+pub fn page(found: &Compared, maker: &Maker) -> Page {
     let comparison = &found.comparison;
     let mut result = Section::new("Which structure");
     if let Some(ranking) = &comparison.ranking {
         let preferred = &comparison.entries[ranking.preferred];
-        let error = text::standing(comparison, ranking.preferred).map_or(f64::NAN, |s| s.mean);
+        let error = found.standing(ranking.preferred).map_or(f64::NAN, |s| s.mean);
         result = result.block(Block::Highlights(vec![
             Highlight::new("preferred structure", preferred.candidate.to_string(), ""),
             Highlight::new("error on unseen data", significant(error, 3), found.unit.as_str()),
@@ -31,24 +31,25 @@ pub fn page(found: &Found) -> Page {
         ]));
     }
     let result = result
-        .block(Block::list(text::verdict(found)))
+        .block(Block::list(found.verdict()))
         .block(errors(found))
         .block(table(found))
         .block(cost_picture(found))
-        .block(Block::info(text::about(found)));
-    let page = Page::new("Comparison of structures")
+        .block(Block::info(found.about()));
+    let mut page = Page::new("Comparison of structures")
         .subtitled(found.records.join(", "))
         .section(result)
         .section(Section::new("What was left out").block(by_fold(found)).block(fold_table(found)));
-    match baselines::section(found) {
-        Some(section) => page.section(section),
-        None => page,
+    if let Some(section) = baselines_section(found) {
+        page = page.section(section);
     }
-    .section(Section::new("How it was made").block(Block::code(command_line())))
-    .footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")))
+    if let Some(command) = &maker.command {
+        page = page.section(Section::new("How it was made").block(Block::code(command)));
+    }
+    page.footer_line(&maker.program)
 }
 
-fn axis(found: &Found) -> Axis {
+fn axis(found: &Compared) -> Axis {
     Axis::log("error on unseen data", found.unit.as_str())
 }
 
@@ -62,13 +63,13 @@ fn points(colour: Colour) -> Style {
 }
 
 /// Error of every candidate with its standard error, its training error, and the noise floor.
-fn errors(found: &Found) -> Figure {
+fn errors(found: &Compared) -> Figure {
     let comparison = &found.comparison;
-    let order = text::order(comparison);
+    let order = found.order();
     let at = lines(order.len());
     let names: Vec<String> =
         order.iter().rev().map(|&i| comparison.entries[i].candidate.to_string()).collect();
-    let standings: Vec<_> = order.iter().map(|&i| text::standing(comparison, i)).collect();
+    let standings: Vec<_> = order.iter().map(|&i| found.standing(i)).collect();
     let means = standings.iter().map(|s| s.map_or(f64::NAN, |s| s.mean)).collect();
     let training = order.iter().map(|&i| comparison.entries[i].training_rmse.unwrap_or(f64::NAN)).collect();
     let (mut bar_x, mut bar_y) = (Vec::new(), Vec::new());
@@ -94,13 +95,14 @@ fn errors(found: &Found) -> Figure {
 }
 
 /// Error over cost, each candidate by its name, on two logarithmic axes; those that no other beats in both on a line.
-fn cost_picture(found: &Found) -> Figure {
+fn cost_picture(found: &Compared) -> Figure {
     let comparison = &found.comparison;
-    let mut points: Vec<(f64, f64, String)> = text::order(comparison)
+    let mut points: Vec<(f64, f64, String)> = found
+        .order()
         .into_iter()
         .filter_map(|i| {
             let cost = found.costs.get(i)?.cost?;
-            let error = text::standing(comparison, i)?.mean;
+            let error = found.standing(i)?.mean;
             Some((cost.nanoseconds, error, comparison.entries[i].candidate.to_string()))
         })
         .collect();
@@ -169,7 +171,7 @@ fn noise_floor(comparison: &Comparison, lines: usize) -> Series {
 }
 
 /// Error of the first few candidates on every fold.
-fn by_fold(found: &Found) -> Figure {
+fn by_fold(found: &Compared) -> Figure {
     let comparison = &found.comparison;
     let at = lines(comparison.folds.len());
     // Short names, where they tell the folds apart.
@@ -178,7 +180,7 @@ fn by_fold(found: &Found) -> Figure {
     let names = comparison.folds.iter().rev().map(|f| if short { &f.content } else { &f.label });
     let mut panel = Panel::new(axis(found), Axis::categories("", names))
         .series(noise_floor(comparison, comparison.folds.len()));
-    for (place, index) in text::order(comparison).into_iter().take(SHOWN_BY_FOLD).enumerate() {
+    for (place, index) in found.order().into_iter().take(SHOWN_BY_FOLD).enumerate() {
         let entry = &comparison.entries[index];
         let errors = entry.fold_rmse.iter().map(|e| e.unwrap_or(f64::NAN)).collect();
         let style = Style::nth(place).marked(place).with_dash(Dash::None);
@@ -190,7 +192,7 @@ fn by_fold(found: &Found) -> Figure {
         .captioned("RMSE of the leading candidates on each part that was left out of their fit.")
 }
 
-fn table(found: &Found) -> Table {
+fn table(found: &Compared) -> Table {
     let comparison = &found.comparison;
     let unit = found.unit.as_str();
     let columns = [
@@ -205,15 +207,15 @@ fn table(found: &Found) -> Table {
         Column::text("inverse"),
     ];
     let preferred = comparison.ranking.as_ref().map(|r| r.preferred);
-    text::order(comparison).into_iter().fold(Table::new(columns), |table, index| {
-        let cells = text::cells(found, index);
+    found.order().into_iter().fold(Table::new(columns), |table, index| {
+        let cells = cells(found, index);
         if preferred == Some(index) { table.highlighted_row(cells) } else { table.row(cells) }
     })
 }
 
-fn fold_table(found: &Found) -> Table {
+fn fold_table(found: &Compared) -> Table {
     let comparison = &found.comparison;
-    let shown: Vec<usize> = text::order(comparison).into_iter().take(SHOWN_BY_FOLD).collect();
+    let shown: Vec<usize> = found.order().into_iter().take(SHOWN_BY_FOLD).collect();
     let mut columns = vec![Column::text("left out"), Column::text("what it holds")];
     columns.extend(
         shown
@@ -228,4 +230,97 @@ fn fold_table(found: &Found) -> Table {
         }
         table.row(cells)
     })
+}
+
+/// One row: candidate, parameters, error on left-out data ± its standard error, difference to the best ± its standard
+/// error, training error, AIC and BIC above their lowest, time of a sample, whether its hysteresis has an inverse.
+pub fn cells(found: &Compared, index: usize) -> [String; 9] {
+    let comparison = &found.comparison;
+    let costs = found.costs.get(index);
+    let entry = &comparison.entries[index];
+    let missing = || "-".to_owned();
+    let standing = found.standing(index);
+    [
+        entry.candidate.to_string(),
+        entry.parameters.to_string(),
+        standing.map_or_else(missing, |s| with_error(s.mean, s.std_error)),
+        standing.map_or_else(missing, |s| match s.difference {
+            0.0 => "best".to_owned(),
+            difference => with_error(difference, s.difference_std_error),
+        }),
+        entry.training_rmse.map_or_else(missing, |x| significant(x, 3)),
+        above(comparison, entry, |e| e.aic),
+        above(comparison, entry, |e| e.bic),
+        costs.and_then(|c| c.cost).map_or_else(missing, |c| significant(c.nanoseconds, 2)),
+        costs.and_then(|c| c.inverse).map_or_else(missing, |inverse| inverse.word().to_owned()),
+    ]
+}
+
+/// A mean and its standard error.
+pub fn with_error(value: f64, error: f64) -> String {
+    format!("{} ± {}", significant(value, 3), significant(error, 2))
+}
+
+fn above(comparison: &Comparison, entry: &Entry, of: impl Fn(&Entry) -> Option<f64>) -> String {
+    let lowest = comparison.entries.iter().filter_map(&of).fold(f64::INFINITY, f64::min);
+    of(entry).map_or_else(|| "-".to_owned(), |x| format!("{:.0}", x - lowest))
+}
+
+/// One row: baseline, parameters, lags, error on left-out data ± its standard error, training error, time.
+pub fn baseline_cells(entry: &CrossValidated) -> [String; 7] {
+    let missing = || "-".to_owned();
+    let model = entry.model.as_ref();
+    [
+        entry.kind.name().to_owned(),
+        model.map_or_else(missing, |m| m.parameters().to_string()),
+        model.map_or_else(missing, |m| significant(1e3 * m.units.interval_s, 3)),
+        model.map_or_else(missing, |m| format!("{}, {}", m.regressors.lags.output, m.regressors.lags.input)),
+        entry.error().map_or_else(missing, |(mean, error)| with_error(mean, error)),
+        entry.training_rmse.map_or_else(missing, |x| significant(x, 3)),
+        entry.seconds.map_or_else(missing, |s| significant(s, 2)),
+    ]
+}
+
+/// Header and rows: what was left out, the error of the best structure and of each baseline.
+pub fn baselines_by_fold(found: &Compared) -> (Vec<String>, Vec<Vec<String>>) {
+    let best = found.comparison.ranking.as_ref().map(|r| &found.comparison.entries[r.best]);
+    let mut names = vec!["left out".to_owned()];
+    names.extend(best.map(|entry| entry.candidate.to_string()));
+    names.extend(found.baselines.iter().map(|b| b.kind.name().to_owned()));
+    let row = |(index, fold): (usize, &Fold)| {
+        let of_best = best.map(|entry| &entry.fold_rmse);
+        let errors = of_best.into_iter().chain(found.baselines.iter().map(|b| &b.fold_rmse));
+        let errors = errors.map(|e| e[index].map_or_else(|| "-".to_owned(), |e| significant(e, 3)));
+        std::iter::once(fold.label.clone()).chain(errors).collect()
+    };
+    (names, found.comparison.folds.iter().enumerate().map(row).collect())
+}
+
+/// The section of the page, `None` where there are none.
+fn baselines_section(found: &Compared) -> Option<Section> {
+    if found.baselines.is_empty() {
+        return None;
+    }
+    let unit = found.unit.as_str();
+    let columns = [
+        Column::text("baseline"),
+        Column::number("parameters", ""),
+        Column::number("lag interval", "ms"),
+        Column::text("lags of y, u"),
+        Column::number("error on unseen data", unit),
+        Column::number("training RMSE", unit),
+        Column::number("time", "s"),
+    ];
+    let table =
+        found.baselines.iter().fold(Table::new(columns), |table, entry| table.row(baseline_cells(entry)));
+    let (names, rows) = baselines_by_fold(found);
+    let columns = names.into_iter().enumerate();
+    let columns = columns.map(|(i, n)| if i == 0 { Column::text(n) } else { Column::number(n, unit) });
+    let folds = rows.into_iter().fold(Table::new(columns), Table::row);
+    Some(
+        Section::new("Black-box baselines")
+            .block(table)
+            .block(Block::list(found.verdict_of_baselines()))
+            .block(folds),
+    )
 }

@@ -1,7 +1,5 @@
 //! Numbers for tables: significant digits, standard errors, powers of ten.
 
-use crate::figure::ticks::{fixed, superscript};
-
 /// Exponents of ten outside of which a number is written as m × 10ⁿ.
 const PLAIN: std::ops::RangeInclusive<i32> = -4..=6;
 
@@ -10,7 +8,7 @@ const PLAIN: std::ops::RangeInclusive<i32> = -4..=6;
 /// Digits before the decimal point are never rounded away below 10⁷: 12 345 with three digits is `12 345`.
 ///
 /// ```
-/// use hysteron_report::number::significant;
+/// use hysteron_numeric::number::significant;
 /// assert_eq!(significant(0.0123456, 3), "0.0123");
 /// assert_eq!(significant(-1.5e-9, 2), "−1.5 × 10⁻⁹");
 /// ```
@@ -38,7 +36,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// the error is an empty text.
 ///
 /// ```
-/// use hysteron_report::number::with_std_error;
+/// use hysteron_numeric::number::with_std_error;
 /// assert_eq!(with_std_error(12.34567, Some(0.0234)), ("12.346".into(), "0.023".into()));
 /// assert_eq!(with_std_error(2.0, None), ("2.0000".into(), String::new()));
 /// ```
@@ -70,6 +68,32 @@ fn power(value: f64, exponent: i32, decimals: usize) -> String {
     let shift = text.split_once('e').and_then(|(_, e)| e.parse::<i32>().ok()).unwrap_or(0) - exponent;
     let mantissa = text.split_once('e').and_then(|(m, _)| m.parse::<f64>().ok()).unwrap_or(0.0);
     format!("{} × 10{}", fixed(mantissa * 10f64.powi(shift), decimals), superscript(exponent))
+}
+
+/// `exponent` in superscript digits.
+pub fn superscript(exponent: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    exponent
+        .to_string()
+        .chars()
+        .map(|c| c.to_digit(10).and_then(|d| DIGITS.get(d as usize).copied()).unwrap_or('⁻'))
+        .collect()
+}
+
+/// `value` with fixed decimals, a true minus sign and thin spaces between thousands from 10 000 on.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{:.*}", decimals, value.abs());
+    let (whole, rest) = text.split_at(text.find('.').unwrap_or(text.len()));
+    let negative = value < 0.0 && text.bytes().any(|b| (b'1'..=b'9').contains(&b));
+    let mut out = String::from(if negative { "−" } else { "" });
+    for (i, c) in whole.chars().enumerate() {
+        if i > 0 && whole.len() > 4 && (whole.len() - i) % 3 == 0 {
+            out.push('\u{2009}');
+        }
+        out.push(c);
+    }
+    out.push_str(rest);
+    out
 }
 
 #[cfg(test)]

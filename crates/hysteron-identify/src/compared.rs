@@ -1,0 +1,337 @@
+//! A comparison with what each candidate costs a controller and with black-box models beside it.
+
+use std::time::Duration;
+
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{Invertibility, TimedDrive};
+use hysteron_model::realise::{Cost, RealiseOptions, side_by_side};
+use hysteron_numeric::number::significant;
+use serde::{Serialize, Serializer};
+
+use crate::CampaignRecord;
+use crate::baselines::{CrossValidated, Trained};
+use crate::structure::{Comparison, Standing};
+
+/// Samples of the drive that is timed, and passes of the clock over all candidates.
+const SAMPLES: usize = 10_000;
+const ROUNDS: usize = 15;
+
+/// A comparison and everything that is shown of it.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// The comparison.
+    pub comparison: Comparison,
+    /// Black-box models on the same folds.
+    pub baselines: Vec<CrossValidated>,
+    /// Names of the records.
+    pub records: Vec<String>,
+    /// Unit of the output, as printed.
+    pub unit: String,
+    /// What each candidate costs, in the order of the entries.
+    pub costs: Vec<CandidateCost>,
+}
+
+/// What a candidate costs a controller.
+#[derive(Clone, Debug, Default)]
+pub struct CandidateCost {
+    /// Of its realisation; `None` where it was not fitted or cannot be realised.
+    pub cost: Option<Cost>,
+    /// Why there is none.
+    pub why_not: Option<String>,
+    /// Whether its hysteresis has an inverse.
+    pub inverse: Option<Invertibility>,
+}
+
+impl Compared {
+    /// The comparison of a campaign with costs timed by a clock, `now`, and with these baselines.
+    pub fn new(
+        comparison: Comparison,
+        campaign: &[CampaignRecord],
+        baselines: Vec<CrossValidated>,
+        now: &dyn Fn() -> Duration,
+    ) -> Self {
+        Self {
+            costs: costs(&comparison, campaign, now),
+            comparison,
+            baselines,
+            records: campaign.iter().map(|r| r.data.name.clone()).collect(),
+            unit: campaign.first().map_or(String::new(), |r| r.data.y_unit.to_string()),
+        }
+    }
+
+    /// Candidates in the order of the ranking, those without a place at the end.
+    pub fn order(&self) -> Vec<usize> {
+        let comparison = &self.comparison;
+        let mut order = comparison.ranking.as_ref().map_or(Vec::new(), |r| r.order.clone());
+        order.extend((0..comparison.entries.len()).filter(|&i| self.standing(i).is_none()));
+        order
+    }
+
+    /// Where a candidate stands, by its index among the entries.
+    pub fn standing(&self, index: usize) -> Option<Standing> {
+        self.comparison.ranking.as_ref().and_then(|r| r.standings[index])
+    }
+
+    /// Which structure, and why, in plain words.
+    pub fn verdict(&self) -> Vec<String> {
+        let comparison = &self.comparison;
+        let mut lines = Vec::new();
+        if let Some(ranking) = &comparison.ranking {
+            let name = |i: usize| comparison.entries[i].candidate.to_string();
+            let (best, preferred) = (ranking.best, ranking.preferred);
+            let error = |i: usize| self.standing(i).map_or(f64::NAN, |s| s.mean);
+            let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+            let floor = significant(error(preferred) / comparison.noise_floor, 2);
+            lines.push(if best == preferred {
+                format!(
+                    "Preferred: {}. It has the smallest error on unseen data, {}{unit}, {floor} times the noise floor, and no simpler structure is within \
+                     one standard error of it.",
+                    name(best),
+                    significant(error(best), 3)
+                )
+            } else {
+                format!(
+                    "Preferred: {} ({} parameters, {}{unit} on unseen data, {floor} times the noise floor). {} is smallest ({}{unit}, {} parameters), but not \
+                     by more than one standard error of the difference.",
+                    name(preferred),
+                    comparison.entries[preferred].parameters,
+                    significant(error(preferred), 3),
+                    name(best),
+                    significant(error(best), 3),
+                    comparison.entries[best].parameters
+                )
+            });
+            let as_good: Vec<String> = ranking
+                .order
+                .iter()
+                .filter(|&&i| i != preferred && self.standing(i).is_some_and(|s| s.as_good_as_best))
+                .map(|&i| name(i))
+                .collect();
+            if !as_good.is_empty() {
+                lines.push(format!("These records do not tell it from: {}.", as_good.join(", ")));
+            }
+        }
+        lines.extend(comparison.notes.iter().cloned());
+        for entry in &comparison.entries {
+            lines
+                .extend(entry.failures.iter().map(|why| format!("{} has no place: {why}.", entry.candidate)));
+        }
+        for (entry, cost) in comparison.entries.iter().zip(&self.costs) {
+            if let Some(why) = &cost.why_not {
+                lines.push(format!("{} was not timed sample by sample: {why}.", entry.candidate));
+            }
+        }
+        if comparison.interrupted {
+            lines.push("Interrupted: the candidates that were not finished are missing.".to_owned());
+        }
+        lines
+    }
+
+    /// How the numbers came about.
+    pub fn about(&self) -> String {
+        let comparison = &self.comparison;
+        format!(
+            "Error on unseen data: mean over {} folds of the RMSE of a simulation of what the fit left out, offset estimated, ± standard error over the folds. \
+             Above the best: mean ± standard error of the paired differences. Noise floor {} {}. AIC and BIC are above their lowest, over {:.0} independent \
+             samples (of {}) that the residuals are worth. ns a sample: of the realisation to 1e-5 of the range (double precision, this machine, all \
+             candidates in turns along one drive; shorter by chance as well as by merit). Inverse: of the hysteresis block.",
+            comparison.folds.len(),
+            significant(comparison.noise_floor, 3),
+            self.unit,
+            comparison.independent_samples,
+            comparison.samples
+        )
+    }
+
+    /// What the table says, and how it came about.
+    pub fn verdict_of_baselines(&self) -> Vec<String> {
+        let comparison = &self.comparison;
+        let best = comparison.ranking.as_ref().and_then(|r| self.standing(r.best)).map(|s| s.mean);
+        let errors = self.baselines.iter().filter_map(|b| Some((b.error()?.0, b.kind.name())));
+        let least = errors.min_by(|a, b| a.0.total_cmp(&b.0));
+        let mut lines = Vec::new();
+        if let (Some(best), Some((error, name))) = (best, least) {
+            let ratio = significant(error / best, 3);
+            lines.push(if error < best {
+                format!(
+                    "{name} has {ratio} times the error of the best structure: the structures compared lack something that these records hold."
+                )
+            } else {
+                format!("The best baseline, {name}, has {ratio} times the error of the best structure.")
+            });
+        }
+        for entry in &self.baselines {
+            lines.extend(entry.failures.iter().map(|why| format!("{}: {why}.", entry.kind.name())));
+        }
+        lines.push(
+            "Baselines are black-box NARX models trained on the same records, all choices made on what they are trained on, simulated (not one step \
+             ahead) on the same left-out data. They hold for their lag interval and have no inverse and no intervals."
+                .to_owned(),
+        );
+        lines
+    }
+}
+
+/// Costs and inverses in the order of the entries.
+fn costs(
+    comparison: &Comparison,
+    campaign: &[CampaignRecord],
+    now: &dyn Fn() -> Duration,
+) -> Vec<CandidateCost> {
+    let models: Vec<Option<&Model>> = comparison.entries.iter().map(|e| e.model.as_ref()).collect();
+    let fitted: Vec<&Model> = models.iter().copied().flatten().collect();
+    let rate = |record: &CampaignRecord| record.data.sample_rate_hz();
+    // The fastest record is timed: the one that a controller at its rate would see.
+    let record = campaign.iter().max_by(|a, b| rate(a).unwrap_or(0.0).total_cmp(&rate(b).unwrap_or(0.0)));
+    let Some(record) = record else { return vec![CandidateCost::default(); models.len()] };
+    let sample_rate_hz = rate(record).unwrap_or(1.0);
+    let drive = record.data.u.get(..SAMPLES).unwrap_or(&record.data.u);
+    // What creeps for ever is realised down to a hundredth of the frequency whose period is the longest record.
+    let seconds = campaign.iter().filter_map(|r| Some(r.data.u.len() as f64 / rate(r)?)).fold(0.0, f64::max);
+    let lowest_frequency_hz = (seconds > 0.0).then(|| 0.01 / seconds);
+    let options = RealiseOptions { lowest_frequency_hz, ..RealiseOptions::default() };
+    let mut costs = side_by_side(&fitted, sample_rate_hz, &options, drive, ROUNDS, now).into_iter();
+    let drives: Vec<TimedDrive<'_>> =
+        campaign.iter().map(|r| (r.data.u.as_slice(), rate(r).map(|rate| 1.0 / rate))).collect();
+    models
+        .into_iter()
+        .map(|model| {
+            let Some(model) = model else { return CandidateCost::default() };
+            let (cost, why_not) = match costs.next() {
+                Some(Ok(cost)) => (Some(cost), None),
+                Some(Err(error)) => (None, Some(error.to_string())),
+                None => (None, None),
+            };
+            CandidateCost { cost, why_not, inverse: model.hysteresis.invertibility(&drives).ok() }
+        })
+        .collect()
+}
+
+/// The comparison for programs; errors in the unit of the output.
+#[derive(Serialize)]
+struct Summary<'a> {
+    records: &'a [String],
+    output_unit: &'a str,
+    preferred: Option<String>,
+    best: Option<String>,
+    noise_floor: f64,
+    samples: usize,
+    independent_samples: f64,
+    folds: Vec<FoldEntry<'a>>,
+    candidates: Vec<CandidateEntry<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    baselines: Vec<BaselineEntry<'a>>,
+    notes: Vec<String>,
+    interrupted: bool,
+}
+
+#[derive(Serialize)]
+struct FoldEntry<'a> {
+    left_out: &'a str,
+    content: &'a str,
+    whole_records: bool,
+}
+
+#[derive(Serialize)]
+struct CandidateEntry<'a> {
+    name: String,
+    parameters: usize,
+    error: Option<f64>,
+    error_std_error: Option<f64>,
+    above_best: Option<f64>,
+    above_best_std_error: Option<f64>,
+    as_good_as_best: Option<bool>,
+    training_rmse: Option<f64>,
+    aic: Option<f64>,
+    bic: Option<f64>,
+    nanoseconds_per_sample: Option<f64>,
+    states: Option<usize>,
+    not_realised_because: Option<&'a str>,
+    invertible: Option<&'static str>,
+    fold_errors: &'a [Option<f64>],
+    failures: &'a [String],
+}
+
+#[derive(Serialize)]
+struct BaselineEntry<'a> {
+    name: &'static str,
+    parameters: Option<usize>,
+    lag_interval_s: Option<f64>,
+    output_lags: Option<usize>,
+    input_lags: Option<usize>,
+    error: Option<f64>,
+    error_std_error: Option<f64>,
+    training_rmse: Option<f64>,
+    fold_errors: &'a [Option<f64>],
+    failures: &'a [String],
+    seconds: Option<f64>,
+}
+
+impl<'a> BaselineEntry<'a> {
+    fn new(entry: &'a CrossValidated) -> Self {
+        let model = entry.model.as_ref();
+        let lags = model.map(|m| m.regressors.lags);
+        BaselineEntry {
+            name: entry.kind.name(),
+            parameters: model.map(Trained::parameters),
+            lag_interval_s: model.map(|m| m.units.interval_s),
+            output_lags: lags.map(|l| l.output),
+            input_lags: lags.map(|l| l.input),
+            error: entry.error().map(|e| e.0),
+            error_std_error: entry.error().map(|e| e.1),
+            training_rmse: entry.training_rmse,
+            fold_errors: &entry.fold_rmse,
+            failures: &entry.failures,
+            seconds: entry.seconds,
+        }
+    }
+}
+
+impl Serialize for Compared {
+    /// Candidates in the order of the ranking.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let comparison = &self.comparison;
+        let name = |i: usize| comparison.entries[i].candidate.to_string();
+        let candidate = |i: usize| {
+            let (entry, standing) = (&comparison.entries[i], self.standing(i));
+            let costs = self.costs.get(i);
+            CandidateEntry {
+                name: name(i),
+                parameters: entry.parameters,
+                error: standing.map(|s| s.mean),
+                error_std_error: standing.map(|s| s.std_error),
+                above_best: standing.map(|s| s.difference),
+                above_best_std_error: standing.map(|s| s.difference_std_error),
+                as_good_as_best: standing.map(|s| s.as_good_as_best),
+                training_rmse: entry.training_rmse,
+                aic: entry.aic,
+                bic: entry.bic,
+                nanoseconds_per_sample: costs.and_then(|c| c.cost).map(|c| c.nanoseconds),
+                states: costs.and_then(|c| c.cost).map(|c| c.states),
+                not_realised_because: costs.and_then(|c| c.why_not.as_deref()),
+                invertible: costs.and_then(|c| c.inverse).map(Invertibility::word),
+                fold_errors: &entry.fold_rmse,
+                failures: &entry.failures,
+            }
+        };
+        let summary = Summary {
+            records: &self.records,
+            output_unit: &self.unit,
+            preferred: comparison.ranking.as_ref().map(|r| name(r.preferred)),
+            best: comparison.ranking.as_ref().map(|r| name(r.best)),
+            noise_floor: comparison.noise_floor,
+            samples: comparison.samples,
+            independent_samples: comparison.independent_samples,
+            folds: comparison
+                .folds
+                .iter()
+                .map(|f| FoldEntry { left_out: &f.label, content: &f.content, whole_records: f.whole })
+                .collect(),
+            candidates: self.order().into_iter().map(candidate).collect(),
+            baselines: self.baselines.iter().map(BaselineEntry::new).collect(),
+            notes: self.verdict(),
+            interrupted: comparison.interrupted,
+        };
+        summary.serialize(serializer)
+    }
+}
