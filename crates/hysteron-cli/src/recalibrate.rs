@@ -1,18 +1,18 @@
 //! `hysteron recalibrate`: gain, delay and offset of an existing model from short records.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::IdentifyError;
-use hysteron_identify::recalibrate::{Change, Prior, Recalibration, Recording, SIGNIFICANT, recalibrate};
+use hysteron_identify::recalibrate::{
+    Change, Prior, Recalibration, RecalibrationSummary, Recording, SIGNIFICANT, recalibrate,
+};
 use hysteron_model::Start;
 use hysteron_model::model::{Capability, SignalRole};
-use hysteron_model::model_file::{ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole};
-use hysteron_model::record::Unit;
+use hysteron_model::model_file::ModelFile;
+use hysteron_model::record::{Source, Unit};
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
-use serde_json::{Value, json};
 
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -21,7 +21,7 @@ use crate::maker::maker;
 use crate::model::LoadedModel;
 use crate::numbers::number;
 use crate::output::{self, OutFile};
-use crate::start::{StartFlags, in_words};
+use crate::start::StartFlags;
 
 /// Find gain, delay and offset of a model again from short records, and hold the rest of it.
 #[derive(Args)]
@@ -68,16 +68,15 @@ impl Recalibrate {
             self.records.iter().map(|path| self.recording(&old, path)).collect::<Result<Vec<_>, _>>()?;
         let prior = Prior::of(old.file());
         let found = recalibrate(old.model(), prior, &recordings, self.least_fit).map_err(|e| explain(&e))?;
-        let mut file = found.file(old.file());
-        file.provenance = Some(self.provenance(&found, prior)?);
-        file.scores = found
-            .records
-            .iter()
-            .map(|r| ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.after))
-            .collect();
+        let bytes = std::fs::read(&self.model).map_err(|e| {
+            Failure::new(format!("cannot read the model {}", self.model.display())).because(e)
+        })?;
+        let source = Source { path: self.model.display().to_string(), sha256: hysteron_io::sha256(&bytes) };
+        let file = found.model_file(old.file(), &source, prior, &maker());
         crate::model::write(&self.out, file.clone())?;
         if self.json {
-            return console::json(&self.outcome(&found, &file));
+            let model = self.out.display().to_string();
+            return console::json(&Outcome { model, found: found.summary(&file) });
         }
         console::result(&text(&found, &file))?;
         console::message(&format!("model written to {}", self.out.display()));
@@ -94,77 +93,14 @@ impl Recalibrate {
         };
         Ok(Recording { data, start, start_is_known: self.start.are_given() })
     }
-
-    fn provenance(&self, found: &Recalibration, prior: Prior) -> Result<Provenance, Failure> {
-        let bytes = std::fs::read(&self.model).map_err(|e| {
-            Failure::new(format!("cannot read the model {}", self.model.display())).because(e)
-        })?;
-        let sha256 = hysteron_io::sha256(&bytes);
-        let known = |s: Option<f64>| s.map_or("unknown".to_owned(), |s| s.to_string());
-        let options = BTreeMap::from([
-            ("method".to_owned(), "recalibrate".to_owned()),
-            ("recalibrated model".to_owned(), self.model.display().to_string()),
-            ("recalibrated model sha256".to_owned(), sha256),
-            ("gain".to_owned(), found.gain.value.to_string()),
-            ("prior gain std_error".to_owned(), known(prior.gain)),
-            ("prior delay std_error".to_owned(), known(prior.delay_s)),
-            ("prior correlation".to_owned(), prior.correlation.to_string()),
-        ]);
-        let record = |r: &hysteron_identify::recalibrate::RecalibratedRecord| RecordEntry {
-            path: r.data.source.as_ref().map_or(r.data.name.clone(), |s| s.path.clone()),
-            sha256: r.data.source.as_ref().map(|s| s.sha256.clone()),
-            samples: r.data.len() as u64,
-            role: RecordRole::Both,
-        };
-        Ok(Provenance::new(&maker(), found.records.iter().map(record).collect(), options, None))
-    }
-
-    fn outcome(&self, found: &Recalibration, file: &ModelFile) -> Outcome {
-        let record = |r: &hysteron_identify::recalibrate::RecalibratedRecord| {
-            json!({
-                "record": r.data.source.as_ref().map_or(&r.data.name, |s| &s.path),
-                "samples": r.after.samples,
-                "unit": r.data.y_unit.symbol(),
-                "rmse_before": r.before.rmse,
-                "rmse_after": r.after.rmse,
-                "fit_percent": r.after.fit_percent,
-                "start": in_words(&r.start, &file.units.input, &file.units.output),
-            })
-        };
-        Outcome {
-            model: self.out.display().to_string(),
-            gain: entry(&found.gain),
-            delay_s: entry(&found.delay),
-            offset: file.offset.value,
-            offset_unit: file.offset.unit.clone(),
-            changed: found.gain.is_significant() || found.delay.is_significant(),
-            records: found.records.iter().map(record).collect(),
-        }
-    }
 }
 
 /// The object of `--json`.
 #[derive(Serialize)]
-struct Outcome {
+struct Outcome<'a> {
     model: String,
-    gain: Value,
-    delay_s: Value,
-    offset: f64,
-    offset_unit: String,
-    changed: bool,
-    records: Vec<Value>,
-}
-
-fn entry(change: &Change) -> Value {
-    json!({
-        "old": change.old,
-        "old_std_error": change.old_std_error,
-        "measured": change.measured,
-        "measured_std_error": change.measured_std_error,
-        "value": change.value,
-        "std_error": change.std_error,
-        "changed": change.is_significant(),
-    })
+    #[serde(flatten)]
+    found: RecalibrationSummary<'a>,
 }
 
 fn text(found: &Recalibration, file: &ModelFile) -> String {
@@ -200,7 +136,7 @@ fn text(found: &Recalibration, file: &ModelFile) -> String {
             significant(r.after.rmse, 4),
             r.after.fit_percent.map_or("-".to_owned(), |fit| format!("{fit:.2}")),
         ]);
-        let start = in_words(&r.start, &file.units.input, &file.units.output);
+        let start = r.start.in_words(&file.units.input, &file.units.output);
         starts += &format!("data: {}: simulated {start}.\n", r.data.name);
     }
     let offset = significant(file.offset.value, 6);

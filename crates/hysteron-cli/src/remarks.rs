@@ -7,7 +7,6 @@ use hysteron_model::{Model, Start};
 use hysteron_numeric::display::short;
 
 use crate::console;
-use crate::start::in_words;
 
 /// Prints the remarks on the record at `path`.
 pub fn tell(path: &Path, model: &Model, remarks: &[Remark]) {
@@ -53,8 +52,8 @@ fn text(model: &Model, remark: &Remark) -> Option<String> {
         }
         Remark::StartChosen { chosen, expected } if model.rests_at_a_voltage() => format!(
             "simulated {}, which explains it better than {} (--rest-voltage or --settled say otherwise)",
-            in_words(chosen, &units.input, &units.output),
-            in_words(expected, &units.input, &units.output)
+            chosen.in_words(&units.input, &units.output),
+            expected.in_words(&units.input, &units.output)
         ),
         Remark::StartChosen { chosen, expected } => format!(
             "simulated {}, which explains it better than {} (--settled says otherwise)",

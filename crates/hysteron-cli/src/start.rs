@@ -4,8 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use hysteron_model::Start;
-use hysteron_model::record::{TimeBase, Unit};
-use hysteron_numeric::display::short;
+use hysteron_model::record::TimeBase;
 
 use crate::failure::Failure;
 use crate::numbers::{number, positive};
@@ -42,25 +41,5 @@ impl StartFlags {
             return Ok(Start::Settled { period_samples: (period_s * sample_rate_hz).round() as usize });
         }
         Ok(self.rest_voltage.map_or(Start::AsIdentified, |voltage_v| Start::Rest { voltage_v }))
-    }
-}
-
-/// A start in words, with the units of input and output (header symbols).
-pub fn in_words(start: &Start, input: &str, output: &str) -> String {
-    let quantity =
-        |value: f64, unit: &str| format!("{} {}", short(value), Unit::new(unit)).trim_end().to_owned();
-    match start {
-        Start::AsIdentified => "as identified".to_owned(),
-        Start::Rest { voltage_v } => format!("from rest at {}", quantity(*voltage_v, input)),
-        Start::Remembering { voltage_v, memory } => format!(
-            "from rest at {} {}",
-            quantity(*voltage_v, input),
-            memory.in_words(
-                &short(memory.value()),
-                &Unit::new(input).to_string(),
-                &Unit::new(output).to_string()
-            )
-        ),
-        Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
     }
 }

@@ -1,8 +1,10 @@
 //! What a device did before a record's first sample.
 
+use hysteron_numeric::display::short;
 use serde::{Deserialize, Serialize};
 
 use crate::hysteresis::{Hysteresis, Memory};
+use crate::record::Unit;
 
 /// What happened before a record's first sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,6 +40,26 @@ impl Start {
         match memory {
             None => Self::Rest { voltage_v },
             Some(memory) => Self::Remembering { voltage_v, memory: hysteresis.memory(memory) },
+        }
+    }
+
+    /// A start in words, with the units of input and output (header symbols).
+    pub fn in_words(&self, input: &str, output: &str) -> String {
+        let quantity =
+            |value: f64, unit: &str| format!("{} {}", short(value), Unit::new(unit)).trim_end().to_owned();
+        match self {
+            Self::AsIdentified => "as identified".to_owned(),
+            Self::Rest { voltage_v } => format!("from rest at {}", quantity(*voltage_v, input)),
+            Self::Remembering { voltage_v, memory } => format!(
+                "from rest at {} {}",
+                quantity(*voltage_v, input),
+                memory.in_words(
+                    &short(memory.value()),
+                    &Unit::new(input).to_string(),
+                    &Unit::new(output).to_string()
+                )
+            ),
+            Self::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
         }
     }
 

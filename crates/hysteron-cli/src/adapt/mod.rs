@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
+use hysteron_identify::online::FollowedSummary;
 use hysteron_identify::online::{FollowMethod, FollowOptions, Followed, Term, known_noise};
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::record::{InputOutput, Source};
 use hysteron_model::validate::Scoring;
+use serde::Serialize;
 
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -105,6 +107,14 @@ struct Task<'a> {
     options: FollowOptions,
 }
 
+/// The object of `--json`.
+#[derive(Serialize)]
+struct Outcome<'a> {
+    model: Option<String>,
+    #[serde(flatten)]
+    found: FollowedSummary<'a>,
+}
+
 impl Adapt {
     pub fn run(&self) -> Result<(), Failure> {
         if let Some(path) = &self.out {
@@ -147,7 +157,8 @@ impl Adapt {
             self.write(path, &old, &task, &found)?;
         }
         if self.json {
-            console::json(&text::outcome(&task, &found, self.out.as_deref()))?;
+            let model = self.out.as_deref().map(|path| path.display().to_string());
+            console::json(&Outcome { model, found: found.summary(task.data, &task.options) })?;
         } else {
             console::result(&text::text(&task, &found))?;
         }

@@ -1,12 +1,9 @@
 //! What came of the correction, for people and for programs.
 
-use std::path::Path;
-
 use hysteron_identify::online::{Alarm, FollowMethod, Followed};
 use hysteron_numeric::display::short;
 use hysteron_report::number::{significant, with_std_error};
 use hysteron_rt::Misfit;
-use serde_json::{Value, json};
 
 use super::Task;
 use crate::console;
@@ -91,43 +88,4 @@ fn verdict(task: &Task, found: &Followed) -> String {
         lines += &format!("alarm: {} s: {}.\n", short(time_s(task, alarm)), misfit(alarm.misfit).1);
     }
     lines
-}
-
-/// The object of `--json`.
-pub fn outcome(task: &Task, found: &Followed, model: Option<&Path>) -> Value {
-    let coefficients: Vec<Value> = found
-        .paths
-        .iter()
-        .map(|p| {
-            json!({
-                "term": p.term.to_string(),
-                "before": p.start,
-                "after": p.end,
-                "std_error": p.std_error,
-                "least": p.least,
-                "greatest": p.greatest,
-            })
-        })
-        .collect();
-    let alarms: Vec<Value> = found
-        .alarms
-        .iter()
-        .map(|a| json!({ "time_s": time_s(task, a), "sample": a.sample, "misfit": misfit(a.misfit).0 }))
-        .collect();
-    json!({
-        "model": model.map(|m| m.display().to_string()),
-        "record": task.data.source.as_ref().map_or(&task.data.name, |s| &s.path),
-        "unit": task.data.y_unit.symbol(),
-        "method": task.options.method.name(),
-        "memory_s": found.memory_s,
-        "every": found.every,
-        "noise": task.options.noise,
-        "coefficients": coefficients,
-        "rmse_before": found.before.rmse,
-        "rmse_before_offset_estimated": found.before_offset_estimated.rmse,
-        "rmse_predicted": found.predicted.rmse,
-        "rmse_last_coefficients": found.last.rmse,
-        "fits": found.alarms.is_empty(),
-        "alarms": alarms,
-    })
 }

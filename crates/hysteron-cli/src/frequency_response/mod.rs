@@ -1,8 +1,5 @@
 //! `hysteron frequency-response`: structures fitted to a measured frequency response, and told apart.
 
-mod empirical;
-mod model;
-mod report;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -11,12 +8,16 @@ use clap::{Args, ValueEnum};
 use hysteron_identify::frequency_response::empirical::{
     EmpiricalOptions, EmpiricalResponse, empirical_response,
 };
-use hysteron_identify::frequency_response::{Candidate, Family, FrequencyResponse, Weighting, compare};
+use hysteron_identify::frequency_response::{
+    Explained, Family, FileError, FrequencyResponse, Weighting, compare,
+};
 use hysteron_io::{IoError, ResponseOptions, read_frequency_response, read_record};
+use hysteron_report::frequency_response::page;
 
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
+use crate::maker::maker;
 use crate::numbers::positive;
 use crate::output::{self, OutFile};
 use crate::result_flags::ResultFlags;
@@ -94,13 +95,6 @@ enum StructureArg {
     Modes,
 }
 
-/// What was measured and what was fitted.
-struct Found {
-    response: FrequencyResponse,
-    empirical: Option<EmpiricalResponse>,
-    candidates: Vec<Candidate>,
-}
-
 impl FrequencyResponseCommand {
     pub fn run(&self) -> Result<(), Failure> {
         if let Some(path) = &self.out {
@@ -113,17 +107,13 @@ impl FrequencyResponseCommand {
         let families = self.families(&response);
         let candidates = compare(&response, weighting, &families, self.modes.map(usize::from))
             .map_err(|e| Failure::new("cannot fit the frequency response").because(e))?;
-        let found = Found { response, empirical, candidates };
-        let written = self.out.as_deref().map(|path| model::write(path, &found)).transpose()?;
-        self.result.write(|| report::page(&found))?;
+        let found = Explained { response, empirical, candidates };
+        let written = self.out.as_deref().map(|path| write_model(path, &found)).transpose()?;
+        self.result.write(|| page(&found, &maker()))?;
         if let Some(text) = written {
             console::message(&text);
         }
-        if self.result.json {
-            console::json(&text::summary(&found))
-        } else {
-            console::result(&text::text(&found))
-        }
+        if self.result.json { console::json(&found) } else { console::result(&text::text(&found)) }
     }
 
     fn families(&self, response: &FrequencyResponse) -> Vec<Family> {
@@ -194,6 +184,28 @@ impl FrequencyResponseCommand {
         }
         Ok(part)
     }
+}
+
+/// Writes the candidate of the lowest AIC that a model file can hold; says which, and what the file lacks.
+fn write_model(path: &Path, found: &Explained) -> Result<String, Failure> {
+    let failure = || Failure::new(format!("cannot write the model {}", path.display()));
+    let written = found.model_file(&maker()).map_err(|e| match e {
+        FileError::NoPlace { .. } => {
+            failure().because(e).hint("fit another structure, e.g. --structure fractional")
+        }
+        e => failure().because(e),
+    })?;
+    crate::model::write(path, written.file)?;
+    let start = if written.is_unbounded_at_rest {
+        " Its gain at zero frequency is infinite (a power law): simulate it from 0 V (--rest-voltage 0)."
+    } else {
+        ""
+    };
+    Ok(format!(
+        "wrote {}: {}; the file format asks for a hysteresis block, which is v = u without hysteresis here.{start}",
+        path.display(),
+        written.name
+    ))
 }
 
 /// Parses LOW:HIGH.

@@ -24,6 +24,7 @@ mod compare;
 pub mod empirical;
 mod error;
 mod explain;
+mod explained;
 mod fit;
 mod levy;
 mod problem;
@@ -35,6 +36,7 @@ mod transfer;
 
 pub use compare::{Candidate, Family, compare, has_dynamics, has_resonance};
 pub use error::FrequencyResponseError;
+pub use explained::{Explained, FileError, WrittenStructure};
 pub use fit::{FittedParameter, ResponseFit, Weighting, fit_structure};
 pub use hysteron_model::record::{FrequencyResponse, unwrapped_phase_deg};
 pub use levy::levy;

@@ -50,10 +50,12 @@ mod error;
 mod file;
 mod follow;
 mod spacing;
+mod summary;
 mod term;
 
 pub use adapter::{Adapted, Adapter, Alarm, Estimator, Trace};
 pub use correction::{Correction, Regressors, Row};
 pub use error::{CorrectionError, FollowError};
 pub use follow::{FollowMethod, FollowOptions, Followed, MOST_TERMS, Path, known_noise};
+pub use summary::FollowedSummary;
 pub use term::{Term, UnknownTerm};

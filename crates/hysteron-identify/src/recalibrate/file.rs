@@ -1,8 +1,14 @@
 //! A recalibration and model files.
 
-use super::{Change, Prior, Recalibration};
-use hysteron_model::model_file::{ModelFile, Quantity, polynomial_name};
+use std::collections::BTreeMap;
+
+use super::{Change, Prior, RecalibratedRecord, Recalibration};
+use hysteron_model::model_file::{
+    Maker, ModelFile, Provenance, Quantity, RecordEntry, RecordRole, ScoreEntry, ScoreRole, polynomial_name,
+};
+use hysteron_model::record::Source;
 use nalgebra::DMatrix;
+use serde::Serialize;
 
 /// Least eigenvalue of a correlation: what lies below is known as well as exactly. Numbers of the model that are one and the same
 /// have none.
@@ -122,6 +128,41 @@ impl Recalibration {
         file
     }
 
+    /// [`Self::file`] with how it was made from the model in `source`, and with the scores of the records.
+    pub fn model_file(&self, old: &ModelFile, source: &Source, prior: Prior, maker: &Maker) -> ModelFile {
+        let mut file = self.file(old);
+        let known = |s: Option<f64>| s.map_or("unknown".to_owned(), |s| s.to_string());
+        let options = BTreeMap::from([
+            ("method".to_owned(), "recalibrate".to_owned()),
+            ("recalibrated model".to_owned(), source.path.clone()),
+            ("recalibrated model sha256".to_owned(), source.sha256.clone()),
+            ("gain".to_owned(), self.gain.value.to_string()),
+            ("prior gain std_error".to_owned(), known(prior.gain)),
+            ("prior delay std_error".to_owned(), known(prior.delay_s)),
+            ("prior correlation".to_owned(), prior.correlation.to_string()),
+        ]);
+        let records = self.records.iter().map(|r| RecordEntry::of(&r.data, RecordRole::Both)).collect();
+        file.provenance = Some(Provenance::new(maker, records, options, None));
+        let score = |r: &RecalibratedRecord| {
+            ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.after)
+        };
+        file.scores = self.records.iter().map(score).collect();
+        file
+    }
+
+    /// The result for programs.
+    pub fn summary(&self, file: &ModelFile) -> RecalibrationSummary<'_> {
+        let record = |r| RecordSummary::new(r, file);
+        RecalibrationSummary {
+            gain: ChangeSummary { change: &self.gain, changed: self.gain.is_significant() },
+            delay_s: ChangeSummary { change: &self.delay, changed: self.delay.is_significant() },
+            offset: file.offset.value,
+            offset_unit: file.offset.unit.clone(),
+            changed: self.gain.is_significant() || self.delay.is_significant(),
+            records: self.records.iter().map(record).collect(),
+        }
+    }
+
     /// S (C − D A Dᵀ) S + D' P D'ᵀ, from roots so that it is positive, with S = ∂p'/∂p and D' = ∂p'/∂(gain, delay) at the new values p', P the covariance of these.
     fn renewed(&self, d: &Directions, n: f64) -> (Vec<String>, DMatrix<f64>) {
         let gain = self.gain.value;
@@ -149,5 +190,48 @@ impl Recalibration {
             .filter(|&i| d.names[i] != "offset")
             .collect();
         (kept.iter().map(|&i| d.names[i].clone()).collect(), sum.select_rows(&kept).select_columns(&kept))
+    }
+}
+
+/// What a recalibration changed, for programs.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecalibrationSummary<'a> {
+    gain: ChangeSummary<'a>,
+    delay_s: ChangeSummary<'a>,
+    offset: f64,
+    offset_unit: String,
+    changed: bool,
+    records: Vec<RecordSummary<'a>>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct ChangeSummary<'a> {
+    #[serde(flatten)]
+    change: &'a Change,
+    changed: bool,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct RecordSummary<'a> {
+    record: &'a str,
+    samples: usize,
+    unit: &'a str,
+    rmse_before: f64,
+    rmse_after: f64,
+    fit_percent: Option<f64>,
+    start: String,
+}
+
+impl<'a> RecordSummary<'a> {
+    fn new(r: &'a RecalibratedRecord, file: &ModelFile) -> Self {
+        Self {
+            record: r.data.label(),
+            samples: r.after.samples,
+            unit: r.data.y_unit.symbol(),
+            rmse_before: r.before.rmse,
+            rmse_after: r.after.rmse,
+            fit_percent: r.after.fit_percent,
+            start: r.start.in_words(&file.units.input, &file.units.output),
+        }
     }
 }

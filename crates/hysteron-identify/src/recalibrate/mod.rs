@@ -13,12 +13,14 @@ mod problem;
 mod tests;
 
 use super::{IdentifyError, RecordFacts, uncertainty};
+pub use file::RecalibrationSummary;
 use hysteron_model::hammerstein::{Model, Start};
 use hysteron_model::record::{InputOutput, range_of};
 use hysteron_model::validate::{Scores, Scoring, StartError, choose_start, score};
 use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings, Unobserved, minimize};
 use nalgebra::{DMatrix, DVector};
 use problem::{GainAndDelay, Names};
+use serde::{Deserialize, Serialize};
 
 /// Combined standard errors beyond which a difference is a change.
 pub const SIGNIFICANT: f64 = 3.0;
@@ -50,7 +52,7 @@ pub struct Prior {
 }
 
 /// A number of the model before and after.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Change {
     /// Value in the old model; 1 for the gain.
     pub old: f64,

@@ -1,20 +1,18 @@
 //! The comparison as a page: Bode figure, errors, table, words.
 
-use hysteron_identify::frequency_response::empirical::{DetectionLines, EmpiricalResponse};
-use hysteron_identify::frequency_response::unwrapped_phase_deg;
-use hysteron_report::figure::{
+use crate::figure::{
     Axis, Colour, Dash, Figure, FrequencyResponseCurve, Marker, Panel, Series, Style, frequency_response,
 };
-use hysteron_report::number::with_std_error;
-use hysteron_report::page::{Block, Column, Page, Section, Table};
+use crate::number::{significant, with_std_error};
+use crate::page::{Block, Column, Page, Section, Table};
+use hysteron_identify::frequency_response::empirical::{DetectionLines, EmpiricalResponse};
+use hysteron_identify::frequency_response::{Candidate, Explained, unwrapped_phase_deg};
+use hysteron_model::model_file::Maker;
 
-use super::text::{ABOUT_AIC, cells, lowest_aic, what};
-use super::{Found, empirical};
-use crate::maker::command_line;
-
-pub fn page(found: &Found) -> Page {
+/// The page of the structures fitted to a frequency response; `maker`: who made it, and by which command.
+pub fn page(found: &Explained, maker: &Maker) -> Page {
     let mut response = Section::new("Response and structures")
-        .block(Block::paragraph(what(&found.response)))
+        .block(Block::paragraph(found.what()))
         .block(bode(found))
         .block(comparison(found))
         .block(Block::list(found.candidates.iter().map(|c| format!("{}: {}", c.name, c.explanation))));
@@ -23,17 +21,19 @@ pub fn page(found: &Found) -> Page {
     if let Some(measured) = &found.empirical {
         page = page.section(
             Section::new("Noise and distortion")
-                .block(Block::paragraph(empirical::words(measured)))
+                .block(Block::paragraph(measured.in_words()))
                 .block(levels(measured)),
         );
     }
-    page.section(Section::new("Parameters").block(parameters(found)))
-        .section(Section::new("How it was made").block(Block::code(command_line())))
-        .footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")))
+    page = page.section(Section::new("Parameters").block(parameters(found)));
+    if let Some(command) = &maker.command {
+        page = page.section(Section::new("How it was made").block(Block::code(command)));
+    }
+    page.footer_line(&maker.program)
 }
 
 /// Measured points, a line a structure, and the errors below.
-fn bode(found: &Found) -> Figure {
+fn bode(found: &Explained) -> Figure {
     let response = &found.response;
     let frequency_hz = &response.frequency_hz;
     let curve =
@@ -75,8 +75,8 @@ fn shown(unit: &str) -> String {
     unit.replace("um", "µm").replace("_per_", "/")
 }
 
-fn comparison(found: &Found) -> Table {
-    let best = lowest_aic(found);
+fn comparison(found: &Explained) -> Table {
+    let best = found.lowest_aic();
     let columns = [
         Column::text("structure"),
         Column::text("formula"),
@@ -88,7 +88,7 @@ fn comparison(found: &Found) -> Table {
     found.candidates.iter().fold(Table::new(columns), |table, c| table.row(cells(c, best)))
 }
 
-fn parameters(found: &Found) -> Table {
+fn parameters(found: &Explained) -> Table {
     let columns = [
         Column::text("structure"),
         Column::text("parameter"),
@@ -147,3 +147,20 @@ fn levels(found: &EmpiricalResponse) -> Figure {
          show distortion of odd and of even order above the noise.",
     )
 }
+
+/// One row of the comparison.
+pub fn cells(candidate: &Candidate, best: f64) -> [String; 6] {
+    let fit = &candidate.fit;
+    [
+        candidate.name.clone(),
+        fit.structure.to_string(),
+        fit.parameters.len().to_string(),
+        significant(100.0 * fit.relative_rms, 3),
+        significant(100.0 * fit.largest.0, 3),
+        format!("{:.0}", fit.aic - best),
+    ]
+}
+
+/// What the criterion means.
+pub const ABOUT_AIC: &str = "AIC: Akaike's criterion, lower is better; it takes residuals for independent, which those of a wrong structure are \
+    not, so read small differences as none.";

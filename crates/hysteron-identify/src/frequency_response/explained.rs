@@ -1,0 +1,299 @@
+//! A frequency response, the structures fitted to it, and what is shown of them.
+
+use std::collections::BTreeMap;
+
+use hysteron_model::dynamics::{Dynamics, Scheme};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
+use hysteron_model::model_file::{Maker, ModelFile, Provenance, SignalUnits};
+use hysteron_model::record::InterSample;
+use hysteron_numeric::number::significant;
+use serde::{Serialize, Serializer};
+
+use super::empirical::{DetectionLines, EmpiricalResponse};
+use super::{Candidate, FrequencyResponse, Weighting};
+
+/// A measured response and the structures fitted to it.
+#[derive(Clone, Debug)]
+pub struct Explained {
+    /// What was fitted.
+    pub response: FrequencyResponse,
+    /// How the response was taken from records, where it was.
+    pub empirical: Option<EmpiricalResponse>,
+    /// The structures.
+    pub candidates: Vec<Candidate>,
+}
+
+/// The structure that a model file can hold, of the lowest AIC.
+#[derive(Clone, Debug)]
+pub struct WrittenStructure {
+    /// The model.
+    pub file: ModelFile,
+    /// Its name among the candidates.
+    pub name: String,
+    /// Its gain at zero frequency is infinite (a power law).
+    pub is_unbounded_at_rest: bool,
+}
+
+impl Explained {
+    /// The lowest AIC.
+    pub fn lowest_aic(&self) -> f64 {
+        self.candidates.iter().map(|c| c.fit.aic).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Points, band and weights in one sentence.
+    pub fn what(&self) -> String {
+        let response = &self.response;
+        let (low, high) = response.range_hz();
+        let weights = match Weighting::of(response) {
+            Weighting::Relative => "each counted by its relative error",
+            Weighting::Uncertainty => "each counted by its uncertainty",
+        };
+        format!(
+            "{}: {} points from {} to {} Hz, {weights}.",
+            response.name,
+            response.len(),
+            significant(low, 4),
+            significant(high, 4)
+        )
+    }
+
+    /// The model file of the structure of the lowest AIC that one can hold; behind a hysteresis block without hysteresis.
+    ///
+    /// # Errors
+    /// Why the best one has no place in a file, or no model at all.
+    pub fn model_file(&self, maker: &Maker) -> Result<WrittenStructure, FileError> {
+        let mut order: Vec<&Candidate> = self.candidates.iter().collect();
+        order.sort_by(|a, b| a.fit.aic.total_cmp(&b.fit.aic));
+        let mut refused = None;
+        for candidate in order {
+            match candidate.fit.to_transfer_function(&self.response) {
+                Ok((tf, delay_s)) => {
+                    let is_unbounded_at_rest = tf.dc_gain().is_infinite();
+                    let dynamics =
+                        if tf.is_integer_order() { Dynamics::Integer(tf) } else { Dynamics::Fractional(tf) };
+                    let file = self.file(dynamics, delay_s, candidate, maker)?;
+                    return Ok(WrittenStructure { file, name: candidate.name.clone(), is_unbounded_at_rest });
+                }
+                Err(reason) => refused = refused.or(Some(reason)),
+            }
+        }
+        Err(FileError::NoPlace { reason: refused.map(|e| e.to_string()).unwrap_or_default() })
+    }
+
+    fn file(
+        &self,
+        dynamics: Dynamics,
+        delay_s: f64,
+        candidate: &Candidate,
+        maker: &Maker,
+    ) -> Result<ModelFile, hysteron_model::hysteresis::HysteresisError> {
+        let response = &self.response;
+        let (output, input) = response.unit.split_once("_per_").unwrap_or(("", ""));
+        let model = Model {
+            hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.0, 0.0, 0.0, 1.0)?),
+            dynamics,
+            offset: 0.0,
+            delay_s,
+            scheme: Scheme::Tustin,
+            sample_rate_hz: None,
+            inter_sample: InterSample::Linear,
+        };
+        // v = u carries the input's unit into the dynamic block, whose gain carries the rest.
+        let units = SignalUnits { input: input.to_owned(), output: output.to_owned() };
+        let mut file = ModelFile::from_model(&model, units);
+        if let Ok((names, covariance)) = candidate.fit.covariance_of_numbers() {
+            file.set_covariance(&names, &covariance);
+        }
+        let (low, high) = response.range_hz();
+        let options = BTreeMap::from([
+            ("method".to_owned(), "frequency-response".to_owned()),
+            ("structure".to_owned(), candidate.fit.structure.to_string()),
+            ("response".to_owned(), response.name.clone()),
+            ("band".to_owned(), format!("{low}:{high} Hz")),
+            ("relative rms error".to_owned(), format!("{:.4} %", 100.0 * candidate.fit.relative_rms)),
+        ]);
+        file.provenance = Some(Provenance::new(maker, Vec::new(), options, None));
+        Ok(file)
+    }
+}
+
+/// Why there is no model file of a structure.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// No structure has a place in a model file.
+    #[error("{reason}")]
+    NoPlace {
+        /// Why the best one has none.
+        reason: String,
+    },
+    /// The block without hysteresis is not sound.
+    #[error(transparent)]
+    Hysteresis(#[from] hysteron_model::hysteresis::HysteresisError),
+}
+
+/// The fits for programs.
+#[derive(Serialize)]
+struct Summary {
+    response: String,
+    unit: String,
+    points: usize,
+    band_hz: (f64, f64),
+    weighting: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    empirical: Option<EmpiricalSummary>,
+    structures: Vec<StructureSummary>,
+}
+
+#[derive(Serialize)]
+struct StructureSummary {
+    name: String,
+    formula: String,
+    rms_error_percent: f64,
+    largest_error_percent: f64,
+    largest_error_at_hz: f64,
+    aic: f64,
+    starts: usize,
+    starts_in_best_optimum: usize,
+    explanation: String,
+    parameters: Vec<ParameterSummary>,
+}
+
+#[derive(Serialize)]
+struct ParameterSummary {
+    name: String,
+    value: f64,
+    unit: String,
+    std_error: Option<f64>,
+    on_edge: bool,
+}
+
+impl Serialize for Explained {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let response = &self.response;
+        let structure = |c: &Candidate| StructureSummary {
+            name: c.name.clone(),
+            formula: c.fit.structure.to_string(),
+            rms_error_percent: 100.0 * c.fit.relative_rms,
+            largest_error_percent: 100.0 * c.fit.largest.0,
+            largest_error_at_hz: c.fit.largest.1,
+            aic: c.fit.aic,
+            starts: c.fit.starts,
+            starts_in_best_optimum: c.fit.agreeing,
+            explanation: c.explanation.clone(),
+            parameters: c
+                .fit
+                .parameters
+                .iter()
+                .map(|p| ParameterSummary {
+                    name: p.name.clone(),
+                    value: p.value,
+                    unit: p.unit.clone(),
+                    std_error: p.std_error,
+                    on_edge: p.on_edge,
+                })
+                .collect(),
+        };
+        let summary = Summary {
+            response: response.name.clone(),
+            unit: response.unit.clone(),
+            points: response.len(),
+            band_hz: response.range_hz(),
+            weighting: match Weighting::of(response) {
+                Weighting::Relative => "relative",
+                Weighting::Uncertainty => "uncertainty",
+            },
+            empirical: self.empirical.as_ref().map(empirical_summary),
+            structures: self.candidates.iter().map(structure).collect(),
+        };
+        summary.serialize(serializer)
+    }
+}
+
+/// Root mean squares over the lines.
+#[derive(Serialize)]
+struct EmpiricalSummary {
+    realisations: usize,
+    periods: Vec<usize>,
+    period_samples: usize,
+    lines: usize,
+    noise_percent: Option<f64>,
+    distortion_percent: Option<f64>,
+    odd_detection: Option<Detection>,
+    even_detection: Option<Detection>,
+}
+
+#[derive(Serialize)]
+struct Detection {
+    lines: usize,
+    amplitude_rms: f64,
+    noise_rms: f64,
+}
+
+fn empirical_summary(found: &EmpiricalResponse) -> EmpiricalSummary {
+    let relative = |list: &Option<Vec<f64>>| {
+        let list = list.as_ref()?;
+        let shares: Vec<f64> =
+            list.iter().zip(&found.response.values).map(|(s, g)| 100.0 * s / g.norm()).collect();
+        Some(rms(&shares))
+    };
+    let detection = |lines: &DetectionLines| {
+        (!lines.amplitude.is_empty()).then(|| Detection {
+            lines: lines.amplitude.len(),
+            amplitude_rms: rms(&lines.amplitude),
+            noise_rms: rms(&lines.noise),
+        })
+    };
+    EmpiricalSummary {
+        realisations: found.realisations,
+        periods: found.periods.clone(),
+        period_samples: found.period_samples,
+        lines: found.response.len(),
+        noise_percent: relative(&found.noise_std),
+        distortion_percent: relative(&found.distortion_std),
+        odd_detection: detection(&found.odd_detection),
+        even_detection: detection(&found.even_detection),
+    }
+}
+
+fn rms(list: &[f64]) -> f64 {
+    (list.iter().map(|x| x * x).sum::<f64>() / list.len().max(1) as f64).sqrt()
+}
+
+impl EmpiricalResponse {
+    /// Noise and distortion in sentences.
+    pub fn in_words(&self) -> String {
+        let s = empirical_summary(self);
+        let periods = s.periods.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        let mut text = format!(
+            "From {} record(s) of {periods} whole period(s) of {} samples in steady state: {} excited lines, no leakage.",
+            s.realisations, s.period_samples, s.lines
+        );
+        match s.noise_percent {
+            Some(noise) => {
+                text += &format!(" Noise of the mean response: {} % rms.", significant(noise, 3));
+            }
+            None => text += " One period: no noise estimate.",
+        }
+        match s.distortion_percent {
+            Some(distortion) => {
+                text += &format!(
+                    " Stochastic nonlinear distortion of one realisation: {} % rms.",
+                    significant(distortion, 3)
+                );
+            }
+            None => text += " Records with other phases would tell nonlinear distortion from noise.",
+        }
+        for (parity, lines) in [("odd", &s.odd_detection), ("even", &s.even_detection)] {
+            if let Some(d) = lines {
+                text += &format!(
+                    " {} {parity} line(s) that are not excited: amplitude {} rms, of which noise {}.",
+                    d.lines,
+                    significant(d.amplitude_rms, 3),
+                    significant(d.noise_rms, 3)
+                );
+            }
+        }
+        text
+    }
+}
