@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hysteron_export::{
-    ExportError, ExportedFile, Inverse, Precision, Rounding, Runtime, Subject, c_files, fmu_files,
-    inverse_files, inverse_fmu_files, rust_files, write_folder,
+    ExportError, ExportSummary, ExportedFile, Inverse, Precision, Rounding, Runtime, Subject, c_files,
+    fmu_files, inverse_files, inverse_fmu_files, rust_files, write_folder,
 };
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::model::Capability;
 use hysteron_model::realise::RealiseOptions;
 use hysteron_report::number::significant;
-use serde::Serialize;
 
 use crate::console;
 use crate::failure::Failure;
@@ -144,7 +143,7 @@ impl Export {
         let files =
             self.files(&subject, inverse.as_ref(), runtime.as_deref()).map_err(|e| self.cannot(&e))?;
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
-        let summary = Summary::new(&self.out_dir, &subject, &files);
+        let summary = ExportSummary::new(&self.out_dir, &subject, &files);
         if self.json {
             return console::json(&summary);
         }
@@ -275,45 +274,4 @@ fn remark_rounding(what: &str, unit: &str, rounding: Rounding) {
 fn name_of(path: &Path) -> String {
     let stem = path.file_stem().map(|s| s.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
-}
-
-#[derive(Serialize)]
-struct Summary {
-    name: String,
-    float: &'static str,
-    sample_rate_hz: f64,
-    states: usize,
-    taps: usize,
-    delay_samples: usize,
-    frequency_error: f64,
-    input_unit: String,
-    output_unit: String,
-    files: Vec<FileEntry>,
-}
-
-#[derive(Serialize)]
-struct FileEntry {
-    path: String,
-    bytes: usize,
-}
-
-impl Summary {
-    fn new(folder: &Path, subject: &Subject, files: &[ExportedFile]) -> Self {
-        let linear = &subject.realisation.dynamics;
-        Summary {
-            name: subject.name.clone(),
-            float: subject.precision.name(),
-            sample_rate_hz: subject.realisation.sample_rate_hz,
-            states: linear.states(),
-            taps: linear.taps.len(),
-            delay_samples: linear.delay_samples,
-            frequency_error: linear.frequency_error,
-            input_unit: subject.input_unit.clone(),
-            output_unit: subject.output_unit.clone(),
-            files: files
-                .iter()
-                .map(|f| FileEntry { path: folder.join(&f.name).display().to_string(), bytes: f.bytes.len() })
-                .collect(),
-        }
-    }
 }

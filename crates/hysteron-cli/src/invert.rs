@@ -10,10 +10,10 @@ use hysteron_model::hammerstein::{SimulationError, Start};
 use hysteron_model::invert::{
     BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
+use hysteron_model::model::InverseSummary;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{Channel, Record, TimeBase, Unit, shortest_swing};
-use hysteron_model::record::{Keyed, key_in};
 use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
@@ -21,7 +21,7 @@ use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
 use crate::model::LoadedModel;
-use crate::numbers::{ends, number, positive, whole};
+use crate::numbers::{number, positive, whole};
 use crate::output::{self, OutFile};
 use crate::realise::where_creep_stops;
 
@@ -111,50 +111,6 @@ pub fn range(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// What is printed.
-struct Summary {
-    samples: usize,
-    sample_rate_hz: f64,
-    rest: Option<f64>,
-    drive_low: f64,
-    drive_high: f64,
-    fastest_drive_per_s: f64,
-    samples_at_range: usize,
-    samples_at_slew: usize,
-    bandwidth_hz: Option<f64>,
-    error_at_bandwidth: Option<f64>,
-    noise_gain: Option<f64>,
-    predicted_rms_error: f64,
-    predicted_max_error: f64,
-    predicted_rms_percent_of_stroke: f64,
-    /// Half of the 95 % band of the model's output at its widest; `None` where the file holds no correlation.
-    band: Option<f64>,
-    input_unit: String,
-    output_unit: String,
-}
-
-impl Summary {
-    fn object(&self) -> Keyed {
-        let (input, output) = (self.input_unit.as_str(), self.output_unit.as_str());
-        Keyed::default()
-            .with("samples", self.samples)
-            .with("sample_rate_hz", self.sample_rate_hz)
-            .in_unit("rest", input, self.rest)
-            .in_unit("drive_low", input, self.drive_low)
-            .in_unit("drive_high", input, self.drive_high)
-            .with(key_in("fastest_drive", input) + "_per_s", self.fastest_drive_per_s)
-            .with("samples_at_range", self.samples_at_range)
-            .with("samples_at_slew", self.samples_at_slew)
-            .with("bandwidth_hz", self.bandwidth_hz)
-            .with("error_at_bandwidth", self.error_at_bandwidth)
-            .with("noise_gain", self.noise_gain)
-            .in_unit("predicted_rms_error", output, self.predicted_rms_error)
-            .in_unit("predicted_max_error", output, self.predicted_max_error)
-            .with("predicted_rms_percent_of_stroke", self.predicted_rms_percent_of_stroke)
-            .in_unit("band", output, self.band)
-    }
-}
-
 impl Invert {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_file("the drive", &self.out)?;
@@ -236,9 +192,10 @@ impl Invert {
             }
         })?;
         let band = self.band(&model, &found, sample_rate_hz);
-        let summary = summary(&reference.samples, &found, sample_rate_hz, band, &model);
+        let units = &model.file().units;
+        let summary = InverseSummary::new(&reference.samples, &found, sample_rate_hz, band, units);
         self.write(reference.time, &reference.samples, &unit, &model.file().units.input, found)?;
-        if self.json { console::json(&summary.object()) } else { console::result(&text(&summary)) }
+        if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
     }
 
     /// As a controller would.
@@ -317,44 +274,7 @@ impl Invert {
     }
 }
 
-fn summary(
-    reference: &[f64],
-    found: &InverseDrive,
-    sample_rate_hz: f64,
-    band: Option<f64>,
-    model: &LoadedModel,
-) -> Summary {
-    let (drive_low, drive_high) = ends(&found.drive);
-    let (low, high) = ends(reference);
-    let errors = || reference.iter().zip(&found.predicted).map(|(r, y)| (r - y).abs());
-    let rms = (errors().map(|e| e * e).sum::<f64>() / reference.len() as f64).sqrt();
-    let rest = found.rest.and_then(|start| start.voltage_v());
-    let before = rest.or_else(|| found.drive.last().copied());
-    let steps = before.into_iter().chain(found.drive.iter().copied());
-    let fastest =
-        steps.zip(&found.drive).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max) * sample_rate_hz;
-    Summary {
-        samples: reference.len(),
-        sample_rate_hz,
-        rest,
-        drive_low,
-        drive_high,
-        fastest_drive_per_s: fastest,
-        samples_at_range: found.at_range,
-        samples_at_slew: found.at_slew,
-        bandwidth_hz: found.dynamics.map(|d| d.bandwidth_hz),
-        error_at_bandwidth: found.dynamics.map(|d| d.error_at_bandwidth),
-        noise_gain: found.dynamics.map(|d| d.noise_gain),
-        predicted_rms_error: rms,
-        predicted_max_error: errors().fold(0.0, f64::max),
-        predicted_rms_percent_of_stroke: 100.0 * rms / (high - low).max(f64::MIN_POSITIVE),
-        band,
-        input_unit: model.file().units.input.clone(),
-        output_unit: model.file().units.output.clone(),
-    }
-}
-
-fn text(s: &Summary) -> String {
+fn text(s: &InverseSummary) -> String {
     let (input, output) = (Unit::new(&s.input_unit), Unit::new(&s.output_unit));
     let mut lines = vec![match s.rest {
         Some(rest) => {

@@ -3,14 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron_model::model::Capability;
-use hysteron_model::model_file::ValidRange;
-use hysteron_model::realise::{
-    LinearRealisation, Realisation, RealiseError, RealiseOptions, Section, StreamParts, Verification,
-    nanoseconds_per_sample, realise, sweep, verify,
-};
+use hysteron_model::model::{Capability, CheckedRealisation, Sweep};
+use hysteron_model::realise::{Realisation, RealiseError, RealiseOptions, Verification, realise, verify};
 use hysteron_report::number::significant;
-use serde::Serialize;
 
 use crate::console;
 use crate::console::clock;
@@ -51,60 +46,16 @@ pub struct Realise {
     json: bool,
 }
 
-/// Samples of the sweep that is compared and timed, and passes of the clock.
-const SAMPLES: usize = 20_000;
-const ROUNDS: usize = 20;
-
-/// What was found out, for text and JSON.
-struct Found {
-    realisation: Realisation,
-    verification: Verification,
-    voltages: (f64, f64),
-    frequencies_hz: (f64, f64),
-    nanoseconds: f64,
-    accuracy: f64,
-    units: (String, String),
-}
-
 impl Realise {
     pub fn run(&self) -> Result<(), Failure> {
         let loaded = LoadedModel::read(&self.model, Capability::Realisation)?;
-        let range = loaded.file().valid_range.as_ref();
-        let failed = |e: RealiseError| cannot(&self.model, &e);
         let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };
         let realisation = realised(&self.model, &loaded, self.sample_rate, &options)?;
-        let voltages = voltages(range);
-        let frequencies_hz = frequencies(range, self.sample_rate);
-        let drive = drive(range, self.sample_rate);
-        let verification = verify(&realisation, &drive).map_err(failed)?;
-        let mut parts = StreamParts::new(&realisation).map_err(failed)?;
-        let mut streams = [parts.stream().map_err(failed)?];
-        let timed = drive.get(..SAMPLES).unwrap_or(&drive);
-        let times = nanoseconds_per_sample(&mut streams, timed, ROUNDS, &clock()).map_err(failed)?;
-        let units = &loaded.file().units;
-        let found = Found {
-            realisation,
-            verification,
-            voltages,
-            frequencies_hz,
-            nanoseconds: times.first().copied().unwrap_or(f64::NAN),
-            accuracy: self.accuracy,
-            units: (units.input.clone(), units.output.clone()),
-        };
+        let found = CheckedRealisation::new(realisation, loaded.file(), self.accuracy, &clock())
+            .map_err(|e| cannot(&self.model, &e))?;
         remark_sweep(&found.verification, self.accuracy);
-        if self.json { console::json(&Summary::new(&found)) } else { console::result(&text(&found)) }
+        if self.json { console::json(&found) } else { console::result(&text(&found)) }
     }
-}
-
-/// The sweep over a model's own range: two periods of its lowest frequency, within reason.
-fn drive(range: Option<&ValidRange>, sample_rate_hz: f64) -> Vec<f64> {
-    let frequencies_hz = frequencies(range, sample_rate_hz);
-    let samples = ((2.0 * sample_rate_hz / frequencies_hz.0) as usize).clamp(SAMPLES, 20 * SAMPLES);
-    sweep(voltages(range), frequencies_hz, sample_rate_hz, samples)
-}
-
-fn voltages(range: Option<&ValidRange>) -> (f64, f64) {
-    range.map_or((0.0, 1.0), |r| (r.input.low, r.input.high))
 }
 
 /// What a realisation is off the batch simulation along that sweep, and its frequencies \[Hz\]; with a remark where that is more than the accuracy.
@@ -117,11 +68,10 @@ pub fn along_sweep(
     realisation: &Realisation,
     accuracy: f64,
 ) -> Result<(Verification, (f64, f64)), Failure> {
-    let range = loaded.file().valid_range.as_ref();
-    let rate = realisation.sample_rate_hz;
-    let found = verify(realisation, &drive(range, rate)).map_err(|e| cannot(path, &e))?;
+    let sweep = Sweep::over(loaded.file().valid_range.as_ref(), realisation.sample_rate_hz);
+    let found = verify(realisation, &sweep.drive).map_err(|e| cannot(path, &e))?;
     remark_sweep(&found, accuracy);
-    Ok((found, frequencies(range, rate)))
+    Ok((found, sweep.frequencies_hz))
 }
 
 fn remark_sweep(found: &Verification, accuracy: f64) {
@@ -165,15 +115,6 @@ pub fn where_creep_stops(
     loaded.body().realise_options(sample_rate_hz, options)
 }
 
-/// The sweep that is compared: the frequencies of the records, within what the sample rate carries.
-fn frequencies(range: Option<&ValidRange>, sample_rate_hz: f64) -> (f64, f64) {
-    let most = 0.01 * sample_rate_hz;
-    let own = range.and_then(|r| r.frequency.as_ref()).map(|f| (f.low, f.high));
-    let (low, high) = own.unwrap_or((0.01 * most, most));
-    let high = if high > 0.0 { high.min(0.1 * sample_rate_hz) } else { most };
-    (if low > 0.0 { low.clamp(1e-4 * high, high) } else { 0.01 * high }, high)
-}
-
 fn cannot(model: &Path, error: &RealiseError) -> Failure {
     let failure = Failure::new(format!("cannot realise {}", model.display())).because(error);
     match error {
@@ -188,7 +129,7 @@ fn cannot(model: &Path, error: &RealiseError) -> Failure {
     }
 }
 
-fn text(found: &Found) -> String {
+fn text(found: &CheckedRealisation) -> String {
     let (linear, check) = (&found.realisation.dynamics, &found.verification);
     let rate = found.realisation.sample_rate_hz;
     let number = |x: f64| significant(x, 6);
@@ -236,10 +177,10 @@ fn text(found: &Found) -> String {
                 "{} largest, {} rms: sweep {} to {} Hz, {} to {} {}",
                 significant(check.largest, 2),
                 significant(check.rms, 2),
-                significant(found.frequencies_hz.0, 3),
-                significant(found.frequencies_hz.1, 3),
-                significant(found.voltages.0, 4),
-                significant(found.voltages.1, 4),
+                significant(found.sweep.frequencies_hz.0, 3),
+                significant(found.sweep.frequencies_hz.1, 3),
+                significant(found.sweep.voltages.0, 4),
+                significant(found.sweep.voltages.1, 4),
                 found.units.0
             ),
         ),
@@ -252,73 +193,4 @@ fn text(found: &Found) -> String {
         facts.add_row([what.to_owned(), value]);
     }
     format!("{sections}\n\n{facts}\n")
-}
-
-#[derive(Serialize)]
-struct Summary<'a> {
-    sample_rate_hz: f64,
-    accuracy: f64,
-    states: usize,
-    delay_samples: usize,
-    taps: &'a [f64],
-    sections: Vec<SectionEntry>,
-    rest_gain: f64,
-    offset: f64,
-    moves_half_way: bool,
-    band_hz: [f64; 2],
-    frequency_error: f64,
-    reference_gain: f64,
-    weights_over_gain: f64,
-    batch_difference_largest: f64,
-    batch_difference_rms: f64,
-    range: f64,
-    output_unit: &'a str,
-    nanoseconds_per_sample: f64,
-}
-
-#[derive(Serialize)]
-struct SectionEntry {
-    kind: &'static str,
-    rate_rad_per_s: f64,
-    gain: [f64; 2],
-    weight: [f64; 2],
-}
-
-impl SectionEntry {
-    fn new(section: &Section, rate: f64) -> Self {
-        SectionEntry {
-            kind: if section.is_pair() { "pair" } else { "real" },
-            rate_rad_per_s: section.rate(rate),
-            gain: [section.gain.re, section.gain.im],
-            weight: [section.weight.re, section.weight.im],
-        }
-    }
-}
-
-impl<'a> Summary<'a> {
-    fn new(found: &'a Found) -> Self {
-        let realisation = &found.realisation;
-        let linear: &LinearRealisation = &realisation.dynamics;
-        let rate = realisation.sample_rate_hz;
-        Summary {
-            sample_rate_hz: rate,
-            accuracy: found.accuracy,
-            states: linear.states(),
-            delay_samples: linear.delay_samples,
-            taps: &linear.taps,
-            sections: linear.sections.iter().map(|s| SectionEntry::new(s, rate)).collect(),
-            rest_gain: linear.rest_gain,
-            offset: realisation.model.offset,
-            moves_half_way: realisation.joins_means,
-            band_hz: [linear.band_hz.0, linear.band_hz.1],
-            frequency_error: linear.frequency_error,
-            reference_gain: linear.reference_gain,
-            weights_over_gain: linear.amplification(),
-            batch_difference_largest: found.verification.largest,
-            batch_difference_rms: found.verification.rms,
-            range: found.verification.range,
-            output_unit: &found.units.1,
-            nanoseconds_per_sample: found.nanoseconds,
-        }
-    }
 }

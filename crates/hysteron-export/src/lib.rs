@@ -20,6 +20,7 @@ mod inverse;
 mod number;
 mod rust_crate;
 mod subject;
+mod summary;
 mod template;
 
 pub use c::c_files;
@@ -31,3 +32,4 @@ pub use inverse::{GoldenInverse, Inverse, inverse_files};
 pub use number::Precision;
 pub use rust_crate::{Runtime, rust_files};
 pub use subject::Subject;
+pub use summary::{ExportSummary, FileSummary};

@@ -4,14 +4,18 @@
 //! [`Model::score`] take every kind; what a kind does not do is one error, [`Unsupported`].
 
 mod capability;
+mod checked_realisation;
 mod error;
+mod inverse_summary;
 mod remark;
 mod run;
 mod score;
 mod signals;
 
 pub use capability::{Capability, Unsupported};
+pub use checked_realisation::{CheckedRealisation, Sweep};
 pub use error::{RunError, SignalRole};
+pub use inverse_summary::InverseSummary;
 pub use remark::Remark;
 pub use run::Simulation;
 pub use score::{AxesScore, BandScore, Score};

@@ -1,0 +1,66 @@
+//! What was exported, for programs.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::{ExportedFile, Subject};
+
+/// What was exported, for programs.
+#[derive(Clone, Debug, Serialize)]
+pub struct ExportSummary {
+    /// Beginning of every name in the source.
+    pub name: String,
+    /// `f32` or `f64`.
+    pub float: &'static str,
+    /// Rate that it runs at \[Hz\].
+    pub sample_rate_hz: f64,
+    /// States of the dynamic block.
+    pub states: usize,
+    /// Taps of it.
+    pub taps: usize,
+    /// Whole samples of delay.
+    pub delay_samples: usize,
+    /// Largest error of its frequency response, as a share of its largest value.
+    pub frequency_error: f64,
+    /// Symbol of the unit of the input.
+    pub input_unit: String,
+    /// Symbol of the unit of the output.
+    pub output_unit: String,
+    /// What was written.
+    pub files: Vec<FileSummary>,
+}
+
+/// One file of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct FileSummary {
+    /// Where it is.
+    pub path: String,
+    /// Its size.
+    pub bytes: usize,
+}
+
+impl ExportSummary {
+    /// Of these files in a folder.
+    pub fn new(folder: &Path, subject: &Subject, files: &[ExportedFile]) -> Self {
+        let linear = &subject.realisation.dynamics;
+        Self {
+            name: subject.name.clone(),
+            float: subject.precision.name(),
+            sample_rate_hz: subject.realisation.sample_rate_hz,
+            states: linear.states(),
+            taps: linear.taps.len(),
+            delay_samples: linear.delay_samples,
+            frequency_error: linear.frequency_error,
+            input_unit: subject.input_unit.clone(),
+            output_unit: subject.output_unit.clone(),
+            files: files
+                .iter()
+                .map(|f| FileSummary {
+                    path: folder.join(&f.name).display().to_string(),
+                    bytes: f.bytes.len(),
+                })
+                .collect(),
+        }
+    }
+}

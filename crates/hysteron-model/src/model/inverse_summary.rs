@@ -1,0 +1,109 @@
+//! The drive that follows a reference, for programs.
+
+use serde::{Serialize, Serializer};
+
+use crate::invert::InverseDrive;
+use crate::model_file::SignalUnits;
+use crate::record::{Keyed, key_in, range_of};
+
+/// What an inverse asks of the drive and what it leaves. As JSON, quantities in the units of input and output have keys that end in them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InverseSummary {
+    /// Samples of the reference.
+    pub samples: usize,
+    /// Their rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Input at which the device rests before the first sample; `None` where the reference repeats.
+    pub rest: Option<f64>,
+    /// Least drive.
+    pub drive_low: f64,
+    /// Largest drive.
+    pub drive_high: f64,
+    /// Largest rate of the drive, per second.
+    pub fastest_drive_per_s: f64,
+    /// Samples that the range held back.
+    pub samples_at_range: usize,
+    /// Samples that the largest rate held back.
+    pub samples_at_slew: usize,
+    /// Frequency up to which the output follows \[Hz\]; `None` for a static model.
+    pub bandwidth_hz: Option<f64>,
+    /// Share of the reference that is missing there.
+    pub error_at_bandwidth: Option<f64>,
+    /// White noise on the reference is so many times as large at the output of the hysteresis.
+    pub noise_gain: Option<f64>,
+    /// Rms error, the model taken for true.
+    pub predicted_rms_error: f64,
+    /// Largest error, the model taken for true.
+    pub predicted_max_error: f64,
+    /// The first in per cent of the stroke of the reference \[%\].
+    pub predicted_rms_percent_of_stroke: f64,
+    /// Half of the 95 % band of the model's output at its widest; `None` where the file holds no correlation.
+    pub band: Option<f64>,
+    /// Symbol of the unit of the input.
+    pub input_unit: String,
+    /// Symbol of the unit of the output.
+    pub output_unit: String,
+}
+
+impl InverseSummary {
+    /// Of the `found` drive for a reference; `band`: half of the 95 % band of the model's output at its widest.
+    pub fn new(
+        reference: &[f64],
+        found: &InverseDrive,
+        sample_rate_hz: f64,
+        band: Option<f64>,
+        units: &SignalUnits,
+    ) -> Self {
+        let (drive_low, drive_high) = range_of(&found.drive);
+        let (low, high) = range_of(reference);
+        let errors = || reference.iter().zip(&found.predicted).map(|(r, y)| (r - y).abs());
+        let rms = (errors().map(|e| e * e).sum::<f64>() / reference.len() as f64).sqrt();
+        let rest = found.rest.and_then(|start| start.voltage_v());
+        let before = rest.or_else(|| found.drive.last().copied());
+        let steps = before.into_iter().chain(found.drive.iter().copied());
+        let fastest =
+            steps.zip(&found.drive).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max) * sample_rate_hz;
+        Self {
+            samples: reference.len(),
+            sample_rate_hz,
+            rest,
+            drive_low,
+            drive_high,
+            fastest_drive_per_s: fastest,
+            samples_at_range: found.at_range,
+            samples_at_slew: found.at_slew,
+            bandwidth_hz: found.dynamics.map(|d| d.bandwidth_hz),
+            error_at_bandwidth: found.dynamics.map(|d| d.error_at_bandwidth),
+            noise_gain: found.dynamics.map(|d| d.noise_gain),
+            predicted_rms_error: rms,
+            predicted_max_error: errors().fold(0.0, f64::max),
+            predicted_rms_percent_of_stroke: 100.0 * rms / (high - low).max(f64::MIN_POSITIVE),
+            band,
+            input_unit: units.input.clone(),
+            output_unit: units.output.clone(),
+        }
+    }
+}
+
+impl Serialize for InverseSummary {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (input, output) = (self.input_unit.as_str(), self.output_unit.as_str());
+        Keyed::default()
+            .with("samples", self.samples)
+            .with("sample_rate_hz", self.sample_rate_hz)
+            .in_unit("rest", input, self.rest)
+            .in_unit("drive_low", input, self.drive_low)
+            .in_unit("drive_high", input, self.drive_high)
+            .with(key_in("fastest_drive", input) + "_per_s", self.fastest_drive_per_s)
+            .with("samples_at_range", self.samples_at_range)
+            .with("samples_at_slew", self.samples_at_slew)
+            .with("bandwidth_hz", self.bandwidth_hz)
+            .with("error_at_bandwidth", self.error_at_bandwidth)
+            .with("noise_gain", self.noise_gain)
+            .in_unit("predicted_rms_error", output, self.predicted_rms_error)
+            .in_unit("predicted_max_error", output, self.predicted_max_error)
+            .with("predicted_rms_percent_of_stroke", self.predicted_rms_percent_of_stroke)
+            .in_unit("band", output, self.band)
+            .serialize(serializer)
+    }
+}
