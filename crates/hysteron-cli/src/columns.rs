@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron_io::{ReadOptions, read_drive, read_input_output, read_record, read_reference};
-use hysteron_model::record::{ChannelChoice, InputOutput, Record, Signal, inspect};
+use hysteron_io::{IoError, ReadOptions, read_drive, read_input_output, read_record, read_reference};
+use hysteron_model::record::{ChannelChoice, InputOutput, Record, RecordError, Scale, Signal, inspect};
+use hysteron_model::{Advice, Finding};
 use rayon::prelude::*;
 
-use crate::console;
 use crate::failure::Failure;
 use crate::numbers::{positive, whole};
-use crate::scale::{self, Scale};
+use crate::{advice, console};
 
 /// Time and size of a file.
 #[derive(Args, Clone, Debug)]
@@ -37,7 +37,7 @@ pub struct InputFlags {
 
     /// What a column's numbers mean, e.g. y=2.5um/V for a sensor in volts or u=15V/V for a command before an amplifier; may
     /// be repeated (--input and --output then take names, not numbers)
-    #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = scale::parse, help_heading = "Columns")]
+    #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = str::parse::<Scale>, help_heading = "Columns")]
     scales: Vec<Scale>,
 
     /// Drive below which nothing moves, as with a valve's or an amplifier's threshold: what is smaller counts as 0
@@ -77,17 +77,16 @@ impl InputFlags {
     /// # Errors
     /// If the file is not a readable record or the input cannot be decided.
     pub fn read_drive(&self, path: &Path) -> Result<Signal, Failure> {
-        let options =
-            ReadOptions { input: self.input.clone(), choose_with: "--input", ..self.time.options() };
-        let unreadable = |e: &dyn std::fmt::Display| cannot_read(path, e);
-        let drive = if self.scales.is_empty() {
-            read_drive(path, &options).map_err(|e| unreadable(&e))?
-        } else {
-            let record = read_record(path, &options).map_err(|e| unreadable(&e))?;
-            let record = self.scaled(record).map_err(|e| unreadable(&e))?;
-            record.drive(self.input.as_deref()).map_err(|e| unreadable(&e))?
+        let options = ReadOptions { input: self.input.clone(), ..self.time.options() };
+        let read = || -> Result<Signal, Unreadable> {
+            if self.scales.is_empty() {
+                return Ok(read_drive(path, &options)?);
+            }
+            let record = self.scaled(read_record(path, &options)?)?;
+            Ok(record.drive(self.input.as_deref())?)
         };
-        let mut told = drive.notes.clone();
+        let drive = read().map_err(|e| e.at(path, "--input"))?;
+        let mut told: Vec<String> = drive.notes.iter().map(advice::text).collect();
         let samples = self.beyond_dead_band(drive.samples, &mut told);
         notes(path, &told);
         Ok(Signal { samples, ..drive })
@@ -98,8 +97,8 @@ impl InputFlags {
     /// # Errors
     /// If the file is not a readable record.
     pub fn read_record(&self, path: &Path) -> Result<Record, Failure> {
-        let record = read_record(path, &self.time.options()).map_err(|e| cannot_read(path, &e))?;
-        self.scaled(record).map_err(|e| cannot_read(path, &e))
+        let read = || self.scaled(read_record(path, &self.time.options())?);
+        read().map_err(|e: Unreadable| e.at(path, "--inputs and --outputs"))
     }
 
     fn beyond_dead_band(&self, mut u: Vec<f64>, told: &mut Vec<String>) -> Vec<f64> {
@@ -111,8 +110,8 @@ impl InputFlags {
         u
     }
 
-    fn scaled(&self, record: Record) -> Result<Record, String> {
-        self.scales.iter().try_fold(record, |record, scale| scale.apply(&record))
+    fn scaled(&self, record: Record) -> Result<Record, Unreadable> {
+        Ok(self.scales.iter().try_fold(record, |record, scale| scale.apply(&record))?)
     }
 }
 
@@ -133,13 +132,10 @@ impl ReferenceFlags {
     /// # Errors
     /// If the file is not a readable record or the reference cannot be decided.
     pub fn read(&self, path: &Path) -> Result<Signal, Failure> {
-        let options = ReadOptions {
-            reference: self.reference.clone(),
-            choose_with: "--reference",
-            ..self.time.options()
-        };
-        let signal = read_reference(path, &options).map_err(|e| cannot_read(path, &e))?;
-        notes(path, &signal.notes);
+        let options = ReadOptions { reference: self.reference.clone(), ..self.time.options() };
+        let signal =
+            read_reference(path, &options).map_err(|e| Unreadable::from(e).at(path, "--reference"))?;
+        notes(path, &signal.notes.iter().map(advice::text).collect::<Vec<_>>());
         Ok(signal)
     }
 
@@ -148,8 +144,9 @@ impl ReferenceFlags {
     /// # Errors
     /// If the file is not a readable record or its columns cannot be decided.
     pub fn read_run(&self, path: &Path) -> Result<InputOutput, Failure> {
-        let outcome = read_input_output(path, &self.time.options()).map_err(|e| cannot_read(path, &e))?;
-        notes(path, &outcome.notes);
+        let outcome = read_input_output(path, &self.time.options())
+            .map_err(|e| Unreadable::from(e).at(path, "other names in its header"))?;
+        notes(path, &outcome.notes.iter().map(advice::text).collect::<Vec<_>>());
         Ok(outcome.data)
     }
 }
@@ -201,7 +198,7 @@ impl ColumnFlags {
 
     fn read_inspected(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
         let data = self.read_told(path, told)?;
-        told.extend(inspect(&data).findings.into_iter().filter(|f| f.is_warning()).map(|f| f.text));
+        told.extend(inspect(&data).findings.into_iter().filter(|f| f.is_warning()).map(|f| advice::text(&f)));
         Ok(data)
     }
 
@@ -218,27 +215,51 @@ impl ColumnFlags {
 
     /// Input and output of a record; what was decided without being told goes to `told`.
     fn read_told(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
-        let data = if self.drive.scales.is_empty() {
-            let outcome = read_input_output(path, &self.options()).map_err(|e| cannot_read(path, &e))?;
-            told.extend(outcome.notes);
-            outcome.data
-        } else {
-            self.read_scaled(path, told).map_err(|e| cannot_read(path, &e))?
-        };
+        let (data, notes) = self.read_noted(path).map_err(|e| e.at(path, advice::INPUT_AND_OUTPUT))?;
+        told.extend(notes.iter().map(advice::text));
         Ok(InputOutput { u: self.drive.beyond_dead_band(data.u, told), ..data })
     }
 
-    fn read_scaled(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, String> {
-        let record = read_record(path, &self.options()).map_err(|e| e.to_string())?;
-        let record = self.drive.scaled(record)?;
+    fn read_noted(&self, path: &Path) -> Result<(InputOutput, Vec<Finding>), Unreadable> {
+        if self.drive.scales.is_empty() {
+            let outcome = read_input_output(path, &self.options())?;
+            return Ok((outcome.data, outcome.notes));
+        }
+        let record = self.drive.scaled(read_record(path, &self.options())?)?;
         let choice = ChannelChoice { input: self.drive.input.clone(), output: self.output.clone() };
-        told.extend(record.select(&choice).map_err(|e| e.to_string())?.notes);
-        record.input_output(&choice).map_err(|e| e.to_string())
+        let notes = record.select(&choice)?.notes;
+        Ok((record.input_output(&choice)?, notes))
     }
 }
 
-fn cannot_read(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
-    Failure::new(format!("cannot read the record {}", path.display())).because(reason)
+/// Why a file is not the record that is needed.
+pub struct Unreadable {
+    because: String,
+    advice: Option<Advice>,
+}
+
+impl Unreadable {
+    /// The failure for the file at `path`, whose columns are chosen with these flags.
+    pub fn at(self, path: &Path, choose_columns: &str) -> Failure {
+        let failure =
+            Failure::new(format!("cannot read the record {}", path.display())).because(self.because);
+        match self.advice {
+            Some(advice) => failure.hint(advice::in_flags_of_columns(&advice, choose_columns)),
+            None => failure,
+        }
+    }
+}
+
+impl From<IoError> for Unreadable {
+    fn from(e: IoError) -> Self {
+        Unreadable { because: e.to_string(), advice: e.advice() }
+    }
+}
+
+impl From<RecordError> for Unreadable {
+    fn from(e: RecordError) -> Self {
+        Unreadable { because: e.to_string(), advice: e.advice() }
+    }
 }
 
 fn notes(path: &Path, notes: &[String]) {

@@ -3,7 +3,9 @@
 use std::fmt::Display;
 use std::process::ExitCode;
 
-use crate::console;
+use hysteron_model::Advice;
+
+use crate::{advice, console};
 
 /// A failure as the user reads it.
 #[derive(Debug)]
@@ -40,6 +42,19 @@ impl Failure {
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
+    }
+
+    /// Whether it says what to do.
+    pub fn has_hint(&self) -> bool {
+        self.hint.is_some()
+    }
+
+    /// Adds the remedy of the library, if there is one, in flags.
+    pub fn advised(self, advice: Option<Advice>) -> Self {
+        match advice {
+            Some(advice) => self.hint(advice::in_flags(&advice)),
+            None => self,
+        }
     }
 
     /// Prints the failure to standard error and gives the exit code.

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 mod adapt;
+mod advice;
 mod article;
 mod axes;
 mod columns;
@@ -33,7 +34,6 @@ mod recalibrate;
 mod remarks;
 mod result_flags;
 mod rig;
-mod scale;
 mod schema;
 mod scores;
 mod simulate;

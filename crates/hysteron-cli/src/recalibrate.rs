@@ -184,7 +184,6 @@ fn explain(error: &IdentifyError) -> Failure {
             "check the columns (--input, --output) and that it is the same device; identify it anew with hysteron identify; \
              --least-fit 0 hands the model out all the same",
         ),
-        IdentifyError::Constant { .. } => failure.hint("choose other columns with --input and --output"),
-        _ => failure,
+        error => failure.advised(error.advice()),
     }
 }

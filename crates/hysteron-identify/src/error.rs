@@ -1,5 +1,6 @@
 //! What can go wrong between records and a model.
 
+use hysteron_model::Advice;
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::record::RecordError;
@@ -16,13 +17,12 @@ pub enum IdentifyError {
     NoRecords,
     /// Creep is fitted with the rest of the dynamics.
     #[error(
-        "creep belongs to the joint fit: leave --method and --dynamics arx (oe, bj, srivc) out, or --creep"
+        "creep belongs to the joint fit, and neither the two-step method nor ARX, OE, BJ or SRIVC blocks have it"
     )]
     CreepTakesJointFit,
     /// Two steps, and the blocks that need them, belong to Bouc–Wen.
     #[error(
-        "the two-step method, which ARX, OE, BJ and SRIVC blocks need, identifies Bouc–Wen hysteresis only: leave --method and --dynamics arx (oe, bj, srivc) out, \
-         or take --hysteresis bouc-wen"
+        "the two-step method, which ARX, OE, BJ and SRIVC blocks need, identifies Bouc–Wen hysteresis only"
     )]
     FamilyTakesJointFit,
     /// A demand names a parameter that this fit does not have.
@@ -83,8 +83,7 @@ pub enum IdentifyError {
     },
     /// Dynamics need a uniform time base.
     #[error(
-        "record '{record}' has {found}: dynamics and a delay need uniformly sampled records (a static fit, \
-         --dynamics none, does not)"
+        "record '{record}' has {found}: dynamics and a delay need uniformly sampled records (a static fit does not)"
     )]
     NotUniform {
         /// Record.
@@ -157,4 +156,20 @@ pub enum IdentifyError {
     /// The fit could not be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),
+}
+
+impl IdentifyError {
+    /// Remedy, where there is one that the user can choose.
+    pub fn advice(&self) -> Option<Advice> {
+        match self {
+            Self::CreepTakesJointFit | Self::FamilyTakesJointFit => Some(Advice::FitJointly),
+            Self::NotUniform { .. } => Some(Advice::NoDynamics),
+            Self::NoDynamicInformation { .. } => Some(Advice::NameDynamicRecord),
+            Self::Constant { .. } | Self::Units { .. } | Self::OtherDevice { .. } => {
+                Some(Advice::ChooseColumns)
+            }
+            Self::Record(e) => e.advice(),
+            _ => None,
+        }
+    }
 }

@@ -8,6 +8,7 @@ use super::options::{Choice, Method, Options, RecordRole};
 use super::result::{Identification, RecordFit};
 use super::{Finding, FindingKind};
 use super::{IdentifyError, RecordFacts, identifiability};
+use hysteron_model::Advice;
 use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
 use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
@@ -28,6 +29,18 @@ const LAST_GENERATIONS: usize = 5;
 const FAR_FROM_REST: f64 = 1.25;
 /// Swings below this share of the range are noise rather than loops.
 const SMALLEST_LOOP: f64 = 0.1;
+
+/// Appends a finding.
+pub(crate) fn say<'a>(
+    findings: &'a mut Vec<Finding>,
+    kind: FindingKind,
+    topic: &'static str,
+    text: String,
+) -> &'a mut Finding {
+    let last = findings.len();
+    findings.push(Finding::new(kind, topic, text));
+    &mut findings[last]
+}
 
 /// Every record must be explained as well as `options` demand.
 ///
@@ -72,7 +85,7 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     } else {
         format!(
             "The output ({}) is not a loop over the input ({}) that follows its last turning points: the record may carry \
-             dynamics of its own (then name it with --dynamic; a linear device with --degree 1 --fix alpha=0), be driven by \
+             dynamics of its own, belong to a linear device, be driven by \
              further inputs, saturate, or have its dynamics inside the hysteresis",
             unit(&facts.data.y_unit),
             unit(&facts.data.u_unit)
@@ -87,7 +100,7 @@ fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> 
     (over.is_finite() && over.max(1.0 / over) > FAR_FROM_REST).then(|| {
         format!(
             "At rest the model's gain is {} times that at {} Hz, the lowest frequency of these records: it is extrapolated there. Do not use it for slower motion or levels \
-             that are held. Add a slow record, or one with held levels; or take another hysteresis (--hysteresis), what the loop misses goes into the dynamics.",
+             that are held. Add a slow record, or one with held levels; or take another hysteresis family: what the loop misses goes into the dynamics.",
             short_share(over),
             short(lowest_hz)
         )
@@ -118,7 +131,6 @@ fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) ->
 
 pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Identification) {
     let mut findings = Vec::new();
-    let mut say = |kind, topic, text: String| findings.push(Finding::new(kind, topic, text));
     let fitted_statically: Vec<(&RecordFacts, &RecordFit)> =
         facts.iter().zip(&result.records).filter(|(_, r)| r.role == RecordRole::QuasiStatic).collect();
 
@@ -132,7 +144,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             }
             None => "too narrow to have a sense",
         };
-        say(FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
+        say(&mut findings, FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
     }
     let spans = result.records.iter().map(|fit| range_of(&fit.data.u));
     let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));
@@ -142,9 +154,14 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         .iter()
         .map(|fit| (fit.data.u.as_slice(), fit.data.sample_rate_hz().map(|rate| 1.0 / rate)))
         .collect();
-    say(FindingKind::Verdict, "admissibility", verdict(&result.model.hysteresis, &drives, span, &unit));
+    say(
+        &mut findings,
+        FindingKind::Verdict,
+        "admissibility",
+        verdict(&result.model.hysteresis, &drives, span, &unit),
+    );
     if let Some(smoothing) = result.structure.smoothing {
-        say(FindingKind::Verdict, "weights", drawn_together(smoothing));
+        say(&mut findings, FindingKind::Verdict, "weights", drawn_together(smoothing));
     }
     if let Dynamics::Fractional(g) | Dynamics::Integer(g) = &result.model.dynamics {
         let text = match stability(g) {
@@ -160,14 +177,15 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                 format!("Dynamic block: unstable, {poles} pole(s) in the right half-plane. Do not use it.")
             }
         };
-        say(FindingKind::Verdict, "stability", text);
+        say(&mut findings, FindingKind::Verdict, "stability", text);
         if let Some(text) = result.excited_hz.and_then(|(lowest_hz, _)| extrapolated_to_rest(g, lowest_hz)) {
-            say(FindingKind::Advice, "rest", text);
+            say(&mut findings, FindingKind::Advice, "rest", text).advise(Advice::OtherHysteresis);
         }
     }
 
     if amplitudes(fitted_statically.iter().map(|(f, _)| *f)) <= 1 && !fitted_statically.is_empty() {
         say(
+            &mut findings,
             FindingKind::Advice,
             "amplitudes",
             format!(
@@ -199,6 +217,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             _ => "Delay, resonances and creep are not determined: a delay would be taken for loop width.",
         };
         say(
+            &mut findings,
             FindingKind::Advice,
             "frequencies",
             format!(
@@ -210,7 +229,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     if result.method == Method::TwoStep
         && fitted_statically.iter().any(|(f, _)| f.highest_frequency_hz() > 0.0)
     {
-        say(
+        say(&mut findings,
             FindingKind::Advice,
             "two steps",
             "The blocks were identified one after the other: what dynamics there are in the quasi-static records went into \
@@ -222,13 +241,13 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         Some(covariance) => findings.extend(identifiability::verdict(facts, result, covariance)),
         None => findings.extend(precision(result)),
     }
-    let mut say = |kind, topic, text: String| findings.push(Finding::new(kind, topic, text));
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
             let at = range.to_unit(*x);
             if at < 1e-4 && range.low <= 1e-4 * range.high && matches!(range.name.as_str(), "delay" | "beta")
             {
                 say(
+                    &mut findings,
                     FindingKind::Warning,
                     "search range",
                     format!(
@@ -238,24 +257,26 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                 );
             } else if !(1e-4..=1.0 - 1e-4).contains(&at) {
                 say(
+                    &mut findings,
                     FindingKind::Warning,
                     "search range",
                     format!(
-                        "{} = {} ended on the edge of its search range {} … {}; widen it with --bound {}=LOW:HIGH if the \
-                         device may lie outside.",
+                        "{} = {} ended on the edge of its search range {} … {}; widen it if the device may \
+                         lie outside.",
                         range.name,
                         short(*x),
                         short(range.low),
                         short(range.high),
-                        range.name
                     ),
-                );
+                )
+                .advise(Advice::Widen { parameter: range.name.clone() });
             }
         }
     }
     for fit in &result.records {
         if fit.scores.fit_percent.is_some_and(|fit| fit < 90.0) {
             say(
+                &mut findings,
                 FindingKind::Warning,
                 "fit",
                 format!(
@@ -268,17 +289,23 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     }
     for search in &result.searches {
         if let Some(text) = still_improving(search) {
-            say(FindingKind::Warning, "search", text);
+            say(&mut findings, FindingKind::Warning, "search", text).advise(Advice::SearchLonger);
         }
     }
     for facts in facts {
         let fastest_hz = Some(facts.highest_frequency_hz());
         for text in implausible_units(&facts.data, fastest_hz) {
-            say(FindingKind::Warning, "units", format!("Record '{}': {text}", facts.data.name));
+            say(
+                &mut findings,
+                FindingKind::Warning,
+                "units",
+                format!("Record '{}': {text}", facts.data.name),
+            );
         }
     }
     if result.cancelled {
         say(
+            &mut findings,
             FindingKind::Warning,
             "search",
             "The search was interrupted: this is the best model so far.".into(),
@@ -329,7 +356,6 @@ fn verdict(
 /// Which parameters the records leave open, by their standard errors alone.
 fn precision(result: &Identification) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut say = |kind, topic, text: String| findings.push(Finding::new(kind, topic, text));
     let undetermined: Vec<&str> = result
         .bounds
         .first()
@@ -339,15 +365,16 @@ fn precision(result: &Identification) -> Vec<Finding> {
         .filter(|name| result.parameters.iter().any(|p| p.name == *name && p.std_error.is_none()))
         .collect();
     if !undetermined.is_empty() {
-        say(
+        say(&mut findings,
             FindingKind::Warning,
             "precision",
             format!(
-                "No standard errors: the records do not determine {} apart from the other parameters. Fix one of them \
-                 (--fix NAME=VALUE), lower the degree, or add records.",
+                "No standard errors: the records do not determine {} apart from the other parameters. Lower the degree, add \
+                 records, or hold one of them.",
                 undetermined.join(", ")
             ),
-        );
+        )
+        .advise(Advice::Hold { parameter: None });
     }
     let poor: Vec<String> = result
         .parameters
@@ -357,6 +384,7 @@ fn precision(result: &Identification) -> Vec<Finding> {
         .collect();
     if !poor.is_empty() {
         say(
+            &mut findings,
             FindingKind::Advice,
             "precision",
             format!(
@@ -384,7 +412,8 @@ fn still_improving(search: &Search) -> Option<String> {
     (gained > STILL_IMPROVING || !before.is_finite()).then(|| {
         format!(
             "The search of the {} was too short to be trusted: the best RMSE was still falling, by {} % over the last {last} of \
-             {generations} generations. Raise --generations, or leave --optimizer out.",
+             {generations} generations. Let it run longer, or leave the \
+             choice of the optimiser to the program.",
             search.step,
             if before.is_finite() { short(100.0 * gained) } else { "100".into() }
         )

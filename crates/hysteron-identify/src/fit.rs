@@ -1,5 +1,6 @@
 //! From records to a model of any kind, and everything that is to be known about it.
 
+use hysteron_model::Advice;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::model::{RunError, Score};
 use hysteron_model::model_file::{Kind, Maker, ModelFileError};
@@ -95,6 +96,18 @@ pub enum FitError {
         /// Why not.
         reason: String,
     },
+}
+
+impl FitError {
+    /// Remedy, where there is one that the user can choose.
+    pub fn advice(&self) -> Option<Advice> {
+        match self {
+            Self::Hammerstein(e) => e.advice(),
+            Self::Oscillator(OscillatorFitError::NotUniform { .. }) => Some(Advice::GiveSampleRate),
+            Self::Modes(ModesFitError::Axes(e)) | Self::Branches(CoupledFitError::Axes(e)) => e.advice(),
+            _ => None,
+        }
+    }
 }
 
 /// An identified model and what is to be known about it.

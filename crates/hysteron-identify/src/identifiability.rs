@@ -5,6 +5,7 @@ use super::findings::amplitudes;
 use super::joint::{Covariance, without_number};
 use super::result::{Identification, Parameter};
 use super::{Finding, FindingKind};
+use hysteron_model::Advice;
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_numeric::display::short;
 
@@ -35,61 +36,79 @@ pub(super) fn verdict(
 ) -> Vec<Finding> {
     let advisor = Advisor::new(facts, result);
     let mut findings = Vec::new();
-    let mut say = |text| findings.push(Finding::new(FindingKind::Advice, "identifiability", text));
+    let mut say = |text: String, advice| {
+        findings.push(Finding { advice, ..Finding::new(FindingKind::Advice, "identifiability", text) });
+    };
     // Where a record started says nothing of the device, and b, c₀, c₁ repeat what the other symbols say.
     let of_device =
         |p: &&Parameter| !p.held && p.block != "start" && !["b", "c0", "c1"].contains(&p.name.as_str());
     let straight = far_from_saturation(result, advisor.range_v);
     if straight {
-        say(format!(
-            "The loops are far from where the hysteresis would saturate: the records determine the products of alpha with \
+        let (help, advice) = advisor.help(&["alpha"]);
+        say(
+            format!(
+                "The loops are far from where the hysteresis would saturate: the records determine the products of alpha with \
              beta and gamma, and linear − alpha, but none of the four by itself. Within the range of these records that is \
-             enough. {}",
-            advisor.help(&["alpha"])
-        ));
+             enough. {help}"
+            ),
+            advice,
+        );
     }
     let explained = |name: &str| straight && ["alpha", "beta", "gamma", "linear"].contains(&name);
     for p in result.parameters.iter().filter(of_device).filter(|p| !explained(&p.name)) {
         let Some(error) = p.std_error else {
-            say(format!(
-                "{} is not determined by these records: it ended on the edge of its range. {}",
-                p.name,
-                advisor.help(&[&p.name])
-            ));
+            let (help, advice) = advisor.help(&[&p.name]);
+            say(
+                format!(
+                    "{} is not determined by these records: it ended on the edge of its range. {help}",
+                    p.name
+                ),
+                advice,
+            );
             continue;
         };
         let share = error / advisor.scale(p);
         if share > UNDETERMINED {
-            say(format!(
-                "{} is not determined by these records ({} ± {}). {}",
-                p.name,
-                short(p.value),
-                short(error),
-                advisor.help(&[&p.name])
-            ));
+            let (help, advice) = advisor.help(&[&p.name]);
+            say(
+                format!(
+                    "{} is not determined by these records ({} ± {}). {help}",
+                    p.name,
+                    short(p.value),
+                    short(error)
+                ),
+                advice,
+            );
         }
     }
     for group in inseparable(covariance) {
         let names: Vec<&str> = group.names.iter().map(String::as_str).collect();
-        say(format!(
-            "{} can hardly be told apart by these records (correlation {:.4}): their errors make up for each other, so \
-             that none of them means much without the others. {}",
-            listed(&names),
-            group.correlation,
-            advisor.help(&names)
-        ));
+        let (help, advice) = advisor.help(&names);
+        say(
+            format!(
+                "{} can hardly be told apart by these records (correlation {:.4}): their errors make up for each other, so \
+             that none of them means much without the others. {help}",
+                listed(&names),
+                group.correlation
+            ),
+            advice,
+        );
     }
     if covariance.condition_number > ILL_CONDITIONED {
-        say(format!(
-            "The parameters as a whole hang on the noise (condition number {}): fix what is known of the device \
-             (--fix NAME=VALUE) or leave parameters out.",
-            short(covariance.condition_number)
-        ));
+        say(
+            format!(
+                "The parameters as a whole hang on the noise (condition number {}): leave parameters out, or hold \
+             what is known of the device.",
+                short(covariance.condition_number)
+            ),
+            Some(Advice::Hold { parameter: None }),
+        );
     }
     if findings.is_empty() {
         findings.push(Finding {
             kind: FindingKind::Verdict,
             topic: "identifiability".into(),
+            advice: None,
             text: format!(
                 "Every parameter is determined by these records (condition number {:.0}; largest correlation {}).",
                 covariance.condition_number,
@@ -229,7 +248,8 @@ impl<'a> Advisor<'a> {
         (1..=super::HIGHEST_DEGREE).find(|&power| hysteron_model::model_file::polynomial_name(power) == name)
     }
 
-    fn help(&self, names: &[&str]) -> String {
+    /// Remedy in words, and typed where it is not another record.
+    fn help(&self, names: &[&str]) -> (String, Option<Advice>) {
         let has = |wanted: &dyn Fn(&str) -> bool| names.iter().any(|name| wanted(name));
         let mut help: Vec<String> = Vec::new();
         let hysteretic =
@@ -258,11 +278,10 @@ impl<'a> Advisor<'a> {
         }
         if help.is_empty() {
             let name = names.first().copied().unwrap_or("NAME");
-            return format!(
-                "Add loops of other amplitudes, or hold it where it is known (--fix {name}=VALUE)."
-            );
+            let hold = Advice::Hold { parameter: Some(name.to_owned()) };
+            return ("Add loops of other amplitudes, or hold it where it is known.".to_owned(), Some(hold));
         }
-        format!("Add {}.", help.join(", and "))
+        (format!("Add {}.", help.join(", and ")), None)
     }
 
     /// The sweep that shows the flank of the resonance.

@@ -51,7 +51,7 @@ pub(super) fn identify(
                 wanted: wanted.name(),
                 because:
                     "the campaign holds quasi-static records only; add a sweep or sines well above their \
-                          frequency, or say with --dynamic FILE which record is one"
+                          frequency, or name the record that is one"
                         .into(),
             });
         }

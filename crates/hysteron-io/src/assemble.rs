@@ -12,7 +12,7 @@ use crate::{IoError, ReadOptions};
 /// Makes a checked record of a file's columns; also gives the channels chosen by the options.
 pub(crate) fn assemble(columns: Columns, options: &ReadOptions) -> Result<(Record, Chosen), IoError> {
     let Roles { roles, chosen } = Roles::new(&columns.headings, options)?;
-    check_lengths(&columns, &roles, options)?;
+    check_lengths(&columns, &roles)?;
     for (column, role) in roles.iter().enumerate() {
         check_values(&columns, column, *role)?;
     }
@@ -52,13 +52,13 @@ pub(crate) fn assemble(columns: Columns, options: &ReadOptions) -> Result<(Recor
 }
 
 /// All columns that are read have one length, of at least two samples. Time, else the first of them, says which.
-fn check_lengths(columns: &Columns, roles: &[Role], options: &ReadOptions) -> Result<(), IoError> {
+fn check_lengths(columns: &Columns, roles: &[Role]) -> Result<(), IoError> {
     let file = &columns.headings.file;
     let read = || (0..roles.len()).filter(|&i| roles[i] != Role::Skipped);
     let Some(first) = read().find(|&i| matches!(roles[i], Role::Time(_))).or_else(|| read().next()) else {
         return Ok(());
     };
-    match columns.check_lengths(first, read(), options.choose_with)? {
+    match columns.check_lengths(first, read())? {
         0 => Err(IoError::NoSamples { place: Place::new(file, Part::Whole) }),
         1 => {
             let part = columns.lines.line(0).map_or(Part::Whole, Part::Line);

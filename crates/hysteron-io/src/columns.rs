@@ -97,7 +97,6 @@ impl Columns {
         &self,
         reference: usize,
         mut others: impl Iterator<Item = usize>,
-        choose_with: &'static str,
     ) -> Result<usize, IoError> {
         let length = |column: usize| self.values.get(column).map_or(0, Vec::len);
         let expected = length(reference);
@@ -107,7 +106,6 @@ impl Columns {
             found: length(other),
             expected,
             reference: self.headings.header(reference).to_owned(),
-            choose_with,
         })
     }
 

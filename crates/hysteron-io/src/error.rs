@@ -1,6 +1,8 @@
 //! What can be wrong with a file.
 
 use crate::atomic_file::AtomicWriteError;
+use hysteron_model::Advice;
+use hysteron_model::advice::ColumnRole;
 use hysteron_model::record::RecordError;
 use hysteron_model::record::ResponseDataError;
 
@@ -77,7 +79,7 @@ pub enum IoError {
     },
     /// Columns of different lengths.
     #[error(
-        "{place}: {found} samples where `{reference}` has {expected}; cut them to one length, or choose columns with {choose_with}"
+        "{place}: {found} samples where `{reference}` has {expected}; cut them to one length, or choose other columns"
     )]
     LengthMismatch {
         /// Where it stands.
@@ -88,8 +90,6 @@ pub enum IoError {
         expected: usize,
         /// Header of that column.
         reference: String,
-        /// The flags that choose columns.
-        choose_with: &'static str,
     },
     /// A binary file that does not hold what its format says.
     #[error("{place}: no sound {format} file: {problem}; write it again, or save the record as CSV")]
@@ -103,27 +103,23 @@ pub enum IoError {
     },
     /// An array of something else than real numbers.
     #[error(
-        "{place}: found values of type {found}, expected real numbers of 8 to 64 bits or bool; convert it (`.astype(float)`), or choose other columns with {choose_with}"
+        "{place}: found values of type {found}, expected real numbers of 8 to 64 bits or bool; convert it (`.astype(float)`), or choose other columns"
     )]
     ArrayType {
         /// Where it stands.
         place: Place,
         /// The type, as the file names it.
         found: String,
-        /// The flags that choose columns.
-        choose_with: &'static str,
     },
     /// An array that is no column.
     #[error(
-        "{place}: shape {found}, expected a column: (n,), (n, 1) or (1, n); save each column under a name of its own, or choose other columns with {choose_with}"
+        "{place}: shape {found}, expected a column: (n,), (n, 1) or (1, n); save each column under a name of its own, or choose other columns"
     )]
     ArrayShape {
         /// Where it stands.
         place: Place,
         /// The shape.
         found: String,
-        /// The flags that choose columns.
-        choose_with: &'static str,
     },
     /// An array without names of columns.
     #[error(
@@ -164,16 +160,12 @@ pub enum IoError {
         limit_bytes: u64,
     },
     /// More numbers than allowed.
-    #[error(
-        "{place}: more than {limit} numbers to keep; choose columns with {choose_with}, or crop the file"
-    )]
+    #[error("{place}: more than {limit} numbers to keep; choose the columns needed, or crop the file")]
     TooManyValues {
         /// Where it stands.
         place: Place,
         /// The limit.
         limit: usize,
-        /// The flags that choose columns.
-        choose_with: &'static str,
     },
     /// More columns than a record can mean.
     #[error("{place}: {found} columns, more than {limit}; is this a record with one line a sample?")]
@@ -236,35 +228,33 @@ pub enum IoError {
         second: usize,
     },
     /// A chosen column that is not there.
-    #[error("{place}: no column `{asked}` ({flag}); the columns are {available}")]
+    #[error("{place}: no column `{asked}` to be the {role}; the columns are {available}")]
     NoSuchColumn {
         /// Where it stands.
         place: Place,
         /// What was asked for.
         asked: String,
-        /// The flag it was asked with.
-        flag: &'static str,
+        /// What it was to be.
+        role: ColumnRole,
         /// The columns there are.
         available: String,
     },
     /// A choice that several columns match.
     #[error(
-        "{place}: `{asked}` ({flag}) could be any of {candidates}; write the name with its unit, or the column's number"
+        "{place}: `{asked}`, the {role}, could be any of {candidates}; write the name with its unit, or the column's number"
     )]
     AmbiguousColumn {
         /// Where it stands.
         place: Place,
         /// What was asked for, or looked for.
         asked: String,
-        /// The flag that decides.
-        flag: &'static str,
+        /// What it is to be.
+        role: ColumnRole,
         /// The columns it could be.
         candidates: String,
     },
     /// A chosen time column that is not in a unit of time.
-    #[error(
-        "{place}: column `{name}` cannot be the time (--time), it is in {unit}; expected s, ms, us, ns or min"
-    )]
+    #[error("{place}: column `{name}` cannot be the time, it is in {unit}; expected s, ms, us, ns or min")]
     NotTime {
         /// Where it stands.
         place: Place,
@@ -304,7 +294,7 @@ pub enum IoError {
         found: String,
     },
     /// Several responses, or none of the name asked for.
-    #[error("{place}: {problem}; the responses are {available}; choose one with {flag}")]
+    #[error("{place}: {problem}; the responses are {available}; choose one")]
     ChooseResponse {
         /// Where it stands.
         place: Place,
@@ -312,8 +302,8 @@ pub enum IoError {
         problem: String,
         /// Names of the responses.
         available: String,
-        /// The flag that decides.
-        flag: &'static str,
+        /// Whether it is the response divided by.
+        divisor: bool,
     },
     /// A frequency that is not positive.
     #[error("{place}: found `{found}`, expected a frequency above 0; delete the line")]
@@ -357,7 +347,7 @@ pub enum IoError {
         /// The text found, cut to a readable length.
         found: String,
         /// What to do, where the text gives a clue; begins with a separator.
-        hint: String,
+        hint: &'static str,
     },
     /// An empty field.
     #[error(
@@ -457,4 +447,22 @@ pub enum IoError {
         /// What is wrong with it.
         source: Box<RecordError>,
     },
+}
+
+impl IoError {
+    /// Remedy, where there is one that the user can choose.
+    pub fn advice(&self) -> Option<Advice> {
+        let column = |role| Some(Advice::ChooseColumn { role, example: None });
+        match self {
+            Self::NoSuchColumn { role, .. } | Self::AmbiguousColumn { role, .. } => column(*role),
+            Self::NotTime { .. } => column(ColumnRole::Time),
+            Self::ChooseResponse { divisor, .. } => Some(Advice::ChooseResponse { divisor: *divisor }),
+            Self::LengthMismatch { .. } | Self::ArrayType { .. } | Self::ArrayShape { .. } => {
+                Some(Advice::ChooseColumns)
+            }
+            Self::NotANumber { .. } | Self::TooManyValues { .. } => Some(Advice::ChooseColumns),
+            Self::Record { source, .. } => source.advice(),
+            _ => None,
+        }
+    }
 }

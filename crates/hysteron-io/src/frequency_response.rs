@@ -55,7 +55,7 @@ fn read(file: &str, source: impl Read, options: &ResponseOptions) -> Result<Freq
     let wanted = |headings: &Headings| Ok(Layout::new(headings, options)?.wanted(headings.columns.len()));
     let mut columns = read_columns(file, source, &limits, wanted)?;
     let layout = Layout::new(&columns.headings, options)?;
-    columns.check_lengths(layout.frequency.0, layout.parts(), limits.choose_with)?;
+    columns.check_lengths(layout.frequency.0, layout.parts())?;
     to_hertz(&mut columns, layout.frequency)?;
     let failed = |source| IoError::Response { file: file.to_string(), source: Box::new(source) };
     let mut response = layout.response.assemble(file, &columns.values, layout.frequency.0)?;
@@ -133,23 +133,23 @@ impl Layout {
             return Err(IoError::NoResponse { place: place(), found: headings.list() });
         }
         let available = groups.iter().map(|g| format!("`{}`", g.shown_name())).collect::<Vec<_>>().join(", ");
-        let choose = |problem: String, flag| IoError::ChooseResponse {
+        let choose = |problem: String, divisor| IoError::ChooseResponse {
             place: place(),
             problem,
             available: available.clone(),
-            flag,
+            divisor,
         };
-        let named = |asked: &str, flag| {
+        let named = |asked: &str, divisor| {
             let same = |g: &&Group| g.shown_name() == asked.trim();
             let found = groups.iter().find(same).cloned();
-            found.ok_or_else(|| choose(format!("no response `{}` ({flag})", asked.trim()), flag))
+            found.ok_or_else(|| choose(format!("no response `{}`", asked.trim()), divisor))
         };
         let response = match (&options.response, groups.as_slice()) {
-            (Some(asked), _) => named(asked, "--response")?,
+            (Some(asked), _) => named(asked, false)?,
             (None, [only]) => only.clone(),
-            _ => return Err(choose(format!("{} responses", groups.len()), "--response")),
+            _ => return Err(choose(format!("{} responses", groups.len()), false)),
         };
-        let over = options.over.as_deref().map(|asked| named(asked, "--over")).transpose()?;
+        let over = options.over.as_deref().map(|asked| named(asked, true)).transpose()?;
         Ok(Self { frequency, response, over })
     }
 

@@ -32,8 +32,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
         return Err(IoError::NoNames { place: whole, found: array.shape_text() });
     };
     if !array.is_vector() {
-        let (found, choose_with) = (array.shape_text(), options.choose_with);
-        return Err(IoError::ArrayShape { place: whole, found, choose_with });
+        return Err(IoError::ArrayShape { place: whole, found: array.shape_text() });
     }
     let headings = Headings::new(file, None, fields.iter().map(|field| field.name.clone()).collect())?;
     let wanted = wanted(&headings)?;
@@ -44,7 +43,6 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
             field.number.ok_or_else(|| IoError::ArrayType {
                 place: Place::new(file, Part::Array(field.name.as_str().into())),
                 found: field.dtype.clone(),
-                choose_with: options.choose_with,
             })?,
         ));
     }
@@ -105,14 +103,12 @@ pub(crate) struct Budget {
     max_values: usize,
     bytes: u64,
     max_bytes: u64,
-    /// The flags that choose columns, for messages.
-    pub choose_with: &'static str,
 }
 
 impl Budget {
     pub fn new(options: &ReadOptions) -> Self {
-        let ReadOptions { max_values, max_bytes, choose_with, .. } = *options;
-        Budget { values: max_values, max_values, bytes: max_bytes, max_bytes, choose_with }
+        let ReadOptions { max_values, max_bytes, .. } = *options;
+        Budget { values: max_values, max_values, bytes: max_bytes, max_bytes }
     }
 
     /// Accounts for an array of which so many columns are read.
@@ -122,13 +118,9 @@ impl Budget {
             .and_then(|bytes| self.bytes.checked_sub(bytes))
             .ok_or_else(|| IoError::TooLarge { place: place.clone(), limit_bytes: self.max_bytes })?;
         let values = usize::try_from(array.len()).ok().and_then(|n| n.checked_mul(columns));
-        self.values = values.and_then(|values| self.values.checked_sub(values)).ok_or_else(|| {
-            IoError::TooManyValues {
-                place: place.clone(),
-                limit: self.max_values,
-                choose_with: self.choose_with,
-            }
-        })?;
+        self.values = values
+            .and_then(|values| self.values.checked_sub(values))
+            .ok_or_else(|| IoError::TooManyValues { place: place.clone(), limit: self.max_values })?;
         Ok(())
     }
 }
@@ -199,17 +191,17 @@ impl Array {
     }
 
     /// The type of its numbers, where the array is a column (or one number).
-    pub fn as_column(&self, place: &Place, choose_with: &'static str) -> Result<Number, IoError> {
+    pub fn as_column(&self, place: &Place) -> Result<Number, IoError> {
         let dtype = match &self.values {
             Type::Number(number) if self.is_vector() || self.shape.is_empty() => return Ok(*number),
             Type::Number(_) => {
                 let found = self.shape_text();
-                return Err(IoError::ArrayShape { place: place.clone(), found, choose_with });
+                return Err(IoError::ArrayShape { place: place.clone(), found });
             }
             Type::Fields(_) => "structure",
             Type::Other(dtype) => dtype,
         };
-        Err(IoError::ArrayType { place: place.clone(), found: shown(dtype.as_bytes()), choose_with })
+        Err(IoError::ArrayType { place: place.clone(), found: shown(dtype.as_bytes()) })
     }
 
     /// Reads the values behind the header: one list for each of the numbers that stand at these offsets of an element. An error

@@ -91,7 +91,7 @@ fn column(
     place: &Place,
     budget: &mut Budget,
 ) -> Result<Vec<f64>, IoError> {
-    let number = entry.array.as_column(place, budget.choose_with)?;
+    let number = entry.array.as_column(place)?;
     budget.spend(place, &entry.array, 1)?;
     let mut values = open(archive, entry.index)
         .and_then(|mut bytes| {

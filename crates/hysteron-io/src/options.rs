@@ -3,17 +3,15 @@
 /// How to read a file; the default detects everything.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// Time column: its name, with or without unit, or its number counted from 1 (`--time`).
+    /// Time column: its name, with or without unit, or its number counted from 1.
     pub time: Option<String>,
-    /// Input column, likewise (`--input`). With `output` also given, all other channels are left unread.
+    /// Input column, likewise. With `output` also given, all other channels are left unread.
     pub input: Option<String>,
-    /// Output column, likewise (`--output`).
+    /// Output column, likewise.
     pub output: Option<String>,
-    /// Reference column, likewise (`--reference`).
+    /// Reference column, likewise.
     pub reference: Option<String>,
-    /// The flags that choose columns, as messages name them.
-    pub choose_with: &'static str,
-    /// Sample rate \[Hz\] (`--sample-rate`): needed where there is no time column; where there is one, it must agree with it and
+    /// Sample rate \[Hz\]: needed where there is no time column; where there is one, it must agree with it and
     /// replaces its stamps.
     pub sample_rate_hz: Option<f64>,
     /// Delimiter; `None`: detected.
@@ -32,7 +30,6 @@ impl Default for ReadOptions {
             input: None,
             output: None,
             reference: None,
-            choose_with: "--input and --output",
             sample_rate_hz: None,
             delimiter: None,
             max_bytes: 4 << 30,

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use hysteron_model::Finding;
 use hysteron_model::record::{ChannelChoice, InputOutput, Record, RecordError, Signal};
 
 use crate::assemble::assemble;
@@ -57,7 +58,7 @@ pub struct ReadOutcome {
     /// The two channels, ready for a fit.
     pub data: InputOutput,
     /// Plain sentences for the user.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
 }
 
 /// Reads a record; see the crate's description for the formats.

@@ -1,5 +1,6 @@
 //! What each column of a record is, decided by its header and by what the caller chose.
 
+use hysteron_model::advice::ColumnRole;
 use hysteron_model::record::{Quantity, header_of};
 
 use crate::columns::{Heading, Headings, list};
@@ -36,9 +37,9 @@ impl Roles {
     /// Understands a file's headers.
     pub fn new(headings: &Headings, options: &ReadOptions) -> Result<Self, IoError> {
         let columns = &headings.columns;
-        let input = chosen(headings, options.input.as_deref(), "--input")?;
-        let output = chosen(headings, options.output.as_deref(), "--output")?;
-        let reference = chosen(headings, options.reference.as_deref(), "--reference")?;
+        let input = chosen(headings, options.input.as_deref(), ColumnRole::Input)?;
+        let output = chosen(headings, options.output.as_deref(), ColumnRole::Output)?;
+        let reference = chosen(headings, options.reference.as_deref(), ColumnRole::Reference)?;
         let taken = [input, output, reference];
         let time = time_column(headings, options.time.as_deref(), taken)?;
         if time.is_none()
@@ -81,8 +82,8 @@ impl Roles {
     }
 }
 
-/// Column that a flag names: by header or bare name exactly, else ignoring case, else by number from 1.
-fn chosen(headings: &Headings, asked: Option<&str>, flag: &'static str) -> Result<Option<usize>, IoError> {
+/// The column chosen for a role: by header or bare name exactly, else ignoring case, else by number from 1.
+fn chosen(headings: &Headings, asked: Option<&str>, role: ColumnRole) -> Result<Option<usize>, IoError> {
     let columns = &headings.columns;
     let Some(asked) = asked.map(str::trim) else { return Ok(None) };
     let same = |fold: &dyn Fn(&str) -> String| -> Vec<usize> {
@@ -112,10 +113,10 @@ fn chosen(headings: &Headings, asked: Option<&str>, flag: &'static str) -> Resul
         [] => Err(IoError::NoSuchColumn {
             place: headings.place(),
             asked: asked.to_string(),
-            flag,
+            role,
             available: headings.list(),
         }),
-        several => Err(ambiguous(headings, several, asked, flag)),
+        several => Err(ambiguous(headings, several, asked, role)),
     }
 }
 
@@ -126,7 +127,7 @@ fn time_column(
 ) -> Result<Option<usize>, IoError> {
     let columns = &headings.columns;
     let free = |i: &usize| !taken.contains(&Some(*i));
-    if let Some(index) = chosen(headings, asked, "--time")? {
+    if let Some(index) = chosen(headings, asked, ColumnRole::Time)? {
         let column = &columns[index];
         if !column.unit.symbol().is_empty() && column.unit.base().0 != Quantity::Time {
             return Err(IoError::NotTime {
@@ -157,16 +158,16 @@ fn time_column(
     }
     match by_name.as_slice() {
         [one] => Ok(Some(*one)),
-        several => Err(ambiguous(headings, several, "time", "--time")),
+        several => Err(ambiguous(headings, several, "time", ColumnRole::Time)),
     }
 }
 
-fn ambiguous(headings: &Headings, several: &[usize], asked: &str, flag: &'static str) -> IoError {
+fn ambiguous(headings: &Headings, several: &[usize], asked: &str, role: ColumnRole) -> IoError {
     let candidates = several.iter().filter_map(|&i| headings.columns.get(i));
     IoError::AmbiguousColumn {
         place: headings.place(),
         asked: asked.to_string(),
-        flag,
+        role,
         candidates: list(candidates),
     }
 }

@@ -141,7 +141,7 @@ fn wrong_units() {
     let message = refused_with(b"t_s,u_V,y_um\n0,1,2\n1,2,3\n", &options);
     assert!(message.contains("`u_V` cannot be the time") && message.contains("in V"), "{message}");
     let swapped = read_input_output_bytes("bench.csv", b"t_s,u_um,y_V\n0,1,2\n1,2,3\n", &default).unwrap();
-    assert!(swapped.notes[0].contains("swapped"), "{:?}", swapped.notes);
+    assert!(swapped.notes[0].text.contains("swapped"), "{:?}", swapped.notes);
 }
 
 #[test]

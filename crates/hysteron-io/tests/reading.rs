@@ -117,5 +117,5 @@ fn a_command_is_preferred_to_its_measurement_and_the_notes_say_so() {
     let text = b"t_s,u_cmd_V,u_meas_V,y_um\n0,1,2,3\n1,2,3,4\n2,3,4,5\n";
     let outcome = read_input_output_bytes("bench.csv", text, &ReadOptions::default()).unwrap();
     assert_eq!(outcome.data.input, "u_cmd");
-    assert!(outcome.notes[0].contains("u_meas"), "{:?}", outcome.notes);
+    assert!(outcome.notes[0].text.contains("u_meas"), "{:?}", outcome.notes);
 }

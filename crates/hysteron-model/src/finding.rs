@@ -5,6 +5,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Advice;
+
 /// A statement in plain words.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -15,6 +17,9 @@ pub struct Finding {
     pub topic: Cow<'static, str>,
     /// The statement.
     pub text: String,
+    /// Remedy, for a front end to word.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub advice: Option<Advice>,
 }
 
 /// How much a [`Finding`] matters.
@@ -32,7 +37,17 @@ pub enum FindingKind {
 impl Finding {
     /// A finding about `topic`.
     pub fn new(kind: FindingKind, topic: &'static str, text: impl Into<String>) -> Self {
-        Self { kind, topic: Cow::Borrowed(topic), text: text.into() }
+        Self { kind, topic: Cow::Borrowed(topic), text: text.into(), advice: None }
+    }
+
+    /// The finding with its remedy.
+    pub fn with_advice(self, advice: Advice) -> Self {
+        Self { advice: Some(advice), ..self }
+    }
+
+    /// Adds its remedy.
+    pub fn advise(&mut self, advice: Advice) {
+        self.advice = Some(advice);
     }
 
     /// Whether it stands in the way of a good model.
@@ -66,7 +81,8 @@ mod tests {
     #[test]
     fn kinds_are_written_by_their_names_and_findings_read_back() {
         for kind in [FindingKind::Verdict, FindingKind::Advice, FindingKind::Warning] {
-            let finding = Finding::new(kind, "units", "the output has no unit");
+            let finding = Finding::new(kind, "units", "the output has no unit")
+                .with_advice(Advice::ScaleColumn { column: "y".to_owned() });
             let json = serde_json::to_value(&finding).unwrap();
             assert_eq!(json["kind"], kind.name());
             assert_eq!(serde_json::from_value::<Finding>(json).unwrap(), finding);

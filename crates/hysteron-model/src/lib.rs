@@ -9,6 +9,7 @@
 //! Units at every surface: V, µm, s, Hz. "Eq. 1" and the like are equations of L. Yang, Z. Zhao, Y. Zhang and D. Li,
 //! *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042.
 
+pub mod advice;
 pub mod axes;
 pub mod compensator;
 pub mod control;
@@ -26,6 +27,7 @@ pub mod record;
 mod start;
 pub mod validate;
 
+pub use advice::Advice;
 pub use finding::{Finding, FindingKind};
 pub use model::Model;
 pub use start::Start;

@@ -14,6 +14,7 @@ use hysteron_identify::frequency_response::{
 use hysteron_io::{IoError, ResponseOptions, read_frequency_response, read_record};
 use hysteron_report::frequency_response::page;
 
+use crate::advice;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -145,7 +146,9 @@ impl FrequencyResponseCommand {
                 max_bytes: Some(self.columns.options().max_bytes),
             };
             let response = read_frequency_response(file, &options).map_err(|e| {
-                Failure::new(format!("cannot read the frequency response {}", file.display())).because(e)
+                Failure::new(format!("cannot read the frequency response {}", file.display()))
+                    .because(&e)
+                    .advised(e.advice())
             })?;
             return Ok((response, None));
         }
@@ -157,10 +160,12 @@ impl FrequencyResponseCommand {
         let records = self.columns.read_all(&self.files)?;
         let options = EmpiricalOptions { period_s: self.period, settling_periods: self.settling };
         let found = empirical_response(&records, &options).map_err(|e| {
-            Failure::new("cannot take a frequency response from the records").because(e).hint(
-                "play a multisine (hysteron excite multisine) of at least two periods, and again with other seeds to tell distortion \
-                 from noise",
-            )
+            let play = "play a multisine (hysteron excite multisine) of at least two periods, and again with other seeds to \
+                        tell distortion from noise";
+            let flags = e.advice().map_or_else(String::new, |a| format!("; {}", advice::in_flags(&a)));
+            Failure::new("cannot take a frequency response from the records")
+                .because(&e)
+                .hint(format!("{play}{flags}"))
         })?;
         Ok((found.response.clone(), Some(found)))
     }

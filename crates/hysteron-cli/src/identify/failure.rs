@@ -18,6 +18,11 @@ const RESUME: &str =
 
 /// The library's error with what to do about it.
 pub(super) fn explain(error: &FitError) -> Failure {
+    let failure = failure_of(error);
+    if failure.has_hint() { failure } else { failure.advised(error.advice()) }
+}
+
+fn failure_of(error: &FitError) -> Failure {
     match error {
         FitError::Hammerstein(e) => hammerstein(e),
         FitError::Oscillator(e) => oscillator(e),
@@ -48,11 +53,8 @@ fn hammerstein(error: &IdentifyError) -> Failure {
         IdentifyError::Optimize(OptimizeError::Resume(e)) => cannot_resume(NO_MODEL, e),
         IdentifyError::ModelClass { .. } => failure.hint(
             "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 hands the model \
-             out all the same",
+             out all the same; --dynamic FILE names a record that carries dynamics; --degree 1 --fix alpha=0 is a linear device",
         ),
-        IdentifyError::NotUniform { .. } => failure.hint("give --sample-rate HZ, or --dynamics none"),
-        IdentifyError::Constant { .. } => failure.hint("choose other columns with --input and --output"),
-        IdentifyError::Units { .. } => failure.hint("correct the headers, or choose columns with --input and --output"),
         _ => failure,
     }
 }
@@ -70,7 +72,6 @@ fn oscillator(error: &OscillatorFitError) -> Failure {
             "look at the record with hysteron inspect; --initial free for a record cut out of motion; --least-fit 0 hands \
              the model out all the same",
         ),
-        OscillatorFitError::NotUniform { .. } => failure.hint("give --sample-rate HZ"),
         _ => failure,
     }
 }

@@ -27,6 +27,7 @@ use self::failure::explain;
 use self::modes_flags::ModesFlags;
 use self::outcome::Outcome;
 use self::search::read_searches;
+use crate::advice;
 use crate::axes::AxesFlags;
 use crate::columns::ColumnFlags;
 use crate::console;
@@ -228,7 +229,7 @@ impl Identify {
         // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
         if self.result.json || !std::io::stdout().is_terminal() {
             let warnings = found.findings.iter().filter(|f| f.kind == FindingKind::Warning);
-            warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&f.text));
+            warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&advice::text(f)));
         }
         if self.result.json {
             console::json(&Outcome { model: written.display().to_string(), fit: &found })?;

@@ -7,6 +7,7 @@ use hysteron_model::model_file::{ModesFile, typographic};
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
 
+use crate::advice;
 use crate::console;
 use crate::scores;
 
@@ -33,7 +34,7 @@ pub fn text(fit: &Fit) -> String {
     }
     text += &format!("{}\n\n", scores::table(&fit.scores));
     for finding in &fit.findings {
-        text += &format!("{finding}\n");
+        text += &format!("{}: {}\n", finding.kind.name(), advice::text(finding));
     }
     for line in &fit.treatment {
         text += &format!("data: {line}\n");

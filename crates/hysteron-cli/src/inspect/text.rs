@@ -4,6 +4,7 @@ use hysteron_model::record::{TimeBase, Unit};
 use hysteron_report::number::significant;
 
 use super::Inspected;
+use crate::advice;
 use crate::console;
 
 /// Jitter that is the rounding of written times, in samples.
@@ -50,7 +51,8 @@ pub fn describe(inspected: &Inspected) -> String {
     }
     let mut text = format!("{table}\n");
     for finding in &found.findings {
-        text += &format!("{}{}\n", if finding.is_warning() { "WARNING: " } else { "- " }, finding.text);
+        text +=
+            &format!("{}{}\n", if finding.is_warning() { "WARNING: " } else { "- " }, advice::text(finding));
     }
     text
 }

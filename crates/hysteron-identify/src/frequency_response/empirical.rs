@@ -7,6 +7,7 @@
 //! Identification: A Frequency Domain Approach*, 2nd ed., Wiley 2012, doi:10.1002/9781118287422, chapter 4.
 
 use super::{FrequencyResponse, FrequencyResponseError};
+use hysteron_model::Advice;
 use hysteron_model::record::{InputOutput, find_periods};
 use hysteron_numeric::Complex64;
 use hysteron_numeric::fft::RealFft;
@@ -110,12 +111,17 @@ pub fn empirical_response(
 }
 
 fn bad(record: &str, problem: &str) -> FrequencyResponseError {
-    FrequencyResponseError::Records { record: record.to_owned(), problem: problem.to_owned() }
+    refused(record, problem, None)
+}
+
+fn refused(record: &str, problem: &str, advice: Option<Advice>) -> FrequencyResponseError {
+    FrequencyResponseError::Records { record: record.to_owned(), problem: problem.to_owned(), advice }
 }
 
 fn rate(record: &InputOutput) -> Result<f64, FrequencyResponseError> {
     record.sample_rate_hz().ok_or_else(|| {
-        bad(&record.name, "it has no uniform sample rate; resample it, or give the rate with --sample-rate")
+        let problem = "it has no uniform sample rate; resample it, or give the rate";
+        refused(&record.name, problem, Some(Advice::GiveSampleRate))
     })
 }
 
@@ -136,12 +142,13 @@ fn steady_part(
     };
     let whole = period.round();
     if !(whole >= 2.0 && (period - whole).abs() * count.max(1) as f64 <= WHOLE) {
-        return Err(bad(
+        return Err(refused(
             &record.name,
             &format!(
                 "its period of {period:.4} samples is not a whole number of them, so its lines leak into one another; play a \
-                 multisine whose period is a whole number of samples, or give the period with --period"
+                 multisine whose period is a whole number of samples, or give the period"
             ),
+            Some(Advice::GivePeriod),
         ));
     }
     let samples = whole as usize;

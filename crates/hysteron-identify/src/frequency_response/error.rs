@@ -1,5 +1,6 @@
 //! What can be wrong with a frequency response or its identification.
 
+use hysteron_model::Advice;
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::record::{RecordError, ResponseDataError};
 use hysteron_optimize::OptimizeError;
@@ -63,6 +64,8 @@ pub enum FrequencyResponseError {
         record: String,
         /// What is wrong and what to do.
         problem: String,
+        /// Remedy, typed.
+        advice: Option<Advice>,
     },
     /// A structure that no model file can hold.
     #[error("{structure} is no transfer function: {problem}")]
@@ -84,4 +87,15 @@ pub enum FrequencyResponseError {
     /// From the optimiser.
     #[error(transparent)]
     Optimize(#[from] OptimizeError),
+}
+
+impl FrequencyResponseError {
+    /// Remedy, where there is one that the user can choose.
+    pub fn advice(&self) -> Option<Advice> {
+        match self {
+            Self::Records { advice, .. } => advice.clone(),
+            Self::Record(e) => e.advice(),
+            _ => None,
+        }
+    }
 }

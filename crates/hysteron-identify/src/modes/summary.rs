@@ -6,7 +6,9 @@ use super::records::{Campaign, Piece};
 use super::search::{From, Ledger, Stage, search};
 use super::start::{add_feedback, linear_start};
 use super::{ModesFitError, ModesIdentification, Options};
+use crate::findings::say;
 use crate::{Finding, FindingKind, ModesCheckpoint, Searches, Watch, fingerprint};
+use hysteron_model::Advice;
 use hysteron_model::axes::{AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes};
 use hysteron_model::model_file::{ModesFile, SignalUnits};
 use hysteron_numeric::display::short;
@@ -316,7 +318,6 @@ fn findings(
     scheduled: bool,
 ) -> Vec<Finding> {
     let mut all = Vec::new();
-    let mut say = |kind, topic, text: String| all.push(Finding::new(kind, topic, text));
     if scheduled {
         let fall = |m: &ModeShift| 100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz);
         let mut falls: Vec<f64> = modes.iter().map(fall).collect();
@@ -326,6 +327,7 @@ fn findings(
         let (least, most) = (falls.first().copied().unwrap_or(0.0), falls.last().copied().unwrap_or(0.0));
         let median = falls[falls.len() / 2];
         say(
+            &mut all,
             FindingKind::Verdict,
             "levels",
             format!(
@@ -338,19 +340,24 @@ fn findings(
             ),
         );
         let law = if campaign.levels.len() == 2 {
-            " Two levels cannot tell how the model runs between them: it is taken to be linear in amplitude (--exponent)."
+            " Two levels cannot tell how the model runs between them: it is taken to be linear in amplitude unless the exponent is given."
         } else {
             ""
         };
-        say(
+        let levels = say(
+            &mut all,
             FindingKind::Advice,
             "levels",
             format!(
                 "levels measured at different times cannot tell a change with the drive from one with time or temperature.{law}"
             ),
         );
+        if campaign.levels.len() == 2 {
+            levels.advise(Advice::GiveExponent);
+        }
     } else {
         say(
+            &mut all,
             FindingKind::Advice,
             "levels",
             format!(
@@ -369,6 +376,7 @@ fn findings(
             ""
         };
         say(
+            &mut all,
             kind,
             "influence",
             format!(

@@ -20,8 +20,6 @@ pub(crate) struct Table {
     rows: usize,
     lines: SampleLines,
     values_left: usize,
-    /// The flags that choose columns, for messages.
-    choose_with: &'static str,
     /// First lines with a decimal point and with a decimal comma.
     point_line: Option<u64>,
     comma_line: Option<u64>,
@@ -37,7 +35,6 @@ impl Table {
             rows: 0,
             lines: SampleLines::default(),
             values_left: options.max_values,
-            choose_with: options.choose_with,
             point_line: None,
             comma_line: None,
         }
@@ -121,7 +118,6 @@ impl Table {
         self.values_left = self.values_left.checked_sub(1).ok_or_else(|| IoError::TooManyValues {
             place: self.line(line),
             limit: self.columns.iter().map(Vec::len).sum(),
-            choose_with: self.choose_with,
         })?;
         self.columns[column].push(value);
         Ok(())
@@ -191,9 +187,9 @@ impl Table {
         } else if text.contains([' ', '|', ';']) {
             "; is another delimiter used here?"
         } else {
-            &format!("; correct it, or choose other columns with {}", self.choose_with)
+            "; correct it, or choose other columns"
         };
-        IoError::NotANumber { place, found: shown(text.as_bytes()), hint: hint.to_string() }
+        IoError::NotANumber { place, found: shown(text.as_bytes()), hint }
     }
 
     fn line(&self, line: Line<'_>) -> Place {

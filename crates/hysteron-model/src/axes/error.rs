@@ -1,5 +1,6 @@
 //! What can be wrong with records and models of several axes.
 
+use crate::advice::{Advice, ColumnRole};
 use crate::hysteresis::HysteresisError;
 use crate::record::RecordError;
 
@@ -10,16 +11,9 @@ pub enum AxesError {
     /// A record that is not one.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// No input or no output was named.
-    #[error("no {role} was named: name the columns, e.g. {flag} {example}")]
-    NoChannels {
-        /// `input` or `output`.
-        role: &'static str,
-        /// The flag that names them.
-        flag: &'static str,
-        /// An example of its value.
-        example: &'static str,
-    },
+    /// No input was named.
+    #[error("no input was named: name the columns")]
+    NoInputs,
     /// A channel that is not there.
     #[error("record `{record}`: no channel `{channel}`; there are {available}")]
     NoSuchChannel {
@@ -187,4 +181,18 @@ pub enum AxesError {
     /// The drive between its samples.
     #[error("the drive between its samples: {0}")]
     Interpolation(#[from] HysteresisError),
+}
+
+impl AxesError {
+    /// Remedy, where there is one that the user can choose.
+    pub fn advice(&self) -> Option<Advice> {
+        match self {
+            Self::Record(e) => e.advice(),
+            Self::NoInputs => {
+                Some(Advice::ChooseColumn { role: ColumnRole::Inputs, example: Some("u1_V,u2_V".to_owned()) })
+            }
+            Self::NotUniform { .. } => Some(Advice::GiveSampleRate),
+            _ => None,
+        }
+    }
 }

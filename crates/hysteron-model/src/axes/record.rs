@@ -35,12 +35,12 @@ impl AxesRecord {
     /// for a drive alone.
     ///
     /// # Errors
-    /// [`AxesError::NoChannels`] without inputs, [`AxesError::NoSuchChannel`], [`AxesError::Twice`], [`AxesError::Units`],
+    /// [`AxesError::NoInputs`] without inputs, [`AxesError::NoSuchChannel`], [`AxesError::Twice`], [`AxesError::Units`],
     /// [`AxesError::NotUniform`].
     pub fn new(record: &Record, inputs: &[String], outputs: &[String]) -> Result<Self, AxesError> {
         record.check()?;
         if inputs.is_empty() {
-            return Err(AxesError::NoChannels { role: "input", flag: "--inputs", example: "u1_V,u2_V" });
+            return Err(AxesError::NoInputs);
         }
         let TimeBase::Uniform { sample_rate_hz, .. } = record.time else {
             return Err(AxesError::NotUniform { record: record.name.clone() });
@@ -168,7 +168,7 @@ mod tests {
         assert!(refuse(&["u1", "u1_mV"], &["y1"]).contains("named twice"));
         assert!(refuse(&["u1"], &["u1"]).contains("named twice"));
         assert!(refuse(&["u1"], &["y1", "a"]).contains("nm and µrad"));
-        assert!(refuse(&[], &["y1"]).contains("--inputs"));
+        assert!(refuse(&[], &["y1"]).contains("no input"));
         let uneven = Record { time: TimeBase::Unknown, ..record() };
         assert!(matches!(
             AxesRecord::new(&uneven, &names(&["u1"]), &names(&["y1"])),

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::advice::ColumnRole;
+
 use super::{InputOutput, Record, RecordError, Unit};
 
 impl Record {
@@ -25,7 +27,7 @@ impl Record {
     }
 
     /// The record with one channel multiplied by `factor` and given another unit, e.g. sensor volts to µm
-    /// (`--scale y=2.5um/V`: factor 2.5, unit `um`).
+    /// (2.5 µm/V: factor 2.5, unit `um`).
     ///
     /// # Errors
     /// [`RecordError::NoSuchChannel`], [`RecordError::BadScale`], [`RecordError::NotFinite`] where a product overflows.
@@ -36,8 +38,7 @@ impl Record {
             return Err(RecordError::NoSuchChannel {
                 record: self.name.clone(),
                 asked: name.to_string(),
-                role: "scaled channel",
-                flag: "--scale",
+                role: ColumnRole::Scaled,
                 available: self.channels.iter().map(|c| c.label()).collect::<Vec<_>>().join(", "),
             });
         };

@@ -2,6 +2,8 @@
 
 use hysteron_numeric::display::short;
 
+use crate::advice::{Advice, ColumnRole};
+
 /// What is wrong with a record, or why a step cannot be done with it. Sample indices count from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -73,49 +75,39 @@ pub enum RecordError {
     },
     /// A chosen channel that is not there.
     #[error(
-        "record `{record}` has no channel `{asked}` to be the {role}; it has {available}; choose one of them with {flag}"
+        "record `{record}` has no channel `{asked}` to be the {role}; it has {available}; choose one of them"
     )]
     NoSuchChannel {
         /// Name of the record.
         record: String,
         /// What was asked for.
         asked: String,
-        /// `input` or `output`.
-        role: &'static str,
-        /// Flag or field to choose with.
-        flag: &'static str,
+        /// What it is to be.
+        role: ColumnRole,
         /// The channels there are.
         available: String,
     },
     /// Several channels could be meant.
-    #[error(
-        "record `{record}`: which of {candidates} is the {role}? Choose one with {flag}, e.g. `{flag} {first}`"
-    )]
+    #[error("record `{record}`: which of {candidates} is the {role}? Choose one")]
     AmbiguousChannel {
         /// Name of the record.
         record: String,
-        /// `input` or `output`.
-        role: &'static str,
-        /// Flag or field to choose with.
-        flag: &'static str,
+        /// What it is to be.
+        role: ColumnRole,
         /// The channels that could be meant.
         candidates: String,
         /// The first of them, for the example.
         first: String,
     },
     /// No channel looks like the input or the output.
-    #[error(
-        "record `{record}`: none of {available} looks like the {role} ({expected}); choose one with {flag}"
-    )]
+    #[error("record `{record}`: none of {available} looks like the {role} ({expected}); choose one")]
     NoCandidate {
         /// Name of the record.
         record: String,
-        /// `input` or `output`.
-        role: &'static str,
+        /// What it is to be.
+        role: ColumnRole,
         /// What such a channel would look like.
         expected: &'static str,
-        /// Flag or field to choose with.
-        flag: &'static str,
         /// The channels there are.
         available: String,
     },
@@ -131,7 +123,7 @@ pub enum RecordError {
     },
     /// Input and output are the same channel.
     #[error(
-        "record `{record}`: `{channel}` is chosen both as input and as output; choose another with --input or --output"
+        "record `{record}`: `{channel}` is chosen both as input and as output; choose another for one of them"
     )]
     SameChannel {
         /// Name of the record.
@@ -141,21 +133,19 @@ pub enum RecordError {
     },
     /// A channel whose unit cannot belong to its role.
     #[error(
-        "record `{record}`: channel `{channel}` is in {unit}, which cannot be the unit of the {role}; expected {expected}: correct the unit in the column's header, or choose another column with {flag}"
+        "record `{record}`: channel `{channel}` is in {unit}, which cannot be the unit of the {role}; expected {expected}: correct the unit in the column's header, or choose another column"
     )]
     WrongUnit {
         /// Name of the record.
         record: String,
-        /// `input` or `output`.
-        role: &'static str,
+        /// What it is to be.
+        role: ColumnRole,
         /// The channel.
         channel: String,
         /// Its unit.
         unit: String,
         /// What would be accepted.
         expected: &'static str,
-        /// Flag or field to choose with.
-        flag: &'static str,
     },
     /// Time stamps that run backwards.
     #[error(
@@ -245,6 +235,18 @@ pub enum RecordError {
         /// The factor given.
         factor: f64,
     },
+    /// A scale per another unit than the channel's.
+    #[error("record `{record}`: channel `{channel}` is in {unit}, its scale is per {per}")]
+    ScaleUnit {
+        /// Name of the record.
+        record: String,
+        /// The channel.
+        channel: String,
+        /// Its unit.
+        unit: String,
+        /// Unit that the factor is per.
+        per: String,
+    },
     /// A setting of a preparation step out of its range.
     #[error("record `{record}`: {setting} = {value} is not possible; {allowed}")]
     BadSetting {
@@ -280,4 +282,21 @@ pub enum RecordError {
         /// What was asked.
         purpose: &'static str,
     },
+}
+
+impl RecordError {
+    /// Remedy, where there is one that the user can choose.
+    pub fn advice(&self) -> Option<Advice> {
+        match self {
+            Self::NoSuchChannel { role, .. }
+            | Self::NoCandidate { role, .. }
+            | Self::WrongUnit { role, .. } => Some(Advice::ChooseColumn { role: *role, example: None }),
+            Self::AmbiguousChannel { role, first, .. } => {
+                Some(Advice::ChooseColumn { role: *role, example: Some(first.clone()) })
+            }
+            Self::SameChannel { .. } => Some(Advice::ChooseColumns),
+            Self::NotUniform { .. } => Some(Advice::GiveSampleRate),
+            _ => None,
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! What is in a record, in numbers and in plain words.
 
+use crate::Advice;
 use crate::finding::{Finding, FindingKind};
 use hysteron_numeric::display::short;
 
@@ -114,6 +115,10 @@ pub fn inspect(data: &InputOutput) -> Inspection {
     found
 }
 
+fn warning(text: String) -> Finding {
+    Finding::new(FindingKind::Warning, "record", text)
+}
+
 impl Inspection {
     fn in_words(&self, data: &InputOutput) -> Vec<Finding> {
         let mut findings = Vec::new();
@@ -123,25 +128,24 @@ impl Inspection {
     }
 
     fn warnings(&self, data: &InputOutput, findings: &mut Vec<Finding>) {
-        let mut warn = |text: String| findings.push(Finding::new(FindingKind::Warning, "record", text));
         let (u_low, u_high) = self.input_range;
         let (y_low, y_high) = self.output_range;
         let stroke = y_high - y_low;
         let unit = spaced(&data.y_unit);
         if u_low == u_high {
-            warn(format!(
+            findings.push(warning(format!(
                 "The input `{}` is constant ({}{}): nothing can be identified. Was the drive connected, the right column chosen?",
                 data.input,
                 short(u_low),
                 spaced(&data.u_unit)
-            ));
+            )));
         }
         if y_low == y_high {
-            warn(format!(
+            findings.push(warning(format!(
                 "The output `{}` is constant ({}{unit}): the sensor was off, or this is the wrong column.",
                 data.output,
                 short(y_low)
-            ));
+            )));
         }
         for (what, name, clipped) in
             [("output", &data.output, self.output_clipping), ("input", &data.input, self.input_clipping)]
@@ -152,62 +156,62 @@ impl Inspection {
                     (low, 0) => format!("{low} samples at its smallest value"),
                     (low, high) => format!("{low} samples at its smallest and {high} at its largest value"),
                 };
-                warn(format!(
+                findings.push(warning(format!(
                     "The {what} `{name}` looks saturated: {ends}, entered and left steeply. Mark them 0 in a `valid` column, or record again within the range."
-                ));
+                )));
             }
         }
         let fastest_hz = self.frequency_span_hz.map(|(_, highest)| highest);
-        implausible_units(data, fastest_hz).into_iter().for_each(&mut warn);
+        implausible_units(data, fastest_hz).into_iter().for_each(|text| findings.push(warning(text)));
         match &data.time {
-            TimeBase::Unknown => warn(
-                "There is no time column and no sample rate: a static fit is possible, dynamics are not. Give --sample-rate if it is known."
+            TimeBase::Unknown => findings.push(warning(
+                "There is no time column and no sample rate: a static fit is possible, dynamics are not. Give the sample rate if it is known."
                     .to_string(),
-            ),
-            TimeBase::NonUniform { .. } => warn(format!(
-                "The time stamps are not uniform (longest distance {} times the median): a static fit is possible; for dynamics resample first, or give --sample-rate if the stamps are only written coarsely.",
+            ).with_advice(Advice::GiveSampleRate)),
+            TimeBase::NonUniform { .. } => findings.push(warning(format!(
+                "The time stamps are not uniform (longest distance {} times the median): a static fit is possible; for dynamics resample first, or give the sample rate if the stamps are only written coarsely.",
                 self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}"))
-            )),
-            TimeBase::Uniform { jitter_samples, .. } if *jitter_samples > 0.01 => warn(format!(
+            )).with_advice(Advice::GiveSampleRate)),
+            TimeBase::Uniform { jitter_samples, .. } if *jitter_samples > 0.01 => findings.push(warning(format!(
                 "The time stamps scatter by up to {jitter_samples:.3} of a sample about a uniform grid."
-            )),
+            ))),
             TimeBase::Uniform { .. } => {}
         }
         if let Some(shape) = &self.loop_shape {
             if shape.butterfly {
-                warn(
+                findings.push(warning(
                     "The output turns twice as often as the input: a butterfly loop (polarisation reversal). No Bouc-Wen model of an actuator can follow it."
                         .to_string(),
-                );
+                ));
             } else if shape.sense == Some(LoopSense::Clockwise) && shape.gain > 0.0 {
-                warn(format!(
+                findings.push(warning(format!(
                     "The loop runs clockwise: the output leads the input by {:.1} % of the stroke at mid-range. A piezo stack lags; are input and output swapped, or is the input measured behind the actuator?",
                     shape.opening_percent
-                ));
+                )));
             }
         }
         if let Some(step) = self.output_step
             && step > 1e-3 * stroke
         {
-            warn(format!(
+            findings.push(warning(format!(
                 "The output is quantised in steps of {step:.4}{unit}, {:.2} % of its range: no model can be verified below that.",
                 100.0 * step / stroke
-            ));
+            )));
         }
         if let (Some(rate), Some((_, highest))) = (self.sample_rate_hz, self.frequency_span_hz)
             && highest > 0.0
             && rate / highest < 10.0
         {
-            warn(format!(
+            findings.push(warning(format!(
                 "Only {:.1} samples a period at {highest:.4} Hz: what happens between samples matters; prefer the band-limited rule or sample faster.",
                 rate / highest
-            ));
+            )));
         }
         if self.masked_samples > 0 {
-            warn(format!(
+            findings.push(warning(format!(
                 "{} of {} samples are marked invalid and are not scored.",
                 self.masked_samples, self.samples
-            ));
+            )));
         }
     }
 
@@ -413,7 +417,7 @@ mod tests {
         data.time = TimeBase::Unknown;
         let found = inspect(&data);
         assert_eq!((found.sample_rate_hz, found.delay, found.frequency_span_hz), (None, None, None));
-        assert!(found.findings[0].text.contains("--sample-rate"));
+        assert!(found.findings[0].text.contains("Give the sample rate"));
     }
 
     proptest! {

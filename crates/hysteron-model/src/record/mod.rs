@@ -21,6 +21,7 @@ mod noise_floor;
 mod periods;
 mod plausibility;
 mod resample;
+mod scale;
 mod selection;
 mod sensor;
 mod start_up;
@@ -49,6 +50,7 @@ pub use periods::{Periods, find_periods};
 pub use plausibility::implausible_units;
 #[doc(hidden)]
 pub use resample::low_pass;
+pub use scale::{Scale, ScaleError};
 pub use selection::{ChannelChoice, Selection, Signal};
 pub use sensor::{Clipping, clipping, quantisation_step};
 pub use start_up::{StartUp, fit_start_up};

@@ -1,13 +1,16 @@
 //! Which channel is the input, which the output.
 
+use crate::advice::{Advice, ColumnRole};
+use crate::{Finding, FindingKind};
+
 use super::{Channel, InputOutput, Quantity, Record, RecordError, TimeBase, Unit};
 
 /// Which channels to take, by bare name (`u`) or header (`u_V`); `None`: by the rules of [`Record::select`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ChannelChoice {
-    /// Input channel (`--input`).
+    /// Input channel.
     pub input: Option<String>,
-    /// Output channel (`--output`).
+    /// Output channel.
     pub output: Option<String>,
 }
 
@@ -18,8 +21,8 @@ pub struct Selection {
     pub input: usize,
     /// Index of the output channel.
     pub output: usize,
-    /// What was decided without being told, and what looks odd about the choice: plain sentences for the user.
-    pub notes: Vec<String>,
+    /// What was decided without being told, and what looks odd about the choice.
+    pub notes: Vec<Finding>,
 }
 
 /// One channel alone: a drive to simulate, a reference to follow.
@@ -34,7 +37,7 @@ pub struct Signal {
     /// When the samples were taken.
     pub time: TimeBase,
     /// What was decided without being told.
-    pub notes: Vec<String>,
+    pub notes: Vec<Finding>,
 }
 
 impl Signal {
@@ -53,19 +56,11 @@ enum Role {
 }
 
 impl Role {
-    fn name(self) -> &'static str {
+    fn column(self) -> ColumnRole {
         match self {
-            Role::Input => "input",
-            Role::Output => "output",
-            Role::Reference => "reference",
-        }
-    }
-
-    fn flag(self) -> &'static str {
-        match self {
-            Role::Input => "--input",
-            Role::Output => "--output",
-            Role::Reference => "--reference",
+            Role::Input => ColumnRole::Input,
+            Role::Output => ColumnRole::Output,
+            Role::Reference => ColumnRole::Reference,
         }
     }
 
@@ -224,15 +219,14 @@ impl Record {
             [] => Err(RecordError::NoSuchChannel {
                 record: self.name.clone(),
                 asked: asked.to_string(),
-                role: role.name(),
-                flag: role.flag(),
+                role: role.column(),
                 available: self.list(&(0..self.channels.len()).collect::<Vec<_>>()),
             }),
             several => Err(self.ambiguous(several, role)),
         }
     }
 
-    fn guess_of_two(&self, notes: &mut Vec<String>) -> Result<(usize, usize), RecordError> {
+    fn guess_of_two(&self, notes: &mut Vec<Finding>) -> Result<(usize, usize), RecordError> {
         let mut quiet = Vec::new();
         let input = self.guess(Role::Input, None, &mut quiet).ok();
         let output = self.guess(Role::Output, None, &mut quiet).ok();
@@ -241,17 +235,24 @@ impl Record {
             (Some(input), None) => Ok((input, 1 - input)),
             (None, Some(output)) => Ok((1 - output, output)),
             _ => {
-                notes.push(format!(
-                    "neither name nor unit says which channel drives and which responds: the first, {}, is taken as the input and the second, {}, as the output; change it with --input and --output",
+                let text = format!(
+                    "neither name nor unit says which channel drives and which responds: the first, {}, is taken as the \
+                     input and the second, {}, as the output; choose others if that is wrong",
                     self.channels[0].label(),
                     self.channels[1].label()
-                ));
+                );
+                notes.push(note(text).with_advice(Advice::ChooseColumns));
                 Ok((0, 1))
             }
         }
     }
 
-    fn guess(&self, role: Role, taken: Option<usize>, notes: &mut Vec<String>) -> Result<usize, RecordError> {
+    fn guess(
+        &self,
+        role: Role,
+        taken: Option<usize>,
+        notes: &mut Vec<Finding>,
+    ) -> Result<usize, RecordError> {
         let letter = role.letter();
         let lower: Vec<String> = self.channels.iter().map(|c| c.name.to_lowercase()).collect();
         let is_time = |i: usize| self.channels[i].unit.base().0 == Quantity::Time;
@@ -277,13 +278,14 @@ impl Record {
                     return match preferred.as_slice() {
                         [one] => {
                             let others: Vec<usize> = several.iter().copied().filter(|i| i != one).collect();
-                            notes.push(format!(
-                                "{} is taken as the {}, not {}; choose another with {}",
+                            let text = format!(
+                                "{} is taken as the {}, not {}; choose another if that is wrong",
                                 self.channels[*one].label(),
-                                role.name(),
-                                self.list(&others),
-                                role.flag()
-                            ));
+                                role.column(),
+                                self.list(&others)
+                            );
+                            let advice = Advice::ChooseColumn { role: role.column(), example: None };
+                            notes.push(note(text).with_advice(advice));
                             Ok(*one)
                         }
                         _ => Err(self.ambiguous(several, role)),
@@ -293,33 +295,32 @@ impl Record {
         }
         Err(RecordError::NoCandidate {
             record: self.name.clone(),
-            role: role.name(),
+            role: role.column(),
             expected: role.expected(),
-            flag: role.flag(),
             available: self.list(&(0..self.channels.len()).collect::<Vec<_>>()),
         })
     }
 
-    fn check_units(&self, input: usize, output: usize, notes: &mut Vec<String>) -> Result<(), RecordError> {
+    fn check_units(&self, input: usize, output: usize, notes: &mut Vec<Finding>) -> Result<(), RecordError> {
         let (u, y) = (&self.channels[input], &self.channels[output]);
         self.check_not_time(u, Role::Input)?;
         self.check_not_time(y, Role::Output)?;
         let is_position = |c: &Channel| Role::Output.has_unit(&c.unit);
         let is_voltage = |c: &Channel| Role::Input.has_unit(&c.unit);
         if is_position(u) && is_voltage(y) {
-            notes.push(format!(
+            notes.push(note(format!(
                 "the input {} is a position and the output {} a voltage: are the two swapped?",
                 u.label(),
                 y.label()
-            ));
+            )));
         } else if is_voltage(y) {
-            notes.push(format!(
-                "the output {} is in volts: if that is a sensor signal, scale it to µm or µrad, e.g. --scale {}=2.5um/V",
-                y.label(),
-                y.name
-            ));
+            let text = format!(
+                "the output {} is in volts: if that is a sensor signal, scale it to µm or µrad",
+                y.label()
+            );
+            notes.push(note(text).with_advice(Advice::ScaleColumn { column: y.name.clone() }));
         } else if is_position(u) {
-            notes.push(format!("the input {} is a position, not a drive voltage", u.label()));
+            notes.push(note(format!("the input {} is a position, not a drive voltage", u.label())));
         }
         Ok(())
     }
@@ -330,14 +331,13 @@ impl Record {
         }
         Err(RecordError::WrongUnit {
             record: self.name.clone(),
-            role: role.name(),
+            role: role.column(),
             channel: channel.header(),
             unit: channel.unit.to_string(),
             expected: match role {
                 Role::Input => "a voltage (V, mV, kV)",
                 Role::Output | Role::Reference => "a length (nm, µm, mm, m) or an angle (µrad, mrad)",
             },
-            flag: role.flag(),
         })
     }
 
@@ -348,8 +348,7 @@ impl Record {
     fn ambiguous(&self, several: &[usize], role: Role) -> RecordError {
         RecordError::AmbiguousChannel {
             record: self.name.clone(),
-            role: role.name(),
-            flag: role.flag(),
+            role: role.column(),
             candidates: self.list(several),
             first: several.first().map(|&i| self.channels[i].header()).unwrap_or_default(),
         }
@@ -358,6 +357,10 @@ impl Record {
     fn list(&self, indices: &[usize]) -> String {
         indices.iter().map(|&i| self.channels[i].label()).collect::<Vec<_>>().join(", ")
     }
+}
+
+fn note(text: String) -> Finding {
+    Finding::new(FindingKind::Verdict, "channels", text)
 }
 
 /// Of several inputs the command, of several outputs the measurement.
@@ -440,15 +443,18 @@ mod tests {
     }
 
     #[test]
-    fn several_axes_are_an_error_that_lists_them_and_the_flag() {
+    fn several_axes_are_an_error_that_lists_them_and_advises_the_first() {
         let headers = ["u1_V", "u2_V", "u3_V", "y1_nm", "y2_nm", "y3_nm"];
-        let text = refused(&headers, None, None).to_string();
-        for part in ["bench.csv", "`u1` (V), `u2` (V), `u3` (V)", "input", "--input u1_V"] {
-            assert!(text.contains(part), "{text}");
+        let choose =
+            |role, example: &str| Some(Advice::ChooseColumn { role, example: Some(example.to_owned()) });
+        let error = refused(&headers, None, None);
+        for part in ["bench.csv", "`u1` (V), `u2` (V), `u3` (V)", "input"] {
+            assert!(error.to_string().contains(part), "{error}");
         }
-        let text = refused(&headers, Some("u2"), None).to_string();
-        assert!(text.contains("`y1` (nm), `y2` (nm), `y3` (nm)"), "{text}");
-        assert!(text.contains("--output y1_nm"), "{text}");
+        assert_eq!(error.advice(), choose(ColumnRole::Input, "u1_V"));
+        let error = refused(&headers, Some("u2"), None);
+        assert!(error.to_string().contains("`y1` (nm), `y2` (nm), `y3` (nm)"), "{error}");
+        assert_eq!(error.advice(), choose(ColumnRole::Output, "y1_nm"));
         assert_eq!(chosen(&headers, Some("u2"), Some("y3_nm")), ("u2_V".to_string(), "y3_nm".to_string(), 0));
     }
 
@@ -461,7 +467,7 @@ mod tests {
         assert!(text.contains("only one channel") && text.contains("`photodiode` (V)"), "{text}");
         assert!(matches!(
             refused(&["a", "b", "c"], None, None),
-            RecordError::NoCandidate { role: "input", .. }
+            RecordError::NoCandidate { role: ColumnRole::Input, .. }
         ));
     }
 
@@ -473,10 +479,10 @@ mod tests {
         }
         let r = record(&["u_V", "y_V"]);
         let notes = r.select(&ChannelChoice::default()).unwrap().notes;
-        assert!(notes[0].contains("--scale y="), "{notes:?}");
+        assert_eq!(notes[0].advice, Some(Advice::ScaleColumn { column: "y".to_owned() }));
         let r = record(&["u_um", "y_V"]);
         let notes = r.select(&ChannelChoice::default()).unwrap().notes;
-        assert!(notes[0].contains("swapped"), "{notes:?}");
+        assert!(notes[0].text.contains("swapped"), "{notes:?}");
     }
 
     #[test]

@@ -108,9 +108,7 @@ impl TimeBase {
         match self {
             TimeBase::Uniform { .. } => "it is uniform",
             TimeBase::NonUniform { .. } => "its time stamps are not uniform",
-            TimeBase::Unknown => {
-                "it has neither a time column nor a sample rate (give one with --sample-rate)"
-            }
+            TimeBase::Unknown => "it has neither a time column nor a sample rate",
         }
     }
 }

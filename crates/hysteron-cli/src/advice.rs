@@ -1,0 +1,58 @@
+//! Remedies of the library in flags of the command.
+
+use hysteron_model::advice::ColumnRole;
+use hysteron_model::{Advice, Finding};
+
+/// Flags that choose the columns of a record with one input and one output.
+pub const INPUT_AND_OUTPUT: &str = "--input and --output";
+
+/// The flags that follow an advice.
+pub fn in_flags(advice: &Advice) -> String {
+    in_flags_of_columns(advice, INPUT_AND_OUTPUT)
+}
+
+/// [`in_flags`] where columns are chosen with other flags.
+pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
+    match advice {
+        Advice::ChooseColumn { role, example } => {
+            let column = example.as_deref().unwrap_or(match role {
+                ColumnRole::Scaled => "COL=FACTOR",
+                _ => "COL",
+            });
+            format!("{} {column}", flag_of(*role))
+        }
+        Advice::ChooseColumns => choose_columns.to_owned(),
+        Advice::ChooseResponse { divisor: false } => "--response NAME".to_owned(),
+        Advice::ChooseResponse { divisor: true } => "--over NAME".to_owned(),
+        Advice::ScaleColumn { column } => format!("--scale {column}=2.5um/V"),
+        Advice::GiveSampleRate => "--sample-rate HZ".to_owned(),
+        Advice::GivePeriod => "--period S".to_owned(),
+        Advice::NameDynamicRecord => "--dynamic FILE".to_owned(),
+        Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),
+        Advice::FitJointly => "leave --method and --dynamics arx (oe, bj, srivc) out".to_owned(),
+        Advice::NoDynamics => "--dynamics none, or --sample-rate HZ".to_owned(),
+        Advice::Widen { parameter } => format!("--bound {parameter}=LOW:HIGH"),
+        Advice::Hold { parameter } => format!("--fix {}=VALUE", parameter.as_deref().unwrap_or("NAME")),
+        Advice::SearchLonger => "--generations N, or leave --optimizer out".to_owned(),
+        Advice::GiveExponent => "--exponent P".to_owned(),
+    }
+}
+
+fn flag_of(role: ColumnRole) -> &'static str {
+    match role {
+        ColumnRole::Input => "--input",
+        ColumnRole::Output => "--output",
+        ColumnRole::Reference => "--reference",
+        ColumnRole::Time => "--time",
+        ColumnRole::Inputs => "--inputs",
+        ColumnRole::Scaled => "--scale",
+    }
+}
+
+/// A finding's statement, with the flags that follow its advice.
+pub fn text(finding: &Finding) -> String {
+    match &finding.advice {
+        Some(advice) => format!("{} ({})", finding.text, in_flags(advice)),
+        None => finding.text.clone(),
+    }
+}
