@@ -1,5 +1,5 @@
 //! Numbers on the command line: what is wrong with one is said in words. Their flags take values that begin with a hyphen
-//! (`allow_hyphen_values`), so that −1 gets here and is not taken for a flag. And the ends of many.
+//! (`allow_hyphen_values`), so that −1 gets here and is not taken for a flag.
 
 use std::str::FromStr;
 
@@ -35,9 +35,4 @@ pub fn count<T: FromStr + PartialOrd + From<u8>>(text: &str) -> Result<T, String
 /// A whole number from 0.
 pub fn whole<T: FromStr>(text: &str) -> Result<T, String> {
     text.parse().map_err(|_| "expected a whole number of at least 0".into())
-}
-
-/// The least and the largest; infinities the wrong way round of none.
-pub fn ends(x: &[f64]) -> (f64, f64) {
-    x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }

@@ -25,6 +25,7 @@ pub mod oscillator;
 pub mod realise;
 pub mod record;
 mod start;
+pub mod tracking;
 pub mod validate;
 
 pub use advice::Advice;

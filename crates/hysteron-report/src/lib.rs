@@ -28,6 +28,7 @@ pub mod model;
 pub mod page;
 pub mod record_curves;
 pub mod starts;
+pub mod tracking;
 mod write;
 
 pub use hysteron_numeric::number;

@@ -44,7 +44,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("t_s,u_V,y_um\n0,1,2\n0,2,3\n0,3,4\n", "", &["all 3 time stamps are 0 s"]),
     ("t_s,u_V\n0,1\n0.1,2\n0.2,3\n", "", &["only one channel besides time", "`u` (V)"]),
     ("t_s,u1_V,u2_V,y_um\n0,1,2,3\n0.1,2,3,4\n", "", &["`u1` (V), `u2` (V)", "--input u1_V"]),
-    ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n", "--output z", &["no column `z` (--output)", "y_um"]),
+    (
+        "t_s,u_V,y_um\n0,1,2\n0.1,2,3\n",
+        "--output z",
+        &["no column `z` to be the output", "try: --output COL", "y_um"],
+    ),
     ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3,4\n", "--sample-rate 50", &["50 Hz", "10 Hz"]),
     ("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3,4\n", "--max-bytes 20", &["larger than 20 bytes", "line"]),
     (

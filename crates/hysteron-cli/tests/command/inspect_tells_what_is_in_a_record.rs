@@ -184,7 +184,7 @@ fn an_npz_file_is_a_record_too_and_its_errors_name_file_and_array() {
     assert_eq!(found["drive"]["kind"], "sine");
     let run = bench.run("inspect loop.npz --input drive");
     assert_eq!(run.exit_code, 1, "{run:?}");
-    for part in ["`loop.npz`: no column `drive` (--input)", "`u_V`, `y_um`"] {
+    for part in ["`loop.npz`: no column `drive` to be the input", "try: --input COL", "`u_V`, `y_um`"] {
         assert!(run.stderr.contains(part), "{run:?}");
     }
     bench.write("bad.npy", b"\x93NUMPY\x01\x00\x76\x00");

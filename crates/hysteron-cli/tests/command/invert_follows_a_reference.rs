@@ -197,8 +197,8 @@ fn what_cannot_be_followed_is_refused_without_a_file() {
             "stage.json scan.csv --range 0:10.5 --rest-voltage 99",
             "the device rests at 99 V, outside of the range of its drive, 0 V to 10.5 V",
         ),
-        ("stage.json text.csv --range 0:100", "choose other columns with --reference"),
-        ("stage.json scan.csv --range 0:100 --reference z", "no column `z` (--reference)"),
+        ("stage.json text.csv --range 0:100", "try: --reference"),
+        ("stage.json scan.csv --range 0:100 --reference z", "no column `z` to be the reference"),
         (
             "stage.json far.csv --range 0:100",
             "begins at 8000 µm, which no voltage from 0 to 100 V holds: at rest these give 0.7 to ",

@@ -1,19 +1,26 @@
-//! The result as an object.
+//! Result as an object with units in its keys.
 
-use hysteron_model::control::{Edge, Reach, SineAnswer, Sines};
-use hysteron_model::record::{Keyed, key_in};
+use hysteron_numeric::number::significant;
+use serde::{Serialize, Serializer};
 
-use super::runs::{Adaptation, differ};
-use super::sheets::law;
-use super::{Found, Run};
-use crate::numbers::ends;
+use crate::control::{Edge, FeedbackKind, Loop, Reach, SineAnswer, Sines};
+use crate::record::{Keyed, key_in, range_of};
 
-pub fn summary(found: &Found) -> Keyed {
+use super::run::{Adaptation, differ};
+use super::{ControllerRun, Tracking};
+
+impl Serialize for Tracking {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        summary(self).serialize(serializer)
+    }
+}
+
+fn summary(found: &Tracking) -> Keyed {
     let (input, output) = (found.input.symbol(), found.output.symbol());
     let slew = found.settings.slew_v_per_s;
     Keyed::default()
         .with("simulated", true)
-        .with("plant", found.plant)
+        .with("plant", found.plant.name)
         .with("samples", found.reference.len())
         .with("sample_rate_hz", found.sample_rate_hz)
         .with("scored_from_s", found.scored.start as f64 / found.sample_rate_hz)
@@ -34,8 +41,8 @@ fn played(sines: &Sines, output: &str) -> Keyed {
         .with("highest_hz", sines.range_hz[1])
 }
 
-fn row(run: &Run, input: &str, output: &str) -> Keyed {
-    let (drive_low, drive_high) = ends(&run.played.drive);
+fn row(run: &ControllerRun, input: &str, output: &str) -> Keyed {
+    let (drive_low, drive_high) = range_of(&run.played.drive);
     let (margins, both) = (run.made.margins(), run.bandwidths());
     // Null where it lies beyond the sines.
     let found = |i: usize| both.and_then(|both| Edge::found(both[i].1));
@@ -98,4 +105,26 @@ fn reach(reach: &Reach, input: &str, output: &str) -> Keyed {
         .in_unit("amplitude", output, reach.amplitude)
         .in_unit("drive_amplitude", input, reach.amplitude_v)
         .with("highest_hz", reach.highest_hz)
+}
+
+/// The law as a formula, s in rad/s.
+pub fn law(made: &Loop) -> String {
+    if let Some((gain, _)) = made.observer {
+        return format!("observer, gain {}", significant(gain, 3));
+    }
+    let Some(tuned) = &made.feedback else { return "–".to_owned() };
+    let (k, i) = (significant(tuned.law.proportional, 3), significant(tuned.law.integral_per_s, 3));
+    match tuned.law.kind {
+        FeedbackKind::Integral => format!("{i}/s"),
+        FeedbackKind::Pi { corner_hz } => format!("{k} (1 + 2π {}/s)", significant(corner_hz, 3)),
+        FeedbackKind::FractionalPi { corner_hz, order } => {
+            format!("{k} (1 + (2π {}/s)^{order})", significant(corner_hz, 3))
+        }
+        FeedbackKind::NotchIntegral { notch } => format!(
+            "{i}/s, notch at {} Hz, damping {} over {}",
+            significant(notch.frequency_hz, 4),
+            significant(notch.zeros, 2),
+            significant(notch.poles, 2)
+        ),
+    }
 }

@@ -1,31 +1,39 @@
-//! What a controller does on the stage.
+//! Run of one controller on the plant, with its score and what became of sines.
 
 use std::ops::Range;
 
-use hysteron_model::control::{
+use crate::control::{
     AdaptiveFilter, ControlError, Edge, Followed, Loop, Plant, Played, Sines, TrackingScore, play,
 };
 
-use super::controllers::Controller;
+use super::Controller;
 
 /// An error in per cent of the stroke at which a stage is not held.
 const RUN_AWAY: f64 = 100.0;
 /// Excess of one bandwidth over another that is worth a remark.
 const DIFFERENT: f64 = 1.1;
 
-/// What a controller did.
-pub struct Run {
+/// Run of one controller.
+#[derive(Clone, Debug)]
+pub struct ControllerRun {
+    /// Controller.
     pub controller: Controller,
+    /// Loop made ready from the model.
     pub made: Loop,
+    /// Drive and displacement.
     pub played: Played,
+    /// Tracking error.
     pub score: TrackingScore,
-    /// What became of sines; `None` where the reference does not move.
+    /// Response to sines; `None` where the reference does not move.
     pub followed: Option<Followed>,
+    /// Adaptive feedforward, where the controller has some.
     pub adaptation: Option<Adaptation>,
 }
 
-/// How weights adapted.
+/// Adaptation of the weights of an adaptive feedforward.
+#[derive(Clone, Debug)]
 pub struct Adaptation {
+    /// Filter with its step.
     pub filter: AdaptiveFilter,
     /// Rms of what the best constant weights would have left, in per cent of the stroke.
     pub best_percent: f64,
@@ -33,8 +41,8 @@ pub struct Adaptation {
     pub phase_error: Option<(f64, f64)>,
 }
 
-/// Every controller is played on this.
-pub struct Rehearsal<'a> {
+/// Reference and plant that every controller is played on.
+pub(super) struct Rehearsal<'a> {
     pub plant: Plant<'a>,
     pub virgin_v: Option<f64>,
     pub reference: &'a [f64],
@@ -43,7 +51,7 @@ pub struct Rehearsal<'a> {
 }
 
 impl Rehearsal<'_> {
-    pub fn run(&self, controller: Controller, made: &Loop) -> Result<Run, ControlError> {
+    pub fn run(&self, controller: Controller, made: &Loop) -> Result<ControllerRun, ControlError> {
         let Range { start: from, end: to } = *self.scored;
         let played = play(made, self.reference, self.plant, self.virgin_v)?;
         let score = TrackingScore::of(&played.displacement[..to], &self.reference[..to], from);
@@ -71,11 +79,11 @@ impl Rehearsal<'_> {
             }
             None => None,
         };
-        Ok(Run { controller, made: made.clone(), played, score, followed, adaptation })
+        Ok(ControllerRun { controller, made: made.clone(), played, score, followed, adaptation })
     }
 }
 
-impl Run {
+impl ControllerRun {
     /// Whether the stage does not stay with the reference: an error larger than its whole stroke.
     pub fn runs_away(&self) -> bool {
         self.score.max_percent > RUN_AWAY

@@ -1,22 +1,24 @@
-//! The tables of the result, for the terminal and for the page.
+//! Tables of the result, for any front end.
 
-use hysteron_model::control::{Edge, FeedbackKind, Loop};
-use hysteron_report::number::significant;
-use hysteron_report::page::{Column, Table};
+use hysteron_model::control::Edge;
+use hysteron_model::record::range_of;
+use hysteron_model::tracking::{ControllerRun, Tracking, differ, law};
 
-use super::Found;
-use super::runs::differ;
-use crate::console;
-use crate::numbers::ends;
+use crate::number::significant;
+use crate::page::{Column, Table};
 
-/// A table: headings with their units, the first ones over words.
-pub struct Sheet {
-    columns: Vec<(&'static str, String)>,
-    words: usize,
-    rows: Vec<Vec<String>>,
+/// A table as text, with the unit of each column.
+#[derive(Clone, Debug)]
+pub struct TextTable {
+    /// Headings with their units.
+    pub columns: Vec<(&'static str, String)>,
+    /// Number of columns, the first ones, that hold words.
+    pub words: usize,
+    /// Cells.
+    pub rows: Vec<Vec<String>>,
 }
 
-impl Sheet {
+impl TextTable {
     fn new(words: usize, columns: impl IntoIterator<Item = (&'static str, String)>) -> Self {
         Self { columns: columns.into_iter().collect(), words, rows: Vec::new() }
     }
@@ -26,14 +28,7 @@ impl Sheet {
         (!rows.is_empty()).then_some(Self { rows, ..self })
     }
 
-    pub fn for_terminal(self) -> String {
-        let header: Vec<String> =
-            self.columns.iter().map(|(name, unit)| console::in_unit(name, unit)).collect();
-        let mut table = console::table(&header.iter().map(String::as_str).collect::<Vec<_>>());
-        table.add_rows(self.rows);
-        table.to_string()
-    }
-
+    /// Table of a page.
     pub fn for_page(self) -> Table {
         let words = self.words;
         let columns =
@@ -49,7 +44,7 @@ fn number(x: f64, digits: usize) -> String {
 }
 
 /// What each controller leaves.
-pub fn errors(found: &Found) -> Option<Sheet> {
+pub fn errors(found: &Tracking) -> Option<TextTable> {
     let (input, output) = (found.input.to_string(), found.output.to_string());
     let columns = [
         ("controller", String::new()),
@@ -61,8 +56,8 @@ pub fn errors(found: &Found) -> Option<Sheet> {
         ("highest drive", input),
         ("held back", "samples".to_owned()),
     ];
-    let row = |run: &super::Run| {
-        let (low, high) = ends(&run.played.drive);
+    let row = |run: &ControllerRun| {
+        let (low, high) = range_of(&run.played.drive);
         let score = &run.score;
         vec![
             run.controller.words().to_owned(),
@@ -75,11 +70,11 @@ pub fn errors(found: &Found) -> Option<Sheet> {
             (run.played.at_range + run.played.at_slew).to_string(),
         ]
     };
-    Sheet::new(1, columns).filled(found.runs.iter().map(row))
+    TextTable::new(1, columns).filled(found.runs.iter().map(row))
 }
 
 /// How far up each controller follows: by formula, and sines that were played.
-pub fn bandwidths(found: &Found) -> Option<Sheet> {
+pub fn bandwidths(found: &Tracking) -> Option<TextTable> {
     let hz = || "Hz".to_owned();
     let columns = [
         ("controller", String::new()),
@@ -94,7 +89,7 @@ pub fn bandwidths(found: &Found) -> Option<Sheet> {
         Edge::At(f) => significant(f, 3),
         Edge::Above(f) => format!("> {}", significant(f, 3)),
     };
-    let row = |run: &super::Run| {
+    let row = |run: &ControllerRun| {
         let both = run.bandwidths()?;
         let apart =
             ["−3 dB", "1 %"].into_iter().zip(both).filter(|(_, (formula, played))| differ(*formula, *played));
@@ -106,11 +101,11 @@ pub fn bandwidths(found: &Found) -> Option<Sheet> {
         cells.push(if apart.is_empty() { "–".to_owned() } else { apart.join(", ") });
         Some(cells)
     };
-    Sheet::new(1, columns).filled(found.runs.iter().filter_map(row))
+    TextTable::new(1, columns).filled(found.runs.iter().filter_map(row))
 }
 
 /// Margins of the controllers that have feedback.
-pub fn margins(found: &Found) -> Option<Sheet> {
+pub fn margins(found: &Tracking) -> Option<TextTable> {
     let columns = [
         ("feedback", String::new()),
         ("law", String::new()),
@@ -119,7 +114,7 @@ pub fn margins(found: &Found) -> Option<Sheet> {
         ("least |1 + L|", String::new()),
         ("crossover", "Hz".to_owned()),
     ];
-    let row = |run: &super::Run| {
+    let row = |run: &ControllerRun| {
         let m = run.made.margins()?;
         Some(vec![
             run.controller.words().to_owned(),
@@ -130,11 +125,11 @@ pub fn margins(found: &Found) -> Option<Sheet> {
             significant(m.crossover_hz, 3),
         ])
     };
-    Sheet::new(2, columns).filled(found.runs.iter().filter_map(row))
+    TextTable::new(2, columns).filled(found.runs.iter().filter_map(row))
 }
 
 /// How the weights of the controllers that have some adapted.
-pub fn adaptations(found: &Found) -> Option<Sheet> {
+pub fn adaptations(found: &Tracking) -> Option<TextTable> {
     let columns = [
         ("adaptation", String::new()),
         ("step", String::new()),
@@ -147,7 +142,7 @@ pub fn adaptations(found: &Found) -> Option<Sheet> {
         ("left, rms", "% of stroke".to_owned()),
         ("best weights", "% of stroke".to_owned()),
     ];
-    let row = |run: &super::Run| {
+    let row = |run: &ControllerRun| {
         let own = run.adaptation.as_ref()?;
         let filter = &own.filter;
         let phase = own.phase_error.map_or([const { String::new() }; 3], |(degrees, at_hz)| {
@@ -161,11 +156,11 @@ pub fn adaptations(found: &Found) -> Option<Sheet> {
         cells.extend([run.score.rms_percent, own.best_percent].map(|x| significant(x, 3)));
         Some(cells)
     };
-    Sheet::new(1, columns).filled(found.runs.iter().filter_map(row))
+    TextTable::new(1, columns).filled(found.runs.iter().filter_map(row))
 }
 
 /// What the largest rate of the drive leaves.
-pub fn reaches(found: &Found) -> Option<Sheet> {
+pub fn reaches(found: &Tracking) -> Option<TextTable> {
     let columns = [
         ("amplitude of a sine", found.output.to_string()),
         ("of its drive", found.input.to_string()),
@@ -175,27 +170,5 @@ pub fn reaches(found: &Found) -> Option<Sheet> {
         .reach
         .iter()
         .map(|r| [r.amplitude, r.amplitude_v, r.highest_hz].map(|x| significant(x, 3)).to_vec());
-    Sheet::new(0, columns).filled(rows)
-}
-
-/// The law as a formula, s in rad/s.
-pub fn law(made: &Loop) -> String {
-    if let Some((gain, _)) = made.observer {
-        return format!("observer, gain {}", significant(gain, 3));
-    }
-    let Some(tuned) = &made.feedback else { return "–".to_owned() };
-    let (k, i) = (significant(tuned.law.proportional, 3), significant(tuned.law.integral_per_s, 3));
-    match tuned.law.kind {
-        FeedbackKind::Integral => format!("{i}/s"),
-        FeedbackKind::Pi { corner_hz } => format!("{k} (1 + 2π {}/s)", significant(corner_hz, 3)),
-        FeedbackKind::FractionalPi { corner_hz, order } => {
-            format!("{k} (1 + (2π {}/s)^{order})", significant(corner_hz, 3))
-        }
-        FeedbackKind::NotchIntegral { notch } => format!(
-            "{i}/s, notch at {} Hz, damping {} over {}",
-            significant(notch.frequency_hz, 4),
-            significant(notch.zeros, 2),
-            significant(notch.poles, 2)
-        ),
-    }
+    TextTable::new(0, columns).filled(rows)
 }

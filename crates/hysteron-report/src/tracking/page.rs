@@ -1,19 +1,18 @@
-//! The result as a page.
+//! Result as a page.
 
-use hysteron_report::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
-use hysteron_report::page::{Block, Page, Section};
+use hysteron_model::model_file::Maker;
+use hysteron_model::tracking::{Controller, ControllerFamily, ControllerRun, Tracking};
 
-use super::controllers::{Controller, Family};
-use super::sheets::{adaptations, bandwidths, errors, margins, reaches};
-use super::text::{OF_ADAPTATIONS, introduction, of_bandwidths, of_runaways};
-use super::{Found, Run};
-use crate::maker::command_line;
-use crate::numbers::ends;
+use super::tables::{adaptations, bandwidths, errors, margins, reaches};
+use super::words::{OF_ADAPTATIONS, introduction, of_bandwidths, of_runaways};
+use crate::figure::{Axis, Colour, Dash, Figure, Marker, Panel, Series, Style};
+use crate::page::{Block, Page, Section};
 
 /// Curves of a figure at most.
 const CURVES: usize = 6;
 
-pub fn page(found: &Found) -> Page {
+/// Page of a reference followed; `maker`: who made it, and by which command.
+pub fn page(found: &Tracking, maker: &Maker) -> Page {
     let mut result = Section::new("What each controller leaves").block(Block::paragraph(introduction(found)));
     if let Some(sheet) = errors(found) {
         result = result.block(sheet.for_page());
@@ -41,13 +40,15 @@ pub fn page(found: &Found) -> Page {
         let section = Section::new("What the amplifier leaves");
         page = page.section(section.block(sheet.for_page()).block(reach(found)));
     }
-    page.section(Section::new("How it was made").block(Block::code(command_line())))
-        .footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")))
+    if let Some(command) = &maker.command {
+        page = page.section(Section::new("How it was made").block(Block::code(command)));
+    }
+    page.footer_line(&maker.program)
 }
 
 /// Error of the sines over frequency: a panel for each family of controllers, the uncompensated stage in each.
-fn over_frequency(found: &Found) -> Figure {
-    let curve = |run: &Run| -> (Vec<f64>, Vec<f64>) {
+fn over_frequency(found: &Tracking) -> Figure {
+    let curve = |run: &ControllerRun| -> (Vec<f64>, Vec<f64>) {
         let answers = run.followed.iter().flat_map(|followed| &followed.answers);
         answers.map(|a| (a.frequency_hz, a.error_percent)).unzip()
     };
@@ -55,10 +56,11 @@ fn over_frequency(found: &Found) -> Figure {
     let ends = found.sines.map_or([f64::NAN; 2], |sines| sines.range_hz);
     let (lowest, highest) = ends_of_all(found);
     let mut figure = Figure::new("Tracking error against frequency").panel_height(210.0).link_x();
-    for family in Family::ALL {
+    for family in ControllerFamily::ALL {
         let own = found.runs.iter().filter(|run| run.controller.family() == family);
-        let own: Vec<&Run> = own.filter(|run| run.controller != Controller::Uncompensated).collect();
-        if own.is_empty() && !(family == Family::Line && bare.is_some()) {
+        let own: Vec<&ControllerRun> =
+            own.filter(|run| run.controller != Controller::Uncompensated).collect();
+        if own.is_empty() && !(family == ControllerFamily::Line && bare.is_some()) {
             continue;
         }
         let axis = Axis::log("error, rms", "% of stroke").with_range(lowest, highest);
@@ -103,10 +105,10 @@ fn over_frequency(found: &Found) -> Figure {
 }
 
 /// Least and largest error of all sines, for axes that compare.
-fn ends_of_all(found: &Found) -> (f64, f64) {
+fn ends_of_all(found: &Tracking) -> (f64, f64) {
     let all = found.runs.iter().filter_map(|run| run.followed.as_ref());
     let all: Vec<f64> = all.flat_map(|followed| &followed.answers).map(|a| a.error_percent).collect();
-    let (low, high) = ends(&all);
+    let (low, high) = all.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
     (0.7 * low.min(0.5), 1.4 * high.max(2.0))
 }
 
@@ -119,11 +121,11 @@ fn between((x, y): &(Vec<f64>, Vec<f64>), f: f64) -> f64 {
     p * (q / p).powf((f / a).ln() / (b / a).ln())
 }
 
-fn time(found: &Found) -> Vec<f64> {
+fn time(found: &Tracking) -> Vec<f64> {
     (0..found.reference.len()).map(|k| k as f64 / found.sample_rate_hz).collect()
 }
 
-fn motion(found: &Found) -> Figure {
+fn motion(found: &Tracking) -> Figure {
     let unit = found.output.to_string();
     let mut panel = Panel::new(Axis::linear("time", "s"), Axis::linear("displacement", unit))
         .series(Series::line("reference", time(found), found.reference.clone(), Style::nth(0)));
@@ -138,7 +140,7 @@ fn motion(found: &Found) -> Figure {
 }
 
 /// Error over time of the controllers that leave least, and of the first.
-fn left_over(found: &Found) -> Figure {
+fn left_over(found: &Tracking) -> Figure {
     let unit = found.output.to_string();
     let mut order: Vec<usize> = (0..found.runs.len()).collect();
     order.sort_by(|a, b| found.runs[*b].score.rms.total_cmp(&found.runs[*a].score.rms));
@@ -159,7 +161,7 @@ fn left_over(found: &Found) -> Figure {
     figure.captioned("Reference less displacement, mean taken off: the first controller and those that leave least. Each panel has its own scale.")
 }
 
-fn reach(found: &Found) -> Figure {
+fn reach(found: &Tracking) -> Figure {
     let (x, y) = found.reach.iter().map(|r| (r.amplitude, r.highest_hz)).unzip();
     let axis = Axis::log("amplitude", found.output.to_string());
     let panel = Panel::new(axis, Axis::log("highest frequency", "Hz")).series(Series::line(

@@ -1,13 +1,12 @@
-//! The result in words.
+//! Result in words.
 
+use hysteron_model::tracking::{Tracking, differ};
 use hysteron_numeric::display::short;
-use hysteron_report::number::significant;
 
-use super::Found;
-use super::runs::differ;
-use super::sheets::{Sheet, adaptations, bandwidths, errors, margins, reaches};
+use crate::number::significant;
 
-pub fn introduction(found: &Found) -> String {
+/// Plant, reference, rate, limits and samples that are scored.
+pub fn introduction(found: &Tracking) -> String {
     let [from, to] = [found.scored.start, found.scored.end].map(|k| k as f64 / found.sample_rate_hz);
     let to = if found.scored.end < found.reference.len() {
         format!(" to {} s, behind which not all is there that is to be known ahead,", significant(to, 4))
@@ -22,7 +21,7 @@ pub fn introduction(found: &Found) -> String {
     let [low, high] = found.settings.range_v;
     format!(
         "Simulated: {} follows {} at {} Hz, driven from {} to {} {}{slew}. Errors are those of the displacement from {} s{to} their mean taken off.",
-        found.plant_words,
+        found.plant.words,
         found.name,
         short(found.sample_rate_hz),
         significant(low, 4),
@@ -32,21 +31,21 @@ pub fn introduction(found: &Found) -> String {
     )
 }
 
-/// The controllers that do not hold the stage.
-pub fn of_runaways(found: &Found) -> Option<String> {
+/// Controllers that do not hold the stage.
+pub fn of_runaways(found: &Tracking) -> Option<String> {
     let names: Vec<&str> =
         found.runs.iter().filter(|run| run.runs_away()).map(|run| run.controller.words()).collect();
     (!names.is_empty()).then(|| {
         format!(
             "Do not use: {}. The error exceeds the whole stroke: the stage is not held. Where there is feedback its loop oscillates, because the stage is not the model that \
-             the margins are of: identify the model up to higher frequencies, or ask for more margin (--gain-margin).",
+             the margins are of: identify the model up to higher frequencies, or ask for more margin.",
             names.join("; ")
         )
     })
 }
 
 /// How the bandwidths were found, and whether what was played is what the formula says.
-pub fn of_bandwidths(found: &Found) -> String {
+pub fn of_bandwidths(found: &Tracking) -> String {
     let Some(sines) = &found.sines else { return String::new() };
     let apart = found.runs.iter().filter_map(|run| run.bandwidths());
     let apart = apart.filter(|both| both.iter().any(|(formula, played)| differ(*formula, *played))).count();
@@ -78,27 +77,7 @@ pub fn of_bandwidths(found: &Found) -> String {
     )
 }
 
+/// Introduction of the table of adaptations.
 pub const OF_ADAPTATIONS: &str = "Weights that adapt: the step, and the largest at which a level or a sine up to the highest frequency, alone, leaves them \
     stable if the model is true; by how much the stage differs from the model in phase (the inverse alone, sines), which must stay below 90° for any step; \
     what is left of the reference, and what the best constant weights would have left.";
-
-pub fn text(found: &Found) -> String {
-    let mut out = format!("{}\n\n", introduction(found));
-    let put = |out: &mut String, words: &str, sheet: Option<Sheet>| {
-        if let Some(sheet) = sheet {
-            if !words.is_empty() {
-                *out += &format!("\n{words}\n\n");
-            }
-            *out += &format!("{}\n", sheet.for_terminal());
-        }
-    };
-    put(&mut out, "", errors(found));
-    if let Some(words) = of_runaways(found) {
-        out += &format!("\nverdict: {words}\n");
-    }
-    put(&mut out, &of_bandwidths(found), bandwidths(found));
-    put(&mut out, "Margins of the feedback on the identified model:", margins(found));
-    put(&mut out, OF_ADAPTATIONS, adaptations(found));
-    put(&mut out, "What the largest rate of the drive leaves, by formula:", reaches(found));
-    out
-}

@@ -1,0 +1,286 @@
+//! `hysteron track`: a reference followed sample by sample, without compensation, by feedforward, by feedback and by both.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
+use hysteron_io::write_csv;
+use hysteron_model::compensator::CompensatorError;
+use hysteron_model::control::{ControlError, Plant, TuningError, Wanted, slew_of_current};
+use hysteron_model::model::{Capability, SignalRole};
+use hysteron_model::realise::{RealiseError, RealiseOptions};
+use hysteron_model::record::{Channel, Record, Signal, TimeBase};
+use hysteron_model::tracking::{Controller, PlantDescription, TrackError, TrackOptions, Tracking, track};
+use hysteron_numeric::display::short;
+use hysteron_report::tracking as report;
+use hysteron_rig::{Dac, RigStage, Truth};
+
+use crate::columns::ReferenceFlags;
+use crate::console;
+use crate::failure::Failure;
+use crate::invert::range;
+use crate::maker::maker;
+use crate::model::LoadedModel;
+use crate::numbers::{not_negative, number, positive, whole};
+use crate::output::{self, OutFile};
+use crate::result_flags::ResultFlags;
+use crate::rig::read_or_default;
+
+/// Follow a reference in closed loop on the simulated bench or on the model itself, and say what each controller leaves
+#[derive(Args)]
+#[command(
+    after_help = "Everything is simulated. The reference's sample rate is the controller's; each voltage is held for one period, and the reading at the \
+    beginning of one period makes the drive of the next. Before the reference the stage rests at its first value, where its sensor is zeroed; errors are \
+    those of the displacement, not of the reading, their mean taken off.\n\n\
+    Feedback is tuned from the model: of the laws that keep --gain-margin, --phase-margin and a sensitivity of at most 2, the one that leaves least of a \
+    wandering disturbance. Where the model was identified up to a frequency only, the loop's gain stays below 1/(gain margin) above it.\n\n\
+    Example: hysteron track model.json scan.csv --plant rig --range 0:10.5 --report track.html\n\
+    Example: hysteron track model.json scan.csv --controller feedforward --controller feedforward-pi --current 100 --capacitance 10"
+)]
+pub struct Track {
+    /// The model file
+    #[arg(value_name = "MODEL.json")]
+    model: PathBuf,
+
+    /// File with the reference, in the unit of the model's output
+    #[arg(value_name = "REFERENCE.csv")]
+    reference_file: PathBuf,
+
+    /// What is driven: the simulated bench, or the model itself without noise
+    #[arg(long, value_enum, default_value_t = PlantArg::Rig)]
+    plant: PlantArg,
+
+    /// What the bench really is: JSON, as of hysteron rig; its converter holds here
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+
+    /// Seed of the bench's noise
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true)]
+    seed: u64,
+
+    /// Controller to play (repeatable) [default: all]
+    #[arg(long = "controller", value_parser = controller())]
+    controllers: Vec<Controller>,
+
+    /// Samples of the reference known ahead, for the controllers that are given some [default: as many as make a difference]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true)]
+    preview: Option<usize>,
+
+    /// Highest frequency of the reference in Hz, for the controllers that predict it [default: that of its fastest swing]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
+    predict_to: Option<f64>,
+
+    /// Frequency up to which the inverse follows, in Hz [default: a twentieth of the sample rate]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
+    bandwidth: Option<f64>,
+
+    /// Least and largest drive [default: the range the model was identified in]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+
+    /// Largest rate of the drive, in its unit per second [default: none]
+    #[arg(long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true)]
+    slew: Option<f64>,
+
+    /// The amplifier's largest current in mA, which limits the rate of the drive by --capacitance
+    #[arg(long, value_name = "MA", value_parser = positive, allow_hyphen_values = true, requires = "capacitance", conflicts_with = "slew")]
+    current: Option<f64>,
+
+    /// The actuator's capacitance in µF
+    #[arg(long, value_name = "UF", value_parser = positive, allow_hyphen_values = true, requires = "current")]
+    capacitance: Option<f64>,
+
+    /// Voltage at which the device was without hysteresis memory before it was driven to where it rests [default: 0, where
+    /// --range holds it, else where it rests]
+    #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true)]
+    virgin_voltage: Option<f64>,
+
+    /// Least gain margin of the feedback, a factor
+    #[arg(long, value_name = "FACTOR", default_value_t = 2.0, value_parser = factor, allow_hyphen_values = true)]
+    gain_margin: f64,
+
+    /// Least phase margin of the feedback, in degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = positive, allow_hyphen_values = true)]
+    phase_margin: f64,
+
+    /// Lowest frequency in Hz of creep that never ends, below which it stops [default: a thousandth of the lowest of the model's records]
+    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
+    lowest_frequency: Option<f64>,
+
+    /// Seconds at the beginning that are not scored [default: a quarter of the reference]; at the end it is what is known ahead
+    #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
+    skip: Option<f64>,
+
+    /// Lowest and highest of the sines by which the bandwidths are measured, in Hz; they have the stroke and the middle of the reference where it is scored [default: 1e-4 to
+    /// 0.1 of the sample rate]
+    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
+    sines: Option<[f64; 2]>,
+
+    /// File to write: reference, and drive and displacement by each controller
+    #[arg(short, long = "out", value_name = "TRACK.csv")]
+    out: Option<OutFile>,
+
+    #[command(flatten)]
+    result: ResultFlags,
+
+    #[command(flatten)]
+    columns: ReferenceFlags,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PlantArg {
+    Rig,
+    Model,
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    number(text).ok().filter(|x| *x > 1.0).ok_or_else(|| "expected a number above 1".into())
+}
+
+fn controller() -> impl TypedValueParser<Value = Controller> {
+    let value = |c: Controller| PossibleValue::new(c.name()).help(c.summary());
+    PossibleValuesParser::new(Controller::ALL.map(value)).try_map(|name| name.parse::<Controller>())
+}
+
+impl Track {
+    pub fn run(&self) -> Result<(), Failure> {
+        if let Some(out) = &self.out {
+            output::check_file("the samples", out)?;
+        }
+        self.result.check()?;
+        let model = LoadedModel::read(&self.model, Capability::Tracking)?;
+        let reference = self.columns.read(&self.reference_file)?;
+        let unit = model.agreed_unit(&self.reference_file, SignalRole::Reference, &reference.unit)?;
+        let name = self.reference_file.display().to_string();
+        let reference = Signal { name, unit, ..reference };
+        let truth: Truth = read_or_default(self.truth.as_deref(), "truth")?;
+        let truth = Truth { dac: Dac::Hold, ..truth };
+        let bench = RigStage { truth: &truth, seed: self.seed, stream: 0 };
+        let plant = match self.plant {
+            PlantArg::Rig => {
+                let words = format!("the simulated bench ({})", truth.describe());
+                (Plant::Stage(&bench), PlantDescription { name: "rig", words })
+            }
+            PlantArg::Model => {
+                let words = "the model itself, simulated without noise".to_owned();
+                (Plant::Model, PlantDescription { name: "model", words })
+            }
+        };
+        let found =
+            track(model.body(), &reference, &self.options(), plant).map_err(|e| self.explained(&e))?;
+        for (controller, error) in &found.left_out {
+            console::note(&format!("{} is left out: {error}", controller.name()));
+        }
+        self.write(reference.time, &found)?;
+        self.result.write(|| report::page(&found, &maker()))?;
+        if self.result.json { console::json(&found) } else { console::result(&text(&found)) }
+    }
+
+    fn options(&self) -> TrackOptions {
+        let of_current =
+            self.current.zip(self.capacitance).map(|(ma, uf)| slew_of_current(1e-3 * ma, 1e-6 * uf));
+        TrackOptions {
+            controllers: self.controllers.clone(),
+            preview: self.preview,
+            predict_to_hz: self.predict_to,
+            bandwidth_hz: self.bandwidth,
+            range: self.range,
+            slew_per_s: self.slew.or(of_current).unwrap_or(f64::INFINITY),
+            virgin_v: self.virgin_voltage,
+            margins: Wanted { gain: self.gain_margin, phase_deg: self.phase_margin, ..Wanted::default() },
+            realise: RealiseOptions {
+                lowest_frequency_hz: self.lowest_frequency,
+                ..RealiseOptions::default()
+            },
+            skip_s: self.skip,
+            sines_hz: self.sines,
+        }
+    }
+
+    fn explained(&self, error: &TrackError) -> Failure {
+        let because = |failure: Failure| failure.because(error);
+        let failure = because(Failure::new(format!(
+            "cannot follow {} with {}",
+            self.reference_file.display(),
+            self.model.display()
+        )));
+        let realise = match error {
+            TrackError::NoSampleRate => {
+                return failure
+                    .hint("give the sample rate with --sample-rate HZ, or a time column of even steps");
+            }
+            TrackError::NoRange => return failure.hint("give the range of the drive, e.g. --range 0:100"),
+            TrackError::NothingScored { .. } => {
+                return because(Failure::usage("nothing is left to score"))
+                    .hint("less --skip, or less --preview");
+            }
+            TrackError::Sines { .. } | TrackError::SlowSines { .. } => {
+                return because(Failure::usage("--sines cannot be played"));
+            }
+            TrackError::Control(ControlError::Begins(_)) => {
+                return failure.hint("change the reference's offset, or widen --range");
+            }
+            TrackError::Control(
+                ControlError::Realise(e)
+                | ControlError::Compensator(CompensatorError::Realise(e))
+                | ControlError::Tuning(TuningError::Realise(e)),
+            ) => e,
+            _ => return failure,
+        };
+        if matches!(realise, RealiseError::LowestFrequency) {
+            failure.hint("say where creep stops with --lowest-frequency HZ, e.g. 0.01")
+        } else {
+            failure
+        }
+    }
+
+    fn write(&self, time: TimeBase, found: &Tracking) -> Result<(), Failure> {
+        let Some(out) = &self.out else { return Ok(()) };
+        let failure = || Failure::new(format!("cannot write the samples to {}", out.display()));
+        let (input, output) = (found.input.symbol(), found.output.symbol());
+        let mut channels = vec![Channel::new("reference", output, found.reference.clone())];
+        for run in &found.runs {
+            let name = run.controller.name();
+            channels.push(Channel::new(&format!("u_{name}"), input, run.played.drive.clone()));
+            channels.push(Channel::new(&format!("y_{name}"), output, run.played.displacement.clone()));
+        }
+        let record =
+            Record::new(&out.display().to_string(), time, channels).map_err(|e| failure().because(e))?;
+        write_csv(out, &record).map_err(|e| failure().because(e))?;
+        console::message(&format!(
+            "wrote {} simulated samples of {} controllers to {}",
+            short(record.len() as f64),
+            found.runs.len(),
+            out.display()
+        ));
+        Ok(())
+    }
+}
+
+fn text(found: &Tracking) -> String {
+    let mut out = format!("{}\n\n", report::introduction(found));
+    let put = |out: &mut String, words: &str, table: Option<report::TextTable>| {
+        if let Some(table) = table {
+            if !words.is_empty() {
+                *out += &format!("\n{words}\n\n");
+            }
+            *out += &format!("{}\n", for_terminal(table));
+        }
+    };
+    put(&mut out, "", report::errors(found));
+    if let Some(words) = report::of_runaways(found) {
+        out += &format!("\nverdict: {words} (--gain-margin)\n");
+    }
+    put(&mut out, &report::of_bandwidths(found), report::bandwidths(found));
+    put(&mut out, "Margins of the feedback on the identified model:", report::margins(found));
+    put(&mut out, report::OF_ADAPTATIONS, report::adaptations(found));
+    put(&mut out, "What the largest rate of the drive leaves, by formula:", report::reaches(found));
+    out
+}
+
+fn for_terminal(table: report::TextTable) -> String {
+    let header: Vec<String> = table.columns.iter().map(|(name, unit)| console::in_unit(name, unit)).collect();
+    let mut shown = console::table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    shown.add_rows(table.rows);
+    shown.to_string()
+}

@@ -1,0 +1,153 @@
+//! A reference followed by several controllers on one plant, each with its error, bandwidths, margins and adaptation.
+//!
+//! [`track`] makes every controller ready from the model ([`crate::control`]), plays it on the plant, scores what is left of the
+//! reference and measures by sines how far up it follows.
+
+mod controller;
+mod options;
+mod run;
+mod summary;
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::control::{ControlError, Loop, LoopSettings, Plant, Reach, Sines, reach};
+use crate::hammerstein;
+use crate::model::Body;
+use crate::model_file::ModelFile;
+use crate::record::{Signal, TimeBase, Unit, range_of};
+use run::Rehearsal;
+
+pub use controller::{Controller, ControllerFamily, ReferenceKnowledge, UnknownController};
+pub use options::{TrackError, TrackOptions};
+pub use run::{Adaptation, ControllerRun, differ};
+pub use summary::law;
+
+/// Shares of the stroke in the table of amplitudes.
+const AMPLITUDES: [f64; 5] = [0.05, 0.1, 0.25, 0.5, 1.0];
+
+/// A reference followed by several controllers. Everything is simulated unless the plant is not.
+///
+/// As JSON: every controller with errors, bandwidths, margins and adaptation, units in the keys.
+#[derive(Debug)]
+pub struct Tracking {
+    /// Name of the reference.
+    pub name: String,
+    /// Plant that was driven.
+    pub plant: PlantDescription,
+    /// The controllers' rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Reference, in the unit of the output.
+    pub reference: Vec<f64>,
+    /// Samples that are scored.
+    pub scored: Range<usize>,
+    /// Limits and margins.
+    pub settings: LoopSettings,
+    /// Sines by which bandwidths were measured; `None` where the reference does not move.
+    pub sines: Option<Sines>,
+    /// Highest frequency against amplitude where the rate of the drive is limited.
+    pub reach: Vec<Reach>,
+    /// Every controller.
+    pub runs: Vec<ControllerRun>,
+    /// Controllers that could not be made or played, where all were asked for.
+    pub left_out: Vec<(Controller, ControlError)>,
+    /// Unit of the drive.
+    pub input: Unit,
+    /// Unit of the displacement.
+    pub output: Unit,
+}
+
+/// Name and description of a plant.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PlantDescription {
+    /// `rig`, `model`.
+    pub name: &'static str,
+    /// A description in words.
+    pub words: String,
+}
+
+/// Plays every controller of `options` on `plant`. `reference` is in the unit of the model's output and uniformly sampled.
+///
+/// # Errors
+/// [`TrackError`]: a reference or options that leave nothing to play; a controller that was asked for and cannot be made or
+/// played (where all are asked for, it is left out instead, unless none remains).
+pub fn track(
+    model: &Body<ModelFile, hammerstein::Model>,
+    reference: &Signal,
+    options: &TrackOptions,
+    (plant, description): (Plant<'_>, PlantDescription),
+) -> Result<Tracking, TrackError> {
+    let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
+        return Err(TrackError::NoSampleRate);
+    };
+    let samples = &reference.samples;
+    let settings = options.settings(model, sample_rate_hz)?;
+    let knowledge = options.knowledge(samples, sample_rate_hz);
+    let all = options.controllers.is_empty();
+    let asked = if all { &Controller::ALL[..] } else { &options.controllers };
+    let mut left_out = Vec::new();
+    let made = |c: &Controller| (*c, Loop::new(model.law(), &settings, &c.strategy(&knowledge)));
+    let loops = sorted_out(asked.par_iter().map(made).collect(), all, &mut left_out)?;
+    let scored = options.scored(&loops, samples.len(), sample_rate_hz)?;
+    let sines = options.sines(&samples[scored.clone()], sample_rate_hz)?;
+    let [low, high] = settings.range_v;
+    let rehearsal = Rehearsal {
+        plant,
+        virgin_v: options.virgin_v.or((low <= 0.0 && 0.0 <= high).then_some(0.0)),
+        reference: samples,
+        scored: &scored,
+        sines,
+    };
+    let played = |(c, made): &(Controller, Loop)| (*c, rehearsal.run(*c, made));
+    let runs = sorted_out(loops.par_iter().map(played).collect(), all, &mut left_out)?;
+    let runs: Vec<ControllerRun> = runs.into_iter().map(|(_, run)| run).collect();
+    Ok(Tracking {
+        name: reference.name.clone(),
+        plant: description,
+        sample_rate_hz,
+        reach: reaches(&runs, samples, &settings),
+        reference: samples.clone(),
+        scored,
+        settings,
+        sines,
+        runs,
+        left_out,
+        input: Unit::new(&model.data().units.input),
+        output: reference.unit.clone(),
+    })
+}
+
+/// The sound ones. Where all controllers were asked for the others are left out, unless none remains; else the first error.
+fn sorted_out<T>(
+    outcomes: Vec<(Controller, Result<T, ControlError>)>,
+    all: bool,
+    left_out: &mut Vec<(Controller, ControlError)>,
+) -> Result<Vec<(Controller, T)>, TrackError> {
+    let mut sound = Vec::new();
+    for (controller, outcome) in outcomes {
+        match outcome {
+            Ok(one) => sound.push((controller, one)),
+            Err(e) if all => left_out.push((controller, e)),
+            Err(e) => return Err(e.into()),
+        }
+    }
+    match left_out.pop() {
+        Some((_, e)) if sound.is_empty() => Err(e.into()),
+        last => {
+            left_out.extend(last);
+            Ok(sound)
+        }
+    }
+}
+
+fn reaches(runs: &[ControllerRun], reference: &[f64], settings: &LoopSettings) -> Vec<Reach> {
+    let Some(run) = runs.first().filter(|_| settings.slew_v_per_s.is_finite()) else { return Vec::new() };
+    let (low, high) = range_of(reference);
+    let (line, dynamics) = (&run.made.line, &run.made.dynamics);
+    let of = |share: &f64| {
+        let amplitude = 0.5 * share * (high - low);
+        reach(line, dynamics, settings.sample_rate_hz, settings.range_v, settings.slew_v_per_s, amplitude)
+    };
+    AMPLITUDES.iter().map(of).collect()
+}

@@ -1,0 +1,9 @@
+//! A reference followed by several controllers: page, tables and words.
+
+mod page;
+mod tables;
+mod words;
+
+pub use page::page;
+pub use tables::{TextTable, adaptations, bandwidths, errors, margins, reaches};
+pub use words::{OF_ADAPTATIONS, introduction, of_bandwidths, of_runaways};
