@@ -3,7 +3,8 @@
 use std::hint::black_box;
 use std::path::PathBuf;
 
-use hysteron_model::hysteresis::{BoucWen, Start};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::BoucWen;
 use serde::Deserialize;
 
 use crate::answer::Answer;
@@ -32,7 +33,7 @@ impl Request {
         let operator = BoucWen::new(vec![self.linear], self.alpha, self.beta, self.gamma, self.n)?;
         let mut v = vec![0.0; u.len()];
         let timing = time(self.repetitions, || {
-            black_box(&operator).simulate(&u, Start::Rest { u: 0.0 }, &mut v).map(|_| ())
+            black_box(&operator).simulate(&u, Start::Rest { voltage_v: 0.0 }, &mut v).map(|_| ())
         })?;
         signal_file::write(&self.output, &v)?;
         Ok(timing.into())

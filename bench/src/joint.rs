@@ -4,7 +4,8 @@ use std::hint::black_box;
 use std::path::PathBuf;
 
 use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, JointObjective, Options, RecordRole};
-use hysteron_model::hysteresis::{Sensitivities, Start, UnitShape};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::{Sensitivities, UnitShape};
 use hysteron_model::record::{InputOutput, TimeBase};
 use hysteron_optimize::{LeastSquaresProblem, Problem};
 use rayon::ThreadPoolBuilder;
@@ -133,7 +134,7 @@ impl TimesRequest {
         let shape = UnitShape { beta: synthetic::BETA, gamma: synthetic::GAMMA, n: 1.0 };
         let mut out = Sensitivities::default();
         let timing = time(self.repetitions.max(2), || {
-            let start = Start::Rest { u: 0.0 };
+            let start = Start::Rest { voltage_v: 0.0 };
             black_box(shape).simulate_with_sensitivities(1, &u, start, false, &mut out).map(|_| ())
         })?;
         Ok(timing.seconds.into_iter().fold(f64::INFINITY, f64::min))

@@ -4,8 +4,9 @@ use std::error::Error;
 use std::f64::consts::TAU;
 
 use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, JointObjective, Options, RecordRole};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes, Scheme};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::record::{InputOutput, InterSample, TimeBase};
 use rand::Rng;

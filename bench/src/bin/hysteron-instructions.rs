@@ -10,8 +10,9 @@ use std::hint::black_box;
 use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
 
+use hysteron_model::Start;
 use hysteron_model::dynamics::{InitialCondition, Sampling, Scheme, SimulationPlan, TransferFunction};
-use hysteron_model::hysteresis::{Sensitivities, Start, UnitShape};
+use hysteron_model::hysteresis::{Sensitivities, UnitShape};
 use hysteron_optimize::{
     Algorithm, Bounds, Derivative, LeastSquaresOptions, LeastSquaresProblem, Problem, Range, Settings,
     Unobserved, minimize, root_mean_square,
@@ -43,7 +44,13 @@ fn hysteresis_pass(repetitions: usize) -> Outcome {
     let shape = UnitShape { beta: 0.1111, gamma: -0.0024, n: 1.0 };
     let mut out = Sensitivities::default();
     for _ in 0..repetitions {
-        black_box(shape).simulate_with_sensitivities(1, &u, Start::Rest { u: 0.0 }, false, &mut out)?;
+        black_box(shape).simulate_with_sensitivities(
+            1,
+            &u,
+            Start::Rest { voltage_v: 0.0 },
+            false,
+            &mut out,
+        )?;
     }
     Ok(())
 }

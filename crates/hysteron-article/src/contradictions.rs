@@ -3,8 +3,9 @@
 use super::ArticleError;
 use super::printed::{self, EQ_13, TABLE_2, TABLE_3};
 use super::static_block::StaticParameters;
+use hysteron_model::Start;
 use hysteron_model::dynamics::{InitialCondition, Scheme, SimulationPlan, Term, TransferFunction};
-use hysteron_model::hysteresis::{BoucWen, Start};
+use hysteron_model::hysteresis::BoucWen;
 use hysteron_optimize::root_mean_square;
 use serde::Serialize;
 use std::f64::consts::{PI, SQRT_2, TAU};
@@ -114,7 +115,7 @@ fn loop_of_table_2(block: &BoucWen, periods: usize) -> Result<Vec<f64>, ArticleE
     let u: Vec<f64> =
         (0..periods * SAMPLES).map(|k| 5.0 - 5.0 * (TAU * k as f64 / SAMPLES as f64).cos()).collect();
     let mut v = vec![0.0; u.len()];
-    block.simulate(&u, Start::Rest { u: 0.0 }, &mut v)?;
+    block.simulate(&u, Start::Rest { voltage_v: 0.0 }, &mut v)?;
     Ok(v)
 }
 

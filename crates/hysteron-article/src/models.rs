@@ -10,8 +10,9 @@ use hysteron_identify::{
     CampaignRecord, Choice, Demands, DynamicsChoice, Event, Identification, IdentifyError, Method, Options,
     RecordRole, Searches, Watch,
 };
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, TransferFunction};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{OffsetTreatment, Scoring, score};
 use serde::Serialize;

@@ -5,7 +5,7 @@ use super::progress::{Stage, Stages};
 use super::static_block::article_options;
 use super::{ArticleError, Plan, printed};
 use hysteron_identify::{IdentifyError, StaticFit};
-use hysteron_model::hammerstein::Start;
+use hysteron_model::Start;
 use hysteron_optimize::{
     AbcOptions, Algorithm, DeAbcOptions, DeOptions, LeastSquaresOptions, Moved, Outcome, Problem, Progress,
     Scout, Settings, Unobserved, minimize, minimize_cost,

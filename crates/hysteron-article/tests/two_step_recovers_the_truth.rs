@@ -11,8 +11,9 @@ use hysteron_identify::{
     CampaignRecord, Choice, DynamicsChoice, Event, IdentifyError, Method, Options, RecordRole, Searches,
     StaticFit, Watch, identify,
 };
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, SecondOrder, Term, TransferFunction};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::{Document, ModelFile, SignalUnits, read};
 use hysteron_model::record::{ChannelChoice, InputOutput, InterSample, TimeBase};
@@ -297,7 +298,7 @@ fn threads_do_not_change_the_result() {
 fn the_start_of_a_long_record_is_told_from_part_of_its_samples() {
     let rate = 4000.0;
     let u: Vec<f64> = (0..12_000).map(|k| 5.0 + 5.0 * (TAU * k as f64 / rate).sin()).collect();
-    for start in [Start::Settled { period_samples: 4000 }, Start::Rest { voltage_v: 0.0 }] {
+    for start in [Start::settled(4000), Start::Rest { voltage_v: 0.0 }] {
         let y = truth(Dynamics::None, 0.0).simulate(&u, Some(rate), &start).unwrap();
         let options = Options {
             dynamics: DynamicsChoice::None,

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use hysteron_io::write_csv;
+use hysteron_model::Start;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::dynamics::DynamicsError;
-use hysteron_model::hammerstein::{SimulationError, Start};
+use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::invert::{
-    BANDWIDTH_SHARE, Before, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
+    BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
 use hysteron_model::model::InverseSummary;
 use hysteron_model::model::{Capability, SignalRole};
@@ -143,12 +144,12 @@ impl Invert {
             error_at_bandwidth: ERROR_AT_BANDWIDTH,
             range_v,
             slew_v_per_s: self.slew.unwrap_or(f64::INFINITY),
-            before: if self.periodic {
-                Before::Periodic
-            } else {
-                let switched_on = (range_v[0]..=range_v[1]).contains(&0.0).then_some(0.0);
-                Before::Rest { voltage_v: self.rest_voltage, virgin_v: self.virgin_voltage.or(switched_on) }
+            start: match self.rest_voltage {
+                _ if self.periodic => Start::PERIODIC,
+                Some(voltage_v) => Start::Rest { voltage_v },
+                None => Start::AsIdentified,
             },
+            virgin_v: self.virgin_voltage.or((range_v[0]..=range_v[1]).contains(&0.0).then_some(0.0)),
         };
         self.remark_fast(&model, &reference.samples, sample_rate_hz);
         let found = match &self.learn_from {
@@ -246,7 +247,7 @@ impl Invert {
 
     /// Half of the 95 % band at its widest; `None` where the file does not hold what it takes.
     fn band(&self, model: &LoadedModel, found: &InverseDrive, sample_rate_hz: f64) -> Option<f64> {
-        let start = found.rest.unwrap_or(Start::Settled { period_samples: found.drive.len() });
+        let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
         model.file().correlation.as_ref()?;
         let band = model.band(&self.reference_file, &found.drive, Some(sample_rate_hz), &start).ok()?;
         Some(band.of_output().into_iter().fold(0.0, f64::max))

@@ -11,6 +11,7 @@ mod adapt;
 mod advice;
 mod article;
 mod axes;
+mod choices;
 mod columns;
 mod compare;
 mod completions;

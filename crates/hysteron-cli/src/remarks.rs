@@ -71,7 +71,7 @@ fn text(model: &Model, remark: &Remark) -> Option<String> {
 /// A start of a model that knows no rest voltage.
 fn from_rest_or_settled(start: &Start) -> String {
     match start {
-        Start::Settled { period_samples } => format!("settled on a period of {period_samples} samples"),
+        settled @ Start::Settled { .. } => settled.in_words("", ""),
         _ => "from rest".to_owned(),
     }
 }

@@ -38,7 +38,7 @@ impl StartFlags {
                     .because("the record has no uniform sample rate, so its period has no number of samples")
                     .hint("give the sample rate with --sample-rate HZ"));
             };
-            return Ok(Start::Settled { period_samples: (period_s * sample_rate_hz).round() as usize });
+            return Ok(Start::settled((period_s * sample_rate_hz).round() as usize));
         }
         Ok(self.rest_voltage.map_or(Start::AsIdentified, |voltage_v| Start::Rest { voltage_v }))
     }

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use hysteron_io::write_csv;
 use hysteron_model::compensator::CompensatorError;
@@ -15,6 +14,7 @@ use hysteron_numeric::display::short;
 use hysteron_report::tracking as report;
 use hysteron_rig::{Dac, RigStage, Truth};
 
+use crate::choices::one_of;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -59,7 +59,7 @@ pub struct Track {
     seed: u64,
 
     /// Controller to play (repeatable) [default: all]
-    #[arg(long = "controller", value_parser = controller())]
+    #[arg(long = "controller", value_parser = one_of(Controller::ALL, Controller::name, Controller::summary))]
     controllers: Vec<Controller>,
 
     /// Samples of the reference known ahead, for the controllers that are given some [default: as many as make a difference]
@@ -135,11 +135,6 @@ enum PlantArg {
 
 fn factor(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|x| *x > 1.0).ok_or_else(|| "expected a number above 1".into())
-}
-
-fn controller() -> impl TypedValueParser<Value = Controller> {
-    let value = |c: Controller| PossibleValue::new(c.name()).help(c.summary());
-    PossibleValuesParser::new(Controller::ALL.map(value)).try_map(|name| name.parse::<Controller>())
 }
 
 impl Track {

@@ -1,6 +1,7 @@
 //! Golden vectors: what the library puts out along a drive that goes everywhere.
 
-use hysteron_model::hysteresis::{DriveGrid, Origin};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::DriveGrid;
 use hysteron_model::realise::{LinearRealisation, RuntimeParts, sweep};
 use hysteron_rt::{Model, ModelError, Real};
 
@@ -162,7 +163,7 @@ fn added_up(subject: &Subject, voltages: &[f64]) -> Result<f64, ExportError> {
     let grid = DriveGrid { factor: 1, interval_s: Some(1.0 / subject.realisation.sample_rate_hz) };
     model
         .hysteresis
-        .simulate_every(grid, voltages, Origin::Virgin { rest }, &mut v)
+        .simulate_every(grid, voltages, Start::Rest { voltage_v: rest }, &mut v)
         .map_err(|e| ExportError::Realise(e.into()))?;
     let polynomial = model.hysteresis.polynomial();
     let (mut line, mut memory) = (0.0_f64, 0.0_f64);

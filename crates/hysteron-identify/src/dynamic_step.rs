@@ -7,10 +7,11 @@ use super::options::{Choice, DynamicsChoice, Options};
 use super::shown::shown;
 use super::static_step::OFFSET;
 use super::{IdentifyError, RecordFacts};
+use hysteron_model::Start;
 use hysteron_model::dynamics::delay::delay_in_place;
 use hysteron_model::dynamics::{Dynamics, TransferFunction};
-use hysteron_model::hammerstein::{Start, extend};
-use hysteron_model::hysteresis::{self, BoucWen};
+use hysteron_model::hammerstein::extend;
+use hysteron_model::hysteresis::BoucWen;
 use hysteron_optimize::{Bounds, OptimizeError, Problem, Range};
 
 /// Longest delay searched, in samples at least and as a share of the fastest period in the data at least.
@@ -47,7 +48,7 @@ pub(super) fn hysteresis_outputs<'a>(
             let (extended, prologue, rest_voltage_v) = extend(start, &facts.data.u)?;
             let mut v = vec![0.0; extended.len()];
             operator
-                .simulate(&extended, hysteresis::Start::Rest { u: rest_voltage_v }, &mut v)
+                .simulate(&extended, Start::Rest { voltage_v: rest_voltage_v }, &mut v)
                 .map_err(hysteron_model::hammerstein::SimulationError::from)?;
             Ok(HysteresisOutput { facts, v, rest: operator.polynomial_at(rest_voltage_v), prologue, rate_hz })
         })

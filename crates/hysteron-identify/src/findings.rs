@@ -9,8 +9,8 @@ use super::result::{Identification, RecordFit};
 use super::{Finding, FindingKind};
 use super::{IdentifyError, RecordFacts, identifiability};
 use hysteron_model::Advice;
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
-use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
 use hysteron_model::record::{LoopSense, implausible_units, loop_shape, range_of, turning_points};
 use hysteron_numeric::Complex64;
@@ -441,7 +441,7 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
                 fit.data.u_unit,
                 memory.in_words(&short(memory.value()), &fit.data.u_unit.to_string(), &unit.to_string())
             ),
-            Start::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
+            settled @ Start::Settled { .. } => settled.in_words("", ""),
         };
         let role = match fit.role {
             RecordRole::QuasiStatic => "quasi-static",

@@ -312,7 +312,7 @@ fn modes_fit(
         let whole =
             |fit: &&modes::ModesRecordFit| fit.record == record.label() && fit.period_samples == record.len();
         match found.records.iter().find(whole) {
-            Some(fit) => Start::Settled { period_samples: fit.period_samples },
+            Some(fit) => Start::settled(fit.period_samples),
             None => Start::AsIdentified,
         }
     };

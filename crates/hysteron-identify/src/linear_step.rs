@@ -37,7 +37,7 @@ impl LinearStep {
         delay_s: f64,
         options: &Options,
     ) -> Result<Self, IdentifyError> {
-        let wanted = options.dynamics.name();
+        let wanted = options.dynamics.in_words();
         let refuse = |because: String| IdentifyError::NoDynamicInformation { wanted, because };
         let rate_hz = outputs.first().map_or(1.0, HysteresisOutput::rate_hz);
         if outputs.iter().any(|o| (o.rate_hz() / rate_hz - 1.0).abs() > 1e-9) {

@@ -39,7 +39,28 @@ pub enum Method {
     TwoStep,
 }
 
-/// What happened before the records of a joint fit.
+impl Method {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Joint, Self::TwoStep];
+
+    /// Name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Joint => "joint",
+            Self::TwoStep => "two-step",
+        }
+    }
+
+    /// What it does, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Joint => "All records, both blocks, delay and initial states in one fit",
+            Self::TwoStep => "The article's way: hysteresis from slow records, then dynamics from the others",
+        }
+    }
+}
+
+/// How the start of its records enters a fit ([`hysteron_model::Start`] is what comes out).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Initial {
@@ -54,6 +75,33 @@ pub enum Initial {
     Zero,
     /// As `Rest`, with motion left over from before, fitted as responses to two impulses and a step at the first sample.
     Free,
+}
+
+impl Initial {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Auto, Self::Rest, Self::Periodic, Self::Zero, Self::Free];
+
+    /// Name, as in model files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Rest => "rest",
+            Self::Periodic => "periodic",
+            Self::Zero => "zero",
+            Self::Free => "free",
+        }
+    }
+
+    /// What it says, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Auto => "Rest, judged by the record",
+            Self::Rest => "Rest at the first sample, with an unknown hysteresis memory",
+            Self::Periodic => "The record is a steady state that repeats",
+            Self::Zero => "Rest at 0 V without memory",
+            Self::Free => "Rest, with motion left over from before",
+        }
+    }
 }
 
 /// Dynamic block asked for.
@@ -86,13 +134,62 @@ pub enum DynamicsChoice {
 }
 
 impl DynamicsChoice {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Auto,
+        Self::None,
+        Self::Integer,
+        Self::Modes,
+        Self::Arx,
+        Self::OutputError,
+        Self::BoxJenkins,
+        Self::Srivc,
+        Self::Fractional,
+        Self::FractionalFreeLowest,
+        Self::TwoFractional,
+    ];
+
+    /// Name to choose it by.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::None => "none",
+            Self::Integer => "integer",
+            Self::Modes => "modes",
+            Self::Arx => "arx",
+            Self::OutputError => "oe",
+            Self::BoxJenkins => "bj",
+            Self::Srivc => "srivc",
+            Self::Fractional => "fractional",
+            Self::FractionalFreeLowest => "fractional-free-lowest",
+            Self::TwoFractional => "two-fractional",
+        }
+    }
+
+    /// What it is, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Auto => "What the records support",
+            Self::None => "Static model",
+            Self::Integer => "Whole orders: pairs of poles and, for an odd order, a lag in series",
+            Self::Modes => "Resonances in parallel and, for an odd order, a lag behind them",
+            Self::Arx => "Equation error, sampled (two steps)",
+            Self::OutputError => "Output error B/F, sampled (two steps)",
+            Self::BoxJenkins => "Box–Jenkins: output error B/F with a noise model C/D, sampled (two steps)",
+            Self::Srivc => "B(s)/A(s) in continuous time by refined instrumental variables (two steps)",
+            Self::Fractional => "b / (s^a2 + c1 s^a1 + c0)",
+            Self::FractionalFreeLowest => "b / (s^a2 + c1 s^a1 + c0 s^a0)",
+            Self::TwoFractional => "Two fractional modes in parallel",
+        }
+    }
+
     /// Whether the block is a regression of the displacement on the output of an identified hysteresis block.
     pub fn takes_two_steps(self) -> bool {
         matches!(self, Self::Arx | Self::OutputError | Self::BoxJenkins | Self::Srivc)
     }
 
     /// What it is called in messages.
-    pub fn name(self) -> &'static str {
+    pub fn in_words(self) -> &'static str {
         match self {
             Self::Auto => "automatic",
             Self::None => "static",

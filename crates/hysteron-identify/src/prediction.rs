@@ -9,7 +9,8 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::joint::PredictionBand;
-use hysteron_model::hammerstein::{Model, SimulationError, Start};
+use hysteron_model::Start;
+use hysteron_model::hammerstein::{Model, SimulationError};
 use hysteron_model::model_file::{ModelFile, ModelFileError, number_mut};
 
 /// Step of the differences, in standard deviations along d_k: their error is a millionth of what is not linear.

@@ -5,7 +5,8 @@ use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand, Smoo
 use super::options::{Method, RecordRole};
 use super::searches::Searches;
 use hysteron_model::Finding;
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::Start;
+use hysteron_model::hammerstein::Model;
 use hysteron_model::model::{Score, Simulation};
 use hysteron_model::model_file::{HysteresisKind, ModelFile, typographic};
 use hysteron_model::record::{InputOutput, Unit};

@@ -5,7 +5,7 @@ use super::options::{Choice, Options};
 use super::static_problem::{StaticProblem, StaticWorkspace};
 use super::static_step::{Scales, Setup, Shift, prepare};
 use super::{IdentifyError, RecordFacts};
-use hysteron_model::hammerstein::Start;
+use hysteron_model::Start;
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_model::record::InputOutput;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem};

@@ -9,9 +9,10 @@
 
 use super::layout::Role;
 use super::projection::Projection;
+use hysteron_model::Start;
 use hysteron_model::dynamics::Scheme;
 use hysteron_model::dynamics::delay::delay_in_place;
-use hysteron_model::hysteresis::{BoucWen, Start, UnitShape};
+use hysteron_model::hysteresis::{BoucWen, UnitShape};
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
 
 /// One record prepared for the static step.
@@ -208,7 +209,7 @@ impl StaticProblem {
         let mut at = 0;
         for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
             let signal = &mut zeta[..record.input.len()];
-            let start = Start::Rest { u: record.rest_voltage_v };
+            let start = Start::Rest { voltage_v: record.rest_voltage_v };
             if shape.unit.simulate_every(1, &record.input, start, signal).is_err() {
                 return false;
             }
@@ -282,7 +283,10 @@ impl StaticProblem {
 /// Output of `record` by the solution, without offset and creep.
 pub(super) fn simulate(record: &StaticRecord, solution: &StaticSolution) -> Option<Vec<f64>> {
     let mut v = vec![0.0; record.input.len()];
-    solution.hysteresis.simulate(&record.input, Start::Rest { u: record.rest_voltage_v }, &mut v).ok()?;
+    solution
+        .hysteresis
+        .simulate(&record.input, Start::Rest { voltage_v: record.rest_voltage_v }, &mut v)
+        .ok()?;
     let rest = solution.hysteresis.polynomial_at(record.rest_voltage_v);
     if let Some(rate) = record.sample_rate_hz {
         delay_in_place(&mut v, solution.delay_s * rate, rest);

@@ -7,8 +7,9 @@ use super::shown::shown;
 use super::static_problem::{StaticLayout, StaticProblem, StaticRecord, StaticSolution};
 use super::uncertainty::correlation_time;
 use super::{IdentifyError, RecordFacts};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme};
-use hysteron_model::hammerstein::{Start, extend};
+use hysteron_model::hammerstein::extend;
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::polynomial_name;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, OptimizeError, Problem, Range};
@@ -172,7 +173,7 @@ pub(super) fn choose_start(
         candidates.push(Start::Rest { voltage_v: 0.0 });
     }
     if let Some(period_samples) = facts.period_samples() {
-        candidates.push(Start::Settled { period_samples });
+        candidates.push(Start::settled(period_samples));
     }
     let mut best = (f64::INFINITY, candidates[0]);
     for (index, &start) in candidates.iter().enumerate() {

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
-use hysteron_model::hammerstein::Start;
 use hysteron_model::model_file::{
-    Maker, ModelFile, Normalisation, Provenance, Quantity, RecordEntry, RecordRole as RoleEntry, ScoreEntry,
-    ScoreRole, SignalUnits, StartEntry, StartKind, ValidRange,
+    Maker, ModelFile, Normalisation, Provenance, RecordEntry, RecordRole as RoleEntry, ScoreEntry, ScoreRole,
+    SignalUnits, ValidRange,
 };
 
-use crate::{Choice, DynamicsChoice, Identification, Initial, Method, Options, RecordFit, RecordRole};
+use crate::{Choice, DynamicsChoice, Identification, Method, Options, RecordFit, RecordRole};
 
 impl Identification {
     /// The model as data: numbers with standard errors, range, how it was made with these `options`, scores.
@@ -35,7 +35,7 @@ fn model_file(found: &Identification, options: &Options, maker: &Maker) -> Model
         };
     }
     if let Some(record) = found.records.first() {
-        file.start = start(record, &input);
+        file.set_start(start(record));
     }
     file.valid_range = Some(valid_range(found, &input));
     file.provenance = Some(provenance(found, options, maker));
@@ -81,15 +81,14 @@ fn coefficient(name: &str) -> Option<String> {
 }
 
 /// What the device did before the first record; a rest at that record's own first sample is each record's own.
-fn start(record: &RecordFit, unit: &str) -> StartEntry {
+fn start(record: &RecordFit) -> Start {
     match record.start {
-        Start::Settled { .. } => StartEntry { kind: StartKind::Settled, voltage: None },
-        Start::AsIdentified => StartEntry::default(),
-        Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
-            let own = record.data.u.first() == Some(&voltage_v);
-            let unit = if unit.is_empty() { "1" } else { unit };
-            StartEntry { kind: StartKind::Rest, voltage: (!own).then(|| Quantity::new(voltage_v, unit)) }
+        Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. }
+            if record.data.u.first() == Some(&voltage_v) =>
+        {
+            Start::AsIdentified
         }
+        other => other,
     }
 }
 
@@ -132,10 +131,10 @@ fn provenance(found: &Identification, options: &Options, maker: &Maker) -> Prove
         ("inter-sample".to_owned(), found.model.inter_sample.name().to_owned()),
     ]);
     if options.dynamics.takes_two_steps() {
-        named.insert("dynamics".into(), options.dynamics.name().into());
+        named.insert("dynamics".into(), options.dynamics.in_words().into());
     }
     if found.method == Method::Joint {
-        named.insert("initial".into(), initial(options.initial).into());
+        named.insert("initial".into(), options.initial.name().into());
         named.insert("creep".into(), creep(found).name().into());
         named.insert("drift".into(), if options.drift { "yes".into() } else { "no".into() });
     }
@@ -156,14 +155,4 @@ fn provenance(found: &Identification, options: &Options, maker: &Maker) -> Prove
         RecordEntry::of(&r.data, role)
     };
     Provenance::new(maker, found.records.iter().map(entry).collect(), named, Some(options.seed))
-}
-
-fn initial(initial: Initial) -> &'static str {
-    match initial {
-        Initial::Auto => "auto",
-        Initial::Rest => "rest",
-        Initial::Periodic => "periodic",
-        Initial::Zero => "zero",
-        Initial::Free => "free",
-    }
 }

@@ -6,10 +6,11 @@
 use hysteron_identify::{
     CampaignRecord, Choice, DynamicsChoice, Identification, Options, RecordRole, Watch, identify,
 };
+use hysteron_model::Start;
 use hysteron_model::dynamics::{
     Creep, DynamicForm, Dynamics, Modes, Scheme, Term, TransferFunction, stability,
 };
-use hysteron_model::hysteresis::{BoucWen, Start};
+use hysteron_model::hysteresis::BoucWen;
 use hysteron_model::model_file::{Document, ModelFile, SignalUnits, read};
 use hysteron_model::record::{ChannelChoice, InputOutput, TimeBase};
 use hysteron_numeric::Complex64;
@@ -226,7 +227,7 @@ fn logarithmic_creep_is_recovered_from_its_own_equation() {
     let mut record = |u: &dyn Fn(f64) -> f64, seconds: f64, role| {
         let u: Vec<f64> = (0..(seconds * rate_hz) as usize).map(|k| u(k as f64 / rate_hz)).collect();
         let mut v = vec![0.0; u.len()];
-        operator.simulate(&u, Start::Rest { u: 0.0 }, &mut v).unwrap();
+        operator.simulate(&u, Start::Rest { voltage_v: 0.0 }, &mut v).unwrap();
         // A sum of twelve has variance 1.
         let mut noise = || (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>() * NOISE_UM;
         let y = after_logarithmic_creep(&v, rate_hz, per_decade, start);

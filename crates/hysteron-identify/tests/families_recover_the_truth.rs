@@ -5,8 +5,9 @@
 use hysteron_identify::{
     CampaignRecord, Choice, DynamicsChoice, Identification, Options, RecordRole, Watch, identify,
 };
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{Family, FamilyForm, Hysteresis, HysteresisForm};
 use hysteron_model::record::{ChannelChoice, InputOutput, InterSample, TimeBase};
 use hysteron_model::validate::{Scoring, choose_start, score};

@@ -7,7 +7,7 @@ use hysteron_identify::{
     CampaignRecord, Choice, Demands, DynamicsChoice, Identification, JointObjective, Options, PredictionBand,
     RecordRole, Watch, identify,
 };
-use hysteron_model::hammerstein::Start;
+use hysteron_model::Start;
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::{Document, ModelFile, SignalUnits, read};
 use hysteron_model::record::{ChannelChoice, InputOutput};

@@ -14,10 +14,11 @@ use hysteron_model::dynamics::{
 };
 
 use hysteron_identify::online::{Adapter, Estimator, Row};
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{
-    ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, DeadZonePlays, Duhem, GeneralisedPlays,
-    JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip, PlayStart, Plays, PrandtlIshlinskii, Preisach,
-    RateDependentPlays, Sensitivities, SongDerKiureghian, Start, UnitShape,
+    ColumnKernel, ColumnSensitivities, Dahl, DeadZonePlays, Duhem, GeneralisedPlays, JilesAtherton,
+    KrasnoselskiiPokrovskii, MaxwellSlip, Plays, PrandtlIshlinskii, Preisach, RateDependentPlays,
+    Sensitivities, SongDerKiureghian, UnitShape,
 };
 use hysteron_rt::{FitMonitor, MonitorSettings, Rls, RlsSettings, Unexcited};
 
@@ -97,7 +98,7 @@ fn a_hysteresis_pass_allocates_nothing() {
     let mut zeta = vec![0.0; 500];
     for n in [1.0, 1.5, 2.0] {
         let shape = UnitShape { beta: 0.2, gamma: 0.1, n };
-        for start in [Start::Rest { u: 0.0 }, Start::Periodic] {
+        for start in [Start::Rest { voltage_v: 0.0 }, Start::PERIODIC] {
             for exponent in [false, true] {
                 let mut out = Sensitivities::default();
                 shape.simulate_with_sensitivities(2, &u, start, exponent, &mut out).unwrap();
@@ -117,10 +118,11 @@ fn a_pass_of_plays_and_its_inverse_allocate_nothing() {
     let (mut v, mut back, mut plays) = (vec![0.0; 1_000], vec![0.0; 1_000], vec![0.0; 3]);
     let model = PrandtlIshlinskii::new(vec![1.0, 0.02], vec![0.5, 1.0, 2.0], vec![0.4, 0.3, -0.2]).unwrap();
     let inverse = model.step_inverse([-6.0, 6.0]).unwrap();
-    for start in [PlayStart::Rest { u: 0.0 }, PlayStart::Periodic, PlayStart::State] {
+    for start in [Start::Rest { voltage_v: 0.0 }, Start::PERIODIC] {
         let count = allocations(|| {
             model.simulate_every(2, &u, start, &mut plays, &mut v[..500]).unwrap();
-            model.simulate(&u, PlayStart::Rest { u: 0.0 }, &mut plays, &mut v).unwrap();
+            model.resume(&u, &mut plays, &mut v).unwrap();
+            model.simulate(&u, Start::Rest { voltage_v: 0.0 }, &mut plays, &mut v).unwrap();
             plays.fill(0.0);
             inverse.follow(&v, &mut plays, &mut back).unwrap();
         });
@@ -176,11 +178,11 @@ fn of_family<K: ColumnKernel>(kernel: &K, shape: &[f64], samples: u32) -> usize 
     let u: Vec<f64> = (0..samples).map(|k| 4.0 * (3.0 * phase(k)).sin() + (7.0 * phase(k)).sin()).collect();
     let mut out = vec![0.0; kernel.columns() * u.len()];
     let mut all = ColumnSensitivities::default();
-    let start = ColumnStart::Virgin { u: 0.0 };
+    let start = Start::Rest { voltage_v: 0.0 };
     kernel.simulate_with_sensitivities(shape, 1, &u, start, &mut all).unwrap();
     allocations(|| {
         kernel.simulate_every(shape, 1, &u, start, &mut out).unwrap();
-        kernel.simulate_every(shape, 1, &u, ColumnStart::Periodic, &mut out).unwrap();
+        kernel.simulate_every(shape, 1, &u, Start::PERIODIC, &mut out).unwrap();
         kernel.simulate_with_sensitivities(shape, 1, &u, start, &mut all).unwrap();
     })
 }

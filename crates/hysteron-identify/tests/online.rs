@@ -3,8 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test may fail
 use hysteron_identify::online::{Adapter, Correction, CorrectionError, Estimator, Regressors, Row, Term};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term as Power, TransferFunction};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::record::{InputOutput, InterSample, TimeBase};
 use hysteron_rig::excitation::Excitation;
@@ -245,7 +246,7 @@ fn regressors_are_exact_changes_of_the_model() {
     let base = Model { offset: -3.0, ..model() };
     let terms = [Term::Offset, Term::Gain, Term::Power(1), Term::Power(3)];
     let correction = Correction::new(base.clone(), terms).unwrap();
-    for start in [REST, Start::Rest { voltage_v: 4.0 }, Start::Settled { period_samples: 91 }] {
+    for start in [REST, Start::Rest { voltage_v: 4.0 }, Start::settled(91)] {
         let regressors = correction.regressors(&u, Some(RATE_HZ), &start).unwrap();
         for parameters in [correction.nominal(), [2.0, 1.3, 0.4, -0.002]] {
             let model = correction.corrected(&parameters).unwrap();

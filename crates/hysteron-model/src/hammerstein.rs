@@ -6,11 +6,10 @@
 
 use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
-use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, Origin, RecordEnds, polygon_of_means};
+use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, RecordEnds, polygon_of_means};
 use crate::record::InterSample;
+use crate::start::Start;
 use std::borrow::Cow;
-
-pub use crate::start::Start;
 
 /// A Hammerstein model: all that is needed to predict a displacement from a drive voltage.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,6 +89,7 @@ pub fn extend<'a>(start: &Start, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize,
             Ok((Cow::Borrowed(u), 0, voltage_v))
         }
         Start::Settled { period_samples } => {
+            let period_samples = period_samples.unwrap_or(u.len());
             let period = u.get(..period_samples).filter(|_| period_samples >= 2);
             let Some(period) = period else {
                 return Err(SimulationError::Period { samples: u.len(), period_samples });
@@ -145,8 +145,8 @@ impl Model {
         let samples = ((u.len().max(1) - 1) as f64 / ratio).ceil() as usize + 1;
         let drive: Vec<f64> = (0..samples).map(|k| between(u, k as f64 * ratio)).collect();
         let start = match *start {
-            Start::Settled { period_samples } => {
-                Start::Settled { period_samples: (period_samples as f64 / ratio).round() as usize }
+            Start::Settled { period_samples: Some(samples) } => {
+                Start::settled((samples as f64 / ratio).round() as usize)
             }
             rest => rest,
         };
@@ -179,12 +179,14 @@ impl Model {
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
         let mut v = vec![0.0; extended.len()];
         let operator = &self.hysteresis;
-        let memory = match *start {
-            Start::Remembering { memory, .. } => Some(operator.own_memory(memory)?),
-            _ => None,
+        // What ran before is in the drive.
+        let (memory, origin) = match *start {
+            Start::Remembering { voltage_v, memory } => {
+                let memory = operator.own_memory(memory)?;
+                (Some(memory), Start::Remembering { voltage_v, memory })
+            }
+            _ => (None, Start::Rest { voltage_v: rest_voltage_v }),
         };
-        let rest = rest_voltage_v;
-        let origin = memory.map_or(Origin::Virgin { rest }, |memory| Origin::Remembering { rest, memory });
         let filtered = matches!(self.dynamics, Dynamics::Integer(_) | Dynamics::Fractional(_));
         if extended.len() > 1 && filtered && joins_means(self.scheme, self.inter_sample) {
             let drive = self.inter_sample.upsample(&extended, 2, RecordEnds::Open)?;
@@ -197,7 +199,7 @@ impl Model {
         } else {
             operator.simulate_every(grid(1, 1), &extended, origin, &mut v)?;
         }
-        Ok((v, prologue, operator.at_rest(rest, memory)))
+        Ok((v, prologue, operator.at_rest(rest_voltage_v, memory)))
     }
 
     #[doc(hidden)]

@@ -16,9 +16,10 @@ use crate::dynamics::{
     Dynamics, DynamicsError, InitialCondition, InterSample, Inverse, InverseAim, Response, Sampling, Scheme,
     SimulationPlan, Term, TransferFunction,
 };
-use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError, Start};
-use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError, Origin};
+use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError};
+use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError};
 use crate::realise::RealiseError;
+use crate::start::{Memory, Start};
 use hysteron_numeric::display::short;
 
 /// Share of the reference that is missing at the bandwidth, where nobody says otherwise.
@@ -33,20 +34,6 @@ const FIRST_CYCLES: f64 = 2.0;
 /// Parts of the range in which a fall of the output is looked for.
 const LOOKED_AT: usize = 256;
 
-/// What the device does before the reference begins.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Before {
-    /// It rests, having been driven there without turning from a voltage at which it was free of hysteresis memory.
-    Rest {
-        /// Where it rests \[V\]; `None`: where it gives the first value of the reference.
-        voltage_v: Option<f64>,
-        /// Where it was virgin \[V\]; `None`: where it rests.
-        virgin_v: Option<f64>,
-    },
-    /// It has been following the reference, which repeats, for a long time; the reference is a whole number of periods.
-    Periodic,
-}
-
 /// How a reference is to be followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InverseOptions {
@@ -58,8 +45,12 @@ pub struct InverseOptions {
     pub range_v: [f64; 2],
     /// Largest rate of the drive \[V/s\]; infinite for none.
     pub slew_v_per_s: f64,
-    /// What the device does before.
-    pub before: Before,
+    /// What the device does before. [`Start::AsIdentified`]: it rests where it gives the first value of the reference;
+    /// [`Start::Settled`]: it has been following the reference, a whole number of periods, for long.
+    pub start: Start,
+    /// Voltage \[V\] at which it was free of hysteresis memory and from which it was driven, without turning, to where it rests;
+    /// `None`: where it rests.
+    pub virgin_v: Option<f64>,
 }
 
 impl InverseOptions {
@@ -70,7 +61,8 @@ impl InverseOptions {
             error_at_bandwidth: ERROR_AT_BANDWIDTH,
             range_v,
             slew_v_per_s: f64::INFINITY,
-            before: Before::Rest { voltage_v: None, virgin_v: None },
+            start: Start::AsIdentified,
+            virgin_v: None,
         }
     }
 }
@@ -186,6 +178,19 @@ pub enum InversionError {
         "a reference that repeats is followed as a whole: one sample at a time it has no steady state to begin in"
     )]
     Repeats,
+    /// The reference is not a whole number of the periods it is said to repeat with.
+    #[error("the reference has {samples} samples: not a whole number of periods of {period_samples} samples")]
+    Period {
+        /// Samples of the reference.
+        samples: usize,
+        /// Samples of the period.
+        period_samples: usize,
+    },
+    /// A hysteretic displacement was given where the voltage at which the device was virgin is needed.
+    #[error(
+        "one sample at a time the device begins where it was virgin: give that voltage, not its hysteretic displacement"
+    )]
+    Displacement,
     /// There is no compensator.
     #[error(transparent)]
     Compensator(#[from] CompensatorError),
@@ -251,9 +256,9 @@ impl Model {
         let mut wanted = vec![0.0; samples];
         let rest = task.rest_v;
         let origin = match task.memory {
-            _ if task.periodic => Origin::Periodic,
-            Some(memory) => Origin::Remembering { rest, memory },
-            None => Origin::Virgin { rest },
+            _ if task.periodic => Start::PERIODIC,
+            Some(memory) => Start::Remembering { voltage_v: rest, memory },
+            None => Start::Rest { voltage_v: rest },
         };
         let grid = DriveGrid::new(Some(sample_rate_hz), 1, 1);
         self.hysteresis.simulate_every(grid, last.drive, origin, &mut wanted)?;
@@ -307,7 +312,7 @@ impl Model {
 
 impl Compensation {
     /// The drive along `reference` \[µm\], made one sample at a time: what the law previews is known ahead, what lies beyond is not looked at; after its
-    /// end the reference stays where it is. Of `options` the limits and what was before count; bandwidth and error are the law's.
+    /// end the reference stays where it is. Of `options` the limits and the start count; bandwidth and error are the law's.
     ///
     /// # Errors
     /// [`InversionError`]; a reference that repeats is refused, for its steady state belongs to the whole of it.
@@ -316,7 +321,12 @@ impl Compensation {
         reference: &[f64],
         options: &InverseOptions,
     ) -> Result<InverseDrive, InversionError> {
-        let Before::Rest { virgin_v, .. } = options.before else { return Err(InversionError::Repeats) };
+        let virgin_v = match options.start {
+            Start::Settled { .. } => return Err(InversionError::Repeats),
+            Start::Remembering { memory: Memory::VirginAt(virgin_v), .. } => Some(virgin_v),
+            Start::Remembering { .. } => return Err(InversionError::Displacement),
+            Start::AsIdentified | Start::Rest { .. } => options.virgin_v,
+        };
         let task = Task::new(&self.model, reference, self.sample_rate_hz, options)?;
         let mut parts = CompensatorParts::<f64>::new(self, options.range_v, options.slew_v_per_s)?;
         let mut compensator = parts.compensator()?;
@@ -381,16 +391,20 @@ impl<'a> Task<'a> {
         if !(low < high && (high - low).is_finite()) {
             return Err(HysteresisError::Range { low, high }.into());
         }
-        let periodic = options.before == Before::Periodic;
-        let rest_v = match options.before {
-            Before::Rest { voltage_v: Some(voltage_v), .. } => voltage_v,
-            Before::Rest { voltage_v: None, virgin_v } => {
-                model.rest_for(reference[0], virgin_v, options.range_v)?
+        let periodic = matches!(options.start, Start::Settled { .. });
+        let rest_v = match options.start {
+            Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => voltage_v,
+            Start::AsIdentified => model.rest_for(reference[0], options.virgin_v, options.range_v)?,
+            Start::Settled { period_samples: Some(period_samples) }
+                if period_samples == 0 || !reference.len().is_multiple_of(period_samples) =>
+            {
+                return Err(InversionError::Period { samples: reference.len(), period_samples });
             }
-            Before::Periodic => 0.5 * low + 0.5 * high,
+            Start::Settled { .. } => 0.5 * low + 0.5 * high,
         };
-        let memory = match options.before {
-            Before::Rest { virgin_v: Some(virgin_v), .. } => {
+        let memory = match (options.start, options.virgin_v) {
+            (Start::Remembering { memory, .. }, _) => Some(model.hysteresis.own_memory(memory)?),
+            (Start::AsIdentified | Start::Rest { .. }, Some(virgin_v)) => {
                 Some(model.hysteresis.memory_of_move(virgin_v, rest_v)?)
             }
             _ => None,
@@ -442,7 +456,7 @@ impl<'a> Task<'a> {
         Ok(InverseDrive {
             drive,
             predicted,
-            rest: (!self.periodic).then(|| Start::at_rest(&self.model.hysteresis, self.rest_v, self.memory)),
+            rest: (!self.periodic).then(|| self.model.hysteresis.start_at_rest(self.rest_v, self.memory)),
             at_range,
             at_slew,
             dynamics: self.linear.figures(),
@@ -470,9 +484,9 @@ impl Linear {
         if model.dynamics == Dynamics::None && model.delay_s == 0.0 {
             return Ok(Self(None));
         }
-        let initial = match options.before {
-            Before::Periodic => InitialCondition::Periodic,
-            Before::Rest { .. } => InitialCondition::Zero,
+        let initial = match options.start {
+            Start::Settled { .. } => InitialCondition::Periodic,
+            _ => InitialCondition::Zero,
         };
         let plan = SimulationPlan::new(samples, sample_rate_hz, Scheme::BandLimited, initial)?;
         let mut plant = plan.empty_response(0);

@@ -3,13 +3,13 @@
 use hysteron_numeric::display::short;
 use serde::{Deserialize, Serialize};
 
-use crate::hysteresis::{Hysteresis, Memory};
 use crate::record::Unit;
 
-/// What happened before a record's first sample.
+/// What happened before a record's first sample. `M` is how the memory at rest is given: [`Memory`] for a model, the number in
+/// the operator's own scale for a hysteresis operator, the whole state for an oscillator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
-pub enum Start {
+pub enum Start<M = Memory> {
     /// As the model file assumes ([`crate::Model`]); without one, at rest at the first sample.
     #[default]
     AsIdentified,
@@ -24,25 +24,52 @@ pub enum Start {
     Remembering {
         /// Voltage before the first sample \[V\].
         voltage_v: f64,
-        /// What the hysteresis block remembers there.
-        memory: Memory,
+        /// What the hysteresis remembers there.
+        memory: M,
     },
     /// The record repeats: its first period has been running for long.
     Settled {
-        /// Samples of a period.
-        period_samples: usize,
+        /// Samples of a period; `None`: the record's own, which for a block of a model is the whole record.
+        period_samples: Option<usize>,
     },
 }
 
-impl Start {
-    /// At rest at a voltage \[V\] with a memory in the operator's own scale, virgin where there is none.
-    pub fn at_rest(hysteresis: &Hysteresis, voltage_v: f64, memory: Option<f64>) -> Self {
-        match memory {
-            None => Self::Rest { voltage_v },
-            Some(memory) => Self::Remembering { voltage_v, memory: hysteresis.memory(memory) },
-        }
+/// What a hysteresis operator remembers where a record begins, in one number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Memory {
+    /// Hysteretic displacement z \[µm\], of Bouc–Wen.
+    Displacement(f64),
+    /// Voltage \[V\] at which the device was virgin before it moved, without turning, to where it rested; of every other family.
+    VirginAt(f64),
+}
+
+impl<M> Start<M> {
+    /// The record repeats with its own period.
+    pub const PERIODIC: Self = Self::Settled { period_samples: None };
+
+    /// A period of so many samples has been running for long.
+    pub fn settled(period_samples: usize) -> Self {
+        Self::Settled { period_samples: Some(period_samples) }
     }
 
+    /// The same start with the memory given otherwise.
+    ///
+    /// # Errors
+    /// Those of `memory`.
+    pub fn with_memory<N, E>(self, memory: impl FnOnce(M) -> Result<N, E>) -> Result<Start<N>, E> {
+        Ok(match self {
+            Self::AsIdentified => Start::AsIdentified,
+            Self::Rest { voltage_v } => Start::Rest { voltage_v },
+            Self::Remembering { voltage_v, memory: own } => {
+                Start::Remembering { voltage_v, memory: memory(own)? }
+            }
+            Self::Settled { period_samples } => Start::Settled { period_samples },
+        })
+    }
+}
+
+impl Start {
     /// A start in words, with the units of input and output (header symbols).
     pub fn in_words(&self, input: &str, output: &str) -> String {
         let quantity =
@@ -59,7 +86,10 @@ impl Start {
                     &Unit::new(output).to_string()
                 )
             ),
-            Self::Settled { period_samples } => format!("settled on its period of {period_samples} samples"),
+            Self::Settled { period_samples: Some(samples) } => {
+                format!("settled on its period of {samples} samples")
+            }
+            Self::Settled { period_samples: None } => "settled on its period".to_owned(),
         }
     }
 
@@ -68,6 +98,42 @@ impl Start {
         match *self {
             Self::Rest { voltage_v } | Self::Remembering { voltage_v, .. } => Some(voltage_v),
             Self::Settled { .. } | Self::AsIdentified => None,
+        }
+    }
+}
+
+impl Memory {
+    /// The number.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Displacement(value) | Self::VirginAt(value) => value,
+        }
+    }
+
+    /// In words, the number as it is to read, with the units of input and output.
+    pub fn in_words(self, number: &str, input: &str, output: &str) -> String {
+        let words = match self {
+            Self::Displacement(_) => format!("with the hysteresis memory z = {number} {output}"),
+            Self::VirginAt(_) => format!("with the hysteresis memory of a device virgin at {number} {input}"),
+        };
+        words.trim_end().to_owned()
+    }
+
+    /// The same kind of memory with another number.
+    #[must_use]
+    pub fn with_value(self, value: f64) -> Self {
+        match self {
+            Self::Displacement(_) => Self::Displacement(value),
+            Self::VirginAt(_) => Self::VirginAt(value),
+        }
+    }
+
+    /// That of the operator whose output is `gain` times as large.
+    #[must_use]
+    pub fn scaled(self, gain: f64) -> Self {
+        match self {
+            Self::Displacement(z) => Self::Displacement(gain * z),
+            virgin @ Self::VirginAt(_) => virgin,
         }
     }
 }

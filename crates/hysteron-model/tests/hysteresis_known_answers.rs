@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{
-    Admissibility, BoucWen, BoucWenState, Hysteresis, HysteresisError, InterSample, Origin, RecordEnds,
-    Start, UnitShape,
+    Admissibility, BoucWen, BoucWenState, Hysteresis, HysteresisError, InterSample, RecordEnds, UnitShape,
 };
 use hysteron_model::record::{LoopSense, loop_shape};
 
@@ -24,7 +24,7 @@ fn table_2_gives_the_clockwise_loop_of_spec() {
     // 400 samples a period: samples 100 and 300 are at 5 V.
     let u = sine(400, 3);
     let mut v = vec![0.0; u.len()];
-    table_2().simulate(&u, Start::Rest { u: 0.0 }, &mut v).unwrap();
+    table_2().simulate(&u, Start::Rest { voltage_v: 0.0 }, &mut v).unwrap();
     assert!((v[900] - 11.59).abs() < 0.005, "up {}", v[900]);
     assert!((v[1100] - 8.61).abs() < 0.005, "down {}", v[1100]);
     let (u, v) = (&u[800..], &v[800..]);
@@ -38,7 +38,7 @@ fn table_2_gives_the_clockwise_loop_of_spec() {
 fn euler_error(model: &BoucWen, per_period: usize) -> (f64, f64) {
     let u = sine(per_period, 3);
     let mut v = vec![0.0; u.len()];
-    model.simulate(&u, Start::Rest { u: 0.0 }, &mut v).unwrap();
+    model.simulate(&u, Start::Rest { voltage_v: 0.0 }, &mut v).unwrap();
     let (mut z, mut last, mut sum, mut largest) = (0.0_f64, 0.0, 0.0, 0.0_f64);
     for (k, &u) in u.iter().enumerate() {
         let du = u - last;
@@ -79,7 +79,7 @@ fn matches_the_runge_kutta_oracle_over_a_whole_record() {
     for (alpha, beta, gamma, n) in [(0.6, 0.3, -0.1, 1.0), (0.6, 0.3, 0.2, 2.0), (-0.6, 0.3, -0.2, 1.5)] {
         let model = BoucWen::new(vec![1.0, -0.02, 0.001], alpha, beta, gamma, n).unwrap();
         let mut v = vec![0.0; u.len()];
-        let end = model.simulate(&u, Start::Rest { u: -1.0 }, &mut v).unwrap();
+        let end = model.simulate(&u, Start::Rest { voltage_v: -1.0 }, &mut v).unwrap();
         let (mut z, mut last) = (0.0_f64, -1.0);
         for (&u, &v) in u.iter().zip(&v) {
             let s = f64::signum(u - last);
@@ -105,15 +105,15 @@ fn matches_the_runge_kutta_oracle_over_a_whole_record() {
 fn rest_voltage_is_not_the_first_sample() {
     let model = BoucWen::new(vec![1.0], 0.5, 0.2, 0.05, 1.0).unwrap();
     let mut v = [0.0; 2];
-    model.simulate(&[3.0, 4.0], Start::Rest { u: 3.0 }, &mut v).unwrap();
+    model.simulate(&[3.0, 4.0], Start::Rest { voltage_v: 3.0 }, &mut v).unwrap();
     assert_eq!(v[0], 3.0);
-    model.simulate(&[3.0, 4.0], Start::Rest { u: 0.0 }, &mut v).unwrap();
+    model.simulate(&[3.0, 4.0], Start::Rest { voltage_v: 0.0 }, &mut v).unwrap();
     // z = α/(β + γ) (1 − e^(−(β + γ) u)).
     assert!((v[0] - (3.0 - 2.0 * (1.0 - (-0.75_f64).exp()))).abs() < 1e-15);
     let state = BoucWenState { u: 3.0, z: 0.25 };
-    model.simulate(&[3.0, 4.0], Start::State(state), &mut v).unwrap();
+    model.simulate(&[3.0, 4.0], Start::from(state), &mut v).unwrap();
     assert_eq!(v[0], 2.75);
-    assert_eq!(model.simulate(&[], Start::State(state), &mut []).unwrap(), state);
+    assert_eq!(model.simulate(&[], Start::from(state), &mut []).unwrap(), state);
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn steady_state_of_a_saturated_loop_is_the_closed_form() {
     let u: Vec<f64> = (0..200).map(|k| a * (2.0 * PI * k as f64 / 200.0).cos()).collect();
     let model = BoucWen::new(vec![1.0], alpha, beta, 0.0, 1.0).unwrap();
     let mut v = vec![0.0; 200];
-    model.simulate(&u, Start::Periodic, &mut v).unwrap();
+    model.simulate(&u, Start::PERIODIC, &mut v).unwrap();
     let want = alpha / beta * (beta * a).tanh();
     assert!(
         (u[0] - v[0] - want).abs() < 1e-12 && (u[100] - v[100] + want).abs() < 1e-12,
@@ -133,9 +133,9 @@ fn steady_state_of_a_saturated_loop_is_the_closed_form() {
     assert_eq!(loop_shape(&u, &v).unwrap().sense, Some(LoopSense::CounterClockwise));
     // So weak a contraction that repetition alone would need some 1e5 periods.
     let weak = BoucWen::new(vec![1.0], alpha, 1e-6, 3e-7, 1.5).unwrap();
-    let end = weak.simulate(&u, Start::Periodic, &mut v).unwrap();
+    let end = weak.simulate(&u, Start::PERIODIC, &mut v).unwrap();
     let mut again = vec![0.0; 200];
-    weak.simulate(&u, Start::State(end), &mut again).unwrap();
+    weak.simulate(&u, Start::from(end), &mut again).unwrap();
     assert!(v.iter().zip(&again).all(|(a, b)| (a - b).abs() < 1e-12));
 }
 
@@ -143,9 +143,9 @@ fn steady_state_of_a_saturated_loop_is_the_closed_form() {
 fn a_drive_without_hysteresis_or_without_samples_is_no_special_case() {
     let line = BoucWen::new(vec![2.0], 0.0, 0.1, 0.0, 1.0).unwrap();
     let mut v = [0.0; 3];
-    line.simulate(&[1.0, 2.0, 0.5], Start::Periodic, &mut v).unwrap();
+    line.simulate(&[1.0, 2.0, 0.5], Start::PERIODIC, &mut v).unwrap();
     assert_eq!(v, [2.0, 4.0, 1.0]);
-    assert!(line.simulate(&[], Start::Periodic, &mut []).is_ok());
+    assert!(line.simulate(&[], Start::PERIODIC, &mut []).is_ok());
 }
 
 #[test]
@@ -157,8 +157,8 @@ fn unit_form_and_article_form_convert_both_ways() {
         assert!((back.beta - 0.3).abs() < 1e-15 && (back.gamma - 0.12).abs() < 1e-15);
         let u = sine(50, 2);
         let (mut v, mut zeta) = (vec![0.0; 100], vec![0.0; 100]);
-        model.simulate(&u, Start::Rest { u: 1.0 }, &mut v).unwrap();
-        shape.simulate_every(1, &u, Start::Rest { u: 1.0 }, &mut zeta).unwrap();
+        model.simulate(&u, Start::Rest { voltage_v: 1.0 }, &mut v).unwrap();
+        shape.simulate_every(1, &u, Start::Rest { voltage_v: 1.0 }, &mut zeta).unwrap();
         for ((&u, v), zeta) in u.iter().zip(v).zip(zeta) {
             assert!((v - (u + 0.1 * u * u - alpha * zeta)).abs() < 1e-13);
         }
@@ -197,7 +197,7 @@ fn errors_carry_the_numbers() {
         Err(HysteresisError::Parameter { name: "beta", .. })
     ));
     let model = new(&[1.0], 1.0).unwrap();
-    let rest = Start::Rest { u: 0.0 };
+    let rest = Start::Rest { voltage_v: 0.0 };
     assert_eq!(
         model.simulate(&[1.0, 2.0], rest, &mut [0.0]),
         Err(HysteresisError::Lengths { expected: 2, found: 1 })
@@ -268,11 +268,11 @@ fn band_limited_drive_finds_the_turning_points_between_samples() {
         (0..per_period).map(|k| 5.0 * (2.0 * PI * k as f64 / per_period as f64 + 0.2).cos()).collect()
     };
     let mut truth = vec![0.0; 7000];
-    model.simulate(&drive(7000), Origin::Periodic, &mut truth).unwrap();
+    model.simulate(&drive(7000), Start::PERIODIC, &mut truth).unwrap();
     let (mut linear, mut band_limited) = ([0.0; 7], [0.0; 7]);
-    model.simulate(&drive(7), Origin::Periodic, &mut linear).unwrap();
+    model.simulate(&drive(7), Start::PERIODIC, &mut linear).unwrap();
     let fine = InterSample::BandLimited.upsample(&drive(7), 100, RecordEnds::Periodic).unwrap();
-    model.simulate_every(100, &fine, Origin::Periodic, &mut band_limited).unwrap();
+    model.simulate_every(100, &fine, Start::PERIODIC, &mut band_limited).unwrap();
     let worst =
         |v: &[f64]| v.iter().enumerate().map(|(k, v)| (v - truth[1000 * k]).abs()).fold(0.0, f64::max);
     assert!(worst(&linear) > 2e-2, "{}", worst(&linear));

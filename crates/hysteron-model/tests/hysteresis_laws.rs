@@ -4,7 +4,8 @@
 //! violates it. What does hold is fading memory: any two histories approach each other under a common drive.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_model::hysteresis::{BoucWen, BoucWenState, Start};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::BoucWen;
 use proptest::prelude::*;
 
 fn bounded_model() -> impl Strategy<Value = BoucWen> {
@@ -13,7 +14,7 @@ fn bounded_model() -> impl Strategy<Value = BoucWen> {
         .prop_map(|(alpha, beta, share, n)| BoucWen::new(vec![0.0], alpha, beta, beta * share, n).unwrap())
 }
 
-fn simulate(model: &BoucWen, u: &[f64], start: Start) -> Vec<f64> {
+fn simulate(model: &BoucWen, u: &[f64], start: Start<f64>) -> Vec<f64> {
     let mut v = vec![0.0; u.len()];
     model.simulate(u, start, &mut v).unwrap();
     v
@@ -22,7 +23,7 @@ fn simulate(model: &BoucWen, u: &[f64], start: Start) -> Vec<f64> {
 #[test]
 fn minor_loops_do_not_close() {
     let model = BoucWen::new(vec![1.0], 0.7, 0.2, 0.1, 1.0).unwrap();
-    let v = simulate(&model, &[10.0, 5.0, 10.0], Start::Rest { u: 0.0 });
+    let v = simulate(&model, &[10.0, 5.0, 10.0], Start::Rest { voltage_v: 0.0 });
     assert!((v[2] - v[0]).abs() > 0.1, "{v:?}");
 }
 
@@ -33,7 +34,7 @@ proptest! {
     fn only_the_turning_points_count(
         model in bounded_model(), turns in prop::collection::vec(-6.0..6.0_f64, 1..12), between in 1..20_usize,
     ) {
-        let direct = simulate(&model, &turns, Start::Rest { u: 0.0 });
+        let direct = simulate(&model, &turns, Start::Rest { voltage_v: 0.0 });
         let mut dense = Vec::new();
         let mut last = 0.0;
         for &turn in &turns {
@@ -41,13 +42,13 @@ proptest! {
             dense.push(turn);
             last = turn;
         }
-        let v = simulate(&model, &dense, Start::Rest { u: 0.0 });
+        let v = simulate(&model, &dense, Start::Rest { voltage_v: 0.0 });
         for (a, b) in direct.iter().zip(v.iter().skip(between - 1).step_by(between)) {
             prop_assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
         let mut every = vec![0.0; turns.len()];
         let shifted: Vec<f64> = turns.iter().take(1).chain(dense.iter().skip(between)).copied().collect();
-        model.simulate_every(between, &shifted, Start::Rest { u: 0.0 }, &mut every).unwrap();
+        model.simulate_every(between, &shifted, Start::Rest { voltage_v: 0.0 }, &mut every).unwrap();
         for (a, b) in direct.iter().zip(&every) {
             prop_assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
@@ -58,8 +59,8 @@ proptest! {
         model in bounded_model(), u in prop::collection::vec(-6.0..6.0_f64, 2..40),
     ) {
         let mut first = vec![0.0; u.len()];
-        let end = model.simulate(&u, Start::Periodic, &mut first).unwrap();
-        let second = simulate(&model, &u, Start::State(end));
+        let end = model.simulate(&u, Start::PERIODIC, &mut first).unwrap();
+        let second = simulate(&model, &u, Start::from(end));
         for (a, b) in first.iter().zip(&second) {
             prop_assert!((a - b).abs() <= 1e-11, "{a} {b}");
         }
@@ -70,8 +71,8 @@ proptest! {
         model in bounded_model(), u in prop::collection::vec(-6.0..6.0_f64, 1..40), z in -3.0..3.0_f64,
         gap in 0.0..2.0_f64,
     ) {
-        let a = simulate(&model, &u, Start::State(BoucWenState { u: 0.0, z }));
-        let b = simulate(&model, &u, Start::State(BoucWenState { u: 0.0, z: z + gap }));
+        let a = simulate(&model, &u, Start::Remembering { voltage_v: 0.0, memory: z });
+        let b = simulate(&model, &u, Start::Remembering { voltage_v: 0.0, memory: z + gap });
         let mut last = gap;
         for (a, b) in a.iter().zip(&b) {
             // The states keep their order (v = −z here) and their distance never grows.
@@ -85,8 +86,8 @@ proptest! {
         model in bounded_model(), u in prop::collection::vec(-6.0..6.0_f64, 1..40),
     ) {
         let mirrored: Vec<f64> = u.iter().map(|u| -u).collect();
-        let a = simulate(&model, &u, Start::Rest { u: 0.0 });
-        let b = simulate(&model, &mirrored, Start::Rest { u: 0.0 });
+        let a = simulate(&model, &u, Start::Rest { voltage_v: 0.0 });
+        let b = simulate(&model, &mirrored, Start::Rest { voltage_v: 0.0 });
         for (a, b) in a.iter().zip(&b) {
             prop_assert_eq!(*a, -*b);
         }
@@ -99,7 +100,7 @@ proptest! {
         let hysteron_model::hysteresis::Admissibility::Bounded { saturation_v } = model.admissibility() else {
             return Err(TestCaseError::fail("not in the bounded class"));
         };
-        for v in simulate(&model, &u, Start::Rest { u: 0.0 }) {
+        for v in simulate(&model, &u, Start::Rest { voltage_v: 0.0 }) {
             prop_assert!(v.abs() <= model.alpha.abs() * saturation_v * (1.0 + 1e-12));
         }
     }
@@ -112,7 +113,7 @@ proptest! {
         periodic in any::<bool>(),
     ) {
         let model = BoucWen::new(vec![0.0], p[0], p[1], p[2], n).unwrap();
-        let start = if periodic { Start::Periodic } else { Start::Rest { u: 0.0 } };
+        let start = if periodic { Start::PERIODIC } else { Start::Rest { voltage_v: 0.0 } };
         let mut v = vec![0.0; u.len()];
         if model.simulate(&u, start, &mut v).is_ok() {
             prop_assert!(v.iter().all(|v| v.is_finite()), "{v:?}");

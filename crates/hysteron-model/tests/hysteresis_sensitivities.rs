@@ -1,7 +1,8 @@
 //! The derivatives of the Bouc–Wen operator against sixth-order central differences of its simulation.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_model::hysteresis::{BoucWenState, HysteresisError, Sensitivities, Start, UnitShape};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::{BoucWenState, HysteresisError, Sensitivities, UnitShape};
 use hysteron_rt::Dual;
 use proptest::prelude::*;
 
@@ -20,13 +21,13 @@ fn difference(h: f64, f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     sum
 }
 
-fn zeta([beta, gamma, n]: [f64; 3], u: &[f64], start: Start) -> Vec<f64> {
+fn zeta([beta, gamma, n]: [f64; 3], u: &[f64], start: Start<f64>) -> Vec<f64> {
     let mut out = vec![0.0; u.len()];
     UnitShape { beta, gamma, n }.simulate_every(1, u, start, &mut out).unwrap();
     out
 }
 
-fn sensitivities([beta, gamma, n]: [f64; 3], u: &[f64], start: Start, exponent: bool) -> Sensitivities {
+fn sensitivities([beta, gamma, n]: [f64; 3], u: &[f64], start: Start<f64>, exponent: bool) -> Sensitivities {
     let mut out = Sensitivities::default();
     UnitShape { beta, gamma, n }.simulate_with_sensitivities(1, u, start, exponent, &mut out).unwrap();
     out
@@ -34,13 +35,13 @@ fn sensitivities([beta, gamma, n]: [f64; 3], u: &[f64], start: Start, exponent: 
 
 /// How far off ζ may be. A steady state is taken as settled where a period changes ζ by 1e-13 of its size, and what is left then
 /// grows to 1/(1 − m) of that, m = ∂ζ_end/∂ζ(0): a weak loop forgets slowly.
-fn inaccuracy(shape: [f64; 3], u: &[f64], start: Start, zeta: &[f64]) -> f64 {
+fn inaccuracy(shape: [f64; 3], u: &[f64], start: Start<f64>, zeta: &[f64]) -> f64 {
     let size = zeta.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
-    if start != Start::Periodic {
+    if start != Start::PERIODIC {
         return 2.0 * f64::EPSILON * size;
     }
     let last = u.len() - 1;
-    let settled = Start::State(BoucWenState { u: u[last], z: zeta[last] });
+    let settled = Start::Remembering { voltage_v: u[last], memory: zeta[last] };
     1e-13 * size / (1.0 - sensitivities(shape, u, settled, false).d_start[last])
 }
 
@@ -48,7 +49,7 @@ fn inaccuracy(shape: [f64; 3], u: &[f64], start: Start, zeta: &[f64]) -> f64 {
 ///
 /// Samples at which ζ changes sign within reach of the differences are left out: the second derivative jumps there.
 /// False where that happens at a turning point, from which it would spread.
-fn meets_differences(shape: [f64; 3], u: &[f64], start: Start) -> Result<bool, TestCaseError> {
+fn meets_differences(shape: [f64; 3], u: &[f64], start: Start<f64>) -> Result<bool, TestCaseError> {
     let got = sensitivities(shape, u, start, true);
     let [beta, gamma, n] = shape;
     // β' and γ' are multiplied by |ζ|ⁿ⁻¹.
@@ -61,8 +62,8 @@ fn meets_differences(shape: [f64; 3], u: &[f64], start: Start) -> Result<bool, T
     if n - 3.0 * H >= 1.0 {
         columns.push(("n", H, &got.d_n, difference(H, |h| zeta([beta, gamma, n + h], u, start))));
     }
-    if let Start::State(BoucWenState { u: u_start, z }) = start {
-        let from = |h| zeta(shape, u, Start::State(BoucWenState { u: u_start, z: z + h }));
+    if let Start::Remembering { voltage_v: u_start, memory: z } = start {
+        let from = |h| zeta(shape, u, Start::Remembering { voltage_v: u_start, memory: z + h });
         columns.push(("start", H, &got.d_start, difference(H, from)));
     }
     let smooth: Vec<bool> = (0..u.len())
@@ -118,35 +119,35 @@ proptest! {
     #[test]
     fn from_a_state(shape in shape(), u in drive(), z in -1.5..1.5_f64, offset in -1.0..1.0_f64) {
         prop_assume!(z.abs() > 8.0 * H);
-        let start = Start::State(BoucWenState { u: u[0] + offset, z });
+        let start = Start::Remembering { voltage_v: u[0] + offset, memory: z };
         prop_assume!(meets_differences(shape, &u, start)?);
     }
 
     #[test]
     fn from_rest(shape in shape(), u in drive(), offset in 0.5..1.0_f64) {
-        prop_assume!(meets_differences(shape, &u, Start::Rest { u: -offset })?);
+        prop_assume!(meets_differences(shape, &u, Start::Rest { voltage_v: -offset })?);
     }
 
     #[test]
     fn of_a_steady_state(shape in shape(), u in drive()) {
         // An even number of turning points closes the period without a turn between two samples' ends.
         prop_assume!(u[0] * u[u.len() - 1] < 0.0);
-        let got = sensitivities(shape, &u, Start::Periodic, false);
+        let got = sensitivities(shape, &u, Start::PERIODIC, false);
         prop_assert!(got.d_start.iter().all(|d| *d == 0.0));
-        prop_assume!(meets_differences(shape, &u, Start::Periodic)?);
+        prop_assume!(meets_differences(shape, &u, Start::PERIODIC)?);
     }
 
     /// A loop so weak that the differences are all rounding where the derivative by n is smallest.
     #[test]
     fn of_the_steady_state_of_a_weak_loop(share in -0.95..0.95_f64) {
-        prop_assert!(meets_differences([0.05, 0.05 * share, 1.5], &[0.5, -0.5], Start::Periodic)?);
+        prop_assert!(meets_differences([0.05, 0.05 * share, 1.5], &[0.5, -0.5], Start::PERIODIC)?);
     }
 
     #[test]
     fn one_pass_is_the_step_repeated(shape in shape(), u in drive(), z in -1.5..1.5_f64, exponent in any::<bool>()) {
         let [beta, gamma, n] = shape;
         let operator = hysteron_rt::BoucWen::unit(beta, gamma, n).unwrap();
-        let got = sensitivities(shape, &u, Start::State(BoucWenState { u: 0.2, z }), exponent);
+        let got = sensitivities(shape, &u, Start::Remembering { voltage_v: 0.2, memory: z }, exponent);
         let (mut last, mut with_n, mut without) = (0.2, Dual::<_, 4>::variable(z, 3), Dual::<_, 3>::variable(z, 2));
         for (k, &next) in u.iter().enumerate() {
             with_n = operator.advance_with_sensitivities(with_n, next - last).unwrap();
@@ -165,7 +166,7 @@ proptest! {
             }
         }
         if !exponent {
-            let plain = zeta(shape, &u, Start::State(BoucWenState { u: 0.2, z }));
+            let plain = zeta(shape, &u, Start::Remembering { voltage_v: 0.2, memory: z });
             if n == 1.0 {
                 prop_assert_eq!(&got.zeta, &plain);
             }
@@ -178,7 +179,7 @@ proptest! {
 
     #[test]
     fn the_closed_forms_are_the_series(shape in shape(), u in drive(), z in -1.5..1.5_f64) {
-        let start = Start::State(BoucWenState { u: 0.2, z });
+        let start = Start::Remembering { voltage_v: 0.2, memory: z };
         let closed = sensitivities(shape, &u, start, false);
         let series = sensitivities(shape, &u, start, true);
         for (a, b) in [
@@ -194,7 +195,7 @@ proptest! {
     #[test]
     fn a_finer_time_base_is_picked_from(shape in shape(), u in drive(), factor in 1..6_usize, periodic in any::<bool>()) {
         let [beta, gamma, n] = shape;
-        let start = if periodic { Start::Periodic } else { Start::Rest { u: 0.1 } };
+        let start = if periodic { Start::PERIODIC } else { Start::Rest { voltage_v: 0.1 } };
         let all = sensitivities(shape, &u, start, true);
         let mut out = Sensitivities::default();
         let end = UnitShape { beta, gamma, n }.simulate_with_sensitivities(factor, &u, start, true, &mut out).unwrap();
@@ -220,7 +221,7 @@ proptest! {
 fn without_a_shape_the_drive_is_followed() {
     // β' = γ' = 0: ζ = u − u₀ and, from the differential equation, ∂ζ/∂β' = −∫ |dv| ζ, ∂ζ/∂γ' = −∫ dv |ζ|.
     let u = [2.0, -1.0, 3.0];
-    let got = sensitivities([0.0, 0.0, 1.0], &u, Start::Rest { u: 0.0 }, false);
+    let got = sensitivities([0.0, 0.0, 1.0], &u, Start::Rest { voltage_v: 0.0 }, false);
     let want = [("ζ", &got.zeta, [2.0, -1.0, 3.0]), ("β'", &got.d_beta, [-2.0, -3.5, -7.5])];
     for (name, got, want) in want
         .into_iter()
@@ -236,8 +237,8 @@ fn without_a_shape_the_drive_is_followed() {
 fn rest_is_the_state_with_zeta_0() {
     let u = [0.4, 2.0, -3.0, 1.0];
     for n in [1.0, 1.5, 2.0] {
-        let rest = sensitivities([0.3, 0.1, n], &u, Start::Rest { u: 0.1 }, true);
-        let state = Start::State(BoucWenState { u: 0.1, z: 0.0 });
+        let rest = sensitivities([0.3, 0.1, n], &u, Start::Rest { voltage_v: 0.1 }, true);
+        let state = Start::Remembering { voltage_v: 0.1, memory: 0.0 };
         assert_eq!(rest, sensitivities([0.3, 0.1, n], &u, state, true));
     }
 }
@@ -246,10 +247,10 @@ fn rest_is_the_state_with_zeta_0() {
 fn errors_are_typed_and_buffers_fit_the_drive() {
     let shape = UnitShape { beta: 0.2, gamma: 0.1, n: 1.0 };
     let mut out = Sensitivities { d_n: vec![1.0; 7], ..Sensitivities::default() };
-    let rest = Start::Rest { u: 0.5 };
+    let rest = Start::Rest { voltage_v: 0.5 };
     let end = shape.simulate_with_sensitivities(3, &[], rest, false, &mut out).unwrap();
     assert_eq!((end, &out), (BoucWenState { u: 0.5, z: 0.0 }, &Sensitivities::default()));
-    shape.simulate_with_sensitivities(1, &[], Start::Periodic, true, &mut out).unwrap();
+    shape.simulate_with_sensitivities(1, &[], Start::PERIODIC, true, &mut out).unwrap();
     shape.simulate_with_sensitivities(3, &[1.0, 2.0, 3.0, 4.0], rest, true, &mut out).unwrap();
     for column in [&out.zeta, &out.d_beta, &out.d_gamma, &out.d_n, &out.d_start] {
         assert_eq!(column.len(), 2);
@@ -259,7 +260,10 @@ fn errors_are_typed_and_buffers_fit_the_drive() {
     };
     assert_eq!(run(shape, 0, &[1.0], rest), HysteresisError::Factor);
     assert_eq!(run(shape, 1, &[1.0, f64::NAN], rest), HysteresisError::Drive { index: 1 });
-    assert_eq!(run(shape, 1, &[1.0], Start::Rest { u: f64::INFINITY }), HysteresisError::Drive { index: 0 });
+    assert_eq!(
+        run(shape, 1, &[1.0], Start::Rest { voltage_v: f64::INFINITY }),
+        HysteresisError::Drive { index: 0 }
+    );
     let low = UnitShape { n: 0.5, ..shape };
     assert_eq!(run(low, 1, &[1.0], rest), HysteresisError::Exponent { n: 0.5 });
     for n in [1.0, 1.5, 2.0] {
@@ -268,6 +272,6 @@ fn errors_are_typed_and_buffers_fit_the_drive() {
         assert!(matches!(error, HysteresisError::RunsAway { index: 1, .. }), "{error}");
     }
     let shapeless = UnitShape { beta: 0.0, gamma: 0.0, n: 1.0 };
-    let error = run(shapeless, 1, &[1.0, 2.0], Start::Periodic);
+    let error = run(shapeless, 1, &[1.0, 2.0], Start::PERIODIC);
     assert_eq!(error, HysteresisError::NotContracting { slope: 1.0 });
 }

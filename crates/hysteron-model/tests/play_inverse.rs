@@ -1,7 +1,8 @@
 //! Promise: the inverses of the Prandtl–Ishlinskii block undo it from both sides, and are refused where there is none.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_model::hysteresis::{HysteresisError, PlayStart, PrandtlIshlinskii};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::{HysteresisError, PrandtlIshlinskii};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -42,7 +43,7 @@ fn drive() -> impl Strategy<Value = Vec<f64>> {
 }
 
 /// Output, and the plays at its end.
-fn simulate(model: &PrandtlIshlinskii, u: &[f64], start: PlayStart) -> (Vec<f64>, Vec<f64>) {
+fn simulate(model: &PrandtlIshlinskii, u: &[f64], start: Start<f64>) -> (Vec<f64>, Vec<f64>) {
     let (mut v, mut plays) = (vec![0.0; u.len()], vec![0.0; model.weights.len()]);
     model.simulate(u, start, &mut plays, &mut v).unwrap();
     (v, plays)
@@ -131,7 +132,7 @@ fn a_polynomial_that_turns_beyond_the_range_does_not_matter() {
     let model = PrandtlIshlinskii::new(vec![1.0, -0.1], vec![1.0, 40.0], vec![0.5, 3.0]).unwrap();
     let inverse = model.step_inverse([-4.9, 4.9]).unwrap();
     let u: Vec<f64> = (0..99).map(|k| 0.1 * f64::from(k) - 4.9).collect();
-    let (v, _) = simulate(&model, &u, PlayStart::Rest { u: 0.0 });
+    let (v, _) = simulate(&model, &u, Start::Rest { voltage_v: 0.0 });
     let mut back = vec![0.0; 99];
     inverse.follow(&v, &mut [0.0; 2], &mut back).unwrap();
     assert!(u.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?}");
@@ -144,26 +145,26 @@ proptest! {
     fn the_closed_form_undoes_the_model_from_both_sides(model in linear(), u in drive(), rest in -10.0..10.0_f64) {
         let inverse = model.inverse().unwrap();
         let total = model.polynomial[0] + model.weights.iter().sum::<f64>();
-        let (v, _) = simulate(&model, &u, PlayStart::Rest { u: rest });
-        close(&simulate(&inverse, &v, PlayStart::Rest { u: total * rest }).0, &u, TOLERANCE)?;
-        let (back, _) = simulate(&inverse, &u, PlayStart::Rest { u: rest });
+        let (v, _) = simulate(&model, &u, Start::Rest { voltage_v: rest });
+        close(&simulate(&inverse, &v, Start::Rest { voltage_v: total * rest }).0, &u, TOLERANCE)?;
+        let (back, _) = simulate(&inverse, &u, Start::Rest { voltage_v: rest });
         // The drive of the model, up to 10 µm / 0.1 µm/V, is this side's intermediate result.
-        close(&simulate(&model, &back, PlayStart::Rest { u: rest / total }).0, &u, TOLERANCE)?;
+        close(&simulate(&model, &back, Start::Rest { voltage_v: rest / total }).0, &u, TOLERANCE)?;
     }
 
     #[test]
     fn states_of_the_closed_form_correspond(model in linear(), past in drive(), u in drive()) {
         let inverse = model.inverse().unwrap();
-        let (v, mut plays) = simulate(&model, &past, PlayStart::Rest { u: 0.0 });
-        let (_, followed) = simulate(&inverse, &v, PlayStart::Rest { u: 0.0 });
+        let (v, mut plays) = simulate(&model, &past, Start::Rest { voltage_v: 0.0 });
+        let (_, followed) = simulate(&inverse, &v, Start::Rest { voltage_v: 0.0 });
         let mut states = vec![0.0; plays.len()];
         model.inverse_plays(&plays, &mut states).unwrap();
         // The states are in µm, up to some 2 × 10 of them.
         close(&states, &followed, 1e-11)?;
         let mut v = vec![0.0; u.len()];
-        model.simulate(&u, PlayStart::State, &mut plays, &mut v).unwrap();
+        model.resume(&u, &mut plays, &mut v).unwrap();
         let mut back = vec![0.0; u.len()];
-        inverse.simulate(&v, PlayStart::State, &mut states, &mut back).unwrap();
+        inverse.resume(&v, &mut states, &mut back).unwrap();
         close(&back, &u, TOLERANCE)?;
     }
 
@@ -182,31 +183,31 @@ proptest! {
         model in prop_oneof![linear(), cubic()], u in drive(), rest in -10.0..10.0_f64,
     ) {
         let inverse = model.step_inverse(RANGE).unwrap();
-        let (v, after) = simulate(&model, &u, PlayStart::Rest { u: rest });
+        let (v, after) = simulate(&model, &u, Start::Rest { voltage_v: rest });
         let (mut plays, mut back) = (vec![rest; after.len()], vec![0.0; u.len()]);
         inverse.follow(&v, &mut plays, &mut back).unwrap();
         close(&back, &u, TOLERANCE)?;
         close(&plays, &after, TOLERANCE)?;
         // The other side: outputs asked for, and the model driven by the answer.
-        close(&simulate(&model, &back, PlayStart::Rest { u: rest }).0, &v, 1e-12 * 20.0)?;
+        close(&simulate(&model, &back, Start::Rest { voltage_v: rest }).0, &v, 1e-12 * 20.0)?;
     }
 
     #[test]
     fn the_two_inverses_agree(model in linear(), u in drive()) {
-        let (v, _) = simulate(&model, &u, PlayStart::Rest { u: 0.0 });
+        let (v, _) = simulate(&model, &u, Start::Rest { voltage_v: 0.0 });
         let (mut plays, mut back) = (vec![0.0; model.weights.len()], vec![0.0; u.len()]);
         model.step_inverse(RANGE).unwrap().follow(&v, &mut plays, &mut back).unwrap();
-        close(&back, &simulate(&model.inverse().unwrap(), &v, PlayStart::Rest { u: 0.0 }).0, TOLERANCE)?;
+        close(&back, &simulate(&model.inverse().unwrap(), &v, Start::Rest { voltage_v: 0.0 }).0, TOLERANCE)?;
     }
 
     #[test]
     fn a_move_is_where_bisection_of_the_model_finds_it(
         model in cubic(), history in drive(), share in 0.0..1.0_f64,
     ) {
-        let (_, plays) = simulate(&model, &history, PlayStart::Rest { u: 0.0 });
+        let (_, plays) = simulate(&model, &history, Start::Rest { voltage_v: 0.0 });
         let moved = |u: f64| {
             let mut v = [0.0];
-            model.simulate(&[u], PlayStart::State, &mut plays.clone(), &mut v).unwrap();
+            model.resume(&[u], &mut plays.clone(), &mut v).unwrap();
             v[0]
         };
         let [mut low, mut high] = RANGE;

@@ -2,13 +2,14 @@
 //! which knows no plays: a list of turning points, the loading curve, and its branches at twice the size.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_model::hysteresis::{HysteresisError, PlayStart, PrandtlIshlinskii};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::{HysteresisError, PrandtlIshlinskii};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-const REST: PlayStart = PlayStart::Rest { u: 0.0 };
+const REST: Start<f64> = Start::Rest { voltage_v: 0.0 };
 
-fn simulate(model: &PrandtlIshlinskii, u: &[f64], start: PlayStart) -> Vec<f64> {
+fn simulate(model: &PrandtlIshlinskii, u: &[f64], start: Start<f64>) -> Vec<f64> {
     let mut v = vec![0.0; u.len()];
     model.simulate(u, start, &mut vec![0.0; model.weights.len()], &mut v).unwrap();
     v
@@ -25,7 +26,7 @@ fn the_loop_of_one_play_is_a_parallelogram() {
     // Half-width 1 V, weight 2 µm/V, triangle of ±4 V in steps of 0.25 V.
     let model = PrandtlIshlinskii::new(vec![0.0], vec![1.0], vec![2.0]).unwrap();
     let u: Vec<f64> = (0..64).map(|k| 4.0 - (0.25 * f64::from(k) - 8.0).abs()).collect();
-    let v = simulate(&model, &u, PlayStart::Periodic);
+    let v = simulate(&model, &u, Start::PERIODIC);
     // Wide 2r wherever it is open from side to side: up w (u − r), down w (u + r).
     for (k, (&u_now, &v_now)) in u.iter().zip(&v).enumerate() {
         let rising = u[(k + 1) % 64] > u_now;
@@ -42,13 +43,13 @@ fn the_loop_of_one_play_is_a_parallelogram() {
 fn areas_add_and_a_polynomial_has_none() {
     let two = PrandtlIshlinskii::new(vec![1.0], vec![0.5, 2.0], vec![1.0, 0.3]).unwrap();
     let u: Vec<f64> = (0..2400).map(|k| 0.005 * (f64::from(k) - 1200.0).abs() - 3.0).collect();
-    let v = simulate(&two, &u, PlayStart::Periodic);
+    let v = simulate(&two, &u, Start::PERIODIC);
     // Σ w 4r (A − r).
     let want = 2.0 * 2.5 + 0.3 * 8.0;
     assert!((area(&u, &v) - want).abs() < 1e-9, "{}", area(&u, &v));
     // There and back through the same points.
     let bent = PrandtlIshlinskii { polynomial: vec![2.0, -0.1, 0.02], ..two };
-    let v = simulate(&bent, &u, PlayStart::Periodic);
+    let v = simulate(&bent, &u, Start::PERIODIC);
     assert!((area(&u, &v) - want).abs() < 1e-9, "{}", area(&u, &v));
 }
 
@@ -65,16 +66,16 @@ fn loading_curve_by_hand() {
 fn starts_are_what_they_say() {
     let model = PrandtlIshlinskii::new(vec![1.0], vec![1.0, 8.0], vec![2.0, 10.0]).unwrap();
     // At rest every play is in the middle of its width.
-    assert_eq!(simulate(&model, &[3.0, 3.5], PlayStart::Rest { u: 3.0 }), [39.0, 39.5]);
+    assert_eq!(simulate(&model, &[3.0, 3.5], Start::Rest { voltage_v: 3.0 }), [39.0, 39.5]);
     // 8 V is too wide for ±2 V around 1 V: it stays at 1 V, from whatever sample the period begins.
-    assert_eq!(simulate(&model, &[3.0, -1.0], PlayStart::Periodic), [3.0 + 4.0 + 10.0, -1.0 + 10.0]);
-    assert_eq!(simulate(&model, &[-1.0, 3.0], PlayStart::Periodic), [-1.0 + 10.0, 3.0 + 4.0 + 10.0]);
+    assert_eq!(simulate(&model, &[3.0, -1.0], Start::PERIODIC), [3.0 + 4.0 + 10.0, -1.0 + 10.0]);
+    assert_eq!(simulate(&model, &[-1.0, 3.0], Start::PERIODIC), [-1.0 + 10.0, 3.0 + 4.0 + 10.0]);
     let (mut plays, mut v) = ([2.5, -4.0], [0.0]);
-    model.simulate(&[3.0], PlayStart::State, &mut plays, &mut v).unwrap();
+    model.resume(&[3.0], &mut plays, &mut v).unwrap();
     assert_eq!((plays, v), ([2.5, -4.0], [3.0 + 5.0 - 40.0]));
-    model.simulate(&[], PlayStart::State, &mut plays, &mut []).unwrap();
+    model.resume(&[], &mut plays, &mut []).unwrap();
     assert_eq!(plays, [2.5, -4.0]);
-    model.simulate(&[], PlayStart::Periodic, &mut plays, &mut []).unwrap();
+    model.simulate(&[], Start::PERIODIC, &mut plays, &mut []).unwrap();
 }
 
 #[test]
@@ -99,12 +100,13 @@ fn errors_carry_the_numbers() {
     };
     assert_eq!(run(&[1.0], REST, &mut [0.0], 2), HysteresisError::Lengths { expected: 1, found: 2 });
     assert_eq!(run(&[1.0], REST, &mut [], 1), HysteresisError::PlayStates { expected: 1, found: 0 });
-    for start in [REST, PlayStart::Periodic] {
+    for start in [REST, Start::PERIODIC] {
         assert_eq!(run(&[1.0, f64::NAN], start, &mut [0.0], 2), HysteresisError::Drive { index: 1 });
     }
-    let rest = PlayStart::Rest { u: f64::INFINITY };
+    let rest = Start::Rest { voltage_v: f64::INFINITY };
     assert_eq!(run(&[1.0], rest, &mut [0.0], 1), HysteresisError::Drive { index: 0 });
-    assert_eq!(run(&[1.0], PlayStart::State, &mut [f64::NAN], 1), HysteresisError::Drive { index: 0 });
+    let resumed = model.resume(&[1.0], &mut [f64::NAN], &mut [0.0]).unwrap_err();
+    assert_eq!(resumed, HysteresisError::Drive { index: 0 });
     assert_eq!(run(&[1.0, 1e308], REST, &mut [0.0], 2), HysteresisError::Overflow { index: 1 });
     let error = model.simulate_every(0, &[1.0], REST, &mut [0.0], &mut [0.0]).unwrap_err();
     assert_eq!(error, HysteresisError::Factor);
@@ -168,7 +170,7 @@ proptest! {
         let mut threshold = 0.0;
         let (thresholds, weights) = plays.iter().map(|(gap, w)| { threshold += gap; (threshold, *w) }).unzip();
         let model = PrandtlIshlinskii::new(polynomial, thresholds, weights).unwrap();
-        let v = simulate(&model, &history, PlayStart::Rest { u: rest });
+        let v = simulate(&model, &history, Start::Rest { voltage_v: rest });
         for (k, v) in v.iter().enumerate() {
             let want = masing(&model, rest, &history[..=k]);
             // Sums of some 40 × 10 terms of up to 20 µm beside a polynomial of up to 260 µm.

@@ -3,7 +3,8 @@
 //! A play takes maxima and minima of rounded sums, and rounding keeps order. So most laws hold to the last bit.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_model::hysteresis::{PlayStart, PrandtlIshlinskii};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::PrandtlIshlinskii;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -25,13 +26,20 @@ fn drive() -> impl Strategy<Value = Vec<f64>> {
     vec(-6.0..6.0_f64, 1..30)
 }
 
-const REST: PlayStart = PlayStart::Rest { u: 0.0 };
+const REST: Start<f64> = Start::Rest { voltage_v: 0.0 };
+
+/// Output from these plays on, and the plays at its end.
+fn resume(model: &PrandtlIshlinskii, u: &[f64], mut plays: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+    let mut v = vec![0.0; u.len()];
+    model.resume(u, &mut plays, &mut v).unwrap();
+    (v, plays)
+}
 
 /// Output, and the plays at its end.
 fn simulate(
     model: &PrandtlIshlinskii,
     u: &[f64],
-    start: PlayStart,
+    start: Start<f64>,
     mut plays: Vec<f64>,
 ) -> (Vec<f64>, Vec<f64>) {
     let mut v = vec![0.0; u.len()];
@@ -101,11 +109,11 @@ proptest! {
         // Up to 6, down, anything between the two, back to where it turned, back up.
         let minor: Vec<f64> = shares.iter().map(|s| down + (6.0 - down) * s).collect();
         let (_, top) = from_rest(&model, &[&history[..], &[6.0]].concat());
-        let (first, bottom) = simulate(&model, &[down], PlayStart::State, top.clone());
-        let (second, again) = simulate(&model, &[&minor[..], &[down]].concat(), PlayStart::State, bottom.clone());
+        let (first, bottom) = resume(&model, &[down], top.clone());
+        let (second, again) = resume(&model, &[&minor[..], &[down]].concat(), bottom.clone());
         prop_assert_eq!(first.last(), second.last());
         prop_assert_eq!(&bottom, &again);
-        prop_assert_eq!(simulate(&model, &[6.0], PlayStart::State, again).1, top);
+        prop_assert_eq!(resume(&model, &[6.0], again).1, top);
     }
 
     #[test]
@@ -115,7 +123,7 @@ proptest! {
         let period: Vec<f64> = way(ends.0, ends.1, 12).chain(way(ends.1, ends.0, 12)).collect();
         let settled = |history: &[f64]| {
             let plays = from_rest(&model, &[history, &[ends.0], &period].concat()).1;
-            simulate(&model, &period, PlayStart::State, plays).0
+            resume(&model, &period, plays).0
         };
         let (a, b) = (settled(&one), settled(&other));
         // Up to 10 terms of up to 2 × 10 µm, and a polynomial of up to 4000 µm.
@@ -138,25 +146,25 @@ proptest! {
         model in model(), u in vec(-6.0..6.0_f64, 1..30), plays in vec(-20.0..20.0_f64, 10),
     ) {
         let plays = plays[..model.weights.len()].to_vec();
-        let (_, plays) = simulate(&model, &u, PlayStart::State, plays);
-        let (second, after) = simulate(&model, &u, PlayStart::State, plays.clone());
+        let (_, plays) = resume(&model, &u, plays);
+        let (second, after) = resume(&model, &u, plays.clone());
         prop_assert_eq!(&plays, &after);
-        prop_assert_eq!(second, simulate(&model, &u, PlayStart::State, after).0);
+        prop_assert_eq!(second, resume(&model, &u, after).0);
     }
 
     #[test]
     fn the_periodic_start_closes_the_loop_and_does_not_depend_on_the_phase(
         model in model(), u in vec(-6.0..6.0_f64, 1..30), turn in 0..30_usize,
     ) {
-        let (mut first, plays) = simulate(&model, &u, PlayStart::Periodic, Vec::new());
-        let (second, after) = simulate(&model, &u, PlayStart::State, plays.clone());
+        let (mut first, plays) = simulate(&model, &u, Start::PERIODIC, Vec::new());
+        let (second, after) = resume(&model, &u, plays.clone());
         prop_assert_eq!(&first, &second);
         prop_assert_eq!(&plays, &after);
         let turn = turn % u.len();
         let mut turned = u.clone();
         turned.rotate_left(turn);
         first.rotate_left(turn);
-        prop_assert_eq!(first, simulate(&model, &turned, PlayStart::Periodic, Vec::new()).0);
+        prop_assert_eq!(first, simulate(&model, &turned, Start::PERIODIC, Vec::new()).0);
     }
 
     #[test]
@@ -181,7 +189,7 @@ proptest! {
         let mut plays = vec![rest; model.weights.len()];
         let steps: Vec<f64> =
             u.iter().map(|&u| model.polynomial_at(u) + bank.step(&mut plays, u).unwrap()).collect();
-        prop_assert_eq!((steps, plays), simulate(&model, &u, PlayStart::Rest { u: rest }, Vec::new()));
+        prop_assert_eq!((steps, plays), simulate(&model, &u, Start::Rest { voltage_v: rest }, Vec::new()));
     }
 
     #[test]
@@ -190,7 +198,7 @@ proptest! {
         u in vec(prop::num::f64::NORMAL | prop::num::f64::ZERO, 0..8), periodic in any::<bool>(),
     ) {
         let model = PrandtlIshlinskii::new(vec![c, 1.0], vec![1.0, 1e200], w.to_vec()).unwrap();
-        let start = if periodic { PlayStart::Periodic } else { REST };
+        let start = if periodic { Start::PERIODIC } else { REST };
         let mut v = vec![0.0; u.len()];
         if model.simulate(&u, start, &mut [0.0; 2], &mut v).is_ok() {
             prop_assert!(v.iter().all(|v| v.is_finite()), "{v:?}");

@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
+use hysteron_model::Start;
 use hysteron_model::dynamics::{
     Arx, Creep, DynamicForm, Dynamics, InterSample, Modes, Scheme, Term, TransferFunction,
 };
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
 use hysteron_model::realise::{
     Realisation, RealiseError, RealiseOptions, RuntimeParts, StreamParts, realise, sweep, verify,

@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
 
+use hysteron_model::Memory;
+use hysteron_model::Start;
 use hysteron_model::compensator::{
     Compensation, CompensatorError, CompensatorOptions, CompensatorParts, Prediction,
 };
 use hysteron_model::dynamics::Dynamics;
-use hysteron_model::hammerstein::{Model, Start};
-use hysteron_model::hysteresis::{Family, FamilyForm, FamilyStream, Hysteresis, Memory};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::{Family, FamilyForm, FamilyStream, Hysteresis};
 use hysteron_model::realise::{Realisation, RealiseOptions, RuntimeParts, realise};
 use hysteron_model::record::InterSample;
 use hysteron_rt::{Limited, ModelError, Real};

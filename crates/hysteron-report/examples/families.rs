@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{
-    BrokenLine, ColumnKernel, ColumnModel, ColumnStart, Dahl, DeadZonePlays, DensityLaw, Duhem,
-    GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip,
-    ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, PlayStart, PrandtlIshlinskii, Preisach, PreisachDensity,
-    RateDependentPlays, SongDerKiureghian,
+    BrokenLine, ColumnKernel, ColumnModel, Dahl, DeadZonePlays, DensityLaw, Duhem, GeneralisedPlays,
+    HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip, ModifiedPrandtlIshlinskii,
+    NonSymmetricBoucWen, PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPlays, SongDerKiureghian,
 };
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
 
@@ -50,7 +50,7 @@ fn columns<K: ColumnKernel>(polynomial: &[f64], kernel: K, shape: &[f64], weight
     let model = ColumnModel::new(polynomial.to_vec(), kernel, shape.to_vec(), weights.to_vec())?;
     let u = drive();
     let mut v = vec![0.0; u.len()];
-    model.simulate(&u, ColumnStart::Virgin { u: 0.0 }, &mut v)?;
+    model.simulate(&u, Start::Rest { voltage_v: 0.0 }, &mut v)?;
     Ok(v)
 }
 
@@ -161,7 +161,7 @@ fn modified_prandtl_ishlinskii() -> Result<Figure, HysteresisError> {
         let model = ModifiedPrandtlIshlinskii::new(plays, line)?;
         let u = drive();
         let mut v = vec![0.0; u.len()];
-        model.simulate_every(1, &u, PlayStart::Rest { u: 0.0 }, &mut [0.0; 4], &mut v)?;
+        model.simulate_every(1, &u, Start::Rest { voltage_v: 0.0 }, &mut [0.0; 4], &mut v)?;
         Ok(v)
     };
     Ok(family(

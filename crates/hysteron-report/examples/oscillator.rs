@@ -6,8 +6,9 @@
 
 use std::f64::consts::TAU;
 
+use hysteron_model::Start;
 use hysteron_model::hysteresis::RecordEnds;
-use hysteron_model::oscillator::{Drive, Oscillator, Start};
+use hysteron_model::oscillator::{Drive, Oscillator};
 use hysteron_model::record::InterSample;
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
 
@@ -51,7 +52,7 @@ fn steady(amplitude: f64, frequency_hz: f64) -> Result<(Vec<f64>, Vec<f64>), Box
     let rate = POINTS as f64 * frequency_hz;
     let drive = Drive::new(&u, rate, InterSample::Linear, RecordEnds::Periodic, 2)?;
     let mut y = vec![0.0; POINTS];
-    let first = DEVICE.simulate(&drive, Start::Periodic, &mut y)?;
+    let first = DEVICE.simulate(&drive, Start::PERIODIC, &mut y)?;
     y.push(first.y);
     let operator = hysteron_model::hysteresis::BoucWen::new(
         vec![0.0],
@@ -62,7 +63,7 @@ fn steady(amplitude: f64, frequency_hz: f64) -> Result<(Vec<f64>, Vec<f64>), Box
     )?;
     let mut z = vec![0.0; y.len()];
     let start = hysteron_model::hysteresis::BoucWenState { u: first.y, z: first.z };
-    operator.simulate(&y, hysteron_model::hysteresis::Start::State(start), &mut z)?;
+    operator.simulate(&y, Start::from(start), &mut z)?;
     // v = l[u] − z with l = 0.
     let restoring = y.iter().zip(&z).map(|(y, z)| DEVICE.stiffness * y - z).collect();
     Ok((y, restoring))

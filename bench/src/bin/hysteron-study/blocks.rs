@@ -6,8 +6,9 @@
 //! amplifier in front of it) and what it gives is put through the true dynamics of the bench.
 
 use hysteron_identify::{CampaignRecord, Choice, Demands, DynamicsChoice, Options, Watch, identify};
+use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::record::ChannelChoice;
 use hysteron_rig::excitation::Excitation;
 use hysteron_rig::{CampaignPlan, Plant, PlayStack, RigRun, Role, Truth, measure, run_campaign};

@@ -4,8 +4,8 @@
 use std::time::Instant;
 
 use hysteron_identify::{Choice, Options, Watch, identify};
+use hysteron_model::Start;
 use hysteron_model::dynamics::SecondOrder;
-use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_rig::excitation::Excitation;
 use hysteron_rig::measure;

@@ -13,7 +13,7 @@ use hysteron_model::control::{
 };
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_model::invert::{Before, InverseOptions, LastRun};
+use hysteron_model::invert::{InverseOptions, LastRun};
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{ChannelChoice, InterSample};
 use hysteron_rig::excitation::Excitation;
@@ -122,8 +122,7 @@ fn law(made: &Loop) -> String {
 /// Errors of a run with the drive that a whole run left to learn from.
 fn learned(model: &Model, reference: &[f64], seed: u64) -> Outcome<TrackingScore> {
     const RESTED: usize = 1000;
-    let before = Before::Rest { voltage_v: None, virgin_v: Some(0.0) };
-    let options = InverseOptions { before, ..InverseOptions::within(RANGE_V) };
+    let options = InverseOptions { virgin_v: Some(0.0), ..InverseOptions::within(RANGE_V) };
     let made = model.invert(reference, RATE_HZ, &options)?;
     let rest_v = made.rest.and_then(|start| start.voltage_v()).ok_or("a reference begins at rest")?;
     let play = |drive: &[f64], run: usize| -> Outcome<(Vec<f64>, Vec<f64>)> {

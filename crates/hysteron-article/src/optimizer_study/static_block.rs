@@ -2,7 +2,8 @@
 
 use super::StudyError;
 use super::noise::add_noise;
-use hysteron_model::hysteresis::{BoucWen, Start, bouc_wen::UnitShape};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::{BoucWen, bouc_wen::UnitShape};
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
 use std::f64::consts::TAU;
 
@@ -37,7 +38,7 @@ impl StaticBlock {
         let [quadratic, linear, alpha, beta, gamma] = Self::TRUTH;
         BoucWen::new(vec![linear, quadratic], alpha, beta, gamma, 1.0)?.simulate(
             &u,
-            Start::Rest { u: 0.0 },
+            Start::Rest { voltage_v: 0.0 },
             &mut y,
         )?;
         add_noise(&mut y, NOISE_UM, noise_seed);
@@ -91,7 +92,7 @@ impl LeastSquaresProblem for StaticBlock {
         let &[quadratic, linear, alpha, beta, gamma] = x else { return false };
         let gamma = if alpha < 0.0 { -gamma } else { gamma };
         let shape = UnitShape { beta, gamma, n: 1.0 };
-        if shape.simulate_every(1, &self.u, Start::Rest { u: 0.0 }, out).is_err() {
+        if shape.simulate_every(1, &self.u, Start::Rest { voltage_v: 0.0 }, out).is_err() {
             return false;
         }
         for ((r, u), y) in out.iter_mut().zip(&self.u).zip(&self.y) {
@@ -119,7 +120,7 @@ mod tests {
         for [alpha, gamma] in [[-0.7, 0.2], [-0.7, -0.2], [0.0, 0.1]] {
             let model = BoucWen::new(vec![1.5, 0.02], alpha, 0.3, gamma, 1.0).unwrap();
             let (mut v, mut r) = (vec![0.0; SAMPLES], vec![0.0; SAMPLES]);
-            model.simulate(&problem.u, Start::Rest { u: 0.0 }, &mut v).unwrap();
+            model.simulate(&problem.u, Start::Rest { voltage_v: 0.0 }, &mut v).unwrap();
             assert!(problem.residuals(&[0.02, 1.5, alpha, 0.3, gamma], &mut Vec::new(), &mut r));
             let error =
                 v.iter().zip(&problem.y).zip(&r).map(|((v, y), r)| (v - y - r).abs()).fold(0.0, f64::max);

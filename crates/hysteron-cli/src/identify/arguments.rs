@@ -2,8 +2,6 @@
 
 use clap::ValueEnum;
 use hysteron_identify::Choice;
-use hysteron_model::dynamics::Scheme;
-use hysteron_model::record::InterSample;
 
 use crate::numbers::number;
 
@@ -15,51 +13,6 @@ pub(super) enum StructureArg {
     Oscillator,
     /// Several axes: structural modes with hysteresis in feedback, that move with the level of the drive
     Modes,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum MethodArg {
-    /// All records, both blocks, delay and initial states in one fit
-    Joint,
-    /// The article's way: hysteresis from slow records, then dynamics from the others
-    TwoStep,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum InitialArg {
-    /// Rest, judged by the record
-    Auto,
-    /// Rest at the first sample, with an unknown hysteresis memory
-    Rest,
-    /// The record is a steady state that repeats
-    Periodic,
-    /// Rest at 0 V without memory
-    Zero,
-    /// Rest, with motion left over from before
-    Free,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum DynamicsArg {
-    None,
-    /// Whole orders: pairs of poles and, for an odd --order, a lag in series
-    Integer,
-    /// Resonances in parallel and, for an odd --order, a lag behind them
-    Modes,
-    /// Equation error, sampled (two steps)
-    Arx,
-    /// Output error B/F, sampled (two steps)
-    Oe,
-    /// Box–Jenkins: output error B/F with a noise model C/D, sampled (two steps)
-    Bj,
-    /// B(s)/A(s) in continuous time by refined instrumental variables (two steps)
-    Srivc,
-    /// b / (s^a2 + c1 s^a1 + c0)
-    Fractional,
-    /// b / (s^a2 + c1 s^a1 + c0 s^a0)
-    FractionalFreeLowest,
-    /// Two fractional modes in parallel
-    TwoFractional,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -81,42 +34,6 @@ pub(super) enum OptimizerArg {
     Pso,
     CmaEs,
     LeastSquares,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum SchemeArg {
-    Tustin,
-    GrunwaldLetnikov,
-    Bdf2,
-    BandLimited,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum InterSampleArg {
-    Hold,
-    Linear,
-    BandLimited,
-}
-
-impl From<InterSampleArg> for InterSample {
-    fn from(arg: InterSampleArg) -> Self {
-        match arg {
-            InterSampleArg::Hold => InterSample::Hold,
-            InterSampleArg::Linear => InterSample::Linear,
-            InterSampleArg::BandLimited => InterSample::BandLimited,
-        }
-    }
-}
-
-impl From<SchemeArg> for Scheme {
-    fn from(arg: SchemeArg) -> Self {
-        match arg {
-            SchemeArg::Tustin => Scheme::Tustin,
-            SchemeArg::GrunwaldLetnikov => Scheme::GrunwaldLetnikov,
-            SchemeArg::Bdf2 => Scheme::Bdf2,
-            SchemeArg::BandLimited => Scheme::BandLimited,
-        }
-    }
 }
 
 /// [`Choice`] as clap wants it.

@@ -1,16 +1,8 @@
-//! Hysteresis families on the command line: the library's list.
+//! Elements of a hysteresis family on the command line.
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use hysteron_model::hysteresis::{HysteresisForm, UnknownFamily};
+use hysteron_model::hysteresis::HysteresisForm;
 
 use crate::failure::Failure;
-
-/// Parses the name of a family.
-pub fn parser() -> impl TypedValueParser<Value = HysteresisForm> {
-    let value = |form: HysteresisForm| PossibleValue::new(form.name()).help(form.summary());
-    PossibleValuesParser::new(HysteresisForm::usual().map(value))
-        .try_map(|name| name.parse::<HysteresisForm>().map_err(|e: UnknownFamily| e.to_string()))
-}
 
 /// The family with the number of elements asked for.
 ///

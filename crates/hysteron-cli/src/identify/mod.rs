@@ -13,15 +13,19 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron_identify::{CampaignRecord, FindingKind, Fit, FitRecords, RecordRole, Stop, Task, fit, fit_on};
+use hysteron_identify::{
+    CampaignRecord, DynamicsChoice, FindingKind, Fit, FitRecords, Initial, Method, RecordRole, Stop, Task,
+    fit, fit_on,
+};
+use hysteron_model::dynamics::Scheme;
 use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_model::record::InterSample;
 use hysteron_report::fit::report;
 use hysteron_report::page::Page;
 use hysteron_report::write_figures;
 
 use self::arguments::{
-    ChoiceArg, CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg, SchemeArg,
-    StructureArg, degree, delay, exponent, name_range, name_value,
+    ChoiceArg, CreepArg, OptimizerArg, StructureArg, degree, delay, exponent, name_range, name_value,
 };
 use self::failure::explain;
 use self::modes_flags::ModesFlags;
@@ -29,6 +33,7 @@ use self::outcome::Outcome;
 use self::search::read_searches;
 use crate::advice;
 use crate::axes::AxesFlags;
+use crate::choices::one_of;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -88,7 +93,7 @@ pub struct Identify {
     structure: Option<StructureArg>,
 
     /// Hysteresis block
-    #[arg(long, value_name = "HYSTERESIS", value_parser = family::parser(), default_value = "bouc-wen")]
+    #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary), default_value = "bouc-wen")]
     hysteresis: HysteresisForm,
 
     /// Elements of the hysteresis block: plays, slip elements, states, lines or intervals of a plane, degree
@@ -97,12 +102,12 @@ pub struct Identify {
     elements: Option<usize>,
 
     /// Dynamic block; if not given, what the records support
-    #[arg(long, value_enum)]
-    dynamics: Option<DynamicsArg>,
+    #[arg(long, value_parser = one_of(DynamicsChoice::ALL, DynamicsChoice::name, DynamicsChoice::summary))]
+    dynamics: Option<DynamicsChoice>,
 
     /// Identification method
-    #[arg(long, value_enum, default_value_t = MethodArg::Joint)]
-    method: MethodArg,
+    #[arg(long, value_parser = one_of(Method::ALL, Method::name, Method::summary), default_value = "joint")]
+    method: Method,
 
     /// Poles of --dynamics integer, 1 to 12, or modes, 2 to 12 (joint)
     #[arg(long, value_name = "N", default_value_t = 2)]
@@ -117,8 +122,8 @@ pub struct Identify {
     creep_elements: Option<usize>,
 
     /// What happened before each record (joint)
-    #[arg(long, value_enum, default_value_t = InitialArg::Auto)]
-    initial: InitialArg,
+    #[arg(long, value_parser = one_of(Initial::ALL, Initial::name, Initial::summary), default_value = "auto")]
+    initial: Initial,
 
     /// Allow for a linear drift of each record's output (joint)
     #[arg(long)]
@@ -175,13 +180,13 @@ pub struct Identify {
 
     /// Simulation scheme of the dynamic block [default: band-limited for a joint fit of records that start smoothly, else
     /// tustin]
-    #[arg(long, value_enum)]
-    scheme: Option<SchemeArg>,
+    #[arg(long, value_parser = one_of(Scheme::ALL, Scheme::name, Scheme::summary))]
+    scheme: Option<Scheme>,
 
     /// What the drive does between its samples: hold for a converter without filter that shares the recorder's clock
     /// [default: linear; band-limited for an oscillator]
-    #[arg(long, value_enum)]
-    inter_sample: Option<InterSampleArg>,
+    #[arg(long, value_parser = one_of(InterSample::ALL, InterSample::name, InterSample::summary))]
+    inter_sample: Option<InterSample>,
 
     /// Hand out the model even if it explains less than this share of a record's variation, in %
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]

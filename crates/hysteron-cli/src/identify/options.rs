@@ -1,6 +1,6 @@
 //! What the flags ask of the library.
 
-use hysteron_identify::{Choice, Demands, DynamicsChoice, Initial, Method, Options};
+use hysteron_identify::{Choice, Demands, DynamicsChoice, Options};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::record::InterSample;
 use hysteron_optimize::{
@@ -8,7 +8,7 @@ use hysteron_optimize::{
 };
 
 use super::Identify;
-use super::arguments::{CreepArg, DynamicsArg, InitialArg, InterSampleArg, MethodArg, OptimizerArg};
+use super::arguments::{CreepArg, OptimizerArg};
 use super::family::with_elements;
 use crate::failure::Failure;
 use crate::model::Loaded;
@@ -24,34 +24,13 @@ impl Identify {
             None => None,
         };
         Ok(Options {
-            method: match self.method {
-                MethodArg::Joint => Method::Joint,
-                MethodArg::TwoStep => Method::TwoStep,
-            },
+            method: self.method,
             hysteresis: with_elements(self.hysteresis, self.elements)?,
             order: self.order,
             creep: self.creep()?,
-            initial: match self.initial {
-                InitialArg::Auto => Initial::Auto,
-                InitialArg::Rest => Initial::Rest,
-                InitialArg::Periodic => Initial::Periodic,
-                InitialArg::Zero => Initial::Zero,
-                InitialArg::Free => Initial::Free,
-            },
+            initial: self.initial,
             drift: self.drift,
-            dynamics: match self.dynamics {
-                None => DynamicsChoice::Auto,
-                Some(DynamicsArg::None) => DynamicsChoice::None,
-                Some(DynamicsArg::Integer) => DynamicsChoice::Integer,
-                Some(DynamicsArg::Modes) => DynamicsChoice::Modes,
-                Some(DynamicsArg::Arx) => DynamicsChoice::Arx,
-                Some(DynamicsArg::Oe) => DynamicsChoice::OutputError,
-                Some(DynamicsArg::Bj) => DynamicsChoice::BoxJenkins,
-                Some(DynamicsArg::Srivc) => DynamicsChoice::Srivc,
-                Some(DynamicsArg::Fractional) => DynamicsChoice::Fractional,
-                Some(DynamicsArg::FractionalFreeLowest) => DynamicsChoice::FractionalFreeLowest,
-                Some(DynamicsArg::TwoFractional) => DynamicsChoice::TwoFractional,
-            },
+            dynamics: self.dynamics.unwrap_or(DynamicsChoice::Auto),
             algorithm: self.algorithm(),
             generations: self.generations.unwrap_or(Options::default().generations),
             seed: self.seed,
@@ -61,8 +40,8 @@ impl Identify {
             delay_s: self.delay.0,
             demands: Demands { fixed: self.fix.clone(), bounded: self.bound.clone() },
             start,
-            scheme: self.scheme.map_or(Choice::Auto, |scheme| Choice::Given(scheme.into())),
-            inter_sample: self.inter_sample.map_or(InterSample::Linear, InterSampleArg::into),
+            scheme: self.scheme.map_or(Choice::Auto, Choice::Given),
+            inter_sample: self.inter_sample.unwrap_or(InterSample::Linear),
             least_fit_percent: self.least_fit,
         })
     }

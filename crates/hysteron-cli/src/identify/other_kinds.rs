@@ -1,11 +1,11 @@
 //! What the flags ask of an oscillator, of modes and of branches.
 
-use hysteron_identify::oscillator::{Initial, Options};
-use hysteron_identify::{Choice, Task, coupled};
+use hysteron_identify::oscillator::Options;
+use hysteron_identify::{Choice, Initial, Method, Task, coupled};
 use hysteron_model::record::InterSample;
 
 use super::Identify;
-use super::arguments::{InitialArg, InterSampleArg, MethodArg, OptimizerArg};
+use super::arguments::OptimizerArg;
 use crate::failure::Failure;
 use crate::model::Loaded;
 
@@ -31,7 +31,7 @@ impl Identify {
                 ("--start", self.start.is_some()),
                 ("--fix", !self.fix.is_empty()),
                 ("--n", self.n.is_some()),
-                ("--initial", self.initial != InitialArg::Auto),
+                ("--initial", self.initial != Initial::Auto),
             ],
         )?;
         Ok(Task::Branches(coupled::Options { least_fit_percent: self.least_fit }))
@@ -49,8 +49,8 @@ impl Identify {
             ],
         )?;
         let whole_records = match self.initial {
-            InitialArg::Auto => false,
-            InitialArg::Periodic => true,
+            Initial::Auto => false,
+            Initial::Periodic => true,
             _ => {
                 return Err(Failure::usage("modes are identified from a steady state")
                     .hint("leave --initial out, or say --initial periodic"));
@@ -71,7 +71,7 @@ impl Identify {
             ("--dynamic", !self.dynamic_records.is_empty()),
             ("--elements", self.elements.is_some()),
             ("--dynamics", self.dynamics.is_some()),
-            ("--method", self.method != MethodArg::Joint),
+            ("--method", self.method != Method::Joint),
             ("--order", self.order != 2),
             ("--creep", self.creep.is_some() || self.creep_elements.is_some()),
             ("--drift", self.drift),
@@ -107,13 +107,8 @@ impl Identify {
             }
         };
         Ok(Options {
-            initial: match self.initial {
-                InitialArg::Auto => Initial::Auto,
-                InitialArg::Rest | InitialArg::Zero => Initial::Rest,
-                InitialArg::Periodic => Initial::Periodic,
-                InitialArg::Free => Initial::Free,
-            },
-            inter_sample: self.inter_sample.map_or(InterSample::BandLimited, InterSampleArg::into),
+            initial: self.initial,
+            inter_sample: self.inter_sample.unwrap_or(InterSample::BandLimited),
             fixed,
             start,
             steps: None,

@@ -3,7 +3,7 @@
 
 use crate::bench::model_data;
 use crate::bench::{Bench, static_model, triangle};
-use hysteron_model::hammerstein::Start;
+use hysteron_model::Start;
 use serde_json::Value;
 
 const NOISE_UM: f64 = 0.01;

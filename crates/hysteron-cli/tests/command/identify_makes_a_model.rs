@@ -3,7 +3,7 @@
 
 use crate::bench::model_data;
 use crate::bench::{Bench, Run};
-use hysteron_model::hammerstein::Start;
+use hysteron_model::Start;
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fmt::Write;

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use crate::bench::Bench;
 use hysteron_model::Start;
-use hysteron_model::model_file::{self, Document, OscillatorFile, StartKind};
+use hysteron_model::model_file::{self, Document, OscillatorFile};
 use hysteron_model::oscillator::Oscillator;
 use hysteron_model::record::InterSample;
 use serde_json::Value;
@@ -43,7 +43,7 @@ fn csv(u: &[f64], start: Start) -> String {
 
 /// Three periods of a steady state, as a file.
 pub fn settled_record() -> String {
-    csv(&force(1024, 60.0).repeat(3), Start::Settled { period_samples: 1024 })
+    csv(&force(1024, 60.0).repeat(3), Start::settled(1024))
 }
 
 /// A folder with a periodic record to identify from and one from rest.
@@ -71,7 +71,7 @@ fn a_record_becomes_a_file_that_predicts_another_record() {
     let told: Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(told["structure"], "oscillator");
     let file = read(&bench, "oscillator.json");
-    assert_eq!(file.start, StartKind::Settled);
+    assert_eq!(file.start(), Start::PERIODIC);
     assert!((file.offset.value - 0.3).abs() < 1e-3, "{:?}", file.offset);
     for ((name, found), truth) in Oscillator::NAMES.iter().zip(file.parameters.all()).zip(DEVICE.values()) {
         let Some(error) = found.std_error else { continue };
@@ -90,7 +90,7 @@ fn a_record_becomes_a_file_that_predicts_another_record() {
     let text = std::fs::read_to_string(bench.path("train.csv")).unwrap();
     bench.write("period.csv", text.lines().take(1025).fold(String::new(), |all, line| all + line + "\n"));
     let run = bench.run("validate oscillator.json period.csv --json");
-    assert!(run.stderr.contains("settled on a period of 1024 samples"), "{}", run.stderr);
+    assert!(run.stderr.contains("settled on its period of 1024 samples"), "{}", run.stderr);
     let told: Value = serde_json::from_str(&run.stdout).unwrap();
     assert!(told["records"][0]["fit_percent"].as_f64().unwrap() > 99.3, "{}", run.stdout);
 

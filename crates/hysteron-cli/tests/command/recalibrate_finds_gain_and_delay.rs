@@ -2,7 +2,8 @@
 
 use crate::bench::model_data;
 use crate::bench::{Bench, static_model, triangle};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::Start;
+use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::{ModelFile, SignalUnits};
 use serde_json::Value;
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use crate::bench::Bench;
-use hysteron_model::axes::{CoupledHammerstein, LevelLaw, ModesStart, Path as AxesPath, ScheduledModes};
+use hysteron_model::axes::{CoupledHammerstein, LevelLaw, Path as AxesPath, ScheduledModes};
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_model::model_file::{Document, read};
 use hysteron_model::record::InterSample;
@@ -81,7 +81,7 @@ pub fn csv(level: f64, seed: u64) -> String {
         (0..PERIOD).map(|k| size * at(k)).collect::<Vec<f64>>().repeat(2)
     };
     let u = vec![channel(), channel()];
-    let start = ModesStart::Settled { period_samples: PERIOD };
+    let start = Some(PERIOD);
     let y = device().simulate(&u, RATE, InterSample::BandLimited, start).unwrap();
     let mut text = "t_s,u1_V,u2_V,y1_nm,y2_nm\n".to_owned();
     for k in 0..2 * PERIOD {

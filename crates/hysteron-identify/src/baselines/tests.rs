@@ -9,8 +9,9 @@ use super::free_run::{Divergence, free_run};
 use super::regressors::directions;
 use super::*;
 use crate::structure::Fold;
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::record::{InterSample, TimeBase};
 

@@ -12,9 +12,9 @@ use super::drive::fine_drive;
 use super::intervals::NORMAL_975;
 use super::knowledge::{Covariance, Knowledge};
 use super::problem::{JointLayout, JointProblem};
-use super::record::{Before, Ingredients, JointRecord};
+use super::record::{Ingredients, JointRecord};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicForm, Sampling, Scheme};
-use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
 use hysteron_model::model::{BandScore, Remark, Score};
 use hysteron_model::record::InputOutput;
@@ -131,12 +131,14 @@ impl OutputUncertainty {
     ) -> Result<PredictionBand, IdentifyError> {
         let weights = self.coefficients.get(self.layout.polynomial.len()..).unwrap_or_default();
         let (before, memory) = match *start {
-            Start::AsIdentified => (Before::Rest { voltage_v: drive.first().copied().unwrap_or(0.0) }, 0.0),
-            Start::Rest { voltage_v } => (Before::Rest { voltage_v }, 0.0),
-            Start::Remembering { memory, .. } => {
-                (Before::Remembering, self.hysteresis.memory_of_columns(memory.value(), weights))
-            }
+            Start::AsIdentified => (Start::AsIdentified, 0.0),
+            Start::Rest { voltage_v } => (Start::Rest { voltage_v }, 0.0),
+            Start::Remembering { voltage_v, memory } => (
+                Start::Remembering { voltage_v, memory: () },
+                self.hysteresis.memory_of_columns(memory.value(), weights),
+            ),
             Start::Settled { period_samples } => {
+                let period_samples = period_samples.unwrap_or(drive.len());
                 if period_samples == 0 || !drive.len().is_multiple_of(period_samples) {
                     return Err(IdentifyError::NotPeriodic {
                         record: "drive".into(),
@@ -146,10 +148,10 @@ impl OutputUncertainty {
                         ),
                     });
                 }
-                (Before::Periodic, 0.0)
+                (Start::PERIODIC, 0.0)
             }
         };
-        let ends = if before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+        let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let (fine, thinning) = fine_drive(drive, self.scheme, self.inter_sample, ends)?;
         let record = JointRecord::new(Ingredients {
             drive: fine.as_deref().unwrap_or(drive),
@@ -353,7 +355,7 @@ mod tests {
             inter_sample: InterSample::Linear,
             noise: 0.0,
         };
-        let broken = known.band(&[0.0, 1.0, 0.0], 10.0, &Start::Settled { period_samples: 2 });
+        let broken = known.band(&[0.0, 1.0, 0.0], 10.0, &Start::settled(2));
         assert!(matches!(broken, Err(IdentifyError::NotPeriodic { .. })));
         // y = c u: the error of c times the drive about its mean.
         let band = known.band(&[0.0, 1.0, 5.0], 10.0, &Start::Rest { voltage_v: 0.0 }).unwrap();

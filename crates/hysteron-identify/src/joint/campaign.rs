@@ -4,9 +4,9 @@ use super::super::options::{Initial, Options};
 use super::super::static_step::{self, OFFSET};
 use super::super::{Engine, IdentifyError, RecordFacts};
 use super::drive::fine_drive;
-use super::record::{Before, Ingredients, JointRecord};
+use super::record::{Ingredients, JointRecord};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
-use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
 use hysteron_model::record::{noise_floor, quantisation_step};
 
@@ -23,7 +23,7 @@ const JUMP: f64 = 0.02;
 #[derive(Debug)]
 pub(in super::super) struct JointMember<'a> {
     pub(in super::super) facts: &'a RecordFacts,
-    pub(in super::super) before: Before,
+    pub(in super::super) before: Start<()>,
     /// Motion left over from before the record is allowed for.
     pub(in super::super) transients: bool,
     /// Standard deviation of the output's noise \[output unit\].
@@ -45,18 +45,19 @@ impl<'a> JointMember<'a> {
     ) -> Result<Self, IdentifyError> {
         let rate_hz = facts.require_sample_rate()?;
         let first = facts.data.u[0];
+        let remembering = Start::Remembering { voltage_v: first, memory: () };
         let (before, transients) = match options.initial {
-            Initial::Rest => (Before::Remembering, false),
-            Initial::Free => (Before::Remembering, true),
-            Initial::Zero => (Before::Rest { voltage_v: 0.0 }, false),
+            Initial::Rest => (remembering, false),
+            Initial::Free => (remembering, true),
+            Initial::Zero => (Start::Rest { voltage_v: 0.0 }, false),
             Initial::Periodic => (periodic(facts)?, false),
             Initial::Auto if first.abs() > JUMP * facts.range_v() => {
                 match static_step::choose_start(facts, options, engine)? {
-                    Start::Rest { voltage_v } if voltage_v != first => (Before::Rest { voltage_v }, false),
-                    _ => (Before::Remembering, false),
+                    Start::Rest { voltage_v } if voltage_v != first => (Start::Rest { voltage_v }, false),
+                    _ => (remembering, false),
                 }
             }
-            Initial::Auto => (Before::Remembering, false),
+            Initial::Auto => (remembering, false),
         };
         let floor = noise_floor(&facts.data, facts.periods.as_ref()).map_or(0.0, |floor| floor.rms);
         // A converter's steps are uniform noise of step/√12 that differences of a slow signal do not show.
@@ -96,7 +97,7 @@ impl<'a> JointMember<'a> {
         if options.drift {
             nuisance.push((0..samples).map(|k| k as f64 / samples as f64 - 0.5).collect());
         }
-        let ends = if self.before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+        let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let (fine, thinning) = fine_drive(&data.u, scheme, options.inter_sample, ends)?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&data.u),
@@ -118,34 +119,35 @@ impl<'a> JointMember<'a> {
     /// The start that is tried first where nothing is known of the record's memory.
     pub(in super::super) fn fresh_start(&self) -> Start {
         match self.before {
-            Before::Rest { voltage_v } => Start::Rest { voltage_v },
-            Before::Remembering => Start::Rest { voltage_v: self.facts.data.u[0] },
-            Before::Periodic => self.settled(),
+            Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => Start::Rest { voltage_v },
+            Start::AsIdentified => Start::Rest { voltage_v: self.facts.data.u[0] },
+            Start::Settled { .. } => self.settled(),
         }
     }
 
     fn settled(&self) -> Start {
-        Start::Settled { period_samples: self.facts.period_samples().unwrap_or(self.facts.data.u.len()) }
+        Start::settled(self.facts.period_samples().unwrap_or(self.facts.data.u.len()))
     }
 
     /// The start for the identified model; `memory` as it is searched \[V\].
     pub(in super::super) fn start(&self, hysteresis: &Hysteresis, memory: f64) -> Start {
         match self.before {
-            Before::Rest { voltage_v } => Start::Rest { voltage_v },
-            Before::Remembering => {
+            Start::AsIdentified => Start::AsIdentified,
+            Start::Rest { voltage_v } => Start::Rest { voltage_v },
+            Start::Remembering { voltage_v, .. } => {
                 let own = hysteresis.form().own_memory(memory, &hysteresis.weights());
-                Start::Remembering { voltage_v: self.facts.data.u[0], memory: hysteresis.memory(own) }
+                Start::Remembering { voltage_v, memory: hysteresis.memory(own) }
             }
-            Before::Periodic => self.settled(),
+            Start::Settled { .. } => self.settled(),
         }
     }
 }
 
 /// The record must repeat from its first sample to its last.
-fn periodic(facts: &RecordFacts) -> Result<Before, IdentifyError> {
+fn periodic(facts: &RecordFacts) -> Result<Start<()>, IdentifyError> {
     let samples = facts.data.u.len();
     match facts.period_samples() {
-        Some(period) if period > 0 && samples.is_multiple_of(period) => Ok(Before::Periodic),
+        Some(period) if period > 0 && samples.is_multiple_of(period) => Ok(Start::PERIODIC),
         Some(period) => Err(IdentifyError::NotPeriodic {
             record: facts.data.name.clone(),
             found: format!("{samples} samples are not a whole number of its periods of {period} samples"),
@@ -159,12 +161,12 @@ fn periodic(facts: &RecordFacts) -> Result<Before, IdentifyError> {
 
 /// By how much a record can be thinned and still show every swing of its drive. A jump into the record is not band-limited,
 /// and what tells of it is in the first samples.
-fn reduction(facts: &RecordFacts, before: Before) -> usize {
+fn reduction(facts: &RecordFacts, before: Start<()>) -> usize {
     let samples = facts.data.u.len();
     let most = (facts.shortest_swing / SAMPLES_A_SWING).min(samples / SAMPLES_A_RECORD).max(1);
     match before {
-        Before::Rest { voltage_v } if voltage_v != facts.data.u[0] => 1,
-        Before::Periodic => (1..=most).rev().find(|&factor| samples.is_multiple_of(factor)).unwrap_or(1),
-        Before::Rest { .. } | Before::Remembering => most,
+        Start::Rest { voltage_v } if voltage_v != facts.data.u[0] => 1,
+        Start::Settled { .. } => (1..=most).rev().find(|&factor| samples.is_multiple_of(factor)).unwrap_or(1),
+        Start::AsIdentified | Start::Rest { .. } | Start::Remembering { .. } => most,
     }
 }

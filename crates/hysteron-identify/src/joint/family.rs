@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use super::super::layout::{BoxBuilder, Role};
 use super::super::options::Choice;
 use super::super::static_step::Scales;
-use super::record::Before;
 use super::setup::JointSetup;
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{FamilyForm, HysteresisForm};
 use hysteron_model::record::range_of;
 use hysteron_optimize::Range;
@@ -166,9 +166,9 @@ impl JointSetup<'_> {
                 | FamilyForm::Preisach { .. }
                 | FamilyForm::PreisachDensity
         );
-        let begins = self.members.iter().filter(|m| is_plane && m.before != Before::Periodic);
+        let begins = self.members.iter().filter(|m| is_plane && m.before != Start::PERIODIC);
         let virgin = begins.filter_map(|member| match member.before {
-            Before::Rest { voltage_v } => Some(voltage_v),
+            Start::Rest { voltage_v } => Some(voltage_v),
             _ => member.facts.data.u.first().copied(),
         });
         // Virgin at v, relays with α + β < 2v are closed: mirror images of the ends.

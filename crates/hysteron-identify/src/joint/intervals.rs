@@ -204,8 +204,9 @@ mod tests {
     use super::super::drive::Thinning;
     use super::super::knowledge::knowledge;
     use super::super::problem::JointLayout;
-    use super::super::record::{Before, Ingredients, JointRecord};
+    use super::super::record::{Ingredients, JointRecord};
     use super::*;
+    use hysteron_model::Start;
     use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
     use hysteron_model::hysteresis::HysteresisForm;
     use hysteron_optimize::Bounds;
@@ -228,7 +229,7 @@ mod tests {
             factor: 1,
             output: output.clone(),
             weight: vec![1.0; drive.len()],
-            before: Before::Remembering,
+            before: Start::Remembering { voltage_v: drive[0], memory: () },
             transients: false,
             offset_is_held: false,
             nuisance: Vec::new(),

@@ -13,10 +13,11 @@
 use super::super::projection::Projection;
 use super::drive::Thinning;
 use super::reduction::Reduction;
+use hysteron_model::Start;
 use hysteron_model::dynamics::{
     InputSpectrum, Linearised, Response, Sampling, SimulationPlan, Workspace as PlanWorkspace,
 };
-use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm, Origin};
+use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm};
 use rayon::prelude::*;
 
 mod derivatives;
@@ -24,20 +25,6 @@ mod preparation;
 
 pub(in super::super) use derivatives::Direction;
 pub(in super::super) use preparation::Ingredients;
-
-/// What happened before the first sample of a record.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in super::super) enum Before {
-    /// The device rested at this voltage without hysteresis memory and moves to u(0) in one sample.
-    Rest {
-        /// Rest voltage \[V\].
-        voltage_v: f64,
-    },
-    /// The device rested at u(0) with an unknown memory ζ(0), which is a parameter of the fit.
-    Remembering,
-    /// The record repeats for ever; it is a whole number of periods.
-    Periodic,
-}
 
 /// One record prepared for a joint fit.
 #[derive(Debug)]
@@ -48,7 +35,8 @@ pub(in super::super) struct JointRecord {
     grid: DriveGrid,
     thinning: Thinning,
     reduction: Option<Reduction>,
-    before: Before,
+    /// What happened before the first sample; an unknown memory at rest at u(0) is a parameter of the fit.
+    before: Start<()>,
     /// Weight of each sample that is worked on, 0 where it does not count.
     pub(super) weight: Vec<f64>,
     /// Orthonormal weighted columns of offset and drift.
@@ -168,11 +156,12 @@ impl JointRecord {
     }
 
     /// Where the operators stand before the first sample.
-    fn origin(&self, memory: f64) -> Origin {
+    fn origin(&self, memory: f64) -> Start<f64> {
         match self.before {
-            Before::Rest { voltage_v } => Origin::Virgin { rest: voltage_v },
-            Before::Remembering => Origin::Remembering { rest: self.drive[0], memory },
-            Before::Periodic => Origin::Periodic,
+            Start::Remembering { .. } => Start::Remembering { voltage_v: self.drive[0], memory },
+            Start::Rest { voltage_v } => Start::Rest { voltage_v },
+            Start::AsIdentified => Start::AsIdentified,
+            Start::Settled { .. } => Start::PERIODIC,
         }
     }
 
@@ -325,10 +314,10 @@ impl JointRecord {
 }
 
 /// Voltage before the first sample \[V\].
-fn rest_voltage(before: Before, drive: &[f64]) -> f64 {
+fn rest_voltage(before: Start<()>, drive: &[f64]) -> f64 {
     match before {
-        Before::Rest { voltage_v } => voltage_v,
-        Before::Remembering | Before::Periodic => drive[0],
+        Start::Rest { voltage_v } => voltage_v,
+        Start::AsIdentified | Start::Remembering { .. } | Start::Settled { .. } => drive[0],
     }
 }
 

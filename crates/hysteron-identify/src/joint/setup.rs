@@ -7,8 +7,9 @@ use super::super::static_step::{HIGHEST_AUTOMATIC_DEGREE, Scales};
 use super::super::{IdentifyError, RecordFacts, fingerprint};
 use super::campaign::JointMember;
 use super::problem::{JointLayout, JointProblem};
-use super::record::{Before, JointRecord};
+use super::record::JointRecord;
 use super::resonances::{Resonance, resonances};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicForm, Modes, Scheme};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::polynomial_name;
@@ -159,7 +160,7 @@ impl<'a> JointSetup<'a> {
             .iter()
             .enumerate()
             .map(|(index, member)| match member.before {
-                Before::Remembering if hysteretic => {
+                Start::Remembering { .. } if hysteretic => {
                     let (low, high) = self.memory_range(index);
                     space.searched(Range::linear(&memory_name(index), low, high))
                 }
@@ -247,7 +248,7 @@ pub(in super::super) fn scheme(options: &Options, members: &[JointMember<'_>]) -
     match options.scheme {
         Choice::Given(scheme) => scheme,
         // A jump is not band-limited.
-        Choice::Auto if members.iter().any(|m| matches!(m.before, Before::Rest { .. })) => Scheme::Tustin,
+        Choice::Auto if members.iter().any(|m| matches!(m.before, Start::Rest { .. })) => Scheme::Tustin,
         Choice::Auto => Scheme::BandLimited,
     }
 }

@@ -3,15 +3,19 @@
 use super::super::layout::Role;
 use super::drive::fine_drive;
 use super::problem::{JointLayout, JointProblem};
-use super::record::{Before, Ingredients, JointRecord};
+use super::record::{Ingredients, JointRecord};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
 use hysteron_model::record::InterSample;
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range};
 use std::f64::consts::TAU;
 
+/// At rest with an unknown memory, at the first voltage of whatever record.
+const REMEMBERING: Start<()> = Start::Remembering { voltage_v: 0.0, memory: () };
+
 /// Two records: a nested slow drive and a faster one, outputs that no model fits.
-fn records(scheme: Scheme, transients: bool, before: [Before; 2], factor: usize) -> Vec<JointRecord> {
+fn records(scheme: Scheme, transients: bool, before: [Start<()>; 2], factor: usize) -> Vec<JointRecord> {
     let drives: [Vec<f64>; 2] = [
         (0..600)
             .map(|k| {
@@ -35,7 +39,7 @@ fn records(scheme: Scheme, transients: bool, before: [Before; 2], factor: usize)
             let often = if factor == 1 { 37 } else { 400 };
             let weight =
                 (0..samples).map(|k| if k % often == 5 { 0.0 } else { 1.0 + 0.5 * r as f64 }).collect();
-            let ends = if before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+            let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
             let (fine, thinning) = fine_drive(drive, scheme, InterSample::Linear, ends).unwrap();
             JointRecord::new(Ingredients {
                 drive: fine.as_ref().unwrap_or(drive),
@@ -185,7 +189,7 @@ fn fractional() -> DynamicForm {
 #[test]
 fn jacobian_agrees_with_differences_under_every_scheme() {
     for scheme in [Scheme::Tustin, Scheme::BandLimited, Scheme::Bdf2, Scheme::GrunwaldLetnikov] {
-        let before = [Before::Remembering, Before::Rest { voltage_v: 1.0 }];
+        let before = [REMEMBERING, Start::Rest { voltage_v: 1.0 }];
         let problem = problem(fractional(), Some(1.0), records(scheme, false, before, 1), [true, false]);
         // A delay of 3.4 samples: differences stay on one line between samples under the linear rule.
         check(&problem, &[0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9]);
@@ -194,7 +198,7 @@ fn jacobian_agrees_with_differences_under_every_scheme() {
 
 #[test]
 fn jacobian_agrees_with_differences_for_other_exponents() {
-    let before = [Before::Remembering, Before::Remembering];
+    let before = [REMEMBERING, REMEMBERING];
     for (n, x_n) in [(Some(2.0), None), (Some(1.5), None), (None, Some(1.7))] {
         let problem = problem(
             DynamicForm { modes: Modes::Integer { order: 2 }, creep: Creep::None },
@@ -215,7 +219,7 @@ const PLAYS: HysteresisForm = HysteresisForm::PrandtlIshlinskii { plays: 3 };
 fn jacobian_agrees_with_differences_for_plays() {
     let shape = [("threshold_1", 0.1, 0.9), ("threshold_2", 1.3, 1.3), ("threshold_3", 1.5, 4.0)];
     for (scheme, factor) in [(Scheme::BandLimited, 1), (Scheme::BandLimited, 4), (Scheme::Tustin, 1)] {
-        let before = [Before::Remembering, Before::Rest { voltage_v: 1.0 }];
+        let before = [REMEMBERING, Start::Rest { voltage_v: 1.0 }];
         let records = records(scheme, false, before, factor);
         let family = (PLAYS, &shape[..], &[Role::Projected; 3][..]);
         let problem = of_family(family, fractional(), records, [true, false]);
@@ -226,7 +230,7 @@ fn jacobian_agrees_with_differences_for_plays() {
 /// The best of all sets of weights held at 0 that leaves the others with their sign.
 #[test]
 fn weights_of_one_sign_are_the_best_that_have_it() {
-    let before = [Before::Rest { voltage_v: 0.3 }, Before::Rest { voltage_v: 5.0 }];
+    let before = [Start::Rest { voltage_v: 0.3 }, Start::Rest { voltage_v: 5.0 }];
     let x = [120.0, 0.4, 1.9, 0.9, 0.0034];
     let mut held = 0;
     for thresholds in [[0.4, 1.3, 2.9], [0.1, 0.6, 3.7], [0.9, 2.0, 2.4]] {
@@ -259,7 +263,7 @@ fn weights_of_one_sign_are_the_best_that_have_it() {
 
 #[test]
 fn jacobian_agrees_with_differences_for_reduced_records_and_creep() {
-    let before = [Before::Remembering, Before::Remembering];
+    let before = [REMEMBERING, REMEMBERING];
     let form = DynamicForm { modes: Modes::Fractional, creep: Creep::Fractional };
     let problem = problem(form, Some(1.0), records(Scheme::BandLimited, false, before, 4), [true, true]);
     let mut x = vec![0.35, 0.3, 40.0, 0.4, 1.9, 0.9];
@@ -270,7 +274,7 @@ fn jacobian_agrees_with_differences_for_reduced_records_and_creep() {
 #[test]
 fn jacobian_agrees_with_differences_on_periodic_records() {
     // Whole periods: 480 samples are 6 periods; the first record is left out.
-    let before = [Before::Remembering, Before::Periodic];
+    let before = [REMEMBERING, Start::PERIODIC];
     for factor in [1, 3] {
         let records = records(Scheme::BandLimited, false, before, factor);
         let problem = problem(fractional(), Some(1.0), records, [true, false]);
@@ -280,7 +284,7 @@ fn jacobian_agrees_with_differences_on_periodic_records() {
 
 #[test]
 fn gradient_is_exact_with_transients() {
-    let before = [Before::Remembering, Before::Remembering];
+    let before = [REMEMBERING, REMEMBERING];
     let records = records(Scheme::Tustin, true, before, 1);
     let problem = problem(fractional(), Some(1.0), records, [true, true]);
     let x = [0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9, -0.8];

@@ -1,7 +1,8 @@
 //! Which coefficients of a model may move, and what their regressors are.
 
 use super::{CorrectionError, Term};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::Start;
+use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::record::range_of;
 

@@ -31,14 +31,13 @@ impl Followed {
         ]);
         named.extend(self.paths.iter().map(|path| (path.term.to_string(), path.end.to_string())));
         let records = vec![RecordEntry::of(data, RecordRole::Both)];
-        Ok(ModelFile {
-            name: old.name.clone(),
-            normalisation: old.normalisation,
-            start: old.start.clone(),
-            valid_range: old.valid_range.clone(),
-            provenance: Some(Provenance::new(maker, records, named, None)),
-            scores: vec![ScoreEntry::new(&data.name, ScoreRole::Training, data.y_unit.symbol(), &self.last)],
-            ..ModelFile::from_model(model, old.units.clone())
-        })
+        let mut file = ModelFile::from_model(model, old.units.clone());
+        file.set_start(old.start());
+        (file.name, file.normalisation) = (old.name.clone(), old.normalisation);
+        file.valid_range = old.valid_range.clone();
+        file.provenance = Some(Provenance::new(maker, records, named, None));
+        file.scores =
+            vec![ScoreEntry::new(&data.name, ScoreRole::Training, data.y_unit.symbol(), &self.last)];
+        Ok(file)
     }
 }

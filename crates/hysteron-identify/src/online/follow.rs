@@ -1,7 +1,8 @@
 //! A model corrected over a whole record.
 
 use super::{Adapter, Alarm, Correction, CorrectionError, Estimator, FollowError, Term};
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::Start;
+use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::{ModelFile, ScoreRole};
 use hysteron_model::record::{InputOutput, find_periods, noise_floor, range_of, shortest_swing};
 use hysteron_model::validate::{OffsetTreatment, Scores, Scoring, score};

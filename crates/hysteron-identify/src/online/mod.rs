@@ -6,7 +6,8 @@
 //!
 //! ```
 //! use hysteron_model::dynamics::{Dynamics, Scheme};
-//! use hysteron_model::hammerstein::{Model, Start};
+//! use hysteron_model::hammerstein::Model;
+//! use hysteron_model::Start;
 //! use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 //! use hysteron_identify::online::{Adapter, Correction, Estimator, Term};
 //! use hysteron_model::record::InterSample;

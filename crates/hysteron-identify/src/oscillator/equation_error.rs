@@ -3,9 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use rustfft::num_complex::Complex64;
 
-use super::preparation::{Piece, PieceStart};
+use super::preparation::Piece;
 use super::{Options, OscillatorFitError};
-use hysteron_model::hysteresis::{RecordEnds, Start, UnitShape};
+use hysteron_model::Start;
+use hysteron_model::hysteresis::{RecordEnds, UnitShape};
 use hysteron_model::record::InterSample;
 use hysteron_numeric::fft::RealFft;
 use hysteron_numeric::triangular;
@@ -49,7 +50,7 @@ pub(super) struct EquationError {
 /// One piece.
 struct Part {
     path: Vec<f64>,
-    start: Start,
+    start: Start<f64>,
     window: Option<Vec<f64>>,
     fft: RealFft,
     /// First line used.
@@ -88,7 +89,7 @@ impl EquationError {
         let (mut power, mut count, mut band) = (0.0, 0usize, (f64::INFINITY, 0f64));
         for piece in pieces {
             let samples = piece.y.len();
-            let open = piece.start != PieceStart::Periodic;
+            let open = piece.start != Start::PERIODIC;
             let fft = RealFft::new(samples);
             let window = open.then(|| hann(samples));
             // A constant under the window fills lines 0 and 1.
@@ -113,8 +114,8 @@ impl EquationError {
             band = (band.0.min(first as f64 * resolution), band.1.max(last as f64 * resolution));
             let path = InterSample::BandLimited.upsample(&motion.y, FINER, piece.ends())?;
             let start = match piece.start {
-                PieceStart::Periodic => Start::Periodic,
-                _ => Start::Rest { u: path.first().copied().unwrap_or(0.0) },
+                Start::Settled { .. } => Start::PERIODIC,
+                _ => Start::AsIdentified,
             };
             parts.push(Part {
                 path,

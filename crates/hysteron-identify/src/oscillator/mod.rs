@@ -25,34 +25,22 @@ mod written;
 pub use error::OscillatorFitError;
 pub use knowledge::Estimate;
 
-use super::{Correlation, Finding, Searches, Watch};
+use super::{Correlation, Finding, Initial, Searches, Watch};
+use hysteron_model::Start;
 use hysteron_model::model::{Score, Simulation};
-use hysteron_model::oscillator::{Oscillator, Start};
+use hysteron_model::oscillator::{Oscillator, OscillatorState};
 use hysteron_model::record::{InputOutput, InterSample};
 use hysteron_model::validate::Scores;
 use hysteron_optimize::Outcome;
 use serde::{Deserialize, Serialize};
 
-/// What happened before a record.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Initial {
-    /// A steady state where the force repeats, else rest.
-    #[default]
-    Auto,
-    /// y = ẏ = z = 0.
-    Rest,
-    /// Steady state under the force, which repeats; the whole record is one period where no shorter one is found.
-    Periodic,
-    /// Unknown: y, ẏ and z at the first sample are searched.
-    Free,
-}
-
 /// What a user can ask of the identification of an oscillator.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// What happened before each record.
+    /// How the start of each record enters: an oscillator rests without force (`Rest` and `Zero`), repeats (`Periodic`, the whole record
+    /// is one period where no shorter one is found), or y, ẏ and z at the first sample are searched (`Free`). `Auto`: a steady state
+    /// where the force repeats, else rest.
     pub initial: Initial,
     /// What the force does between its samples.
     pub inter_sample: InterSample,
@@ -118,7 +106,7 @@ pub struct RecordFit {
     /// The record.
     pub data: InputOutput,
     /// Start found; a periodic one has the samples of its period beside it.
-    pub start: Start,
+    pub start: Start<OscillatorState>,
     /// Samples of the period of a periodic start.
     pub period_samples: Option<usize>,
     /// Simulated displacement at every sample, without offset.
@@ -130,9 +118,7 @@ pub struct RecordFit {
 impl RecordFit {
     /// The scores with what they are of.
     pub fn score(&self) -> Score {
-        let start = self.period_samples.map_or(hysteron_model::Start::AsIdentified, |period_samples| {
-            hysteron_model::Start::Settled { period_samples }
-        });
+        let start = self.period_samples.map_or(Start::AsIdentified, Start::settled);
         let simulation = Simulation::of_single(self.simulated.clone(), start, self.data.u_unit.clone());
         Score::of_single(&self.data, self.data.y_unit.clone(), self.scores.clone(), simulation)
     }

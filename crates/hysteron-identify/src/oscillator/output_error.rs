@@ -1,8 +1,9 @@
 //! Simulated against measured output: the problem that is finally solved.
 
 use super::coordinates::{COUNT, Coordinates};
-use super::preparation::{Piece, PieceStart};
-use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState, Response, Start};
+use super::preparation::Piece;
+use hysteron_model::Start;
+use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState, Response};
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, root_mean_square};
 
 /// What is searched: some of the coordinates, then y, ẏ and z at the first sample of every piece with a free start.
@@ -38,7 +39,7 @@ impl<'a> OutputError<'a> {
         let searched: Vec<usize> = (0..COUNT).filter(|&j| held[j].is_none()).collect();
         let mut all: Vec<Range> = searched.iter().map(|&j| ranges[j].clone()).collect();
         let [mass, _, stiffness] = linear;
-        for (number, piece) in pieces.iter().enumerate().filter(|(_, p)| p.start == PieceStart::Free) {
+        for (number, piece) in pieces.iter().enumerate().filter(|(_, p)| p.start_is_free()) {
             let largest =
                 FREE_START * piece.y.iter().map(|y| (y - mean(&piece.y)).abs()).fold(size, f64::max);
             let units = [("y", 1.0), ("velocity", (stiffness / mass).sqrt()), ("z", stiffness)];
@@ -56,7 +57,7 @@ impl<'a> OutputError<'a> {
     /// The search vector of a start: the free states are the measured place, at rest and without memory.
     pub(super) fn start(&self, coordinates: &Coordinates) -> Vec<f64> {
         let mut x: Vec<f64> = self.searched.iter().map(|&j| coordinates.0[j]).collect();
-        for piece in self.pieces.iter().filter(|p| p.start == PieceStart::Free) {
+        for piece in self.pieces.iter().filter(|p| p.start_is_free()) {
             x.extend([piece.y.first().copied().unwrap_or(0.0) - mean(&piece.y), 0.0, 0.0]);
         }
         x
@@ -75,7 +76,7 @@ impl<'a> OutputError<'a> {
     }
 
     /// Start of every piece, and where its free state stands in the search vector.
-    pub(super) fn starts(&self, x: &[f64]) -> Vec<(Start, Option<usize>)> {
+    pub(super) fn starts(&self, x: &[f64]) -> Vec<(Start<OscillatorState>, Option<usize>)> {
         let mut next = self.searched.len();
         let mut free = || {
             let at = next;
@@ -83,13 +84,13 @@ impl<'a> OutputError<'a> {
             at
         };
         let start = |piece: &Piece| match piece.start {
-            PieceStart::Rest => (Start::Rest, None),
-            PieceStart::Periodic => (Start::Periodic, None),
-            PieceStart::Free => {
+            Start::AsIdentified | Start::Rest { .. } => (Start::AsIdentified, None),
+            Start::Settled { .. } => (Start::PERIODIC, None),
+            Start::Remembering { .. } => {
                 let at = free();
                 let value = |i: usize| x.get(at + i).copied().unwrap_or(0.0);
                 let state = OscillatorState { y: value(0), velocity: value(1), z: value(2) };
-                (Start::State(state), Some(at))
+                (state.into(), Some(at))
             }
         };
         self.pieces.iter().map(start).collect()

@@ -2,8 +2,9 @@
 
 use super::super::RecordFacts;
 use super::super::campaign::usable;
-use super::super::options::CampaignRecord;
-use super::{Initial, Options, OscillatorFitError};
+use super::super::options::{CampaignRecord, Initial};
+use super::{Options, OscillatorFitError};
+use hysteron_model::Start;
 use hysteron_model::hysteresis::RecordEnds;
 use hysteron_model::record::{InputOutput, Periods};
 
@@ -20,24 +21,21 @@ pub(super) struct Piece {
     /// Whether a sample is scored.
     pub scored: Vec<bool>,
     pub rate: f64,
-    pub start: PieceStart,
+    /// What is assumed to have happened before: a state at the first sample is searched.
+    pub start: Start<()>,
     /// Periods averaged.
     pub periods: usize,
 }
 
-/// What is assumed of a piece before its first sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum PieceStart {
-    Rest,
-    Periodic,
-    Free,
-}
-
 impl Piece {
+    pub(super) fn start_is_free(&self) -> bool {
+        matches!(self.start, Start::Remembering { .. })
+    }
+
     pub(super) fn ends(&self) -> RecordEnds {
         match self.start {
-            PieceStart::Periodic => RecordEnds::Periodic,
-            PieceStart::Rest | PieceStart::Free => RecordEnds::Open,
+            Start::Settled { .. } => RecordEnds::Periodic,
+            Start::AsIdentified | Start::Rest { .. } | Start::Remembering { .. } => RecordEnds::Open,
         }
     }
 }
@@ -53,7 +51,7 @@ fn piece(facts: &RecordFacts, initial: Initial) -> Result<Piece, OscillatorFitEr
     let data = &facts.data;
     let rate =
         data.sample_rate_hz().ok_or_else(|| OscillatorFitError::NotUniform { record: data.name.clone() })?;
-    let whole = |start: PieceStart| Piece {
+    let whole = |start: Start<()>| Piece {
         name: data.name.clone(),
         u: data.u.clone(),
         y: data.y.clone(),
@@ -63,9 +61,9 @@ fn piece(facts: &RecordFacts, initial: Initial) -> Result<Piece, OscillatorFitEr
         periods: 1,
     };
     Ok(match (initial, repeating(facts.periods)) {
-        (Initial::Rest, _) | (Initial::Auto, None) => whole(PieceStart::Rest),
-        (Initial::Free, _) => whole(PieceStart::Free),
-        (Initial::Periodic, None) => whole(PieceStart::Periodic),
+        (Initial::Rest | Initial::Zero, _) | (Initial::Auto, None) => whole(Start::AsIdentified),
+        (Initial::Free, _) => whole(Start::Remembering { voltage_v: 0.0, memory: () }),
+        (Initial::Periodic, None) => whole(Start::PERIODIC),
         (Initial::Auto | Initial::Periodic, Some((samples, settling, count))) => {
             mean_period(data, rate, samples, settling, count)
         }
@@ -89,7 +87,7 @@ fn mean_period(data: &InputOutput, rate: f64, samples: usize, settling: usize, c
         y: Vec::with_capacity(samples),
         scored: Vec::with_capacity(samples),
         rate,
-        start: PieceStart::Periodic,
+        start: Start::PERIODIC,
         periods: count - settling,
     };
     for k in 0..samples {

@@ -6,15 +6,16 @@ use super::coordinates::{COUNT, LARGEST_N, N, ranges};
 use super::equation_error::EquationError;
 use super::knowledge::{Estimate, estimates};
 use super::output_error::OutputError;
-use super::preparation::{Piece, PieceStart, pieces};
+use super::preparation::{Piece, pieces};
 use super::shapes::candidates;
 use super::{Identification, Options, OscillatorFitError, RecordFit};
 use crate::engine::Engine;
 use crate::watch::Plan;
 use crate::{Correlation, Finding, FindingKind, Searches, Watch};
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{Admissibility, RecordEnds};
 use hysteron_model::model_file::{OscillatorFile, SignalUnits};
-use hysteron_model::oscillator::{Drive, Oscillator, Start};
+use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, score};
 use hysteron_numeric::display::short;
@@ -135,7 +136,7 @@ fn record_fit(
     oscillator: &Oscillator,
     data: &InputOutput,
     (piece, drive): (&Piece, &Drive),
-    start: Start,
+    start: Start<OscillatorState>,
 ) -> Result<RecordFit, OscillatorFitError> {
     let mut one = vec![0.0; drive.len()];
     oscillator.simulate(drive, start, &mut one)?;
@@ -149,14 +150,16 @@ fn record_fit(
 fn treatment(piece: &Piece) -> String {
     let name = &piece.name;
     match piece.start {
-        PieceStart::Periodic if piece.periods > 1 => format!(
+        Start::Settled { .. } if piece.periods > 1 => format!(
             "{name}: the force repeats every {} samples; the fit sees the mean of {} settled periods",
             piece.y.len(),
             piece.periods
         ),
-        PieceStart::Periodic => format!("{name}: one period of a steady state"),
-        PieceStart::Rest => format!("{name}: from rest"),
-        PieceStart::Free => format!("{name}: displacement, velocity and z at the first sample were fitted"),
+        Start::Settled { .. } => format!("{name}: one period of a steady state"),
+        Start::AsIdentified | Start::Rest { .. } => format!("{name}: from rest"),
+        Start::Remembering { .. } => {
+            format!("{name}: displacement, velocity and z at the first sample were fitted")
+        }
     }
 }
 

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use hysteron_model::Start;
 use hysteron_model::model_file::{
     Maker, OscillatorFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, SignalUnits,
-    StartKind, ValidRange,
+    ValidRange,
 };
 
-use super::{Identification, Initial, Options};
+use super::{Identification, Options};
 
 impl Identification {
     /// The model as data: numbers with standard errors, range, how it was made with these `options`, scores.
@@ -22,7 +23,7 @@ impl Identification {
         }
         file.offset.value = self.offset;
         if first.is_some_and(|r| r.period_samples.is_some()) {
-            file.start = StartKind::Settled;
+            file.set_start(Start::PERIODIC);
         }
         let forces = self.records.iter().flat_map(|r| &r.data.u);
         let slopes = self.records.iter().flat_map(|r| {
@@ -42,15 +43,9 @@ impl Identification {
 
     /// Options in force by name.
     fn named(&self, options: &Options) -> BTreeMap<String, String> {
-        let initial = match options.initial {
-            Initial::Auto => "auto",
-            Initial::Rest => "rest",
-            Initial::Periodic => "periodic",
-            Initial::Free => "free",
-        };
         let mut named = BTreeMap::from([
             ("structure".to_owned(), "oscillator".to_owned()),
-            ("initial".to_owned(), initial.to_owned()),
+            ("initial".to_owned(), options.initial.name().to_owned()),
             ("inter-sample".to_owned(), self.inter_sample.name().to_owned()),
         ]);
         named.extend(options.fixed.iter().map(|(name, value)| (format!("fix {name}"), value.to_string())));

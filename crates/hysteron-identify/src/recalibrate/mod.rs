@@ -14,7 +14,8 @@ mod tests;
 
 use super::{IdentifyError, RecordFacts, uncertainty};
 pub use file::RecalibrationSummary;
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::Start;
+use hysteron_model::hammerstein::Model;
 use hysteron_model::record::{InputOutput, range_of};
 use hysteron_model::validate::{Scores, Scoring, StartError, choose_start, score};
 use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings, Unobserved, minimize};

@@ -1,7 +1,8 @@
 //! The least-squares problem of a recalibration: gain, delay and memories searched, offsets projected out.
 
 use super::RecordFacts;
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::Start;
+use hysteron_model::hammerstein::Model;
 use hysteron_model::record::range_of;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
 

@@ -1,6 +1,7 @@
 use super::*;
+use hysteron_model::Memory;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
-use hysteron_model::hysteresis::{BoucWen, Hysteresis, Memory};
+use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::{ModelFile, SignalUnits};
 use hysteron_model::record::{InterSample, TimeBase};
 use std::f64::consts::TAU;

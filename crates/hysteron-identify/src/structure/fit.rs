@@ -9,8 +9,9 @@ use super::super::uncertainty::correlation_time;
 use super::super::{IdentifyError, RecordFacts, Watch, identify};
 use super::candidate::Candidate;
 use super::folds::Fold;
+use hysteron_model::Start;
 use hysteron_model::dynamics::Dynamics;
-use hysteron_model::hammerstein::{Model, Start};
+use hysteron_model::hammerstein::Model;
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, choose_start, score};
 use hysteron_optimize::{

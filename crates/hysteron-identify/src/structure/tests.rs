@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use super::*;
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
-use hysteron_model::hammerstein::Start;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::record::{InputOutput, InterSample, TimeBase};
 use hysteron_optimize::Stop;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use hysteron_model::axes::{AxesRecord, FeedbackStrain, LevelLaw, ModesStart, ScheduledModes, StrainLaw};
+use hysteron_model::axes::{AxesRecord, FeedbackStrain, LevelLaw, ScheduledModes, StrainLaw};
 use hysteron_model::record::{Channel, InterSample, Record, TimeBase};
 use hysteron_numeric::Complex64;
 
@@ -137,7 +137,7 @@ pub fn record(level: f64, seed: u64, noise: f64) -> AxesRecord {
 /// Two periods of a device's steady state, with noise of this rms on the outputs and an offset.
 pub fn record_of(device: &ScheduledModes, level: f64, seed: u64, noise: f64) -> AxesRecord {
     let u: Vec<Vec<f64>> = drive(level, seed).into_iter().map(|u| u.repeat(2)).collect();
-    let start = ModesStart::Settled { period_samples: PERIOD };
+    let start = Some(PERIOD);
     let y = device.simulate(&u, RATE, InterSample::BandLimited, start).unwrap();
     let mut random = Random(seed + 1000);
     let mut channels = Vec::new();

@@ -1,6 +1,6 @@
 //! The simulation against the linear response in closed form, and sample by sample.
 
-use hysteron_model::axes::{AxesError, ModesStart, SteadyPeriod, Streaming, spectrum};
+use hysteron_model::axes::{AxesError, SteadyPeriod, Streaming, spectrum};
 use hysteron_model::record::InterSample;
 use hysteron_numeric::Complex64;
 
@@ -37,8 +37,7 @@ fn sample_by_sample_is_the_same_as_at_once() {
     let device = device();
     let mut u = drive(HIGH, 5);
     u.iter_mut().for_each(|u| u.truncate(700));
-    let start = ModesStart::Rest { level: Some(0.3) };
-    let y = device.simulate(&u, RATE, InterSample::Linear, start).unwrap();
+    let y = device.simulate_after(&u, RATE, InterSample::Linear, 0.3).unwrap();
     let mut stream = Streaming::new(&device, &[u[0][0], u[1][0]], 0.3);
     let mut sample = [0.0; 2];
     for k in 0..700 {
@@ -54,7 +53,7 @@ fn sample_by_sample_is_the_same_as_at_once() {
 fn a_drive_that_is_held_stays_where_it_is() {
     let device = device();
     let u = vec![vec![0.4; 50], vec![-0.2; 50]];
-    let rest = ModesStart::Rest { level: None };
+    let rest = None;
     let y = device.simulate(&u, RATE, InterSample::BandLimited, rest).unwrap();
     for y in y {
         assert!(y.iter().all(|x| (x - y[0]).abs() < 1e-7), "{y:?}");
@@ -67,9 +66,8 @@ fn a_running_drive_reaches_the_steady_state_and_its_level() {
     device.level.time_constant_s = 4.0;
     let period = drive(HIGH, 9);
     let u: Vec<Vec<f64>> = period.iter().map(|u| u.repeat(12)).collect();
-    let rest = ModesStart::Rest { level: Some(LOW) };
-    let y = device.simulate(&u, RATE, InterSample::BandLimited, rest).unwrap();
-    let settled = ModesStart::Settled { period_samples: PERIOD };
+    let y = device.simulate_after(&u, RATE, InterSample::BandLimited, LOW).unwrap();
+    let settled = Some(PERIOD);
     let steady = device.simulate(&u, RATE, InterSample::BandLimited, settled).unwrap();
     for (y, steady) in y.iter().zip(&steady) {
         let off = |period: usize| {
@@ -85,13 +83,13 @@ fn a_running_drive_reaches_the_steady_state_and_its_level() {
 #[test]
 fn what_does_not_suit_the_model_is_refused() {
     let device = device();
-    let rest = ModesStart::Rest { level: None };
+    let rest = None;
     let run = |u: &[Vec<f64>], rate: f64, start| device.simulate(u, rate, InterSample::Linear, start);
     let two = vec![vec![0.0; 10]; 2];
     assert!(matches!(run(&two[..1], RATE, rest), Err(AxesError::Channels { model: 2, record: 1, .. })));
     assert!(matches!(run(&two, 2.0 * RATE, rest), Err(AxesError::SampleRate { .. })));
     assert!(matches!(run(&two, f64::NAN, rest), Err(AxesError::SampleRate { .. })));
-    let settled = ModesStart::Settled { period_samples: 11 };
+    let settled = Some(11);
     assert!(matches!(run(&two, RATE, settled), Err(AxesError::Period { .. })));
     let loud = vec![vec![1e200; 10]; 2];
     assert_eq!(run(&loud, RATE, rest), Err(AxesError::RunsAway));

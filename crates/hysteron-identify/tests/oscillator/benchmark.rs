@@ -5,8 +5,9 @@
 use std::path::{Path, PathBuf};
 
 use hysteron_identify::oscillator::{Identification, Options, OscillatorFitError};
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
-use hysteron_model::oscillator::{Drive, Oscillator, Start};
+use hysteron_model::oscillator::{Drive, Oscillator};
 use hysteron_model::record::{InputOutput, TimeBase};
 use rayon::prelude::*;
 
@@ -119,7 +120,7 @@ fn the_true_parameters_reproduce_the_noise_free_records() {
         RECORDS.into_iter().zip([(2.5e-7, 1.4e-7), (2.6e-6, 1.2e-7)])
     {
         let Some((u, y)) = record(name) else { return };
-        let start = if ends == RecordEnds::Periodic { Start::Periodic } else { Start::Rest };
+        let start = if ends == RecordEnds::Periodic { Start::PERIODIC } else { Start::AsIdentified };
         let simulate = |u: &[f64], rate: f64, steps: usize| {
             let drive = Drive::new(u, rate, InterSample::BandLimited, ends, steps).unwrap();
             let mut y = vec![0.0; u.len()];
@@ -142,7 +143,7 @@ fn test_errors(found: &Oscillator) -> Option<[f64; 2]> {
     let mut errors = [0.0; 2];
     for (slot, (name, ends, _)) in errors.iter_mut().zip(RECORDS) {
         let (u, y) = record(name)?;
-        let start = if ends == RecordEnds::Periodic { Start::Periodic } else { Start::Rest };
+        let start = if ends == RecordEnds::Periodic { Start::PERIODIC } else { Start::AsIdentified };
         let drive = Drive::new(&u, RATE, InterSample::BandLimited, ends, found.steps(RATE)).unwrap();
         let mut simulated = vec![0.0; u.len()];
         found.simulate(&drive, start, &mut simulated).unwrap();

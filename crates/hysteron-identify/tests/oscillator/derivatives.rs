@@ -1,7 +1,8 @@
 //! Derivatives against dual numbers, which follow the chain rule through the same scheme, and against differences.
 
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
-use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState, PARTIALS, Response, Start};
+use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState, PARTIALS, Response};
 use hysteron_rt::{Dual, Scalar};
 
 use crate::oracles::{BENCHMARK, multisine, relative, runge_kutta};
@@ -22,7 +23,7 @@ fn cases() -> Vec<(Oscillator, OscillatorState)> {
     all.collect()
 }
 
-fn respond(p: &Oscillator, drive: &Drive, start: Start) -> Response {
+fn respond(p: &Oscillator, drive: &Drive, start: Start<OscillatorState>) -> Response {
     let mut out = Response::default();
     p.simulate_with_sensitivities(drive, start, &mut out).unwrap();
     out
@@ -40,7 +41,7 @@ fn they_are_those_of_the_scheme() {
             *number = Dual::<f64, PARTIALS>::variable(value, j);
         }
         let oracle = runge_kutta(numbers, &force, STEPS, 1.0 / (RATE * STEPS as f64));
-        let found = respond(&p, &drive, Start::State(state));
+        let found = respond(&p, &drive, Start::from(state));
         let value: Vec<f64> = oracle.iter().map(|d| d.value).collect();
         assert!(relative(&found.y, &value) < 1e-12, "{p:?} {state:?}");
         for j in 0..PARTIALS {
@@ -57,7 +58,7 @@ fn the_displacement_is_that_of_the_plain_simulation_to_the_last_bit() {
     for ends in [RecordEnds::Open, RecordEnds::Periodic] {
         let drive = Drive::new(&u, RATE, InterSample::BandLimited, ends, STEPS).unwrap();
         for (p, state) in cases() {
-            let start = if ends == RecordEnds::Periodic { Start::Periodic } else { Start::State(state) };
+            let start = if ends == RecordEnds::Periodic { Start::PERIODIC } else { Start::from(state) };
             let mut y = vec![0.0; u.len()];
             p.simulate(&drive, start, &mut y).unwrap();
             assert_eq!(respond(&p, &drive, start).y, y, "{p:?}");
@@ -66,7 +67,13 @@ fn the_displacement_is_that_of_the_plain_simulation_to_the_last_bit() {
 }
 
 /// (f(x + h) − f(x − h))/2h with respect to parameter j, h a share of it.
-fn difference(p: &Oscillator, drive: &Drive, start: Start, j: usize, share: f64) -> Vec<f64> {
+fn difference(
+    p: &Oscillator,
+    drive: &Drive,
+    start: Start<OscillatorState>,
+    j: usize,
+    share: f64,
+) -> Vec<f64> {
     let side = |sign: f64| {
         let mut values = p.values();
         values[j] *= 1.0 + sign * share;
@@ -81,7 +88,7 @@ fn difference(p: &Oscillator, drive: &Drive, start: Start, j: usize, share: f64)
 #[test]
 fn differences_agree_from_rest_and_in_the_steady_state() {
     let u = multisine(500, 6);
-    for (start, ends) in [(Start::Rest, RecordEnds::Open), (Start::Periodic, RecordEnds::Periodic)] {
+    for (start, ends) in [(Start::AsIdentified, RecordEnds::Open), (Start::PERIODIC, RecordEnds::Periodic)] {
         let drive = Drive::new(&u, RATE, InterSample::BandLimited, ends, STEPS).unwrap();
         for (p, _) in cases().into_iter().step_by(3) {
             let found = respond(&p, &drive, start);
@@ -102,6 +109,6 @@ fn differences_agree_from_rest_and_in_the_steady_state() {
 fn a_steady_state_does_not_depend_on_its_start() {
     let u = multisine(300, 7);
     let drive = Drive::new(&u, RATE, InterSample::BandLimited, RecordEnds::Periodic, STEPS).unwrap();
-    let found = respond(&BENCHMARK, &drive, Start::Periodic);
+    let found = respond(&BENCHMARK, &drive, Start::PERIODIC);
     assert!(found.partials[7..].iter().flatten().all(|&p| p == 0.0));
 }

@@ -1,7 +1,8 @@
 //! Laws of the equations of motion that any simulation must keep.
 
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
-use hysteron_model::oscillator::{Drive, Oscillator, Start};
+use hysteron_model::oscillator::{Drive, Oscillator};
 use proptest::prelude::*;
 
 use crate::oracles::multisine;
@@ -9,7 +10,7 @@ use crate::oracles::multisine;
 fn simulate(p: &Oscillator, u: &[f64], rate: f64) -> Vec<f64> {
     let drive = Drive::new(u, rate, InterSample::Linear, RecordEnds::Open, 6).unwrap();
     let mut y = vec![0.0; u.len()];
-    p.simulate(&drive, Start::Rest, &mut y).unwrap();
+    p.simulate(&drive, Start::AsIdentified, &mut y).unwrap();
     y
 }
 
@@ -70,7 +71,7 @@ proptest! {
         let drive = Drive::new(&u, 750.0, InterSample::BandLimited, RecordEnds::Periodic, 8).unwrap();
         let mut y = vec![0.0; u.len()];
         let period = 256.0 / 750.0;
-        p.simulate(&drive, Start::Periodic, &mut y).unwrap();
+        p.simulate(&drive, Start::PERIODIC, &mut y).unwrap();
         let count = u.len();
         // Both are band-limited well enough for the spectral sum, here as central differences of high order.
         let slope = |x: &[f64], k: usize| {

@@ -2,10 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use hysteron_identify::oscillator::{Identification, Initial, Options, OscillatorFitError};
+use hysteron_identify::Initial;
+use hysteron_identify::oscillator::{Identification, Options, OscillatorFitError};
 use hysteron_identify::{Event, Watch};
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
-use hysteron_model::oscillator::{Drive, Oscillator, Start};
+use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState};
 use hysteron_model::record::{InputOutput, TimeBase};
 
 use crate::oracles::{BENCHMARK, Random, multisine, rms};
@@ -21,8 +23,8 @@ const DEVICE: Oscillator =
     Oscillator { mass: 1.5e-3, damping: 0.02, stiffness: 30.0, alpha: 40.0, beta: 4.0, gamma: 1.5, n: 1.4 };
 
 /// Displacement at the samples, in steps of a sixteenth of those the identification takes.
-fn simulate(p: &Oscillator, u: &[f64], start: Start) -> Vec<f64> {
-    let ends = if start == Start::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+fn simulate(p: &Oscillator, u: &[f64], start: Start<OscillatorState>) -> Vec<f64> {
+    let ends = if start == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
     let drive = Drive::new(u, RATE, InterSample::BandLimited, ends, 16 * p.steps(RATE)).unwrap();
     let mut y = vec![0.0; u.len()];
     p.simulate(&drive, start, &mut y).unwrap();
@@ -39,7 +41,7 @@ fn record(name: &str, u: Vec<f64>, y: &[f64], noise: f64, random: &mut Random) -
 /// A steady multisine record of some periods.
 fn steady(p: &Oscillator, samples: usize, periods: usize, size: f64, seed: u64) -> InputOutput {
     let u: Vec<f64> = multisine(samples, seed).iter().map(|u| size * u).collect();
-    let y = simulate(p, &u, Start::Periodic);
+    let y = simulate(p, &u, Start::PERIODIC);
     record("simulated multisine", u.repeat(periods), &y.repeat(periods), 0.01, &mut Random::new(seed))
 }
 
@@ -105,17 +107,17 @@ fn a_hardening_loop_with_n_1_comes_back_and_is_said_to_be_unbounded() {
 #[test]
 fn a_record_from_rest_and_one_cut_from_motion_serve_as_well() {
     let u: Vec<f64> = multisine(6000, 14).iter().map(|u| 0.08 * u).collect();
-    let y = simulate(&DEVICE, &u, Start::Rest);
+    let y = simulate(&DEVICE, &u, Start::AsIdentified);
     let n = Options { fixed: vec![("n".into(), DEVICE.n)], ..Options::default() };
     let random = &mut Random::new(14);
     let rest = record("simulated from rest", u.clone(), &y, 0.01, random);
     let found = identify(&[rest], &n).unwrap();
-    assert_eq!(found.records[0].start, Start::Rest);
+    assert_eq!(found.records[0].start, Start::AsIdentified);
     assert_eq!(within_three(&found, &DEVICE), 8);
     assert!(found.estimates[6].held && found.estimates[6].value == DEVICE.n);
     let cut = record("simulated, cut", u[1500..].to_vec(), &y[1500..], 0.01, random);
     let found = identify(&[cut], &Options { initial: Initial::Free, ..n }).unwrap();
-    assert!(matches!(found.records[0].start, Start::State(_)));
+    assert!(matches!(found.records[0].start, Start::Remembering { .. }));
     assert_eq!(within_three(&found, &DEVICE), 8);
 }
 

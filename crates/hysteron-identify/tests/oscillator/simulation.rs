@@ -1,14 +1,21 @@
 //! Simulation against answers known in closed form and against tiny steps.
 
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
-use hysteron_model::oscillator::{Drive, Oscillator, OscillatorError, OscillatorState, Start};
+use hysteron_model::oscillator::{Drive, Oscillator, OscillatorError, OscillatorState};
 
 use crate::oracles::{BENCHMARK, multisine, relative, tiny_steps};
 
 const RATE: f64 = 750.0;
 
-fn simulate(p: &Oscillator, u: &[f64], rule: InterSample, steps: usize, start: Start) -> Vec<f64> {
-    let ends = if start == Start::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+fn simulate(
+    p: &Oscillator,
+    u: &[f64],
+    rule: InterSample,
+    steps: usize,
+    start: Start<OscillatorState>,
+) -> Vec<f64> {
+    let ends = if start == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
     let drive = Drive::new(u, RATE, rule, ends, steps).unwrap();
     let mut y = vec![0.0; u.len()];
     p.simulate(&drive, start, &mut y).unwrap();
@@ -28,8 +35,13 @@ fn without_loop_it_is_the_linear_oscillator() {
     let linear = Oscillator { beta: 0.0, gamma: 0.0, ..BENCHMARK };
     let u = vec![30.0; 600];
     for n in [1.0, 1.7, 2.0] {
-        let y =
-            simulate(&Oscillator { n, ..linear }, &u, InterSample::Linear, linear.steps(RATE), Start::Rest);
+        let y = simulate(
+            &Oscillator { n, ..linear },
+            &u,
+            InterSample::Linear,
+            linear.steps(RATE),
+            Start::AsIdentified,
+        );
         let exact: Vec<f64> =
             (0..u.len()).map(|k| 30.0 * step_response(2.0, 10.0, 1e5, k as f64 / RATE)).collect();
         let error = relative(&y, &exact);
@@ -41,7 +53,7 @@ fn without_loop_it_is_the_linear_oscillator() {
 fn a_known_state_swings_freely_as_the_formula_says() {
     let linear = Oscillator { alpha: 0.0, beta: 0.0, gamma: 0.0, stiffness: 1e5, ..BENCHMARK };
     // From y₀ at rest: y₀ times what a step of force leaves of itself.
-    let start = Start::State(OscillatorState { y: 1e-3, velocity: 0.0, z: 0.0 });
+    let start = Start::from(OscillatorState { y: 1e-3, velocity: 0.0, z: 0.0 });
     let y = simulate(&linear, &[0.0; 600], InterSample::Linear, 10, start);
     let exact: Vec<f64> =
         (0..600).map(|k| 1e-3 * (1.0 - 1e5 * step_response(2.0, 10.0, 1e5, k as f64 / RATE))).collect();
@@ -55,8 +67,9 @@ fn it_agrees_with_tiny_steps_and_its_error_is_of_second_order() {
     {
         let p = Oscillator { beta, gamma, n, ..BENCHMARK };
         let oracle = tiny_steps(&p, &u, RATE, InterSample::BandLimited, 400);
-        let error =
-            |steps: usize| relative(&simulate(&p, &u, InterSample::BandLimited, steps, Start::Rest), &oracle);
+        let error = |steps: usize| {
+            relative(&simulate(&p, &u, InterSample::BandLimited, steps, Start::AsIdentified), &oracle)
+        };
         let (chosen, fine) = (error(p.steps(RATE)), error(8 * p.steps(RATE)));
         println!(
             "β {beta}, γ {gamma}, n {n}: {chosen:.2e} at {} steps, {fine:.2e} at 8 times",
@@ -74,7 +87,7 @@ fn a_held_force_jumps_at_its_samples() {
     let linear = Oscillator { beta: 0.0, gamma: 0.0, ..BENCHMARK };
     let mut u = vec![0.0; 200];
     u[3] = 20.0;
-    let y = simulate(&linear, &u, InterSample::Hold, 10, Start::Rest);
+    let y = simulate(&linear, &u, InterSample::Hold, 10, Start::AsIdentified);
     let response = |k: usize| if k == 0 { 0.0 } else { step_response(2.0, 10.0, 1e5, k as f64 / RATE) };
     let exact: Vec<f64> = (0..200usize)
         .map(|k| 20.0 * (response(k.saturating_sub(3)) - response(k.saturating_sub(4))))
@@ -85,12 +98,12 @@ fn a_held_force_jumps_at_its_samples() {
 #[test]
 fn a_periodic_start_is_what_repetition_settles_to() {
     let u = multisine(500, 2);
-    let steady = simulate(&BENCHMARK, &u, InterSample::BandLimited, 10, Start::Periodic);
+    let steady = simulate(&BENCHMARK, &u, InterSample::BandLimited, 10, Start::PERIODIC);
     // 40 periods of 0.67 s; what a rest leaves decays by more than e^(−2.5 · 0.67) a period.
     let fine = InterSample::BandLimited.upsample(&u, 20, RecordEnds::Periodic).unwrap();
     let drive = Drive::new(&fine.repeat(40), 20.0 * RATE, InterSample::Linear, RecordEnds::Open, 1).unwrap();
     let mut long = vec![0.0; drive.len()];
-    BENCHMARK.simulate(&drive, Start::Rest, &mut long).unwrap();
+    BENCHMARK.simulate(&drive, Start::AsIdentified, &mut long).unwrap();
     let last: Vec<f64> = long.iter().skip(39 * fine.len()).step_by(20).copied().collect();
     let error = relative(&steady, &last);
     // Steps half as long, and a force in straight lines between 20 points a sample.
@@ -111,25 +124,27 @@ fn what_cannot_be_simulated_is_refused() {
     assert_eq!(steps, Err(OscillatorError::Steps));
     let open = drive(&[1.0; 8], RecordEnds::Open).unwrap();
     let run = |p: Oscillator, start, samples| p.simulate(&open, start, &mut vec![0.0; samples]).unwrap_err();
-    assert_eq!(run(BENCHMARK, Start::Rest, 7), OscillatorError::Lengths { expected: 8, found: 7 });
-    assert_eq!(run(BENCHMARK, Start::Periodic, 8), OscillatorError::NotPeriodic);
-    let nowhere = Start::State(OscillatorState { y: f64::INFINITY, ..OscillatorState::default() });
+    assert_eq!(run(BENCHMARK, Start::AsIdentified, 7), OscillatorError::Lengths { expected: 8, found: 7 });
+    assert_eq!(run(BENCHMARK, Start::PERIODIC, 8), OscillatorError::NotPeriodic);
+    let nowhere = Start::from(OscillatorState { y: f64::INFINITY, ..OscillatorState::default() });
     assert!(matches!(run(BENCHMARK, nowhere, 8), OscillatorError::State { .. }));
     for (name, bad) in [
         ("mass", Oscillator { mass: 0.0, ..BENCHMARK }),
         ("n", Oscillator { n: 0.5, ..BENCHMARK }),
         ("gamma", Oscillator { gamma: f64::NAN, ..BENCHMARK }),
     ] {
-        assert!(matches!(run(bad, Start::Rest, 8), OscillatorError::Parameter { name: n, .. } if n == name));
+        assert!(
+            matches!(run(bad, Start::AsIdentified, 8), OscillatorError::Parameter { name: n, .. } if n == name)
+        );
     }
     // Hardening of higher order, pushed far: z is infinite after a finite way.
     let hardening = Oscillator { beta: 0.0, gamma: -10.0, n: 2.0, ..BENCHMARK };
     let far = drive(&[1e4; 400], RecordEnds::Open).unwrap();
-    let error = hardening.simulate(&far, Start::Rest, &mut [0.0; 400]).unwrap_err();
+    let error = hardening.simulate(&far, Start::AsIdentified, &mut [0.0; 400]).unwrap_err();
     assert!(matches!(error, OscillatorError::RunsAway { index } if index > 1), "{error}");
     // Without any damping nothing settles.
     let ideal = Oscillator { damping: 0.0, alpha: 0.0, beta: 0.0, gamma: 0.0, ..BENCHMARK };
     let repeats = drive(&multisine(50, 3), RecordEnds::Periodic).unwrap();
-    let error = ideal.simulate(&repeats, Start::Periodic, &mut [0.0; 50]).unwrap_err();
+    let error = ideal.simulate(&repeats, Start::PERIODIC, &mut [0.0; 50]).unwrap_err();
     assert!(matches!(error, OscillatorError::NotSettled { .. }), "{error}");
 }

@@ -2,9 +2,10 @@
 
 use super::AxesError;
 use crate::dynamics::{Dynamics, Scheme, SecondOrder};
-use crate::hammerstein::{Model, SimulationError, Start};
+use crate::hammerstein::{Model, SimulationError};
 use crate::hysteresis::{BoucWen, Hysteresis};
 use crate::record::InterSample;
+use crate::start::Start;
 
 /// y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn), v_n = u_n − z\[u_n\]: v_n in the unit of the inputs, G_mn a pair of poles of gain 1.
 ///
@@ -100,7 +101,7 @@ impl CoupledHammerstein {
 #[doc(hidden)]
 pub fn start(u: &[f64], settled: Option<usize>) -> Start {
     match settled {
-        Some(period_samples) => Start::Settled { period_samples },
+        Some(period_samples) => Start::settled(period_samples),
         None => Start::Rest { voltage_v: u.first().copied().unwrap_or(0.0) },
     }
 }

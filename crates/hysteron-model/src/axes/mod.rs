@@ -25,8 +25,8 @@ pub use influence::InfluenceMatrix;
 #[doc(hidden)]
 pub use modes::pole;
 pub use modes::{
-    AtLevel, FeedbackStrain, LevelLaw, LevelTracker, Mode, ModesStart, ScheduledModes, StrainLaw, Streaming,
-    Trajectory, simulate_steady,
+    AtLevel, FeedbackStrain, LevelLaw, LevelTracker, Mode, ScheduledModes, StrainLaw, Streaming, Trajectory,
+    simulate_steady,
 };
 #[doc(hidden)]
 pub use modes::{LARGEST_POLE, POWERS, frequency, linear_states};

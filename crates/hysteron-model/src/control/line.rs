@@ -1,7 +1,8 @@
 //! The straight line through a model's loop: what a stage without compensation is driven by.
 
 use crate::hammerstein::Model;
-use crate::hysteresis::{HysteresisError, Origin};
+use crate::hysteresis::HysteresisError;
+use crate::start::Start;
 
 /// Samples of half a loop.
 const HALF: usize = 500;
@@ -35,7 +36,7 @@ impl StraightLine {
             }
         }
         let mut v = vec![0.0; u.len()];
-        model.hysteresis.simulate(&u, Origin::Virgin { rest: low }, &mut v)?;
+        model.hysteresis.simulate(&u, Start::Rest { voltage_v: low }, &mut v)?;
         let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
         let (u_mean, v_mean) = (mean(&u), mean(&v));
         let products: f64 = u.iter().zip(&v).map(|(u, v)| (u - u_mean) * (v - v_mean)).sum();

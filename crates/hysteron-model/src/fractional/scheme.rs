@@ -41,6 +41,18 @@ impl Scheme {
         }
     }
 
+    /// What it is, in a line.
+    pub const fn summary(self) -> &'static str {
+        match self {
+            Self::Tustin => "s = 2 (1 - z)/(h (1 + z)): second order",
+            Self::GrunwaldLetnikov => {
+                "s = (1 - z)/h, the article's: first order, parameters belong to one sample rate"
+            }
+            Self::Bdf2 => "s = ((1 - z) + (1 - z)^2/2)/h: second order, damps the highest frequencies",
+            Self::BandLimited => "No substitution: exact for a band-limited input",
+        }
+    }
+
     /// Whether parameters identified under this scheme hold at their own sample rate only. True for
     /// `GrunwaldLetnikov`: fitted to exact data at 10 kHz it returns b +65 % and α₂ + 0.095 (SPEC §3).
     pub const fn parameters_belong_to_sample_rate(self) -> bool {

@@ -5,11 +5,19 @@
 
 use hysteron_rt::Dual;
 
-use super::pass::{Every, pass};
-use super::{Admissibility, HysteresisError, Start, polynomial};
+use super::pass::{Every, at_rest, pass};
+use super::{Admissibility, HysteresisError, polynomial};
+use crate::start::Start;
 
 /// Where a Bouc–Wen operator stands: present voltage u \[V\] and hysteretic displacement z \[µm\].
 pub type BoucWenState = hysteron_rt::BoucWenState<f64>;
+
+impl From<BoucWenState> for Start<f64> {
+    /// At rest at u with the memory z.
+    fn from(state: BoucWenState) -> Self {
+        Self::Remembering { voltage_v: state.u, memory: state.z }
+    }
+}
 
 /// Improved Bouc–Wen operator, article Eq. 1 with a polynomial of any degree:
 ///
@@ -109,11 +117,11 @@ impl BoucWen {
     /// # Errors
     /// Parameters as in [`Self::validate`]; [`HysteresisError::Lengths`]; [`HysteresisError::Drive`] where u is not
     /// finite; [`HysteresisError::RunsAway`] for inadmissible parameters; [`HysteresisError::NotSettled`] for
-    /// [`Start::Periodic`].
+    /// [`Start::PERIODIC`].
     pub fn simulate(
         &self,
         u: &[f64],
-        start: Start,
+        start: Start<f64>,
         out: &mut [f64],
     ) -> Result<BoucWenState, HysteresisError> {
         self.simulate_every(1, u, start, out)
@@ -127,7 +135,7 @@ impl BoucWen {
         &self,
         factor: usize,
         u: &[f64],
-        start: Start,
+        start: Start<f64>,
         out: &mut [f64],
     ) -> Result<BoucWenState, HysteresisError> {
         self.validate()?;
@@ -157,7 +165,7 @@ impl UnitShape {
         &self,
         factor: usize,
         u: &[f64],
-        start: Start,
+        start: Start<f64>,
         out: &mut [f64],
     ) -> Result<BoucWenState, HysteresisError> {
         run(&self.operator()?, factor, u, start, out)
@@ -179,7 +187,7 @@ pub(super) fn run(
     operator: &hysteron_rt::BoucWen<f64>,
     factor: usize,
     u: &[f64],
-    start: Start,
+    start: Start<f64>,
     out: &mut [f64],
 ) -> Result<BoucWenState, HysteresisError> {
     let every = Every::new(factor)?;
@@ -187,10 +195,12 @@ pub(super) fn run(
     if out.len() != expected {
         return Err(HysteresisError::Lengths { expected, found: out.len() });
     }
-    match start {
-        Start::Rest { u: rest } => follow(operator, every, BoucWenState { u: rest, z: 0.0 }, u, out),
-        Start::State(state) => follow(operator, every, state, u, out),
-        Start::Periodic => settle(operator, every, u, out),
+    match at_rest(start, u)? {
+        Some((u_rest, memory)) => {
+            let state = BoucWenState { u: u_rest, z: memory.unwrap_or(0.0) };
+            follow(operator, every, state, u, out)
+        }
+        None => settle(operator, every, u, out),
     }
 }
 

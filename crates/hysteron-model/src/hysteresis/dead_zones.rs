@@ -6,7 +6,8 @@
 use hysteron_rt::Scalar;
 
 use super::columns::{ColumnKernel, simulate_with_sensitivities};
-use super::{HysteresisError, PlayStart, PrandtlIshlinskii};
+use super::{HysteresisError, PrandtlIshlinskii};
+use crate::start::Start;
 
 /// Columns S_r(u) = max(u − r, 0) for r > 0, min(u − r, 0) for r < 0 \[V\]: one-sided dead zones.
 ///
@@ -195,7 +196,7 @@ impl ModifiedPrandtlIshlinskii {
         &self,
         factor: usize,
         u: &[f64],
-        start: PlayStart,
+        start: Start<f64>,
         plays: &mut [f64],
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
@@ -228,7 +229,7 @@ impl ModifiedInverse {
     pub fn simulate(
         &self,
         v: &[f64],
-        start: PlayStart,
+        start: Start<f64>,
         plays: &mut [f64],
         u: &mut [f64],
     ) -> Result<(), HysteresisError> {

@@ -40,6 +40,16 @@ pub enum HysteresisError {
     /// The operator sees the rate, and the time between samples is not known.
     #[error("this hysteresis depends on the rate of the voltage: it needs the time between samples")]
     Interval,
+    /// A steady state of a period that is not the drive.
+    #[error(
+        "the steady state of a hysteresis operator is that of its whole drive, {samples} samples, not of {period_samples}"
+    )]
+    Period {
+        /// Samples of the drive.
+        samples: usize,
+        /// Samples of the period asked for.
+        period_samples: usize,
+    },
     /// The output does not have the length the input asks for.
     #[error("the output has {found} samples but {expected} are needed for this input")]
     Lengths {

@@ -40,7 +40,7 @@ impl Followed {
 
 impl Hysteresis {
     /// The drive that makes the operator put out `wanted` \[µm\], sample by sample, as far as `limits` allow. The device rests at
-    /// the voltage `rest` \[V\] before, with a `memory` in the operator's own scale (see [`super::Origin::Remembering`]), virgin
+    /// the voltage `rest` \[V\] before, with a `memory` in the operator's own scale (see [`crate::Start::Remembering`]), virgin
     /// where there is none.
     ///
     /// # Errors

@@ -3,9 +3,10 @@
 use std::fmt;
 
 use super::{
-    Admissibility, BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, Origin,
-    PrandtlIshlinskii, polynomial,
+    Admissibility, BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii,
+    polynomial,
 };
+use crate::start::Start;
 use hysteron_numeric::display::short;
 
 /// Moves shorter than this share of the range of the drive say nothing about a slope.
@@ -127,7 +128,7 @@ impl Hysteresis {
             let Some(&rest) = drive.first() else { continue };
             let mut v = vec![0.0; drive.len()];
             let grid = DriveGrid { factor: 1, interval_s };
-            self.simulate_every(grid, drive, Origin::Virgin { rest }, &mut v)?;
+            self.simulate_every(grid, drive, Start::Rest { voltage_v: rest }, &mut v)?;
             // From turn to turn of what moves at all, so that noise on a held drive is no branch.
             let mut from = (rest, v.first().copied().unwrap_or(0.0));
             for (&u, &v) in drive.iter().zip(&v) {

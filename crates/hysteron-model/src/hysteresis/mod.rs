@@ -2,7 +2,7 @@
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
 //! * [`NormalisedBoucWen`], [`ClassicalBoucWen`]: the same operator in other symbols.
-//! * [`PrandtlIshlinskii`] (plays) with its inverses, and [`PlayStart`].
+//! * [`PrandtlIshlinskii`] (plays) with its inverses.
 //! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
 //!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`], [`GeneralisedPlays`], [`DeadZones`], [`DeadZonePlays`],
 //!   [`KrasnoselskiiPokrovskii`], [`Preisach`], [`PreisachDensity`], [`JilesAtherton`], [`SongDerKiureghian`],
@@ -11,7 +11,7 @@
 //! * [`RateDependentPlays`] and [`RateDependentPrandtlIshlinskii`], the operators here that see the rate; [`DriveGrid`] tells it them.
 //! * [`Family`]: a model of any of these families, [`FamilyForm`], whose columns a fit can take; [`FamilyStream`] runs it sample by
 //!   sample.
-//! * [`Origin`]: where an operator stands before the first sample; [`Start`] and [`Sensitivities`] are Bouc–Wen's own.
+//! * [`Start`]: what happened before the first sample, with a memory in the operator's own scale; [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises the output.
 
@@ -50,7 +50,7 @@ pub use admissibility::Admissibility;
 pub use asymmetric_bouc_wen::{NonSymmetricBoucWen, SongDerKiureghian};
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use bouc_wen_forms::{ClassicalBoucWen, NormalisedBoucWen};
-pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities, ColumnStart};
+pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities};
 pub use dahl::Dahl;
 pub use dead_zone_plays::DeadZonePlays;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
@@ -59,7 +59,7 @@ pub use duhem::Duhem;
 pub use error::HysteresisError;
 pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};
 pub use follow::{DriveLimits, Followed};
-pub use form::{HysteresisForm, Memory, UnknownElements, UnknownFamily};
+pub use form::{HysteresisForm, UnknownElements, UnknownFamily};
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
 #[doc(hidden)]
@@ -68,13 +68,15 @@ pub use invertibility::{Invertibility, TimedDrive};
 pub use jiles_atherton::JilesAtherton;
 pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
 pub use maxwell_slip::MaxwellSlip;
-pub use outputs::{Columns, Origin, Partial};
+pub use outputs::{Columns, Partial};
 pub use parallel_bouc_wen::ParallelBoucWen;
 pub use plays::{OneSidedPlays, Plays};
-pub use prandtl_ishlinskii::{PlayStart, PrandtlIshlinskii, StepInverse};
+pub use prandtl_ishlinskii::{PrandtlIshlinskii, StepInverse};
 pub use preisach::{DensityLaw, Preisach, PreisachDensity, ReversalCurve};
 pub use rate_dependent_plays::{RateDependentPlays, RateDependentPrandtlIshlinskii};
 pub use sensitivities::Sensitivities;
+
+use crate::start::Start;
 
 /// A rate-independent hysteresis operator.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,20 +87,6 @@ pub enum Hysteresis {
     PrandtlIshlinskii(PrandtlIshlinskii),
     /// Polynomial and the columns of another family.
     Family(Family),
-}
-
-/// Where a Bouc–Wen operator stands before the first sample of a record.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Start {
-    /// Virgin (z = 0) at the rest voltage `u` \[V\], from which the first sample is reached by a monotone move.
-    Rest {
-        /// Rest voltage \[V\], in general not the first sample.
-        u: f64,
-    },
-    /// A known state, e.g. the one a previous record ended in; the first sample is reached by a monotone move.
-    State(BoucWenState),
-    /// Steady state of the record repeated for ever; the record must be a whole number of periods.
-    Periodic,
 }
 
 impl Hysteresis {
@@ -115,13 +103,13 @@ impl Hysteresis {
     }
 
     /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length). Moves between samples are monotone
-    /// ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of an [`Origin::Remembering`] is in the
+    /// ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of an [`Start::Remembering`] is in the
     /// operator's own scale: z(0) \[µm\] for Bouc–Wen.
     ///
     /// # Errors
     /// As the model's own `simulate`.
-    pub fn simulate(&self, u: &[f64], origin: Origin, out: &mut [f64]) -> Result<(), HysteresisError> {
-        self.simulate_every(1, u, origin, out)
+    pub fn simulate(&self, u: &[f64], start: Start<f64>, out: &mut [f64]) -> Result<(), HysteresisError> {
+        self.simulate_every(1, u, start, out)
     }
 
     /// As [`Self::simulate`] for a drive `u` given on a time base finer by a factor ([`InterSample::upsample`]):
@@ -133,33 +121,21 @@ impl Hysteresis {
         &self,
         grid: impl Into<DriveGrid>,
         u: &[f64],
-        origin: Origin,
+        start: Start<f64>,
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
         let grid = grid.into();
         let factor = grid.factor;
         match self {
-            Self::BoucWen(model) => {
-                let start = match origin {
-                    Origin::Virgin { rest } => Start::Rest { u: rest },
-                    Origin::Remembering { rest, memory } => Start::State(BoucWenState { u: rest, z: memory }),
-                    Origin::Periodic => Start::Periodic,
-                };
-                model.simulate_every(factor, u, start, out).map(|_| ())
-            }
+            Self::BoucWen(model) => model.simulate_every(factor, u, start, out).map(|_| ()),
             Self::PrandtlIshlinskii(model) => {
-                let (start, mut plays) = match origin {
-                    Origin::Virgin { rest } => (PlayStart::Rest { u: rest }, vec![0.0; model.weights.len()]),
-                    Origin::Remembering { rest, memory } => (PlayStart::State, model.plays_at(memory, rest)),
-                    Origin::Periodic => (PlayStart::Periodic, vec![0.0; model.weights.len()]),
-                };
-                model.simulate_every(factor, u, start, &mut plays, out)
+                model.simulate_every(factor, u, start, &mut vec![0.0; model.weights.len()], out)
             }
-            Self::Family(model) => model.simulate_every(grid, u, origin, out),
+            Self::Family(model) => model.simulate_every(grid, u, start, out),
         }
     }
 
-    /// Output \[µm\] of an operator at rest at the voltage `rest` \[V\] with a memory (see [`Origin::Remembering`]), `None`
+    /// Output \[µm\] of an operator at rest at the voltage `rest` \[V\] with a memory (see [`Start::Remembering`]), `None`
     /// where it is virgin there.
     pub fn at_rest(&self, rest: f64, memory: Option<f64>) -> f64 {
         match self {

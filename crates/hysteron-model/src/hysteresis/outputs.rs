@@ -3,26 +3,6 @@
 use super::columns::ColumnSensitivities;
 use super::sensitivities::Sensitivities;
 
-/// Where an operator stands before the first sample of a record.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Origin {
-    /// Virgin at the rest voltage \[V\], from which the first sample is reached by a monotone move.
-    Virgin {
-        /// Rest voltage \[V\].
-        rest: f64,
-    },
-    /// At rest at the voltage `rest` \[V\] with a memory, whose meaning is the family's
-    /// ([`super::HysteresisForm`]); the first sample is reached by a monotone move.
-    Remembering {
-        /// Rest voltage \[V\].
-        rest: f64,
-        /// ζ(0) \[V\] for Bouc–Wen; else the voltage \[V\] at which the device was virgin before it moved to `rest`.
-        memory: f64,
-    },
-    /// Steady state of the record repeated for ever; the record must be a whole number of periods.
-    Periodic,
-}
-
 /// Columns H_j of a family over a record, and their derivatives. The buffers are kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
@@ -30,7 +10,7 @@ pub struct Columns {
     pub values: Vec<Vec<f64>>,
     /// ∂H_j/∂θ_p, where it is not zero and was asked for.
     pub partials: Vec<Partial>,
-    /// ∂H_j/∂memory of [`Origin::Remembering`]; empty unless derivatives were asked for.
+    /// ∂H_j/∂memory of [`crate::Start::Remembering`]; empty unless derivatives were asked for.
     pub by_memory: Vec<Vec<f64>>,
     /// H_j before the first sample; 0 for a steady state, which has none.
     pub rest: Vec<f64>,

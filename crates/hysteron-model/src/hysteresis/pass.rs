@@ -3,7 +3,26 @@
 use hysteron_rt::{BoucWen, Dual, SimulateError, StepError};
 
 use super::HysteresisError;
+use crate::start::Start;
 use hysteron_numeric::{InstructionSet, Relaxations};
+
+/// Rest voltage \[V\] before the drive `u` and the memory there, `None` where the operator is virgin; `None` for the steady state
+/// under `u` repeated for ever.
+///
+/// # Errors
+/// [`HysteresisError::Period`] for a period that is not the whole of `u`.
+#[inline]
+pub(super) fn at_rest(start: Start<f64>, u: &[f64]) -> Result<Option<(f64, Option<f64>)>, HysteresisError> {
+    match start {
+        Start::AsIdentified => Ok(Some((u.first().copied().unwrap_or(0.0), None))),
+        Start::Rest { voltage_v } => Ok(Some((voltage_v, None))),
+        Start::Remembering { voltage_v, memory } => Ok(Some((voltage_v, Some(memory)))),
+        Start::Settled { period_samples: Some(samples) } if samples != u.len() => {
+            Err(HysteresisError::Period { samples: u.len(), period_samples: samples })
+        }
+        Start::Settled { .. } => Ok(None),
+    }
+}
 
 /// Picks every `factor`-th sample, the first one first.
 #[derive(Clone, Copy, Debug)]

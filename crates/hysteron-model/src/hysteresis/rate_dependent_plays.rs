@@ -7,9 +7,10 @@
 use hysteron_rt::Scalar;
 
 use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
-use super::pass::Every;
+use super::pass::{Every, at_rest};
 use super::plays::{PlayStates, check_thresholds};
-use super::{HysteresisError, PlayStart, polynomial};
+use super::{HysteresisError, polynomial};
+use crate::start::Start;
 
 /// Prandtl–Ishlinskii operator with thresholds that move with the rate:
 ///
@@ -148,7 +149,7 @@ impl RateDependentPrandtlIshlinskii {
     /// v \[µm\] for the voltages `u` \[V\] at `sample_rate_hz`, of which every `factor`-th is put out: `out[k]` belongs to
     /// `u[k * factor]`. `plays` has one state \[V\] a play, as in [`super::PrandtlIshlinskii::simulate`].
     ///
-    /// The first sample is reached without rate from rest or a state; with [`PlayStart::Periodic`] it follows the last one.
+    /// The first sample is reached without rate from rest; with [`Start::PERIODIC`] it follows the last one.
     /// A period takes the state of a play to what lies next to it in one interval, so that the steady state is reached
     /// after the first; what no sample moves stands in the middle of the drive's range. Allocates nothing.
     ///
@@ -160,7 +161,7 @@ impl RateDependentPrandtlIshlinskii {
         factor: usize,
         u: &[f64],
         sample_rate_hz: f64,
-        start: PlayStart,
+        start: Start<f64>,
         plays: &mut [f64],
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
@@ -179,10 +180,15 @@ impl RateDependentPrandtlIshlinskii {
         }
         let (Some(&first), Some(&last)) = (u.first(), u.last()) else { return Ok(()) };
         let mut before = first;
-        match start {
-            PlayStart::Rest { u } => plays.fill(u),
-            PlayStart::State => {}
-            PlayStart::Periodic => {
+        match at_rest(start, u)? {
+            Some((rest, None)) => plays.fill(rest),
+            Some((rest, Some(virgin))) => {
+                // Without rate, as the first sample is reached.
+                for (play, &r) in plays.iter_mut().zip(&self.thresholds) {
+                    *play = hysteron_rt::play(r, virgin, rest);
+                }
+            }
+            None => {
                 let [low, high] = u.iter().fold([first; 2], |[low, high], &u| [low.min(u), high.max(u)]);
                 plays.fill(0.5 * low + 0.5 * high);
                 before = last;

@@ -7,8 +7,9 @@
 use hysteron_rt::Dual;
 
 use super::bouc_wen::run;
-use super::pass::{Every, pass};
-use super::{BoucWenState, HysteresisError, Start, UnitShape};
+use super::pass::{Every, at_rest, pass};
+use super::{BoucWenState, HysteresisError, UnitShape};
+use crate::start::Start;
 
 /// ζ \[V\] and its derivatives at every `factor`-th sample of a drive. The buffers are kept between calls.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,17 +42,17 @@ impl UnitShape {
         &self,
         factor: usize,
         u: &[f64],
-        start: Start,
+        start: Start<f64>,
         exponent: bool,
         out: &mut Sensitivities,
     ) -> Result<BoucWenState, HysteresisError> {
         let operator = self.operator()?;
         let mut every = Every::new(factor)?;
         out.resize(u.len().div_ceil(factor), exponent);
-        let state = match start {
-            Start::Rest { u } => BoucWenState { u, z: 0.0 },
-            Start::State(state) => state,
-            Start::Periodic => run(&operator, factor, u, start, &mut out.zeta)?,
+        let at_rest = at_rest(start, u)?;
+        let state = match at_rest {
+            Some((u, memory)) => BoucWenState { u, z: memory.unwrap_or(0.0) },
+            None => run(&operator, factor, u, start, &mut out.zeta)?,
         };
         let mut columns =
             out.zeta.iter_mut().zip(&mut out.d_beta).zip(&mut out.d_gamma).zip(&mut out.d_start);
@@ -77,7 +78,7 @@ impl UnitShape {
             (end.value, without_n(end.partials))
         };
         let Some(&u_end) = u.last() else { return Ok(state) };
-        if start == Start::Periodic {
+        if at_rest.is_none() {
             out.close_period(partials)?;
         }
         Ok(BoucWenState { u: u_end, z: zeta })

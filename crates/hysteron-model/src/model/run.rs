@@ -1,10 +1,10 @@
 //! Simulation and scores of any kind of model.
 
 use super::{AxesScore, Body, Model, Remark, RunError, Score, SignalRole, Signals};
-use crate::axes::{AxesRecord, AxesScores, ModesStart, SteadyPeriod};
+use crate::axes::{AxesRecord, AxesScores, SteadyPeriod};
 use crate::dynamics::Dynamics;
 use crate::hammerstein;
-use crate::model_file::{ModelFile, OscillatorFile, StartKind};
+use crate::model_file::{ModelFile, OscillatorFile};
 use crate::oscillator::Oscillator;
 use crate::record::{InputOutput, InterSample, TimeBase, Unit, find_periods, range_of};
 use crate::start::Start;
@@ -56,6 +56,7 @@ impl Model {
                 let mut run = self.prepared(record)?;
                 let start = match start {
                     Start::AsIdentified => self.expected_start(record, &mut run.remarks),
+                    Start::PERIODIC => Start::settled(own_period(record).unwrap_or(record.len())),
                     given => given,
                 };
                 run.remark_range(self, &record.u);
@@ -66,6 +67,7 @@ impl Model {
                 let mut run = self.prepared(record)?;
                 let start = match start {
                     Start::AsIdentified => self.expected_start(record, &mut run.remarks),
+                    Start::PERIODIC => Start::settled(own_period(record).unwrap_or(record.len())),
                     given => given,
                 };
                 run.remark_range(self, &record.u);
@@ -114,7 +116,7 @@ impl Model {
     pub fn expected_start(&self, record: &InputOutput, remarks: &mut Vec<Remark>) -> Start {
         match self {
             Self::Hammerstein(body) => hammerstein_start(&body.data, record, remarks),
-            Self::Oscillator(body) => own_start(body.data.start, record).unwrap_or_else(|| {
+            Self::Oscillator(body) => own_start(&body.data, record).unwrap_or_else(|| {
                 remarks.push(Remark::DoesNotRepeat);
                 REST
             }),
@@ -199,8 +201,8 @@ impl Model {
     ) -> Result<Simulation, RunError> {
         let mut run = self.prepared(record)?;
         run.remark_range(self, &record.u);
-        let expected = own_start(body.data.start, record).unwrap_or(REST);
-        let whole = Start::Settled { period_samples: record.len() };
+        let expected = own_start(&body.data, record).unwrap_or(REST);
+        let whole = Start::settled(record.len());
         let others = [REST, whole].into_iter().filter(|start| *start != expected);
         let mut best: Option<(f64, Start, Vec<f64>)> = None;
         let mut failure = None;
@@ -259,7 +261,7 @@ impl Model {
             agreed_unit(signal, own, found, &mut Vec::new())?;
         }
         let (period, settled_given) = match start {
-            Start::Settled { period_samples } => {
+            Start::Settled { period_samples: Some(period_samples) } => {
                 let whole = record.len() / period_samples.max(1);
                 (Some(SteadyPeriod::mean(record, period_samples, 0, whole.max(1))?), true)
             }
@@ -269,27 +271,22 @@ impl Model {
         let mut settled = period.as_ref().map(SteadyPeriod::samples);
         let outputs = match self {
             Self::Modes(body) => {
-                let start = match (&period, settled) {
-                    (Some(period), Some(period_samples)) => {
+                match &period {
+                    Some(SteadyPeriod { level, .. }) => {
                         let law = &body.law.level;
-                        let level = period.level;
-                        if level < (1.0 - LEVEL_SLACK) * law.lowest
-                            || level > (1.0 + LEVEL_SLACK) * law.highest
+                        if *level < (1.0 - LEVEL_SLACK) * law.lowest
+                            || *level > (1.0 + LEVEL_SLACK) * law.highest
                         {
                             remarks.push(Remark::LevelExtrapolates {
-                                level,
+                                level: *level,
                                 identified: (law.lowest, law.highest),
                                 unit: Unit::new(&units.input),
                             });
                         }
-                        ModesStart::Settled { period_samples }
                     }
-                    _ => {
-                        remarks.push(Remark::DoesNotRepeat);
-                        ModesStart::Rest { level: None }
-                    }
-                };
-                body.law.simulate(&record.u, rate, InterSample::BandLimited, start)?
+                    None => remarks.push(Remark::DoesNotRepeat),
+                }
+                body.law.simulate(&record.u, rate, InterSample::BandLimited, settled)?
             }
             Self::Branches(body) => {
                 // A drive whose outputs still settle began at rest.
@@ -299,7 +296,7 @@ impl Model {
             }
             Self::Hammerstein(_) | Self::Oscillator(_) => return Err(self.takes_others()),
         };
-        let start = settled.map_or(Start::AsIdentified, |period_samples| Start::Settled { period_samples });
+        let start = settled.map_or(Start::AsIdentified, Start::settled);
         Ok(Simulation { outputs, start, input_unit: record.u_unit.clone(), period, remarks })
     }
 
@@ -373,29 +370,34 @@ fn period_of_drive(u: &[f64], time: &TimeBase) -> Option<crate::record::Periods>
     find_periods(&data).ok()
 }
 
+/// Samples of the period of a record's drive.
+fn own_period(record: &InputOutput) -> Option<usize> {
+    period_of_drive(&record.u, &record.time).map(|periods| periods.period_samples.round() as usize)
+}
+
 /// The start that a Hammerstein model's file assumes.
 fn hammerstein_start(file: &ModelFile, record: &InputOutput, remarks: &mut Vec<Remark>) -> Start {
     let first = Start::Rest { voltage_v: record.u.first().copied().unwrap_or(0.0) };
-    match (&file.start.voltage, file.start.kind) {
-        (Some(voltage), _) => Start::Rest { voltage_v: voltage.value },
-        (None, StartKind::Rest) => first,
-        (None, StartKind::Settled) => match period_of_drive(&record.u, &record.time) {
-            Some(p) => Start::Settled { period_samples: p.period_samples.round() as usize },
-            None => {
+    match file.start() {
+        Start::AsIdentified => first,
+        Start::PERIODIC => own_period(record).map_or_else(
+            || {
                 remarks.push(Remark::DoesNotRepeat);
                 first
-            }
-        },
+            },
+            Start::settled,
+        ),
+        given => given,
     }
 }
 
 /// The start that an oscillator's file assumes: for a settled one the drive's own period; `None` where it has none.
-fn own_start(kind: StartKind, record: &InputOutput) -> Option<Start> {
-    if kind == StartKind::Rest {
+fn own_start(file: &OscillatorFile, record: &InputOutput) -> Option<Start> {
+    if file.start() != Start::PERIODIC {
         return Some(REST);
     }
     let periods = period_of_drive(&record.u, &record.time).filter(|p| p.start == 0 && p.count >= 2)?;
-    Some(Start::Settled { period_samples: periods.period_samples.round() as usize })
+    Some(Start::settled(periods.period_samples.round() as usize))
 }
 
 /// Displacement of an oscillator, its sensor's offset added.

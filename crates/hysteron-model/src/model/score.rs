@@ -3,8 +3,8 @@
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::Simulation;
-use crate::hysteresis::Memory;
 use crate::record::{InputOutput, Unit, key_in};
+use crate::start::Memory;
 use crate::start::Start;
 use crate::validate::Scores;
 

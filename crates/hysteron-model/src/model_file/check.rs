@@ -1,8 +1,9 @@
 //! What the types alone do not say about a model file.
 
+use super::start::StartKind;
 use super::{
     DynamicsKind, FORMAT, HysteresisKind, Interval, Kind, ModelFile, ModelFileError, ModesScoreEntry,
-    Parameters, Quantity, ScoreEntry, StartKind, TermEntry, VERSION, ValidRange,
+    Parameters, Quantity, ScoreEntry, TermEntry, VERSION, ValidRange,
     convert::{Units, form_of, numbers_of},
     polynomial_name,
 };

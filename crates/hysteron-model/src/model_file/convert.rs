@@ -2,7 +2,7 @@
 
 use super::{
     DynamicsBlock, DynamicsKind, FORMAT, HysteresisBlock, HysteresisKind, Kind, ModelFile, ModelFileError,
-    Normalisation, Parameters, Quantity, SignalUnits, StartEntry, TermEntry, VERSION, polynomial_name,
+    Normalisation, Parameters, Quantity, SignalUnits, TermEntry, VERSION, polynomial_name,
 };
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
@@ -119,7 +119,7 @@ impl ModelFile {
             inter_sample: model.inter_sample.into(),
             sample_rate_hz: model.sample_rate_hz,
             normalisation: Normalisation::default(),
-            start: StartEntry::default(),
+            start: super::StartEntry::default(),
             valid_range: None,
             provenance: None,
             scores: Vec::new(),

@@ -42,6 +42,7 @@ mod parameters;
 mod provenance;
 mod quantity;
 mod schema;
+mod start;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -59,6 +60,7 @@ pub use parameters::{Parameters, polynomial_name};
 pub use provenance::{Maker, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole, timestamp};
 pub use quantity::{Interval, Quantity, typographic};
 pub use schema::json_schema;
+use start::StartEntry;
 
 use crate::dynamics::Scheme;
 use crate::hysteresis::FamilyForm;
@@ -113,7 +115,7 @@ pub struct ModelFile {
     pub normalisation: Normalisation,
     /// What the device is assumed to have done before a record's first sample, where nobody says otherwise.
     #[serde(default)]
-    pub start: StartEntry,
+    start: StartEntry,
     /// What the records covered; outside of it the model extrapolates.
     #[serde(default)]
     pub valid_range: Option<ValidRange>,
@@ -362,28 +364,6 @@ pub enum Normalisation {
     /// |G(2πi · 1 Hz)| = 1, where the lowest order of the denominator is free.
     #[serde(rename = "unit-gain-at-1-hz")]
     UnitGainAt1Hz,
-}
-
-/// What the device is assumed to have done before a record's first sample.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, expecting = "an object with the keys `kind` and `voltage`")]
-pub struct StartEntry {
-    /// At rest, or in a settled periodic motion.
-    pub kind: StartKind,
-    /// For `rest`: the input at which the device rested, in the input's unit; null for each record's first sample.
-    #[serde(default)]
-    pub voltage: Option<Quantity>,
-}
-
-/// Kinds of start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum StartKind {
-    /// At rest at one voltage, without hysteresis memory.
-    #[default]
-    Rest,
-    /// The record's first period has been running for some time.
-    Settled,
 }
 
 /// What the records of the identification covered.

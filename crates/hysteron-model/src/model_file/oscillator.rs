@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::check::{self, allowed, quantity, score};
 use super::convert::Units;
 use super::json;
+use super::start::StartKind;
 use super::{
-    FORMAT, InterSampleName, Kind, ModelFileError, Provenance, Quantity, ScoreEntry, SignalUnits, StartKind,
-    VERSION, ValidRange,
+    FORMAT, InterSampleName, Kind, ModelFileError, Provenance, Quantity, ScoreEntry, SignalUnits, VERSION,
+    ValidRange,
 };
 use crate::oscillator::Oscillator;
 
@@ -45,7 +46,7 @@ pub struct OscillatorFile {
     /// What it is assumed to have done before a record's first sample, where nobody says otherwise: `rest` without memory, or
     /// `settled` on the record's period.
     #[serde(default)]
-    pub start: StartKind,
+    pub(super) start: StartKind,
     /// What the records covered; outside of it the model extrapolates.
     #[serde(default)]
     pub valid_range: Option<ValidRange>,

@@ -43,7 +43,7 @@ fn complete() -> ModelFile {
         frequency: Some(Interval { low: 1.0, high: 100.0, unit: "Hz".into() }),
         rate: Some(Interval { low: 0.0, high: 6e4, unit: "V/s".into() }),
     });
-    file.start.voltage = Some(Quantity::new(0.0, "V"));
+    file.set_start(crate::Start::Rest { voltage_v: 0.0 });
     file.provenance = Some(Provenance {
         program: "hysteron 0.1.0".into(),
         created: Some(timestamp(0)),

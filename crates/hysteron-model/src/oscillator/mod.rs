@@ -8,7 +8,6 @@
 //! * [`Oscillator`]: the parameters; [`Oscillator::simulate`], and with exact derivatives
 //!   [`Oscillator::simulate_with_sensitivities`].
 //! * [`Drive`]: the force and what it does between its samples.
-//! * [`Start`]: where the oscillator stands before the first sample.
 //! * [`Oscillator::simulate_record`]: a whole record at once, from a [`Start`](crate::Start).
 //!
 //! Identified by `hysteron_identify::oscillator`.
@@ -28,7 +27,6 @@ mod step;
 pub use drive::Drive;
 pub use error::OscillatorError;
 pub use sensitivities::{PARTIALS, Response};
-pub use simulate::Start;
 
 use crate::hysteresis::{Admissibility, UnitShape};
 use serde::{Deserialize, Serialize};

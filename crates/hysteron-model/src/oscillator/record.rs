@@ -1,6 +1,6 @@
 //! Simulation of a whole record.
 
-use super::{Drive, Oscillator, OscillatorError, Start as State};
+use super::{Drive, Oscillator, OscillatorError, OscillatorState};
 use crate::hysteresis::RecordEnds;
 use crate::record::InterSample;
 use crate::start::Start;
@@ -23,27 +23,27 @@ impl Oscillator {
     ) -> Result<Vec<f64>, OscillatorError> {
         self.validate()?;
         let steps = self.steps(sample_rate_hz);
-        let open = |start: State| {
+        let open = |start: Start<OscillatorState>| {
             let drive = Drive::new(u, sample_rate_hz, rule, RecordEnds::Open, steps)?;
             let mut y = vec![0.0; u.len()];
             self.simulate(&drive, start, &mut y).map(|_| y)
         };
         let period_samples = match start {
-            Start::Settled { period_samples } => period_samples,
+            Start::Settled { period_samples } => period_samples.unwrap_or(u.len()),
             Start::Remembering { .. } => return Err(OscillatorError::Memory),
-            Start::AsIdentified | Start::Rest { .. } => return open(State::Rest),
+            Start::AsIdentified | Start::Rest { .. } => return open(Start::AsIdentified),
         };
         let period = u.get(..period_samples).filter(|period| period.len() >= 2);
         let period = period.ok_or(OscillatorError::Period { samples: u.len(), period_samples })?;
         let drive = Drive::new(period, sample_rate_hz, rule, RecordEnds::Periodic, steps)?;
         let mut y = vec![0.0; period_samples];
-        let first = self.simulate(&drive, State::Periodic, &mut y)?;
+        let first = self.simulate(&drive, Start::PERIODIC, &mut y)?;
         let largest = u.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
         let same = |(a, b): (&f64, &f64)| (a - b).abs() <= REPEATS * largest;
         if u.iter().zip(u.iter().skip(period_samples)).all(same) {
             return Ok(y.iter().cycle().take(u.len()).copied().collect());
         }
-        open(State::State(first))
+        open(first.into())
     }
 }
 
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_settled_record_repeats_and_goes_on_where_the_force_changes() {
-        let settled = Start::Settled { period_samples: 50 };
+        let settled = Start::settled(50);
         let run = |u: &[f64]| OSCILLATOR.simulate_record(u, 750.0, InterSample::Linear, settled).unwrap();
         let repeated = run(&force(175));
         assert!(repeated.iter().zip(&repeated[50..]).all(|(a, b)| a == b));
@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn a_period_longer_than_the_record_is_refused() {
         let run = |period_samples| {
-            let start = Start::Settled { period_samples };
+            let start = Start::settled(period_samples);
             OSCILLATOR.simulate_record(&force(60), 750.0, InterSample::Linear, start).unwrap_err()
         };
         for period_samples in [0, 1, 61] {

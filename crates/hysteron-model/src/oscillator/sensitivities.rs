@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix3, SMatrix};
 
-use super::simulate::{Start, settle};
+use super::simulate::{first_state, settle};
 use super::step::{Motion, State};
 use super::{Drive, Oscillator, OscillatorError, OscillatorState};
+use crate::start::Start;
 
 /// Derivatives: with respect to the seven parameters in the order of [`Oscillator::NAMES`], then to y, ẏ and z at the first
 /// sample.
@@ -62,7 +63,7 @@ impl Tangent {
 impl Oscillator {
     /// Displacement with its derivatives under the force of `drive`, into `out`; returns the state at the last sample, of a force that
     /// repeats that at the end of the period. The displacement is that of [`Self::simulate`], to the last bit, and the derivatives
-    /// are exact for it. From [`Start::Periodic`] they are those of the steady state: the ones with respect to the first
+    /// are exact for it. From [`Start::PERIODIC`] they are those of the steady state: the ones with respect to the first
     /// state are then 0.
     ///
     /// # Errors
@@ -70,18 +71,19 @@ impl Oscillator {
     pub fn simulate_with_sensitivities(
         &self,
         drive: &Drive,
-        start: Start,
+        start: Start<OscillatorState>,
         out: &mut Response,
     ) -> Result<OscillatorState, OscillatorError> {
         self.validate()?;
         out.y.resize(drive.len(), 0.0);
         out.partials.iter_mut().for_each(|column| column.resize(drive.len(), 0.0));
-        let first = match start {
-            Start::Periodic => settle(self, drive, &mut out.y)?,
-            _ => start.state()?,
+        let at_rest = first_state(start, drive)?;
+        let first = match at_rest {
+            None => settle(self, drive, &mut out.y)?,
+            Some(first) => first,
         };
         let (end, tangent) = follow(&Motion::of(self), drive, first, out)?;
-        if start == Start::Periodic {
+        if at_rest.is_none() {
             close_period(&tangent, out)?;
         }
         Ok(end.into())

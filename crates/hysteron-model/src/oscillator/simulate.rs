@@ -3,27 +3,34 @@
 use super::step::{Motion, State};
 use super::{Drive, Oscillator, OscillatorError, OscillatorState};
 use crate::hysteresis::RecordEnds;
+use crate::start::Start;
 
-/// Where the oscillator stands before the first sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Start {
-    /// At rest without memory: y = ẏ = z = 0. The force sets in with the first sample.
-    Rest,
-    /// A known state at the first sample.
-    State(OscillatorState),
-    /// Steady state under the force repeated for ever.
-    Periodic,
+/// A state at the first sample, of which the force at rest is not asked.
+impl From<OscillatorState> for Start<OscillatorState> {
+    fn from(memory: OscillatorState) -> Self {
+        Self::Remembering { voltage_v: 0.0, memory }
+    }
 }
 
-impl Start {
-    /// The state at the first sample, where it is known.
-    pub(super) fn state(self) -> Result<State, OscillatorError> {
-        let Self::State(state) = self else { return Ok([0.0; 3]) };
-        let OscillatorState { y, velocity, z } = state;
-        if !(y.is_finite() && velocity.is_finite() && z.is_finite()) {
-            return Err(OscillatorError::State { y, velocity, z });
+/// The state at the first sample: without memory at rest, where the force sets in with that sample, whatever it was before;
+/// `None` for a steady state under the force, which repeats.
+pub(super) fn first_state(
+    start: Start<OscillatorState>,
+    drive: &Drive,
+) -> Result<Option<State>, OscillatorError> {
+    match start {
+        Start::AsIdentified | Start::Rest { .. } => Ok(Some([0.0; 3])),
+        Start::Remembering { memory, .. } => {
+            let OscillatorState { y, velocity, z } = memory;
+            if !(y.is_finite() && velocity.is_finite() && z.is_finite()) {
+                return Err(OscillatorError::State { y, velocity, z });
+            }
+            Ok(Some(memory.into()))
         }
-        Ok(state.into())
+        Start::Settled { period_samples: Some(samples) } if samples != drive.len() => {
+            Err(OscillatorError::Period { samples: drive.len(), period_samples: samples })
+        }
+        Start::Settled { .. } => Ok(None),
     }
 }
 
@@ -37,16 +44,16 @@ impl Oscillator {
     pub fn simulate(
         &self,
         drive: &Drive,
-        start: Start,
+        start: Start<OscillatorState>,
         out: &mut [f64],
     ) -> Result<OscillatorState, OscillatorError> {
         self.validate()?;
         if out.len() != drive.len() {
             return Err(OscillatorError::Lengths { expected: drive.len(), found: out.len() });
         }
-        let end = match start {
-            Start::Periodic => settle(self, drive, out)?,
-            _ => follow(&Motion::of(self), drive, start.state()?, out)?.0,
+        let end = match first_state(start, drive)? {
+            None => settle(self, drive, out)?,
+            Some(first) => follow(&Motion::of(self), drive, first, out)?.0,
         };
         Ok(end.into())
     }

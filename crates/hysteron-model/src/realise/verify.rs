@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::stream::StreamParts;
 use super::{Realisation, RealiseError};
-use crate::hammerstein::Start;
+use crate::start::Start;
 
 /// What a realisation does differently along one drive.
 #[derive(Clone, Copy, Debug, PartialEq)]

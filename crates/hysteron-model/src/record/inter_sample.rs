@@ -29,6 +29,15 @@ impl InterSample {
             Self::BandLimited => "band-limited",
         }
     }
+
+    /// What it says, in a line.
+    pub const fn summary(self) -> &'static str {
+        match self {
+            Self::Hold => "Each sample is held until the next: a converter without filter",
+            Self::Linear => "A straight line to the next sample",
+            Self::BandLimited => "No content above half the sample rate",
+        }
+    }
 }
 
 impl fmt::Display for InterSample {

@@ -1,8 +1,9 @@
 //! The hysteresis memory that a device brought into a record, estimated from the record.
 
 use super::{OffsetTreatment, ScoreError, Scoring, mean, root_mean_square, scored_samples};
-use crate::hammerstein::{Model, Start};
+use crate::hammerstein::Model;
 use crate::record::{InputOutput, range_of};
+use crate::start::Start;
 
 /// Memories looked at before the best of them is refined: the error need not have one minimum only.
 const COARSE: usize = 9;

@@ -2,8 +2,9 @@
 
 use super::memory::best_memory;
 use super::{ScoreError, Scoring, score};
-use crate::hammerstein::{Model, SimulationError, Start};
+use crate::hammerstein::{Model, SimulationError};
 use crate::record::{InputOutput, Periods, find_periods, range_of, shortest_swing};
+use crate::start::Start;
 
 /// Ends that differ by less than this share of the range close a loop.
 const CLOSED: f64 = 0.03;
@@ -30,7 +31,7 @@ pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
         }
     }
     if let Some(period_samples) = settled_period(record, find_periods(record).ok()) {
-        starts.push(Start::Settled { period_samples });
+        starts.push(Start::settled(period_samples));
     }
     starts
 }
@@ -108,8 +109,9 @@ pub fn choose_start(
 mod tests {
     use super::*;
     use crate::dynamics::{Dynamics, Scheme};
-    use crate::hysteresis::{BoucWen, Hysteresis, Memory};
+    use crate::hysteresis::{BoucWen, Hysteresis};
     use crate::record::{InterSample, TimeBase};
+    use crate::start::Memory;
     use std::f64::consts::TAU;
 
     fn model() -> Model {
@@ -127,11 +129,7 @@ mod tests {
     #[test]
     fn finds_the_start_that_made_the_record() {
         let u: Vec<f64> = (0..500).map(|k| 3.0 + 2.0 * (TAU * f64::from(k) / 100.0).sin()).collect();
-        for truth in [
-            Start::Rest { voltage_v: 0.0 },
-            Start::Rest { voltage_v: 3.0 },
-            Start::Settled { period_samples: 100 },
-        ] {
+        for truth in [Start::Rest { voltage_v: 0.0 }, Start::Rest { voltage_v: 3.0 }, Start::settled(100)] {
             let y = model().simulate(&u, None, &truth).unwrap();
             let record = InputOutput::new("run", TimeBase::uniform(100.0), u.clone(), y.clone()).unwrap();
             let preferred = Start::Rest { voltage_v: 3.0 };

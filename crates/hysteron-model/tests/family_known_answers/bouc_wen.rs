@@ -53,10 +53,10 @@ proptest! {
         let gamma = part * beta;
         let run = |beta: f64, gamma: f64, n: f64, u: &[f64], rest: f64| {
             let mut zeta = vec![0.0; u.len()];
-            UnitShape { beta, gamma, n }.simulate_every(1, u, Start::Rest { u: rest }, &mut zeta).unwrap();
+            UnitShape { beta, gamma, n }.simulate_every(1, u, Start::Rest { voltage_v: rest }, &mut zeta).unwrap();
             zeta
         };
-        let start = ColumnStart::Virgin { u: rest };
+        let start = Start::Rest { voltage_v: rest };
         let symmetric = column(&NonSymmetricBoucWen, &[beta, gamma, 0.0], &u, start);
         let song = SongDerKiureghian { n };
         let first = column(&song, &[beta, 0.0, 0.0, 0.0, 0.0, 0.0], &u, start);
@@ -90,7 +90,7 @@ proptest! {
         prop_assert!(close(normalised.sigma, sigma) && normalised.rho > 0.0);
         // The equations as they are printed, integrated.
         let mut v = vec![0.0; turns.len()];
-        model.simulate(&turns, Start::Rest { u: 0.0 }, &mut v).unwrap();
+        model.simulate(&turns, Start::Rest { voltage_v: 0.0 }, &mut v).unwrap();
         let (mut from, mut w, mut z) = (0.0, 0.0_f64, 0.0_f64);
         for (&to, v) in turns.iter().zip(&v) {
             let s = f64::signum(to - from);

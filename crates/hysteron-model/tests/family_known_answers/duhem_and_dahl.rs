@@ -12,7 +12,7 @@ fn the_duhem_loop_by_hand() {
         assert!((y - (1.0 - (-b * u).exp()) / b).abs() < 1e-15);
     }
     let mut out = [0.0; 4];
-    Duhem { degree: 1 }.simulate_every(&[b], 1, &[a, -a], ColumnStart::Periodic, &mut out).unwrap();
+    Duhem { degree: 1 }.simulate_every(&[b], 1, &[a, -a], Start::PERIODIC, &mut out).unwrap();
     let top = (b * a).tanh() / b;
     let ends = (a / (b * a).tanh() - 1.0 / b) / b;
     for (got, want) in out.iter().zip([top, -top, ends, ends]) {
@@ -40,7 +40,7 @@ proptest! {
         turns in vec(-5.0..5.0_f64, 1..6), rest in -2.0..2.0_f64,
     ) {
         let model = Duhem::from_coleman_hodgdon(rate, f.clone(), &g).unwrap();
-        let v = simulate(&model, &turns, ColumnStart::Virgin { u: rest });
+        let v = simulate(&model, &turns, Start::Rest { voltage_v: rest });
         let value = |c: &[f64], u: f64| c.iter().rev().fold(0.0, |sum, c| sum * u + c);
         let f_at = |u: f64| u * value(&f, u);
         let (mut from, mut z) = (rest, f_at(rest));
@@ -60,12 +60,12 @@ proptest! {
         let dahl = Dahl::from_saturation(vec![2.0, 0.1], stiffness, stiffness * reach, 1.0).unwrap();
         let bouc_wen = BoucWen::new(vec![2.0, 0.1], stiffness, 1.0 / reach, 0.0, 1.0).unwrap();
         let mut want = vec![0.0; u.len()];
-        bouc_wen.simulate(&u, Start::Rest { u: rest }, &mut want).unwrap();
-        for (v, want) in simulate(&dahl, &u, ColumnStart::Virgin { u: rest }).iter().zip(&want) {
+        bouc_wen.simulate(&u, Start::Rest { voltage_v: rest }, &mut want).unwrap();
+        for (v, want) in simulate(&dahl, &u, Start::Rest { voltage_v: rest }).iter().zip(&want) {
             prop_assert!((v - want).abs() < 2e-13, "{v} {want}");
         }
-        bouc_wen.simulate(&u, Start::Periodic, &mut want).unwrap();
-        for (v, want) in simulate(&dahl, &u, ColumnStart::Periodic).iter().zip(&want) {
+        bouc_wen.simulate(&u, Start::PERIODIC, &mut want).unwrap();
+        for (v, want) in simulate(&dahl, &u, Start::PERIODIC).iter().zip(&want) {
             prop_assert!((v - want).abs() < 1e-11, "{v} {want}");
         }
     }

@@ -59,8 +59,8 @@ proptest! {
         let plays = PrandtlIshlinskii::new(vec![0.0], thresholds, weights).unwrap();
         let through: Vec<f64> = u.iter().map(|&u| gamma(u)).collect();
         let mut want = vec![0.0; u.len()];
-        plays.simulate(&through, PlayStart::Rest { u: gamma(rest) }, &mut [0.0; 3], &mut want).unwrap();
-        for (v, want) in simulate(&model, &u, ColumnStart::Virgin { u: rest }).iter().zip(&want) {
+        plays.simulate(&through, Start::Rest { voltage_v: gamma(rest) }, &mut [0.0; 3], &mut want).unwrap();
+        for (v, want) in simulate(&model, &u, Start::Rest { voltage_v: rest }).iter().zip(&want) {
             prop_assert!((v - want).abs() < 1e-14, "{v} {want}");
         }
     }
@@ -114,7 +114,7 @@ proptest! {
         let plays = PrandtlIshlinskii::new(vec![0.5], vec![0.5, 1.0, 2.5], weights).unwrap();
         let line = BrokenLine { linear: 0.8, thresholds: vec![-3.0, -0.5, 1.0, 2.0], weights: line };
         let model = ModifiedPrandtlIshlinskii::new(plays, line).unwrap();
-        let start = PlayStart::Rest { u: 0.0 };
+        let start = Start::Rest { voltage_v: 0.0 };
         let (mut v, mut back) = (vec![0.0; u.len()], vec![0.0; u.len()]);
         model.simulate_every(1, &u, start, &mut [0.0; 3], &mut v).unwrap();
         model.inverse().unwrap().simulate(&v, start, &mut [0.0; 3], &mut back).unwrap();

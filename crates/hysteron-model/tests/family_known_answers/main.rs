@@ -10,26 +10,27 @@ mod plays_and_stops;
 mod preisach;
 mod rate_dependent_plays;
 
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{
-    BoucWen, BrokenLine, ClassicalBoucWen, ColumnKernel, ColumnModel, ColumnStart, Dahl, DeadZones,
-    DensityLaw, Duhem, GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii,
-    MaxwellSlip, ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, NormalisedBoucWen, OneSidedPlays, PlayStart,
-    Plays, PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPrandtlIshlinskii, ReversalCurve,
-    SongDerKiureghian, Start, UnitShape,
+    BoucWen, BrokenLine, ClassicalBoucWen, ColumnKernel, ColumnModel, Dahl, DeadZones, DensityLaw, Duhem,
+    GeneralisedPlays, HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip,
+    ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, NormalisedBoucWen, OneSidedPlays, Plays,
+    PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPrandtlIshlinskii, ReversalCurve,
+    SongDerKiureghian, UnitShape,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-const REST: ColumnStart = ColumnStart::Virgin { u: 0.0 };
+const REST: Start<f64> = Start::Rest { voltage_v: 0.0 };
 
-fn simulate<K: ColumnKernel>(model: &ColumnModel<K>, u: &[f64], start: ColumnStart) -> Vec<f64> {
+fn simulate<K: ColumnKernel>(model: &ColumnModel<K>, u: &[f64], start: Start<f64>) -> Vec<f64> {
     let mut v = vec![0.0; u.len()];
     model.simulate(u, start, &mut v).unwrap();
     v
 }
 
 /// Column 0 of a kernel.
-fn column<K: ColumnKernel>(kernel: &K, shape: &[f64], u: &[f64], start: ColumnStart) -> Vec<f64> {
+fn column<K: ColumnKernel>(kernel: &K, shape: &[f64], u: &[f64], start: Start<f64>) -> Vec<f64> {
     let mut out = vec![0.0; kernel.columns() * u.len()];
     kernel.simulate_every(shape, 1, u, start, &mut out).unwrap();
     out.truncate(u.len());
@@ -93,9 +94,9 @@ fn column_errors_carry_the_numbers() {
     assert_eq!(run(&[1.0], REST, 1, 2), HysteresisError::Lengths { expected: 1, found: 2 });
     assert_eq!(run(&[1.0], REST, 0, 1), HysteresisError::Factor);
     assert_eq!(run(&[1.0, f64::NAN], REST, 1, 2), HysteresisError::Drive { index: 1 });
-    let nowhere = ColumnStart::Virgin { u: f64::INFINITY };
+    let nowhere = Start::Rest { voltage_v: f64::INFINITY };
     assert_eq!(run(&[1.0], nowhere, 1, 1), HysteresisError::Drive { index: 0 });
     let (mut v, mut none) = ([0.0], []);
-    model.simulate(&[1.0], ColumnStart::Periodic, &mut v).unwrap();
-    model.simulate(&[], ColumnStart::Periodic, &mut none).unwrap();
+    model.simulate(&[1.0], Start::PERIODIC, &mut v).unwrap();
+    model.simulate(&[], Start::PERIODIC, &mut none).unwrap();
 }

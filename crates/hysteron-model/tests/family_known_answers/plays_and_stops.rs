@@ -23,12 +23,12 @@ proptest! {
         stops.validate().unwrap();
         let mut states = vec![0.0; plays.weights.len()];
         let mut want = vec![0.0; u.len()];
-        plays.simulate(&u, PlayStart::Rest { u: rest }, &mut states, &mut want).unwrap();
-        for (v, want) in simulate(&stops, &u, ColumnStart::Virgin { u: rest }).iter().zip(&want) {
+        plays.simulate(&u, Start::Rest { voltage_v: rest }, &mut states, &mut want).unwrap();
+        for (v, want) in simulate(&stops, &u, Start::Rest { voltage_v: rest }).iter().zip(&want) {
             prop_assert!((v - want).abs() < 1e-12 * (1.0 + want.abs()), "{v} {want}");
         }
-        plays.simulate(&u, PlayStart::Periodic, &mut states, &mut want).unwrap();
-        for (v, want) in simulate(&stops, &u, ColumnStart::Periodic).iter().zip(&want) {
+        plays.simulate(&u, Start::PERIODIC, &mut states, &mut want).unwrap();
+        for (v, want) in simulate(&stops, &u, Start::PERIODIC).iter().zip(&want) {
             prop_assert!((v - want).abs() < 1e-12 * (1.0 + want.abs()), "{v} {want}");
         }
         let back = PrandtlIshlinskii::from(&stops);
@@ -47,8 +47,8 @@ proptest! {
         let model = PrandtlIshlinskii::new(polynomial.clone(), scaled, weights.clone()).unwrap();
         let columns = ColumnModel::new(polynomial, Plays { thresholds }, vec![scale], weights).unwrap();
         let mut want = vec![0.0; u.len()];
-        model.simulate(&u, PlayStart::Rest { u: 1.0 }, &mut vec![0.0; model.weights.len()], &mut want).unwrap();
-        for (v, want) in simulate(&columns, &u, ColumnStart::Virgin { u: 1.0 }).iter().zip(&want) {
+        model.simulate(&u, Start::Rest { voltage_v: 1.0 }, &mut vec![0.0; model.weights.len()], &mut want).unwrap();
+        for (v, want) in simulate(&columns, &u, Start::Rest { voltage_v: 1.0 }).iter().zip(&want) {
             prop_assert!((v - want).abs() < 1e-12 * (1.0 + want.abs()), "{v} {want}");
         }
     }

@@ -8,7 +8,7 @@ fn a_cell_of_relays_by_hand() {
     let plane = Preisach { levels: vec![0.0, 1.0, 2.0] };
     let cell = |u: &[f64]| {
         let mut out = vec![0.0; 3 * u.len()];
-        plane.simulate_every(&[], 1, u, ColumnStart::Virgin { u: 1.0 }, &mut out).unwrap();
+        plane.simulate_every(&[], 1, u, Start::Rest { voltage_v: 1.0 }, &mut out).unwrap();
         out[u.len()..2 * u.len()].to_vec()
     };
     // Up to 1.5 V: all below that, and above it the triangle under the antidiagonal, 1/8.
@@ -69,7 +69,7 @@ proptest! {
         let plane = Preisach::regular([0.0, 6.0], 7);
         let u: Vec<f64> = [-1].iter().chain(&turns).map(|&u| f64::from(u)).collect();
         let mut out = vec![0.0; 21 * u.len()];
-        plane.simulate_every(&[], 1, &u, ColumnStart::Virgin { u: 0.0 }, &mut out).unwrap();
+        plane.simulate_every(&[], 1, &u, Start::Rest { voltage_v: 0.0 }, &mut out).unwrap();
         for i in 0..6 {
             for j in 0..i {
                 let (alpha, beta) = (i as f64 + 0.5, j as f64 + 0.5);
@@ -108,7 +108,7 @@ proptest! {
         });
         let count = 24_000;
         let u: Vec<f64> = decay.chain(turns.iter().copied()).collect();
-        let from_virgin = simulate(&model, &turns, ColumnStart::Virgin { u: rest });
+        let from_virgin = simulate(&model, &turns, Start::Rest { voltage_v: rest });
         // Steps of 5e-4 V beside intervals of at least 0.5 V, up to 21 cells.
         for (v, want) in simulate(&model, &u, REST)[count..].iter().zip(&from_virgin) {
             prop_assert!((v - want).abs() < 2e-2, "{v} {want}");
@@ -145,7 +145,7 @@ proptest! {
         let levels = Preisach::regular([-4.0, 4.0], 9).levels;
         let run = |u: &[f64]| {
             let mut v = vec![0.0; u.len()];
-            plays.simulate(u, PlayStart::Rest { u: 0.0 }, &mut vec![0.0; plays.weights.len()], &mut v).unwrap();
+            plays.simulate(u, Start::Rest { voltage_v: 0.0 }, &mut vec![0.0; plays.weights.len()], &mut v).unwrap();
             v
         };
         let curves: Vec<ReversalCurve> = (1..9)

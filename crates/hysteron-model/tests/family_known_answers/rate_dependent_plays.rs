@@ -6,7 +6,7 @@ fn rate_dependent(
     model: &RateDependentPrandtlIshlinskii,
     u: &[f64],
     rate_hz: f64,
-    start: PlayStart,
+    start: Start<f64>,
 ) -> Vec<f64> {
     let mut v = vec![0.0; u.len()];
     model.simulate_every(1, u, rate_hz, start, &mut vec![0.0; model.weights.len()], &mut v).unwrap();
@@ -18,7 +18,7 @@ fn a_play_that_widens_with_the_rate_by_hand() {
     // r = 1 V, λ = 0.1 s; at 10 Hz a step of 1 V is 10 V/s and the half-width 2 V. Standing still it is 1 V again.
     let model = RateDependentPrandtlIshlinskii::new(vec![1.0], vec![1.0], vec![1.0], 0.1).unwrap();
     let u = [0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 3.5];
-    let v = rate_dependent(&model, &u, 10.0, PlayStart::Rest { u: 0.0 });
+    let v = rate_dependent(&model, &u, 10.0, Start::Rest { voltage_v: 0.0 });
     assert_eq!(v, [0.0, 1.0, 2.0, 4.0, 6.0, 7.0, 6.5]);
 }
 
@@ -39,8 +39,8 @@ proptest! {
         let wider = thresholds.iter().map(|r| r + gain * step * 5.0).collect();
         let plain = PrandtlIshlinskii::new(polynomial, wider, weights).unwrap();
         let mut want = vec![0.0; u.len()];
-        plain.simulate(&u, PlayStart::Periodic, &mut vec![0.0; plain.weights.len()], &mut want).unwrap();
-        for (v, want) in rate_dependent(&model, &u, 5.0, PlayStart::Periodic).iter().zip(&want) {
+        plain.simulate(&u, Start::PERIODIC, &mut vec![0.0; plain.weights.len()], &mut want).unwrap();
+        for (v, want) in rate_dependent(&model, &u, 5.0, Start::PERIODIC).iter().zip(&want) {
             prop_assert!((v - want).abs() < 1e-10 * (1.0 + want.abs()), "{v} {want}");
         }
     }
@@ -52,15 +52,15 @@ proptest! {
         let PrandtlIshlinskii { polynomial, thresholds, weights } = plays;
         let model = RateDependentPrandtlIshlinskii::new(polynomial, thresholds, weights, gain).unwrap();
         let twice: Vec<f64> = u.iter().chain(&u).copied().collect();
-        let once = rate_dependent(&model, &u, 3.0, PlayStart::Periodic);
-        let both = rate_dependent(&model, &twice, 3.0, PlayStart::Periodic);
+        let once = rate_dependent(&model, &u, 3.0, Start::PERIODIC);
+        let both = rate_dependent(&model, &twice, 3.0, Start::PERIODIC);
         prop_assert_eq!(&both[..u.len()], &once[..]);
         prop_assert_eq!(&both[u.len()..], &once[..]);
         // One play, a sine: the width at 0 V grows with the rate.
         let one = RateDependentPrandtlIshlinskii::new(vec![1.0], vec![0.5], vec![1.0], 0.01).unwrap();
         let sine: Vec<f64> = (0..1000).map(|k| 5.0 * (std::f64::consts::TAU * f64::from(k) / 1000.0).sin()).collect();
         let width = |rate_hz: f64| {
-            let v = rate_dependent(&one, &sine, rate_hz, PlayStart::Periodic);
+            let v = rate_dependent(&one, &sine, rate_hz, Start::PERIODIC);
             v[500] - v[0]
         };
         // 2 (r + λ 2π f A) at f = 1 and 2 Hz, the rate that of the chord.

@@ -17,7 +17,7 @@ fn finite_or_refused<K: ColumnKernel>(
     kernel: &K,
     shapes: [&[f64]; 2],
     u: &[f64],
-    start: ColumnStart,
+    start: Start<f64>,
 ) -> TestCaseResult {
     for shape in shapes {
         let shape = &shape[..kernel.shape_names().len()];
@@ -42,7 +42,7 @@ proptest! {
         shape in prop::array::uniform6(number()), usual in prop::array::uniform6(0.1..0.9_f64),
         u in vec(number(), 0..8), at in number(), periodic in any::<bool>(), n in 1.0..3.0_f64,
     ) {
-        let start = if periodic { ColumnStart::Periodic } else { ColumnStart::Virgin { u: at } };
+        let start = if periodic { Start::PERIODIC } else { Start::Rest { voltage_v: at } };
         let shapes = [&shape[..], &usual[..]];
         finite_or_refused(&Duhem { degree: 2 }, shapes, &u, start)?;
         finite_or_refused(&Dahl, shapes, &u, start)?;

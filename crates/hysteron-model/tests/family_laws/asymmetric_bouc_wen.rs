@@ -19,9 +19,9 @@ proptest! {
         // 1 + (β' + |γ'|) |ζ|ⁿ with |ζ|ⁿ ≤ 1/(β' − |γ'|).
         continuous(&kernel, &shape, &moves, 1.0 + 2.0 / 0.1)?;
         odd(&kernel, &[first, a, b, 0.0, 0.0, 0.0], &u, 1e-13)?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-6)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::Rest { voltage_v: rest }, 1e-6)?;
         let period = [&[-4.0, 4.0], &u[..]].concat();
-        derivatives_are_differences(&kernel, &shape, &period, ColumnStart::Periodic, 1e-6)?;
+        derivatives_are_differences(&kernel, &shape, &period, Start::PERIODIC, 1e-6)?;
     }
 
     #[test]
@@ -35,9 +35,9 @@ proptest! {
         // |ζ'| ≤ 1 + |δ| 6 + 2β |ζ|, |ζ| ≤ (1 + |δ| 6)/(β − |γ|).
         continuous(&NonSymmetricBoucWen, &shape, &moves, (1.0 + 1.8) * (1.0 + 2.0 / 0.1))?;
         odd(&NonSymmetricBoucWen, &shape, &u, 1e-13)?;
-        derivatives_are_differences(&NonSymmetricBoucWen, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-6)?;
+        derivatives_are_differences(&NonSymmetricBoucWen, &shape, &u, Start::Rest { voltage_v: rest }, 1e-6)?;
         let period = [&[-4.0, 4.0], &u[..]].concat();
-        derivatives_are_differences(&NonSymmetricBoucWen, &shape, &period, ColumnStart::Periodic, 1e-6)?;
+        derivatives_are_differences(&NonSymmetricBoucWen, &shape, &period, Start::PERIODIC, 1e-6)?;
     }
 }
 

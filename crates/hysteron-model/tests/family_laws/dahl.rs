@@ -17,7 +17,7 @@ proptest! {
         // (1 − s ζ/u_c)ⁱ ≤ 2ⁱ.
         continuous(&Dahl, &shape, &moves, 8.0)?;
         if exponent >= 0.9 {
-            derivatives_are_differences(&Dahl, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-7)?;
+            derivatives_are_differences(&Dahl, &shape, &u, Start::Rest { voltage_v: rest }, 1e-7)?;
         }
     }
 
@@ -26,6 +26,6 @@ proptest! {
         reach in 0.5..8.0_f64, exponent in 0.9..2.0_f64, top in 1.0..6.0_f64, dip in -0.9..0.9_f64,
     ) {
         let u = [0.5 * top, top, dip * top, 0.3 * top, -top];
-        derivatives_are_differences(&Dahl, &[reach, exponent], &u, ColumnStart::Periodic, 1e-7)?;
+        derivatives_are_differences(&Dahl, &[reach, exponent], &u, Start::PERIODIC, 1e-7)?;
     }
 }

@@ -12,7 +12,7 @@ proptest! {
         the_periodic_start_closes(&kernel, &[], &u, 0.0)?;
         continuous(&kernel, &[], &moves, 1.0)?;
         // Without memory.
-        derivatives_are_differences(&kernel, &[], &u, ColumnStart::Virgin { u: rest }, 1e-12)?;
+        derivatives_are_differences(&kernel, &[], &u, Start::Rest { voltage_v: rest }, 1e-12)?;
     }
 
     #[test]
@@ -27,8 +27,8 @@ proptest! {
         continuous(&kernel, &shape, &moves, 1.0)?;
         return_point_memory(&kernel, &shape, &u, &inner, 0.0)?;
         a_memory_is_a_move(&kernel, &shape, &u, (rest, 0.5))?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-6)?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Periodic, 1e-6)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::Rest { voltage_v: rest }, 1e-6)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::PERIODIC, 1e-6)?;
     }
 
     /// Bands of one slope each are Kuhnen's S(H\[u\]); no band falls where the voltage rises.
@@ -48,7 +48,7 @@ proptest! {
         let line = BrokenLine { linear: c, thresholds, weights: vec![a - b, b - c, d - c, e - d] };
         let model = ModifiedPrandtlIshlinskii::new(plays, line).unwrap();
         let mut v = vec![0.0; u.len()];
-        model.simulate_every(1, &u, PlayStart::Rest { u: 0.0 }, &mut [0.0; 3], &mut v).unwrap();
+        model.simulate_every(1, &u, Start::Rest { voltage_v: 0.0 }, &mut [0.0; 3], &mut v).unwrap();
         let all = rows(&kernel, &[share, reach], &u, REST);
         let sum = |row: &[f64]| row[3..].iter().zip(bands).map(|(band, s)| s * band).sum::<f64>();
         let zero = sum(&rows(&kernel, &[share, reach], &[0.0], REST)[0]);
@@ -70,7 +70,7 @@ proptest! {
         let model = ModifiedPrandtlIshlinskii::new(plays, line).unwrap();
         let run = |u: &[f64]| {
             let mut v = vec![0.0; u.len()];
-            model.simulate_every(1, u, PlayStart::Rest { u: 0.0 }, &mut [0.0; 2], &mut v).unwrap();
+            model.simulate_every(1, u, Start::Rest { voltage_v: 0.0 }, &mut [0.0; 2], &mut v).unwrap();
             v
         };
         let plain = run(&[7.0, -3.0, -5.0]);

@@ -19,22 +19,17 @@ proptest! {
         // |y'| ≤ |u|ʲ + b |y|, |y| ≤ 6ʲ/b.
         continuous(&kernel, &shape, &moves, 2.0 * 6.0_f64.powi(kernel.degree as i32))?;
             a_memory_is_a_move(&kernel, &shape, &u, (rest, 0.5))?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::Rest { voltage_v: rest }, 1e-8)?;
         let period = [&[-2.0, 3.0], &u[..]].concat();
-        derivatives_are_differences(&kernel, &shape, &period, ColumnStart::Periodic, 1e-8)?;
+        derivatives_are_differences(&kernel, &shape, &period, Start::PERIODIC, 1e-8)?;
     }
 }
 
 #[test]
 fn a_period_that_never_moves_determines_no_derivative() {
     let mut out = ColumnSensitivities::default();
-    let run = Duhem { degree: 0 }.simulate_with_sensitivities(
-        &[0.3],
-        1,
-        &[2.0, 2.0],
-        ColumnStart::Periodic,
-        &mut out,
-    );
+    let run =
+        Duhem { degree: 0 }.simulate_with_sensitivities(&[0.3], 1, &[2.0, 2.0], Start::PERIODIC, &mut out);
     assert_eq!(run, Err(HysteresisError::NotContracting { slope: 1.0 }));
 }
 

@@ -30,8 +30,8 @@ proptest! {
         return_point_memory(&kernel, &shape, &u, &inner, 0.0)?;
         congruent(&kernel, &shape, [&u, &[]], (-3.0, 2.0), 1e-14)?;
             a_memory_is_a_move(&kernel, &shape, &u, (rest, 0.5))?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Periodic, 1e-8)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::Rest { voltage_v: rest }, 1e-8)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::PERIODIC, 1e-8)?;
         // Envelopes that mirror each other.
         odd(&kernel, &[shape[0], shape[1], shape[0], -shape[1]], &u, 1e-15)?;
     }

@@ -21,13 +21,13 @@ proptest! {
         // Susceptibility between 0 and 1/(3a − α).
         continuous(&JilesAtherton, &shape, &moves, 1.0 / (3.0 * shape[0] - shape[3]))?;
             a_memory_is_a_move(&JilesAtherton, &shape, &u, (rest, 0.5))?;
-        derivatives_are_differences(&JilesAtherton, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-6)?;
+        derivatives_are_differences(&JilesAtherton, &shape, &u, Start::Rest { voltage_v: rest }, 1e-6)?;
     }
 
     #[test]
     fn derivatives_of_a_steady_state(shape in shape(), top in 3.0..6.0_f64, dip in -0.9..0.9_f64) {
         let u = [0.5 * top, top, dip * top, 0.3 * top, -top];
-        derivatives_are_differences(&JilesAtherton, &shape, &u, ColumnStart::Periodic, 1e-6)?;
+        derivatives_are_differences(&JilesAtherton, &shape, &u, Start::PERIODIC, 1e-6)?;
     }
 }
 

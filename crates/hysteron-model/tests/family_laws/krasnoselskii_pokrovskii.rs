@@ -18,8 +18,8 @@ proptest! {
         continuous(&KERNEL, &shape, &moves, 2.0 / rise)?;
         return_point_memory(&KERNEL, &shape, &u, &inner, 0.0)?;
         congruent(&KERNEL, &shape, [&u, &[]], (-3.0, 2.0), 1e-14)?;
-        derivatives_are_differences(&KERNEL, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
-        derivatives_are_differences(&KERNEL, &shape, &u, ColumnStart::Periodic, 1e-8)?;
+        derivatives_are_differences(&KERNEL, &shape, &u, Start::Rest { voltage_v: rest }, 1e-8)?;
+        derivatives_are_differences(&KERNEL, &shape, &u, Start::PERIODIC, 1e-8)?;
         // A grid symmetric about 0: the column of (p₁, p₂) mirrored is that of (−p₂, −p₁).
         let mirrored: Vec<f64> = u.iter().map(|u| -u).collect();
         let (a, b) = (rows(&KERNEL, &shape, &u, REST), rows(&KERNEL, &shape, &mirrored, REST));

@@ -13,18 +13,19 @@ mod plays_and_stops;
 mod preisach;
 mod rate_dependent_plays;
 
+use hysteron_model::Start;
 use hysteron_model::hysteresis::{
-    BrokenLine, ColumnKernel, ColumnSensitivities, ColumnStart, Dahl, DeadZonePlays, DeadZones, DensityLaw,
-    DriveGrid, Duhem, Family, FamilyForm, FamilyStream, GeneralisedPlays, HysteresisError, JilesAtherton,
+    BrokenLine, ColumnKernel, ColumnSensitivities, Dahl, DeadZonePlays, DeadZones, DensityLaw, DriveGrid,
+    Duhem, Family, FamilyForm, FamilyStream, GeneralisedPlays, HysteresisError, JilesAtherton,
     KrasnoselskiiPokrovskii, MaxwellSlip, ModifiedPrandtlIshlinskii, NonSymmetricBoucWen, OneSidedPlays,
-    Origin, PlayStart, Plays, PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPlays,
-    RateDependentPrandtlIshlinskii, SongDerKiureghian,
+    Plays, PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPlays, RateDependentPrandtlIshlinskii,
+    SongDerKiureghian,
 };
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 
-const REST: ColumnStart = ColumnStart::Virgin { u: 0.0 };
+const REST: Start<f64> = Start::Rest { voltage_v: 0.0 };
 
 fn drive() -> impl Strategy<Value = Vec<f64>> {
     vec(-6.0..6.0_f64, 1..25)
@@ -45,7 +46,7 @@ fn dense(turns: &[f64], count: usize) -> Vec<f64> {
 }
 
 /// Rows of K columns, one a sample.
-fn rows<K: ColumnKernel>(kernel: &K, shape: &[f64], u: &[f64], start: ColumnStart) -> Vec<Vec<f64>> {
+fn rows<K: ColumnKernel>(kernel: &K, shape: &[f64], u: &[f64], start: Start<f64>) -> Vec<Vec<f64>> {
     let columns = kernel.columns();
     let mut out = vec![0.0; columns * u.len()];
     kernel.simulate_every(shape, 1, u, start, &mut out).unwrap();
@@ -113,7 +114,7 @@ fn the_periodic_start_closes<K: ColumnKernel>(
 ) -> TestCaseResult {
     let count = kernel.columns() * u.len();
     let (mut first, mut second) = (vec![0.0; count], vec![0.0; count]);
-    let mut state = kernel.simulate_every(shape, 1, u, ColumnStart::Periodic, &mut first).unwrap();
+    let mut state = kernel.simulate_every(shape, 1, u, Start::PERIODIC, &mut first).unwrap();
     kernel.continue_every(shape, &mut state, 1, u, &mut second).unwrap();
     let bound = tolerance * first.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
     prop_assert!(apart(&first, &second) <= bound, "{} {bound}", apart(&first, &second));
@@ -156,7 +157,7 @@ fn derivatives_are_differences<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
     u: &[f64],
-    start: ColumnStart,
+    start: Start<f64>,
     tolerance: f64,
 ) -> TestCaseResult {
     let mut exact = ColumnSensitivities::default();
@@ -170,7 +171,7 @@ fn derivatives_are_differences<K: ColumnKernel>(
     let value = plain(shape, start);
     prop_assert!(apart(&value, &exact.columns) <= 1e-4 * tolerance * size(&value));
     // What rounding, or the settling of a steady state, leaves of each value that a difference is made of.
-    let left = if start == ColumnStart::Periodic { 1e-13 } else { 8.0 * f64::EPSILON } * size(&value);
+    let left = if start == Start::PERIODIC { 1e-13 } else { 8.0 * f64::EPSILON } * size(&value);
     let moved = |index: usize, by: f64| {
         let mut shape = shape.to_vec();
         shape[index] += by;
@@ -185,8 +186,8 @@ fn derivatives_are_differences<K: ColumnKernel>(
             (d.as_slice(), step, [step, 0.3 * step].map(|step| difference(step, |by| moved(i, by))))
         })
         .collect();
-    if let ColumnStart::Virgin { u: at } = start {
-        let from = |by: f64| plain(shape, ColumnStart::Virgin { u: at + by });
+    if let Start::Rest { voltage_v: at } = start {
+        let from = |by: f64| plain(shape, Start::Rest { voltage_v: at + by });
         wanted.push((exact.d_start.as_slice(), 1e-4, [1e-4, 3e-5].map(|step| difference(step, from))));
     } else {
         prop_assert!(exact.d_start.iter().all(|d| *d == 0.0));
@@ -223,8 +224,8 @@ fn a_memory_is_a_move<K: ColumnKernel>(
         (plain, all)
     };
     let longer = [&[rest], u].concat();
-    let (plain, all) = run(u, ColumnStart::Remembering { virgin, rest });
-    let (plain_longer, all_longer) = run(&longer, ColumnStart::Virgin { u: virgin });
+    let (plain, all) = run(u, Start::Remembering { voltage_v: rest, memory: virgin });
+    let (plain_longer, all_longer) = run(&longer, Start::Rest { voltage_v: virgin });
     let first = |columns: &[f64]| columns.iter().step_by(longer.len()).copied().collect::<Vec<f64>>();
     let others =
         |columns: &[f64]| columns.chunks(longer.len()).flat_map(|c| c[1..].to_vec()).collect::<Vec<f64>>();

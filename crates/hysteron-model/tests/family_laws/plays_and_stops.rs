@@ -23,8 +23,8 @@ fn laws_of<K: ColumnKernel>(
     continuous(kernel, shape, moves, 1.0)?;
     return_point_memory(kernel, shape, u, inner, 0.0)?;
     congruent(kernel, shape, [u, &[]], (-3.0, 2.0), 1e-14)?;
-    derivatives_are_differences(kernel, shape, u, ColumnStart::Virgin { u: rest }, 1e-8)?;
-    derivatives_are_differences(kernel, shape, u, ColumnStart::Periodic, 1e-8)
+    derivatives_are_differences(kernel, shape, u, Start::Rest { voltage_v: rest }, 1e-8)?;
+    derivatives_are_differences(kernel, shape, u, Start::PERIODIC, 1e-8)
 }
 
 proptest! {

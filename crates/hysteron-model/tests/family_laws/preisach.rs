@@ -26,7 +26,7 @@ proptest! {
         return_point_memory(&plane, &[], &u, &inner, 1e-13)?;
         congruent(&plane, &[], [&u, &[]], (-3.0, 2.0), 1e-13)?;
             a_memory_is_a_move(&plane, &[], &u, (rest, 0.5))?;
-        derivatives_are_differences(&plane, &[], &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
+        derivatives_are_differences(&plane, &[], &u, Start::Rest { voltage_v: rest }, 1e-8)?;
     }
 
     #[test]
@@ -63,8 +63,8 @@ proptest! {
         return_point_memory(&kernel, &shape, &u, &inner, 1e-13)?;
         congruent(&kernel, &shape, [&u, &[]], (-3.0, 2.0), 1e-13)?;
         odd(&kernel, &[half_width, spreads.0, 0.0, spreads.1], &u, 1e-13)?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-8)?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Periodic, 1e-8)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::Rest { voltage_v: rest }, 1e-8)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::PERIODIC, 1e-8)?;
     }
 }
 
@@ -82,7 +82,7 @@ proptest! {
         let shape = [h, 1.3, 0.4, 2.5];
         let weights: Vec<f64> = kernel.weights(&shape);
         let u = dense(&turns, 60);
-        let start = ColumnStart::Virgin { u: rest };
+        let start = Start::Rest { voltage_v: rest };
         for (own, cells) in rows(&kernel, &shape, &u, start).iter().zip(rows(&plane, &[], &u, start)) {
             let sum: f64 = cells.iter().zip(&weights).map(|(cell, w)| cell * w).sum();
             prop_assert!((own[0] - sum).abs() < 1e-12, "{} {sum}", own[0]);

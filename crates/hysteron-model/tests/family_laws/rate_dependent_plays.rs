@@ -7,11 +7,8 @@ fn columns_of_the_operator(u: &[f64], gain: f64, interval_s: f64, periodic: bool
     let (thresholds, weights) = (vec![0.4, 1.1, 2.5], vec![0.7, 0.3, 0.2]);
     let kernel = RateDependentPlays { thresholds: thresholds.clone(), interval_s };
     let model = RateDependentPrandtlIshlinskii::new(vec![1.0], thresholds, weights.clone(), gain).unwrap();
-    let (start, own) = if periodic {
-        (ColumnStart::Periodic, PlayStart::Periodic)
-    } else {
-        (REST, PlayStart::Rest { u: 0.0 })
-    };
+    let (start, own) =
+        if periodic { (Start::PERIODIC, Start::PERIODIC) } else { (REST, Start::Rest { voltage_v: 0.0 }) };
     let mut v = vec![0.0; u.len()];
     model.simulate_every(1, u, 1.0 / interval_s, own, &mut [0.0; 3], &mut v).unwrap();
     for ((row, u), v) in rows(&kernel, &[1.0, gain], u, start).iter().zip(u).zip(&v) {
@@ -32,8 +29,8 @@ proptest! {
         let shape = [scale, gain];
         the_periodic_start_closes(&kernel, &shape, &u, 0.0)?;
         a_memory_is_a_move(&kernel, &shape, &u, (rest, 0.5))?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Virgin { u: rest }, 1e-6)?;
-        derivatives_are_differences(&kernel, &shape, &u, ColumnStart::Periodic, 1e-6)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::Rest { voltage_v: rest }, 1e-6)?;
+        derivatives_are_differences(&kernel, &shape, &u, Start::PERIODIC, 1e-6)?;
         columns_of_the_operator(&u, gain, interval_s, false)?;
         columns_of_the_operator(&u, gain, interval_s, true)?;
     }
@@ -62,7 +59,7 @@ proptest! {
 fn a_family_that_sees_the_rate_asks_for_the_time() {
     let form = FamilyForm::RateDependentPlays { plays: 2 };
     let model = Family::new(vec![1.0], form, vec![3.0, 0.1], vec![0.5, 0.2]).unwrap();
-    let origin = Origin::Virgin { rest: 0.0 };
+    let origin = Start::Rest { voltage_v: 0.0 };
     let untimed = model.simulate_every(1, &[0.0, 1.0], origin, &mut [0.0; 2]);
     assert!(matches!(untimed, Err(HysteresisError::Interval)));
     assert!(matches!(FamilyStream::new(&model, None), Err(HysteresisError::Interval)));

@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, DriveLimits, Hysteresis};
-use hysteron_model::invert::{Before, InverseOptions, InversionError, LastRun};
+use hysteron_model::invert::{InverseOptions, InversionError, LastRun};
 
 use hysteron_model::record::InterSample;
 
@@ -70,8 +71,8 @@ fn what_is_predicted_is_what_the_model_does() {
     let mut held = model();
     (held.scheme, held.inter_sample) = (Scheme::BandLimited, InterSample::Hold);
     for limits in [[-5.0, 25.0], [2.0, 7.5]] {
-        let before = Before::Rest { voltage_v: None, virgin_v: Some(2.5) };
-        let options = InverseOptions { slew_v_per_s: 3000.0, before, ..InverseOptions::within(limits) };
+        let options =
+            InverseOptions { slew_v_per_s: 3000.0, virgin_v: Some(2.5), ..InverseOptions::within(limits) };
         let found = held.invert(&reference, RATE_HZ, &options).unwrap();
         let y = held.simulate(&found.drive, Some(RATE_HZ), &found.rest.unwrap()).unwrap();
         for (a, b) in y.iter().zip(&found.predicted) {
@@ -86,8 +87,7 @@ fn a_reference_that_repeats_is_followed_in_its_steady_state() {
     let samples = 500;
     let reference: Vec<f64> =
         (0..samples).map(|k| 5.5 + 5.0 * (TAU * k as f64 / samples as f64).sin()).collect();
-    let found =
-        model().invert(&reference, RATE_HZ, &InverseOptions { before: Before::Periodic, ..options() });
+    let found = model().invert(&reference, RATE_HZ, &InverseOptions { start: Start::PERIODIC, ..options() });
     let found = found.unwrap();
     assert!(found.rest.is_none());
     let drive = found.drive.repeat(8);
@@ -118,11 +118,8 @@ fn what_repeats_is_learned_from_run_to_run() {
     let samples = 4000;
     let reference: Vec<f64> = (0..samples).map(sine(60.0, 3.0, samples, RATE_HZ)).collect();
     let model = wrong_model();
-    let options = InverseOptions {
-        before: Before::Rest { voltage_v: Some(4.0), virgin_v: None },
-        bandwidth_hz: Some(300.0),
-        ..options()
-    };
+    let options =
+        InverseOptions { start: Start::Rest { voltage_v: 4.0 }, bandwidth_hz: Some(300.0), ..options() };
     let mut run = model.invert(&reference, RATE_HZ, &options).unwrap();
     let mut errors = Vec::new();
     for _ in 0..8 {

@@ -2,7 +2,7 @@
 
 use super::ParameterRow;
 use hysteron_identify::{Identification, IntervalMethod, Parameter};
-use hysteron_model::hammerstein::Start;
+use hysteron_model::Start;
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::ModelFile;
 
@@ -110,7 +110,8 @@ pub(super) fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow
             // The memory is among the fitted parameters.
             Start::Remembering { .. } | Start::AsIdentified => continue,
             Start::Settled { period_samples } => {
-                ("N", "period on which the device had settled", period_samples as f64, "samples".into())
+                let samples = period_samples.unwrap_or(fit.data.len());
+                ("N", "period on which the device had settled", samples as f64, "samples".into())
             }
         };
         rows.push(ParameterRow {

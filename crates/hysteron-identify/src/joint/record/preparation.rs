@@ -3,7 +3,8 @@
 use super::super::super::projection::Projection;
 use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
-use super::{Before, JointRecord, rest_voltage};
+use super::{JointRecord, rest_voltage};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
 use hysteron_model::hysteresis::DriveGrid;
 
@@ -18,7 +19,7 @@ pub(crate) struct Ingredients<'a> {
     pub(crate) output: Vec<f64>,
     /// Weight of each sample.
     pub(crate) weight: Vec<f64>,
-    pub(crate) before: Before,
+    pub(crate) before: Start<()>,
     /// Decaying motion from before the record is allowed for.
     pub(crate) transients: bool,
     pub(crate) offset_is_held: bool,
@@ -33,7 +34,7 @@ pub(crate) struct Ingredients<'a> {
 
 impl JointRecord {
     pub(crate) fn new(parts: Ingredients<'_>) -> Result<Self, DynamicsError> {
-        let periodic = parts.before == Before::Periodic;
+        let periodic = parts.before == Start::PERIODIC;
         let count = parts.output.len();
         debug_assert_eq!(count, parts.thinning.samples(parts.drive.len()));
         let reduction = (parts.factor > 1).then(|| Reduction::new(parts.factor, count, periodic));

@@ -1,18 +1,22 @@
 //! Reduced records against whole ones that are filtered and thinned afterwards.
 
 use super::super::drive::fine_drive;
-use super::super::record::{Before, Candidate, Direction, Ingredients, JointRecord};
+use super::super::record::{Candidate, Direction, Ingredients, JointRecord};
 use super::*;
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Linearised, Modes, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
 use hysteron_model::record::InterSample;
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
+/// At rest with an unknown memory, at the first voltage of whatever record.
+const REMEMBERING: Start<()> = Start::Remembering { voltage_v: 0.0, memory: () };
+
 const RATE: f64 = 10_000.0;
 
-fn record(drive: &[f64], rule: InterSample, before: Before, factor: usize) -> JointRecord {
-    let ends = if before == Before::Periodic { RecordEnds::Periodic } else { RecordEnds::Open };
+fn record(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize) -> JointRecord {
+    let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
     let (fine, thinning) = fine_drive(drive, Scheme::BandLimited, rule, ends).unwrap();
     JointRecord::new(Ingredients {
         drive: fine.as_deref().unwrap_or(drive),
@@ -58,8 +62,8 @@ fn columns(record: &JointRecord, n: f64, creep: Creep) -> Vec<Vec<f64>> {
 
 /// Differences of a reduced record's columns from the whole one's, filtered and thinned, over the largest value of each:
 /// where F reaches neither end, where it reaches the start, and where it reaches the end.
-fn differences(drive: &[f64], rule: InterSample, before: Before, factor: usize, n: f64) -> Vec<[f64; 3]> {
-    let periodic = before == Before::Periodic;
+fn differences(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize, n: f64) -> Vec<[f64; 3]> {
+    let periodic = before == Start::PERIODIC;
     let reduction = Reduction::new(factor, drive.len(), periodic);
     let (whole, reduced) = (record(drive, rule, before, 1), record(drive, rule, before, factor));
     assert_eq!(reduced.valid, drive.len().div_ceil(factor));
@@ -98,7 +102,7 @@ fn a_reduced_record_is_the_whole_one_filtered_and_thinned() {
         .collect();
     for rule in InterSample::ALL {
         for n in [1.0, 2.0] {
-            for (column, off) in differences(&drive, rule, Before::Remembering, 8, n).iter().enumerate() {
+            for (column, off) in differences(&drive, rule, REMEMBERING, 8, n).iter().enumerate() {
                 // Derivatives hold more of what is fast. The whole record leaves out what a band-limited response has before its
                 // cause; beyond the end inputs have a corner, which the output between reduced samples is known without.
                 let tolerance = [if column < 3 { 1e-6 } else { 1e-5 }, 1e-7, 2e-3];
@@ -120,7 +124,7 @@ fn a_reduced_periodic_record_is_exact_up_to_its_ends() {
         })
         .collect();
     for rule in InterSample::ALL {
-        for (column, off) in differences(&drive, rule, Before::Periodic, 8, 1.0).iter().enumerate() {
+        for (column, off) in differences(&drive, rule, Start::PERIODIC, 8, 1.0).iter().enumerate() {
             assert!(off[0] < 2e-7, "{rule:?}, {column}: {off:?}");
         }
     }

@@ -29,7 +29,7 @@ mod streaming;
 mod trajectory;
 
 pub use level::{LevelLaw, LevelTracker};
-pub use simulate::{ModesStart, simulate_steady};
+pub use simulate::simulate_steady;
 #[doc(hidden)]
 pub use strain::POWERS;
 pub use strain::{FeedbackStrain, StrainLaw};

@@ -13,21 +13,6 @@ const MOST_PERIODS: usize = 60;
 /// Change of the output over a period, over its rms, with which it has settled.
 const SETTLED: f64 = 1e-6;
 
-/// What happened before the first sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ModesStart {
-    /// The inputs of the first sample were held for long, after a drive of this level; `None`: that of the record's first second.
-    Rest {
-        /// Level \[V\].
-        level: Option<f64>,
-    },
-    /// The first period has been running for long.
-    Settled {
-        /// Samples of a period.
-        period_samples: usize,
-    },
-}
-
 /// State of a simulation.
 #[derive(Clone, Debug)]
 pub(super) struct Runner<'m> {
@@ -236,10 +221,11 @@ impl ScheduledModes {
         Err(AxesError::NotSettled { periods: settle + MOST_PERIODS, change })
     }
 
-    /// Outputs for the samples of each input, one list an output.
+    /// Outputs for the samples of each input, one list an output: in the steady state under a period of `settled` samples, which
+    /// has been running for long, where it is given; else the inputs of the first sample were held for long.
     ///
-    /// Behind a settled start S is that of the first period; from rest it follows the running rms of the drive
-    /// ([`super::LevelTracker`]).
+    /// In a steady state S is that of the first period; from rest it follows the running rms of the drive
+    /// ([`super::LevelTracker`]), from that of the first second on.
     ///
     /// # Errors
     /// [`AxesError::Channels`], [`AxesError::SampleRate`], [`AxesError::Period`], [`AxesError::RunsAway`], [`AxesError::NotSettled`].
@@ -248,8 +234,37 @@ impl ScheduledModes {
         u: &[Vec<f64>],
         sample_rate_hz: f64,
         rule: InterSample,
-        start: ModesStart,
+        settled: Option<usize>,
     ) -> Result<Vec<Vec<f64>>, AxesError> {
+        let rows = self.rows(u, sample_rate_hz)?;
+        let y = match settled {
+            Some(period_samples) => self.simulate_settled(&rows, period_samples)?,
+            None => {
+                let second = (self.sample_rate_hz as usize).max(1) * self.inputs;
+                let before = level(&rows[..second.min(rows.len())], self.inputs);
+                self.simulate_from_rest(&rows, rule, before)?
+            }
+        };
+        Ok(self.lists(&y))
+    }
+
+    /// As [`Self::simulate`] from rest, after a drive of this level \[V\].
+    ///
+    /// # Errors
+    /// As [`Self::simulate`].
+    pub fn simulate_after(
+        &self,
+        u: &[Vec<f64>],
+        sample_rate_hz: f64,
+        rule: InterSample,
+        level: f64,
+    ) -> Result<Vec<Vec<f64>>, AxesError> {
+        let rows = self.rows(u, sample_rate_hz)?;
+        Ok(self.lists(&self.simulate_from_rest(&rows, rule, level)?))
+    }
+
+    /// One row of inputs a sample.
+    fn rows(&self, u: &[Vec<f64>], sample_rate_hz: f64) -> Result<Vec<f64>, AxesError> {
         if u.len() != self.inputs {
             return Err(AxesError::Channels { role: "input", model: self.inputs, record: u.len() });
         }
@@ -257,13 +272,13 @@ impl ScheduledModes {
             return Err(AxesError::SampleRate { model_hz: self.sample_rate_hz, record_hz: sample_rate_hz });
         }
         let samples = u.first().map_or(0, Vec::len);
-        let rows: Vec<f64> = (0..samples).flat_map(|k| u.iter().map(move |u| u[k])).collect();
-        let y = match start {
-            ModesStart::Settled { period_samples } => self.simulate_settled(&rows, period_samples)?,
-            ModesStart::Rest { level } => self.simulate_from_rest(&rows, rule, level)?,
-        };
+        Ok((0..samples).flat_map(|k| u.iter().map(move |u| u[k])).collect())
+    }
+
+    /// One list an output.
+    fn lists(&self, rows: &[f64]) -> Vec<Vec<f64>> {
         let outputs = self.outputs;
-        Ok((0..outputs).map(|m| y.iter().skip(m).step_by(outputs).copied().collect()).collect())
+        (0..outputs).map(|m| rows.iter().skip(m).step_by(outputs).copied().collect()).collect()
     }
 
     /// The first period over and over where the drive repeats, else followed from its steady state.
@@ -278,16 +293,9 @@ impl ScheduledModes {
         Ok(y.iter().cycle().take(samples * self.outputs).copied().collect())
     }
 
-    fn simulate_from_rest(
-        &self,
-        u: &[f64],
-        rule: InterSample,
-        before: Option<f64>,
-    ) -> Result<Vec<f64>, AxesError> {
+    fn simulate_from_rest(&self, u: &[f64], rule: InterSample, before: f64) -> Result<Vec<f64>, AxesError> {
         let n = self.inputs;
         let first = u.get(..n).unwrap_or(&[]);
-        let second = (self.sample_rate_hz as usize).max(1) * n;
-        let before = before.unwrap_or_else(|| level(&u[..second.min(u.len())], n));
         let fine = upsampled(u, n, self.steps, rule, RecordEnds::Open)?;
         let mut stream = Streaming::new(self, first, before);
         let mut y = vec![0.0; u.len() / n * self.outputs];

@@ -14,34 +14,14 @@ pub(super) use pass::differentiate;
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-
-/// Where the columns stand before the first sample of a record.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ColumnStart {
-    /// Virgin (without memory) at the voltage `u` \[V\], from which the first sample is reached by a monotone move. The
-    /// columns are differentiated with respect to it.
-    Virgin {
-        /// Voltage \[V\], in general not the first sample.
-        u: f64,
-    },
-    /// Virgin at the voltage `virgin` \[V\], then moved without turning to the voltage `rest` \[V\], where the device stood
-    /// until the first sample, which is reached by a monotone move: at rest with a memory of one number, `virgin`, with
-    /// respect to which the columns are differentiated.
-    Remembering {
-        /// Voltage \[V\] at which there was no memory.
-        virgin: f64,
-        /// Rest voltage \[V\].
-        rest: f64,
-    },
-    /// Steady state of the record repeated for ever; the record must be a whole number of periods.
-    ///
-    /// Operators that wipe out (plays, relays) are in it after one period; what the record never moves stands where a
-    /// virgin device at the middle of the drive's range leaves it. Operators that forget (relaxation) are led there by the
-    /// secant method.
-    Periodic,
-}
+use crate::start::Start;
 
 /// The operators of one family: fixed structure in the type, shape θ beside it.
+///
+/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it moved, without turning, to
+/// its rest voltage; with respect to it, or to the rest voltage of a virgin device, the columns are differentiated. In a steady
+/// state, operators that wipe out (plays, relays) are after one period; what the drive never moves stands where a virgin device at
+/// the middle of the drive's range leaves it. Operators that forget (relaxation) are led there by the secant method.
 ///
 /// A move is monotone from the present voltage to the next and exact whatever its length, so that the sample rate does
 /// not matter as long as every turning point of u is a sample. Numbers are `f64`, or duals that carry the derivatives of
@@ -123,7 +103,7 @@ pub trait ColumnKernel {
         shape: &[f64],
         factor: usize,
         u: &[f64],
-        start: ColumnStart,
+        start: Start<f64>,
         out: &mut [f64],
     ) -> Result<Self::State<f64>, HysteresisError>
     where
@@ -161,7 +141,7 @@ pub trait ColumnKernel {
         shape: &[f64],
         factor: usize,
         u: &[f64],
-        start: ColumnStart,
+        start: Start<f64>,
         out: &mut ColumnSensitivities,
     ) -> Result<(), HysteresisError>
     where
@@ -177,7 +157,7 @@ macro_rules! simulate_with_sensitivities {
             shape: &[f64],
             factor: usize,
             u: &[f64],
-            start: $crate::hysteresis::ColumnStart,
+            start: $crate::start::Start<f64>,
             out: &mut $crate::hysteresis::ColumnSensitivities,
         ) -> Result<(), $crate::hysteresis::HysteresisError> {
             use $crate::hysteresis::columns::differentiate;

@@ -1,7 +1,8 @@
 //! A family of columns with its weights.
 
 use super::super::{HysteresisError, polynomial};
-use super::{ColumnKernel, ColumnStart};
+use super::ColumnKernel;
+use crate::start::Start;
 
 /// Static model v = Σ_{i≥1} polynomial\[i−1\] uⁱ + Σⱼ weightsⱼ Hⱼ\[u; shape\] \[µm\] of one family of columns.
 ///
@@ -70,7 +71,7 @@ impl<K: ColumnKernel> ColumnModel<K> {
     pub fn simulate(
         &self,
         u: &[f64],
-        start: ColumnStart,
+        start: Start<f64>,
         out: &mut [f64],
     ) -> Result<K::State<f64>, HysteresisError> {
         self.simulate_every(1, u, start, out)
@@ -84,7 +85,7 @@ impl<K: ColumnKernel> ColumnModel<K> {
         &self,
         factor: usize,
         u: &[f64],
-        start: ColumnStart,
+        start: Start<f64>,
         out: &mut [f64],
     ) -> Result<K::State<f64>, HysteresisError> {
         self.validate()?;

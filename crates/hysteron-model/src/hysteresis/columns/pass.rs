@@ -3,8 +3,9 @@
 use hysteron_rt::{Dual, Scalar};
 
 use super::super::HysteresisError;
-use super::super::pass::Every;
-use super::{ColumnKernel, ColumnStart};
+use super::super::pass::{Every, at_rest};
+use super::ColumnKernel;
+use crate::start::Start;
 
 /// Columns and their derivatives at every `factor`-th sample of a drive, each K columns one after the other. The
 /// buffers are kept between calls.
@@ -54,15 +55,18 @@ fn check_length(expected: usize, found: usize) -> Result<(), HysteresisError> {
 }
 
 /// The voltage of the virgin state that a run begins with.
-fn virgin_voltage(u: &[f64], start: ColumnStart) -> Result<f64, HysteresisError> {
-    match start {
-        ColumnStart::Virgin { u } if u.is_finite() => Ok(u),
-        ColumnStart::Remembering { virgin, rest } if virgin.is_finite() && rest.is_finite() => Ok(virgin),
-        ColumnStart::Virgin { .. } | ColumnStart::Remembering { .. } => {
-            Err(HysteresisError::Drive { index: 0 })
+fn virgin_voltage(u: &[f64], at_rest: Option<(f64, Option<f64>)>) -> Result<f64, HysteresisError> {
+    match at_rest {
+        Some((rest, memory)) => {
+            let virgin = memory.unwrap_or(rest);
+            if virgin.is_finite() && rest.is_finite() {
+                Ok(virgin)
+            } else {
+                Err(HysteresisError::Drive { index: 0 })
+            }
         }
-        ColumnStart::Periodic if u.is_empty() => Ok(0.0),
-        ColumnStart::Periodic => {
+        None if u.is_empty() => Ok(0.0),
+        None => {
             let [low, high] =
                 u.iter().fold([f64::MAX, f64::MIN], |[low, high], &u| [low.min(u), high.max(u)]);
             Ok(0.5 * low + 0.5 * high)
@@ -75,16 +79,17 @@ pub(super) fn simulate<K: ColumnKernel>(
     shape: &[f64],
     factor: usize,
     u: &[f64],
-    start: ColumnStart,
+    start: Start<f64>,
     out: &mut [f64],
 ) -> Result<K::State<f64>, HysteresisError> {
     let samples = check(kernel, shape, factor, u)?;
     check_length(samples * kernel.columns(), out.len())?;
-    let mut state = kernel.virgin(shape, virgin_voltage(u, start)?);
-    match start {
-        ColumnStart::Virgin { .. } => {}
-        ColumnStart::Remembering { rest, .. } => kernel.advance(shape, &mut state, rest)?,
-        ColumnStart::Periodic => {
+    let at_rest = at_rest(start, u)?;
+    let mut state = kernel.virgin(shape, virgin_voltage(u, at_rest)?);
+    match at_rest {
+        Some((_, None)) => {}
+        Some((rest, Some(_))) => kernel.advance(shape, &mut state, rest)?,
+        None => {
             K::preceded(&mut state, u.last().copied());
             settle(kernel, shape, u, &mut state)?;
         }
@@ -213,7 +218,7 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     shape: &[f64],
     factor: usize,
     u: &[f64],
-    start: ColumnStart,
+    start: Start<f64>,
     out: &mut ColumnSensitivities,
 ) -> Result<(), HysteresisError> {
     let samples = check(kernel, shape, factor, u)?;
@@ -224,18 +229,18 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
         None => Dual::constant(0.0),
     });
     let duals = duals.get(..shape.len()).unwrap_or(&duals);
-    let voltage = virgin_voltage(u, start)?;
+    let at_rest = at_rest(start, u)?;
+    let voltage = virgin_voltage(u, at_rest)?;
     let mut row = vec![Dual::constant(0.0); columns];
-    let free = if start == ColumnStart::Periodic {
-        Dual::constant(voltage)
-    } else {
-        Dual::variable(voltage, shape.len())
+    let free = match at_rest {
+        None => Dual::constant(voltage),
+        Some(_) => Dual::variable(voltage, shape.len()),
     };
     let mut state = kernel.virgin(duals, free);
-    if let ColumnStart::Remembering { rest, .. } = start {
+    if let Some((rest, Some(_))) = at_rest {
         kernel.advance(duals, &mut state, rest)?;
     }
-    if start == ColumnStart::Periodic {
+    if at_rest.is_none() {
         K::preceded(&mut state, u.last().copied());
         run(kernel, duals, &mut state, u, |_| {})?;
         if !K::relaxing(&mut state).is_empty() {

@@ -11,7 +11,8 @@ use super::super::{
 use super::run;
 use super::stream::Runner;
 use crate::hysteresis::follow::{self, DriveLimits, Followed};
-use crate::hysteresis::outputs::{Columns, Origin};
+use crate::hysteresis::outputs::Columns;
+use crate::start::Start;
 use serde::{Deserialize, Serialize};
 
 /// Intervals of the plane of a Preisach density.
@@ -424,7 +425,7 @@ impl FamilyForm {
         shape: &[f64],
         grid: impl Into<DriveGrid>,
         u: &[f64],
-        origin: Origin,
+        start: Start<f64>,
         wanted: Option<&[bool]>,
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
@@ -436,7 +437,7 @@ impl FamilyForm {
             (shape, fixed),
             factor,
             u,
-            origin,
+            start,
             wanted,
             out
         ))

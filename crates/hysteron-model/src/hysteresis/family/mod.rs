@@ -7,8 +7,9 @@ mod stream;
 pub use form::{FamilyForm, NumberUnit};
 pub use stream::FamilyStream;
 
-use super::outputs::{Columns, Origin};
+use super::outputs::Columns;
 use super::{DriveGrid, HysteresisError, polynomial};
+use crate::start::Start;
 
 /// Static model v = Σ_{i≥1} polynomial\[i−1\] uⁱ + Σⱼ weightsⱼ Hⱼ\[u; shape\] \[µm\] of one [`FamilyForm`].
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +74,7 @@ impl Family {
     }
 
     /// v \[µm\] for the voltages `u` \[V\] given on a time base finer by a factor: `out[k]` belongs to `u[k * factor]`. The memory
-    /// of an [`Origin::Remembering`] is the voltage at which the device was virgin.
+    /// of an [`Start::Remembering`] is the voltage at which the device was virgin.
     ///
     /// # Errors
     /// As [`Self::validate`]; [`HysteresisError::Lengths`]; as [`FamilyForm::run`]; [`HysteresisError::Overflow`] where v is
@@ -82,7 +83,7 @@ impl Family {
         &self,
         grid: impl Into<DriveGrid>,
         u: &[f64],
-        origin: Origin,
+        start: Start<f64>,
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
         let grid = grid.into();
@@ -96,7 +97,7 @@ impl Family {
             return Err(HysteresisError::Lengths { expected, found: out.len() });
         }
         let mut columns = Columns::default();
-        self.form.run(&self.shape, grid, u, origin, None, &mut columns)?;
+        self.form.run(&self.shape, grid, u, start, None, &mut columns)?;
         for (slot, &u) in out.iter_mut().zip(u.iter().step_by(factor)) {
             *slot = polynomial::value(&self.polynomial, u);
         }
@@ -113,10 +114,10 @@ impl Family {
     /// a number where the family cannot go there.
     pub fn at_rest(&self, virgin: f64, rest: f64) -> f64 {
         let mut columns = Columns::default();
-        let origin = Origin::Virgin { rest: virgin };
+        let start = Start::Rest { voltage_v: virgin };
         // The one move is without rate, whatever the time.
         let grid = DriveGrid { factor: 1, interval_s: Some(1.0) };
-        match self.form.run(&self.shape, grid, &[rest], origin, None, &mut columns) {
+        match self.form.run(&self.shape, grid, &[rest], start, None, &mut columns) {
             Ok(()) => {
                 let sum: f64 = columns
                     .values

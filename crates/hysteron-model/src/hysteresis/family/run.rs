@@ -1,8 +1,10 @@
 //! A kernel run into the columns of a fit.
 
 use super::super::HysteresisError;
-use super::super::columns::{ColumnKernel, ColumnStart};
-use super::super::outputs::{Columns, Origin};
+use super::super::columns::ColumnKernel;
+use super::super::outputs::Columns;
+use super::super::pass::at_rest;
+use crate::start::Start;
 
 /// The first `fixed` numbers of `shape` are the kernel's structure, which no derivative is taken of.
 pub(super) fn run<K: ColumnKernel>(
@@ -10,7 +12,7 @@ pub(super) fn run<K: ColumnKernel>(
     (shape, fixed): (&[f64], usize),
     factor: usize,
     u: &[f64],
-    origin: Origin,
+    start: Start<f64>,
     wanted: Option<&[bool]>,
     out: &mut Columns,
 ) -> Result<(), HysteresisError> {
@@ -26,16 +28,11 @@ pub(super) fn run<K: ColumnKernel>(
         .flat_map(|index| (0..count).map(move |column| (index, column)))
         .collect();
     out.resize(count, samples, &pairs, wanted.is_some());
-    let start = match origin {
-        Origin::Virgin { rest } => ColumnStart::Virgin { u: rest },
-        Origin::Remembering { rest, memory } => ColumnStart::Remembering { virgin: memory, rest },
-        Origin::Periodic => ColumnStart::Periodic,
-    };
     let mut all = std::mem::take(&mut out.scratch);
     let column = |values: &[f64], index: usize, to: &mut [f64]| {
         to.copy_from_slice(&values[index * samples..(index + 1) * samples]);
     };
-    let free = matches!(origin, Origin::Remembering { .. });
+    let free = matches!(start, Start::Remembering { .. });
     if wanted.is_some() && (free || !pairs.is_empty()) {
         kernel.simulate_with_sensitivities(own, factor, u, start, &mut all)?;
         for partial in &mut out.partials {
@@ -54,13 +51,13 @@ pub(super) fn run<K: ColumnKernel>(
         all.columns.resize(samples * count, 0.0);
         kernel.simulate_every(own, factor, u, start, &mut all.columns)?;
         out.by_memory.iter_mut().for_each(|values| values.fill(0.0));
-        match origin {
-            Origin::Virgin { rest } => kernel.read(own, &kernel.virgin(own, rest), &mut out.rest),
-            Origin::Remembering { rest, memory } => {
-                let mut state = kernel.virgin(own, memory);
+        match at_rest(start, u)? {
+            Some((rest, None)) => kernel.read(own, &kernel.virgin(own, rest), &mut out.rest),
+            Some((rest, Some(virgin))) => {
+                let mut state = kernel.virgin(own, virgin);
                 kernel.step(own, &mut state, rest, &mut out.rest)?;
             }
-            Origin::Periodic => {}
+            None => {}
         }
     }
     for (index, values) in out.values.iter_mut().enumerate() {

@@ -1,7 +1,8 @@
 //! Bouc–Wen: one column ζ.
 
-use super::super::outputs::{Columns, Origin};
-use super::super::{BoucWenState, HysteresisError, Start, UnitShape};
+use super::super::outputs::Columns;
+use super::super::{HysteresisError, UnitShape};
+use crate::start::Start;
 
 /// Index of n among the shape numbers.
 const N: usize = 2;
@@ -10,15 +11,10 @@ pub(super) fn run(
     shape: UnitShape,
     factor: usize,
     u: &[f64],
-    origin: Origin,
+    start: Start<f64>,
     wanted: Option<&[bool]>,
     out: &mut Columns,
 ) -> Result<(), HysteresisError> {
-    let start = match origin {
-        Origin::Virgin { rest } => Start::Rest { u: rest },
-        Origin::Remembering { rest, memory } => Start::State(BoucWenState { u: rest, z: memory }),
-        Origin::Periodic => Start::Periodic,
-    };
     let samples = if factor == 0 { return Err(HysteresisError::Factor) } else { u.len().div_ceil(factor) };
     match wanted {
         None => {
@@ -38,7 +34,7 @@ pub(super) fn run(
             partials.iter_mut().zip(own).for_each(|(to, from)| std::mem::swap(&mut to.values, from));
         }
     }
-    if let Origin::Remembering { memory, .. } = origin {
+    if let Start::Remembering { memory, .. } = start {
         out.rest[0] = memory;
         out.rest_by_memory[0] = 1.0;
     }

@@ -1,56 +1,17 @@
 //! What an operator remembers where a record begins.
 
-use serde::{Deserialize, Serialize};
-
 use super::super::{Admissibility, Family, Hysteresis, HysteresisError, PrandtlIshlinskii};
-
-/// What a hysteresis operator remembers where a record begins, in one number.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Memory {
-    /// Hysteretic displacement z \[µm\], of Bouc–Wen.
-    Displacement(f64),
-    /// Voltage \[V\] at which the device was virgin before it moved, without turning, to where it rested; of every other family.
-    VirginAt(f64),
-}
-
-impl Memory {
-    /// The number.
-    pub fn value(self) -> f64 {
-        match self {
-            Self::Displacement(value) | Self::VirginAt(value) => value,
-        }
-    }
-
-    /// In words, the number as it is to read, with the units of input and output.
-    pub fn in_words(self, number: &str, input: &str, output: &str) -> String {
-        let words = match self {
-            Self::Displacement(_) => format!("with the hysteresis memory z = {number} {output}"),
-            Self::VirginAt(_) => format!("with the hysteresis memory of a device virgin at {number} {input}"),
-        };
-        words.trim_end().to_owned()
-    }
-
-    /// The same kind of memory with another number.
-    #[must_use]
-    pub fn with_value(self, value: f64) -> Self {
-        match self {
-            Self::Displacement(_) => Self::Displacement(value),
-            Self::VirginAt(_) => Self::VirginAt(value),
-        }
-    }
-
-    /// That of the operator whose output is `gain` times as large.
-    #[must_use]
-    pub fn scaled(self, gain: f64) -> Self {
-        match self {
-            Self::Displacement(z) => Self::Displacement(gain * z),
-            virgin @ Self::VirginAt(_) => virgin,
-        }
-    }
-}
+use crate::start::{Memory, Start};
 
 impl Hysteresis {
+    /// At rest at a voltage \[V\] with a memory in this operator's own scale, virgin where there is none.
+    pub fn start_at_rest(&self, voltage_v: f64, memory: Option<f64>) -> Start {
+        match memory {
+            None => Start::Rest { voltage_v },
+            Some(memory) => Start::Remembering { voltage_v, memory: self.memory(memory) },
+        }
+    }
+
     /// A memory of this operator with this number.
     pub fn memory(&self, value: f64) -> Memory {
         match self {

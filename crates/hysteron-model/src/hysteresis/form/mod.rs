@@ -8,12 +8,11 @@ mod bouc_wen;
 mod memory;
 mod plays;
 
-pub use memory::Memory;
-
-use super::outputs::{Columns, Origin};
+use super::outputs::Columns;
 use super::{
     BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape,
 };
+use crate::start::Start;
 use serde::{Deserialize, Serialize};
 
 /// A family of hysteresis operators with its fixed structure.
@@ -224,7 +223,7 @@ impl HysteresisForm {
         }
     }
 
-    /// Runs the operators over the drive `u` \[V\], given on a time base finer by a factor, from `origin`; derivatives with
+    /// Runs the operators over the drive `u` \[V\], given on a time base finer by a factor, from `start`; derivatives with
     /// respect to those shape numbers that `wanted` marks, and to the memory, where it is given.
     ///
     /// # Errors
@@ -234,16 +233,16 @@ impl HysteresisForm {
         shape: &[f64],
         grid: impl Into<DriveGrid>,
         u: &[f64],
-        origin: Origin,
+        start: Start<f64>,
         wanted: Option<&[bool]>,
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
         let grid = grid.into();
         let factor = grid.factor;
         match self {
-            Self::BoucWen => bouc_wen::run(unit_shape(shape)?, factor, u, origin, wanted, out),
-            Self::PrandtlIshlinskii { .. } => plays::run(shape, factor, u, origin, wanted, out),
-            Self::Family(form) => form.run(shape, grid, u, origin, wanted, out),
+            Self::BoucWen => bouc_wen::run(unit_shape(shape)?, factor, u, start, wanted, out),
+            Self::PrandtlIshlinskii { .. } => plays::run(shape, factor, u, start, wanted, out),
+            Self::Family(form) => form.run(shape, grid, u, start, wanted, out),
         }
     }
 

@@ -4,8 +4,9 @@
 //! not, F keeps its value and its derivatives.
 
 use super::super::HysteresisError;
-use super::super::outputs::{Columns, Origin};
-use super::super::pass::Every;
+use super::super::outputs::Columns;
+use super::super::pass::{Every, at_rest};
+use crate::start::Start;
 
 /// A play and its derivatives with respect to its threshold and to the memory.
 #[derive(Clone, Copy)]
@@ -31,7 +32,7 @@ pub(super) fn run(
     thresholds: &[f64],
     factor: usize,
     u: &[f64],
-    origin: Origin,
+    start: Start<f64>,
     wanted: Option<&[bool]>,
     out: &mut Columns,
 ) -> Result<(), HysteresisError> {
@@ -44,6 +45,7 @@ pub(super) fn run(
     if let Some(index) = u.iter().position(|u| !u.is_finite()) {
         return Err(HysteresisError::Drive { index });
     }
+    let at_rest = at_rest(start, u)?;
     let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(low, high), &u| (low.min(u), high.max(u)));
     let mut next = 0;
     for (index, &threshold) in thresholds.iter().enumerate() {
@@ -51,15 +53,15 @@ pub(super) fn run(
             return Err(HysteresisError::Threshold { index, value: threshold, above: 0.0 });
         }
         let at = |value, by_memory| Play { value, by_threshold: 0.0, by_memory };
-        let mut play = match origin {
-            Origin::Virgin { rest } => at(rest, 0.0),
-            Origin::Remembering { rest, memory } => {
+        let mut play = match at_rest {
+            Some((rest, None)) => at(rest, 0.0),
+            Some((rest, Some(memory))) => {
                 let mut play = at(memory, 1.0);
                 play.step(threshold, rest);
                 play
             }
-            Origin::Periodic => {
-                // Exact after one period; what no voltage of the record moves stands in the middle (`PlayStart`).
+            None => {
+                // Exact after one period; what no voltage of the record moves stands in the middle (`PrandtlIshlinskii`).
                 let mut play = at(0.5 * low + 0.5 * high, 0.0);
                 u.iter().for_each(|&u| play.step(threshold, u));
                 play
@@ -68,7 +70,7 @@ pub(super) fn run(
         if !play.value.is_finite() {
             return Err(HysteresisError::Drive { index: 0 });
         }
-        if origin != Origin::Periodic {
+        if at_rest.is_some() {
             (out.rest[index], out.rest_by_memory[index]) = (play.value, play.by_memory);
         }
         let Columns { values, partials, by_memory, .. } = &mut *out;
@@ -77,7 +79,7 @@ pub(super) fn run(
         let mut partial = if derived(index) { partials.get_mut(next) } else { None };
         next += usize::from(partial.is_some());
         if let Some(partial) = &mut partial
-            && origin != Origin::Periodic
+            && at_rest.is_some()
         {
             partial.rest = play.by_threshold;
         }

@@ -42,15 +42,15 @@ fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
     ]
 }
 
-fn run(form: HysteresisForm, shape: &[f64], factor: usize, origin: Origin, derivatives: bool) -> Columns {
+fn run(form: HysteresisForm, shape: &[f64], factor: usize, origin: Start<f64>, derivatives: bool) -> Columns {
     let mut out = Columns::default();
     let wanted = vec![true; shape.len()];
     form.run(shape, every(factor), &drive(), origin, derivatives.then_some(&wanted[..]), &mut out).unwrap();
     out
 }
 
-const ORIGINS: [Origin; 3] =
-    [Origin::Virgin { rest: 2.0 }, Origin::Remembering { rest: 4.2, memory: 3.4 }, Origin::Periodic];
+const ORIGINS: [Start<f64>; 3] =
+    [Start::Rest { voltage_v: 2.0 }, Start::Remembering { voltage_v: 4.2, memory: 3.4 }, Start::PERIODIC];
 
 #[test]
 fn columns_add_up_to_the_operator() {
@@ -60,8 +60,8 @@ fn columns_add_up_to_the_operator() {
             let columns = run(form, &shape, 2, origin, false);
             let operator = form.operator(vec![1.0, 0.1], &weights, &shape).unwrap();
             let own = match origin {
-                Origin::Remembering { rest, memory } => {
-                    Origin::Remembering { rest, memory: form.own_memory(memory, &weights) }
+                Start::Remembering { voltage_v: rest, memory } => {
+                    Start::Remembering { voltage_v: rest, memory: form.own_memory(memory, &weights) }
                 }
                 other => other,
             };
@@ -74,7 +74,7 @@ fn columns_add_up_to_the_operator() {
                 let expected = u + 0.1 * u * u + form.sign() * sum;
                 assert!((v - expected).abs() < 1e-12 * expected.abs().max(1.0), "{form:?} {origin:?} {k}");
             }
-            if let Origin::Remembering { rest, memory } = origin {
+            if let Start::Remembering { voltage_v: rest, memory } = origin {
                 let sum: f64 = weights.iter().zip(&columns.rest).map(|(w, h)| w * h).sum();
                 let at_rest = operator.at_rest(rest, Some(form.own_memory(memory, &weights)));
                 let expected = rest + 0.1 * rest * rest + form.sign() * sum;
@@ -132,9 +132,10 @@ fn derivatives_are_those_of_the_columns() {
                     assert!((found.map_or(0.0, |q| q.rest) - rest).abs() < 1e-6);
                 }
             }
-            if let Origin::Remembering { rest, memory } = origin {
-                let moved =
-                    |by| run(form, &shape, 2, Origin::Remembering { rest, memory: memory + by }, false);
+            if let Start::Remembering { voltage_v: rest, memory } = origin {
+                let moved = |by| {
+                    run(form, &shape, 2, Start::Remembering { voltage_v: rest, memory: memory + by }, false)
+                };
                 let (up, down) = (moved(STEP), moved(-STEP));
                 for j in 0..form.columns() {
                     for k in 0..columns.values[j].len() {
@@ -170,8 +171,8 @@ fn the_drive_that_gives_an_output_is_found_in_one_step() {
         for memory in [None, Some(operator.form().own_memory(3.4, &operator.weights()))] {
             let rest = 4.2;
             let origin = match memory {
-                None => Origin::Virgin { rest },
-                Some(memory) => Origin::Remembering { rest, memory },
+                None => Start::Rest { voltage_v: rest },
+                Some(memory) => Start::Remembering { voltage_v: rest, memory },
             };
             let mut v = vec![0.0; u.len()];
             operator.simulate_every(every(1), &u, origin, &mut v).unwrap();
@@ -213,7 +214,7 @@ fn plays_follow_as_their_closed_form_does() {
 fn a_drive_keeps_to_its_limits() {
     for operator in rising() {
         let mut v = vec![0.0; drive().len()];
-        operator.simulate_every(every(1), &drive(), Origin::Virgin { rest: 4.2 }, &mut v).unwrap();
+        operator.simulate_every(every(1), &drive(), Start::Rest { voltage_v: 4.2 }, &mut v).unwrap();
         let limits = DriveLimits { range: [1.0, 6.5], step: 0.11, ..FREE };
         let followed = operator.follow(&v, 4.2, None, &limits).unwrap();
         for by in [Limited::Range, Limited::Step] {
@@ -225,7 +226,9 @@ fn a_drive_keeps_to_its_limits() {
             last = u;
         }
         let mut again = vec![0.0; v.len()];
-        operator.simulate_every(every(1), &followed.drive, Origin::Virgin { rest: 4.2 }, &mut again).unwrap();
+        operator
+            .simulate_every(every(1), &followed.drive, Start::Rest { voltage_v: 4.2 }, &mut again)
+            .unwrap();
         for (a, b) in again.iter().zip(&followed.output) {
             assert!((a - b).abs() < 1e-12 * b.abs().max(1.0), "{operator:?}");
         }
@@ -253,7 +256,7 @@ fn what_falls_as_the_voltage_rises_is_not_inverted() {
 
 #[test]
 fn another_number_of_shape_numbers_is_refused() {
-    let run = HysteresisForm::BoucWen.run(&[1.0], 1, &[0.0], Origin::Periodic, None, &mut Columns::default());
+    let run = HysteresisForm::BoucWen.run(&[1.0], 1, &[0.0], Start::PERIODIC, None, &mut Columns::default());
     assert!(matches!(run, Err(HysteresisError::ShapeCount { expected: 3, found: 1 })));
 }
 

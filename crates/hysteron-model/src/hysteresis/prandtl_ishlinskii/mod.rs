@@ -10,8 +10,9 @@ pub use inverse::StepInverse;
 
 use hysteron_rt::{PlayBank, PlayError, play};
 
-use super::pass::Every;
+use super::pass::{Every, at_rest};
 use super::{HysteresisError, polynomial};
+use crate::start::Start;
 
 /// Prandtl–Ishlinskii operator with a polynomial of any degree:
 ///
@@ -24,15 +25,21 @@ use super::{HysteresisError, polynomial};
 /// the thresholds.
 ///
 /// ```
-/// use hysteron_model::hysteresis::{PlayStart, PrandtlIshlinskii};
+/// use hysteron_model::{Start, hysteresis::PrandtlIshlinskii};
 ///
 /// // One play of half-width 1 V beside a straight line: on the way back nothing but the line moves for 2 V.
 /// let model = PrandtlIshlinskii::new(vec![1.0], vec![1.0], vec![2.0])?;
 /// let (mut plays, mut v) = ([0.0], [0.0; 4]);
-/// model.simulate(&[3.0, 2.0, 1.0, 0.0], PlayStart::Rest { u: 0.0 }, &mut plays, &mut v)?;
+/// model.simulate(&[3.0, 2.0, 1.0, 0.0], Start::Rest { voltage_v: 0.0 }, &mut plays, &mut v)?;
 /// assert_eq!(v, [7.0, 6.0, 5.0, 2.0]);
 /// # Ok::<(), hysteron_model::hysteresis::HysteresisError>(())
 /// ```
+/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it moved, without turning, to
+/// its rest voltage. The steady state under a drive that repeats is reached exactly, to the last bit, after one period. With M
+/// and m the largest and least voltage: a play with 2r ≤ M − m stands at M − r whenever u passes M and at m + r whenever u passes
+/// m, whatever it did before; a wider one is within \[M − r, m + r\] once u has passed both, and no voltage of the drive moves it
+/// from there. Where in this interval a wide play stands is not a matter of the drive: it is taken at (M + m)/2, where a drive
+/// that shrank to this one from large amplitudes leaves it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrandtlIshlinskii {
     /// Coefficients of u, u², … \[µm/V, µm/V², …\]; no constant term (the model's one offset is elsewhere).
@@ -41,26 +48,6 @@ pub struct PrandtlIshlinskii {
     pub thresholds: Vec<f64>,
     /// Weights of the plays \[µm/V\], of any sign; one a threshold.
     pub weights: Vec<f64>,
-}
-
-/// Where the plays stand before the first sample of a record, which is reached by a monotone move.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PlayStart {
-    /// Virgin at the rest voltage `u` \[V\]: every play in the middle of its width.
-    Rest {
-        /// Rest voltage \[V\], in general not the first sample.
-        u: f64,
-    },
-    /// As the states handed in say, e.g. those that a previous record left behind.
-    State,
-    /// Steady state of the record repeated for ever; the record must be a whole number of periods.
-    ///
-    /// It is reached exactly, to the last bit, after one period. With M and m the largest and least voltage: a play with
-    /// 2r ≤ M − m stands at M − r whenever u passes M and at m + r whenever u passes m, whatever it did before; a wider
-    /// one is within \[M − r, m + r\] once u has passed both, and no voltage of the record moves it from there. Where in
-    /// this interval a wide play stands is not a matter of the record: it is taken at (M + m)/2, where a drive that
-    /// shrank to this record from large amplitudes leaves it.
-    Periodic,
 }
 
 impl PrandtlIshlinskii {
@@ -114,8 +101,8 @@ impl PrandtlIshlinskii {
         self.thresholds.iter().map(|&threshold| play(threshold, virgin, u)).collect()
     }
 
-    /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state a play: those before the first
-    /// sample for [`PlayStart::State`], anything otherwise; afterwards those at the last sample. Allocates nothing.
+    /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state a play, anything before and that at the
+    /// last sample afterwards. Allocates nothing.
     ///
     /// # Errors
     /// Parameters as in [`Self::validate`]; [`HysteresisError::PlayStates`] and [`HysteresisError::Lengths`];
@@ -124,7 +111,7 @@ impl PrandtlIshlinskii {
     pub fn simulate(
         &self,
         u: &[f64],
-        start: PlayStart,
+        start: Start<f64>,
         plays: &mut [f64],
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
@@ -139,38 +126,59 @@ impl PrandtlIshlinskii {
         &self,
         factor: usize,
         u: &[f64],
-        start: PlayStart,
+        start: Start<f64>,
         plays: &mut [f64],
         out: &mut [f64],
     ) -> Result<(), HysteresisError> {
         self.validate()?;
         let bank = self.bank()?;
-        let mut every = Every::new(factor)?;
-        let expected = u.len().div_ceil(factor);
-        if out.len() != expected {
-            return Err(HysteresisError::Lengths { expected, found: out.len() });
-        }
-        let step = |plays: &mut [f64], index: usize, u: f64| {
-            bank.step(plays, u).map_err(|error| HysteresisError::at(index, error))
-        };
-        match start {
-            PlayStart::Rest { u } => plays.fill(u),
-            PlayStart::State => {}
-            PlayStart::Periodic => {
+        match at_rest(start, u)? {
+            Some((rest, None)) => plays.fill(rest),
+            Some((rest, Some(virgin))) => {
+                for (state, &threshold) in plays.iter_mut().zip(&self.thresholds) {
+                    *state = play(threshold, virgin, rest);
+                }
+            }
+            None => {
                 let [low, high] =
                     u.iter().fold([f64::MAX, f64::MIN], |[low, high], &u| [low.min(u), high.max(u)]);
                 plays.fill(0.5 * low + 0.5 * high);
                 for (index, &u) in u.iter().enumerate() {
-                    step(plays, index, u)?;
+                    bank.step(plays, u).map_err(|error| HysteresisError::at(index, error))?;
                 }
             }
+        }
+        self.run(&bank, factor, u, plays, out)
+    }
+
+    /// As [`Self::simulate`] from the states that `plays` holds, those that another record left behind, say.
+    ///
+    /// # Errors
+    /// As [`Self::simulate`].
+    pub fn resume(&self, u: &[f64], plays: &mut [f64], out: &mut [f64]) -> Result<(), HysteresisError> {
+        self.validate()?;
+        self.run(&self.bank()?, 1, u, plays, out)
+    }
+
+    fn run(
+        &self,
+        bank: &PlayBank<'_, f64>,
+        factor: usize,
+        u: &[f64],
+        plays: &mut [f64],
+        out: &mut [f64],
+    ) -> Result<(), HysteresisError> {
+        let mut every = Every::new(factor)?;
+        let expected = u.len().div_ceil(factor);
+        if out.len() != expected {
+            return Err(HysteresisError::Lengths { expected, found: out.len() });
         }
         if !plays.iter().all(|play| play.is_finite()) {
             return Err(HysteresisError::Drive { index: 0 });
         }
         let mut slots = out.iter_mut();
         for (index, &u) in u.iter().enumerate() {
-            let sum = step(plays, index, u)?;
+            let sum = bank.step(plays, u).map_err(|error| HysteresisError::at(index, error))?;
             if every.take()
                 && let Some(slot) = slots.next()
             {

@@ -9,7 +9,7 @@ fn file() -> OscillatorFile {
     let signals = SignalUnits { input: "N".into(), output: "um".into() };
     let mut file = OscillatorFile::new(&oscillator(), signals, InterSampleName::BandLimited, 750.0);
     file.parameters.mass.std_error = Some(1e-9);
-    file.start = StartKind::Settled;
+    file.set_start(crate::Start::PERIODIC);
     file
 }
 
