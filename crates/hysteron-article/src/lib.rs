@@ -25,6 +25,7 @@ pub mod printed;
 mod progress;
 mod recovery;
 mod static_block;
+mod summary;
 
 pub use claims::{Claim, Verdict};
 pub use contradictions::{BehindTheLoop, Contradictions};
@@ -35,6 +36,7 @@ pub use optimizers::{Contender, OptimizerStudy, quantile};
 pub use plan::Plan;
 pub use recovery::{RecoveredBlocks, Recovery, RecoveryCase};
 pub use static_block::{StaticParameters, StaticStudy};
+pub use summary::Summary;
 
 use hysteron_identify::Watch;
 use measurements::Measurements;

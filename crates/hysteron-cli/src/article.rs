@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_article::page::{page, tables};
-use hysteron_article::{ArticleError, Plan, Reproduction, reproduce};
+use hysteron_article::{ArticleError, Plan, Reproduction, Summary, reproduce};
 use hysteron_io::atomic_file::write_atomically;
+use hysteron_io::save_json;
 use hysteron_report::{write_figures, write_page};
 use serde::Serialize;
 
@@ -49,16 +50,11 @@ pub struct Article {
 
 /// What `--json` prints: everything but the curves, which are in article.json.
 #[derive(Serialize)]
-struct Summary<'a> {
+struct Outcome<'a> {
     page: String,
     files: Vec<String>,
-    plan: &'a Plan,
-    claims: &'a [hysteron_article::Claim],
-    table_1: Vec<serde_json::Value>,
-    table_2: serde_json::Value,
-    table_3: &'a [hysteron_article::ModelFit],
-    contradictions: &'a hysteron_article::Contradictions,
-    recovery: &'a hysteron_article::Recovery,
+    #[serde(flatten)]
+    found: Summary<'a>,
 }
 
 impl Article {
@@ -67,7 +63,11 @@ impl Article {
         let found = self.reproduce()?;
         let files = self.write(&found)?;
         if self.json {
-            console::json(&self.summary(&found, &files))
+            console::json(&Outcome {
+                page: self.out_dir.join("index.html").display().to_string(),
+                files: files.iter().map(|f| f.display().to_string()).collect(),
+                found: found.summary(),
+            })
         } else {
             console::result(&self.words(&found))
         }
@@ -107,46 +107,13 @@ impl Article {
             files.push(path);
         }
         let path = self.out_dir.join("article.json");
-        let text = serde_json::to_string(found)
-            .map_err(|e| Failure::new(format!("cannot write {}", path.display())).because(e))?;
-        write_atomically(&path, (text + "\n").as_bytes()).map_err(failed)?;
+        save_json(&path, found, false)
+            .map_err(|e| Failure::new("cannot write the reproduction").because(e))?;
         files.push(path);
         let path = self.out_dir.join("index.html");
         write_page(&path, &page).map_err(failed)?;
         files.push(path);
         Ok(files)
-    }
-
-    fn summary<'a>(&self, found: &'a Reproduction, files: &[PathBuf]) -> Summary<'a> {
-        Summary {
-            page: self.out_dir.join("index.html").display().to_string(),
-            files: files.iter().map(|f| f.display().to_string()).collect(),
-            plan: &found.plan,
-            claims: &found.claims,
-            table_1: found
-                .optimizers
-                .contenders
-                .iter()
-                .map(|c| {
-                    serde_json::json!({
-                        "algorithm": c.name,
-                        "printed": c.printed,
-                        "median_rmse_um": c.median_um,
-                        "quartiles_um": c.quartiles_um,
-                        "success_percent": c.success_percent,
-                        "evaluations_to_1_percent": c.evaluations_to_1_percent,
-                    })
-                })
-                .collect(),
-            table_2: serde_json::json!({
-                "parameters": found.static_block.parameters,
-                "re": found.static_block.re,
-                "rmse_um": found.static_block.rmse_um,
-            }),
-            table_3: &found.models.models,
-            contradictions: &found.contradictions,
-            recovery: &found.recovery,
-        }
     }
 
     /// The verdicts, for people.

@@ -123,7 +123,7 @@ impl Export {
         output::check_folder("the source", &self.out_dir)?;
         let runtime = self.runtime()?;
         let loaded = LoadedModel::read(&self.model, Capability::Export)?;
-        let rate = self.sample_rate.or(loaded.file().sample_rate_hz).ok_or_else(|| {
+        let rate = self.sample_rate.or(loaded.body().data().sample_rate_hz).ok_or_else(|| {
             Failure::new(format!("cannot export {}", self.model.display()))
                 .because("it was identified from records without a sample rate, and the source runs at one")
                 .hint("give the controller's with --sample-rate HZ")
@@ -135,7 +135,7 @@ impl Export {
             Float::F64 => Precision::F64,
         };
         let name = self.name.clone().unwrap_or_else(|| name_of(&self.model));
-        let mut subject = Subject::new(&name, precision, loaded.file(), realisation, self.accuracy)
+        let mut subject = Subject::new(&name, precision, loaded.body().data(), realisation, self.accuracy)
             .map_err(|e| self.cannot(&e))?;
         remark_rounding("displacement", &subject.output_unit, subject.rounding);
         subject.along_sweep = Some(along_sweep(&self.model, &loaded, &subject.realisation, self.accuracy)?);
@@ -179,7 +179,8 @@ impl Export {
         subject: &Subject,
         realise: &RealiseOptions,
     ) -> Result<Inverse, Failure> {
-        let range = self.range.or(loaded.file().valid_range.as_ref().map(|r| [r.input.low, r.input.high]));
+        let range =
+            self.range.or(loaded.body().data().valid_range.as_ref().map(|r| [r.input.low, r.input.high]));
         let range = range.ok_or_else(|| {
             Failure::new(format!("cannot invert {}", self.model.display()))
                 .because("the model file does not say which range it was identified in")

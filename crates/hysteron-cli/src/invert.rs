@@ -130,7 +130,7 @@ impl Invert {
                 .because("the reference has no uniform sample rate, which is to be the controller's")
                 .hint("give the sample rate with --sample-rate HZ, or a time column of even steps"));
         };
-        let range_v = match (self.range, &model.file().valid_range) {
+        let range_v = match (self.range, &model.body().data().valid_range) {
             (Some(range), _) => range,
             (None, Some(valid)) => [valid.input.low, valid.input.high],
             (None, None) => {
@@ -173,7 +173,7 @@ impl Invert {
                     short(high),
                     short(from),
                     short(to),
-                    input = Unit::new(&model.file().units.input),
+                    input = Unit::new(&model.body().data().units.input),
                 )).hint(
                     "change the reference's offset, widen --range, or say where the device rests with --rest-voltage VOLTS",
                 ),
@@ -193,9 +193,9 @@ impl Invert {
             }
         })?;
         let band = self.band(&model, &found, sample_rate_hz);
-        let units = &model.file().units;
+        let units = &model.body().data().units;
         let summary = InverseSummary::new(&reference.samples, &found, sample_rate_hz, band, units);
-        self.write(reference.time, &reference.samples, &unit, &model.file().units.input, found)?;
+        self.write(reference.time, &reference.samples, &unit, &model.body().data().units.input, found)?;
         if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
     }
 
@@ -230,7 +230,8 @@ impl Invert {
 
     /// A remark where the reference moves faster than what the model was identified with.
     fn remark_fast(&self, model: &LoadedModel, reference: &[f64], sample_rate_hz: f64) {
-        let Some(valid) = model.file().valid_range.as_ref().and_then(|range| range.frequency.as_ref()) else {
+        let Some(valid) = model.body().data().valid_range.as_ref().and_then(|range| range.frequency.as_ref())
+        else {
             return;
         };
         let fastest_hz = sample_rate_hz / (2.0 * shortest_swing(reference) as f64);
@@ -248,7 +249,7 @@ impl Invert {
     /// Half of the 95 % band at its widest; `None` where the file does not hold what it takes.
     fn band(&self, model: &LoadedModel, found: &InverseDrive, sample_rate_hz: f64) -> Option<f64> {
         let start = found.rest.unwrap_or(Start::settled(found.drive.len()));
-        model.file().correlation.as_ref()?;
+        model.body().data().correlation.as_ref()?;
         let band = model.band(&self.reference_file, &found.drive, Some(sample_rate_hz), &start).ok()?;
         Some(band.of_output().into_iter().fold(0.0, f64::max))
     }

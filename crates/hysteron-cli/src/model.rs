@@ -6,9 +6,8 @@ use hysteron_identify::{PredictionBand, PredictionError};
 use hysteron_io::{ModelDiskError, load_model, save_model};
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
-    Body, Capability, RunError, Score, SignalRole, Signals, Simulation, Unsupported,
+    Capability, Hammerstein, RunError, Score, SignalRole, Signals, Simulation, Unsupported,
 };
-use hysteron_model::model_file::{ModelFile, ModelFileError};
 use hysteron_model::oscillator::OscillatorError;
 use hysteron_model::record::{InputOutput, Quantity, Unit};
 use hysteron_model::validate::Scoring;
@@ -174,7 +173,7 @@ impl Loaded {
     ///
     /// # Errors
     /// If the model is of another kind, which does not support what is `wanted` yet.
-    pub fn hammerstein(&self, wanted: Capability) -> Result<&Body<ModelFile, hammerstein::Model>, Failure> {
+    pub fn hammerstein(&self, wanted: Capability) -> Result<&Hammerstein, Failure> {
         self.model.hammerstein(wanted).map_err(|e| self.unsupported(&e))
     }
 
@@ -304,9 +303,9 @@ pub fn save(path: &Path, model: &Model) -> Result<(), Failure> {
 ///
 /// # Errors
 /// If the data are not sound, or the file cannot be written.
-pub fn write(path: &Path, data: impl TryInto<Model, Error = ModelFileError>) -> Result<Loaded, Failure> {
+pub fn write(path: &Path, data: impl TryInto<Model, Error: Into<ModelDiskError>>) -> Result<Loaded, Failure> {
     let failure = || Failure::new(format!("cannot write the model to {}", path.display()));
-    let model = data.try_into().map_err(|e| failure().because(ModelDiskError::from(e)))?;
+    let model = data.try_into().map_err(|e| failure().because(e.into()))?;
     save(path, &model)?;
     Ok(Loaded { path: path.to_owned(), model })
 }
@@ -321,7 +320,7 @@ fn cannot_read(path: &Path, error: ModelDiskError) -> Failure {
 /// A Hammerstein model and the file it came from, for commands that take no other kind.
 pub struct LoadedModel {
     loaded: Loaded,
-    body: Body<ModelFile, hammerstein::Model>,
+    body: Hammerstein,
 }
 
 impl LoadedModel {
@@ -336,13 +335,8 @@ impl LoadedModel {
     }
 
     /// Data and law.
-    pub fn body(&self) -> &Body<ModelFile, hammerstein::Model> {
+    pub fn body(&self) -> &Hammerstein {
         &self.body
-    }
-
-    /// The data of the model.
-    pub fn file(&self) -> &ModelFile {
-        self.body.data()
     }
 
     /// The law.

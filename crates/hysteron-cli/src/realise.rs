@@ -51,7 +51,7 @@ impl Realise {
         let loaded = LoadedModel::read(&self.model, Capability::Realisation)?;
         let options = RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency };
         let realisation = realised(&self.model, &loaded, self.sample_rate, &options)?;
-        let found = CheckedRealisation::new(realisation, loaded.file(), self.accuracy, &clock())
+        let found = CheckedRealisation::new(realisation, loaded.body().data(), self.accuracy, &clock())
             .map_err(|e| cannot(&self.model, &e))?;
         remark_sweep(&found.verification, self.accuracy);
         if self.json { console::json(&found) } else { console::result(&text(&found)) }
@@ -68,7 +68,7 @@ pub fn along_sweep(
     realisation: &Realisation,
     accuracy: f64,
 ) -> Result<(Verification, (f64, f64)), Failure> {
-    let sweep = Sweep::over(loaded.file().valid_range.as_ref(), realisation.sample_rate_hz);
+    let sweep = Sweep::over(loaded.body().data().valid_range.as_ref(), realisation.sample_rate_hz);
     let found = verify(realisation, &sweep.drive).map_err(|e| cannot(path, &e))?;
     remark_sweep(&found, accuracy);
     Ok((found, sweep.frequencies_hz))

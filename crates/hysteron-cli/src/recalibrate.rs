@@ -7,10 +7,9 @@ use hysteron_identify::IdentifyError;
 use hysteron_identify::recalibrate::{
     Change, Prior, Recalibration, RecalibrationSummary, Recording, SIGNIFICANT, recalibrate,
 };
-use hysteron_model::Start;
 use hysteron_model::model::{Capability, SignalRole};
-use hysteron_model::model_file::ModelFile;
 use hysteron_model::record::{Source, Unit};
+use hysteron_model::{Model, Start};
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
 
@@ -66,19 +65,19 @@ impl Recalibrate {
         let old = LoadedModel::read(&self.model, Capability::Recalibration)?;
         let recordings =
             self.records.iter().map(|path| self.recording(&old, path)).collect::<Result<Vec<_>, _>>()?;
-        let prior = Prior::of(old.file());
+        let prior = Prior::of(old.body().data());
         let found = recalibrate(old.model(), prior, &recordings, self.least_fit).map_err(|e| explain(&e))?;
         let bytes = std::fs::read(&self.model).map_err(|e| {
             Failure::new(format!("cannot read the model {}", self.model.display())).because(e)
         })?;
         let source = Source { path: self.model.display().to_string(), sha256: hysteron_io::sha256(&bytes) };
-        let file = found.model_file(old.file(), &source, prior, &maker());
-        crate::model::write(&self.out, file.clone())?;
+        let file = found.model_file(old.body().data(), &source, prior, &maker());
+        let written = crate::model::write(&self.out, file.clone())?;
         if self.json {
             let model = self.out.display().to_string();
             return console::json(&Outcome { model, found: found.summary(&file) });
         }
-        console::result(&text(&found, &file))?;
+        console::result(&text(&found, written.model()))?;
         console::message(&format!("model written to {}", self.out.display()));
         Ok(())
     }
@@ -103,7 +102,8 @@ struct Outcome<'a> {
     found: RecalibrationSummary<'a>,
 }
 
-fn text(found: &Recalibration, file: &ModelFile) -> String {
+fn text(found: &Recalibration, model: &Model) -> String {
+    let units = model.units();
     let mut numbers = console::table(&["", "old", "± ", "from the records", "±", "new", "±", "unit"]);
     for (name, change, unit) in [("gain", &found.gain, ""), ("delay", &found.delay, "s")] {
         let mut row = vec![name.to_owned()];
@@ -118,7 +118,7 @@ fn text(found: &Recalibration, file: &ModelFile) -> String {
         row.push(unit.to_owned());
         numbers.add_row(row);
     }
-    let unit = Unit::new(&file.units.output).to_string();
+    let unit = Unit::new(&units.output).to_string();
     let rmse = console::in_unit("RMSE", &unit);
     let mut scores = console::table(&[
         "record",
@@ -136,10 +136,10 @@ fn text(found: &Recalibration, file: &ModelFile) -> String {
             significant(r.after.rmse, 4),
             r.after.fit_percent.map_or("-".to_owned(), |fit| format!("{fit:.2}")),
         ]);
-        let start = r.start.in_words(&file.units.input, &file.units.output);
+        let start = r.start.in_words(&units.input, &units.output);
         starts += &format!("data: {}: simulated {start}.\n", r.data.name);
     }
-    let offset = significant(file.offset.value, 6);
+    let offset = significant(found.model.offset, 6);
     format!(
         "{numbers}\n\noffset: {offset} {unit} (of the first record)\n\n{scores}\n\n{}{}{starts}",
         verdict("gain", &found.gain),

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron_io::atomic_file::{write_atomically, write_atomically_with};
-use hysteron_io::write_csv_to;
+use hysteron_io::atomic_file::write_atomically_with;
+use hysteron_io::{JsonFileError, load_json, save_json, write_csv_to};
 use hysteron_model::record::{Quantity, TimeBase};
 use hysteron_rig::excitation::Excitation;
 use hysteron_rig::{CampaignPlan, RigRun, Truth, measure, run_campaign};
@@ -141,27 +141,21 @@ impl Rig {
     }
 
     fn write_json(&self, name: &str, value: &impl serde::Serialize) -> Result<(), Failure> {
-        let path = self.out_dir.join(name);
-        let failure = || Failure::new(format!("cannot write {}", path.display()));
-        let text = serde_json::to_string_pretty(value).map_err(|e| failure().because(e))?;
-        write_atomically(&path, (text + "\n").as_bytes()).map_err(|e| failure().because(e))
+        save_json(&self.out_dir.join(name), value, true)
+            .map_err(|e| Failure::new(format!("cannot write {name}")).because(e))
     }
 }
 
 /// Reads a JSON file of settings; without a file, the defaults.
 pub fn read_or_default<T: DeserializeOwned + Default>(path: Option<&Path>, what: &str) -> Result<T, Failure> {
-    use std::io::Read;
     let Some(path) = path else { return Ok(T::default()) };
-    let failure = || Failure::new(format!("cannot read the {what} {}", path.display()));
-    let mut text = String::new();
-    let file = fs::File::open(path).map_err(|e| failure().because(e))?;
-    file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(|e| failure().because(e))?;
-    if text.len() as u64 > MAX_BYTES {
-        return Err(failure().because(format!("it has more than {MAX_BYTES} bytes")));
-    }
-    serde_json::from_str(&text).map_err(|e| {
-        failure()
-            .because(e)
-            .hint(format!("hysteron rig --out-dir DIR writes the {what} in force to DIR/{what}.json"))
+    load_json(path, MAX_BYTES).map_err(|e| {
+        let failure = Failure::new(format!("cannot read the {what} {}", path.display()));
+        let hint = format!("hysteron rig --out-dir DIR writes the {what} in force to DIR/{what}.json");
+        if matches!(e, JsonFileError::Content { .. }) {
+            failure.because(e).hint(hint)
+        } else {
+            failure.because(e)
+        }
     })
 }

@@ -180,6 +180,14 @@ pub enum Place {
 }
 
 impl Fit {
+    /// What the fit of modes found; `None` for another kind.
+    pub fn modes(&self) -> Option<&ModesIdentification> {
+        match &self.found {
+            Found::Modes(found) => Some(found),
+            _ => None,
+        }
+    }
+
     /// The structures next to the identified one, fitted to the same records; `None` for a kind that has no others.
     pub fn neighbours(
         &self,

@@ -27,6 +27,7 @@ pub mod identification;
 pub mod model;
 pub mod page;
 pub mod record_curves;
+pub mod records;
 pub mod starts;
 pub mod tracking;
 mod write;

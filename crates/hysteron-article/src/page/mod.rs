@@ -6,6 +6,7 @@ mod comparison;
 mod csv;
 mod loops;
 mod models;
+pub mod optimizer_study;
 mod optimizers;
 mod overview;
 mod printed_numbers;

@@ -135,7 +135,7 @@ impl Adapt {
         }
         let signals = data.clone().into();
         let start = old.score(&self.record, &signals, &self.start, &Scoring::default())?.simulation.start;
-        let noise = self.noise.or_else(|| known_noise(old.file(), &data)).ok_or_else(|| {
+        let noise = self.noise.or_else(|| known_noise(old.body().data(), &data)).ok_or_else(|| {
             Failure::new("the size of a residual where the model fits is not known")
                 .because("the model file holds no scores and the record shows no noise")
                 .hint("give it with --noise")
@@ -174,7 +174,7 @@ impl Adapt {
         })?;
         let source = Source { path: self.model.display().to_string(), sha256: hysteron_io::sha256(&bytes) };
         let file = found
-            .model_file(task.data, &task.options, (old.file(), &source), &maker())
+            .model_file(task.data, &task.options, (old.body().data(), &source), &maker())
             .map_err(|e| Failure::new("the corrected coefficients make no model").because(e))?;
         crate::model::write(path, file).map(|_| ())
     }

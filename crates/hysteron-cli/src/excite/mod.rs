@@ -5,7 +5,7 @@ mod waves;
 use clap::Args;
 use hysteron_io::write_csv;
 use hysteron_numeric::display::short;
-use hysteron_rig::excitation::{AmplifierLimits, Excitation, ExcitationSpec};
+use hysteron_rig::excitation::{AmplifierLimits, ExcitationSpec, ExcitationSummary};
 use serde::Serialize;
 
 use crate::console;
@@ -99,20 +99,8 @@ pub struct Drive {
 #[derive(Serialize)]
 struct Written<'a> {
     file: String,
-    description: &'a str,
-    samples: usize,
-    sample_rate_hz: f64,
-    duration_s: f64,
-    low_v: f64,
-    high_v: f64,
-    max_slew_v_per_s: f64,
-    crest_factor: f64,
-    lead_in_samples: usize,
-    lead_out_samples: usize,
-    period_samples: Option<usize>,
-    excited_hz: &'a [f64],
-    odd_detection_hz: &'a [f64],
-    even_detection_hz: &'a [f64],
+    #[serde(flatten)]
+    drive: ExcitationSummary<'a>,
 }
 
 impl Excite {
@@ -138,17 +126,18 @@ impl Excite {
         write_csv(&drive.out, &excitation.to_record()).map_err(|e| {
             Failure::new(format!("cannot write the waveform to {}", drive.out.display())).because(e)
         })?;
-        let written = Written::new(drive, &excitation);
+        let written = Written { file: drive.out.display().to_string(), drive: excitation.summary() };
+        let summary = &written.drive;
         console::message(&format!(
             "wrote {}: {}; {} samples, {} s, {} V to {} V, at most {} V/s, crest factor {:.3}",
             written.file,
-            written.description,
-            written.samples,
-            written.duration_s,
-            short(written.low_v),
-            short(written.high_v),
-            short(written.max_slew_v_per_s),
-            written.crest_factor,
+            summary.description,
+            summary.samples,
+            summary.duration_s,
+            short(summary.low_v),
+            short(summary.high_v),
+            short(summary.max_slew_v_per_s),
+            summary.crest_factor,
         ));
         if drive.json { console::json(&written) } else { Ok(()) }
     }
@@ -162,29 +151,6 @@ impl Drive {
             slew_v_per_s: self.max_slew,
             current_a: self.max_current,
             capacitance_f: self.capacitance,
-        }
-    }
-}
-
-impl<'a> Written<'a> {
-    fn new(drive: &Drive, excitation: &'a Excitation) -> Self {
-        let (low_v, high_v) = excitation.range_v();
-        Written {
-            file: drive.out.display().to_string(),
-            description: &excitation.description,
-            samples: excitation.samples_v.len(),
-            sample_rate_hz: excitation.sample_rate_hz,
-            duration_s: excitation.duration_s(),
-            low_v,
-            high_v,
-            max_slew_v_per_s: excitation.max_slew_v_per_s(),
-            crest_factor: excitation.crest_factor(),
-            lead_in_samples: excitation.lead_in_samples,
-            lead_out_samples: excitation.lead_out_samples,
-            period_samples: excitation.period_samples,
-            excited_hz: &excitation.excited_hz,
-            odd_detection_hz: &excitation.odd_detection_hz,
-            even_detection_hz: &excitation.even_detection_hz,
         }
     }
 }

@@ -1,9 +1,9 @@
 //! What `hysteron identify` prints.
 
-use hysteron_identify::{Fit, FitParameter, Found, Interval, IntervalMethod, Place};
+use hysteron_identify::{Fit, FitParameter, Interval, IntervalMethod, Place};
 use hysteron_model::Model;
 use hysteron_model::axes::InfluenceMatrix;
-use hysteron_model::model_file::{ModesFile, typographic};
+use hysteron_model::model_file::typographic;
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
 
@@ -25,11 +25,11 @@ pub fn text(fit: &Fit) -> String {
     if !fit.parameters.is_empty() {
         text += &format!("{}\n\n", parameters(&fit.parameters));
     }
-    if let (Found::Modes(found), Model::Modes(body)) = (&fit.found, &fit.model) {
+    if let Some(found) = fit.modes() {
         text += &modes(&found.modes);
         for level in &found.influence {
-            let (size, unit) = (significant(level.level, 4), &body.data().units.input);
-            text += &format!("influence at {size} {unit} rms\n{}\n\n", influence(&level.matrix, body.data()));
+            let (size, unit) = (significant(level.level, 4), &fit.model.units().input);
+            text += &format!("influence at {size} {unit} rms\n{}\n\n", influence(&level.matrix, &fit.model));
         }
     }
     text += &format!("{}\n\n", scores::table(&fit.scores));
@@ -39,7 +39,7 @@ pub fn text(fit: &Fit) -> String {
     for line in &fit.treatment {
         text += &format!("data: {line}\n");
     }
-    if let Found::Modes(found) = &fit.found {
+    if let Some(found) = fit.modes() {
         text += &format!("data: {} parameters were fitted\n", found.parameters);
     }
     text
@@ -107,13 +107,15 @@ fn modes(found: &[hysteron_identify::modes::ModeShift]) -> String {
     format!("{modes}\n\n")
 }
 
-fn influence(matrix: &InfluenceMatrix, file: &ModesFile) -> comfy_table::Table {
-    let unit = format!("{}/{}", hysteron_model::record::Unit::new(&file.units.output), file.units.input);
+fn influence(matrix: &InfluenceMatrix, model: &Model) -> comfy_table::Table {
+    let (inputs, outputs) = model.channels().unwrap_or_default();
+    let unit =
+        format!("{}/{}", hysteron_model::record::Unit::new(&model.units().output), model.units().input);
     let mut header = vec![format!("[{unit}]")];
-    header.extend(file.inputs.iter().cloned());
+    header.extend(inputs.iter().cloned());
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let mut table = console::table(&header);
-    for (name, row) in file.outputs.iter().zip(matrix.values.chunks(matrix.inputs.max(1))) {
+    for (name, row) in outputs.iter().zip(matrix.values.chunks(matrix.inputs.max(1))) {
         let numbers = row.iter().map(|g| significant(*g, 4));
         table.add_row(std::iter::once(name.clone()).chain(numbers));
     }

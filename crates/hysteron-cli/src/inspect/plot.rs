@@ -4,8 +4,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use hysteron_io::atomic_file::write_atomically;
-use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
-use hysteron_report::page::{Block, Page, Section};
+use hysteron_report::records::{figure, page};
 use hysteron_report::write_page;
 
 use super::Inspected;
@@ -37,42 +36,14 @@ pub fn write(path: &Path, records: &[Inspected]) -> Result<(), Failure> {
     let failed = |e| output::cannot_write("the plot", path, e);
     match records {
         [record, ..] if is_figure(path) => {
-            write_atomically(path, figure(record).to_svg().as_bytes()).map_err(failed)?;
+            write_atomically(path, figure(&record.data).to_svg().as_bytes()).map_err(failed)?;
         }
         _ => {
-            let mut page = Page::new("Records").footer_line(concat!("hysteron ", env!("CARGO_PKG_VERSION")));
-            for record in records {
-                page = page.section(section(record));
-            }
+            let inspected = records.iter().map(|record| (&record.data, &record.found));
+            let page = page(inspected, concat!("hysteron ", env!("CARGO_PKG_VERSION")));
             write_page(path, &page).map_err(failed)?;
         }
     }
     console::message(&format!("plot written to {}", path.display()));
     Ok(())
-}
-
-fn section(record: &Inspected) -> Section {
-    let findings = record.found.findings.iter().map(|f| {
-        if f.is_warning() { Block::warning(f.text.as_str()) } else { Block::paragraph(f.text.as_str()) }
-    });
-    Section::new(record.data.name.as_str()).block(figure(record)).blocks(findings)
-}
-
-/// Output over input, and both over time (over the sample's number where there is no time).
-fn figure(record: &Inspected) -> Figure {
-    let data = &record.data;
-    let input = || Axis::linear(data.input.as_str(), data.u_unit.to_string());
-    let output = || Axis::linear(data.output.as_str(), data.y_unit.to_string());
-    let times: Option<Vec<f64>> = (0..data.len()).map(|k| data.time.time_s(k)).collect();
-    let (abscissa, x) = match times {
-        Some(times) => (Axis::linear("time", "s"), times),
-        None => (Axis::linear("sample", ""), (0..data.len()).map(|k| k as f64).collect()),
-    };
-    let curve =
-        |x: &[f64], y: &[f64]| Series::line("", x.to_vec(), y.to_vec(), Style::nth(0).with_width(1.0));
-    Figure::new(data.name.as_str())
-        .captioned("Output over input, output over time, input over time.")
-        .panel(Panel::new(input(), output()).series(curve(&data.u, &data.y)))
-        .panel(Panel::new(abscissa.clone(), output()).series(curve(&x, &data.y)))
-        .panel(Panel::new(abscissa, input()).series(curve(&x, &data.u)))
 }

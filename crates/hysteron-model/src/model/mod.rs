@@ -37,7 +37,7 @@ const CREEP_BELOW_RECORDS: f64 = 1e-3;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Model {
     /// Hysteresis followed by linear dynamics.
-    Hammerstein(Box<Body<ModelFile, hammerstein::Model>>),
+    Hammerstein(Box<Hammerstein>),
     /// A mass on a hysteretic spring.
     Oscillator(Box<Body<OscillatorFile, Oscillator>>),
     /// Structural modes with hysteresis in feedback, of several inputs and outputs.
@@ -65,7 +65,10 @@ impl<D, L> Body<D, L> {
     }
 }
 
-impl Body<ModelFile, hammerstein::Model> {
+/// Data and law of a Hammerstein model.
+pub type Hammerstein = Body<ModelFile, hammerstein::Model>;
+
+impl Hammerstein {
     /// The same options; where the model creeps for ever and no lowest frequency is named, a thousandth of the lowest frequency of
     /// the records it was identified from.
     pub fn realise_options(&self, sample_rate_hz: f64, options: RealiseOptions) -> RealiseOptions {

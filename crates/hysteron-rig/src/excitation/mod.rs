@@ -26,6 +26,7 @@ mod random;
 mod signal;
 mod slow;
 mod specification;
+mod summary;
 mod sweep;
 mod waveform;
 
@@ -36,6 +37,7 @@ pub use amplifier::AmplifierLimits;
 pub use error::ExcitationError;
 pub use signal::Excitation;
 pub use specification::ExcitationSpec;
+pub use summary::ExcitationSummary;
 pub use waveform::{Lines, Phases, SweepLaw, Tone, Waveform};
 
 /// Two rates or times are the same sample count if they differ by less than this part of a sample.

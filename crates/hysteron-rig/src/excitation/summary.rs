@@ -1,0 +1,55 @@
+//! What an excitation is, for programs.
+
+use serde::Serialize;
+
+use super::Excitation;
+
+/// Numbers of an [`Excitation`], without its samples.
+#[derive(Clone, Debug, Serialize)]
+pub struct ExcitationSummary<'a> {
+    /// One sentence with all numbers and units.
+    pub description: &'a str,
+    /// Samples.
+    pub samples: usize,
+    /// Sample rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Duration \[s\].
+    pub duration_s: f64,
+    /// Least voltage \[V\].
+    pub low_v: f64,
+    /// Largest voltage \[V\].
+    pub high_v: f64,
+    /// Largest rate \[V/s\].
+    pub max_slew_v_per_s: f64,
+    /// Crest factor.
+    pub crest_factor: f64,
+    lead_in_samples: usize,
+    lead_out_samples: usize,
+    period_samples: Option<usize>,
+    excited_hz: &'a [f64],
+    odd_detection_hz: &'a [f64],
+    even_detection_hz: &'a [f64],
+}
+
+impl Excitation {
+    /// The result for programs.
+    pub fn summary(&self) -> ExcitationSummary<'_> {
+        let (low_v, high_v) = self.range_v();
+        ExcitationSummary {
+            description: &self.description,
+            samples: self.samples_v.len(),
+            sample_rate_hz: self.sample_rate_hz,
+            duration_s: self.duration_s(),
+            low_v,
+            high_v,
+            max_slew_v_per_s: self.max_slew_v_per_s(),
+            crest_factor: self.crest_factor(),
+            lead_in_samples: self.lead_in_samples,
+            lead_out_samples: self.lead_out_samples,
+            period_samples: self.period_samples,
+            excited_hz: &self.excited_hz,
+            odd_detection_hz: &self.odd_detection_hz,
+            even_detection_hz: &self.even_detection_hz,
+        }
+    }
+}
