@@ -194,7 +194,7 @@ impl Export {
             realise: where_creep_stops(loaded, rate, *realise),
             ..CompensatorOptions::default()
         };
-        let compensation = Compensation::new(loaded.model(), rate, &options);
+        let compensation = Compensation::new(loaded.law(), rate, &options);
         let compensation = compensation.map_err(|e| self.cannot(&e.into()))?;
         if let Some(wanted) = self.preview.filter(|wanted| *wanted > compensation.preview) {
             let used = compensation.preview;

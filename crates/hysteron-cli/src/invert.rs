@@ -14,7 +14,7 @@ use hysteron_model::invert::{
 use hysteron_model::model::InverseSummary;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::RealiseOptions;
-use hysteron_model::record::{Channel, Record, TimeBase, Unit, shortest_swing};
+use hysteron_model::record::{Channel, Record, TimeBase, Unit};
 use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
@@ -25,6 +25,7 @@ use crate::model::LoadedModel;
 use crate::numbers::{number, positive, whole};
 use crate::output::{self, OutFile};
 use crate::realise::where_creep_stops;
+use crate::remarks;
 
 /// Compute the drive that makes a model's output follow a reference
 #[derive(Args)]
@@ -99,9 +100,6 @@ pub struct Invert {
     columns: ReferenceFlags,
 }
 
-/// Excess of a reference's frequency over the model's that is worth a remark.
-const FASTER: f64 = 1.1;
-
 /// `LOW:HIGH`.
 pub fn range(text: &str) -> Result<[f64; 2], String> {
     let wrong = || "expected LOW:HIGH, e.g. 0:100".to_owned();
@@ -151,16 +149,17 @@ impl Invert {
             },
             virgin_v: self.virgin_voltage.or((range_v[0]..=range_v[1]).contains(&0.0).then_some(0.0)),
         };
-        self.remark_fast(&model, &reference.samples, sample_rate_hz);
+        let remarks = model.body().remarks_on_reference(&reference.samples, sample_rate_hz);
+        remarks::tell(&self.reference_file, model.model(), &remarks);
         let found = match &self.learn_from {
             None if self.preview.is_some() || self.predict_to.is_some() => {
                 self.sample_by_sample(&model, &reference.samples, sample_rate_hz, &options)
             }
-            None => model.model().invert(&reference.samples, sample_rate_hz, &options),
+            None => model.law().invert(&reference.samples, sample_rate_hz, &options),
             Some(path) => {
                 let run = self.columns.read_run(path)?;
                 let last = LastRun { drive: &run.u, measured: &run.y };
-                model.model().learn(&reference.samples, last, sample_rate_hz, &options)
+                model.law().learn(&reference.samples, last, sample_rate_hz, &options)
             }
         };
         let found = found.map_err(|e| {
@@ -214,7 +213,7 @@ impl Invert {
             realise: where_creep_stops(model, sample_rate_hz, RealiseOptions::default()),
             ..CompensatorOptions::default()
         };
-        let law = Compensation::new(model.model(), sample_rate_hz, &wanted)?;
+        let law = Compensation::new(model.law(), sample_rate_hz, &wanted)?;
         console::message(&format!(
             "one sample at a time: {} samples known ahead, of {} that make a difference",
             law.preview, law.useful_preview
@@ -226,24 +225,6 @@ impl Invert {
             ));
         }
         law.follow(reference, options)
-    }
-
-    /// A remark where the reference moves faster than what the model was identified with.
-    fn remark_fast(&self, model: &LoadedModel, reference: &[f64], sample_rate_hz: f64) {
-        let Some(valid) = model.body().data().valid_range.as_ref().and_then(|range| range.frequency.as_ref())
-        else {
-            return;
-        };
-        let fastest_hz = sample_rate_hz / (2.0 * shortest_swing(reference) as f64);
-        if fastest_hz > FASTER * valid.high {
-            console::note(&format!(
-                "{}: the reference swings at up to {} Hz, the model was identified up to {} Hz: beyond it extrapolates, and the predicted error \
-                 says nothing of that",
-                self.reference_file.display(),
-                short(fastest_hz),
-                short(valid.high)
-            ));
-        }
     }
 
     /// Half of the 95 % band at its widest; `None` where the file does not hold what it takes.

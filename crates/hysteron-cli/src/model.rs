@@ -340,7 +340,7 @@ impl LoadedModel {
     }
 
     /// The law.
-    pub fn model(&self) -> &hammerstein::Model {
+    pub fn law(&self) -> &hammerstein::Model {
         self.body.law()
     }
 }

@@ -103,7 +103,7 @@ pub fn realised(
             significant(low, 3)
         ));
     }
-    realise(loaded.model(), sample_rate_hz, &stopped).map_err(|e| cannot(path, &e))
+    realise(loaded.law(), sample_rate_hz, &stopped).map_err(|e| cannot(path, &e))
 }
 
 /// The same, with a lowest frequency from the model's records where it creeps for ever and nobody names one.

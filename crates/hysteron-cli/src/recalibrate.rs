@@ -66,7 +66,7 @@ impl Recalibrate {
         let recordings =
             self.records.iter().map(|path| self.recording(&old, path)).collect::<Result<Vec<_>, _>>()?;
         let prior = Prior::of(old.body().data());
-        let found = recalibrate(old.model(), prior, &recordings, self.least_fit).map_err(|e| explain(&e))?;
+        let found = recalibrate(old.law(), prior, &recordings, self.least_fit).map_err(|e| explain(&e))?;
         let bytes = std::fs::read(&self.model).map_err(|e| {
             Failure::new(format!("cannot read the model {}", self.model.display())).because(e)
         })?;

@@ -64,6 +64,12 @@ fn text(model: &Model, remark: &Remark) -> Option<String> {
             "the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples are not \
              scored (--skip 0 scores them)"
         ),
+        Remark::FastReference { fastest_hz, identified_hz } => format!(
+            "the reference swings at up to {} Hz, the model was identified up to {} Hz: beyond it extrapolates, and the predicted error \
+             says nothing of that",
+            short(*fastest_hz),
+            short(*identified_hz)
+        ),
         _ => return None,
     })
 }

@@ -6,6 +6,7 @@ use super::options::{Method, RecordRole};
 use super::searches::Searches;
 use hysteron_model::Finding;
 use hysteron_model::Start;
+use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model::{Score, Simulation};
 use hysteron_model::model_file::{HysteresisKind, ModelFile, typographic};
@@ -178,6 +179,8 @@ pub struct StructureChoice {
     pub degrees: Vec<(usize, f64, f64)>,
     /// Degree used.
     pub degree: usize,
+    /// Creep factor of the dynamics.
+    pub creep: Creep,
     /// Delay or lag were searched together with the hysteresis, from a start from rest.
     pub delay_and_lag_from_start: bool,
     /// Slow creep allowed for in each quasi-static record \[output unit per e-fold of 1 s + t\].

@@ -13,6 +13,7 @@ use super::watch::Plan;
 use super::{Covariance, IdentifyError, RecordFacts, findings};
 use super::{Finding, FindingKind};
 use hysteron_model::Start;
+use hysteron_model::dynamics::Creep;
 use hysteron_model::dynamics::arx::{ArxRecord, ArxSearch, OrderCriterion, select_orders};
 use hysteron_model::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
@@ -95,6 +96,7 @@ pub(super) fn identify(
         smoothing: None,
         degrees: step1.degrees.clone(),
         degree: step1.solution.hysteresis.polynomial.len(),
+        creep: Creep::None,
         delay_and_lag_from_start: step1.shift_searched,
         creeps: step1.solution.creeps.clone(),
         left_out: step1.left_out.clone(),

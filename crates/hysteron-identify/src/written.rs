@@ -30,7 +30,7 @@ fn model_file(found: &Identification, options: &Options, maker: &Maker) -> Model
     if found.method == Method::Joint {
         file.normalisation = match options.dynamics {
             DynamicsChoice::FractionalFreeLowest => Normalisation::UnitGainAt1Hz,
-            _ if creep(found) != Creep::None => Normalisation::Free,
+            _ if found.structure.creep != Creep::None => Normalisation::Free,
             _ => Normalisation::UnitDcGain,
         };
     }
@@ -45,10 +45,6 @@ fn model_file(found: &Identification, options: &Options, maker: &Maker) -> Model
         .map(|r| ScoreEntry::new(&r.data.name, ScoreRole::Training, r.data.y_unit.symbol(), &r.scores))
         .collect();
     file
-}
-
-fn creep(found: &Identification) -> Creep {
-    Creep::of_names(found.parameters.iter().map(|p| p.name.as_str()))
 }
 
 /// Standard errors of two steps, which know nothing of each other: there is no correlation between them.
@@ -135,7 +131,7 @@ fn provenance(found: &Identification, options: &Options, maker: &Maker) -> Prove
     }
     if found.method == Method::Joint {
         named.insert("initial".into(), options.initial.name().into());
-        named.insert("creep".into(), creep(found).name().into());
+        named.insert("creep".into(), found.structure.creep.name().into());
         named.insert("drift".into(), if options.drift { "yes".into() } else { "no".into() });
     }
     if options.algorithm.as_ref().is_some_and(|a| a.name() != "least-squares") {

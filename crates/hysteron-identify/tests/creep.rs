@@ -97,20 +97,6 @@ fn a_kelvin_voigt_chain_follows_a_step_by_its_relaxations() {
     }
 }
 
-#[test]
-fn a_kind_is_known_by_its_parameters() {
-    for kind in [
-        Creep::None,
-        Creep::Fractional,
-        Creep::Logarithmic,
-        Creep::KelvinVoigt { elements: 1 },
-        Creep::KelvinVoigt { elements: 4 },
-    ] {
-        let form = DynamicForm { modes: Modes::Fractional, creep: kind };
-        assert_eq!(Creep::of_names(form.parameters().iter().map(|p| p.name)), kind);
-    }
-}
-
 /// Parameters that are off by more than three standard errors.
 fn off(found: &Identification, expected: &[(&str, f64)]) -> Vec<String> {
     let deviation = |&(name, value): &(&str, f64)| {

@@ -151,7 +151,7 @@ impl Adapt {
             run_length: self.run_length,
             reopen: self.reopen,
         };
-        let found = Followed::over(&data, old.model(), &start, &options).map_err(|e| self.refused(&e))?;
+        let found = Followed::over(&data, old.law(), &start, &options).map_err(|e| self.refused(&e))?;
         let task = Task { data: &data, options };
         if let Some(path) = &self.out {
             self.write(path, &old, &task, &found)?;

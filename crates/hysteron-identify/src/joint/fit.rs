@@ -158,6 +158,7 @@ pub(in super::super) fn identify(
     let structure = StructureChoice {
         degrees,
         degree,
+        creep: form.creep,
         delay_and_lag_from_start: false,
         creeps: Vec::new(),
         left_out: Vec::new(),

@@ -118,7 +118,7 @@ fn identified(options: &Options, found: &Identification) -> Candidate {
     };
     Candidate {
         block,
-        creep: Creep::of_names(found.parameters.iter().map(|p| p.name.as_str())),
+        creep: found.structure.creep,
         degree: found.structure.degree,
         n_free: options.n == Choice::Auto && options.hysteresis == HysteresisForm::BoucWen,
         hysteresis: options.hysteresis,

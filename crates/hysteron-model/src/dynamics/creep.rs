@@ -54,23 +54,6 @@ static KELVIN_VOIGT: [FormParameter; 2 * MOST_CREEP_ELEMENTS] = [
 ];
 
 impl Creep {
-    /// The kind that these names are the parameters of; [`Creep::None`] where none of them is of creep.
-    pub fn of_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
-        let (mut kind, mut elements) = (Self::None, 0);
-        for name in names {
-            match name {
-                "creep" => kind = Self::Fractional,
-                "creep_per_decade" => kind = Self::Logarithmic,
-                _ if name.starts_with("creep_time_") => {
-                    elements += 1;
-                    kind = Self::KelvinVoigt { elements };
-                }
-                _ => {}
-            }
-        }
-        kind
-    }
-
     /// `none`, `fractional`, `logarithmic` or `kelvin-voigt`.
     pub fn name(self) -> &'static str {
         match self {

@@ -29,9 +29,12 @@ use crate::model_file::{
 };
 use crate::oscillator::Oscillator;
 use crate::realise::{RealiseError, RealiseOptions, realise};
+use crate::record::shortest_swing;
 
 /// Share of the lowest frequency of the records down to which a model that creeps for ever is realised.
 const CREEP_BELOW_RECORDS: f64 = 1e-3;
+/// Excess of a reference's frequency over the model's that is worth a remark.
+const FASTER: f64 = 1.1;
 
 /// An identified model.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +72,17 @@ impl<D, L> Body<D, L> {
 pub type Hammerstein = Body<ModelFile, hammerstein::Model>;
 
 impl Hammerstein {
+    /// What a user should know about the inverse for a reference.
+    pub fn remarks_on_reference(&self, reference: &[f64], sample_rate_hz: f64) -> Vec<Remark> {
+        let valid = self.data.valid_range.as_ref().and_then(|range| range.frequency.as_ref());
+        let fastest_hz = sample_rate_hz / (2.0 * shortest_swing(reference) as f64);
+        valid
+            .filter(|valid| fastest_hz > FASTER * valid.high)
+            .map(|valid| Remark::FastReference { fastest_hz, identified_hz: valid.high })
+            .into_iter()
+            .collect()
+    }
+
     /// The same options; where the model creeps for ever and no lowest frequency is named, a thousandth of the lowest frequency of
     /// the records it was identified from.
     pub fn realise_options(&self, sample_rate_hz: f64, options: RealiseOptions) -> RealiseOptions {

@@ -48,4 +48,12 @@ pub enum Remark {
         /// Number of samples.
         samples: usize,
     },
+    /// The reference swings faster than what the model was identified with: beyond that it extrapolates, and the predicted error
+    /// says nothing of that.
+    FastReference {
+        /// Highest frequency of its swings \[Hz\].
+        fastest_hz: f64,
+        /// Highest frequency identified \[Hz\].
+        identified_hz: f64,
+    },
 }

@@ -221,7 +221,7 @@ fn equations(found: &Identification) -> Vec<String> {
 
 /// What creep makes of a unit step.
 fn creep(found: &Identification) -> Option<&'static str> {
-    Some(match Creep::of_names(found.parameters.iter().map(|p| p.name.as_str())) {
+    Some(match found.structure.creep {
         Creep::None => return None,
         Creep::Fractional => "creep in G: 1 + k s^−μ, after a unit step 1 + k t^μ/Γ(1 + μ)",
         Creep::Logarithmic => "creep in G: after a unit step 1 + γ log₁₀(1 + t/t₀)",
