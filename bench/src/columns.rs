@@ -1,10 +1,9 @@
 //! Columns of a fit and their derivatives beside the FFTs they need.
 
+use hysteron_model::Start;
 use std::hint::black_box;
 
-use hysteron_model::dynamics::{
-    Creep, DynamicForm, InitialCondition, Linearised, Modes, Sampling, Scheme, SimulationPlan,
-};
+use hysteron_model::dynamics::{Creep, DynamicForm, Linearised, Modes, Sampling, Scheme, SimulationPlan};
 use hysteron_numeric::fft::RealFft;
 use serde::Deserialize;
 
@@ -32,7 +31,7 @@ impl Request {
     /// Takes turns on one FFT pair, one column, an objective of three columns and its derivatives, three values with them.
     pub fn run(self) -> Result<Answer, BenchError> {
         let scheme = Scheme::ALL.into_iter().find(|s| s.name() == self.scheme).ok_or(BenchError::Scheme)?;
-        let plan = SimulationPlan::new(self.samples, SAMPLE_RATE_HZ, scheme, InitialCondition::Zero)?;
+        let plan = SimulationPlan::new(self.samples, SAMPLE_RATE_HZ, scheme, Start::ZERO)?;
         let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
         let sampling = Sampling::of(scheme);
         let signal: Vec<f64> = (0..self.samples).map(|k| 1.0 - (k as f64 * 1e-3).cos()).collect();

@@ -1,10 +1,9 @@
 //! Simulation of article Eq. 13 over one input, the plan reused.
 
+use hysteron_model::Start;
 use std::hint::black_box;
 
-use hysteron_model::dynamics::{
-    InitialCondition, InputSpectrum, Scheme, SimulationPlan, TransferFunction, Workspace,
-};
+use hysteron_model::dynamics::{InputSpectrum, Scheme, SimulationPlan, TransferFunction, Workspace};
 
 use crate::answer::Answer;
 use crate::error::BenchError;
@@ -28,7 +27,7 @@ impl Fractional {
     pub fn new(input: Vec<f64>, scheme: &str) -> Result<Self, BenchError> {
         let scheme = Scheme::ALL.into_iter().find(|s| s.name() == scheme);
         let scheme = scheme.ok_or(BenchError::Scheme)?;
-        let plan = SimulationPlan::new(input.len(), SAMPLE_RATE_HZ, scheme, InitialCondition::Zero)?;
+        let plan = SimulationPlan::new(input.len(), SAMPLE_RATE_HZ, scheme, Start::ZERO)?;
         let spectrum = plan.transform(&input)?;
         let (workspace, output) = (plan.workspace(), vec![0.0; input.len()]);
         let transfer_function = TransferFunction::article_eq13();

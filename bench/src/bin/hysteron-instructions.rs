@@ -11,7 +11,7 @@ use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;
 
 use hysteron_model::Start;
-use hysteron_model::dynamics::{InitialCondition, Sampling, Scheme, SimulationPlan, TransferFunction};
+use hysteron_model::dynamics::{Sampling, Scheme, SimulationPlan, TransferFunction};
 use hysteron_model::hysteresis::{Sensitivities, UnitShape};
 use hysteron_optimize::{
     Algorithm, Bounds, Derivative, LeastSquaresOptions, LeastSquaresProblem, Problem, Range, Settings,
@@ -57,7 +57,7 @@ fn hysteresis_pass(repetitions: usize) -> Outcome {
 
 /// Frequency response of article Eq. 13 and its application to a transformed input.
 fn dynamics_column(repetitions: usize) -> Outcome {
-    let plan = SimulationPlan::new(SAMPLES, 1e4, Scheme::Tustin, InitialCondition::Zero)?;
+    let plan = SimulationPlan::new(SAMPLES, 1e4, Scheme::Tustin, Start::ZERO)?;
     let spectrum = plan.transform(&drive())?;
     let (mut workspace, mut response) = (plan.workspace(), plan.empty_response(0));
     let mut output = vec![0.0; SAMPLES];

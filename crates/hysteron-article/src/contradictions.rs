@@ -4,7 +4,7 @@ use super::ArticleError;
 use super::printed::{self, EQ_13, TABLE_2, TABLE_3};
 use super::static_block::StaticParameters;
 use hysteron_model::Start;
-use hysteron_model::dynamics::{InitialCondition, Scheme, SimulationPlan, Term, TransferFunction};
+use hysteron_model::dynamics::{Scheme, SimulationPlan, Term, TransferFunction};
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_optimize::root_mean_square;
 use serde::Serialize;
@@ -63,7 +63,7 @@ impl Contradictions {
             let periods = (0.1 * row.frequency_hz).ceil() as usize + 5;
             let v = loop_of_table_2(&block, periods)?;
             let rate = row.frequency_hz * SAMPLES as f64;
-            let scheme = SimulationPlan::new(v.len(), rate, Scheme::Tustin, InitialCondition::Zero)?;
+            let scheme = SimulationPlan::new(v.len(), rate, Scheme::Tustin, Start::ZERO)?;
             let mut y = vec![0.0; v.len()];
             scheme.simulate(&plant, &v, &mut scheme.workspace(), &mut y)?;
             let from = v.len() - SAMPLES;

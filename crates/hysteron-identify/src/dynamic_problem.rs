@@ -7,9 +7,10 @@
 
 use super::layout::Role;
 use super::projection::{Projection, centre};
+use hysteron_model::Start;
 use hysteron_model::dynamics::{
-    DynamicsError, InitialCondition, InputSpectrum, Response, Sampling, Scheme, SecondOrder, SimulationPlan,
-    Term, TransferFunction, Workspace as PlanWorkspace,
+    DynamicsError, InputSpectrum, Response, Sampling, Scheme, SecondOrder, SimulationPlan, Term,
+    TransferFunction, Workspace as PlanWorkspace,
 };
 use hysteron_model::record::InterSample;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, root_mean_square};
@@ -46,7 +47,7 @@ impl DynamicRecord {
         offset_is_held: bool,
     ) -> Result<Self, DynamicsError> {
         let moved: Vec<f64> = v.iter().map(|v| v - rest).collect();
-        let plan = SimulationPlan::new(moved.len(), sample_rate_hz, scheme, InitialCondition::Zero)?;
+        let plan = SimulationPlan::new(moved.len(), sample_rate_hz, scheme, Start::ZERO)?;
         let spectrum = plan.transform(&moved)?;
         let rest_beside_held_offset = offset_is_held.then_some(rest);
         let sampling = Sampling { reconstruction: inter_sample, ..Sampling::of(scheme) };

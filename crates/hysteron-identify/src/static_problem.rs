@@ -426,7 +426,7 @@ impl LeastSquaresProblem for StaticProblem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hysteron_model::dynamics::{InitialCondition, SimulationPlan, Term, TransferFunction};
+    use hysteron_model::dynamics::{SimulationPlan, Term, TransferFunction};
 
     #[test]
     fn the_lag_of_a_fit_is_the_lag_of_the_model_under_every_scheme() {
@@ -439,7 +439,7 @@ mod tests {
             let x: Vec<f64> = (0..400).map(|k| wave(0.031 * f64::from(k))).collect();
             let mut ours = x.clone();
             lag(&mut ours, 0.0, 0.0143 * 200.0, scheme);
-            let plan = SimulationPlan::new(x.len(), 200.0, scheme, InitialCondition::Zero).unwrap();
+            let plan = SimulationPlan::new(x.len(), 200.0, scheme, Start::ZERO).unwrap();
             let mut reference = vec![0.0; x.len()];
             plan.simulate(&g, &x, &mut plan.workspace(), &mut reference).unwrap();
             let tolerance = if smooth { 1e-3 } else { 1e-9 };

@@ -9,8 +9,8 @@ use std::cell::Cell;
 
 use hysteron_model::dynamics::delay::delay_linear;
 use hysteron_model::dynamics::{
-    Arx, Creep, DynamicForm, DynamicsError, InitialCondition, InterSample, Linearised, Modes, Sampling,
-    Scheme, SecondOrder, SimulationPlan, TransferFunction, stability,
+    Arx, Creep, DynamicForm, DynamicsError, InterSample, Linearised, Modes, Sampling, Scheme, SecondOrder,
+    SimulationPlan, TransferFunction, stability,
 };
 
 use hysteron_identify::online::{Adapter, Estimator, Row};
@@ -65,7 +65,7 @@ fn a_candidate_allocates_nothing() {
         let input: Vec<f64> = (0..samples).map(|k| (f64::from(k) * 0.01).sin()).collect();
         let mut output = vec![0.0; input.len()];
         for scheme in Scheme::ALL {
-            for initial in [InitialCondition::Rest, InitialCondition::Zero, InitialCondition::Periodic] {
+            for initial in [Start::AsIdentified, Start::ZERO, Start::PERIODIC] {
                 let plan = SimulationPlan::new(input.len(), 1e4, scheme, initial).unwrap();
                 let mut workspace = plan.workspace();
                 let spectrum = plan.transform(&input).unwrap();
@@ -86,7 +86,7 @@ fn a_candidate_allocates_nothing() {
         let count = allocations(|| {
             assert!(stability(&tf).is_stable());
             delay_linear(&input, 1.3e-4, 1e4, 0.0, &mut output).unwrap();
-            arx.simulate(&input, InitialCondition::Rest, &mut output).unwrap();
+            arx.simulate(&input, Start::AsIdentified, &mut output).unwrap();
         });
         assert_eq!(count, 0);
     }
@@ -151,7 +151,7 @@ fn costs_nothing(form: DynamicForm, p: &[f64]) {
             InterSample::ALL.into_iter().flat_map(|delay| InterSample::ALL.map(|other| (delay, other)))
         {
             let sampling = Sampling { delay, reconstruction };
-            let plan = SimulationPlan::new(input.len(), 1e4, scheme, InitialCondition::Zero).unwrap();
+            let plan = SimulationPlan::new(input.len(), 1e4, scheme, Start::ZERO).unwrap();
             let (mut workspace, mut response) = (plan.workspace(), plan.empty_response(p.len()));
             let mut spectrum = plan.transform(&input).unwrap();
             // The first makes the table of the reconstruction.

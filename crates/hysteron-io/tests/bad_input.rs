@@ -3,10 +3,11 @@
 
 use hysteron_io::{IoError, ReadOptions, read_input_output_bytes, read_record_bytes};
 
+/// The message, and the advice for a front end to word.
 fn refused_with(bytes: &[u8], options: &ReadOptions) -> String {
     match read_record_bytes("bench.csv", bytes, options) {
         Ok(record) => panic!("accepted: {record:?}"),
-        Err(err) => err.to_string(),
+        Err(err) => format!("{err} [{:?}]", err.advice()),
     }
 }
 
@@ -125,7 +126,7 @@ fn time_that_runs_backwards_or_stands_still() {
         &["line 5, column 1 (`t_ms`)", "0.5 s after 1 s", "clock was reset"],
     );
     refused("t_s,u_V\n3,1\n3,2\n3,3\n", &["3 time stamps are 3 s", "sample rate"]);
-    refused("time,t,u_V\n0,0,1\n1,1,2\n", &["line 1", "`time`, `t`", "--time"]);
+    refused("time,t,u_V\n0,0,1\n1,1,2\n", &["line 1", "`time`, `t`", "role: Time"]);
 }
 
 #[test]
@@ -159,15 +160,15 @@ fn columns_that_are_not_there() {
     for (options, parts) in [
         (
             ReadOptions { input: Some("v".into()), ..ReadOptions::default() },
-            ["no column `v`", "--input", "`u1_V`, `u2_V`"],
+            ["no column `v`", "role: Input", "`u1_V`, `u2_V`"],
         ),
         (
             ReadOptions { output: Some("9".into()), ..ReadOptions::default() },
-            ["no column `9`", "--output", "`y_um`"],
+            ["no column `9`", "role: Output", "`y_um`"],
         ),
         (
             ReadOptions { time: Some("clock".into()), ..ReadOptions::default() },
-            ["no column `clock`", "--time", "`t_s`"],
+            ["no column `clock`", "role: Time", "`t_s`"],
         ),
     ] {
         let message = refused_with(text, &options);

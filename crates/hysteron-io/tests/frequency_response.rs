@@ -56,7 +56,7 @@ fn unusable_files_are_refused_with_the_place_and_the_remedy() {
         ("t_s,u_V,y_um\n0,1,2\n", None, &["line 1", "no frequency", "f_Hz,re,im"][..]),
         ("f_Hz,magnitude\n1,2\n", None, &["line 1", "no complex response", "magnitude and phase"]),
         ("f_Hz,re\n1,2\n", None, &["no complex response", "real and imaginary"]),
-        (two, None, &["2 responses", "`a`, `b`", "--response"]),
+        (two, None, &["2 responses", "`a`, `b`", "ChooseResponse"]),
         (two, Some("c"), &["no response `c`", "`a`, `b`"]),
         ("f_Hz,re,im\n1,2,3\n0,2,3\n", None, &["line 3, column 1 (`f_Hz`)", "found `0`", "above 0"]),
         ("f_Hz,re,im\n1,2,3\n2,x,3\n", None, &["line 3, column 2 (`re`)", "found `x`, expected a number"]),
@@ -66,7 +66,8 @@ fn unusable_files_are_refused_with_the_place_and_the_remedy() {
         ("f_Hz,re,im\n", None, &["has a header (line 1)"]),
         ("", None, &["is empty"]),
     ] {
-        let message = read(text, response, None).unwrap_err().to_string();
+        let error = read(text, response, None).unwrap_err();
+        let message = format!("{error} [{:?}]", error.advice());
         for part in parts.iter().chain(&["frf.csv"]) {
             assert!(message.contains(part), "{text:?}: {part:?} is not in {message}");
         }

@@ -10,10 +10,11 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use hysteron_model::Start;
 use std::hint::black_box;
 use std::time::Instant;
 
-use hysteron_model::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction, stability};
+use hysteron_model::dynamics::{Scheme, SimulationPlan, TransferFunction, stability};
 use hysteron_model::fractional::{simulate_causal, simulate_recursion};
 use hysteron_numeric::fft::RealFft;
 use hysteron_numeric::{InstructionSet, accumulate_power};
@@ -47,7 +48,7 @@ fn report(what: &str, samples: usize, transform: usize, ms: f64) {
 fn simulation(samples: usize, repetitions: usize) {
     let tf = TransferFunction::article_eq13();
     let input = sweep(samples);
-    let plan = SimulationPlan::new(samples, FS, Scheme::Tustin, InitialCondition::Rest).unwrap();
+    let plan = SimulationPlan::new(samples, FS, Scheme::Tustin, Start::AsIdentified).unwrap();
     let mut workspace = plan.workspace();
     let mut output = vec![0.0; samples];
     let length = plan.transform_length();

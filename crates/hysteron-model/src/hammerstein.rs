@@ -5,7 +5,7 @@
 //! is infinite (creep), what the device crept before the record counts as offset, and G's gain at rest as 1.
 
 use crate::dynamics::delay::delay_in_place;
-use crate::dynamics::{Dynamics, DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
+use crate::dynamics::{Dynamics, DynamicsError, Sampling, Scheme, SimulationPlan};
 use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, RecordEnds, polygon_of_means};
 use crate::record::InterSample;
 use crate::start::Start;
@@ -246,10 +246,10 @@ impl Model {
         let mut y = v;
         match &self.dynamics {
             Dynamics::None => return Ok(y),
-            Dynamics::Arx(arx) => arx.simulate(&moved, InitialCondition::Zero, &mut y)?,
+            Dynamics::Arx(arx) => arx.simulate(&moved, Start::ZERO, &mut y)?,
             Dynamics::Integer(g) | Dynamics::Fractional(g) => {
                 let rate = sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
-                let plan = SimulationPlan::new(y.len(), rate, self.scheme, InitialCondition::Zero)?;
+                let plan = SimulationPlan::new(y.len(), rate, self.scheme, Start::ZERO)?;
                 let mut response = plan.empty_response(0);
                 let sampling = Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) };
                 plan.response(g, self.delay_s, sampling, &mut response)?;

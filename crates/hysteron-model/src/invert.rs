@@ -13,8 +13,8 @@ use hysteron_rt::Limited;
 
 use crate::compensator::{Compensation, CompensatorError, CompensatorParts};
 use crate::dynamics::{
-    Dynamics, DynamicsError, InitialCondition, InterSample, Inverse, InverseAim, Response, Sampling, Scheme,
-    SimulationPlan, Term, TransferFunction,
+    Dynamics, DynamicsError, InterSample, Inverse, InverseAim, Response, Sampling, Scheme, SimulationPlan,
+    Term, TransferFunction,
 };
 use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError};
 use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError};
@@ -485,8 +485,8 @@ impl Linear {
             return Ok(Self(None));
         }
         let initial = match options.start {
-            Start::Settled { .. } => InitialCondition::Periodic,
-            _ => InitialCondition::Zero,
+            Start::Settled { .. } => Start::PERIODIC,
+            _ => Start::ZERO,
         };
         let plan = SimulationPlan::new(samples, sample_rate_hz, Scheme::BandLimited, initial)?;
         let mut plant = plan.empty_response(0);

@@ -31,4 +31,4 @@ pub mod validate;
 pub use advice::Advice;
 pub use finding::{Finding, FindingKind};
 pub use model::Model;
-pub use start::{Memory, Start};
+pub use start::{LinearStart, Memory, Start};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::record::Unit;
 
 /// What happened before a record's first sample. `M` is how the memory at rest is given: [`Memory`] for a model, the number in
-/// the operator's own scale for a hysteresis operator, the whole state for an oscillator.
+/// the operator's own scale for a hysteresis operator, the whole state for an oscillator, nothing for a linear block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Start<M = Memory> {
@@ -34,6 +34,10 @@ pub enum Start<M = Memory> {
     },
 }
 
+/// The start of a linear block, whose memory follows from the input before: [`Start::AsIdentified`]: at rest at the first sample's
+/// input, so that v − v(0) is simulated and G(0) v(0) added; [`Start::Rest`]: at rest at this input.
+pub type LinearStart = Start<std::convert::Infallible>;
+
 /// What a hysteresis operator remembers where a record begins, in one number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -47,6 +51,9 @@ pub enum Memory {
 impl<M> Start<M> {
     /// The record repeats with its own period.
     pub const PERIODIC: Self = Self::Settled { period_samples: None };
+
+    /// At rest at 0, without memory: all signals zero before the first sample (the article).
+    pub const ZERO: Self = Self::Rest { voltage_v: 0.0 };
 
     /// A period of so many samples has been running for long.
     pub fn settled(period_samples: usize) -> Self {

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 use hysteron_model::dynamics::arx::{ArxOrders, ArxRecord, ArxSearch, OrderCriterion, fit, select_orders};
-use hysteron_model::dynamics::{Arx, DynamicsError, InitialCondition};
+use hysteron_model::dynamics::{Arx, DynamicsError};
+use hysteron_model::{LinearStart, Start};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -17,7 +18,7 @@ fn noise(count: usize, seed: u64) -> Vec<f64> {
     (0..count).map(|_| random.random_range(-1.0..1.0)).collect()
 }
 
-fn simulate(model: &Arx, input: &[f64], initial: InitialCondition) -> Vec<f64> {
+fn simulate(model: &Arx, input: &[f64], initial: LinearStart) -> Vec<f64> {
     let mut output = vec![0.0; input.len()];
     model.simulate(input, initial, &mut output).unwrap();
     output
@@ -25,17 +26,17 @@ fn simulate(model: &Arx, input: &[f64], initial: InitialCondition) -> Vec<f64> {
 
 #[test]
 fn the_difference_equation_is_what_is_written() {
-    let y = simulate(&truth(), &[1.0, 0.0, 0.0, 0.0, 0.0], InitialCondition::Zero);
+    let y = simulate(&truth(), &[1.0, 0.0, 0.0, 0.0, 0.0], Start::ZERO);
     // By hand: y₂ = 0.3; y₃ = 1.5·0.3 + 0.2; y₄ = 1.5·0.65 − 0.7·0.3.
     for (found, expected) in y.iter().zip([0.0, 0.0, 0.3, 0.65, 0.765]) {
         assert!((found - expected).abs() < 1e-15);
     }
-    let rest = simulate(&truth(), &[4.0; 6], InitialCondition::Rest);
+    let rest = simulate(&truth(), &[4.0; 6], Start::AsIdentified);
     assert!(rest.iter().all(|y| (y - 4.0 * 0.5 / 0.2).abs() < 1e-13));
     let period = noise(30, 1);
     let repeated: Vec<f64> = period.iter().cycle().take(300).copied().collect();
-    let settled = simulate(&truth(), &repeated, InitialCondition::Zero);
-    let steady = simulate(&truth(), &period, InitialCondition::Periodic);
+    let settled = simulate(&truth(), &repeated, Start::ZERO);
+    let steady = simulate(&truth(), &period, Start::PERIODIC);
     assert!(settled[270..].iter().zip(&steady).all(|(a, b)| (a - b).abs() < 1e-12));
 }
 
@@ -45,7 +46,7 @@ fn its_own_data_return_the_coefficients_and_offsets() {
     let outputs: Vec<Vec<f64>> = inputs
         .iter()
         .zip([2.0, -7.0])
-        .map(|(v, offset)| simulate(&truth(), v, InitialCondition::Rest).iter().map(|y| y + offset).collect())
+        .map(|(v, offset)| simulate(&truth(), v, Start::AsIdentified).iter().map(|y| y + offset).collect())
         .collect();
     let records: Vec<ArxRecord> =
         inputs.iter().zip(&outputs).map(|(input, output)| ArxRecord { input, output, valid: None }).collect();
@@ -57,8 +58,8 @@ fn its_own_data_return_the_coefficients_and_offsets() {
     assert!((fit.offsets[0] - 2.0).abs() < 1e-10 && (fit.offsets[1] + 7.0).abs() < 1e-10);
     assert!(fit.prediction_rmse < 1e-12);
     let predicted =
-        fit.model.predict(&inputs[0], &simulate(&truth(), &inputs[0], InitialCondition::Rest)).unwrap();
-    let simulated = simulate(&truth(), &inputs[0], InitialCondition::Rest);
+        fit.model.predict(&inputs[0], &simulate(&truth(), &inputs[0], Start::AsIdentified)).unwrap();
+    let simulated = simulate(&truth(), &inputs[0], Start::AsIdentified);
     assert!(predicted[4..].iter().zip(&simulated[4..]).all(|(a, b)| (a - b).abs() < 1e-10));
 }
 
@@ -120,7 +121,7 @@ fn bad_data_are_typed_errors() {
     let hole = ArxRecord { input: &input, output: &[f64::NAN; 50], valid: None };
     assert!(matches!(fit(&[hole], orders), Err(DynamicsError::InputNotFinite { .. })));
     let integrator = Arx { a: vec![-1.0], b: vec![1.0] };
-    let result = integrator.simulate(&input, InitialCondition::Rest, &mut vec![0.0; 50]);
+    let result = integrator.simulate(&input, Start::AsIdentified, &mut vec![0.0; 50]);
     assert!(matches!(result, Err(DynamicsError::InfiniteDcGain { .. })));
 }
 

@@ -3,15 +3,15 @@
 #![allow(clippy::unwrap_used)]
 
 use hysteron_model::dynamics::{
-    DynamicsError, InitialCondition, Scheme, SecondOrder, SimulationPlan, Stability, TransferFunction,
-    stability,
+    DynamicsError, Scheme, SecondOrder, SimulationPlan, Stability, TransferFunction, stability,
 };
+use hysteron_model::{LinearStart, Start};
 use proptest::prelude::*;
 
 const FS: f64 = 10_000.0;
 const CAUSAL: [Scheme; 3] = [Scheme::GrunwaldLetnikov, Scheme::Bdf2, Scheme::Tustin];
 
-fn simulate(tf: &TransferFunction, input: &[f64], scheme: Scheme, initial: InitialCondition) -> Vec<f64> {
+fn simulate(tf: &TransferFunction, input: &[f64], scheme: Scheme, initial: LinearStart) -> Vec<f64> {
     let plan = SimulationPlan::new(input.len(), FS, scheme, initial).unwrap();
     let mut output = vec![0.0; input.len()];
     plan.simulate(tf, input, &mut plan.workspace(), &mut output).unwrap();
@@ -49,7 +49,7 @@ proptest! {
         let v: Vec<f64> = u.iter().rev().map(|x| x * x - 0.2).collect();
         let mixed: Vec<f64> = u.iter().zip(&v).map(|(u, v)| u + c * v).collect();
         for scheme in Scheme::ALL {
-            for initial in [InitialCondition::Zero, InitialCondition::Rest, InitialCondition::Periodic] {
+            for initial in [Start::ZERO, Start::AsIdentified, Start::PERIODIC] {
                 let (yu, yv) = (simulate(&tf, &u, scheme, initial), simulate(&tf, &v, scheme, initial));
                 let ym = simulate(&tf, &mixed, scheme, initial);
                 let scale = largest(&yu) + 3.0 * largest(&yv);
@@ -67,8 +67,8 @@ proptest! {
         let other: Vec<f64> =
             u.iter().enumerate().map(|(k, x)| if k < cut { *x } else { 0.7 - x }).collect();
         for scheme in CAUSAL {
-            let y = simulate(&tf, &u, scheme, InitialCondition::Zero);
-            let z = simulate(&tf, &other, scheme, InitialCondition::Zero);
+            let y = simulate(&tf, &u, scheme, Start::ZERO);
+            let z = simulate(&tf, &other, scheme, Start::ZERO);
             let scale = largest(&y).max(largest(&z));
             for k in 0..cut {
                 prop_assert!((y[k] - z[k]).abs() < 1e-9 * scale, "{scheme} {k}");
@@ -80,8 +80,8 @@ proptest! {
     fn time_invariant(tf in stage(), u in signal(), shift in 1usize..50) {
         let late = [vec![0.0; shift], u.clone()].concat();
         for scheme in CAUSAL {
-            let y = simulate(&tf, &u, scheme, InitialCondition::Zero);
-            let z = simulate(&tf, &late, scheme, InitialCondition::Zero);
+            let y = simulate(&tf, &u, scheme, Start::ZERO);
+            let z = simulate(&tf, &late, scheme, Start::ZERO);
             let scale = largest(&y);
             prop_assert!(largest(&z[..shift]) < 1e-9 * scale);
             for k in 0..u.len() {
@@ -93,7 +93,7 @@ proptest! {
     #[test]
     fn a_constant_input_at_rest_gives_the_gain(tf in stage(), level in -5.0f64..5.0, n in 1usize..200) {
         for scheme in Scheme::ALL {
-            for initial in [InitialCondition::Rest, InitialCondition::Periodic] {
+            for initial in [Start::AsIdentified, Start::PERIODIC] {
                 for y in simulate(&tf, &vec![level; n], scheme, initial) {
                     prop_assert!((y - tf.dc_gain() * level).abs() < 1e-12 * (tf.dc_gain() * level).abs());
                 }
@@ -112,7 +112,7 @@ proptest! {
         let g = response[bin];
         // Rounding of the input's transform reaches every bin, also the one where the gain is largest.
         let peak = response.iter().fold(0.0f64, |m, g| m.max(g.norm()));
-        let y = simulate(&tf, &input, Scheme::BandLimited, InitialCondition::Periodic);
+        let y = simulate(&tf, &input, Scheme::BandLimited, Start::PERIODIC);
         for (k, y) in y.iter().enumerate() {
             let expected = g.re * phase(k).sin() + g.im * phase(k).cos();
             prop_assert!((y - expected).abs() < 1e-13 * peak, "{}", (y - expected) / peak);
@@ -130,7 +130,7 @@ proptest! {
         let words = SecondOrder { gain: 1.0, natural_frequency_hz, damping, alpha2, alpha1, alpha0: 0.0 };
         let tf = words.to_transfer_function().unwrap();
         let n = 4000;
-        let plan = SimulationPlan::new(n, FS, Scheme::Tustin, InitialCondition::Zero).unwrap();
+        let plan = SimulationPlan::new(n, FS, Scheme::Tustin, Start::ZERO).unwrap();
         let simulated = plan.simulate(&tf, &vec![1.0; n], &mut plan.workspace(), &mut vec![0.0; n]);
         let poles = tf.poles().unwrap();
         let unstable = poles.iter().filter(|p| p.re > 0.0).count();
@@ -150,7 +150,7 @@ proptest! {
             // The verdict tolerates a growth by e^0.01 within the record.
             prop_assume!(moduli.iter().all(|modulus| (modulus - 1.0).abs() > 1e-5));
             let unstable = moduli.iter().filter(|modulus| **modulus < 1.0).count();
-            let plan = SimulationPlan::new(n, FS, scheme, InitialCondition::Zero).unwrap();
+            let plan = SimulationPlan::new(n, FS, scheme, Start::ZERO).unwrap();
             let verdict = plan.simulate(&tf, &vec![1.0; n], &mut plan.workspace(), &mut vec![0.0; n]);
             let expected = if unstable > 0 { Err(DynamicsError::Unstable { poles: unstable }) } else { Ok(()) };
             prop_assert_eq!(verdict, expected, "{} {}", tf, scheme);

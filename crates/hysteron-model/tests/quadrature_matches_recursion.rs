@@ -6,10 +6,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use hysteron_model::dynamics::{
-    DynamicsError, InitialCondition, Scheme, SimulationPlan, Term, TransferFunction,
-};
+use hysteron_model::dynamics::{DynamicsError, Scheme, SimulationPlan, Term, TransferFunction};
 use hysteron_model::fractional::{simulate_causal, simulate_recursion};
+use hysteron_model::{LinearStart, Start};
 
 const FS: f64 = 10_000.0;
 const SCHEMES: [Scheme; 3] = [Scheme::GrunwaldLetnikov, Scheme::Bdf2, Scheme::Tustin];
@@ -25,7 +24,7 @@ fn sweep(samples: usize) -> Vec<f64> {
         .collect()
 }
 
-fn simulate(tf: &TransferFunction, input: &[f64], scheme: Scheme, initial: InitialCondition) -> Vec<f64> {
+fn simulate(tf: &TransferFunction, input: &[f64], scheme: Scheme, initial: LinearStart) -> Vec<f64> {
     let plan = SimulationPlan::new(input.len(), FS, scheme, initial).unwrap();
     let mut output = vec![0.0; input.len()];
     plan.simulate(tf, input, &mut plan.workspace(), &mut output).unwrap();
@@ -58,7 +57,7 @@ fn plan_agrees_with_the_recursion_on_the_article_plant() {
         let input = sweep(samples);
         for scheme in SCHEMES {
             let oracle = simulate_recursion(&tf.numerator, &tf.denominator, &input, FS, scheme).unwrap();
-            let e = error(&simulate(&tf, &input, scheme, InitialCondition::Zero), &oracle);
+            let e = error(&simulate(&tf, &input, scheme, Start::ZERO), &oracle);
             println!("N = {samples} {scheme}: {e:.1e}");
             assert!(e < 1e-9, "N = {samples} {scheme}: {e:e}");
         }
@@ -71,7 +70,7 @@ fn plan_agrees_with_the_recursion_at_a_hundred_thousand_samples() {
     let input = sweep(100_000);
     for scheme in SCHEMES {
         let oracle = simulate_causal(&tf.numerator, &tf.denominator, &input, FS, scheme).unwrap();
-        let e = error(&simulate(&tf, &input, scheme, InitialCondition::Zero), &oracle);
+        let e = error(&simulate(&tf, &input, scheme, Start::ZERO), &oracle);
         println!("{scheme}: {e:.1e}");
         assert!(e < 1e-9, "{scheme}: {e:e}");
     }
@@ -94,7 +93,7 @@ fn any_number_of_terms_agrees_with_the_recursion() {
     for tf in [wide, integer] {
         for scheme in SCHEMES {
             let oracle = simulate_recursion(&tf.numerator, &tf.denominator, &input, FS, scheme).unwrap();
-            let e = error(&simulate(&tf, &input, scheme, InitialCondition::Zero), &oracle);
+            let e = error(&simulate(&tf, &input, scheme, Start::ZERO), &oracle);
             println!("{tf} {scheme}: {e:.1e}");
             assert!(e < 1e-9, "{tf} {scheme}: {e:e}");
         }
@@ -110,11 +109,11 @@ fn rest_is_the_recursion_on_the_input_from_its_first_value() {
         let oracle = simulate_recursion(&tf.numerator, &tf.denominator, &relative, FS, scheme).unwrap();
         let at_rest = tf.dc_gain() * input[0];
         let oracle: Vec<f64> = oracle.iter().map(|y| y + at_rest).collect();
-        let found = simulate(&tf, &input, scheme, InitialCondition::Rest);
+        let found = simulate(&tf, &input, scheme, Start::AsIdentified);
         assert!((found[0] - at_rest).abs() < 1e-9 * at_rest);
         assert!(error(&found, &oracle) < 1e-9);
         assert!(
-            error(&tf.simulate_causal(&input, FS, scheme, InitialCondition::Rest).unwrap(), &oracle) < 1e-12
+            error(&tf.simulate_causal(&input, FS, scheme, Start::AsIdentified).unwrap(), &oracle) < 1e-12
         );
     }
 }
@@ -128,8 +127,8 @@ fn periodic_is_where_repetition_from_rest_settles() {
             .collect();
         let repeated: Vec<f64> = period.iter().cycle().take(samples * 40).copied().collect();
         for scheme in SCHEMES {
-            let steady = simulate(&tf, &period, scheme, InitialCondition::Periodic);
-            let settled = simulate(&tf, &repeated, scheme, InitialCondition::Rest);
+            let steady = simulate(&tf, &period, scheme, Start::PERIODIC);
+            let settled = simulate(&tf, &repeated, scheme, Start::AsIdentified);
             // What is left is the algebraic tail t^(−1 − α₁) of the start, 0.8 s earlier.
             let e = error(&settled[samples * 39..], &steady);
             println!("{samples} {scheme}: {e:.1e}");
@@ -154,14 +153,14 @@ fn an_unstable_candidate_is_a_typed_error_and_can_be_simulated_on_request() {
     let input = sweep(20_000);
     for tf in [tf, fractional] {
         for scheme in Scheme::ALL {
-            let plan = SimulationPlan::new(input.len(), FS, scheme, InitialCondition::Rest).unwrap();
+            let plan = SimulationPlan::new(input.len(), FS, scheme, Start::AsIdentified).unwrap();
             let mut output = vec![0.0; input.len()];
             let result = plan.simulate(&tf, &input, &mut plan.workspace(), &mut output);
             assert_eq!(result, Err(DynamicsError::Unstable { poles: 2 }), "{tf} {scheme}");
         }
         for scheme in SCHEMES {
             let short = &input[..500];
-            let causal = tf.simulate_causal(short, FS, scheme, InitialCondition::Zero).unwrap();
+            let causal = tf.simulate_causal(short, FS, scheme, Start::ZERO).unwrap();
             let oracle = simulate_recursion(&tf.numerator, &tf.denominator, short, FS, scheme).unwrap();
             let e = error(&causal, &oracle);
             println!("{tf} {scheme}: {e:.1e}");
@@ -181,9 +180,9 @@ fn the_verdict_is_that_of_the_scheme_which_may_damp_a_growing_plant() {
     let input = sweep(20_000);
     let oracle =
         simulate_causal(&tf.numerator, &tf.denominator, &input, FS, Scheme::GrunwaldLetnikov).unwrap();
-    assert!(error(&simulate(&tf, &input, Scheme::GrunwaldLetnikov, InitialCondition::Zero), &oracle) < 1e-9);
+    assert!(error(&simulate(&tf, &input, Scheme::GrunwaldLetnikov, Start::ZERO), &oracle) < 1e-9);
     for scheme in [Scheme::Bdf2, Scheme::Tustin, Scheme::BandLimited] {
-        let plan = SimulationPlan::new(input.len(), FS, scheme, InitialCondition::Zero).unwrap();
+        let plan = SimulationPlan::new(input.len(), FS, scheme, Start::ZERO).unwrap();
         let mut output = vec![0.0; input.len()];
         let result = plan.simulate(&tf, &input, &mut plan.workspace(), &mut output);
         assert_eq!(result, Err(DynamicsError::Unstable { poles: 2 }), "{scheme}");

@@ -3,18 +3,18 @@
 
 #![allow(clippy::unwrap_used)]
 
+use hysteron_model::{LinearStart, Start};
 use std::f64::consts::TAU;
 
 use hysteron_model::dynamics::delay::{delay_linear, delayed};
 use hysteron_model::dynamics::{
-    Creep, DynamicForm, DynamicsError, InitialCondition, InterSample, Linearised, Modes, Sampling, Scheme,
-    SimulationPlan, TransferFunction,
+    Creep, DynamicForm, DynamicsError, InterSample, Linearised, Modes, Sampling, Scheme, SimulationPlan,
+    TransferFunction,
 };
 use proptest::prelude::*;
 
 const FS: f64 = 10_000.0;
-const INITIAL: [InitialCondition; 3] =
-    [InitialCondition::Rest, InitialCondition::Zero, InitialCondition::Periodic];
+const INITIAL: [LinearStart; 3] = [Start::AsIdentified, Start::ZERO, Start::PERIODIC];
 const LINEAR: Sampling = Sampling { delay: InterSample::Linear, reconstruction: InterSample::BandLimited };
 const EXACT: Sampling =
     Sampling { delay: InterSample::BandLimited, reconstruction: InterSample::BandLimited };
@@ -98,7 +98,7 @@ fn the_value_is_the_simulation() {
                 let responded = plan.response(&tf, 0.0, LINEAR, &mut response);
                 assert_eq!(simulated, responded, "{form:?} {initial:?}");
                 if simulated.is_ok() {
-                    let rest = initial == InitialCondition::Rest;
+                    let rest = initial == Start::AsIdentified;
                     let offset =
                         if rest { tf.dc_gain() * plan.transform(&input).unwrap().level() } else { 0.0 };
                     for sampling in [LINEAR, EXACT, WHOLE] {
@@ -124,9 +124,9 @@ fn the_linear_delay_is_the_one_in_time() {
     for samples in [7, 600] {
         let input = sweep(samples);
         for scheme in [Scheme::Tustin, Scheme::GrunwaldLetnikov, Scheme::Bdf2] {
-            for initial in [InitialCondition::Rest, InitialCondition::Zero] {
+            for initial in [Start::AsIdentified, Start::ZERO] {
                 let plan = SimulationPlan::new(samples, FS, scheme, initial).unwrap();
-                let before = if initial == InitialCondition::Rest { input[0] } else { 0.0 };
+                let before = if initial == Start::AsIdentified { input[0] } else { 0.0 };
                 for shift in [0.0, 0.25, 1.0, 5.75, 300.5, 1e4] {
                     let mut late = vec![0.0; samples];
                     delay_linear(&input, shift / FS, FS, before, &mut late).unwrap();
@@ -154,7 +154,7 @@ fn the_band_limited_delay_is_exact_for_a_smooth_pulse_under_every_scheme() {
     let input: Vec<f64> = (0..600).map(|k| pulse(f64::from(k))).collect();
     let one = DynamicForm { modes: Modes::None, creep: Creep::None }.transfer_function(&[]).unwrap();
     for scheme in Scheme::ALL {
-        let plan = SimulationPlan::new(input.len(), FS, scheme, InitialCondition::Zero).unwrap();
+        let plan = SimulationPlan::new(input.len(), FS, scheme, Start::ZERO).unwrap();
         for shift in [0.37, 2.5, 41.25] {
             let found = apply(&plan, &one, shift / FS, EXACT, &input);
             let expected: Vec<f64> = (0..600).map(|k| pulse(f64::from(k) - shift)).collect();
@@ -175,7 +175,7 @@ fn what_the_band_limited_delay_makes_of_a_corner() {
     let input: Vec<f64> = (0..samples).map(|k| sine(k as f64 / FS)).collect();
     let expected: Vec<f64> = (0..samples).map(|k| sine((k as f64 - 2.5) / FS)).collect();
     let one = DynamicForm { modes: Modes::None, creep: Creep::None }.transfer_function(&[]).unwrap();
-    let plan = SimulationPlan::new(input.len(), FS, Scheme::Tustin, InitialCondition::Zero).unwrap();
+    let plan = SimulationPlan::new(input.len(), FS, Scheme::Tustin, Start::ZERO).unwrap();
     let found = apply(&plan, &one, 2.5 / FS, EXACT, &input);
     let linear = apply(&plan, &one, 2.5 / FS, LINEAR, &input);
     let (exact, straight) = (error(&found, &expected), error(&linear, &expected));
@@ -253,13 +253,13 @@ fn tangents_are_the_derivatives_of_the_output() {
             (Scheme::Bdf2, LINEAR),
             (Scheme::GrunwaldLetnikov, LINEAR),
         ] {
-            let plan = SimulationPlan::new(600, FS, scheme, InitialCondition::Zero).unwrap();
+            let plan = SimulationPlan::new(600, FS, scheme, Start::ZERO).unwrap();
             check_tangents(&plan, form, &p, 2.3 / FS, sampling);
         }
         let finite = form.creep != Creep::Fractional && form.modes != Modes::FractionalFreeLowest;
         for scheme in [Scheme::Tustin, Scheme::BandLimited] {
             for samples in [600, 601] {
-                for initial in [InitialCondition::Rest, InitialCondition::Periodic] {
+                for initial in [Start::AsIdentified, Start::PERIODIC] {
                     let plan = SimulationPlan::new(samples, FS, scheme, initial).unwrap();
                     if finite {
                         check_tangents(&plan, form, &p, 2.3 / FS, EXACT);
@@ -281,7 +281,7 @@ fn the_linear_delay_at_a_whole_sample_has_the_derivative_from_the_right() {
     let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
     let p = [320.0, 0.62, 1.94, 1.05];
     let input = sweep(500);
-    let plan = SimulationPlan::new(500, RATE, Scheme::Tustin, InitialCondition::Zero).unwrap();
+    let plan = SimulationPlan::new(500, RATE, Scheme::Tustin, Start::ZERO).unwrap();
     let mut linearised = Linearised::new();
     form.linearise(&p, &mut linearised).unwrap();
     let mut response = plan.empty_response(4);
@@ -327,7 +327,7 @@ fn reconstruction_of_the_input_between_samples() {
     let samples = 4000;
     // Slow against the sample rate, smooth at its start.
     let input: Vec<f64> = (0..samples).map(|k| 1.0 - (TAU * f64::from(k) / 200.0).cos()).collect();
-    let plan = SimulationPlan::new(input.len(), FS, Scheme::BandLimited, InitialCondition::Zero).unwrap();
+    let plan = SimulationPlan::new(input.len(), FS, Scheme::BandLimited, Start::ZERO).unwrap();
     let run = |tf: &TransferFunction, reconstruction| {
         let found = apply(&plan, tf, 0.0, Sampling { reconstruction, ..EXACT }, &input);
         found[..samples as usize - 300].to_vec()
@@ -356,8 +356,8 @@ fn reconstruction_of_the_input_between_samples() {
 
 #[test]
 fn refusals() {
-    let plan = SimulationPlan::new(100, FS, Scheme::Tustin, InitialCondition::Zero).unwrap();
-    let other = SimulationPlan::new(1000, FS, Scheme::Tustin, InitialCondition::Zero).unwrap();
+    let plan = SimulationPlan::new(100, FS, Scheme::Tustin, Start::ZERO).unwrap();
+    let other = SimulationPlan::new(1000, FS, Scheme::Tustin, Start::ZERO).unwrap();
     let tf = TransferFunction::article_eq13();
     let mut response = plan.empty_response(4);
     for delay_s in [-1e-3, f64::NAN, f64::INFINITY] {
@@ -390,7 +390,7 @@ fn refusals() {
 
 #[test]
 fn spectra_add_up() {
-    let plan = SimulationPlan::new(300, FS, Scheme::Tustin, InitialCondition::Rest).unwrap();
+    let plan = SimulationPlan::new(300, FS, Scheme::Tustin, Start::AsIdentified).unwrap();
     let (u, v) = (sweep(300), (0..300).map(f64::from).map(|k| 2.0 + k.cos()).collect::<Vec<_>>());
     let mixed: Vec<f64> = u.iter().zip(&v).map(|(u, v)| 2.0 * u - 0.5 * v).collect();
     let mut sum = plan.transform(&mixed).unwrap();
@@ -421,14 +421,14 @@ proptest! {
         let tf = form.transfer_function(&[400.0, damping, alpha2, 1.0]).unwrap();
         let n = input.len();
         for scheme in [Scheme::Tustin, Scheme::GrunwaldLetnikov, Scheme::Bdf2] {
-            for initial in [InitialCondition::Zero, InitialCondition::Periodic] {
+            for initial in [Start::ZERO, Start::PERIODIC] {
                 let plan = SimulationPlan::new(n, FS, scheme, initial).unwrap();
                 let y = apply(&plan, &tf, 0.0, EXACT, &input);
                 for sampling in [LINEAR, EXACT, WHOLE] {
                     let z = apply(&plan, &tf, shift as f64 / FS, sampling, &input);
                     for k in 0..n {
                         let expected = match initial {
-                            InitialCondition::Periodic => y[(k + 50 * n - shift) % n],
+                            Start::PERIODIC => y[(k + 50 * n - shift) % n],
                             _ => if k < shift { 0.0 } else { y[k - shift] },
                         };
                         prop_assert!((z[k] - expected).abs() < 1e-9 * largest(&y), "{scheme} {initial:?} {k}");

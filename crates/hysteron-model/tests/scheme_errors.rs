@@ -6,9 +6,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+use hysteron_model::Start;
 use std::f64::consts::TAU;
 
-use hysteron_model::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction};
+use hysteron_model::dynamics::{Scheme, SimulationPlan, TransferFunction};
 
 const SAMPLES: usize = 10_000;
 
@@ -21,7 +22,7 @@ fn simulate(fold: usize, scheme: Scheme, drive: fn(f64) -> f64) -> Vec<f64> {
             drive(TAU * (t + 49.5 * t * t))
         })
         .collect();
-    let plan = SimulationPlan::new(samples, fs, scheme, InitialCondition::Zero).unwrap();
+    let plan = SimulationPlan::new(samples, fs, scheme, Start::ZERO).unwrap();
     let mut output = vec![0.0; samples];
     plan.simulate(&TransferFunction::article_eq13(), &input, &mut plan.workspace(), &mut output).unwrap();
     output.into_iter().step_by(fold).collect()

@@ -3,7 +3,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use hysteron_model::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction};
+use hysteron_model::Start;
+use hysteron_model::dynamics::{Scheme, SimulationPlan, TransferFunction};
 
 /// (time in ms, value).
 const REFERENCE: [(usize, f64); 5] = [
@@ -70,7 +71,7 @@ fn a_first_sample_of_one_makes_every_scheme_first_order() {
     let tf = TransferFunction::article_eq13();
     let error = |fold: usize| {
         let (per_ms, fs) = (10 * fold, 1e4 * fold as f64);
-        let plan = SimulationPlan::new(per_ms + 1, fs, Scheme::Tustin, InitialCondition::Zero).unwrap();
+        let plan = SimulationPlan::new(per_ms + 1, fs, Scheme::Tustin, Start::ZERO).unwrap();
         let mut y = vec![0.0; per_ms + 1];
         plan.simulate(&tf, &vec![1.0; per_ms + 1], &mut plan.workspace(), &mut y).unwrap();
         y[per_ms] - REFERENCE[0].1

@@ -2,9 +2,8 @@
 
 use super::StudyError;
 use super::noise::add_noise;
-use hysteron_model::dynamics::{
-    self, InitialCondition, InputSpectrum, Scheme, SimulationPlan, Term, TransferFunction,
-};
+use hysteron_model::Start;
+use hysteron_model::dynamics::{self, InputSpectrum, Scheme, SimulationPlan, Term, TransferFunction};
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
 use std::f64::consts::TAU;
 
@@ -53,7 +52,7 @@ impl FractionalBlock {
         let duration_s = SAMPLES as f64 / SAMPLE_RATE_HZ;
         let cycles = |t: f64| t + 0.5 * (100.0 - 1.0) * t * t / duration_s;
         let chirp: Vec<f64> = (0..SAMPLES).map(|k| (TAU * cycles(k as f64 / SAMPLE_RATE_HZ)).sin()).collect();
-        let plan = SimulationPlan::new(SAMPLES, SAMPLE_RATE_HZ, Scheme::Tustin, InitialCondition::Rest)?;
+        let plan = SimulationPlan::new(SAMPLES, SAMPLE_RATE_HZ, Scheme::Tustin, Start::AsIdentified)?;
         let input = plan.transform(&chirp)?;
         let mut y = vec![0.0; SAMPLES];
         let mut truth = blank();

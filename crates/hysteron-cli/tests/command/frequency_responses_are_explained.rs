@@ -2,10 +2,11 @@
 //! model file can hold.
 
 use crate::bench::model_data;
+use hysteron_model::Start;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use hysteron_model::dynamics::{Dynamics, InitialCondition, Scheme, SimulationPlan, TransferFunction};
+use hysteron_model::dynamics::{Dynamics, Scheme, SimulationPlan, TransferFunction};
 use hysteron_rig::excitation::{ExcitationSpec, Lines, Phases, Waveform};
 use serde_json::Value;
 
@@ -105,8 +106,7 @@ fn multisine_records_give_response_noise_and_distortion() {
         let drive =
             ExcitationSpec { seed, ..ExcitationSpec::new(2000.0, 0.0, 4.0, waveform) }.generate().unwrap();
         let u = drive.samples_v;
-        let plan =
-            SimulationPlan::new(u.len(), 2000.0, Scheme::BandLimited, InitialCondition::Periodic).unwrap();
+        let plan = SimulationPlan::new(u.len(), 2000.0, Scheme::BandLimited, Start::PERIODIC).unwrap();
         let mut y = vec![0.0; u.len()];
         plan.simulate(&TransferFunction::article_eq13(), &u, &mut plan.workspace(), &mut y).unwrap();
         // A little of the square shows at even lines, a little noise everywhere.

@@ -1,7 +1,8 @@
 //! Simulation that assumes no stability.
 
 use super::error::check_finite;
-use super::{DynamicsError, InitialCondition, Scheme, TransferFunction};
+use super::{DynamicsError, Scheme, TransferFunction};
+use crate::start::{LinearStart, Start};
 
 impl TransferFunction {
     /// The response to `input` at `sample_rate_hz` by the causal recursion, O(N log² N), stable or not: for
@@ -15,19 +16,18 @@ impl TransferFunction {
         input: &[f64],
         sample_rate_hz: f64,
         scheme: Scheme,
-        initial: InitialCondition,
+        initial: LinearStart,
     ) -> Result<Vec<f64>, DynamicsError> {
         self.validate()?;
         check_finite("input", input)?;
         let level = match initial {
-            InitialCondition::Zero => 0.0,
-            InitialCondition::Rest => input.first().copied().unwrap_or(0.0),
-            InitialCondition::Periodic => {
-                return Err(DynamicsError::PeriodicRecursion);
-            }
+            Start::AsIdentified => input.first().copied().unwrap_or(0.0),
+            Start::Rest { voltage_v } => voltage_v,
+            Start::Settled { .. } => return Err(DynamicsError::PeriodicRecursion),
+            Start::Remembering { memory, .. } => match memory {},
         };
-        let offset = if initial == InitialCondition::Rest { self.dc_gain() * level } else { 0.0 };
-        if initial == InitialCondition::Rest && self.dc_gain().is_infinite() {
+        let offset = if initial == Start::ZERO { 0.0 } else { self.dc_gain() * level };
+        if initial != Start::ZERO && self.dc_gain().is_infinite() {
             return Err(self.infinite_dc_gain());
         }
         let relative: Vec<f64> = input.iter().map(|u| u - level).collect();

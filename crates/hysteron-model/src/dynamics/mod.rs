@@ -7,12 +7,13 @@
 //! exact; [`delay`] shifts signals by fractions of a sample; [`Arx`] is the sampled-data alternative.
 //!
 //! ```
-//! use hysteron_model::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction};
+//! use hysteron_model::Start;
+//! use hysteron_model::dynamics::{Scheme, SimulationPlan, TransferFunction};
 //!
 //! let stage = TransferFunction::article_eq13();
 //! assert_eq!(stage.to_string(), "5.2589e6 / (s^2.0384 + 3081 s^1.0523 + 5.4955e6)");
 //! let drive: Vec<f64> = (0..1000).map(|k| (k as f64 * 0.01).sin()).collect();
-//! let plan = SimulationPlan::new(drive.len(), 10_000.0, Scheme::Tustin, InitialCondition::Rest)?;
+//! let plan = SimulationPlan::new(drive.len(), 10_000.0, Scheme::Tustin, Start::AsIdentified)?;
 //! let mut workspace = plan.workspace();
 //! let mut displacement = vec![0.0; drive.len()];
 //! plan.simulate(&stage, &drive, &mut workspace, &mut displacement)?;
@@ -65,16 +66,4 @@ pub enum Dynamics {
     Arx(Arx),
     /// Fractional-order transfer function (article Eq. 6), in s.
     Fractional(TransferFunction),
-}
-
-/// Assumption about the dynamic block before a record's first sample (SPEC §3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum InitialCondition {
-    /// At rest at the first sample's input: simulate v − v(0), add G(0)·v(0).
-    #[default]
-    Rest,
-    /// Steady state of the record repeated for ever.
-    Periodic,
-    /// All signals zero before the first sample (the article).
-    Zero,
 }

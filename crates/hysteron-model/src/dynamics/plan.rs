@@ -1,5 +1,6 @@
 //! Simulation of a transfer function over a record in one pair of FFTs.
 
+use crate::start::{LinearStart, Start};
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
@@ -7,7 +8,7 @@ use super::blocks::{BLOCK, Exponential, Polynomial, frequencies};
 use super::error::{check_finite, check_length, check_sample_rate};
 use super::frequencies::Frequencies;
 use super::sums::{self, Candidate};
-use super::{DynamicsError, InitialCondition, Scheme, Stability, Term, TransferFunction, stability};
+use super::{DynamicsError, Scheme, Stability, Term, TransferFunction, stability};
 use hysteron_numeric::fft::{RealFft, fast_length};
 use hysteron_numeric::{Complex64, InstructionSet, half_turns, multiply_quotient};
 
@@ -24,7 +25,7 @@ const SHORTEST: usize = 256;
 /// y = r^−k · IFFT( G(s) · FFT(r^k u_k) ), s = δ(r e^(−iθ))/h, L ≥ 2N, r^L = 1e-10 (Lubich's convolution
 /// quadrature; for `BandLimited` s = σ + iω with r = e^(−σh)). Holds FFT plans and ln s, point by point at the
 /// lowest frequencies and as power series over runs of the others, so that there a candidate costs one polynomial a
-/// frequency, whatever its orders. With [`InitialCondition::Periodic`] r = 1 and L = N: the exact steady state.
+/// frequency, whatever its orders. With [`Start::PERIODIC`] r = 1 and L = N: the exact steady state.
 ///
 /// Error against the O(N²) recursion: below 1e-9 of the largest output on article Eq. 13 up to N = 1e5
 /// (`tests/quadrature_matches_recursion.rs`).
@@ -33,7 +34,7 @@ pub struct SimulationPlan {
     pub(super) samples: usize,
     pub(super) sample_rate_hz: f64,
     pub(super) scheme: Scheme,
-    initial: InitialCondition,
+    initial: LinearStart,
     fft: RealFft,
     /// −ln r.
     pub(super) damping: f64,
@@ -81,13 +82,20 @@ impl SimulationPlan {
         samples: usize,
         sample_rate_hz: f64,
         scheme: Scheme,
-        initial: InitialCondition,
+        initial: LinearStart,
     ) -> Result<Self, DynamicsError> {
         check_sample_rate(sample_rate_hz)?;
         if samples == 0 {
             return Err(DynamicsError::TooFewSamples { need: 1, found: 0 });
         }
-        let periodic = initial == InitialCondition::Periodic;
+        let initial = match initial {
+            Start::Settled { period_samples: Some(period) } if period != samples => {
+                return Err(DynamicsError::Length { what: "period", expected: samples, found: period });
+            }
+            Start::Settled { .. } => Start::PERIODIC,
+            other => other,
+        };
+        let periodic = initial == Start::PERIODIC;
         let length = if periodic { samples } else { fast_length((2 * samples).max(SHORTEST)) };
         let damping = if periodic { 0.0 } else { -ALIASING.ln() / length as f64 };
         let grid = Frequencies::new(scheme, length, damping, sample_rate_hz);
@@ -136,7 +144,7 @@ impl SimulationPlan {
     }
 
     /// The initial condition.
-    pub fn initial_condition(&self) -> InitialCondition {
+    pub fn initial_condition(&self) -> LinearStart {
         self.initial
     }
 
@@ -200,8 +208,10 @@ impl SimulationPlan {
         self.check_workspace(workspace)?;
         check_length("input spectrum", spectrum.bins.len(), self.bins())?;
         spectrum.level = match self.initial {
-            InitialCondition::Rest => input[0],
-            InitialCondition::Periodic | InitialCondition::Zero => 0.0,
+            Start::AsIdentified => input[0],
+            Start::Rest { voltage_v } => voltage_v,
+            Start::Settled { .. } => 0.0,
+            Start::Remembering { memory, .. } => match memory {},
         };
         let time = &mut workspace.time;
         if !self.decay.multiply(self.set, input, -spectrum.level, 0.0, &mut time[..self.samples]) {
@@ -238,10 +248,7 @@ impl SimulationPlan {
         check_length("input spectrum", input.bins.len(), self.bins())?;
         self.check_workspace(workspace)?;
         self.check_candidate(tf)?;
-        let offset = match self.initial {
-            InitialCondition::Rest => tf.dc_gain() * input.level,
-            InitialCondition::Periodic | InitialCondition::Zero => 0.0,
-        };
+        let offset = if input.level == 0.0 { 0.0 } else { tf.dc_gain() * input.level };
         self.multiply(tf, input, &mut workspace.spectrum);
         self.invert(workspace, offset, output)
     }
@@ -290,8 +297,8 @@ impl SimulationPlan {
         if self.scheme == Scheme::Tustin {
             tf.require_proper()?;
         }
-        let periodic = self.initial == InitialCondition::Periodic;
-        if (periodic || self.initial == InitialCondition::Rest) && tf.dc_gain().is_infinite() {
+        let periodic = self.initial == Start::PERIODIC;
+        if self.initial != Start::ZERO && tf.dc_gain().is_infinite() {
             return Err(tf.infinite_dc_gain());
         }
         match stability(tf) {
@@ -356,7 +363,7 @@ impl SimulationPlan {
     pub(super) fn settle_ends(&self, bins: &mut [Complex64], dc: f64, top: f64) {
         let last = bins.len() - 1;
         let even = self.fft.len() == 2 * last;
-        if self.initial == InitialCondition::Periodic {
+        if self.initial == Start::PERIODIC {
             bins[0].re = dc;
             if self.scheme == Scheme::Tustin && even && last > 0 {
                 bins[last].re = top;
@@ -394,7 +401,7 @@ impl InputSpectrum {
         Self { bins: Vec::new(), level: 0.0 }
     }
 
-    /// What was taken off the input before the transform: its first sample under [`InitialCondition::Rest`], else 0.
+    /// What was taken off the input before the transform: its first sample under [`Start::AsIdentified`], else 0.
     pub fn level(&self) -> f64 {
         self.level
     }

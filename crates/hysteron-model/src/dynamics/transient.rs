@@ -1,6 +1,7 @@
 //! Step and impulse responses.
 
-use super::{DynamicsError, InitialCondition, Scheme, SimulationPlan, TransferFunction};
+use super::{DynamicsError, Scheme, SimulationPlan, TransferFunction};
+use crate::start::Start;
 
 impl TransferFunction {
     /// Response to a unit step at t = 0 at t = k/`sample_rate_hz`, k = 0 … `samples` − 1, from zero.
@@ -50,7 +51,7 @@ impl TransferFunction {
         sample_rate_hz: f64,
         scheme: Scheme,
     ) -> Result<Vec<f64>, DynamicsError> {
-        let plan = SimulationPlan::new(input.len(), sample_rate_hz, scheme, InitialCondition::Zero)?;
+        let plan = SimulationPlan::new(input.len(), sample_rate_hz, scheme, Start::ZERO)?;
         let mut output = vec![0.0; input.len()];
         plan.simulate(self, input, &mut plan.workspace(), &mut output)?;
         Ok(output)

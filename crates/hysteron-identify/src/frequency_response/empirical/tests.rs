@@ -1,8 +1,9 @@
+use hysteron_model::Start;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
-use hysteron_model::dynamics::{InitialCondition, Scheme, SimulationPlan, TransferFunction};
+use hysteron_model::dynamics::{Scheme, SimulationPlan, TransferFunction};
 use hysteron_model::record::{Channel, Record, TimeBase};
 use hysteron_rig::excitation::{Excitation, ExcitationSpec, Lines, Phases, Waveform};
 
@@ -33,7 +34,7 @@ fn noise(random: &mut Xoshiro256PlusPlus) -> f64 {
 
 /// Steady-state answer of the article's stage, exact at every line.
 fn answer(u: &[f64]) -> Vec<f64> {
-    let plan = SimulationPlan::new(u.len(), RATE, Scheme::BandLimited, InitialCondition::Periodic).unwrap();
+    let plan = SimulationPlan::new(u.len(), RATE, Scheme::BandLimited, Start::PERIODIC).unwrap();
     let mut y = vec![0.0; u.len()];
     plan.simulate(&TransferFunction::article_eq13(), u, &mut plan.workspace(), &mut y).unwrap();
     y

@@ -5,7 +5,7 @@ use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
 use super::{JointRecord, rest_voltage};
 use hysteron_model::Start;
-use hysteron_model::dynamics::{DynamicsError, InitialCondition, Sampling, Scheme, SimulationPlan};
+use hysteron_model::dynamics::{DynamicsError, Sampling, Scheme, SimulationPlan};
 use hysteron_model::hysteresis::DriveGrid;
 
 /// What a joint record is made from, all of it at the record's own rate.
@@ -68,7 +68,7 @@ impl JointRecord {
         let mut target = weighted(output(parts.output));
         nuisance.project(&mut target);
 
-        let initial = if periodic { InitialCondition::Periodic } else { InitialCondition::Zero };
+        let initial = if periodic { Start::PERIODIC } else { Start::ZERO };
         let rate_hz = parts.sample_rate_hz / parts.factor as f64;
         let plan =
             SimulationPlan::new(samples, rate_hz, parts.scheme, initial)?.of_thinned_inputs(parts.factor);

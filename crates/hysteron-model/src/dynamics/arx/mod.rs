@@ -7,10 +7,11 @@ mod order;
 pub use fit::{ArxFit, ArxOrders, ArxRecord, fit};
 pub use order::{ArxCandidate, ArxSearch, OrderCriterion, select_orders};
 
+use crate::start::{LinearStart, Start};
 use std::f64::consts::TAU;
 
+use super::DynamicsError;
 use super::error::{check_finite, check_length, check_sample_rate};
-use super::{DynamicsError, InitialCondition};
 use hysteron_numeric::Complex64;
 use hysteron_numeric::fft::RealFft;
 
@@ -102,7 +103,7 @@ impl Arx {
     pub fn simulate(
         &self,
         input: &[f64],
-        initial: InitialCondition,
+        initial: LinearStart,
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
         self.validate()?;
@@ -110,11 +111,16 @@ impl Arx {
         check_finite("input", input)?;
         let Some(&first) = input.first() else { return Ok(()) };
         let (v_before, y_before) = match initial {
-            InitialCondition::Zero => (0.0, 0.0),
-            InitialCondition::Rest => (first, self.dc_gain() * first),
-            InitialCondition::Periodic => return self.steady_state(input, output),
+            Start::ZERO => (0.0, 0.0),
+            Start::AsIdentified => (first, self.dc_gain() * first),
+            Start::Rest { voltage_v } => (voltage_v, self.dc_gain() * voltage_v),
+            Start::Settled { period_samples: Some(period) } if period != input.len() => {
+                return Err(DynamicsError::Length { what: "period", expected: input.len(), found: period });
+            }
+            Start::Settled { .. } => return self.steady_state(input, output),
+            Start::Remembering { memory, .. } => match memory {},
         };
-        if initial == InitialCondition::Rest && !self.dc_gain().is_finite() {
+        if initial != Start::ZERO && !self.dc_gain().is_finite() {
             return Err(DynamicsError::InfiniteDcGain { numerator: 0.0, denominator: 1.0 });
         }
         for k in 0..input.len() {

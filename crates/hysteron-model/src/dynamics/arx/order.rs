@@ -1,7 +1,8 @@
 //! Choosing the orders of an ARX model.
 
 use super::fit::{ArxFit, ArxOrders, ArxRecord, fit_after};
-use crate::dynamics::{DynamicsError, InitialCondition};
+use crate::dynamics::DynamicsError;
+use crate::start::Start;
 
 /// What the orders are chosen by; with M equations, p unknowns and the mean squared prediction error V.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -100,7 +101,7 @@ fn simulated_rmse(records: &[ArxRecord<'_>], fit: &ArxFit) -> Result<f64, Dynami
     let (mut squares, mut count) = (0.0, 0.0);
     for record in records {
         let mut simulated = vec![0.0; record.input.len()];
-        fit.model.simulate(record.input, InitialCondition::Rest, &mut simulated)?;
+        fit.model.simulate(record.input, Start::AsIdentified, &mut simulated)?;
         let valid = |k: usize| record.valid.is_none_or(|valid| valid[k]);
         let errors: Vec<f64> = record.output.iter().zip(&simulated).map(|(y, x)| y - x).collect();
         let used: Vec<f64> =
