@@ -7,9 +7,6 @@ use serde::Serialize;
 /// Table 1 (§4.2): best fitness after 150 generations, by algorithm, in the order of the table.
 pub const TABLE_1: [(&str, f64); 3] = [("DE", 0.0247), ("ABC", 0.0144), ("DE-ABC", 0.0120)];
 
-/// Generations of every algorithm (§4.2).
-pub const GENERATIONS: usize = 150;
-
 /// Table 2 (§4.3): parameters of the improved Bouc–Wen block, Eq. 1, and its errors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Table2 {

@@ -59,21 +59,6 @@ impl<M> Start<M> {
     pub fn settled(period_samples: usize) -> Self {
         Self::Settled { period_samples: Some(period_samples) }
     }
-
-    /// The same start with the memory given otherwise.
-    ///
-    /// # Errors
-    /// Those of `memory`.
-    pub fn with_memory<N, E>(self, memory: impl FnOnce(M) -> Result<N, E>) -> Result<Start<N>, E> {
-        Ok(match self {
-            Self::AsIdentified => Start::AsIdentified,
-            Self::Rest { voltage_v } => Start::Rest { voltage_v },
-            Self::Remembering { voltage_v, memory: own } => {
-                Start::Remembering { voltage_v, memory: memory(own)? }
-            }
-            Self::Settled { period_samples } => Start::Settled { period_samples },
-        })
-    }
 }
 
 impl Start {

@@ -197,14 +197,6 @@ pub enum DynamicsError {
         /// Number of unknowns.
         columns: usize,
     },
-    /// An order is not a whole number where an integer-order transfer function is asked for.
-    #[error("an integer-order transfer function has whole orders, but the {part} has order {order}")]
-    NotInteger {
-        /// `numerator` or `denominator`.
-        part: &'static str,
-        /// The first order that is not whole.
-        order: f64,
-    },
     /// The transfer function is not of the form of article Eq. 13.
     #[error(
         "gain, natural frequency and damping need the form b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀) with b, c₀ > 0, but this is {form}"

@@ -143,11 +143,6 @@ impl SimulationPlan {
         self.frequencies.bins
     }
 
-    /// The initial condition.
-    pub fn initial_condition(&self) -> LinearStart {
-        self.initial
-    }
-
     /// Length of the transforms.
     pub fn transform_length(&self) -> usize {
         self.fft.len()

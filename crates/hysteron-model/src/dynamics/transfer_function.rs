@@ -67,22 +67,7 @@ impl TransferFunction {
 
     /// Whether every order is a whole number.
     pub fn is_integer_order(&self) -> bool {
-        self.fractional_order().is_none()
-    }
-
-    /// # Errors
-    /// [`DynamicsError::NotInteger`] with the first order that is not whole.
-    pub fn require_integer_order(&self) -> Result<(), DynamicsError> {
-        match self.fractional_order() {
-            Some((part, order)) => Err(DynamicsError::NotInteger { part, order }),
-            None => Ok(()),
-        }
-    }
-
-    fn fractional_order(&self) -> Option<(&'static str, f64)> {
-        let numerator = self.numerator.iter().map(|term| ("numerator", term.order));
-        let denominator = self.denominator.iter().map(|term| ("denominator", term.order));
-        numerator.chain(denominator).find(|(_, order)| order.fract() != 0.0)
+        self.numerator.iter().chain(&self.denominator).all(|term| term.order.fract() == 0.0)
     }
 
     /// Whether the highest numerator order does not exceed the highest denominator order.

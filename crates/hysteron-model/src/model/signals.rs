@@ -28,14 +28,6 @@ impl Signals {
             Self::Several(record) => &record.time,
         }
     }
-
-    /// Whether the outputs were measured.
-    pub fn are_measured(&self) -> bool {
-        match self {
-            Self::Single(record) => !record.y.is_empty(),
-            Self::Several(record) => !record.y.is_empty(),
-        }
-    }
 }
 
 impl From<InputOutput> for Signals {
