@@ -19,6 +19,7 @@ mod fit;
 pub mod frequency_response;
 mod identifiability;
 mod joint;
+mod layer_error;
 mod layout;
 pub mod linear;
 mod linear_step;
@@ -50,6 +51,7 @@ pub use joint::{
     Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,
     Smoothing,
 };
+pub use layer_error::Error;
 pub use layout::Demands;
 pub use options::{
     CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,

@@ -1,6 +1,8 @@
 //! What can be wrong with a file.
 
 use crate::atomic_file::AtomicWriteError;
+use crate::json_file::JsonFileError;
+use crate::model_file::ModelDiskError;
 use hysteron_model::Advice;
 use hysteron_model::advice::ColumnRole;
 use hysteron_model::record::RecordError;
@@ -8,7 +10,7 @@ use hysteron_model::record::ResponseDataError;
 
 use crate::place::Place;
 
-/// Why a file could not be read as a record, or a record not written.
+/// Error of this crate: why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IoError {
@@ -28,9 +30,15 @@ pub enum IoError {
         /// What the operating system says.
         source: std::io::Error,
     },
-    /// The record cannot be written.
+    /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] AtomicWriteError),
+    /// A model file cannot be read or written.
+    #[error(transparent)]
+    Model(#[from] ModelDiskError),
+    /// A JSON file cannot be read or written.
+    #[error(transparent)]
+    Json(#[from] JsonFileError),
     /// Nothing but blank lines and comments.
     #[error("`{file}` {what}: expected a header line such as `t_s,u_V,y_um` and one line a sample")]
     Empty {

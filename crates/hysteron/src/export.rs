@@ -52,7 +52,7 @@ impl Model {
     /// The model as source for a controller's rate \[Hz\]; names in it begin with `model`.
     ///
     /// # Errors
-    /// [`Error::Unsupported`], [`Error::Realise`], [`Error::Export`].
+    /// [`Error::Model`], [`Error::Export`].
     pub fn export(&self, sample_rate_hz: f64, target: Target) -> Result<Export, Error> {
         let body: &Body<_, _> = self.core().hammerstein(Capability::Export)?;
         let options = body.realise_options(sample_rate_hz, RealiseOptions::default());

@@ -125,7 +125,7 @@ impl<'a> Identify<'a> {
     /// Runs the identification.
     ///
     /// # Errors
-    /// [`Error::Record`], [`Error::Axes`] for records that cannot be used; [`Error::Fit`] where no model describes them.
+    /// [`Error::Model`] for records that cannot be used; [`Error::Identify`] where no model describes them.
     pub fn run(self) -> Result<Fit, Error> {
         let kind = match (self.kind, self.inputs.len()) {
             (Some(kind), _) => kind,
@@ -194,7 +194,7 @@ impl Fit {
     /// Writes the model file.
     ///
     /// # Errors
-    /// [`Error::ModelFile`].
+    /// [`Error::File`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         self.model.save(path)
     }

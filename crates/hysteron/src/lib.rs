@@ -99,7 +99,7 @@ use std::path::Path;
 /// Reads records, each from a file of any format that is known: CSV, NPY, NPZ.
 ///
 /// # Errors
-/// [`Error::Read`] for the first file that is no readable record; it names file, line and column.
+/// [`Error::File`] for the first file that is no readable record; it names file, line and column.
 pub fn read<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Record>, Error> {
     let options = ReadOptions::default();
     paths.into_iter().map(|path| Ok(hysteron_io::read_record(path.as_ref(), &options)?)).collect()

@@ -29,7 +29,7 @@ impl Model {
     /// The model in a file, of any kind.
     ///
     /// # Errors
-    /// [`Error::ModelFile`], which names the place.
+    /// [`Error::File`], which names the place.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, Error> {
         Ok(Self(load_model(path.as_ref())?))
     }
@@ -37,7 +37,7 @@ impl Model {
     /// Writes the model file; an existing file is replaced in one step.
     ///
     /// # Errors
-    /// [`Error::ModelFile`].
+    /// [`Error::File`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         Ok(save_model(path.as_ref(), &self.0)?)
     }
@@ -55,7 +55,7 @@ impl Model {
     /// The output for a drive in free run, of a model of one input and one output.
     ///
     /// # Errors
-    /// [`Error::Run`].
+    /// [`Error::Model`].
     pub fn simulate(&self, drive: &Signal, start: Start) -> Result<Signal, Error> {
         let simulation = self.0.simulate(&drive.clone().into(), start)?;
         Ok(Signal {
@@ -71,7 +71,7 @@ impl Model {
     /// by name and unit.
     ///
     /// # Errors
-    /// [`Error::Record`], [`Error::Axes`], [`Error::Run`].
+    /// [`Error::Model`].
     pub fn score(&self, record: &Record, scoring: Scoring) -> Result<Score, Error> {
         Ok(self.0.score(&self.signals(record)?, Start::AsIdentified, &scoring)?)
     }
@@ -79,7 +79,7 @@ impl Model {
     /// The drive, held between its samples, that makes the output follow a reference.
     ///
     /// # Errors
-    /// [`Error::Unsupported`], [`Error::NoSampleRate`], [`Error::Inversion`].
+    /// [`Error::Model`], [`Error::NoSampleRate`].
     pub fn invert(&self, reference: &Signal, limits: Limits) -> Result<Signal, Error> {
         let law = self.0.hammerstein(Capability::Inversion)?.law();
         let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
@@ -103,7 +103,7 @@ impl Model {
     /// voltage of the range next to 0 V.
     ///
     /// # Errors
-    /// [`Error::Unsupported`], [`Error::Controller`].
+    /// [`Error::Model`].
     pub fn controller(&self, sample_rate_hz: f64, limits: Limits) -> Result<Controller, Error> {
         let body = self.0.hammerstein(Capability::Inversion)?;
         let options = CompensatorOptions {

@@ -20,7 +20,7 @@ impl Report {
     /// Writes the page; an existing file is replaced in one step.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::File`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         Ok(write_page(path.as_ref(), &self.0)?)
     }

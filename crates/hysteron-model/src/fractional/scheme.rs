@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
+use crate::unknown_name::UnknownName;
 use hysteron_numeric::Complex64;
 
 /// How a transfer function in s is simulated on sampled data (convolution quadrature: s → δ(z)/h, z the
@@ -110,22 +111,11 @@ impl fmt::Display for Scheme {
     }
 }
 
-/// A name that is not a scheme's.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown scheme `{name}`; the schemes are tustin, grunwald-letnikov, bdf2 and band-limited")]
-pub struct UnknownScheme {
-    /// The name given.
-    pub name: String,
-}
-
 impl FromStr for Scheme {
-    type Err = UnknownScheme;
+    type Err = UnknownName;
 
-    fn from_str(name: &str) -> Result<Self, UnknownScheme> {
-        Self::ALL
-            .into_iter()
-            .find(|scheme| scheme.name() == name)
-            .ok_or_else(|| UnknownScheme { name: name.to_owned() })
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
+        UnknownName::find("scheme", name, Self::ALL, Self::name)
     }
 }
 

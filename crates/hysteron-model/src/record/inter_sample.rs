@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
+use crate::unknown_name::UnknownName;
+
 /// What is assumed of a signal between its samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -46,20 +48,11 @@ impl fmt::Display for InterSample {
     }
 }
 
-/// A name that is not a rule's.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown rule `{name}` between samples; the rules are hold, linear and band-limited")]
-pub struct UnknownInterSample {
-    /// The name given.
-    pub name: String,
-}
-
 impl FromStr for InterSample {
-    type Err = UnknownInterSample;
+    type Err = UnknownName;
 
-    fn from_str(name: &str) -> Result<Self, UnknownInterSample> {
-        let found = Self::ALL.into_iter().find(|rule| rule.name() == name);
-        found.ok_or_else(|| UnknownInterSample { name: name.to_owned() })
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
+        UnknownName::find("rule between samples", name, Self::ALL, Self::name)
     }
 }
 

@@ -42,7 +42,7 @@ pub use inspection_summary::{
     ChannelSummary, DelaySummary, DriveSummary, InspectionFinding, InspectionSummary, LoopSummary,
     PeriodsSummary,
 };
-pub use inter_sample::{InterSample, UnknownInterSample};
+pub use inter_sample::InterSample;
 pub use keyed::{Keyed, key_in};
 pub use loop_shape::{LoopSense, LoopShape, loop_shape};
 pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::compensator::{CompensatorOptions, Prediction};
 use crate::control::{Adaptive, Forward, LawFamily, Strategy};
+use crate::unknown_name::UnknownName;
 
 /// Controller that follows a reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -207,15 +208,10 @@ impl Controller {
     }
 }
 
-/// A name that no [`Controller`] has.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no controller `{0}`")]
-pub struct UnknownController(String);
-
 impl FromStr for Controller {
-    type Err = UnknownController;
+    type Err = UnknownName;
 
-    fn from_str(name: &str) -> Result<Self, Self::Err> {
-        Self::ALL.into_iter().find(|c| c.name() == name).ok_or_else(|| UnknownController(name.to_owned()))
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
+        UnknownName::find("controller", name, Self::ALL, Self::name)
     }
 }

@@ -19,7 +19,7 @@ use crate::model_file::ModelFile;
 use crate::record::{Signal, TimeBase, Unit, range_of};
 use run::Rehearsal;
 
-pub use controller::{Controller, ControllerFamily, ReferenceKnowledge, UnknownController};
+pub use controller::{Controller, ControllerFamily, ReferenceKnowledge};
 pub use options::{TrackError, TrackOptions};
 pub use run::{Adaptation, ControllerRun, differ};
 pub use summary::law;

@@ -13,6 +13,7 @@ use super::{
     BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape,
 };
 use crate::start::Start;
+use crate::unknown_name::UnknownName;
 use serde::{Deserialize, Serialize};
 
 /// A family of hysteresis operators with its fixed structure.
@@ -48,21 +49,12 @@ pub struct UnknownElements {
     pub allowed: String,
 }
 
-/// A name that is no family's.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no hysteresis family is called `{found}`: expected one of {}", HysteresisForm::usual().map(HysteresisForm::name).join(", "))]
-pub struct UnknownFamily {
-    /// The name.
-    pub found: String,
-}
-
 impl std::str::FromStr for HysteresisForm {
-    type Err = UnknownFamily;
+    type Err = UnknownName;
 
     /// The family of this name, with its usual number of elements.
-    fn from_str(name: &str) -> Result<Self, UnknownFamily> {
-        let named = Self::usual().into_iter().find(|form| form.name() == name);
-        named.ok_or_else(|| UnknownFamily { found: name.to_owned() })
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
+        UnknownName::find("hysteresis family", name, Self::usual(), Self::name)
     }
 }
 

@@ -1,0 +1,93 @@
+//! What can go wrong in this crate, of whatever part: a caller that only tells crates apart takes [`Error`].
+
+use crate::axes::{AxesError, AxesScoreError};
+use crate::compensator::CompensatorError;
+use crate::control::{ControlError, TuningError};
+use crate::dynamics::DynamicsError;
+use crate::fractional::FractionalError;
+use crate::hammerstein::SimulationError;
+use crate::hysteresis::{HysteresisError, UnknownElements};
+use crate::invert::InversionError;
+use crate::model::{RunError, Unsupported};
+use crate::model_file::ModelFileError;
+use crate::oscillator::OscillatorError;
+use crate::realise::RealiseError;
+use crate::record::{RecordError, ResponseDataError, ScaleError};
+use crate::tracking::TrackError;
+use crate::unknown_name::UnknownName;
+use crate::validate::{ScoreError, StartError};
+
+/// Error of this crate.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// [`AxesError`].
+    #[error(transparent)]
+    Axes(#[from] AxesError),
+    /// [`AxesScoreError`].
+    #[error(transparent)]
+    AxesScore(#[from] AxesScoreError),
+    /// [`CompensatorError`].
+    #[error(transparent)]
+    Compensator(#[from] CompensatorError),
+    /// [`ControlError`].
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// [`DynamicsError`].
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    /// [`UnknownElements`].
+    #[error(transparent)]
+    Elements(#[from] UnknownElements),
+    /// [`FractionalError`].
+    #[error(transparent)]
+    Fractional(#[from] FractionalError),
+    /// [`HysteresisError`].
+    #[error(transparent)]
+    Hysteresis(#[from] HysteresisError),
+    /// [`InversionError`].
+    #[error(transparent)]
+    Inversion(#[from] InversionError),
+    /// [`ModelFileError`].
+    #[error(transparent)]
+    ModelFile(#[from] ModelFileError),
+    /// [`UnknownName`].
+    #[error(transparent)]
+    Name(#[from] UnknownName),
+    /// [`OscillatorError`].
+    #[error(transparent)]
+    Oscillator(#[from] OscillatorError),
+    /// [`RealiseError`].
+    #[error(transparent)]
+    Realise(#[from] RealiseError),
+    /// [`RecordError`].
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// [`ResponseDataError`].
+    #[error(transparent)]
+    Response(#[from] ResponseDataError),
+    /// [`RunError`].
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// [`ScaleError`].
+    #[error(transparent)]
+    Scale(#[from] ScaleError),
+    /// [`ScoreError`].
+    #[error(transparent)]
+    Score(#[from] ScoreError),
+    /// [`SimulationError`].
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// [`StartError`].
+    #[error(transparent)]
+    Start(#[from] StartError),
+    /// [`TrackError`].
+    #[error(transparent)]
+    Track(#[from] TrackError),
+    /// [`TuningError`].
+    #[error(transparent)]
+    Tuning(#[from] TuningError),
+    /// [`Unsupported`].
+    #[error(transparent)]
+    Unsupported(#[from] Unsupported),
+}
