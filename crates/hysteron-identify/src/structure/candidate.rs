@@ -48,27 +48,11 @@ pub struct Candidate {
 
 /// Dynamic block of a [`Candidate`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Block {
-    /// Static model with delay.
-    None,
-    /// Integer-order dynamics of this many poles, 1 to 12.
-    Integer(usize),
-    /// Resonances in parallel with this many poles, 4 to 12; an odd one is a lag.
-    Modes(usize),
-    /// Autoregressive (identified in two steps, as the next three).
-    Arx,
-    /// Output error.
-    OutputError,
-    /// Output error with a noise model.
-    BoxJenkins,
-    /// Continuous time by refined instrumental variables.
-    Srivc,
-    /// b / (s^α₂ + c₁ s^α₁ + c₀).
-    Fractional,
-    /// b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀).
-    FractionalFreeLowest,
-    /// Two fractional modes in parallel.
-    TwoFractional,
+pub struct Block {
+    /// Which; never [`DynamicsChoice::Auto`].
+    pub dynamics: DynamicsChoice,
+    /// Number of poles of [`DynamicsChoice::Integer`] (1 to 12) and [`DynamicsChoice::Modes`] (4 to 12, an odd one is a lag).
+    pub order: usize,
 }
 
 /// Part of a structure.
@@ -90,44 +74,62 @@ impl Part {
 }
 
 impl Block {
+    /// Static model with delay.
+    pub const NONE: Self = Self::of(DynamicsChoice::None);
+
     /// Those that are compared where none is named, simple before rich.
     pub const USUAL: [Self; 9] = [
-        Self::None,
-        Self::Integer(1),
-        Self::Integer(2),
-        Self::Integer(3),
-        Self::Integer(4),
-        Self::Arx,
-        Self::Fractional,
-        Self::FractionalFreeLowest,
-        Self::TwoFractional,
+        Self::NONE,
+        Self::integer(1),
+        Self::integer(2),
+        Self::integer(3),
+        Self::integer(4),
+        Self::of(DynamicsChoice::Arx),
+        Self::of(DynamicsChoice::Fractional),
+        Self::of(DynamicsChoice::FractionalFreeLowest),
+        Self::of(DynamicsChoice::TwoFractional),
     ];
+
+    /// Of this kind, with two poles where their number is free.
+    pub const fn of(dynamics: DynamicsChoice) -> Self {
+        Self { dynamics, order: 2 }
+    }
+
+    /// Integer-order dynamics of so many poles.
+    pub const fn integer(order: usize) -> Self {
+        Self { dynamics: DynamicsChoice::Integer, order }
+    }
+
+    fn has_order(self) -> bool {
+        matches!(self.dynamics, DynamicsChoice::Integer | DynamicsChoice::Modes)
+    }
 
     /// Whether it is identified in two steps.
     pub(super) fn takes_two_steps(self) -> bool {
-        matches!(self, Self::Arx | Self::OutputError | Self::BoxJenkins | Self::Srivc)
+        self.dynamics.takes_two_steps()
     }
 
     fn all() -> impl Iterator<Item = Self> {
-        let integer = (1..=MOST_INTEGER_POLES).map(Self::Integer);
-        let modes = (FEWEST_OF_MODES..=MOST_INTEGER_POLES).map(Self::Modes);
-        let regressions = [Self::OutputError, Self::BoxJenkins, Self::Srivc];
-        Self::USUAL.into_iter().chain(integer).chain(modes).chain(regressions)
+        let integer = (1..=MOST_INTEGER_POLES).map(Self::integer);
+        let modes = (FEWEST_OF_MODES..=MOST_INTEGER_POLES)
+            .map(|order| Self { dynamics: DynamicsChoice::Modes, order });
+        let regressions = [DynamicsChoice::OutputError, DynamicsChoice::BoxJenkins, DynamicsChoice::Srivc];
+        Self::USUAL.into_iter().chain(integer).chain(modes).chain(regressions.map(Self::of))
+    }
+
+    /// That of an identification with these options; [`DynamicsChoice::Auto`] counts as fractional.
+    pub(super) fn of_options(options: &Options) -> Self {
+        let dynamics = match options.dynamics {
+            DynamicsChoice::Auto => DynamicsChoice::Fractional,
+            given => given,
+        };
+        let block = Self { dynamics, order: options.order };
+        if block.has_order() { block } else { Self::of(dynamics) }
     }
 
     fn name(self) -> String {
-        match self {
-            Self::None => "none".into(),
-            Self::Integer(order) => format!("integer{order}"),
-            Self::Modes(order) => format!("modes{order}"),
-            Self::Arx => "arx".into(),
-            Self::OutputError => "oe".into(),
-            Self::BoxJenkins => "bj".into(),
-            Self::Srivc => "srivc".into(),
-            Self::Fractional => "fractional".into(),
-            Self::FractionalFreeLowest => "fractional-free-lowest".into(),
-            Self::TwoFractional => "two-fractional".into(),
-        }
+        let order = if self.has_order() { self.order.to_string() } else { String::new() };
+        self.dynamics.name().to_owned() + &order
     }
 }
 
@@ -185,22 +187,10 @@ impl Candidate {
 
     /// `base` with this structure.
     pub fn options(self, base: &Options) -> Options {
-        let (dynamics, order) = match self.block {
-            Block::None => (DynamicsChoice::None, 2),
-            Block::Integer(order) => (DynamicsChoice::Integer, order),
-            Block::Modes(order) => (DynamicsChoice::Modes, order),
-            Block::Arx => (DynamicsChoice::Arx, 2),
-            Block::OutputError => (DynamicsChoice::OutputError, 2),
-            Block::BoxJenkins => (DynamicsChoice::BoxJenkins, 2),
-            Block::Srivc => (DynamicsChoice::Srivc, 2),
-            Block::Fractional => (DynamicsChoice::Fractional, 2),
-            Block::FractionalFreeLowest => (DynamicsChoice::FractionalFreeLowest, 2),
-            Block::TwoFractional => (DynamicsChoice::TwoFractional, 2),
-        };
         Options {
             method: if self.block.takes_two_steps() { Method::TwoStep } else { Method::Joint },
-            dynamics,
-            order,
+            dynamics: self.block.dynamics,
+            order: self.block.order,
             creep: self.creep,
             hysteresis: self.hysteresis,
             degree: Choice::Given(self.degree),
@@ -278,12 +268,15 @@ mod tests {
                 creep: Creep::Fractional,
                 degree: 1,
                 n_free: true,
-                ..Candidate::of(Block::Integer(4))
+                ..Candidate::of(Block::integer(4))
             }
         );
         for hysteresis in HysteresisForm::usual() {
-            let candidate =
-                Candidate { hysteresis, creep: Creep::Fractional, ..Candidate::of(Block::Fractional) };
+            let candidate = Candidate {
+                hysteresis,
+                creep: Creep::Fractional,
+                ..Candidate::of(Block::of(DynamicsChoice::Fractional))
+            };
             assert_eq!(candidate.to_string().parse(), Ok(candidate));
         }
     }
@@ -304,7 +297,7 @@ mod tests {
         assert_eq!(names(plays, Part::Block).len(), Block::USUAL.len() - 1);
         assert_eq!(names(plays, Part::Shape).len(), 5);
         assert_eq!(names(own, Part::Creep).len(), 4);
-        let arx = Candidate::of(Block::Arx);
+        let arx = Candidate::of(Block::of(DynamicsChoice::Arx));
         assert_eq!(
             (names(arx, Part::Family), names(arx, Part::Creep)),
             (vec!["arx".to_owned()], vec!["arx".to_owned()])

@@ -159,7 +159,7 @@ impl Run<'_, '_> {
     /// One part of the structure after the other, the rest as in the best so far, until a pass changes nothing: which dynamics predict best
     /// depends on the hysteresis before them, and the other way round.
     fn search(&mut self) {
-        let mut best = Candidate::of(Block::None);
+        let mut best = Candidate::of(Block::NONE);
         for pass in 1..=PASSES {
             let before = best;
             for (parts_left, part) in (0..Part::ALL.len()).rev().zip(Part::ALL) {

@@ -104,20 +104,8 @@ pub fn neighbours(
 
 /// The structure that was identified.
 fn identified(options: &Options, found: &Identification) -> Candidate {
-    let block = match options.dynamics {
-        DynamicsChoice::None => Block::None,
-        DynamicsChoice::Integer => Block::Integer(options.order),
-        DynamicsChoice::Modes => Block::Modes(options.order),
-        DynamicsChoice::Arx => Block::Arx,
-        DynamicsChoice::OutputError => Block::OutputError,
-        DynamicsChoice::BoxJenkins => Block::BoxJenkins,
-        DynamicsChoice::Srivc => Block::Srivc,
-        DynamicsChoice::Auto | DynamicsChoice::Fractional => Block::Fractional,
-        DynamicsChoice::FractionalFreeLowest => Block::FractionalFreeLowest,
-        DynamicsChoice::TwoFractional => Block::TwoFractional,
-    };
     Candidate {
-        block,
+        block: Block::of_options(options),
         creep: found.structure.creep,
         degree: found.structure.degree,
         n_free: options.n == Choice::Auto && options.hysteresis == HysteresisForm::BoucWen,
@@ -134,10 +122,10 @@ fn candidates(own: Candidate) -> Vec<Candidate> {
         }
     };
     let with = if own.creep == Creep::None { Creep::Fractional } else { own.creep };
-    for block in [Block::None, Block::Integer(2), Block::Fractional, own.block] {
+    for block in [Block::NONE, Block::integer(2), Block::of(DynamicsChoice::Fractional), own.block] {
         for creep in [Creep::None, with] {
             // A static model with creep, and ARX with it, are nobody's first question.
-            if creep == Creep::None || !(block == Block::None || block.takes_two_steps()) {
+            if creep == Creep::None || !(block == Block::NONE || block.takes_two_steps()) {
                 add(Candidate { block, creep, ..own });
             }
         }

@@ -52,7 +52,7 @@ impl Model {
     pub fn simulate(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
         self.check_start(start)?;
         match (self, signals) {
-            (Self::Hammerstein(body), Signals::Single(record)) => {
+            (Self::Hammerstein(_) | Self::Oscillator(_), Signals::Single(record)) => {
                 let mut run = self.prepared(record)?;
                 let start = match start {
                     Start::AsIdentified => self.expected_start(record, &mut run.remarks),
@@ -60,18 +60,13 @@ impl Model {
                     given => given,
                 };
                 run.remark_range(self, &record.u);
-                let y = body.law.simulate(&record.u, record.sample_rate_hz(), &start)?;
-                Ok(run.finished(start, y))
-            }
-            (Self::Oscillator(body), Signals::Single(record)) => {
-                let mut run = self.prepared(record)?;
-                let start = match start {
-                    Start::AsIdentified => self.expected_start(record, &mut run.remarks),
-                    Start::PERIODIC => Start::settled(own_period(record).unwrap_or(record.len())),
-                    given => given,
+                let y = match self {
+                    Self::Hammerstein(body) => {
+                        body.law.simulate(&record.u, record.sample_rate_hz(), &start)?
+                    }
+                    Self::Oscillator(body) => oscillate(body, record, start)?,
+                    Self::Modes(_) | Self::Branches(_) => return Err(self.takes_others()),
                 };
-                run.remark_range(self, &record.u);
-                let y = oscillate(body, record, start)?;
                 Ok(run.finished(start, y))
             }
             (Self::Modes(_) | Self::Branches(_), Signals::Several(record)) => {
