@@ -68,7 +68,7 @@ pub(super) fn identify(
         let first = records.first()?;
         let units = SignalUnits::of(&first.u_unit, &first.y_unit);
         let rate = first.sample_rate_hz()?;
-        let file = OscillatorFile::new(&problem.oscillator(x), units, options.inter_sample.into(), rate);
+        let file = OscillatorFile::new(&problem.oscillator(x), units, options.inter_sample, rate);
         hysteron_model::Model::try_from(file).ok()
     };
     let search = engine.run("output error", &problem, &algorithm, starts, Some(&shown))?.outcome;

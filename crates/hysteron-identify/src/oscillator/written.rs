@@ -17,7 +17,7 @@ impl Identification {
         let signals =
             first.map_or_else(SignalUnits::default, |r| SignalUnits::of(&r.data.u_unit, &r.data.y_unit));
         let rate = first.and_then(|r| r.data.sample_rate_hz()).unwrap_or(1.0);
-        let mut file = OscillatorFile::new(&self.oscillator, signals.clone(), self.inter_sample.into(), rate);
+        let mut file = OscillatorFile::new(&self.oscillator, signals.clone(), self.inter_sample, rate);
         for (quantity, estimate) in file.parameters.all_mut().into_iter().zip(&self.estimates) {
             quantity.std_error = estimate.std_error;
         }

@@ -1,5 +1,6 @@
 //! The discretisation schemes and their δ(z).
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -13,7 +14,7 @@ use hysteron_numeric::Complex64;
 /// All three substitutions map |z| < 1 into the right half-plane. Error of the simulated article Eq. 13 on
 /// a 1–100 Hz chirp at 10 kHz: 1.7e-2, 7.2e-4 and 1.8e-4 of the maximum for `GrunwaldLetnikov`, `Bdf2` and
 /// `Tustin` (`tests/scheme_errors.rs`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// δ = 2(1 − z)/(1 + z): second order, for proper transfer functions.

@@ -402,7 +402,7 @@ fn oscillate(
     start: Start,
 ) -> Result<Vec<f64>, RunError> {
     let rate = record.sample_rate_hz().ok_or(RunError::NoSampleRate)?;
-    let mut y = body.law.simulate_record(&record.u, rate, body.data.inter_sample.into(), start)?;
+    let mut y = body.law.simulate_record(&record.u, rate, body.data.inter_sample, start)?;
     y.iter_mut().for_each(|y| *y += body.data.offset.value);
     Ok(y)
 }

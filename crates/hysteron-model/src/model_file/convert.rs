@@ -115,8 +115,8 @@ impl ModelFile {
             delay: Quantity::new(model.delay_s, "s"),
             offset: Quantity::new(model.offset, units.output),
             units: signals,
-            scheme: model.scheme.into(),
-            inter_sample: model.inter_sample.into(),
+            scheme: model.scheme,
+            inter_sample: model.inter_sample,
             sample_rate_hz: model.sample_rate_hz,
             normalisation: Normalisation::default(),
             start: super::StartEntry::default(),
@@ -163,8 +163,8 @@ impl ModelFile {
             dynamics,
             offset: self.offset.value,
             delay_s: self.delay.value,
-            scheme: self.scheme.into(),
-            inter_sample: self.inter_sample.into(),
+            scheme: self.scheme,
+            inter_sample: self.inter_sample,
             sample_rate_hz: self.sample_rate_hz,
         })
     }

@@ -102,10 +102,10 @@ pub struct ModelFile {
     /// Output offset, the model's only constant term; in the output unit.
     pub offset: Quantity,
     /// How the dynamic block is simulated on sampled data.
-    pub scheme: SchemeName,
+    pub scheme: Scheme,
     /// What the drive does between its samples.
-    #[serde(default, skip_serializing_if = "InterSampleName::is_default")]
-    pub inter_sample: InterSampleName,
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub inter_sample: InterSample,
     /// Sample rate the model was identified at, in Hz; null for a static model of records without one.
     #[serde(deserialize_with = "Option::deserialize")]
     #[schemars(required)]
@@ -277,79 +277,8 @@ pub struct TermEntry {
     pub order: Quantity,
 }
 
-/// Names of the simulation schemes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum SchemeName {
-    /// δ = 2(1 − z)/(1 + z).
-    Tustin,
-    /// δ = 1 − z; the parameters belong to `sample_rate_hz`.
-    GrunwaldLetnikov,
-    /// δ = (1 − z) + (1 − z)²/2.
-    Bdf2,
-    /// No substitution.
-    BandLimited,
-}
-
-impl From<Scheme> for SchemeName {
-    fn from(scheme: Scheme) -> Self {
-        match scheme {
-            Scheme::Tustin => SchemeName::Tustin,
-            Scheme::GrunwaldLetnikov => SchemeName::GrunwaldLetnikov,
-            Scheme::Bdf2 => SchemeName::Bdf2,
-            Scheme::BandLimited => SchemeName::BandLimited,
-        }
-    }
-}
-
-impl From<SchemeName> for Scheme {
-    fn from(name: SchemeName) -> Self {
-        match name {
-            SchemeName::Tustin => Scheme::Tustin,
-            SchemeName::GrunwaldLetnikov => Scheme::GrunwaldLetnikov,
-            SchemeName::Bdf2 => Scheme::Bdf2,
-            SchemeName::BandLimited => Scheme::BandLimited,
-        }
-    }
-}
-
-/// What a drive does between its samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum InterSampleName {
-    /// Holds each sample for one period.
-    Hold,
-    /// Straight line to the next sample.
-    #[default]
-    Linear,
-    /// No content above half the sample rate.
-    BandLimited,
-}
-
-impl InterSampleName {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
-impl From<InterSample> for InterSampleName {
-    fn from(rule: InterSample) -> Self {
-        match rule {
-            InterSample::Hold => Self::Hold,
-            InterSample::Linear => Self::Linear,
-            InterSample::BandLimited => Self::BandLimited,
-        }
-    }
-}
-
-impl From<InterSampleName> for InterSample {
-    fn from(name: InterSampleName) -> Self {
-        match name {
-            InterSampleName::Hold => Self::Hold,
-            InterSampleName::Linear => Self::Linear,
-            InterSampleName::BandLimited => Self::BandLimited,
-        }
-    }
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// How the redundant gain between the two blocks was fixed.

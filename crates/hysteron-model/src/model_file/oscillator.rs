@@ -8,10 +8,10 @@ use super::convert::Units;
 use super::json;
 use super::start::StartKind;
 use super::{
-    FORMAT, InterSampleName, Kind, ModelFileError, Provenance, Quantity, ScoreEntry, SignalUnits, VERSION,
-    ValidRange,
+    FORMAT, Kind, ModelFileError, Provenance, Quantity, ScoreEntry, SignalUnits, VERSION, ValidRange,
 };
 use crate::oscillator::Oscillator;
+use crate::record::InterSample;
 
 /// A file of the format `hysteron-model`, kind `oscillator`: m ÿ + c ẏ + k y + z = u,
 /// ż = α ẏ − β |ẏ| z |z|ⁿ⁻¹ − γ ẏ |z|ⁿ, and how it was made.
@@ -40,7 +40,7 @@ pub struct OscillatorFile {
     /// Offset of the sensor, in the output unit.
     pub offset: Quantity,
     /// What the force does between its samples.
-    pub inter_sample: InterSampleName,
+    pub inter_sample: InterSample,
     /// Sample rate the oscillator was identified at, in Hz.
     pub sample_rate_hz: f64,
     /// What it is assumed to have done before a record's first sample, where nobody says otherwise: `rest` without memory, or
@@ -123,7 +123,7 @@ impl OscillatorFile {
     pub fn new(
         oscillator: &Oscillator,
         signals: SignalUnits,
-        inter_sample: InterSampleName,
+        inter_sample: InterSample,
         sample_rate_hz: f64,
     ) -> Self {
         let units = units(&signals, oscillator.n);

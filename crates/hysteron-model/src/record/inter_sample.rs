@@ -1,5 +1,6 @@
 //! What a sampled signal does between its samples.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +8,7 @@ use std::str::FromStr;
 use crate::unknown_name::UnknownName;
 
 /// What is assumed of a signal between its samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum InterSample {
     /// Held until the next sample: a digital-to-analogue converter without a filter.

@@ -7,7 +7,7 @@ fn oscillator() -> Oscillator {
 
 fn file() -> OscillatorFile {
     let signals = SignalUnits { input: "N".into(), output: "um".into() };
-    let mut file = OscillatorFile::new(&oscillator(), signals, InterSampleName::BandLimited, 750.0);
+    let mut file = OscillatorFile::new(&oscillator(), signals, InterSample::BandLimited, 750.0);
     file.parameters.mass.std_error = Some(1e-9);
     file.set_start(crate::Start::PERIODIC);
     file
@@ -28,7 +28,7 @@ fn a_file_reads_back_bit_for_bit() {
     assert_eq!(back, file());
     assert_eq!(back.to_oscillator().unwrap(), oscillator());
     let other = Oscillator { n: 1.5, ..oscillator() };
-    let of_other = OscillatorFile::new(&other, back.units.clone(), InterSampleName::Linear, 750.0);
+    let of_other = OscillatorFile::new(&other, back.units.clone(), InterSample::Linear, 750.0);
     assert_eq!(of_other.parameters.beta.unit, "N^(1-n)/um");
     assert!(of_other.to_json().is_ok());
 }
