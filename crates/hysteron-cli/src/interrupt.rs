@@ -63,9 +63,13 @@ impl Interrupt {
     }
 }
 
-/// Where the best so far of an interrupted fit goes: `model.partial.json` beside `model.json`, which stays as it was.
+/// Where the best so far of an interrupted fit goes: `model.partial.json` beside `model.json`, which stays as it was; into the
+/// present folder where the model was to go to a device or a pipe.
 pub fn partial(model: &Path) -> PathBuf {
-    model.with_extension("partial.json")
+    match std::fs::metadata(model) {
+        Ok(found) if !found.is_file() => PathBuf::from("hysteron.partial.json"),
+        _ => model.with_extension("partial.json"),
+    }
 }
 
 #[cfg(unix)]

@@ -1,9 +1,11 @@
 //! The number types of an export and how their numbers are written.
 
 use hysteron_rt::Real;
+use serde::{Deserialize, Serialize};
 
 /// Number type of an export.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Precision {
     /// Single precision.
     F32,

@@ -146,20 +146,23 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         };
         say(&mut findings, FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
     }
-    let spans = result.records.iter().map(|fit| range_of(&fit.data.u));
-    let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));
-    let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
-    let drives: Vec<TimedDrive<'_>> = result
-        .records
-        .iter()
-        .map(|fit| (fit.data.u.as_slice(), fit.data.sample_rate_hz().map(|rate| 1.0 / rate)))
-        .collect();
-    say(
-        &mut findings,
-        FindingKind::Verdict,
-        "admissibility",
-        verdict(&result.model.hysteresis, &drives, span, &unit),
-    );
+    // Who interrupts takes what there is, at once: the verdict may take a simulation of every record.
+    if !result.cancelled {
+        let spans = result.records.iter().map(|fit| range_of(&fit.data.u));
+        let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));
+        let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
+        let drives: Vec<TimedDrive<'_>> = result
+            .records
+            .iter()
+            .map(|fit| (fit.data.u.as_slice(), fit.data.sample_rate_hz().map(|rate| 1.0 / rate)))
+            .collect();
+        say(
+            &mut findings,
+            FindingKind::Verdict,
+            "admissibility",
+            verdict(&result.model.hysteresis, &drives, span, &unit),
+        );
+    }
     if let Some(smoothing) = result.structure.smoothing {
         say(&mut findings, FindingKind::Verdict, "weights", drawn_together(smoothing));
     }
@@ -325,32 +328,24 @@ fn verdict(
 ) -> String {
     let span = format!("{} to {} {unit}", short(low), short(high));
     let span = span.trim_end();
-    let (name, found) = match hysteresis {
-        Hysteresis::BoucWen(operator) => {
-            return format!("Hysteresis block: {}.", operator.admissibility());
-        }
-        Hysteresis::PrandtlIshlinskii(operator) => {
-            return match operator.step_inverse([low, high]) {
-                Ok(_) => format!(
-                    "Hysteresis block: bounded by its drive; it has an exact inverse from {span}, where every move raises the \
-                     output with the drive."
-                ),
-                Err(why) => format!("Hysteresis block: bounded by its drive; no inverse from {span}: {why}."),
-            };
-        }
-        Hysteresis::Family(model) => (model.form.name(), hysteresis.invertibility(drives)),
+    let name = hysteresis.form().name();
+    let bound = match hysteresis {
+        Hysteresis::BoucWen(operator) => format!("{}; ", operator.admissibility()),
+        Hysteresis::PrandtlIshlinskii(_) => "bounded by its drive; ".to_owned(),
+        Hysteresis::Family(_) => String::new(),
     };
-    match found {
-        Ok(Invertibility::Everywhere) => format!(
-            "Hysteresis block ({name}): every move raises the output with the drive from {span}, so that it has an inverse."
-        ),
+    let inverse = match hysteresis.invertibility(drives) {
+        Ok(Invertibility::Everywhere) => {
+            format!("every move raises the output with the drive from {span}, so that it has an inverse")
+        }
         Ok(found @ (Invertibility::Nowhere { .. } | Invertibility::FallsAlongDrives { .. })) => {
-            format!("Hysteresis block ({name}): no inverse from {span}: {found}.")
+            format!("no inverse from {span}: {found}")
         }
         Ok(Invertibility::AlongDrives { .. }) | Err(_) => {
-            format!("Hysteresis block ({name}): its inverse is not known to exist for every history.")
+            "its inverse is not known to exist for every history".to_owned()
         }
-    }
+    };
+    format!("Hysteresis block ({name}): {bound}{inverse}.")
 }
 
 /// Which parameters the records leave open, by their standard errors alone.
@@ -504,7 +499,7 @@ pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Cl
 mod tests {
     use super::*;
     use hysteron_model::dynamics::Term;
-    use hysteron_model::hysteresis::{Family, FamilyForm};
+    use hysteron_model::hysteresis::{BoucWen, Family, FamilyForm};
 
     #[test]
     fn a_gain_at_rest_that_no_record_has_shown_is_said() {
@@ -527,6 +522,13 @@ mod tests {
             let model = Family::new(vec![linear], form, shape, weights).unwrap();
             verdict(&Hysteresis::Family(model), &[(&drive, Some(1e-3))], (0.0, 10.0), "V")
         };
+        let of_bouc_wen = |linear| {
+            let model = BoucWen::new(vec![linear], 1.0, 0.6, 0.2, 1.0).unwrap();
+            verdict(&Hysteresis::BoucWen(model), &[(&drive, None)], (0.0, 10.0), "V")
+        };
+        // 2β/(β + γ) = 1.5: above a slope of 1.5 α every move raises the output, below it a saturated loop falls at its turn.
+        assert!(of_bouc_wen(1.51).contains("so that it has an inverse"), "{}", of_bouc_wen(1.51));
+        assert!(of_bouc_wen(1.3).contains("no inverse from 0 to 10 V"), "{}", of_bouc_wen(1.3));
         // λ/T = 1.4: a sample widens the plays by more than its move; l' = 0.19 < 0.5 · 0.4.
         let plays = FamilyForm::RateDependentPlays { plays: 2 };
         let widened = of(plays, 0.19, vec![3.0, 1.4e-3], vec![0.3, 0.2]);

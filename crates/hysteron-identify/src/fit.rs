@@ -43,6 +43,14 @@ impl Task {
         }
     }
 
+    /// Threads that it asks for; `None`: all cores.
+    pub fn threads(&self) -> Option<usize> {
+        match self {
+            Self::Hammerstein(options) => options.threads,
+            Self::Oscillator(_) | Self::Modes(_) | Self::Branches(_) => None,
+        }
+    }
+
     /// Whether it takes records of several inputs and outputs.
     pub fn takes_several_axes(&self) -> bool {
         matches!(self, Self::Modes(_) | Self::Branches(_))

@@ -1,5 +1,6 @@
 //! Columns to frequency response.
 
+use serde::{Deserialize, Serialize};
 use std::io::Read;
 use std::path::Path;
 
@@ -12,12 +13,13 @@ use crate::read::{open, read_columns};
 use crate::{IoError, ReadOptions};
 
 /// Which of a file's responses is wanted.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ResponseOptions {
-    /// Name of the response, what its columns have before `_re`, `_im` and the like (`--response`); needed where there are
+    /// Name of the response, what its columns have before `_re`, `_im` and the like; needed where there are
     /// several.
     pub response: Option<String>,
-    /// Name of a response that it is divided by (`--over`), e.g. an amplifier's, measured from the same command.
+    /// Name of a response that it is divided by, e.g. an amplifier's, measured from the same command.
     pub over: Option<String>,
     /// Largest file read \[bytes\]; `None`: as for records.
     pub max_bytes: Option<u64>,

@@ -1,7 +1,10 @@
 //! What the user may say about a file.
 
+use serde::{Deserialize, Serialize};
+
 /// How to read a file; the default detects everything.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ReadOptions {
     /// Time column: its name, with or without unit, or its number counted from 1.
     pub time: Option<String>,

@@ -7,6 +7,7 @@
 //!
 //! [`Hysteresis::follow`]: crate::hysteresis::Hysteresis::follow
 
+use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
 use hysteron_rt::Limited;
@@ -35,7 +36,7 @@ const FIRST_CYCLES: f64 = 2.0;
 const LOOKED_AT: usize = 256;
 
 /// How a reference is to be followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InverseOptions {
     /// Frequency up to which the output follows \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
     pub bandwidth_hz: Option<f64>,
@@ -44,6 +45,7 @@ pub struct InverseOptions {
     /// Least and largest voltage \[V\].
     pub range_v: [f64; 2],
     /// Largest rate of the drive \[V/s\]; infinite for none.
+    #[serde(with = "crate::unlimited")]
     pub slew_v_per_s: f64,
     /// What the device does before. [`Start::AsIdentified`]: it rests where it gives the first value of the reference;
     /// [`Start::Settled`]: it has been following the reference, a whole number of periods, for long.

@@ -28,6 +28,7 @@ pub mod record;
 mod start;
 pub mod tracking;
 mod unknown_name;
+mod unlimited;
 pub mod validate;
 
 pub use advice::Advice;

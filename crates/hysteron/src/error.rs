@@ -2,6 +2,7 @@
 
 use hysteron_export::ExportError;
 use hysteron_io::IoError;
+use hysteron_model::model_file::Kind;
 
 /// Error of this crate: that of the layer it comes from.
 #[derive(Debug, thiserror::Error)]
@@ -19,6 +20,17 @@ pub enum Error {
     /// The model cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// A task has every option of its own.
+    #[error("a task was given with every option of its own: give hysteresis, dynamics, creep and seed in it")]
+    OptionsOfTask,
+    /// Options of a Hammerstein model with another kind.
+    #[error(
+        "hysteresis, dynamics, creep and seed belong to a Hammerstein model, not to {kind}: give a task for it"
+    )]
+    OptionsOfKind {
+        /// The kind asked for.
+        kind: Kind,
+    },
     /// A reference needs a uniform time base.
     #[error("the reference `{name}` has no uniform sample rate: a controller runs at one")]
     NoSampleRate {

@@ -1,5 +1,6 @@
 //! A model as source that runs without Hysteron.
 
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 use hysteron_export::{
@@ -11,7 +12,8 @@ use hysteron_model::realise::{RealiseOptions, realise};
 use crate::{Error, Model};
 
 /// What to write.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Target {
     /// C99: a header, a source without `malloc`, a self-test with golden vectors.
     C {

@@ -125,7 +125,8 @@ impl<'a> Identify<'a> {
     /// Runs the identification.
     ///
     /// # Errors
-    /// [`Error::Model`] for records that cannot be used; [`Error::Identify`] where no model describes them.
+    /// [`Error::Model`] for records that cannot be used; [`Error::Identify`] where no model describes them; [`Error::OptionsOfTask`],
+    /// [`Error::OptionsOfKind`] for options that would count for nothing.
     pub fn run(self) -> Result<Fit, Error> {
         let kind = match (self.kind, self.inputs.len()) {
             (Some(kind), _) => kind,
@@ -133,8 +134,10 @@ impl<'a> Identify<'a> {
             (None, _) => Kind::Modes,
         };
         let task = match (&self.task, kind) {
+            (Some(_), _) if self.options != Options::default() => return Err(Error::OptionsOfTask),
             (Some(task), _) => task.clone(),
             (None, Kind::Hammerstein) => Task::Hammerstein(Box::new(self.options.clone())),
+            (None, kind) if self.options != Options::default() => return Err(Error::OptionsOfKind { kind }),
             (None, kind) => Task::of(kind),
         };
         let records = if task.takes_several_axes() {
@@ -143,10 +146,10 @@ impl<'a> Identify<'a> {
             let record = |data| CampaignRecord { data, role: None };
             FitRecords::Single(self.single()?.into_iter().map(record).collect())
         };
-        let Self { options, watch, stop, resume, .. } = self;
+        let Self { watch, stop, resume, .. } = self;
         let watch = watch.stopped_by(&stop);
         let fit = || hysteron_identify::fit(&records, &task, &watch, resume, &maker());
-        Ok(Fit::from(fit_on(options.threads, fit)?))
+        Ok(Fit::from(fit_on(task.threads(), fit)?))
     }
 
     fn single(&self) -> Result<Vec<InputOutput>, Error> {

@@ -7,13 +7,14 @@ use hysteron_io::{load_json, save_json};
 
 use super::Identify;
 use crate::failure::Failure;
+use crate::interrupt::partial;
 
 /// Largest file of interrupted searches read \[bytes\].
 const MAX_RESUME_BYTES: u64 = 256 << 20;
 
 impl Identify {
     pub(super) fn write_searches(&self, searches: &Searches) -> Result<(), Failure> {
-        let path = self.out.with_extension("searches.json");
+        let path = partial(&self.out).with_extension("").with_extension("searches.json");
         save_json(&path, searches, false)
             .map_err(|e| Failure::new("cannot write the interrupted searches").because(e))
     }

@@ -11,6 +11,7 @@ use hysteron_model::Advice;
 use hysteron_model::record::{InputOutput, find_periods};
 use hysteron_numeric::Complex64;
 use hysteron_numeric::fft::RealFft;
+use serde::{Deserialize, Serialize};
 
 /// A line is excited where its input exceeds this share of the largest line of the input.
 const EXCITED: f64 = 0.03;
@@ -18,7 +19,8 @@ const EXCITED: f64 = 0.03;
 const WHOLE: f64 = 0.1;
 
 /// How records are read.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct EmpiricalOptions {
     /// Length of a period \[s\]; `None`: found from the input.
     pub period_s: Option<f64>,

@@ -7,6 +7,7 @@ use hysteron_model::model_file::{ModelFile, ScoreRole};
 use hysteron_model::record::{InputOutput, find_periods, noise_floor, range_of, shortest_swing};
 use hysteron_model::validate::{OffsetTreatment, Scores, Scoring, score};
 use hysteron_rt::{FitMonitor, MonitorSettings, Nlms, NlmsSettings, Rls, RlsSettings, Unexcited};
+use serde::{Deserialize, Serialize};
 
 /// Most terms of a correction over a record.
 pub const MOST_TERMS: usize = 6;
@@ -25,7 +26,7 @@ const FEWEST: u16 = 3;
 const SHORTEST_MEMORY: f64 = 2.0;
 
 /// Options of [`Followed::over`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FollowOptions {
     /// Estimator of the coefficients.
     pub method: FollowMethod,
@@ -43,7 +44,8 @@ pub struct FollowOptions {
 }
 
 /// Estimator of the coefficients.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FollowMethod {
     /// Recursive least squares with forgetting.
     LeastSquares {

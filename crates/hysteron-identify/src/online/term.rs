@@ -4,9 +4,11 @@ use std::fmt;
 use std::str::FromStr;
 
 use hysteron_numeric::display::short;
+use serde::{Deserialize, Serialize};
 
 /// A coefficient that may move.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Term {
     /// Offset \[µm\], regressor 1; nominally the model's.
     Offset,

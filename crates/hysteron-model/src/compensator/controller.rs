@@ -2,19 +2,25 @@
 
 use hysteron_rt::{Compensator, Drive};
 use self_cell::{MutBorrow, self_cell};
+use serde::{Deserialize, Serialize};
 
 use super::{Compensation, CompensatorError, CompensatorOptions, CompensatorParts};
 use crate::hammerstein::Model;
 
 /// What a drive keeps to.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limits {
     /// Least voltage \[V\].
     pub low: f64,
     /// Largest voltage \[V\].
     pub high: f64,
     /// Largest rate of the voltage \[V/s\]; infinite for none.
+    #[serde(default = "unlimited", with = "crate::unlimited")]
     pub slew_v_per_s: f64,
+}
+
+fn unlimited() -> f64 {
+    f64::INFINITY
 }
 
 impl Limits {

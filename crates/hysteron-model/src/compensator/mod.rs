@@ -17,6 +17,7 @@ mod riccati;
 #[cfg(test)]
 mod tests;
 
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{DMatrix, DVector, RowDVector};
@@ -45,7 +46,8 @@ const ANGLES: usize = 4096;
 const LOWEST_SHARE: f64 = 1e-6;
 
 /// How a reference is to be followed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct CompensatorOptions {
     /// Frequency up to which the output follows \[Hz\]; `None`: [`BANDWIDTH_SHARE`] of the sample rate.
     pub bandwidth_hz: Option<f64>,

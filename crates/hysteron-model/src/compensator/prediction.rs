@@ -1,5 +1,6 @@
 //! What a reference will be, from what it was.
 
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 use nalgebra::{DMatrix, DVector};
@@ -9,7 +10,8 @@ const MOST_SAMPLES: usize = 128;
 const PERIODS: f64 = 1.0;
 
 /// How a reference goes on beyond what is known of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Prediction {
     /// It stays where it is.
     Stays,

@@ -6,6 +6,7 @@ use crate::dynamics::DynamicsError;
 use crate::hysteresis::HysteresisError;
 use crate::realise::{LinearRealisation, RealiseError};
 use hysteron_numeric::Complex64;
+use serde::{Deserialize, Serialize};
 
 /// Corners that are tried: from the first up to a tenth of the sample rate, so many a decade.
 const CORNERS_PER_DECADE: usize = 6;
@@ -17,7 +18,8 @@ const HALVINGS: usize = 40;
 const GAINS: (f64, f64) = (1e-6, 1e2);
 
 /// What is asked of a loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Wanted {
     /// Least gain margin, a factor.
     pub gain: f64,

@@ -29,9 +29,11 @@ use crate::dynamics::Dynamics;
 use crate::fractional::Scheme;
 use crate::hammerstein::{Model, joins_means};
 use crate::record::InterSample;
+use serde::{Deserialize, Serialize};
 
 /// What a realisation is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct RealiseOptions {
     /// Largest error of the response over the band, as a share of the gain at rest.
     pub accuracy: f64,

@@ -2,11 +2,13 @@
 
 use crate::advice::{Advice, ColumnRole};
 use crate::{Finding, FindingKind};
+use serde::{Deserialize, Serialize};
 
 use super::{Channel, InputOutput, Quantity, Record, RecordError, TimeBase, Unit};
 
 /// Which channels to take, by bare name (`u`) or header (`u_V`); `None`: by the rules of [`Record::select`].
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ChannelChoice {
     /// Input channel.
     pub input: Option<String>,

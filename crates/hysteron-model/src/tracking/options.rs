@@ -1,5 +1,6 @@
 //! Options of a reference that is followed, with their defaults from model and reference.
 
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 use hysteron_numeric::display::short;
@@ -20,7 +21,8 @@ const LEAST_SCORED: usize = 10;
 const SINES: [f64; 2] = [1e-4, 0.1];
 
 /// Options of [`track`](super::track).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct TrackOptions {
     /// Controllers to play; empty: all.
     pub controllers: Vec<Controller>,
@@ -33,6 +35,7 @@ pub struct TrackOptions {
     /// Least and largest drive; `None`: the range in which the model was identified.
     pub range: Option<[f64; 2]>,
     /// Largest rate of the drive, in its unit per second; infinite: not limited.
+    #[serde(with = "crate::unlimited")]
     pub slew_per_s: f64,
     /// Voltage of the device without hysteresis memory, before the reference; `None`: 0 where the range holds it, else at rest.
     pub virgin_v: Option<f64>,

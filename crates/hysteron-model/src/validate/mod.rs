@@ -16,9 +16,11 @@ pub use start::settling_samples;
 pub use start::{StartError, choose_start, possible_starts, settled_period, unfollowed_start};
 
 use crate::record::{InputOutput, TimeBase};
+use serde::{Deserialize, Serialize};
 
 /// How a record is scored.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Scoring {
     /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0. `None`: none, but what a model
     /// without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is scored.
@@ -28,7 +30,8 @@ pub struct Scoring {
 }
 
 /// What is done about the constant difference between a record and its simulation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum OffsetTreatment {
     /// The sensor's zero is unknown: the mean residual over the scored samples is added to the simulation.
     #[default]
