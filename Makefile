@@ -48,9 +48,9 @@ check: check-components ## before every commit: format, lints, arrows between cr
 test: check ## everything: check, documentation, no_std proof, integration tests; what exports need is installed last
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	crates/hysteron-rt/proof/run.sh
-	cargo test --workspace --exclude hysteron-export --locked --tests
+	cargo test --workspace --exclude hysteron-export --locked --test '*'
 	$(MAKE) export-tools
-	cargo test -p hysteron-export --locked --tests
+	cargo test -p hysteron-export --locked --test '*'
 
 article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, figures, page
 	$(HYSTERON) article --out-dir $(OUT)/article
