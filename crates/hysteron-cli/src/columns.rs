@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_io::{IoError, ReadOptions, read_drive, read_input_output, read_record, read_reference};
-use hysteron_model::record::{ChannelChoice, InputOutput, Record, RecordError, Scale, Signal, inspect};
+use hysteron_model::record::{
+    ChannelChoice, InputOutput, Record, RecordError, Scale, Signal, beyond_dead_band, inspect,
+};
 use hysteron_model::{Advice, Finding};
 use rayon::prelude::*;
 
@@ -85,11 +87,11 @@ impl InputFlags {
             let record = self.scaled(read_record(path, &options)?)?;
             Ok(record.drive(self.input.as_deref())?)
         };
-        let drive = read().map_err(|e| e.at(path, "--input"))?;
+        let mut drive = read().map_err(|e| e.at(path, "--input"))?;
         let mut told: Vec<String> = drive.notes.iter().map(advice::text).collect();
-        let samples = self.beyond_dead_band(drive.samples, &mut told);
+        self.beyond_dead_band(&mut drive.samples, &mut told);
         notes(path, &told);
-        Ok(Signal { samples, ..drive })
+        Ok(drive)
     }
 
     /// Reads all channels, scaled.
@@ -101,13 +103,8 @@ impl InputFlags {
         read().map_err(|e: Unreadable| e.at(path, "--inputs and --outputs"))
     }
 
-    fn beyond_dead_band(&self, mut u: Vec<f64>, told: &mut Vec<String>) -> Vec<f64> {
-        if let Some(threshold) = self.dead_band {
-            let within = u.iter_mut().filter(|u| u.abs() < threshold);
-            let count = within.map(|u| *u = 0.0).count();
-            told.push(format!("the drive of {count} samples is below {threshold} and counts as 0"));
-        }
-        u
+    fn beyond_dead_band(&self, u: &mut [f64], told: &mut Vec<String>) {
+        told.extend(self.dead_band.map(|threshold| advice::text(&beyond_dead_band(u, threshold))));
     }
 
     fn scaled(&self, record: Record) -> Result<Record, Unreadable> {
@@ -215,9 +212,10 @@ impl ColumnFlags {
 
     /// Input and output of a record; what was decided without being told goes to `told`.
     fn read_told(&self, path: &Path, told: &mut Vec<String>) -> Result<InputOutput, Failure> {
-        let (data, notes) = self.read_noted(path).map_err(|e| e.at(path, advice::INPUT_AND_OUTPUT))?;
+        let (mut data, notes) = self.read_noted(path).map_err(|e| e.at(path, advice::INPUT_AND_OUTPUT))?;
         told.extend(notes.iter().map(advice::text));
-        Ok(InputOutput { u: self.drive.beyond_dead_band(data.u, told), ..data })
+        self.drive.beyond_dead_band(&mut data.u, told);
+        Ok(data)
     }
 
     fn read_noted(&self, path: &Path) -> Result<(InputOutput, Vec<Finding>), Unreadable> {

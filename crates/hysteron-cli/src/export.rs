@@ -179,9 +179,7 @@ impl Export {
         subject: &Subject,
         realise: &RealiseOptions,
     ) -> Result<Inverse, Failure> {
-        let range =
-            self.range.or(loaded.body().data().valid_range.as_ref().map(|r| [r.input.low, r.input.high]));
-        let range = range.ok_or_else(|| {
+        let range = self.range.or(loaded.body().drive_range()).ok_or_else(|| {
             Failure::new(format!("cannot invert {}", self.model.display()))
                 .because("the model file does not say which range it was identified in")
                 .hint("give the amplifier's with --range LOW:HIGH")

@@ -128,15 +128,11 @@ impl Invert {
                 .because("the reference has no uniform sample rate, which is to be the controller's")
                 .hint("give the sample rate with --sample-rate HZ, or a time column of even steps"));
         };
-        let range_v = match (self.range, &model.body().data().valid_range) {
-            (Some(range), _) => range,
-            (None, Some(valid)) => [valid.input.low, valid.input.high],
-            (None, None) => {
-                return Err(failure()
-                    .because("the model file does not say which voltages it was identified with")
-                    .hint("give the range of the drive, e.g. --range 0:100"));
-            }
-        };
+        let range_v = self.range.or(model.body().drive_range()).ok_or_else(|| {
+            failure()
+                .because("the model file does not say which voltages it was identified with")
+                .hint("give the range of the drive, e.g. --range 0:100")
+        })?;
         let options = InverseOptions {
             bandwidth_hz: self.bandwidth,
             error_at_bandwidth: ERROR_AT_BANDWIDTH,
@@ -147,7 +143,7 @@ impl Invert {
                 Some(voltage_v) => Start::Rest { voltage_v },
                 None => Start::AsIdentified,
             },
-            virgin_v: self.virgin_voltage.or((range_v[0]..=range_v[1]).contains(&0.0).then_some(0.0)),
+            virgin_v: self.virgin_voltage.or(InverseOptions::switched_on(range_v)),
         };
         let remarks = model.body().remarks_on_reference(&reference.samples, sample_rate_hz);
         remarks::tell(&self.reference_file, model.model(), &remarks);

@@ -4,13 +4,16 @@ use std::time::Duration;
 
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{Invertibility, TimedDrive};
+use hysteron_model::model_file::Maker;
 use hysteron_model::realise::{Cost, RealiseOptions, side_by_side};
 use hysteron_numeric::number::significant;
 use serde::{Serialize, Serializer};
 
-use crate::CampaignRecord;
 use crate::baselines::{CrossValidated, Trained};
-use crate::structure::{Comparison, Standing};
+use crate::fit::{Fit, FitError, FitRecords, Task, fit};
+use crate::structure::{Candidate, Comparison, Standing};
+use crate::watch::Watch;
+use crate::{CampaignRecord, Options};
 
 /// Samples of the drive that is timed, and passes of the clock over all candidates.
 const SAMPLES: usize = 10_000;
@@ -57,6 +60,20 @@ impl Compared {
             records: campaign.iter().map(|r| r.data.name.clone()).collect(),
             unit: campaign.first().map_or(String::new(), |r| r.data.y_unit.to_string()),
         }
+    }
+
+    /// The preferred structure, identified from all samples; `None` where there is no ranking.
+    pub fn identify_preferred(
+        &self,
+        campaign: &[CampaignRecord],
+        watch: &Watch<'_>,
+        maker: &Maker,
+    ) -> Option<(Candidate, Result<Fit, FitError>)> {
+        let preferred = &self.comparison.entries[self.comparison.ranking.as_ref()?.preferred];
+        let options =
+            Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };
+        let (records, task) = (FitRecords::Single(campaign.to_vec()), Task::Hammerstein(Box::new(options)));
+        Some((preferred.candidate, fit(&records, &task, watch, None, maker)))
     }
 
     /// Candidates in the order of the ranking, those without a place at the end.

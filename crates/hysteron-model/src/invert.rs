@@ -56,6 +56,12 @@ pub struct InverseOptions {
 }
 
 impl InverseOptions {
+    /// Voltage at which a device with this drive was free of hysteresis memory, where nobody says: switched on, 0 V, if the range
+    /// holds it.
+    pub fn switched_on([low, high]: [f64; 2]) -> Option<f64> {
+        (low..=high).contains(&0.0).then_some(0.0)
+    }
+
     /// Within these voltages \[V\], the rest as usual.
     pub fn within(range_v: [f64; 2]) -> Self {
         Self {

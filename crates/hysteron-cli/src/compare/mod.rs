@@ -5,11 +5,9 @@ mod text;
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron_identify::baselines::{Baseline, CrossValidated, cross_validate};
+use hysteron_identify::baselines::cross_validate_all;
 use hysteron_identify::structure::{Candidate, Comparison, StructureError, UnknownCandidate, compare};
-use hysteron_identify::{CampaignRecord, Compared, FitRecords, Options, Stop, Task, Watch, fit};
-use hysteron_model::model_file::Maker;
-use hysteron_model::record::InputOutput;
+use hysteron_identify::{CampaignRecord, Compared, Options, Watch};
 use hysteron_report::comparison;
 
 use crate::columns::ColumnFlags;
@@ -87,7 +85,7 @@ impl Compare {
         let baselines = match &comparison.ranking {
             Some(_) if self.baselines => {
                 let data: Vec<_> = campaign.iter().map(|r| r.data.clone()).collect();
-                baselines(&comparison, &data, stop.stop())
+                cross_validate_all(&data, &comparison.folds, &progress::watch(&stop), &console::clock())
             }
             _ => Vec::new(),
         };
@@ -108,41 +106,16 @@ impl Compare {
                 .hint("run it again, or name fewer structures with --candidates")
                 .exiting_with(stop.exit_code()));
         }
-        self.out
-            .as_ref()
-            .map_or(Ok(()), |path| write_model(path, &found.comparison, &campaign, stop.stop(), &maker))
+        let Some(path) = &self.out else { return Ok(()) };
+        let watch = Watch::silent().stopped_by(stop.stop());
+        let Some((candidate, fit)) = found.identify_preferred(&campaign, &watch, &maker) else {
+            return Ok(());
+        };
+        let failure = || Failure::new(format!("cannot identify {candidate} from all records"));
+        crate::model::save(path, &fit.map_err(|e| failure().because(e))?.model)?;
+        console::message(&format!("model of {candidate} written to {}", path.display()));
+        Ok(())
     }
-}
-
-/// Identifies the preferred structure from all samples and writes it.
-fn write_model(
-    path: &std::path::Path,
-    comparison: &Comparison,
-    campaign: &[CampaignRecord],
-    stop: &Stop,
-    maker: &Maker,
-) -> Result<(), Failure> {
-    let Some(ranking) = &comparison.ranking else { return Ok(()) };
-    let preferred = &comparison.entries[ranking.preferred];
-    let options =
-        Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };
-    let failure = || Failure::new(format!("cannot identify {} from all records", preferred.candidate));
-    let (records, task) = (FitRecords::Single(campaign.to_vec()), Task::Hammerstein(Box::new(options)));
-    let found = fit(&records, &task, &Watch::silent().stopped_by(stop), None, maker);
-    crate::model::save(path, &found.map_err(|e| failure().because(e))?.model)?;
-    console::message(&format!("model of {} written to {}", preferred.candidate, path.display()));
-    Ok(())
-}
-
-/// Every baseline on the folds of the comparison; those that were not stopped.
-fn baselines(comparison: &Comparison, records: &[InputOutput], stop: &Stop) -> Vec<CrossValidated> {
-    let score = |kind| {
-        console::message(&format!("training {}", Baseline::name(kind)));
-        let now = console::clock();
-        let found = cross_validate(kind, records, &comparison.folds, stop)?;
-        Some(CrossValidated { seconds: Some(now().as_secs_f64()), ..found })
-    };
-    Baseline::ALL.into_iter().map_while(score).collect()
 }
 
 /// No candidate came through.

@@ -14,9 +14,6 @@ use crate::numbers::{not_negative, number, positive, whole};
 use crate::output::{self, OutFile};
 use waves::Wave;
 
-/// A voltage beyond every amplifier: the limit where none is given.
-const NO_AMPLIFIER_V: f64 = 1e12;
-
 /// Write a drive waveform as a record t_s,u_V ready for a DAQ.
 #[derive(Args)]
 #[command(
@@ -145,9 +142,10 @@ impl Excite {
 
 impl Drive {
     fn limits(&self) -> AmplifierLimits {
+        let none = AmplifierLimits::default();
         AmplifierLimits {
-            low_v: self.amplifier_low.unwrap_or(-NO_AMPLIFIER_V),
-            high_v: self.amplifier_high.unwrap_or(NO_AMPLIFIER_V),
+            low_v: self.amplifier_low.unwrap_or(none.low_v),
+            high_v: self.amplifier_high.unwrap_or(none.high_v),
             slew_v_per_s: self.max_slew,
             current_a: self.max_current,
             capacitance_f: self.capacitance,

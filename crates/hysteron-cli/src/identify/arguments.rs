@@ -16,16 +16,6 @@ pub(super) enum StructureArg {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum CreepArg {
-    /// 1 + k s^-mu: a power law without an end
-    Fractional,
-    /// 1 + gamma log10(1 + t/t0) after a unit step: the same amount every decade of time
-    Logarithmic,
-    /// 1 + sum of k/(1 + tau s): springs and dampers, creep that comes to an end
-    KelvinVoigt,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum OptimizerArg {
     Auto,
     DeAbc,

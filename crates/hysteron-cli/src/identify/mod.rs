@@ -17,7 +17,7 @@ use hysteron_identify::{
     CampaignRecord, DynamicsChoice, FindingKind, Fit, FitRecords, Initial, Method, RecordRole, Stop, Task,
     fit, fit_on,
 };
-use hysteron_model::dynamics::Scheme;
+use hysteron_model::dynamics::{Creep, Scheme};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::InterSample;
 use hysteron_report::fit::report;
@@ -25,7 +25,7 @@ use hysteron_report::page::Page;
 use hysteron_report::write_figures;
 
 use self::arguments::{
-    ChoiceArg, CreepArg, OptimizerArg, StructureArg, degree, delay, exponent, name_range, name_value,
+    ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, name_range, name_value,
 };
 use self::failure::explain;
 use self::modes_flags::ModesFlags;
@@ -114,8 +114,8 @@ pub struct Identify {
     order: usize,
 
     /// Creep factor of the dynamics (joint) [default: fractional where the records ask for it, none beside --dynamics]
-    #[arg(long, value_enum, value_name = "KIND")]
-    creep: Option<CreepArg>,
+    #[arg(long, value_name = "KIND", value_parser = one_of(Creep::USUAL, Creep::name, Creep::summary))]
+    creep: Option<Creep>,
 
     /// Elements of --creep kelvin-voigt, 1 to 4 [default: 2]
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]

@@ -8,7 +8,7 @@ use hysteron_optimize::{
 };
 
 use super::Identify;
-use super::arguments::{CreepArg, OptimizerArg};
+use super::arguments::OptimizerArg;
 use super::family::with_elements;
 use crate::failure::Failure;
 use crate::model::Loaded;
@@ -47,14 +47,10 @@ impl Identify {
     }
 
     fn creep(&self) -> Result<Creep, Failure> {
-        if self.creep_elements.is_some() && self.creep != Some(CreepArg::KelvinVoigt) {
-            return Err(Failure::usage("--creep-elements belongs to --creep kelvin-voigt"));
-        }
-        Ok(match self.creep {
-            None => Creep::None,
-            Some(CreepArg::Fractional) => Creep::Fractional,
-            Some(CreepArg::Logarithmic) => Creep::Logarithmic,
-            Some(CreepArg::KelvinVoigt) => Creep::KelvinVoigt { elements: self.creep_elements.unwrap_or(2) },
+        let kind = self.creep.unwrap_or_default();
+        self.creep_elements.map_or(Ok(kind), |elements| {
+            let belongs = || Failure::usage("--creep-elements belongs to --creep kelvin-voigt");
+            kind.with_elements(elements).ok_or_else(belongs)
         })
     }
 

@@ -1,11 +1,13 @@
 //! Baselines on what a comparison of structures leaves out.
 
 use std::ops::Range;
+use std::time::Duration;
 
 use rayon::prelude::*;
 
 use super::{Baseline, BaselineError, Trained, lag_intervals, train};
 use crate::structure::Fold;
+use crate::watch::{Event, Watch};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{Scoring, score};
 use hysteron_optimize::Stop;
@@ -91,6 +93,24 @@ pub fn cross_validate(
         Err(why) => found.failures.push(why.to_string()),
     }
     Some(found)
+}
+
+/// Every baseline by [`cross_validate`], with its time by a clock, `now`; those that were not stopped.
+pub fn cross_validate_all(
+    records: &[InputOutput],
+    folds: &[Fold],
+    watch: &Watch<'_>,
+    now: &dyn Fn() -> Duration,
+) -> Vec<CrossValidated> {
+    let trained = |(index, kind): (usize, Baseline)| {
+        let stage = format!("training {}", kind.name());
+        let fraction = index as f64 / Baseline::ALL.len() as f64;
+        watch.tell(Event::new(&stage, fraction, None)).is_continue().then_some(())?;
+        let began = now();
+        let found = cross_validate(kind, records, folds, watch.stop())?;
+        Some(CrossValidated { seconds: Some((now() - began).as_secs_f64()), ..found })
+    };
+    Baseline::ALL.into_iter().enumerate().map_while(trained).collect()
 }
 
 /// Why there is no error.

@@ -28,7 +28,7 @@ mod signals;
 mod simulation_error;
 mod training_set;
 
-pub use cross_validation::{CrossValidated, cross_validate};
+pub use cross_validation::{CrossValidated, cross_validate, cross_validate_all};
 pub use error::BaselineError;
 pub use free_run::OneStep;
 pub use kernel_narx::KernelNarx;

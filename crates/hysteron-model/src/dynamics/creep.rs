@@ -54,6 +54,28 @@ static KELVIN_VOIGT: [FormParameter; 2 * MOST_CREEP_ELEMENTS] = [
 ];
 
 impl Creep {
+    /// Every kind of creep, with its usual number of elements.
+    pub const USUAL: [Self; 3] = [Self::Fractional, Self::Logarithmic, Self::KelvinVoigt { elements: 2 }];
+
+    /// What it is, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::None => "no creep",
+            Self::Fractional => "1 + k s^-mu: a power law without an end",
+            Self::Logarithmic => {
+                "1 + gamma log10(1 + t/t0) after a unit step: the same amount every decade of time"
+            }
+            Self::KelvinVoigt { .. } => {
+                "1 + sum of k/(1 + tau s): springs and dampers, creep that comes to an end"
+            }
+        }
+    }
+
+    /// The same with another number of elements; `None` for a kind that has none.
+    pub fn with_elements(self, elements: usize) -> Option<Self> {
+        matches!(self, Self::KelvinVoigt { .. }).then_some(Self::KelvinVoigt { elements })
+    }
+
     /// `none`, `fractional`, `logarithmic` or `kelvin-voigt`.
     pub fn name(self) -> &'static str {
         match self {

@@ -72,6 +72,11 @@ impl<D, L> Body<D, L> {
 pub type Hammerstein = Body<ModelFile, hammerstein::Model>;
 
 impl Hammerstein {
+    /// Least and largest drive that the model was identified with; `None` where the data do not say.
+    pub fn drive_range(&self) -> Option<[f64; 2]> {
+        self.data.valid_range.as_ref().map(|range| [range.input.low, range.input.high])
+    }
+
     /// What a user should know about the inverse for a reference.
     pub fn remarks_on_reference(&self, reference: &[f64], sample_rate_hz: f64) -> Vec<Remark> {
         let valid = self.data.valid_range.as_ref().and_then(|range| range.frequency.as_ref());

@@ -8,6 +8,7 @@
 
 mod channel;
 mod crop;
+mod dead_band;
 mod delay;
 mod error;
 mod excitation_kind;
@@ -31,6 +32,7 @@ mod turning_points;
 mod unit;
 
 pub use channel::{header_of, split_header};
+pub use dead_band::beyond_dead_band;
 pub use delay::{
     DelayFinding, Response, delay_from_phase, find_delay, fundamental_response, low_frequency_responses,
 };

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use crate::control::{ControlError, Loop, LoopSettings, Plant, Reach, Sines, reach};
 use crate::hammerstein;
+use crate::invert::InverseOptions;
 use crate::model::Body;
 use crate::model_file::ModelFile;
 use crate::record::{Signal, TimeBase, Unit, range_of};
@@ -94,7 +95,7 @@ pub fn track(
     let [low, high] = settings.range_v;
     let rehearsal = Rehearsal {
         plant,
-        virgin_v: options.virgin_v.or((low <= 0.0 && 0.0 <= high).then_some(0.0)),
+        virgin_v: options.virgin_v.or(InverseOptions::switched_on([low, high])),
         reference: samples,
         scored: &scored,
         sines,

@@ -23,6 +23,20 @@ pub struct AmplifierLimits {
     pub capacitance_f: Option<f64>,
 }
 
+impl Default for AmplifierLimits {
+    /// Beyond every amplifier: nothing is limited.
+    fn default() -> Self {
+        Self {
+            low_v: -BEYOND_EVERY_AMPLIFIER_V,
+            high_v: BEYOND_EVERY_AMPLIFIER_V,
+            slew_v_per_s: None,
+            current_a: None,
+            capacitance_f: None,
+        }
+    }
+}
+
+const BEYOND_EVERY_AMPLIFIER_V: f64 = 1e12;
 /// Voltages may exceed a limit by this fraction of the range: rounding of offset plus amplitude.
 const ROUNDING: f64 = 1e-12;
 
