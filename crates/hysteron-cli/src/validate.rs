@@ -7,14 +7,17 @@ use hysteron_identify::PredictionError;
 use hysteron_model::model::{Capability, Score, Signals};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{OffsetTreatment, Scoring};
+use hysteron_report::validation::page;
 use serde::Serialize;
 
 use crate::axes::AxesFlags;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
+use crate::maker::maker;
 use crate::model::Loaded;
 use crate::numbers::not_negative;
+use crate::result_flags::ResultFlags;
 use crate::scores;
 use crate::start::StartFlags;
 
@@ -23,7 +26,8 @@ use crate::start::StartFlags;
 #[command(
     after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual is added to the \
     simulation and printed as the offset.\n\n\
-    Example: hysteron validate model.json run1.csv run2.csv --skip 0.5"
+    Example: hysteron validate model.json run1.csv run2.csv --skip 0.5\n\
+    Example: hysteron validate model.json run1.csv --report validation.html"
 )]
 pub struct Validate {
     /// The model file
@@ -47,9 +51,8 @@ pub struct Validate {
     #[arg(long)]
     band: bool,
 
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    result: ResultFlags,
 
     #[command(flatten)]
     start: StartFlags,
@@ -68,24 +71,32 @@ struct Report {
 
 impl Validate {
     pub fn run(&self) -> Result<(), Failure> {
+        self.result.check()?;
         let loaded = Loaded::read(&self.model)?;
         if self.band {
             loaded.hammerstein(Capability::Bands)?;
         }
         let records = self.records.iter().map(|path| self.score(&loaded, path));
         let records = records.collect::<Result<Vec<_>, Failure>>()?;
-        if self.json { console::json(&Report { records }) } else { console::result(&self.text(&records)) }
+        self.result.write(|| page(loaded.model(), &records, &maker()))?;
+        let records: Vec<Score> = records.into_iter().map(|(_, score)| score).collect();
+        if self.result.json {
+            console::json(&Report { records })
+        } else {
+            console::result(&self.text(&records))
+        }
     }
 
-    fn score(&self, loaded: &Loaded, path: &Path) -> Result<Score, Failure> {
+    fn score(&self, loaded: &Loaded, path: &Path) -> Result<(Signals, Score), Failure> {
         let signals = loaded.read_record(path, &self.columns, &self.axes)?;
         let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
         let scoring = Scoring { skip_s: self.skip, offset };
         let score = loaded.score(path, &signals, &self.start, &scoring)?;
-        match &signals {
-            Signals::Single(record) if self.band => self.with_band(loaded, path, record, score),
-            _ => Ok(score),
-        }
+        let score = match &signals {
+            Signals::Single(record) if self.band => self.with_band(loaded, path, record, score)?,
+            _ => score,
+        };
+        Ok((signals, score))
     }
 
     /// The score with how the band of a new measurement holds the record.

@@ -5,11 +5,12 @@ use hysteron_identify::{Fit, Found};
 use hysteron_model::Model;
 use hysteron_model::model_file::ModelFileError;
 
-use crate::page::Page;
+use crate::page::{Page, Section};
+use crate::record_curves::RecordCurves;
 use crate::{identification, model};
 
 /// The report of a fit: for a Hammerstein model with curves and, where they were fitted, the structures next to it (`others`); for the
-/// other kinds numbers, errors, scores and findings.
+/// other kinds numbers, errors, scores and findings, for an oscillator also curves.
 ///
 /// # Errors
 /// [`ModelFileError`] where the data of the model are not sound.
@@ -21,6 +22,13 @@ pub fn report(
     match (&fit.found, &fit.model) {
         (Found::Hammerstein(found), Model::Hammerstein(body)) => {
             Ok(identification::report(name, found, body.data(), others))
+        }
+        (Found::Oscillator(found), _) => {
+            let figures = found.records.iter().flat_map(|record| {
+                RecordCurves::new(&record.data, &record.simulated, record.scores.offset, 0).figures()
+            });
+            let curves = Section::new("Measured and model").blocks(figures);
+            Ok(model::report(name, &fit.model, &fit.findings)?.section(curves))
         }
         _ => model::report(name, &fit.model, &fit.findings),
     }

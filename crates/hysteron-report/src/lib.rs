@@ -30,6 +30,7 @@ pub mod record_curves;
 pub mod records;
 pub mod starts;
 pub mod tracking;
+pub mod validation;
 mod write;
 
 pub use hysteron_numeric::number;

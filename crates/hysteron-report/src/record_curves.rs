@@ -4,7 +4,8 @@ use crate::figure::{
     Axis, Colour, Dash, Figure, Panel, Series, Style, correlogram, measured_and_model, residual,
 };
 use crate::number::significant;
-use hysteron_model::validate::Correlogram;
+use hysteron_model::record::{InputOutput, Quantity, TimeBase, Unit};
+use hysteron_model::validate::{Correlogram, residual_input_correlation, residual_whiteness};
 
 /// One record with the model's simulation, all of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -47,6 +48,50 @@ pub struct BandWidths {
 }
 
 impl RecordCurves {
+    /// Of a record and its simulation, to which `offset` is added; the first `left_out` samples were not scored.
+    pub fn new(data: &InputOutput, simulated: &[f64], offset: f64, left_out: usize) -> Self {
+        let InputOutput { name, time, u, y, valid, .. } = data;
+        let samples = u.len();
+        let time_s: Vec<f64> = match time {
+            TimeBase::Uniform { start_s, sample_rate_hz, .. } => {
+                (0..samples).map(|k| start_s + k as f64 / sample_rate_hz).collect()
+            }
+            TimeBase::NonUniform { times_s } => times_s.clone(),
+            TimeBase::Unknown => (0..samples).map(|k| k as f64).collect(),
+        };
+        let model: Vec<f64> = simulated.iter().map(|x| x + offset).collect();
+        let residual: Vec<f64> = y.iter().zip(&model).map(|(y, model)| y - model).collect();
+        let valid_at = |k: usize| valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+        let scored: Vec<bool> = (0..samples).map(|k| k >= left_out && valid_at(k)).collect();
+        Self {
+            name: name.clone(),
+            role: String::new(),
+            skipped_until_s: if left_out > 0 { time_s.get(left_out).copied().unwrap_or(0.0) } else { 0.0 },
+            band: None,
+            autocorrelation: residual_whiteness(&residual, &scored),
+            input_correlation: residual_input_correlation(&residual, u, &scored),
+            time_s,
+            input: labelled(&data.input, &data.u_unit, "input"),
+            u: u.clone(),
+            output: labelled(&data.output, &data.y_unit, "output"),
+            measured: y.clone(),
+            model,
+            valid: valid.clone().unwrap_or_default(),
+        }
+    }
+
+    /// Loop, time curves, their start and the tests of the residual; those of a simulated record say so.
+    pub fn figures(&self) -> Vec<Figure> {
+        let own =
+            [Some(self.loop_figure()), Some(self.time_figure()), self.start_figure(), self.residual_figure()];
+        own.into_iter().flatten().map(|figure| self.marked(figure)).collect()
+    }
+
+    /// Says so where the record comes from a simulated bench.
+    pub fn marked(&self, figure: Figure) -> Figure {
+        if is_simulated(&self.name) { figure.subtitled("simulated bench") } else { figure }
+    }
+
     /// The values of valid samples, NaN elsewhere.
     fn masked(&self, values: &[f64]) -> Vec<f64> {
         let used = |k: usize| self.valid.is_empty() || self.valid.get(k).copied().unwrap_or(false);
@@ -189,6 +234,22 @@ impl RecordCurves {
         }
         Figure::new("").panel(input).panel(output).panel(error).panel_height(112.0).link_x()
     }
+}
+
+/// Whether a record of this name comes from a simulated bench, which says so in every name.
+pub fn is_simulated(record: &str) -> bool {
+    record.to_lowercase().contains("simulated")
+}
+
+/// Name of a channel behind what it measures, and its unit.
+fn labelled(channel: &str, unit: &Unit, otherwise: &str) -> (String, String) {
+    let word = match unit.base().0 {
+        Quantity::Voltage => "voltage",
+        Quantity::Length => "displacement",
+        Quantity::Angle => "angle",
+        _ => otherwise,
+    };
+    (format!("{word} {channel}"), unit.to_string())
 }
 
 /// A time curve with more periods than this shows little: its start is drawn as well.

@@ -160,3 +160,20 @@ fn an_input_beyond_the_identified_range_is_remarked_on_standard_error() {
     );
     report(&run);
 }
+
+/// Scores and curves of every record, in one file.
+#[test]
+fn the_page_has_scores_and_curves() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    bench.write("simulated_run.csv", good_record());
+    let run = bench.run("validate model.json run.csv simulated_run.csv --report page.html");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let page = std::fs::read_to_string(bench.path("page.html")).unwrap();
+    for part in ["RMSE", "Hysteresis loop: run.csv", "Time curves: simulated_run.csv", "<svg"] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(page.contains("simulated bench"), "figures of simulated records say so");
+    // Nothing is printed differently for it.
+    assert_eq!(run.stdout, bench.run("validate model.json run.csv simulated_run.csv").stdout);
+}

@@ -4,14 +4,13 @@ use super::{DegreeRow, IdentificationReportData, ScoreRow, StructureRow};
 use crate::figure::{ConvergenceCurve, FrequencyResponseCurve};
 use crate::number::significant;
 use crate::page::Highlight;
-use crate::record_curves::{BandWidths, RecordCurves};
+use crate::record_curves::{BandWidths, RecordCurves, is_simulated};
 use hysteron_identify::structure::{Neighbours, StructureError};
 use hysteron_identify::{FindingKind, Identification, Method, PredictionBand, RecordFit, RecordRole};
 use hysteron_model::dynamics::{Creep, Dynamics, TransferFunction};
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::ModelFile;
-use hysteron_model::record::{InputOutput, TimeBase};
-use hysteron_model::validate::{definitions, residual_input_correlation, residual_whiteness};
+use hysteron_model::validate::definitions;
 
 use super::parameters;
 use super::searches::starts;
@@ -45,7 +44,7 @@ pub(super) fn data(
     IdentificationReportData {
         model_name: model_name.to_owned(),
         summary: summary(found),
-        simulated: found.records.iter().any(|r| r.data.name.to_lowercase().contains("simulated")),
+        simulated: found.records.iter().any(|r| is_simulated(&r.data.name)),
         highlights: highlights(found),
         warnings: of_kind(FindingKind::Warning).collect(),
         limits: of_kind(FindingKind::Advice).collect(),
@@ -322,45 +321,8 @@ fn band(fit: &RecordFit, file: &ModelFile) -> Option<BandWidths> {
 }
 
 fn curves(fit: &RecordFit, left_out: usize, file: &ModelFile) -> RecordCurves {
-    let InputOutput { name, time, u, y, valid, .. } = &fit.data;
-    let samples = u.len();
-    let time_s: Vec<f64> = match time {
-        TimeBase::Uniform { start_s, sample_rate_hz, .. } => {
-            (0..samples).map(|k| start_s + k as f64 / sample_rate_hz).collect()
-        }
-        TimeBase::NonUniform { times_s } => times_s.clone(),
-        TimeBase::Unknown => (0..samples).map(|k| k as f64).collect(),
-    };
-    let offset = fit.scores.offset;
-    let labelled = |channel: &str, unit: &hysteron_model::record::Unit, is_input: bool| {
-        let word = match unit.base().0 {
-            hysteron_model::record::Quantity::Voltage => "voltage",
-            hysteron_model::record::Quantity::Length => "displacement",
-            hysteron_model::record::Quantity::Angle => "angle",
-            _ if is_input => "input",
-            _ => "output",
-        };
-        (format!("{word} {channel}"), unit.to_string())
-    };
-    let model: Vec<f64> = fit.simulated.iter().map(|x| x + offset).collect();
-    let residual: Vec<f64> = y.iter().zip(&model).map(|(y, model)| y - model).collect();
-    let valid_at = |k: usize| valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
-    let scored: Vec<bool> = (0..samples).map(|k| k >= left_out && valid_at(k)).collect();
-    RecordCurves {
-        name: name.clone(),
-        role: role_name(fit.role).to_owned(),
-        skipped_until_s: if left_out > 0 { time_s.get(left_out).copied().unwrap_or(0.0) } else { 0.0 },
-        band: band(fit, file),
-        autocorrelation: residual_whiteness(&residual, &scored),
-        input_correlation: residual_input_correlation(&residual, u, &scored),
-        time_s,
-        input: labelled(&fit.data.input, &fit.data.u_unit, true),
-        u: u.clone(),
-        output: labelled(&fit.data.output, &fit.data.y_unit, false),
-        measured: y.clone(),
-        model,
-        valid: valid.clone().unwrap_or_default(),
-    }
+    let curves = RecordCurves::new(&fit.data, &fit.simulated, fit.scores.offset, left_out);
+    RecordCurves { role: role_name(fit.role).to_owned(), band: band(fit, file), ..curves }
 }
 
 fn response(found: &Identification) -> Option<FrequencyResponseCurve> {

@@ -237,11 +237,8 @@ fn scores(data: &IdentificationReportData) -> Section {
 
 fn loops(data: &IdentificationReportData) -> Section {
     let mut section = Section::new("Measured and model");
-    let mark = |figure: Figure| if data.simulated { figure.subtitled("simulated bench") } else { figure };
     for record in &data.records {
-        section = section.block(mark(record.loop_figure())).block(mark(record.time_figure()));
-        section = section.blocks(record.start_figure().map(mark));
-        section = section.blocks(record.residual_figure().map(mark));
+        section = section.blocks(record.figures());
     }
     section
 }
