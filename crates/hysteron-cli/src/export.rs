@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hysteron_export::{
-    ExportError, ExportSummary, ExportedFile, Inverse, Precision, Rounding, Runtime, Subject, c_files,
+    ExportError, ExportSummary, Inverse, NamedFile, Precision, Rounding, Runtime, Subject, c_files,
     fmu_files, inverse_files, inverse_fmu_files, rust_files, write_folder,
 };
+use hysteron_io::FolderError;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::model::Capability;
 use hysteron_model::realise::RealiseOptions;
@@ -157,7 +158,7 @@ impl Export {
         subject: &Subject,
         inverse: Option<&Inverse>,
         runtime: Option<&Path>,
-    ) -> Result<Vec<ExportedFile>, ExportError> {
+    ) -> Result<Vec<NamedFile>, ExportError> {
         let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
         let mut files = match self.to {
             Form::C => c_files(subject)?,
@@ -235,8 +236,10 @@ impl Export {
             ExportError::Name { .. } => failure.hint("name it with --name, e.g. --name stage"),
             ExportError::Compiler { .. } => failure
                 .hint("install a C compiler (e.g. apt-get install gcc), or name one in the variable CC"),
-            ExportError::Foreign { .. } => failure.hint("name another folder, or another --name"),
-            ExportError::Write { source, .. } => failure.hint(match source.kind() {
+            ExportError::Folder(FolderError::Foreign { .. }) => {
+                failure.hint("name another folder, or another --name")
+            }
+            ExportError::Folder(FolderError::Write { source, .. }) => failure.hint(match source.kind() {
                 ErrorKind::IsADirectory | ErrorKind::NotADirectory => {
                     "name another folder, or another --name"
                 }

@@ -5,11 +5,11 @@ use hysteron_rt::{BoucWen, Branch, MOST_PANELS, Real, Sides};
 
 use crate::error::ExportError;
 use crate::escape::{c_comment, c_string};
-use crate::files::ExportedFile;
 use crate::golden::{Golden, HELD_FROM};
 use crate::number::Precision;
 use crate::subject::Subject;
 use crate::template::Filling;
+use hysteron_io::NamedFile;
 
 const HEADER: &str = concat!(
     include_str!("../templates/c/model_top.h"),
@@ -30,12 +30,12 @@ const SELFTEST: &str = include_str!("../templates/c/selftest.c");
 ///
 /// # Errors
 /// [`ExportError::Realise`] where the library has no result along the golden drive.
-pub fn c_files(subject: &Subject) -> Result<Vec<ExportedFile>, ExportError> {
+pub fn c_files(subject: &Subject) -> Result<Vec<NamedFile>, ExportError> {
     let mut filling = filling(subject, Numbers::Constant)?;
     let name = &subject.name;
     let mut files = core_files(subject, &filling)?;
     golden_keys(&mut filling, subject, &Golden::new(subject)?, &|x| subject.precision.c_literal(x));
-    files.push(ExportedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
+    files.push(NamedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
     Ok(files)
 }
 
@@ -49,10 +49,10 @@ pub(crate) enum Numbers {
 }
 
 /// Header and source.
-pub(crate) fn core_files(subject: &Subject, filling: &Filling) -> Result<Vec<ExportedFile>, ExportError> {
+pub(crate) fn core_files(subject: &Subject, filling: &Filling) -> Result<Vec<NamedFile>, ExportError> {
     Ok(vec![
-        ExportedFile::new(format!("{}.h", subject.name), filling.fill(HEADER)?),
-        ExportedFile::new(format!("{}.c", subject.name), filling.fill(SOURCE)?),
+        NamedFile::new(format!("{}.h", subject.name), filling.fill(HEADER)?),
+        NamedFile::new(format!("{}.c", subject.name), filling.fill(SOURCE)?),
     ])
 }
 

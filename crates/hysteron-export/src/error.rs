@@ -1,7 +1,6 @@
 //! Why a model was not exported.
 
-use std::path::PathBuf;
-
+use hysteron_io::FolderError;
 use hysteron_model::compensator::CompensatorError;
 use hysteron_model::realise::RealiseError;
 
@@ -46,22 +45,9 @@ pub enum ExportError {
         /// In percent of its range.
         percent: f64,
     },
-    /// A file in the folder is not one that an export wrote.
-    #[error("{} is there already and was not written by an export", path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The folder or a file of it cannot be written.
-    #[error("{action} {} failed: {source}", path.display())]
-    Write {
-        /// The step that failed.
-        action: &'static str,
-        /// The file or folder.
-        path: PathBuf,
-        /// What the operating system says.
-        source: std::io::Error,
-    },
+    /// The folder cannot be written.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// No binary could be made.
     #[error("the C compiler `{compiler}` {problem}")]
     Compiler {

@@ -6,11 +6,11 @@ use hysteron_rt::Real;
 
 use crate::c::{Numbers, description_comment, filling, rows};
 use crate::error::ExportError;
-use crate::files::ExportedFile;
 use crate::golden::{Rounding, patience, samples_of};
 use crate::number::Precision;
 use crate::subject::{Subject, significant};
 use crate::template::Filling;
+use hysteron_io::NamedFile;
 
 const HEADER: &str = concat!(
     include_str!("../templates/c/inverse_top.h"),
@@ -99,7 +99,7 @@ impl Inverse {
 ///
 /// # Errors
 /// As [`Inverse::new`].
-pub fn inverse_files(inverse: &Inverse) -> Result<Vec<ExportedFile>, ExportError> {
+pub fn inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportError> {
     let mut filling = inverse_filling(inverse, Numbers::Constant)?;
     let name = &inverse.subject.name;
     let mut files = inverse_core(inverse, &filling)?;
@@ -110,9 +110,9 @@ pub fn inverse_files(inverse: &Inverse) -> Result<Vec<ExportedFile>, ExportError
         significant(left)
     );
     filling.key("SETTLES", samples).key("SETTLES_IN_WORDS", words);
-    files.push(ExportedFile::new(format!("{name}_loop.c"), filling.fill(LOOP)?));
+    files.push(NamedFile::new(format!("{name}_loop.c"), filling.fill(LOOP)?));
     golden_inverse_keys(&mut filling, inverse, &|x| inverse.subject.precision.c_literal(x))?;
-    files.push(ExportedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
+    files.push(NamedFile::new(format!("{name}_selftest.c"), filling.fill(SELFTEST)?));
     Ok(files)
 }
 
@@ -139,11 +139,11 @@ fn settles(law: &Compensation) -> (usize, f64) {
 }
 
 /// Header and source.
-pub(crate) fn inverse_core(inverse: &Inverse, filling: &Filling) -> Result<Vec<ExportedFile>, ExportError> {
+pub(crate) fn inverse_core(inverse: &Inverse, filling: &Filling) -> Result<Vec<NamedFile>, ExportError> {
     let name = &inverse.subject.name;
     Ok(vec![
-        ExportedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
-        ExportedFile::new(format!("{name}.c"), filling.fill(SOURCE)?),
+        NamedFile::new(format!("{name}.h"), filling.fill(HEADER)?),
+        NamedFile::new(format!("{name}.c"), filling.fill(SOURCE)?),
     ])
 }
 

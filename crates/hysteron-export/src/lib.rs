@@ -13,7 +13,6 @@
 mod c;
 mod error;
 mod escape;
-mod files;
 mod fmu;
 mod golden;
 mod inverse;
@@ -25,11 +24,23 @@ mod template;
 
 pub use c::c_files;
 pub use error::ExportError;
-pub use files::{ExportedFile, write_folder};
 pub use fmu::{fmu_files, inverse_fmu_files};
 pub use golden::{Golden, Rounding};
+pub use hysteron_io::NamedFile;
 pub use inverse::{GoldenInverse, Inverse, inverse_files};
 pub use number::Precision;
 pub use rust_crate::{Runtime, rust_files};
 pub use subject::Subject;
 pub use summary::{ExportSummary, FileSummary};
+
+/// Writes the files of an export into `folder`, made where it does not exist, all of them or none. Files of other names stay as they are; one of the
+/// same name is replaced where an export wrote it.
+///
+/// # Errors
+/// [`ExportError::Folder`]. Nothing has changed then.
+pub fn write_folder(folder: &std::path::Path, files: &[NamedFile]) -> Result<(), ExportError> {
+    Ok(hysteron_io::write_folder(folder, files, MARK)?)
+}
+
+/// What every file that an export wrote holds.
+const MARK: &[u8] = b"hysteron export";

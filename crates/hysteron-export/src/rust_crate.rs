@@ -8,12 +8,12 @@ use hysteron_rt::{BoucWen, Branch, LANES, Real, Sides};
 use crate::c::{Numbers, filling, golden_keys, of_thresholds, rows};
 use crate::error::ExportError;
 use crate::escape::{rust_comment, toml_string};
-use crate::files::ExportedFile;
 use crate::golden::Golden;
 use crate::inverse::{Inverse, golden_inverse_keys};
 use crate::number::Precision;
 use crate::subject::Subject;
 use crate::template::Filling;
+use hysteron_io::NamedFile;
 
 const SOURCE: &str = include_str!("../templates/rust/model.rs");
 const SELFTEST: &str = include_str!("../templates/rust/selftest.rs");
@@ -37,14 +37,14 @@ pub fn rust_files(
     subject: &Subject,
     inverse: Option<&Inverse>,
     runtime: Runtime<'_>,
-) -> Result<Vec<ExportedFile>, ExportError> {
-    let mut files = vec![ExportedFile::new("Cargo.toml", manifest(subject, runtime))];
+) -> Result<Vec<NamedFile>, ExportError> {
+    let mut files = vec![NamedFile::new("Cargo.toml", manifest(subject, runtime))];
     let literal = |x: f64| subject.precision.rust_literal(x);
     let mut filling = common(subject, subject.description(), numbers(subject)?)?;
     filling.flag("has_inverse", inverse.is_some());
-    files.push(ExportedFile::new("src/lib.rs", filling.fill(SOURCE)?));
+    files.push(NamedFile::new("src/lib.rs", filling.fill(SOURCE)?));
     golden_keys(&mut filling, subject, &Golden::new(subject)?, &literal);
-    files.push(ExportedFile::new("tests/selftest.rs", filling.fill(SELFTEST)?));
+    files.push(NamedFile::new("tests/selftest.rs", filling.fill(SELFTEST)?));
     if let Some(inverse) = inverse {
         let tables = numbers(&inverse.subject)? + &law(inverse);
         let mut filling = common(&inverse.subject, inverse.description(), tables)?;
@@ -52,9 +52,9 @@ pub fn rust_files(
             .flag("inverse", true)
             .key("crate", &subject.name)
             .key("N_PREVIEW", inverse.compensation.preview);
-        files.push(ExportedFile::new("src/inverse.rs", filling.fill(SOURCE)?));
+        files.push(NamedFile::new("src/inverse.rs", filling.fill(SOURCE)?));
         golden_inverse_keys(&mut filling, inverse, &literal)?;
-        files.push(ExportedFile::new("tests/inverse_selftest.rs", filling.fill(INVERSE_SELFTEST)?));
+        files.push(NamedFile::new("tests/inverse_selftest.rs", filling.fill(INVERSE_SELFTEST)?));
     }
     Ok(files)
 }

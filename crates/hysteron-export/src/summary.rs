@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::{ExportedFile, Subject};
+use crate::{NamedFile, Subject};
 
 /// What was exported, for programs.
 #[derive(Clone, Debug, Serialize)]
@@ -42,7 +42,7 @@ pub struct FileSummary {
 
 impl ExportSummary {
     /// Of these files in a folder.
-    pub fn new(folder: &Path, subject: &Subject, files: &[ExportedFile]) -> Self {
+    pub fn new(folder: &Path, subject: &Subject, files: &[NamedFile]) -> Self {
         let linear = &subject.realisation.dynamics;
         Self {
             name: subject.name.clone(),

@@ -35,6 +35,7 @@
 
 mod assemble;
 pub mod atomic_file;
+mod atomic_folder;
 mod columns;
 mod csv;
 mod csv_write;
@@ -50,6 +51,7 @@ mod place;
 mod read;
 mod roles;
 
+pub use atomic_folder::{FolderError, NamedFile, temporary_folder, write_folder};
 pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};

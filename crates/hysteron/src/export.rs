@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-use hysteron_export::{
-    ExportedFile, Precision, Runtime, Subject, c_files, fmu_files, rust_files, write_folder,
-};
+use hysteron_export::{NamedFile, Precision, Runtime, Subject, c_files, fmu_files, rust_files, write_folder};
 use hysteron_model::model::{Body, Capability};
 use hysteron_model::realise::{RealiseOptions, realise};
 
@@ -32,7 +30,7 @@ pub enum Target {
 /// Files of an export.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Export {
-    files: Vec<ExportedFile>,
+    files: Vec<NamedFile>,
 }
 
 impl Export {

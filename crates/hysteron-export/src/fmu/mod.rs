@@ -11,10 +11,10 @@ use hysteron_rt::Real;
 
 use crate::c::{Numbers, core_files, filling};
 use crate::error::ExportError;
-use crate::files::ExportedFile;
 use crate::inverse::{Inverse, inverse_core, inverse_filling};
 use crate::number::Precision;
 use crate::subject::Subject;
+use hysteron_io::NamedFile;
 use variables::{Parameter, build_description, cases, description, parameters};
 
 /// Version of the interface.
@@ -50,7 +50,7 @@ impl FmiVersion {
 ///
 /// # Errors
 /// [`ExportError::Compiler`] where the compiler is not there or fails; as [`crate::c_files`].
-pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<ExportedFile>, ExportError> {
+pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
     both(subject, None, compiler)
 }
 
@@ -58,15 +58,11 @@ pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<ExportedFile>,
 ///
 /// # Errors
 /// As [`fmu_files`].
-pub fn inverse_fmu_files(inverse: &Inverse, compiler: &str) -> Result<Vec<ExportedFile>, ExportError> {
+pub fn inverse_fmu_files(inverse: &Inverse, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
     both(&inverse.subject, Some(inverse), compiler)
 }
 
-fn both(
-    subject: &Subject,
-    inverse: Option<&Inverse>,
-    compiler: &str,
-) -> Result<Vec<ExportedFile>, ExportError> {
+fn both(subject: &Subject, inverse: Option<&Inverse>, compiler: &str) -> Result<Vec<NamedFile>, ExportError> {
     let parameters = match subject.precision {
         Precision::F32 => of_type::<f32>(subject)?,
         Precision::F64 => of_type::<f64>(subject)?,
@@ -76,7 +72,7 @@ fn both(
         .map(|version| {
             let content = unit(subject, inverse, &parameters, version, compiler)?;
             let bytes = zip::archive(&content)?;
-            Ok(ExportedFile::new(format!("{}_fmi{}.fmu", subject.name, version.number()), bytes))
+            Ok(NamedFile::new(format!("{}_fmi{}.fmu", subject.name, version.number()), bytes))
         })
         .collect()
 }
@@ -120,10 +116,9 @@ fn unit(
             "fmi3",
         ),
     };
-    sources
-        .push(ExportedFile::new("instance.h", filling.fill(include_str!("../../templates/fmu/instance.h"))?));
-    sources.push(ExportedFile::new(format!("{name}_types.h"), types));
-    sources.push(ExportedFile::new(format!("{name}.c"), filling.fill(functions)?));
+    sources.push(NamedFile::new("instance.h", filling.fill(include_str!("../../templates/fmu/instance.h"))?));
+    sources.push(NamedFile::new(format!("{name}_types.h"), types));
+    sources.push(NamedFile::new(format!("{name}.c"), filling.fill(functions)?));
     let mut files = vec![(
         "modelDescription.xml".to_owned(),
         description(subject, inverse, parameters, version, &token).into_bytes(),
@@ -140,7 +135,7 @@ fn unit(
 }
 
 /// What ties description and binary to each other: two 64-bit FNV-1a sums of the sources.
-fn token(sources: &[ExportedFile], version: FmiVersion) -> String {
+fn token(sources: &[NamedFile], version: FmiVersion) -> String {
     let sum = |start: u64| {
         sources
             .iter()
@@ -151,9 +146,10 @@ fn token(sources: &[ExportedFile], version: FmiVersion) -> String {
 }
 
 /// Compiles the sources into a shared library.
-fn binary(sources: &[ExportedFile], main: &[String], compiler: &str) -> Result<Vec<u8>, ExportError> {
+fn binary(sources: &[NamedFile], main: &[String], compiler: &str) -> Result<Vec<u8>, ExportError> {
     let failed = |problem: String| ExportError::Compiler { compiler: compiler.to_owned(), problem };
-    let folder = tempfile::tempdir().map_err(|e| failed(format!("has no folder to work in: {e}")))?;
+    let folder =
+        hysteron_io::temporary_folder().map_err(|e| failed(format!("has no folder to work in: {e}")))?;
     let at = |name: &str| folder.path().join(name);
     for file in sources {
         std::fs::write(at(&file.name), &file.bytes)

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::process::Command;
 
-use hysteron_export::{ExportError, ExportedFile, Golden, Precision, c_files, write_folder};
+use hysteron_export::{ExportError, Golden, NamedFile, Precision, c_files, write_folder};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 
@@ -55,7 +55,7 @@ fn what_takes_the_compensation_away_does_not_compile() {
 }
 
 /// What the self-test of `name` says of `files`, and whether it passed.
-fn judged(folder: &Path, compiler: &str, name: &str, files: &[ExportedFile]) -> (bool, String) {
+fn judged(folder: &Path, compiler: &str, name: &str, files: &[NamedFile]) -> (bool, String) {
     write_folder(folder, files).unwrap();
     let (source, test) = (format!("{name}.c"), format!("{name}_selftest.c"));
     run(folder, compiler, &[&source, &test, "-o", "selftest", "-lm"]);
@@ -66,7 +66,7 @@ fn judged(folder: &Path, compiler: &str, name: &str, files: &[ExportedFile]) -> 
 }
 
 /// The files with another text of `name`.c.
-fn with_source(files: &[ExportedFile], name: &str, change: impl Fn(&str) -> String) -> Vec<ExportedFile> {
+fn with_source(files: &[NamedFile], name: &str, change: impl Fn(&str) -> String) -> Vec<NamedFile> {
     let mut files = files.to_vec();
     let source = files.iter_mut().find(|f| f.name == format!("{name}.c")).unwrap();
     let text = String::from_utf8(source.bytes.clone()).unwrap();

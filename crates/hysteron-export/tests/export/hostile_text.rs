@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use hysteron_export::{
-    ExportedFile, Inverse, Precision, Runtime, Subject, c_files, fmu_files, inverse_files, inverse_fmu_files,
+    Inverse, NamedFile, Precision, Runtime, Subject, c_files, fmu_files, inverse_files, inverse_fmu_files,
     rust_files, write_folder,
 };
 use hysteron_model::compensator::Prediction;
@@ -122,7 +122,7 @@ fn the_rust_crate_is_checked_and_documented_without_a_warning() {
 }
 
 /// `modelDescription.xml` of an archive, whose files are stored as they are.
-fn description(archive: &ExportedFile) -> String {
+fn description(archive: &NamedFile) -> String {
     let text = String::from_utf8_lossy(&archive.bytes);
     let end = "</fmiModelDescription>";
     let (from, to) = (text.find("<?xml").unwrap(), text.find(end).unwrap() + end.len());

@@ -1,39 +1,65 @@
-//! Files of an export, written together: a folder that is complete, or as it was.
+//! Files written together: a folder that is complete, or as it was.
 
 use std::io::{self, ErrorKind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use hysteron_io::atomic_file::write_atomically;
+use crate::atomic_file::write_atomically;
 
-use crate::error::ExportError;
-
-/// A file of an export.
+/// A file to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ExportedFile {
+pub struct NamedFile {
     /// Name in the folder, with / between folders.
     pub name: String,
     /// Content.
     pub bytes: Vec<u8>,
 }
 
-impl ExportedFile {
-    pub(crate) fn new(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
+impl NamedFile {
+    /// With this content.
+    pub fn new(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
         Self { name: name.into(), bytes: bytes.into() }
     }
 }
 
-/// What every file that an export wrote holds.
-const MARK: &[u8] = b"hysteron export";
+/// Why a folder was not written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FolderError {
+    /// A file in the folder is not one that was written so before.
+    #[error("{} is there already and was not written by an export", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder or a file of it cannot be written.
+    #[error("{action} {} failed: {source}", path.display())]
+    Write {
+        /// The step that failed.
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+}
+
+/// A folder for what is done with and removed when dropped.
+///
+/// # Errors
+/// Where the operating system refuses.
+pub fn temporary_folder() -> io::Result<tempfile::TempDir> {
+    tempfile::tempdir()
+}
 
 /// Writes all `files` into `folder`, made where it does not exist. Files of other names stay as they are; one of the same name is
-/// replaced where an export wrote it. Everything is written beside its place first, and then renamed; what was replaced is put back where a later
+/// replaced where it holds `mark`, what all files written so hold. Everything is written beside its place first, and then renamed; what was replaced is put back where a later
 /// rename fails. A symbolic link to a file stays, and that file is replaced or made.
 ///
 /// # Errors
-/// [`ExportError::Foreign`] for a file of the same name that no export wrote; [`ExportError::Write`]. Nothing has changed then.
-pub fn write_folder(folder: &Path, files: &[ExportedFile]) -> Result<(), ExportError> {
+/// [`FolderError::Foreign`] for a file of the same name without the mark; [`FolderError::Write`]. Nothing has changed then.
+pub fn write_folder(folder: &Path, files: &[NamedFile], mark: &[u8]) -> Result<(), FolderError> {
     for file in files {
-        check(&folder.join(&file.name))?;
+        check(&folder.join(&file.name), mark)?;
     }
     let parent = match folder.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -67,7 +93,7 @@ pub fn write_folder(folder: &Path, files: &[ExportedFile]) -> Result<(), ExportE
         let made = beside.keep();
         return std::fs::rename(&made, folder).map_err(|source| {
             let _ = std::fs::remove_dir_all(&made);
-            ExportError::Write { action: "renaming the finished folder to", path: folder.to_owned(), source }
+            FolderError::Write { action: "renaming the finished folder to", path: folder.to_owned(), source }
         });
     }
     for (done, file) in files.iter().enumerate() {
@@ -82,22 +108,22 @@ pub fn write_folder(folder: &Path, files: &[ExportedFile]) -> Result<(), ExportE
     Ok(())
 }
 
-fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> ExportError {
+fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> FolderError {
     let path = path.to_owned();
-    move |source| ExportError::Write { action, path, source }
+    move |source| FolderError::Write { action, path, source }
 }
 
 /// Whether a file can be replaced, or made.
-fn check(path: &Path) -> Result<(), ExportError> {
+fn check(path: &Path, mark: &[u8]) -> Result<(), FolderError> {
     let refused = |kind: ErrorKind| failed("writing", path)(kind.into());
     match std::fs::metadata(path) {
         Ok(found) if found.is_dir() => Err(refused(ErrorKind::IsADirectory)),
-        // A device or a pipe: no export wrote it, and reading it might wait for ever.
-        Ok(found) if !found.is_file() => Err(ExportError::Foreign { path: path.to_owned() }),
+        // A device or a pipe: it was not written so, and reading it might wait for ever.
+        Ok(found) if !found.is_file() => Err(FolderError::Foreign { path: path.to_owned() }),
         Ok(_) => {
             let old = std::fs::read(path).map_err(failed("reading", path))?;
-            let ours = old.windows(MARK.len()).any(|part| part == MARK);
-            if ours { Ok(()) } else { Err(ExportError::Foreign { path: path.to_owned() }) }
+            let ours = old.windows(mark.len()).any(|part| part == mark);
+            if ours { Ok(()) } else { Err(FolderError::Foreign { path: path.to_owned() }) }
         }
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
         Err(e) => Err(failed("writing", path)(e)),
@@ -148,8 +174,14 @@ fn remove_empty(folder: &Path, path: &Path) {
 mod tests {
     use super::*;
 
-    fn file(name: &str, text: &str) -> ExportedFile {
-        ExportedFile::new(name, format!("/* hysteron export */ {text}"))
+    const MARK: &[u8] = b"hysteron export";
+
+    fn write_folder(folder: &Path, files: &[NamedFile]) -> Result<(), FolderError> {
+        super::write_folder(folder, files, MARK)
+    }
+
+    fn file(name: &str, text: &str) -> NamedFile {
+        NamedFile::new(name, format!("/* hysteron export */ {text}"))
     }
 
     #[test]
@@ -163,7 +195,7 @@ mod tests {
         assert!(read("a.c").ends_with('2') && read("src/b.c").ends_with('2'));
         assert_eq!(read("mine.c"), "mine");
         let refused = write_folder(&folder, &[file("a.c", "3"), file("mine.c", "3")]).unwrap_err();
-        assert!(matches!(&refused, ExportError::Foreign { path } if path.ends_with("mine.c")), "{refused}");
+        assert!(matches!(&refused, FolderError::Foreign { path } if path.ends_with("mine.c")), "{refused}");
         assert!(read("a.c").ends_with('2') && read("mine.c") == "mine");
         // No temporary folder is left.
         assert_eq!(std::fs::read_dir(place.path().join("deep")).unwrap().count(), 1);
@@ -210,12 +242,12 @@ mod tests {
         symlink("/dev/null", folder.join("null.c")).unwrap();
         for name in ["pipe.c", "null.c"] {
             let refused = write_folder(&folder, &[file(name, "2")]).unwrap_err();
-            assert!(matches!(refused, ExportError::Foreign { .. }), "{refused}");
+            assert!(matches!(refused, FolderError::Foreign { .. }), "{refused}");
         }
     }
 
     /// Everything in a folder, folders without content included.
-    fn tree(folder: &Path) -> Vec<(std::path::PathBuf, Vec<u8>)> {
+    fn tree(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
         let mut all = Vec::new();
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -245,7 +277,7 @@ mod tests {
             }
             let before = tree(&folder);
             let refused = write_folder(&folder, &files).unwrap_err();
-            assert!(matches!(refused, ExportError::Write { .. }), "{at}: {refused}");
+            assert!(matches!(refused, FolderError::Write { .. }), "{at}: {refused}");
             assert_eq!(tree(place.path()).len(), 1 + before.len(), "{at}");
             assert_eq!(tree(&folder), before, "{at}");
             std::fs::remove_dir_all(&folder).unwrap();
