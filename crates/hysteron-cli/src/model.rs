@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use hysteron_identify::{PredictionBand, PredictionError};
-use hysteron_io::{ModelDiskError, load_model, save_model};
+use hysteron_io::{ModelDiskError, load_model_and_source, save_model};
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
     Capability, Hammerstein, RunError, Score, SignalRole, Signals, Simulation, Unsupported,
 };
 use hysteron_model::oscillator::OscillatorError;
-use hysteron_model::record::{InputOutput, Quantity, Unit};
+use hysteron_model::record::{InputOutput, Quantity, Source, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model, Start, hammerstein};
 
@@ -23,6 +23,7 @@ use crate::start::StartFlags;
 pub struct Loaded {
     path: PathBuf,
     model: Model,
+    source: Source,
 }
 
 impl Loaded {
@@ -31,13 +32,18 @@ impl Loaded {
     /// # Errors
     /// If it cannot be read or is not sound.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let model = load_model(path).map_err(|e| cannot_read(path, e))?;
-        Ok(Loaded { path: path.to_owned(), model })
+        let (model, source) = load_model_and_source(path).map_err(|e| cannot_read(path, e))?;
+        Ok(Loaded { path: path.to_owned(), model, source })
     }
 
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model
+    }
+
+    /// The file as it was read.
+    pub fn source(&self) -> &Source {
+        &self.source
     }
 
     /// Inputs and outputs of the record at `path`, as the model takes them.
@@ -299,15 +305,15 @@ pub fn save(path: &Path, model: &Model) -> Result<(), Failure> {
     save_model(path, model).map_err(|e| failure().because(e))
 }
 
-/// [`save`] of the data of a model; the model as it will be read.
+/// [`save`] of the data of a model; the model they are.
 ///
 /// # Errors
 /// If the data are not sound, or the file cannot be written.
-pub fn write(path: &Path, data: impl TryInto<Model, Error: Into<ModelDiskError>>) -> Result<Loaded, Failure> {
+pub fn write(path: &Path, data: impl TryInto<Model, Error: Into<ModelDiskError>>) -> Result<Model, Failure> {
     let failure = || Failure::new(format!("cannot write the model to {}", path.display()));
     let model = data.try_into().map_err(|e| failure().because(e.into()))?;
     save(path, &model)?;
-    Ok(Loaded { path: path.to_owned(), model })
+    Ok(model)
 }
 
 /// The failure to read the model file at `path`.

@@ -8,7 +8,7 @@ use hysteron_identify::recalibrate::{
     Change, Prior, Recalibration, RecalibrationSummary, Recording, SIGNIFICANT, recalibrate,
 };
 use hysteron_model::model::{Capability, SignalRole};
-use hysteron_model::record::{Source, Unit};
+use hysteron_model::record::Unit;
 use hysteron_model::{Model, Start};
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
@@ -67,17 +67,13 @@ impl Recalibrate {
             self.records.iter().map(|path| self.recording(&old, path)).collect::<Result<Vec<_>, _>>()?;
         let prior = Prior::of(old.body().data());
         let found = recalibrate(old.law(), prior, &recordings, self.least_fit).map_err(|e| explain(&e))?;
-        let bytes = std::fs::read(&self.model).map_err(|e| {
-            Failure::new(format!("cannot read the model {}", self.model.display())).because(e)
-        })?;
-        let source = Source { path: self.model.display().to_string(), sha256: hysteron_io::sha256(&bytes) };
-        let file = found.model_file(old.body().data(), &source, prior, &maker());
+        let file = found.model_file(old.body().data(), old.source(), prior, &maker());
         let written = crate::model::write(&self.out, file.clone())?;
         if self.json {
             let model = self.out.display().to_string();
             return console::json(&Outcome { model, found: found.summary(&file) });
         }
-        console::result(&text(&found, written.model()))?;
+        console::result(&text(&found, &written))?;
         console::message(&format!("model written to {}", self.out.display()));
         Ok(())
     }

@@ -14,8 +14,7 @@ use crate::modes::{self, ModesFitError, ModesIdentification};
 use crate::oscillator::{self, OscillatorFitError};
 use crate::structure::{Neighbours, StructureError, neighbours};
 use crate::{
-    CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, Searches, Stop, Watch,
-    identify,
+    CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, Searches, Watch, identify,
 };
 
 /// A kind of model and what is asked of its identification.
@@ -201,11 +200,11 @@ impl Fit {
         &self,
         records: &FitRecords,
         task: &Task,
-        stop: &Stop,
+        watch: &Watch<'_>,
     ) -> Option<Result<Neighbours, StructureError>> {
         match (&self.found, records, task) {
             (Found::Hammerstein(found), FitRecords::Single(records), Task::Hammerstein(options)) => {
-                Some(neighbours(records, options, found, stop))
+                Some(neighbours(records, options, found, watch))
             }
             _ => None,
         }

@@ -57,7 +57,7 @@ pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};
 pub use hash::sha256;
 pub use json_file::{JsonFileError, load_json, save_json};
-pub use model_file::{ModelDiskError, load_model, save_model};
+pub use model_file::{ModelDiskError, load_model, load_model_and_source, save_model};
 pub use options::ReadOptions;
 pub use place::{Part, Place};
 pub use read::{

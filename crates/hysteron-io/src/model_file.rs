@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 
 use hysteron_model::Model;
 use hysteron_model::model_file::{MAX_BYTES, ModelFileError};
+use hysteron_model::record::Source;
 
 use crate::atomic_file::{AtomicWriteError, write_atomically};
+use crate::hash::sha256;
 
 /// Why a model file could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -34,11 +36,20 @@ pub enum ModelDiskError {
 /// # Errors
 /// If it cannot be read, is too large for a model, or not sound.
 pub fn load_model(path: &Path) -> Result<Model, ModelDiskError> {
+    Ok(load_model_and_source(path)?.0)
+}
+
+/// As [`load_model`], with where it was read from, for the provenance of what is made of it.
+///
+/// # Errors
+/// As [`load_model`].
+pub fn load_model_and_source(path: &Path) -> Result<(Model, Source), ModelDiskError> {
     let unreadable = |problem| ModelDiskError::Unreadable { path: path.to_owned(), problem };
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    Ok(Model::from_json(&bytes)?)
+    let source = Source { path: path.display().to_string(), sha256: sha256(&bytes) };
+    Ok((Model::from_json(&bytes)?, source))
 }
 
 /// Writes a model; `path` holds its old content or all of the new.

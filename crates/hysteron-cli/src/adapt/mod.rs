@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use hysteron_identify::online::FollowedSummary;
 use hysteron_identify::online::{FollowMethod, FollowOptions, Followed, Term, known_noise};
 use hysteron_model::model::{Capability, SignalRole};
-use hysteron_model::record::{InputOutput, Source};
+use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scoring;
 use serde::Serialize;
 
@@ -169,12 +169,8 @@ impl Adapt {
     }
 
     fn write(&self, path: &Path, old: &LoadedModel, task: &Task, found: &Followed) -> Result<(), Failure> {
-        let bytes = std::fs::read(&self.model).map_err(|e| {
-            Failure::new(format!("cannot read the model {}", self.model.display())).because(e)
-        })?;
-        let source = Source { path: self.model.display().to_string(), sha256: hysteron_io::sha256(&bytes) };
         let file = found
-            .model_file(task.data, &task.options, (old.body().data(), &source), &maker())
+            .model_file(task.data, &task.options, (old.body().data(), old.source()), &maker())
             .map_err(|e| Failure::new("the corrected coefficients make no model").because(e))?;
         crate::model::write(path, file).map(|_| ())
     }

@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::{
-    CampaignRecord, DynamicsChoice, FindingKind, Fit, FitRecords, Initial, Method, RecordRole, Stop, Task,
-    fit, fit_on,
+    CampaignRecord, DynamicsChoice, FindingKind, Fit, FitRecords, Initial, Method, RecordRole, Task, fit,
+    fit_on,
 };
 use hysteron_model::dynamics::{Creep, Scheme};
 use hysteron_model::hysteresis::HysteresisForm;
@@ -226,7 +226,7 @@ impl Identify {
             self.write_searches(&found.resume)?;
         }
         if self.result.has_report() || self.figures.is_some() {
-            self.write_report(&self.page(&records, &task, &found, stop.stop())?)?;
+            self.write_report(&self.page(&records, &task, &found, &stop)?)?;
         }
         for score in &found.scores {
             remarks::tell(Path::new(&score.record), &found.model, &score.simulation.remarks);
@@ -283,9 +283,16 @@ impl Identify {
     }
 
     /// The report; with the structures next to an identified Hammerstein model, unless there is no time for them.
-    fn page(&self, records: &FitRecords, task: &Task, found: &Fit, stop: &Stop) -> Result<Page, Failure> {
+    fn page(
+        &self,
+        records: &FitRecords,
+        task: &Task,
+        found: &Fit,
+        stop: &Interrupt,
+    ) -> Result<Page, Failure> {
         let name = self.out.file_stem().map(|s| s.to_string_lossy()).unwrap_or_default();
-        let others = if found.interrupted { None } else { found.neighbours(records, task, stop) };
+        let others =
+            if found.interrupted { None } else { found.neighbours(records, task, &progress::watch(stop)) };
         report(&name, found, others.as_ref()).map_err(|e| Failure::new("cannot make the report").because(e))
     }
 

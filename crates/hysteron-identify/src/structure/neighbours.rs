@@ -3,21 +3,23 @@
 //! Cheap beside [`super::compare`], because nothing is left out: one fit a structure, started from what was identified. The
 //! errors are those on the data of the fit, which a richer structure always lowers; BIC counts its parameters against it.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
+use super::super::Identification;
 use super::super::campaign::usable;
 use super::super::engine::Engine;
 use super::super::joint::JointMember;
 use super::super::options::{CampaignRecord, Choice, DynamicsChoice, Options};
-use super::super::{Identification, Watch};
 use super::candidate::{Block, Candidate};
 use super::content::Content;
 use super::fit::{Campaign, Named, NoFit, Training};
 use super::{StructureError, folds};
-use crate::watch::Plan;
+use crate::watch::{Event, Plan, Watch};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_optimize::{Settings, Stop};
+use hysteron_optimize::Settings;
 
 /// Highest polynomial degree tried.
 const HIGHEST_DEGREE: usize = 5;
@@ -56,15 +58,16 @@ pub fn neighbours(
     campaign: &[CampaignRecord],
     options: &Options,
     found: &Identification,
-    stop: &Stop,
+    watch: &Watch<'_>,
 ) -> Result<Neighbours, StructureError> {
     let facts = usable(campaign)?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     folds::plan(&facts, &contents)?;
     let options = &Options { algorithm: None, start: Some(found.model.clone()), ..options.clone() };
-    let watch = Watch::silent().stopped_by(stop);
+    let stop = watch.stop();
+    let silent = Watch::silent().stopped_by(stop);
     let settings = Settings { seed: options.seed, ..Settings::default() };
-    let mut engine = Engine::new(None, settings, &watch, Plan(&[]), None);
+    let mut engine = Engine::new(None, settings, &silent, Plan(&[]), None);
     let members =
         facts.iter().map(|f| JointMember::new(f, options, &mut engine)).collect::<Result<Vec<_>, _>>()?;
     let campaign = Campaign { facts: &facts, members: &members, options, stop };
@@ -73,14 +76,21 @@ pub fn neighbours(
             bounds.ranges.iter().map(|r| r.name.clone()).zip(search.outcome.best.clone())
         })
         .collect();
-    let fitted: Vec<Option<(Candidate, usize, Training)>> = candidates(identified(options, found))
+    let candidates = candidates(identified(options, found));
+    let (count, done) = (candidates.len() as f64, AtomicUsize::new(0));
+    let fitted: Vec<Option<(Candidate, usize, Training)>> = candidates
         .into_par_iter()
         .map(|candidate| {
             let of = || -> Result<_, NoFit> {
                 let fit = campaign.fit(candidate, &[&near])?;
                 Ok((candidate, fit.parameters, campaign.training(&fit)?))
             };
-            of().ok()
+            let fit = of().ok();
+            let fraction = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / count;
+            if watch.tell(Event::new("other structures", fraction, None)).is_break() {
+                stop.request();
+            }
+            fit
         })
         .collect();
     let fitted: Vec<_> = fitted.into_iter().flatten().collect();

@@ -8,7 +8,6 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::record::{InputOutput, InterSample, TimeBase};
-use hysteron_optimize::Stop;
 
 const RATE_HZ: f64 = 1000.0;
 const NOISE: f64 = 0.004;
@@ -166,7 +165,7 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
     };
     let campaign = campaign();
     let found = crate::identify(&campaign, &options, &Watch::silent(), None).unwrap();
-    let list = neighbours(&campaign, &options, &found, &Stop::new()).unwrap();
+    let list = neighbours(&campaign, &options, &found, &Watch::silent()).unwrap();
     let names: Vec<String> = list.entries.iter().map(|e| e.candidate.to_string()).collect();
     assert_eq!(names[0], "integer2+degree2");
     let entry = |name: &str| &list.entries[names.iter().position(|n| n == name).unwrap()];
@@ -180,7 +179,7 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
     }
     let once = [campaign[0].clone()];
     assert!(matches!(
-        neighbours(&once, &options, &found, &Stop::new()),
+        neighbours(&once, &options, &found, &Watch::silent()),
         Err(StructureError::CannotRank { .. })
     ));
 }
