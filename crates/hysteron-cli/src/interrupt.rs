@@ -85,3 +85,15 @@ fn listen(raise: impl Fn(u8) + Send + 'static) -> Result<(), ctrlc::Error> {
     const SIGINT: u8 = 2;
     ctrlc::set_handler(move || raise(SIGINT))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_best_so_far_goes_beside_the_model_but_not_among_devices() {
+        assert_eq!(partial(Path::new("a/model.json")), Path::new("a/model.partial.json"));
+        #[cfg(unix)]
+        assert_eq!(partial(Path::new("/dev/null")), Path::new("hysteron.partial.json"));
+    }
+}

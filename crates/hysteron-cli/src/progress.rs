@@ -59,7 +59,7 @@ impl Progress {
     }
 }
 
-/// `42 %, joint fit, best RMSE 0.0123, 35 s left`.
+/// `42 %, joint fit, best RMSE 0.012345, 35 s left`.
 fn in_words(event: &Event<'_>, elapsed: Duration) -> String {
     let mut text = format!("{:.0} %, {}", 100.0 * event.fraction, event.stage);
     if let Some(cost) = event.cost {
@@ -83,8 +83,8 @@ mod tests {
 
     #[test]
     fn a_line_has_the_share_done_the_work_and_the_time_left() {
-        let text = in_words(&Event::new("joint fit", 0.42, Some(0.0123)), Duration::from_secs(42));
-        assert_eq!(text, "42 %, joint fit, best RMSE 0.0123, 58 s left");
+        let text = in_words(&Event::new("joint fit", 0.42, Some(0.012345)), Duration::from_secs(42));
+        assert_eq!(text, "42 %, joint fit, best RMSE 0.012345, 58 s left");
         assert_eq!(in_words(&Event::new("modes", 0.0, None), Duration::from_secs(1)), "0 %, modes");
     }
 }

@@ -33,6 +33,12 @@ fn the_difference_equation_is_what_is_written() {
     }
     let rest = simulate(&truth(), &[4.0; 6], Start::AsIdentified);
     assert!(rest.iter().all(|y| (y - 4.0 * 0.5 / 0.2).abs() < 1e-13));
+    // At rest at 3, of gain 2.5, and a step by 1 from there.
+    let moved = simulate(&truth(), &[4.0; 5], Start::Rest { voltage_v: 3.0 });
+    let step = simulate(&truth(), &[1.0; 5], Start::ZERO);
+    assert!(moved.iter().zip(&step).all(|(y, step)| (y - 3.0 * 2.5 - step).abs() < 1e-13));
+    let refused = truth().simulate(&[1.0; 5], Start::settled(4), &mut [0.0; 5]);
+    assert_eq!(refused, Err(DynamicsError::Length { what: "period", expected: 5, found: 4 }));
     let period = noise(30, 1);
     let repeated: Vec<f64> = period.iter().cycle().take(300).copied().collect();
     let settled = simulate(&truth(), &repeated, Start::ZERO);

@@ -41,6 +41,13 @@ fn signal() -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec(-1.0f64..1.0, 2..300)
 }
 
+#[test]
+fn a_steady_state_is_that_of_the_whole_record() {
+    let plan = |period| SimulationPlan::new(100, FS, Scheme::Tustin, Start::settled(period)).map(|_| ());
+    assert_eq!(plan(100), Ok(()));
+    assert_eq!(plan(50), Err(DynamicsError::Length { what: "period", expected: 100, found: 50 }));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(48) })]
 
@@ -102,6 +109,28 @@ proptest! {
     }
 
     /// A harmonic in the steady state is multiplied by the frequency response (band-limited: of G itself).
+    /// By linearity: deviations from the input at rest, and the gain times that input.
+    #[test]
+    fn a_rest_at_any_input_is_a_start_from_zero_and_a_constant(tf in stage(), u in signal(), rest in -5.0f64..5.0) {
+        let start = Start::Rest { voltage_v: rest };
+        let moved: Vec<f64> = u.iter().map(|u| u - rest).collect();
+        for scheme in Scheme::ALL {
+            let expected: Vec<f64> =
+                simulate(&tf, &moved, scheme, Start::ZERO).iter().map(|y| y + tf.dc_gain() * rest).collect();
+            let scale = largest(&expected) + (tf.dc_gain() * rest).abs();
+            for (y, expected) in simulate(&tf, &u, scheme, start).iter().zip(&expected) {
+                prop_assert!((y - expected).abs() < 1e-10 * scale, "{scheme}: {y} {expected}");
+            }
+        }
+        for scheme in CAUSAL {
+            let y = tf.simulate_causal(&u, FS, scheme, start).unwrap();
+            let from_zero = tf.simulate_causal(&moved, FS, scheme, Start::ZERO).unwrap();
+            for (y, z) in y.iter().zip(&from_zero) {
+                prop_assert!((y - z - tf.dc_gain() * rest).abs() < 1e-10 * (largest(&from_zero) + tf.dc_gain().abs() * 5.0));
+            }
+        }
+    }
+
     #[test]
     fn a_periodic_sine_is_multiplied_by_the_frequency_response(tf in stage(), bin in 1usize..40) {
         let n = 200;

@@ -126,6 +126,8 @@ fn what_cannot_be_simulated_is_refused() {
     let run = |p: Oscillator, start, samples| p.simulate(&open, start, &mut vec![0.0; samples]).unwrap_err();
     assert_eq!(run(BENCHMARK, Start::AsIdentified, 7), OscillatorError::Lengths { expected: 8, found: 7 });
     assert_eq!(run(BENCHMARK, Start::PERIODIC, 8), OscillatorError::NotPeriodic);
+    let other = OscillatorError::Period { samples: 8, period_samples: 4 };
+    assert_eq!(run(BENCHMARK, Start::settled(4), 8), other);
     let nowhere = Start::from(OscillatorState { y: f64::INFINITY, ..OscillatorState::default() });
     assert!(matches!(run(BENCHMARK, nowhere, 8), OscillatorError::State { .. }));
     for (name, bad) in [

@@ -149,6 +149,12 @@ fn what_cannot_be_followed_is_refused() {
         model.learn(&[1.0; 50], last, RATE_HZ, &options()),
         Err(InversionError::LastRun { .. })
     ));
+    let thirds = InverseOptions { start: Start::settled(20), ..options() };
+    let refused = invert(&[1.0; 50], &thirds);
+    assert!(
+        matches!(refused, Err(InversionError::Period { samples: 50, period_samples: 20 })),
+        "{refused:?}"
+    );
     for bandwidth_hz in [0.0, -1.0, 5000.0, f64::NAN] {
         let options = InverseOptions { bandwidth_hz: Some(bandwidth_hz), ..options() };
         assert!(matches!(invert(&[1.0; 50], &options), Err(InversionError::Dynamics(_))), "{bandwidth_hz}");

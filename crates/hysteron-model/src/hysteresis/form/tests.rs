@@ -280,3 +280,22 @@ fn elements_beyond_a_family_are_refused() {
         assert!(of(name, count).is_err(), "{name} {count}");
     }
 }
+
+/// Without a start of its own at rest at the first sample, and settled on the whole drive alone.
+#[test]
+fn a_start_means_the_same_for_every_family() {
+    let u = drive();
+    let whole = u.len();
+    for (form, shape) in forms() {
+        let operator = form.operator(vec![1.0], &vec![0.1; form.columns()], &shape).unwrap();
+        let run = |start| {
+            let mut v = vec![0.0; whole];
+            operator.simulate_every(every(1), &u, start, &mut v).map(|()| v)
+        };
+        let name = form.name();
+        assert_eq!(run(Start::AsIdentified), run(Start::Rest { voltage_v: u[0] }), "{name}");
+        assert_eq!(run(Start::settled(whole)), run(Start::PERIODIC), "{name}");
+        let half = HysteresisError::Period { samples: whole, period_samples: whole / 2 };
+        assert_eq!(run(Start::settled(whole / 2)), Err(half), "{name}");
+    }
+}
