@@ -92,7 +92,7 @@ impl SimulationPlan {
     /// nothing, as [`SimulationPlan::response`]; the values are the same to the last bit.
     ///
     /// A derivative that is zero (a parameter that moves no term, the delay by the `Hold` rule) costs nothing. The
-    /// derivative in the delay by the `Linear` rule is that from the right. Under [`Start::PERIODIC`] the
+    /// derivative in the delay by the `Linear` rule is that from the right. Under [`crate::Start::PERIODIC`] the
     /// derivatives at zero frequency are those of the quotient of the lowest terms, their orders held.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl SimulationPlan {
     }
 
     /// `output` = the response to `input`, without what the level taken off the input makes of it: under
-    /// [`Start::AsIdentified`] add G(0) · [`InputSpectrum::level`]. One inverse FFT; allocates nothing.
+    /// [`crate::Start::AsIdentified`] add G(0) · [`InputSpectrum::level`]. One inverse FFT; allocates nothing.
     ///
     /// # Errors
     /// [`DynamicsError::Length`] for what was made for another plan, [`DynamicsError::OutputNotFinite`].
