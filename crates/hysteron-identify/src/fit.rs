@@ -2,7 +2,7 @@
 
 use hysteron_model::Advice;
 use hysteron_model::axes::AxesRecord;
-use hysteron_model::model::{RunError, Score};
+use hysteron_model::model::{Capability, RunError, Score, Unsupported};
 use hysteron_model::model_file::{Kind, Maker, ModelFileError};
 use hysteron_model::record::{InputOutput, Keyed};
 use hysteron_model::validate::Scoring;
@@ -40,6 +40,33 @@ impl Task {
             Kind::Modes => Self::Modes(modes::Options::default()),
             Kind::Branches => Self::Branches(coupled::Options::default()),
         }
+    }
+
+    /// The kind of model that it makes.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Hammerstein(_) => Kind::Hammerstein,
+            Self::Oscillator(_) => Kind::Oscillator,
+            Self::Modes(_) => Kind::Modes,
+            Self::Branches(_) => Kind::Branches,
+        }
+    }
+
+    /// The same, beginning with the parameters of a model.
+    ///
+    /// # Errors
+    /// [`FitError::Unsupported`] for a model of a kind that cannot be a start, [`FitError::OtherStart`] for one of another kind than
+    /// the task's.
+    pub fn starting_from(mut self, model: &Model) -> Result<Self, FitError> {
+        Unsupported::check(model.kind(), Capability::StartOfFit)?;
+        match (&mut self, model) {
+            (Self::Hammerstein(options), Model::Hammerstein(body)) => {
+                options.start = Some(body.law().clone());
+            }
+            (Self::Oscillator(options), Model::Oscillator(body)) => options.start = Some(*body.law()),
+            _ => return Err(FitError::OtherStart { wanted: self.kind(), found: model.kind() }),
+        }
+        Ok(self)
     }
 
     /// Threads that it asks for; `None`: all cores.
@@ -88,6 +115,17 @@ pub enum FitError {
         kind: Kind,
         /// What its records have.
         expected: &'static str,
+    },
+    /// A model of this kind cannot be a start.
+    #[error(transparent)]
+    Unsupported(#[from] Unsupported),
+    /// A start of another kind.
+    #[error("a fit of the kind \"{wanted}\" begins with a model of that kind, not of \"{found}\"")]
+    OtherStart {
+        /// Kind that is fitted.
+        wanted: Kind,
+        /// Kind of the start.
+        found: Kind,
     },
     /// The model found is not sound.
     #[error(transparent)]

@@ -4,7 +4,7 @@ use crate::figure::{
     Axis, Colour, Dash, Figure, Panel, Series, Style, correlogram, measured_and_model, residual,
 };
 use crate::number::significant;
-use hysteron_model::record::{InputOutput, Quantity, TimeBase, Unit};
+use hysteron_model::record::{InputOutput, Quantity, Unit};
 use hysteron_model::validate::{Correlogram, residual_input_correlation, residual_whiteness};
 
 /// One record with the model's simulation, all of the same length.
@@ -52,13 +52,7 @@ impl RecordCurves {
     pub fn new(data: &InputOutput, simulated: &[f64], offset: f64, left_out: usize) -> Self {
         let InputOutput { name, time, u, y, valid, .. } = data;
         let samples = u.len();
-        let time_s: Vec<f64> = match time {
-            TimeBase::Uniform { start_s, sample_rate_hz, .. } => {
-                (0..samples).map(|k| start_s + k as f64 / sample_rate_hz).collect()
-            }
-            TimeBase::NonUniform { times_s } => times_s.clone(),
-            TimeBase::Unknown => (0..samples).map(|k| k as f64).collect(),
-        };
+        let time_s: Vec<f64> = (0..samples).map(|k| time.time_s(k).unwrap_or(k as f64)).collect();
         let model: Vec<f64> = simulated.iter().map(|x| x + offset).collect();
         let residual: Vec<f64> = y.iter().zip(&model).map(|(y, model)| y - model).collect();
         let valid_at = |k: usize| valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));

@@ -26,6 +26,7 @@ pub struct Identify<'a> {
     outputs: Vec<String>,
     options: Options,
     task: Option<Task>,
+    start: Option<hysteron_model::Model>,
     watch: Watch<'a>,
     stop: Stop,
     resume: Option<Searches>,
@@ -41,6 +42,7 @@ impl<'a> Identify<'a> {
             outputs: Vec::new(),
             options: Options::default(),
             task: None,
+            start: None,
             watch: Watch::silent(),
             stop: Stop::new(),
             resume: None,
@@ -58,6 +60,13 @@ impl<'a> Identify<'a> {
     #[must_use]
     pub fn task(mut self, task: Task) -> Self {
         self.task = Some(task);
+        self
+    }
+
+    /// Model whose parameters every search tries first.
+    #[must_use]
+    pub fn start(mut self, model: &Model) -> Self {
+        self.start = Some(model.core().clone());
         self
     }
 
@@ -139,6 +148,10 @@ impl<'a> Identify<'a> {
             (None, Kind::Hammerstein) => Task::Hammerstein(Box::new(self.options.clone())),
             (None, kind) if self.options != Options::default() => return Err(Error::OptionsOfKind { kind }),
             (None, kind) => Task::of(kind),
+        };
+        let task = match &self.start {
+            Some(model) => task.starting_from(model)?,
+            None => task,
         };
         let records = if task.takes_several_axes() {
             FitRecords::Several(self.several()?)

@@ -39,7 +39,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::interrupt::{Interrupt, partial};
 use crate::maker::maker;
-use crate::model;
+use crate::model::{self, Loaded};
 use crate::numbers::{count, number, whole};
 use crate::output::{self, OutFile};
 use crate::progress;
@@ -249,8 +249,15 @@ impl Identify {
         Ok(())
     }
 
-    /// The kind of model that the flags ask for, and what they ask of it.
+    /// The kind of model that the flags ask for, what they ask of it, and what it begins with.
     fn task(&self) -> Result<Task, Failure> {
+        let task = self.kind_of_task()?;
+        let Some(path) = &self.start else { return Ok(task) };
+        task.starting_from(Loaded::read(path)?.model())
+            .map_err(|e| Failure::new(format!("cannot start from the model {}", path.display())).because(e))
+    }
+
+    fn kind_of_task(&self) -> Result<Task, Failure> {
         match (self.structure, self.axes.are_given()) {
             (Some(StructureArg::Modes), _) | (None, true) => return self.modes(),
             (Some(StructureArg::Hammerstein), true) => return self.branches(),

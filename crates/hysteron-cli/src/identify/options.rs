@@ -11,18 +11,9 @@ use super::Identify;
 use super::arguments::OptimizerArg;
 use super::family::with_elements;
 use crate::failure::Failure;
-use crate::model::Loaded;
 
 impl Identify {
     pub(super) fn options(&self) -> Result<Options, Failure> {
-        let start = match &self.start {
-            Some(path) => {
-                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
-                let loaded = Loaded::read(path)?;
-                Some(loaded.model().as_hammerstein().map_err(|e| failure().because(e))?.law().clone())
-            }
-            None => None,
-        };
         Ok(Options {
             method: self.method,
             hysteresis: with_elements(self.hysteresis, self.elements)?,
@@ -39,7 +30,7 @@ impl Identify {
             n: self.n.map_or(Choice::Given(1.0), |n| n.0),
             delay_s: self.delay.0,
             demands: Demands { fixed: self.fix.clone(), bounded: self.bound.clone() },
-            start,
+            start: None,
             scheme: self.scheme.map_or(Choice::Auto, Choice::Given),
             inter_sample: self.inter_sample.unwrap_or(InterSample::Linear),
             least_fit_percent: self.least_fit,

@@ -7,7 +7,6 @@ use hysteron_model::record::InterSample;
 use super::Identify;
 use super::arguments::OptimizerArg;
 use crate::failure::Failure;
-use crate::model::Loaded;
 
 impl Identify {
     pub(super) fn oscillator(&self) -> Result<Task, Failure> {
@@ -98,19 +97,11 @@ impl Identify {
         if let Some(Choice::Given(n)) = self.n.map(|n| n.0) {
             fixed.push(("n".to_owned(), n));
         }
-        let start = match &self.start {
-            None => None,
-            Some(path) => {
-                let failure = || Failure::new(format!("cannot start from the model {}", path.display()));
-                let loaded = Loaded::read(path)?;
-                Some(*loaded.model().as_oscillator().map_err(|e| failure().because(e))?.law())
-            }
-        };
         Ok(Options {
             initial: self.initial,
             inter_sample: self.inter_sample.unwrap_or(InterSample::BandLimited),
             fixed,
-            start,
+            start: None,
             steps: None,
             least_fit_percent: self.least_fit,
         })

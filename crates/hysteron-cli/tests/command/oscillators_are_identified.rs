@@ -138,7 +138,7 @@ fn what_does_not_go_with_an_oscillator_is_refused() {
     }
     assert!(!bench.path("o.json").exists());
     let run = bench.run("identify train.csv --structure oscillator -o o.json --start model.json");
-    assert!(run.exit_code == 1 && run.stderr.contains("found \"hammerstein\""), "{}", run.stderr);
+    assert!(run.exit_code == 1 && run.stderr.contains("not of \"hammerstein\""), "{}", run.stderr);
     // Columns the wrong way round: the force does not move as a mass does.
     let run = bench.run("identify train.csv --structure oscillator -o o.json --input y --output u");
     assert_eq!(run.exit_code, 1, "{}", run.stderr);

@@ -25,11 +25,13 @@ pub enum Capability {
     Recalibration,
     /// Following a device while it runs.
     Adaptation,
+    /// Being what a fit of the same kind begins with.
+    StartOfFit,
 }
 
 impl Capability {
     /// Every one.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Simulation,
         Self::Scores,
         Self::Bands,
@@ -39,6 +41,7 @@ impl Capability {
         Self::Export,
         Self::Recalibration,
         Self::Adaptation,
+        Self::StartOfFit,
     ];
 
     /// What is asked, as the subject of a sentence.
@@ -53,13 +56,16 @@ impl Capability {
             Self::Export => "export",
             Self::Recalibration => "recalibration",
             Self::Adaptation => "adaptation",
+            Self::StartOfFit => "the start of a fit",
         }
     }
 
     /// Whether models of this kind support it.
     pub fn of(self, kind: Kind) -> bool {
         match (kind, self) {
-            (Kind::Hammerstein, _) | (_, Self::Simulation | Self::Scores) => true,
+            (Kind::Hammerstein, _)
+            | (_, Self::Simulation | Self::Scores)
+            | (Kind::Oscillator, Self::StartOfFit) => true,
             (Kind::Oscillator | Kind::Modes | Kind::Branches, _) => false,
         }
     }

@@ -187,32 +187,10 @@ impl Model {
     ///
     /// # Errors
     /// [`Unsupported`], which names the kind and `wanted`.
-    pub fn hammerstein(
-        &self,
-        wanted: Capability,
-    ) -> Result<&Body<ModelFile, hammerstein::Model>, Unsupported> {
-        self.as_hammerstein().map_err(|_| Unsupported { kind: self.kind(), wanted })
-    }
-
-    /// The Hammerstein model, where it is one.
-    ///
-    /// # Errors
-    /// [`ModelFileError::OtherKind`].
-    pub fn as_hammerstein(&self) -> Result<&Body<ModelFile, hammerstein::Model>, ModelFileError> {
+    pub fn hammerstein(&self, wanted: Capability) -> Result<&Hammerstein, Unsupported> {
         match self {
             Self::Hammerstein(body) => Ok(body),
-            other => Err(ModelFileError::OtherKind { expected: Kind::Hammerstein, found: other.kind() }),
-        }
-    }
-
-    /// The oscillator, where it is one.
-    ///
-    /// # Errors
-    /// [`ModelFileError::OtherKind`].
-    pub fn as_oscillator(&self) -> Result<&Body<OscillatorFile, Oscillator>, ModelFileError> {
-        match self {
-            Self::Oscillator(body) => Ok(body),
-            other => Err(ModelFileError::OtherKind { expected: Kind::Oscillator, found: other.kind() }),
+            _ => Err(Unsupported { kind: self.kind(), wanted }),
         }
     }
 }

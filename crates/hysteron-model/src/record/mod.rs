@@ -5,6 +5,9 @@
 //! [`InputOutput::decimated`], [`InputOutput::with_offset_removed`], [`InputOutput::with_drift_removed`],
 //! [`Record::with_channel_scaled`]. What a record holds is found by [`find_periods`], [`noise_floor`], [`linear_drift`],
 //! [`find_delay`], [`loop_shape`], [`excitation_kind`], and all at once, with the reasons in plain words, by [`inspect`].
+//!
+//! A time base is asked for the time of a sample ([`TimeBase::time_s`]) or for its rate, where it has one; only here is it known
+//! what kinds there are, so that segments of different rates are one kind more.
 
 mod channel;
 mod crop;
