@@ -29,7 +29,7 @@ const MAX_BYTES: u64 = 1 << 20;
     Example: hysteron rig --out-dir bench --seed 1"
 )]
 pub struct Rig {
-    /// What the bench really is: JSON, all keys optional (truth.json of an earlier run, edited)
+    /// True parameters of the simulated bench: JSON, all keys optional (truth.json of an earlier run, edited)
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
 

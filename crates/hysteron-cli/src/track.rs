@@ -46,11 +46,11 @@ pub struct Track {
     #[arg(value_name = "REFERENCE.csv")]
     reference_file: PathBuf,
 
-    /// What is driven: the simulated bench, or the model itself without noise
+    /// Drive the simulated bench, or the model itself without noise
     #[arg(long, value_enum, default_value_t = PlantArg::Rig)]
     plant: PlantArg,
 
-    /// What the bench really is: JSON, as of hysteron rig; its converter holds here
+    /// True parameters of the simulated bench (JSON, as of hysteron rig); its converter is used
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
 

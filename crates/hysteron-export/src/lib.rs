@@ -42,5 +42,5 @@ pub fn write_folder(folder: &std::path::Path, files: &[NamedFile]) -> Result<(),
     Ok(hysteron_io::write_folder(folder, files, MARK)?)
 }
 
-/// What every file that an export wrote holds.
+/// Marks exported files: a file without these bytes was not written by an export and is not overwritten.
 const MARK: &[u8] = b"hysteron export";

@@ -146,7 +146,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         };
         say(&mut findings, FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
     }
-    // Who interrupts takes what there is, at once: the verdict may take a simulation of every record.
+    // An interrupted fit skips the verdict, which may simulate every record.
     if !result.cancelled {
         let spans = result.records.iter().map(|fit| range_of(&fit.data.u));
         let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));

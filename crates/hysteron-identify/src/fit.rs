@@ -225,7 +225,7 @@ pub enum Place {
 }
 
 impl Fit {
-    /// What the fit of modes found; `None` for another kind.
+    /// The identified modes; `None` for a fit of another kind.
     pub fn modes(&self) -> Option<&ModesIdentification> {
         match &self.found {
             Found::Modes(found) => Some(found),

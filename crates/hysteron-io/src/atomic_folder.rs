@@ -52,8 +52,8 @@ pub fn temporary_folder() -> io::Result<tempfile::TempDir> {
 }
 
 /// Writes all `files` into `folder`, made where it does not exist. Files of other names stay as they are; one of the same name is
-/// replaced where it holds `mark`, what all files written so hold. Everything is written beside its place first, and then renamed; what was replaced is put back where a later
-/// rename fails. A symbolic link to a file stays, and that file is replaced or made.
+/// replaced where it holds `mark`, as all files written this way do. Everything is written beside its place first, and then
+/// renamed; what was replaced is put back where a later rename fails. A symbolic link to a file stays, and that file is replaced or made.
 ///
 /// # Errors
 /// [`FolderError::Foreign`] for a file of the same name without the mark; [`FolderError::Write`]. Nothing has changed then.

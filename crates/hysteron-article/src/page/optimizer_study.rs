@@ -29,7 +29,7 @@ pub fn row_cells(row: &Row) -> [String; 6] {
     ]
 }
 
-/// What counts as success, in words.
+/// The success criterion of a problem as a sentence: the cost to fall below.
 pub fn target(problem: &ProblemResult) -> String {
     format!(
         "Best RMSE that can be reached {} um; success is within 1 %: {} um.",

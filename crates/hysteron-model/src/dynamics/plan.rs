@@ -396,7 +396,8 @@ impl InputSpectrum {
         Self { bins: Vec::new(), level: 0.0 }
     }
 
-    /// What was taken off the input before the transform: its first sample under [`Start::AsIdentified`], else 0.
+    /// What was taken off the input before the transform: its first sample under [`Start::AsIdentified`], the input before it under
+    /// [`Start::Rest`], else 0.
     pub fn level(&self) -> f64 {
         self.level
     }

@@ -112,8 +112,8 @@ impl SimulationPlan {
         self.respond(&linearised.transfer_function, Some(linearised), delay_s, sampling, response)
     }
 
-    /// `output` = the response to `input`, without what the level taken off the input makes of it: under
-    /// [`crate::Start::AsIdentified`] add G(0) · [`InputSpectrum::level`]. One inverse FFT; allocates nothing.
+    /// `output` = the response to `input`, without what the level taken off the input makes of it: add
+    /// G(0) · [`InputSpectrum::level`]. One inverse FFT; allocates nothing.
     ///
     /// # Errors
     /// [`DynamicsError::Length`] for what was made for another plan, [`DynamicsError::OutputNotFinite`].

@@ -103,7 +103,7 @@ impl Hysteresis {
     }
 
     /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length). Moves between samples are monotone
-    /// ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of an [`Start::Remembering`] is in the
+    /// ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of a [`Start::Remembering`] is in the
     /// operator's own scale: z(0) \[µm\] for Bouc–Wen.
     ///
     /// # Errors

@@ -18,8 +18,6 @@ const LEVEL_SLACK: f64 = 0.02;
 const FEWEST_SAMPLES: usize = 3;
 /// Variation of a simulation, over its size, that is rounding.
 const ROUNDING: f64 = 1e-9;
-/// Rest without force, of an oscillator.
-const REST: Start = Start::Rest { voltage_v: 0.0 };
 
 /// Output of a model for a drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,7 +111,7 @@ impl Model {
             Self::Hammerstein(body) => hammerstein_start(&body.data, record, remarks),
             Self::Oscillator(body) => own_start(&body.data, record).unwrap_or_else(|| {
                 remarks.push(Remark::DoesNotRepeat);
-                REST
+                Start::ZERO
             }),
             Self::Modes(_) | Self::Branches(_) => Start::AsIdentified,
         }
@@ -196,9 +194,9 @@ impl Model {
     ) -> Result<Simulation, RunError> {
         let mut run = self.prepared(record)?;
         run.remark_range(self, &record.u);
-        let expected = own_start(&body.data, record).unwrap_or(REST);
+        let expected = own_start(&body.data, record).unwrap_or(Start::ZERO);
         let whole = Start::settled(record.len());
-        let others = [REST, whole].into_iter().filter(|start| *start != expected);
+        let others = [Start::ZERO, whole].into_iter().filter(|start| *start != expected);
         let mut best: Option<(f64, Start, Vec<f64>)> = None;
         let mut failure = None;
         for start in std::iter::once(expected).chain(others) {
@@ -389,7 +387,7 @@ fn hammerstein_start(file: &ModelFile, record: &InputOutput, remarks: &mut Vec<R
 /// The start that an oscillator's file assumes: for a settled one the drive's own period; `None` where it has none.
 fn own_start(file: &OscillatorFile, record: &InputOutput) -> Option<Start> {
     if file.start() != Start::PERIODIC {
-        return Some(REST);
+        return Some(Start::ZERO);
     }
     let periods = period_of_drive(&record.u, &record.time).filter(|p| p.start == 0 && p.count >= 2)?;
     Some(Start::settled(periods.period_samples.round() as usize))

@@ -27,7 +27,7 @@ pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
     if let Some(&first) = record.u.first() {
         starts.push(Start::Rest { voltage_v: first });
         if first != 0.0 {
-            starts.push(Start::Rest { voltage_v: 0.0 });
+            starts.push(Start::ZERO);
         }
     }
     if let Some(period_samples) = settled_period(record, find_periods(record).ok()) {

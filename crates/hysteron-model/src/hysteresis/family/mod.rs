@@ -74,7 +74,7 @@ impl Family {
     }
 
     /// v \[µm\] for the voltages `u` \[V\] given on a time base finer by a factor: `out[k]` belongs to `u[k * factor]`. The memory
-    /// of an [`Start::Remembering`] is the voltage at which the device was virgin.
+    /// of a [`Start::Remembering`] is the voltage at which the device was virgin.
     ///
     /// # Errors
     /// As [`Self::validate`]; [`HysteresisError::Lengths`]; as [`FamilyForm::run`]; [`HysteresisError::Overflow`] where v is
