@@ -36,6 +36,7 @@ mod response;
 mod second_order;
 mod shift;
 mod stability;
+mod stamped;
 mod sums;
 mod tangent;
 mod transfer_function;
@@ -53,6 +54,7 @@ pub use plan::{InputSpectrum, SimulationPlan, Workspace};
 pub use response::{Response, Sampling};
 pub use second_order::SecondOrder;
 pub use stability::{Stability, stability};
+pub use stamped::{StampedPlan, StampedResponse};
 pub use transfer_function::TransferFunction;
 
 /// The dynamic block of a Hammerstein model. The pure delay is not here: it belongs to the model.

@@ -1,0 +1,130 @@
+//! What is left of G beside its resonances, as relaxations at fixed rates.
+
+use std::f64::consts::PI;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::super::{DynamicsError, TransferFunction};
+use super::Tangents;
+use super::resonant_poles::ResonantPole;
+use hysteron_numeric::Complex64;
+
+/// Distance of neighbouring rates in ln λ. A single relaxation between two of them is followed to about e^(−π²/2h) = 5e-6 of its
+/// size, the smooth density of a branch cut to 2e-7.
+const SPACING: f64 = 0.4;
+/// The rates reach from this over the duration to this over the shortest step.
+const RATES: (f64, f64) = (0.02, 60.0);
+/// So do the angular frequencies of the fit.
+const FREQUENCIES: (f64, f64) = (0.1, 4.0 * PI);
+/// Frequencies a decade.
+const PER_DECADE: usize = 16;
+/// Singular values below this share of the largest are left out: they buy accuracy with weights that cancel.
+const SMALLEST: f64 = 1e-11;
+/// Largest error of the response over the fit, as a share of the largest response.
+const ACCURACY: f64 = 1e-5;
+
+/// The fixed part of the fit G(iω) ≈ d + Σ wₖ λₖ/(iω + λₖ), of a duration and a shortest step.
+#[derive(Clone, Debug)]
+pub(super) struct RelaxationFit {
+    /// λₖ \[rad/s\], ascending.
+    pub rates: Vec<f64>,
+    omegas: Vec<f64>,
+    /// Columns: the relaxations, then the constant; rows: real parts, then imaginary ones.
+    matrix: DMatrix<f64>,
+    /// Its pseudo-inverse.
+    inverse: DMatrix<f64>,
+}
+
+/// Weights of the relaxations and the direct term.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Weights {
+    pub relaxations: Vec<f64>,
+    pub direct: f64,
+}
+
+impl RelaxationFit {
+    pub fn new(duration_s: f64, shortest_step_s: f64) -> Result<Self, DynamicsError> {
+        let between = |(low, high): (f64, f64)| (low / duration_s, high / shortest_step_s);
+        let (slowest, fastest) = between(RATES);
+        let rates = spread(slowest, fastest, ((fastest / slowest).ln() / SPACING).ceil() as usize);
+        let (lowest, highest) = between(FREQUENCIES);
+        let decades = (highest / lowest).log10();
+        let omegas = spread(lowest, highest, (decades * PER_DECADE as f64).ceil() as usize);
+        let rows = omegas.len();
+        let matrix = DMatrix::from_fn(2 * rows, rates.len() + 1, |row, column| {
+            let Some(&rate) = rates.get(column) else { return f64::from(u8::from(row < rows)) };
+            let value = rate / Complex64::new(rate, omegas[row % rows]);
+            if row < rows { value.re } else { value.im }
+        });
+        let svd =
+            matrix.clone().try_svd(true, true, f64::EPSILON, 2000).ok_or(DynamicsError::OutputNotFinite)?;
+        let largest = svd.singular_values.iter().copied().fold(0.0, f64::max);
+        let inverse = svd.pseudo_inverse(SMALLEST * largest).map_err(|_| DynamicsError::OutputNotFinite)?;
+        Ok(Self { rates, omegas, matrix, inverse })
+    }
+
+    /// Weights for `tf` without its `resonances`, and for its derivatives.
+    ///
+    /// # Errors
+    /// [`DynamicsError::OutputNotFinite`] where relaxations do not describe it.
+    pub fn weights(
+        &self,
+        tf: &TransferFunction,
+        linearised: Tangents<'_>,
+        resonances: &[ResonantPole],
+    ) -> Result<(Weights, Vec<Weights>), DynamicsError> {
+        let rows = self.omegas.len();
+        let parameters = linearised.map_or(0, |linearised| linearised.parameters());
+        let mut value = DVector::zeros(2 * rows);
+        let mut tangents = vec![DVector::zeros(2 * rows); parameters];
+        let put = |to: &mut DVector<f64>, row: usize, z: Complex64| (to[row], to[rows + row]) = (z.re, z.im);
+        let mut largest: f64 = 0.0;
+        for (row, &omega) in self.omegas.iter().enumerate() {
+            let s = Complex64::new(0.0, omega);
+            let log = Complex64::new(omega.ln(), 0.5 * PI);
+            let power = |order: f64| (log * order).exp();
+            let sum = |terms: &[super::super::Term]| -> Complex64 {
+                terms.iter().map(|term| power(term.order) * term.coefficient).sum()
+            };
+            let (numerator, denominator) = (sum(&tf.numerator), sum(&tf.denominator));
+            let g = numerator / denominator;
+            largest = largest.max(g.norm());
+            let paired: Complex64 = resonances.iter().map(|pole| pole.response(s)).sum();
+            put(&mut value, row, g - paired);
+            let Some(linearised) = linearised else { continue };
+            for (which, tangent) in tangents.iter_mut().enumerate() {
+                let moved = |terms: &[super::super::Term],
+                             of: &dyn Fn(usize) -> super::super::TermTangent| {
+                    let each = terms.iter().enumerate().map(|(index, term)| {
+                        let t = of(index);
+                        power(term.order) * (log * t.weighted_order + t.coefficient)
+                    });
+                    each.sum::<Complex64>()
+                };
+                let nth = |of: &[super::super::TermTangent]| of.get(which).copied().unwrap_or_default();
+                let above = moved(&tf.numerator, &|term| nth(linearised.numerator_term(term)));
+                let below = moved(&tf.denominator, &|term| nth(linearised.denominator_term(term)));
+                let paired: Complex64 = resonances.iter().map(|pole| pole.response_tangent(s, which)).sum();
+                put(tangent, row, (above - g * below) / denominator - paired);
+            }
+        }
+        let fitted = &self.inverse * &value;
+        let left = &self.matrix * &fitted - &value;
+        // Written so that what is not a number fails, too.
+        if !(left.amax() <= ACCURACY * largest) {
+            return Err(DynamicsError::OutputNotFinite);
+        }
+        let tangents = tangents.iter().map(|tangent| self.split(&(&self.inverse * tangent))).collect();
+        Ok((self.split(&fitted), tangents))
+    }
+
+    fn split(&self, solution: &DVector<f64>) -> Weights {
+        let count = self.rates.len();
+        Weights { relaxations: solution.iter().take(count).copied().collect(), direct: solution[count] }
+    }
+}
+
+/// `count` + 1 numbers from `low` to `high` on a logarithmic scale.
+fn spread(low: f64, high: f64, count: usize) -> Vec<f64> {
+    (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect()
+}
