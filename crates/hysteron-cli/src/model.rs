@@ -9,7 +9,7 @@ use hysteron_model::model::{
     Capability, Hammerstein, RunError, Score, SignalRole, Signals, Simulation, Unsupported,
 };
 use hysteron_model::oscillator::OscillatorError;
-use hysteron_model::record::{InputOutput, Quantity, Source, Unit};
+use hysteron_model::record::{InputOutput, Quantity, Source, Timing, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model, Start, hammerstein};
 
@@ -194,15 +194,15 @@ impl Loaded {
     ///
     /// # Errors
     /// If the file does not hold them.
-    pub fn band(
+    pub fn band<'a>(
         &self,
         path: &Path,
         u: &[f64],
-        sample_rate_hz: Option<f64>,
+        timing: impl Into<Timing<'a>>,
         start: &Start,
     ) -> Result<PredictionBand, Failure> {
         let file = self.hammerstein(Capability::Bands)?.data();
-        PredictionBand::of_file(file, u, sample_rate_hz, start).map_err(|e| match e {
+        PredictionBand::of_file(file, u, timing, start).map_err(|e| match e {
             PredictionError::Simulation(e) => self.cannot_run(path, e.into()),
             e => self.no_band(&e),
         })

@@ -76,7 +76,7 @@ impl Simulate {
         let outputs = names.iter().zip(&found.outputs);
         channels.extend(outputs.map(|(name, y)| Channel::new(name, unit, y.clone())));
         if let (Some(of), Signals::Single(drive), Some(y)) = (self.band, &signals, found.outputs.first()) {
-            let band = loaded.band(&self.input_file, &drive.u, drive.sample_rate_hz(), &found.start)?;
+            let band = loaded.band(&self.input_file, &drive.u, &drive.time, &found.start)?;
             let half = match of {
                 BandArg::Model => band.of_output(),
                 BandArg::Measurement if band.noise > 0.0 => band.of_measurement(),

@@ -107,7 +107,7 @@ impl Validate {
         record: &InputOutput,
         score: Score,
     ) -> Result<Score, Failure> {
-        let band = loaded.band(path, &record.u, record.sample_rate_hz(), &score.simulation.start)?;
+        let band = loaded.band(path, &record.u, &record.time, &score.simulation.start)?;
         if band.noise == 0.0 {
             return Err(loaded.no_band(&PredictionError::NoScores));
         }

@@ -2,7 +2,7 @@
 
 use super::IdentifyError;
 use hysteron_model::record::{
-    InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing, turning_points,
+    InputOutput, Periods, Swings, TimeBase, Timing, find_periods, range_of, shortest_swing, turning_points,
 };
 use hysteron_model::validate::{settled_period, settling_samples};
 
@@ -22,13 +22,17 @@ pub(super) struct RecordFacts {
     pub(super) periods: Option<Periods>,
     /// Shortest time between two reversals of the drive, in samples, but for a tenth of them.
     pub(super) shortest_swing: usize,
+    /// Frequencies of its swings where it is sampled on uneven stamps.
+    pub(super) swings: Option<Swings>,
 }
 
 impl RecordFacts {
     pub(super) fn new(data: InputOutput) -> Self {
         let periods = find_periods(&data).ok();
         let shortest_swing = shortest_swing(&data.u);
-        Self { data, periods, shortest_swing }
+        let uneven = matches!(data.time, TimeBase::NonUniform { .. });
+        let swings = if uneven { Swings::of(&data.u, &data.time) } else { None };
+        Self { data, periods, shortest_swing, swings }
     }
 
     pub(super) fn range_v(&self) -> f64 {
@@ -67,12 +71,18 @@ impl RecordFacts {
 
     /// Longest time scale of one cycle \[s\]: the period, or twice the shortest swing.
     pub(super) fn period_s(&self) -> f64 {
+        if let Some(Swings { slowest_hz, .. }) = self.swings {
+            return 1.0 / slowest_hz;
+        }
         let samples = self.periods.map_or(2.0 * self.shortest_swing as f64, |p| p.period_samples);
         samples / self.data.sample_rate_hz().unwrap_or(1.0)
     }
 
-    /// Frequency of the fastest swing \[Hz\]; 0 without a sample rate.
+    /// Frequency of the fastest swing \[Hz\]; 0 without a time base.
     pub(super) fn highest_frequency_hz(&self) -> f64 {
+        if let Some(Swings { fastest_hz, .. }) = self.swings {
+            return fastest_hz;
+        }
         self.data.sample_rate_hz().map_or(0.0, |rate| rate / (2.0 * self.shortest_swing as f64))
     }
 
@@ -84,6 +94,9 @@ impl RecordFacts {
     /// Whether its wide swings are of very different speeds, as in a sweep or a random drive: dynamics show in such a record
     /// by itself.
     pub(super) fn is_broad(&self) -> bool {
+        if let Some(Swings { slowest_hz, fastest_hz }) = self.swings {
+            return fastest_hz > FASTER * slowest_hz;
+        }
         let turns = turning_points(&self.data.u, WIDE * self.range_v());
         let mut swings: Vec<usize> = turns.windows(2).map(|w| w[1].index - w[0].index).collect();
         swings.sort_unstable();
@@ -100,6 +113,23 @@ impl RecordFacts {
     /// Samples after which a model without dynamics may be compared with a record that starts with a jump.
     pub(super) fn settling_samples(&self) -> usize {
         settling_samples(&self.data.u, self.shortest_swing)
+    }
+
+    /// When its samples were taken, and the rate that its fastest part is sampled at \[Hz\].
+    pub(super) fn require_timing(&self) -> Result<(Timing<'_>, f64), IdentifyError> {
+        match (&self.data.time, self.data.time.shortest_period_s(self.data.len())) {
+            (base @ TimeBase::NonUniform { .. }, Some(period_s)) => Ok((base.into(), 1.0 / period_s)),
+            _ => self.require_sample_rate().map(|rate| (Timing::Rate(rate), rate)),
+        }
+    }
+
+    /// Time from the first to one past the last sample \[s\].
+    pub(super) fn duration_s(&self) -> f64 {
+        let samples = self.data.len();
+        match (self.data.time.time_s(0), self.data.time.time_s(samples.saturating_sub(1))) {
+            (Some(first), Some(last)) if self.swings.is_some() => last - first,
+            _ => self.data.sample_rate_hz().map_or(0.0, |rate| samples as f64 / rate),
+        }
     }
 
     pub(super) fn require_sample_rate(&self) -> Result<f64, IdentifyError> {

@@ -12,6 +12,7 @@ use super::joint::PredictionBand;
 use hysteron_model::Start;
 use hysteron_model::hammerstein::{Model, SimulationError};
 use hysteron_model::model_file::{ModelFile, ModelFileError, number_mut};
+use hysteron_model::record::Timing;
 
 /// Step of the differences, in standard deviations along d_k: their error is a millionth of what is not linear.
 const STEP: f64 = 1e-3;
@@ -42,12 +43,13 @@ impl PredictionBand {
     ///
     /// # Errors
     /// [`PredictionError`]: no correlation in the file, a drive that the model cannot be simulated on.
-    pub fn of_file(
+    pub fn of_file<'a>(
         file: &ModelFile,
         drive: &[f64],
-        sample_rate_hz: Option<f64>,
+        timing: impl Into<Timing<'a>>,
         start: &Start,
     ) -> Result<Self, PredictionError> {
+        let timing = timing.into();
         let model = file.to_model()?;
         let (names, covariance) = file.covariance().ok_or(PredictionError::NoCorrelation)?;
         let errors = covariance.diagonal().map(f64::sqrt);
@@ -59,7 +61,7 @@ impl PredictionBand {
             .map(|k| eigen.eigenvectors.column(k).component_mul(&errors) * eigen.eigenvalues[k].sqrt())
             .collect();
         let simulated = |step: f64, direction: &DVector<f64>| -> Result<Vec<f64>, SimulationError> {
-            moved(&model, &names, direction, step).simulate(drive, sample_rate_hz, start)
+            moved(&model, &names, direction, step).simulate(drive, timing, start)
         };
         let derivatives = directions
             .par_iter()

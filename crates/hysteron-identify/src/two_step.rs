@@ -76,7 +76,7 @@ pub(super) fn identify(
     let mut fits = Vec::new();
     for (facts, role) in facts.iter().zip(roles) {
         let start = start_of(facts, &static_records, &step1, &dynamic, &dynamic_starts);
-        let simulated = model.simulate_at_own_rate(&facts.data.u, facts.data.sample_rate_hz(), &start)?;
+        let simulated = model.simulate_at_own_rate(&facts.data.u, &facts.data.time, &start)?;
         let left_out =
             static_records.iter().position(|s| std::ptr::eq(*s, facts)).map_or(0, |i| step1.left_out[i]);
         let scores = score(&facts.data.without_first(left_out), &simulated, &Scoring::default())?;
@@ -248,7 +248,7 @@ fn assemble(
 /// The offset that suits the whole first record: the fit's own is that of its start where it allowed for creep.
 fn settle_offset(model: &mut Model, step1: &StaticStep, first: &RecordFacts) -> Result<(), IdentifyError> {
     let simulated =
-        model.simulate_at_own_rate(&first.data.u, first.data.sample_rate_hz(), &step1.starts[0])?;
+        model.simulate_at_own_rate(&first.data.u, &first.data.time, &step1.starts[0])?;
     let fitted = first.data.without_first(step1.left_out[0]);
     model.offset += score(&fitted, &simulated, &Scoring::default())?.offset;
     Ok(())

@@ -236,7 +236,7 @@ fn a_model_file_carries_what_the_fit_knows_of_the_output() {
     let drive = data(run);
     let rate = drive.sample_rate_hz();
     let start = Start::Rest { voltage_v: drive.u[0] };
-    let by_fit = found.output_uncertainty.unwrap().band(&drive.u, rate.unwrap(), &start).unwrap();
+    let by_fit = found.output_uncertainty.unwrap().band(&drive.u, rate, &start).unwrap();
     let by_file = PredictionBand::of_file(&file, &drive.u, rate, &start).unwrap();
     let largest = by_fit.std_dev.iter().fold(0.0f64, |m, s| m.max(*s));
     for (k, (a, b)) in by_file.std_dev.iter().zip(&by_fit.std_dev).enumerate() {

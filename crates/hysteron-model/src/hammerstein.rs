@@ -3,11 +3,18 @@
 //! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (SPEC §4). A delay commutes with rate-independent
 //! hysteresis, so it is applied to v: band-limited under the `band-limited` scheme, else linearly between samples. Where G(0)
 //! is infinite (creep), what the device crept before the record counts as offset, and G's gain at rest as 1.
+//!
+//! On time stamps that are not uniform every step is exact ([`StampedPlan`]), whatever the scheme; the drive goes along straight
+//! lines between them, or is held.
 
+use crate::dynamics::check_length;
 use crate::dynamics::delay::delay_in_place;
-use crate::dynamics::{Dynamics, DynamicsError, Sampling, Scheme, SimulationPlan};
+use crate::dynamics::{
+    Dynamics, DynamicsError, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace,
+    TransferFunction,
+};
 use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, RecordEnds, polygon_of_means};
-use crate::record::InterSample;
+use crate::record::{InterSample, Timing, even_times};
 use crate::start::Start;
 use std::borrow::Cow;
 
@@ -108,12 +115,19 @@ impl Model {
     /// # Errors
     /// [`SimulationError`]: no or another sample rate where one is needed, an operator that blows up, a dynamic block
     /// that cannot be simulated by the model's scheme.
-    pub fn simulate(
+    pub fn simulate<'a>(
         &self,
         u: &[f64],
-        sample_rate_hz: Option<f64>,
+        timing: impl Into<Timing<'a>>,
         start: &Start,
     ) -> Result<Vec<f64>, SimulationError> {
+        let timing = timing.into();
+        if let Timing::Stamps(times_s) = timing
+            && !(self.dynamics == Dynamics::None && self.delay_s == 0.0)
+        {
+            return self.simulate_on_stamps(u, times_s, start);
+        }
+        let sample_rate_hz = timing.sample_rate_hz();
         let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, sample_rate_hz, start)?;
         self.check_sample_rate(sample_rate_hz)?;
         if let (Some(rate), Dynamics::None | Dynamics::Arx(_)) = (sample_rate_hz, &self.dynamics) {
@@ -131,15 +145,16 @@ impl Model {
     ///
     /// # Errors
     /// As [`Self::simulate`], but for [`SimulationError::SampleRate`].
-    pub fn simulate_at_own_rate(
+    pub fn simulate_at_own_rate<'a>(
         &self,
         u: &[f64],
-        sample_rate_hz: Option<f64>,
+        timing: impl Into<Timing<'a>>,
         start: &Start,
     ) -> Result<Vec<f64>, SimulationError> {
-        let (model_hz, record_hz) = match self.check_sample_rate(sample_rate_hz) {
+        let timing = timing.into();
+        let (model_hz, record_hz) = match self.check_sample_rate(timing.sample_rate_hz()) {
             Err(SimulationError::SampleRate { model_hz, record_hz, .. }) => (model_hz, record_hz),
-            _ => return self.simulate(u, sample_rate_hz, start),
+            _ => return self.simulate(u, timing, start),
         };
         let ratio = record_hz / model_hz;
         let samples = ((u.len().max(1) - 1) as f64 / ratio).ceil() as usize + 1;
@@ -152,6 +167,58 @@ impl Model {
         };
         let y = self.simulate(&drive, Some(model_hz), &start)?;
         Ok((0..u.len()).map(|k| between(&y, k as f64 / ratio)).collect())
+    }
+
+    /// [`Self::simulate`] on time stamps \[s\].
+    fn simulate_on_stamps(
+        &self,
+        u: &[f64],
+        times_s: &[f64],
+        start: &Start,
+    ) -> Result<Vec<f64>, SimulationError> {
+        check_length("time stamps", times_s.len(), u.len())?;
+        let (extended, prologue, rest_voltage_v) = extend(start, u)?;
+        let times_s = with_prologue(&even_times(times_s), prologue);
+        let knots = Knots::new(&times_s, &extended, self.inter_sample);
+        let (memory, origin) = self.origin(start, rest_voltage_v)?;
+        let mut v = vec![0.0; knots.drive_v.len()];
+        self.hysteresis.simulate_every(DriveGrid::from(1), &knots.drive_v, origin, &mut v)?;
+        let rest = self.hysteresis.at_rest(rest_voltage_v, memory);
+        v.iter_mut().for_each(|v| *v -= rest);
+        let unit = TransferFunction::unit();
+        let g = match &self.dynamics {
+            Dynamics::None => &unit,
+            Dynamics::Integer(g) | Dynamics::Fractional(g) => g,
+            Dynamics::Arx(_) => return Err(SimulationError::NoSampleRate),
+        };
+        if self.dynamics != Dynamics::None && self.scheme.parameters_belong_to_sample_rate() {
+            return Err(SimulationError::NoSampleRate);
+        }
+        let scored = times_s.get(prologue..).unwrap_or_default().to_vec();
+        let plan = StampedPlan::new(knots.times_s, scored, self.inter_sample == InterSample::Hold)?;
+        let mut response = plan.empty_response();
+        plan.response(g, None, self.delay_s, &mut response)?;
+        let mut y = vec![0.0; plan.samples()];
+        plan.apply(&response, &v, &mut StampedWorkspace::default(), &mut y)?;
+        let level = self.gain_at_rest() * rest + self.offset;
+        y.iter_mut().for_each(|y| *y += level);
+        Ok(y)
+    }
+
+    /// Memory before the first sample in the operator's own scale, and where the operator starts.
+    fn origin(
+        &self,
+        start: &Start,
+        rest_voltage_v: f64,
+    ) -> Result<(Option<f64>, Start<f64>), SimulationError> {
+        Ok(match *start {
+            Start::Remembering { voltage_v, memory } => {
+                let memory = self.hysteresis.own_memory(memory)?;
+                (Some(memory), Start::Remembering { voltage_v, memory })
+            }
+            // What ran before is in the drive.
+            _ => (None, Start::Rest { voltage_v: rest_voltage_v }),
+        })
     }
 
     /// Output v of the static block \[µm\], before delay and dynamics. The sample rate is needed for hysteresis that depends on it.
@@ -179,14 +246,7 @@ impl Model {
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
         let mut v = vec![0.0; extended.len()];
         let operator = &self.hysteresis;
-        // What ran before is in the drive.
-        let (memory, origin) = match *start {
-            Start::Remembering { voltage_v, memory } => {
-                let memory = operator.own_memory(memory)?;
-                (Some(memory), Start::Remembering { voltage_v, memory })
-            }
-            _ => (None, Start::Rest { voltage_v: rest_voltage_v }),
-        };
+        let (memory, origin) = self.origin(start, rest_voltage_v)?;
         let filtered = matches!(self.dynamics, Dynamics::Integer(_) | Dynamics::Fractional(_));
         if extended.len() > 1 && filtered && joins_means(self.scheme, self.inter_sample) {
             let drive = self.inter_sample.upsample(&extended, 2, RecordEnds::Open)?;
@@ -260,6 +320,25 @@ impl Model {
         y.iter_mut().for_each(|y| *y += gain * rest);
         Ok(y)
     }
+}
+
+/// Times with those of `prologue` samples in front, whole repetitions of the first of them.
+fn with_prologue(times_s: &[f64], prologue: usize) -> Vec<f64> {
+    let period = prologue / SETTLING_PERIODS;
+    if period == 0 {
+        return times_s.to_vec();
+    }
+    let (first, last) = (times_s[0], times_s[times_s.len() - 1]);
+    // Where the record ends with its period, the step to the next one is the mean of its steps.
+    let period_s = times_s.get(period).map_or_else(
+        || (last - first) * period as f64 / (times_s.len().max(2) - 1) as f64,
+        |next| next - first,
+    );
+    let of = |repetition: usize| {
+        let back = (SETTLING_PERIODS - repetition) as f64 * period_s;
+        times_s.iter().take(period).map(move |time| time - back)
+    };
+    (0..SETTLING_PERIODS).flat_map(of).chain(times_s.iter().copied()).collect()
 }
 
 /// `x` at the sample position `at`, linear between samples, constant beyond the ends.

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::super::IdentifyError;
 use super::super::layout::Role;
-use super::drive::fine_drive;
+use super::drive::TimedDrive;
 use super::intervals::NORMAL_975;
 use super::knowledge::{Covariance, Knowledge};
 use super::problem::{JointLayout, JointProblem};
@@ -17,8 +17,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicForm, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
 use hysteron_model::model::{BandScore, Remark, Score};
-use hysteron_model::record::InputOutput;
-use hysteron_model::record::InterSample;
+use hysteron_model::record::{InputOutput, InterSample, Timing};
 use hysteron_optimize::{Bounds, Problem};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -59,7 +58,13 @@ impl PredictionBand {
             score.outputs.first().map_or(0.0, |s| s.offset),
         );
         let half = self.of_measurement();
-        let skipped = (skip_s * scored.sample_rate_hz().unwrap_or(0.0)).ceil() as usize;
+        let skipped = match scored.sample_rate_hz() {
+            Some(rate) => (skip_s * rate).ceil() as usize,
+            None => {
+                let since = |k: usize| Some(scored.time.time_s(k)? - scored.time.time_s(0)?);
+                (0..scored.len()).take_while(|&k| since(k).is_some_and(|s| s < skip_s)).count()
+            }
+        };
         let valid = |k: &usize| scored.valid.as_ref().is_none_or(|mask| mask.get(*k) == Some(&true));
         let all: Vec<usize> = (skipped..scored.len()).filter(valid).collect();
         let inside = all.iter().filter(|&&k| (scored.y[k] - simulated[k] - offset).abs() <= half[k]).count();
@@ -123,10 +128,10 @@ impl OutputUncertainty {
     /// # Errors
     /// [`IdentifyError::Simulation`] or [`IdentifyError::Dynamics`] where the drive cannot be simulated;
     /// [`IdentifyError::NotPeriodic`] for a settled start of a drive that is not a whole number of periods.
-    pub fn band(
+    pub fn band<'a>(
         &self,
         drive: &[f64],
-        sample_rate_hz: f64,
+        timing: impl Into<Timing<'a>>,
         start: &Start,
     ) -> Result<PredictionBand, IdentifyError> {
         let weights = self.coefficients.get(self.layout.polynomial.len()..).unwrap_or_default();
@@ -152,7 +157,8 @@ impl OutputUncertainty {
             }
         };
         let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
-        let (fine, thinning) = fine_drive(drive, self.scheme, self.inter_sample, ends)?;
+        let TimedDrive { fine, thinning, clock } =
+            TimedDrive::new(drive, timing.into(), self.scheme, self.inter_sample, ends)?;
         let record = JointRecord::new(Ingredients {
             drive: fine.as_deref().unwrap_or(drive),
             thinning,
@@ -164,7 +170,7 @@ impl OutputUncertainty {
             offset_is_held: false,
             nuisance: Vec::new(),
             degree: self.layout.polynomial.len(),
-            sample_rate_hz,
+            clock,
             scheme: self.scheme,
             sampling: Sampling { reconstruction: self.inter_sample, ..Sampling::of(self.scheme) },
         })?;
@@ -282,7 +288,7 @@ mod tests {
             .map(|k| 5.0 - 5.0 * (TAU * k as f64 / 100.0).cos() * (1.0 - 0.3 * (k as f64 * 0.02).sin()))
             .collect();
         let start = Start::Rest { voltage_v: drive[0] };
-        let band = known.band(&drive, 1000.0, &start).unwrap();
+        let band = known.band(&drive, Some(1000.0), &start).unwrap();
 
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
         let (mut sum, mut square) = (vec![0.0; drive.len()], vec![0.0; drive.len()]);
@@ -355,10 +361,10 @@ mod tests {
             inter_sample: InterSample::Linear,
             noise: 0.0,
         };
-        let broken = known.band(&[0.0, 1.0, 0.0], 10.0, &Start::settled(2));
+        let broken = known.band(&[0.0, 1.0, 0.0], Some(10.0), &Start::settled(2));
         assert!(matches!(broken, Err(IdentifyError::NotPeriodic { .. })));
         // y = c u: the error of c times the drive about its mean.
-        let band = known.band(&[0.0, 1.0, 5.0], 10.0, &Start::Rest { voltage_v: 0.0 }).unwrap();
+        let band = known.band(&[0.0, 1.0, 5.0], Some(10.0), &Start::Rest { voltage_v: 0.0 }).unwrap();
         for (sd, expected) in band.std_dev.iter().zip([0.2, 0.1, 0.3]) {
             assert!((sd - expected).abs() < 1e-9, "{sd} {expected}");
         }

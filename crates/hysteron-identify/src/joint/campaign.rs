@@ -3,12 +3,12 @@
 use super::super::options::{Initial, Options};
 use super::super::static_step::{self, OFFSET};
 use super::super::{Engine, IdentifyError, RecordFacts};
-use super::drive::fine_drive;
+use super::drive::TimedDrive;
 use super::record::{Ingredients, JointRecord};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
 use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
-use hysteron_model::record::{noise_floor, quantisation_step};
+use hysteron_model::record::{Timing, noise_floor, quantisation_step};
 
 /// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a record, when it is
 /// reduced.
@@ -35,7 +35,7 @@ pub(in super::super) struct JointMember<'a> {
 
 impl<'a> JointMember<'a> {
     pub(super) fn duration_s(&self) -> f64 {
-        self.facts.data.u.len() as f64 / self.rate_hz
+        self.facts.duration_s()
     }
 
     pub(in super::super) fn new(
@@ -43,7 +43,7 @@ impl<'a> JointMember<'a> {
         options: &Options,
         engine: &mut Engine<'_, '_>,
     ) -> Result<Self, IdentifyError> {
-        let rate_hz = facts.require_sample_rate()?;
+        let (timing, rate_hz) = facts.require_timing()?;
         let first = facts.data.u[0];
         let remembering = Start::Remembering { voltage_v: first, memory: () };
         let (before, transients) = match options.initial {
@@ -64,7 +64,8 @@ impl<'a> JointMember<'a> {
         let step = quantisation_step(&facts.data.y).unwrap_or(0.0) / 12f64.sqrt();
         let noise = floor.max(step).max(LEAST_NOISE * facts.stroke());
         let whole = facts.scored(0).len() == facts.data.y.len();
-        let factor = if whole { reduction(facts, before) } else { 1 };
+        let even = matches!(timing, Timing::Rate(_));
+        let factor = if whole && even { reduction(facts, before) } else { 1 };
         Ok(Self { facts, before, transients, noise, factor, rate_hz })
     }
 
@@ -98,7 +99,9 @@ impl<'a> JointMember<'a> {
             nuisance.push((0..samples).map(|k| k as f64 / samples as f64 - 0.5).collect());
         }
         let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
-        let (fine, thinning) = fine_drive(&data.u, scheme, options.inter_sample, ends)?;
+        let (timing, _) = self.facts.require_timing()?;
+        let TimedDrive { fine, thinning, clock } =
+            TimedDrive::new(&data.u, timing, scheme, options.inter_sample, ends)?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&data.u),
             thinning,
@@ -110,7 +113,7 @@ impl<'a> JointMember<'a> {
             offset_is_held: held.is_some(),
             nuisance,
             degree,
-            sample_rate_hz: self.rate_hz,
+            clock,
             scheme,
             sampling: Sampling { reconstruction: options.inter_sample, ..Sampling::of(scheme) },
         })?)

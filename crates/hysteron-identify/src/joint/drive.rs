@@ -1,9 +1,10 @@
 //! The drive as the hysteresis runs over it, and how the samples at its own rate follow from what that puts out.
 
-use hysteron_model::dynamics::Scheme;
+use super::record::Clock;
+use hysteron_model::dynamics::{Knots, Scheme};
 use hysteron_model::hammerstein::{FINER, SimulationError, joins_means};
 use hysteron_model::hysteresis::{RecordEnds, polygon_of_means};
-use hysteron_model::record::InterSample;
+use hysteron_model::record::{InterSample, Timing, even_times};
 
 /// How the samples at the record's own rate come from those of the fine drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +48,43 @@ impl Thinning {
                 out.iter_mut().zip(fine.iter().step_by(factor)).for_each(|(o, x)| *o = *x);
             }
             Self::Means => polygon_of_means(fine, out),
+        }
+    }
+}
+
+/// A drive as the hysteresis runs over it.
+pub(super) struct TimedDrive {
+    /// The drive where that is not on its own samples.
+    pub(super) fine: Option<Vec<f64>>,
+    pub(super) thinning: Thinning,
+    pub(super) clock: Clock,
+}
+
+impl TimedDrive {
+    /// The drive `u` sampled as `timing` says.
+    ///
+    /// # Errors
+    /// [`SimulationError::NoSampleRate`] where that is unknown; a drive that cannot be interpolated.
+    pub(super) fn new(
+        u: &[f64],
+        timing: Timing<'_>,
+        scheme: Scheme,
+        inter_sample: InterSample,
+        ends: RecordEnds,
+    ) -> Result<Self, SimulationError> {
+        match timing {
+            Timing::Unknown => Err(SimulationError::NoSampleRate),
+            Timing::Rate(sample_rate_hz) => {
+                let (fine, thinning) = fine_drive(u, scheme, inter_sample, ends)?;
+                Ok(Self { fine, thinning, clock: Clock::Rate(sample_rate_hz) })
+            }
+            Timing::Stamps(times_s) => {
+                let outputs_s = even_times(times_s);
+                let Knots { times_s: knots_s, drive_v } = Knots::new(&outputs_s, u, inter_sample);
+                let held = inter_sample == InterSample::Hold;
+                let clock = Clock::Stamps { knots_s, outputs_s, held };
+                Ok(Self { fine: Some(drive_v), thinning: Thinning::Pick(1), clock })
+            }
         }
     }
 }

@@ -217,7 +217,7 @@ fn simulated(
     let simulate = |(index, member): (usize, &JointMember<'_>)| {
         let data = &member.facts.data;
         let start = member.start(&solution.hysteresis, solution.memory[index]);
-        model.simulate(&data.u, data.sample_rate_hz(), &start).map(|simulated| (start, simulated))
+        model.simulate(&data.u, &data.time, &start).map(|simulated| (start, simulated))
     };
     // The first error in the order of the records, whatever the threads.
     let outputs: Vec<_> = members.par_iter().enumerate().map(simulate).collect();

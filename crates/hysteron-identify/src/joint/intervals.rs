@@ -204,7 +204,7 @@ mod tests {
     use super::super::drive::Thinning;
     use super::super::knowledge::knowledge;
     use super::super::problem::JointLayout;
-    use super::super::record::{Ingredients, JointRecord};
+    use super::super::record::{Clock, Ingredients, JointRecord};
     use super::*;
     use hysteron_model::Start;
     use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
@@ -234,7 +234,7 @@ mod tests {
             offset_is_held: false,
             nuisance: Vec::new(),
             degree: 1,
-            sample_rate_hz: 1000.0,
+            clock: Clock::Rate(1000.0),
             scheme: Scheme::Tustin,
             sampling: Sampling::of(Scheme::Tustin),
         })

@@ -14,9 +14,7 @@ use super::super::projection::Projection;
 use super::drive::Thinning;
 use super::reduction::Reduction;
 use hysteron_model::Start;
-use hysteron_model::dynamics::{
-    InputSpectrum, Linearised, Response, Sampling, SimulationPlan, Workspace as PlanWorkspace,
-};
+use hysteron_model::dynamics::{Linearised, PlanInput, PlanResponse, PlanWorkspace, RecordPlan, Sampling};
 use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm};
 use rayon::prelude::*;
 
@@ -24,7 +22,7 @@ mod derivatives;
 mod preparation;
 
 pub(in super::super) use derivatives::Direction;
-pub(in super::super) use preparation::Ingredients;
+pub(in super::super) use preparation::{Clock, Ingredients};
 
 /// One record prepared for a joint fit.
 #[derive(Debug)]
@@ -47,10 +45,10 @@ pub(in super::super) struct JointRecord {
     pub(super) valid: usize,
     /// What a constant output is, 1 but at the ends of a reduced record, where the output at rest counts: the offset is held.
     rest: Option<Vec<f64>>,
-    plan: SimulationPlan,
+    plan: RecordPlan,
     sampling: Sampling,
-    powers: Vec<InputSpectrum>,
-    transients: Vec<InputSpectrum>,
+    powers: Vec<PlanInput>,
+    transients: Vec<PlanInput>,
 }
 
 /// The nonlinear part of a candidate.
@@ -72,8 +70,8 @@ const LANES: usize = 8;
 #[derive(Debug)]
 pub(in super::super) struct RecordWorkspace {
     hysteresis: Operators,
-    response: Response,
-    total: InputSpectrum,
+    response: PlanResponse,
+    total: PlanInput,
     /// Nuisance, and the transients of the candidate.
     local: Projection,
     /// Weighted columns of u, u², …, s H_j without local columns, one after the other.
@@ -91,8 +89,8 @@ pub(in super::super) struct RecordWorkspace {
 #[derive(Debug)]
 struct Operators {
     columns: Columns,
-    /// Spectra of s (H_j − H_j(rest)).
-    spectra: Vec<InputSpectrum>,
+    /// s (H_j − H_j(rest)) as inputs of the dynamics.
+    inputs: Vec<PlanInput>,
     /// Shape and memory that both belong to; `None`: nothing.
     of: Option<(Vec<f64>, f64)>,
     derived: bool,
@@ -102,7 +100,7 @@ struct Operators {
 #[derive(Debug)]
 struct Lane {
     plan: PlanWorkspace,
-    spectrum: InputSpectrum,
+    prepared: PlanInput,
     /// As long as the record at its own rate, where that is not what is worked on.
     own: Vec<f64>,
     input: Vec<f64>,
@@ -131,21 +129,21 @@ impl JointRecord {
         };
         let lane = || Lane {
             plan: self.plan.workspace(),
-            spectrum: self.plan.empty_spectrum(),
+            prepared: self.plan.empty_input(),
             own: vec![0.0; own],
-            input: vec![0.0; samples],
+            input: vec![0.0; self.plan.inputs()],
             sum: Vec::new(),
         };
         let lanes = if samples < SHARED { 1 } else { rayon::current_num_threads().min(LANES) };
         RecordWorkspace {
             hysteresis: Operators {
                 columns: Columns::default(),
-                spectra: (0..hysteretic).map(|_| self.plan.empty_spectrum()).collect(),
+                inputs: (0..hysteretic).map(|_| self.plan.empty_input()).collect(),
                 of: None,
                 derived: false,
             },
             response: self.plan.empty_response(parameters),
-            total: self.plan.empty_spectrum(),
+            total: self.plan.empty_input(),
             local: self.nuisance.with_capacity(self.nuisance.capacity() + transients),
             columns: vec![0.0; samples * (degree + hysteretic)],
             target: vec![0.0; samples],
@@ -165,9 +163,9 @@ impl JointRecord {
         }
     }
 
-    /// Spectrum of `scale` times what an output `x` of an operator adds to its value `before` the first sample.
-    fn input_spectrum(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
-        let Lane { plan, spectrum, own, input, .. } = lane;
+    /// Input of the dynamics: `scale` times what an output `x` of an operator adds to its value `before` the first sample.
+    fn prepare_input(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
+        let Lane { plan, prepared, own, input, .. } = lane;
         match (&self.reduction, self.thinning) {
             (None, Thinning::Pick(_)) => input.copy_from_slice(x),
             (None, Thinning::Means) => self.thinning.apply(x, input),
@@ -178,7 +176,7 @@ impl JointRecord {
             }
         }
         input.iter_mut().for_each(|x| *x = scale * (*x - before));
-        self.plan.transform_into(input, plan, spectrum).is_ok()
+        self.plan.prepare_into(input, plan, prepared).is_ok()
     }
 
     /// Runs the hysteresis and transforms what it puts out. `false` where the candidate cannot be simulated.
@@ -190,7 +188,7 @@ impl JointRecord {
         operators: &mut Operators,
         lanes: &mut [Lane],
     ) -> bool {
-        let Operators { columns, spectra, of, derived } = operators;
+        let Operators { columns, inputs, of, derived } = operators;
         let same = of.as_ref().is_some_and(|(of_shape, of_memory)| of_shape == shape && *of_memory == memory);
         if same && (*derived || derivatives.is_none()) {
             return true;
@@ -199,16 +197,16 @@ impl JointRecord {
         if form.run(shape, self.grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;
         }
-        let share = spectra.len().div_ceil(lanes.len().max(1)).max(1);
-        let done = spectra
+        let share = inputs.len().div_ceil(lanes.len().max(1)).max(1);
+        let done = inputs
             .par_chunks_mut(share)
             .zip(columns.values.par_chunks(share).zip(columns.rest.par_chunks(share)))
             .zip(lanes)
-            .map(|((spectra, (values, rests)), lane)| {
+            .map(|((inputs, (values, rests)), lane)| {
                 let mut done = true;
-                for ((spectrum, values), rest) in spectra.iter_mut().zip(values).zip(rests) {
-                    done &= self.input_spectrum(values, *rest, form.sign(), lane);
-                    std::mem::swap(&mut lane.spectrum, spectrum);
+                for ((prepared, values), rest) in inputs.iter_mut().zip(values).zip(rests) {
+                    done &= self.prepare_input(values, *rest, form.sign(), lane);
+                    std::mem::swap(&mut lane.prepared, prepared);
                 }
                 done
             })
@@ -245,15 +243,15 @@ impl JointRecord {
             && self.respond_to_inputs(form.sign(), derivatives, ws)
     }
 
-    /// The columns of u, u², …, s H_j from their spectra.
+    /// The columns of u, u², …, s H_j from their inputs.
     fn respond_to_inputs(&self, sign: f64, derivatives: Derivatives<'_>, ws: &mut RecordWorkspace) -> bool {
         let RecordWorkspace { hysteresis, response, local, columns, transient_shares, lanes, .. } = ws;
         let samples = self.samples();
         let count = columns.len() / samples;
-        let degree = count - hysteresis.spectra.len();
+        let degree = count - hysteresis.inputs.len();
         let column = |index: usize, column: &mut [f64], lane: &mut Lane| {
             let input =
-                if index < degree { &self.powers[index] } else { &hysteresis.spectra[index - degree] };
+                if index < degree { &self.powers[index] } else { &hysteresis.inputs[index - degree] };
             let done = self.plan.apply(response, input, &mut lane.plan, column).is_ok();
             self.end(column);
             if let Some(unit) = &self.rest {

@@ -3,7 +3,7 @@
 use super::super::layout::Role;
 use super::drive::fine_drive;
 use super::problem::{JointLayout, JointProblem};
-use super::record::{Ingredients, JointRecord};
+use super::record::{Clock, Ingredients, JointRecord};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
@@ -52,7 +52,7 @@ fn records(scheme: Scheme, transients: bool, before: [Start<()>; 2], factor: usi
                 offset_is_held: false,
                 nuisance: vec![(0..samples).map(|k| k as f64).collect()],
                 degree: 3,
-                sample_rate_hz: 1000.0,
+                clock: Clock::Rate(1000.0),
                 scheme,
                 sampling: Sampling { reconstruction: InterSample::Linear, ..Sampling::of(scheme) },
             })

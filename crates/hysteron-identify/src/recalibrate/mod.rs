@@ -206,7 +206,7 @@ fn same_kinds(a: &[Start], b: &[Start]) -> bool {
 fn scores(model: &Model, recordings: &[Recording], starts: &[Start]) -> Result<Vec<Scores>, IdentifyError> {
     let one = |(recording, start): (&Recording, &Start)| {
         let data = &recording.data;
-        let simulated = model.simulate(&data.u, data.sample_rate_hz(), start)?;
+        let simulated = model.simulate(&data.u, &data.time, start)?;
         Ok(score(data, &simulated, &Scoring::default())?)
     };
     recordings.iter().zip(starts).map(one).collect()

@@ -138,7 +138,7 @@ impl LeastSquaresProblem for GainAndDelay<'_> {
                 }
                 (start, _) => start,
             };
-            let Ok(simulated) = model.simulate(&data.u, data.sample_rate_hz(), &start) else { return false };
+            let Ok(simulated) = model.simulate(&data.u, &data.time, &start) else { return false };
             let (own, others) = rest.split_at_mut(record.scored.len());
             for (r, &k) in own.iter_mut().zip(&record.scored) {
                 *r = data.y[k] - x[Names::GAIN] * simulated[k];

@@ -126,7 +126,7 @@ impl Campaign<'_> {
         for (index, facts) in self.facts.iter().enumerate() {
             let data = &facts.data;
             let simulated =
-                fit.model.simulate_at_own_rate(&data.u, data.sample_rate_hz(), &fit.starts[index])?;
+                fit.model.simulate_at_own_rate(&data.u, &data.time, &fit.starts[index])?;
             let offset = score(data, &simulated, &Scoring::default())?.offset;
             let residual: Vec<f64> =
                 facts.scored(0).into_iter().map(|k| data.y[k] - simulated[k] - offset).collect();

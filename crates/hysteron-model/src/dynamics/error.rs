@@ -218,7 +218,7 @@ pub(super) fn check_sample_rate(sample_rate_hz: f64) -> Result<(), DynamicsError
     }
 }
 
-pub(super) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), DynamicsError> {
+pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), DynamicsError> {
     if found == expected { Ok(()) } else { Err(DynamicsError::Length { what, expected, found }) }
 }
 

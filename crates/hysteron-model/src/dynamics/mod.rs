@@ -32,6 +32,7 @@ mod inverse;
 mod linearised;
 mod plan;
 mod poles;
+mod record_plan;
 mod response;
 mod second_order;
 mod shift;
@@ -47,6 +48,7 @@ pub use crate::record::InterSample;
 pub use arx::Arx;
 pub use creep::{Creep, MOST_CREEP_ELEMENTS};
 pub use error::DynamicsError;
+pub(crate) use error::check_length;
 pub use form::{DynamicForm, FormParameter, MOST_INTEGER_POLES, MOST_RESONANCES, Modes};
 pub use inverse::{Inverse, InverseAim};
 pub use linearised::{Linearised, TermTangent};
@@ -54,7 +56,8 @@ pub use plan::{InputSpectrum, SimulationPlan, Workspace};
 pub use response::{Response, Sampling};
 pub use second_order::SecondOrder;
 pub use stability::{Stability, stability};
-pub use stamped::{StampedPlan, StampedResponse};
+pub use record_plan::{PlanInput, PlanResponse, PlanWorkspace, RecordPlan};
+pub use stamped::{Knots, StampedPlan, StampedResponse, StampedWorkspace};
 pub use transfer_function::TransferFunction;
 
 /// The dynamic block of a Hammerstein model. The pure delay is not here: it belongs to the model.

@@ -25,15 +25,14 @@ pub(super) fn best_memory(
     let Some(&voltage_v) = record.u.first() else { return Ok(None) };
     let Some((least, most)) = model.hysteresis.memory_range(low, high) else { return Ok(None) };
     let scored = scored_samples(record, scoring.skip_s.unwrap_or(0.0))?;
-    let rate = record.sample_rate_hz();
     let remembering = |value: f64| Start::Remembering { voltage_v, memory: model.hysteresis.memory(value) };
-    let rmse = |value: f64| match model.simulate(&record.u, rate, &remembering(value)) {
+    let rmse = |value: f64| match model.simulate(&record.u, &record.time, &remembering(value)) {
         Ok(simulated) => error_of(record, &simulated, &scored, scoring.offset),
         Err(_) => f64::INFINITY,
     };
     let start = remembering(minimum(rmse, least, most));
     // A memory that cannot be simulated is not the one.
-    let Ok(simulated) = model.simulate(&record.u, rate, &start) else { return Ok(None) };
+    let Ok(simulated) = model.simulate(&record.u, &record.time, &start) else { return Ok(None) };
     Ok(Some((error_of(record, &simulated, &scored, scoring.offset), start, simulated)))
 }
 

@@ -85,13 +85,12 @@ pub fn choose_start(
     scoring: &Scoring,
 ) -> Result<(Start, Vec<f64>), StartError> {
     const BETTER: f64 = 0.99;
-    let rate = record.sample_rate_hz();
-    let simulated = model.simulate(&record.u, rate, &preferred)?;
+    let simulated = model.simulate(&record.u, &record.time, &preferred)?;
     let mut best = (score(record, &simulated, scoring)?.rmse, preferred, simulated);
     let given = best.0;
     for start in possible_starts(record).into_iter().filter(|s| *s != preferred) {
         // A start that cannot be simulated is not the one.
-        let Ok(simulated) = model.simulate(&record.u, rate, &start) else { continue };
+        let Ok(simulated) = model.simulate(&record.u, &record.time, &start) else { continue };
         let rmse = score(record, &simulated, scoring)?.rmse;
         if rmse < best.0.min(BETTER * given) {
             best = (rmse, start, simulated);

@@ -313,7 +313,7 @@ fn about_structures(found: &Identification, others: &Result<Neighbours, Structur
 /// Half the widths of the bands: by the fit, else out of the model file. `None` where nothing is known of them.
 fn band(fit: &RecordFit, file: &ModelFile) -> Option<BandWidths> {
     let of_file = || {
-        let band = PredictionBand::of_file(file, &fit.data.u, fit.data.sample_rate_hz(), &fit.start).ok()?;
+        let band = PredictionBand::of_file(file, &fit.data.u, &fit.data.time, &fit.start).ok()?;
         Some(PredictionBand { noise: fit.scores.rmse, ..band })
     };
     let band = fit.band.clone().or_else(of_file)?;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::super::super::projection::Projection;
 use super::{JointRecord, Lane, RecordWorkspace};
-use hysteron_model::dynamics::{InputSpectrum, Response};
+use hysteron_model::dynamics::{PlanInput, PlanResponse};
 use hysteron_model::hysteresis::Columns;
 
 /// A direction in which a record's output is differentiated.
@@ -25,8 +25,8 @@ pub(crate) enum Direction {
 /// What is known of a candidate when its derivatives are worked out.
 struct Known<'a> {
     hysteresis: &'a Columns,
-    response: &'a Response,
-    total: &'a InputSpectrum,
+    response: &'a PlanResponse,
+    total: &'a PlanInput,
     local: &'a Projection,
     columns: &'a [f64],
 }
@@ -42,9 +42,9 @@ impl JointRecord {
     /// Prepares derivatives along the dynamics: the whole input Σ cᵢ uⁱ + s Σ w_j H_j + transients at these coefficients.
     pub(crate) fn combine(&self, coefficients: &[f64], ws: &mut RecordWorkspace) {
         ws.total.clear();
-        let degree = coefficients.len().saturating_sub(ws.hysteresis.spectra.len());
+        let degree = coefficients.len().saturating_sub(ws.hysteresis.inputs.len());
         for (c, input) in
-            coefficients.iter().zip(self.powers.iter().take(degree).chain(&ws.hysteresis.spectra))
+            coefficients.iter().zip(self.powers.iter().take(degree).chain(&ws.hysteresis.inputs))
         {
             if *c != 0.0 {
                 ws.total.add(*c, input);
@@ -101,12 +101,12 @@ impl JointRecord {
             Direction::Shape(which) => {
                 let of_shape = known.hysteresis.partials.iter().filter(|partial| partial.shape == which);
                 let parts = of_shape.map(|p| (weights[p.column], &p.values[..], p.rest));
-                self.spectrum_of_sum(parts, lane)
+                self.input_of_sum(parts, lane)
             }
             Direction::Memory => {
                 let Columns { by_memory, rest_by_memory, .. } = known.hysteresis;
                 let parts = weights.iter().zip(by_memory).zip(rest_by_memory);
-                self.spectrum_of_sum(parts.map(|((&w, values), &rest)| (w, &values[..], rest)), lane)
+                self.input_of_sum(parts.map(|((&w, values), &rest)| (w, &values[..], rest)), lane)
             }
             Direction::Dynamics(which) => {
                 if self.plan.apply_tangent(known.response, which, known.total, &mut lane.plan, out).is_err() {
@@ -118,7 +118,7 @@ impl JointRecord {
             }
         };
         let Some(rest) = rest else { return false };
-        if self.plan.apply(known.response, &lane.spectrum, &mut lane.plan, out).is_err() {
+        if self.plan.apply(known.response, &lane.prepared, &mut lane.plan, out).is_err() {
             return false;
         }
         self.end(out);
@@ -129,9 +129,9 @@ impl JointRecord {
         true
     }
 
-    /// Spectrum of the weighted sum of `parts` (weight, output of an operator, the same before the first sample), less the sum
+    /// Input made of the weighted sum of `parts` (weight, output of an operator, the same before the first sample), less the sum
     /// before the first sample, which is returned; `None` where there is nothing.
-    fn spectrum_of_sum<'a>(
+    fn input_of_sum<'a>(
         &self,
         parts: impl Iterator<Item = (f64, &'a [f64], f64)>,
         lane: &mut Lane,
@@ -139,7 +139,7 @@ impl JointRecord {
         let mut parts = parts.filter(|(weight, ..)| *weight != 0.0);
         let (weight, first, mut rest) = parts.next()?;
         let Some((next_weight, next, next_rest)) = parts.next() else {
-            return self.input_spectrum(first, rest, weight, lane).then_some(weight * rest);
+            return self.prepare_input(first, rest, weight, lane).then_some(weight * rest);
         };
         let mut sum = std::mem::take(&mut lane.sum);
         sum.clear();
@@ -149,7 +149,7 @@ impl JointRecord {
             sum.iter_mut().zip(values).for_each(|(sum, x)| *sum += weight * x);
             rest += weight * before;
         }
-        let done = self.input_spectrum(&sum, rest, 1.0, lane);
+        let done = self.prepare_input(&sum, rest, 1.0, lane);
         lane.sum = sum;
         done.then_some(rest)
     }

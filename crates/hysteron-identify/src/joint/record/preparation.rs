@@ -1,12 +1,20 @@
-//! What is worked out once of a record: its weights, the columns of offset and drift, and the spectra of u, u², ….
+//! What is worked out once of a record: its weights, the columns of offset and drift, and u, u², … as inputs of the dynamics.
 
 use super::super::super::projection::Projection;
 use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
 use super::{JointRecord, rest_voltage};
 use hysteron_model::Start;
-use hysteron_model::dynamics::{DynamicsError, Sampling, Scheme, SimulationPlan};
+use hysteron_model::dynamics::{DynamicsError, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan};
 use hysteron_model::hysteresis::DriveGrid;
+
+/// When the samples of a record were taken.
+pub(crate) enum Clock {
+    /// At this rate \[Hz\].
+    Rate(f64),
+    /// At these times \[s\]; the drive is given at knots of its own and is held between them or goes along straight lines.
+    Stamps { knots_s: Vec<f64>, outputs_s: Vec<f64>, held: bool },
+}
 
 /// What a joint record is made from, all of it at the record's own rate.
 pub(crate) struct Ingredients<'a> {
@@ -27,7 +35,7 @@ pub(crate) struct Ingredients<'a> {
     pub(crate) nuisance: Vec<Vec<f64>>,
     /// Highest polynomial degree that will be asked for.
     pub(crate) degree: usize,
-    pub(crate) sample_rate_hz: f64,
+    pub(crate) clock: Clock,
     pub(crate) scheme: Scheme,
     pub(crate) sampling: Sampling,
 }
@@ -36,7 +44,12 @@ impl JointRecord {
     pub(crate) fn new(parts: Ingredients<'_>) -> Result<Self, DynamicsError> {
         let periodic = parts.before == Start::PERIODIC;
         let count = parts.output.len();
-        debug_assert_eq!(count, parts.thinning.samples(parts.drive.len()));
+        // Samples of the inputs before a record is reduced.
+        let inputs = match &parts.clock {
+            Clock::Rate(_) => count,
+            Clock::Stamps { knots_s, .. } => knots_s.len(),
+        };
+        debug_assert_eq!(inputs, parts.thinning.samples(parts.drive.len()));
         let reduction = (parts.factor > 1).then(|| Reduction::new(parts.factor, count, periodic));
         let reduced = |x: Vec<f64>, filter: fn(&Reduction, &[f64], &mut [f64])| match &reduction {
             None => x,
@@ -69,26 +82,35 @@ impl JointRecord {
         nuisance.project(&mut target);
 
         let initial = if periodic { Start::PERIODIC } else { Start::ZERO };
-        let rate_hz = parts.sample_rate_hz / parts.factor as f64;
-        let plan =
-            SimulationPlan::new(samples, rate_hz, parts.scheme, initial)?.of_thinned_inputs(parts.factor);
+        let (finer, every) = (parts.thinning.finer(), parts.thinning.every());
+        let (plan, grid) = match parts.clock {
+            Clock::Rate(own_hz) => {
+                let rate_hz = own_hz / parts.factor as f64;
+                let plan = SimulationPlan::new(samples, rate_hz, parts.scheme, initial)?;
+                let plan = plan.of_thinned_inputs(parts.factor);
+                (RecordPlan::Uniform(Box::new(plan)), DriveGrid::new(Some(own_hz), finer, every))
+            }
+            Clock::Stamps { knots_s, outputs_s, held } => {
+                (RecordPlan::Stamped(StampedPlan::new(knots_s, outputs_s, held)?), DriveGrid::from(every))
+            }
+        };
         let rest_v = rest_voltage(parts.before, parts.drive);
         let power = |power: usize| {
             let power = power as i32;
             let rest = if periodic { 0.0 } else { rest_v.powi(power) };
             let fine: Vec<f64> = parts.drive.iter().map(|u| u.powi(power) - rest).collect();
-            let mut own = vec![0.0; count];
+            let mut own = vec![0.0; inputs];
             parts.thinning.apply(&fine, &mut own);
-            plan.transform(&input(own))
+            plan.prepare(&input(own))
         };
         let powers = (1..=parts.degree).map(power).collect::<Result<_, _>>()?;
-        let inputs = parts.transients.then(|| transient_inputs(count));
+        let transients = parts.transients.then(|| transient_inputs(inputs));
         let transients =
-            inputs.into_iter().flatten().map(|x| plan.transform(&input(x))).collect::<Result<_, _>>()?;
+            transients.into_iter().flatten().map(|x| plan.prepare(&input(x))).collect::<Result<_, _>>()?;
         let valid = weight.iter().filter(|w| **w > 0.0).count();
         Ok(Self {
             drive: parts.drive.to_vec(),
-            grid: DriveGrid::new(Some(parts.sample_rate_hz), parts.thinning.finer(), parts.thinning.every()),
+            grid,
             thinning: parts.thinning,
             before: parts.before,
             nuisance,

@@ -1,7 +1,7 @@
 //! Reduced records against whole ones that are filtered and thinned afterwards.
 
 use super::super::drive::fine_drive;
-use super::super::record::{Candidate, Direction, Ingredients, JointRecord};
+use super::super::record::{Candidate, Direction, Clock, Ingredients, JointRecord};
 use super::*;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Linearised, Modes, Sampling, Scheme};
@@ -30,7 +30,7 @@ fn record(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize) ->
         offset_is_held: true,
         nuisance: Vec::new(),
         degree: 2,
-        sample_rate_hz: RATE,
+        clock: Clock::Rate(RATE),
         scheme: Scheme::BandLimited,
         sampling: Sampling { reconstruction: rule, ..Sampling::of(Scheme::BandLimited) },
     })

@@ -8,12 +8,14 @@
 //!
 //! Error: below 1e-6 of the range against [`super::SimulationPlan`] on a fine common grid (`tests/stamps.rs`).
 
+mod knots;
 mod relaxation_fit;
 mod resonant_poles;
 
 use super::error::{check_finite, check_length};
 use super::{DynamicsError, Linearised, Stability, TransferFunction, stability};
 use hysteron_numeric::Complex64;
+pub use knots::Knots;
 use relaxation_fit::{RelaxationFit, Weights};
 use resonant_poles::ResonantPole;
 
@@ -43,6 +45,14 @@ pub struct StampedResponse {
     value: Readout,
     /// One for each parameter, then that of the delay.
     tangents: Vec<Readout>,
+}
+
+/// Buffers of one thread.
+#[derive(Clone, Debug, Default)]
+pub struct StampedWorkspace {
+    states: States,
+    step: Step,
+    reading: Reading,
 }
 
 /// An output as a linear function of the states and of the input.
@@ -159,9 +169,10 @@ impl StampedPlan {
         &self,
         response: &StampedResponse,
         input: &[f64],
+        workspace: &mut StampedWorkspace,
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
-        self.read(response, &response.value, input, output)
+        self.read(response, &response.value, input, workspace, output)
     }
 
     /// As [`Self::apply`] for derivative `which` of the response: a parameter's, or the delay's, which is the last.
@@ -173,6 +184,7 @@ impl StampedPlan {
         response: &StampedResponse,
         which: usize,
         input: &[f64],
+        workspace: &mut StampedWorkspace,
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
         let found = response.tangents.len();
@@ -182,7 +194,7 @@ impl StampedPlan {
             output.fill(0.0);
             return Ok(());
         }
-        self.read(response, readout, input, output)
+        self.read(response, readout, input, workspace, output)
     }
 
     fn read(
@@ -190,14 +202,17 @@ impl StampedPlan {
         response: &StampedResponse,
         readout: &Readout,
         input: &[f64],
+        workspace: &mut StampedWorkspace,
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
         check_length("input", input.len(), self.knots())?;
         check_length("output", output.len(), self.samples())?;
         check_length("response", response.places.len(), self.samples())?;
         check_finite("input", input)?;
-        let mut states = States::new(&self.fit.rates, &response.poles);
-        let (mut step, mut reading) = (Step::default(), Reading::default());
+        let StampedWorkspace { states, step, reading } = workspace;
+        states.reset(self.fit.rates.len(), response.poles.len());
+        // The poles may be others than last time.
+        (step.is_set, reading.is_set) = (false, false);
         let slope_behind = |knot: usize| match (input.get(knot + 1), self.knots_s.get(knot + 1)) {
             (Some(next), Some(until)) if !self.held && *until > self.knots_s[knot] => {
                 (next - input[knot]) / (until - self.knots_s[knot])
@@ -213,12 +228,12 @@ impl StampedPlan {
             };
             while at < knot {
                 step.set(self.knots_s[at + 1] - self.knots_s[at], &self.fit.rates, &response.poles);
-                states.advance(&step, input[at], slope);
+                states.advance(step, input[at], slope);
                 at += 1;
                 slope = slope_behind(at);
             }
             reading.set(since, &self.fit.rates, &response.poles, readout);
-            *out = states.read(&reading, input[at], slope);
+            *out = states.read(reading, input[at], slope);
             finite &= out.is_finite();
         }
         if finite { Ok(()) } else { Err(DynamicsError::OutputNotFinite) }
@@ -320,7 +335,7 @@ fn phi_series(x: Complex64) -> [Complex64; 4] {
 }
 
 /// States of all relaxations and resonances.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct States {
     /// ξ of ξ' = λ (u − ξ).
     relaxations: Vec<f64>,
@@ -331,6 +346,7 @@ struct States {
 /// What a step of one length does to the states.
 #[derive(Clone, Debug, Default)]
 struct Step {
+    is_set: bool,
     length_s: f64,
     /// 1 − e^(−λt), and t − (1 − e^(−λt))/λ for the slope.
     gains: Vec<f64>,
@@ -341,7 +357,8 @@ struct Step {
 /// An output a time after a knot, as a function of the states and the input there.
 #[derive(Clone, Debug, Default)]
 struct Reading {
-    since_s: Option<f64>,
+    is_set: bool,
+    since_s: f64,
     relaxations: Vec<f64>,
     resonances: Vec<(Complex64, Complex64)>,
     input: f64,
@@ -349,11 +366,11 @@ struct Reading {
 }
 
 impl States {
-    fn new(rates: &[f64], poles: &[Complex64]) -> Self {
-        Self {
-            relaxations: vec![0.0; rates.len()],
-            resonances: vec![(Complex64::ZERO, Complex64::ZERO); poles.len()],
-        }
+    fn reset(&mut self, relaxations: usize, resonances: usize) {
+        self.relaxations.clear();
+        self.relaxations.resize(relaxations, 0.0);
+        self.resonances.clear();
+        self.resonances.resize(resonances, (Complex64::ZERO, Complex64::ZERO));
     }
 
     fn advance(&mut self, step: &Step, input: f64, slope: f64) {
@@ -382,10 +399,10 @@ impl States {
 
 impl Step {
     fn set(&mut self, length_s: f64, rates: &[f64], poles: &[Complex64]) {
-        if (length_s - self.length_s).abs() <= EQUAL * self.length_s && self.gains.len() == rates.len() {
+        if self.is_set && (length_s - self.length_s).abs() <= EQUAL * self.length_s {
             return;
         }
-        self.length_s = length_s;
+        (self.is_set, self.length_s) = (true, length_s);
         self.gains.clear();
         self.gains.extend(rates.iter().map(|rate| -(-rate * length_s).exp_m1()));
         self.slopes.clear();
@@ -397,10 +414,10 @@ impl Step {
 
 impl Reading {
     fn set(&mut self, since_s: f64, rates: &[f64], poles: &[Complex64], readout: &Readout) {
-        if self.since_s.is_some_and(|own| (since_s - own).abs() <= EQUAL * own) {
+        if self.is_set && (since_s - self.since_s).abs() <= EQUAL * self.since_s {
             return;
         }
-        self.since_s = Some(since_s);
+        (self.is_set, self.since_s) = (true, since_s);
         self.relaxations.clear();
         (self.input, self.slope) = (readout.input, readout.slope + readout.input * since_s);
         for (weight, rate) in readout.relaxations.iter().zip(rates) {

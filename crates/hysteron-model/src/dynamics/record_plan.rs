@@ -1,0 +1,241 @@
+//! Simulation over a record whatever its time base: by FFT where it is uniform, step by step on stamps.
+
+use super::{
+    DynamicsError, InputSpectrum, Linearised, Response, Sampling, SimulationPlan, StampedPlan,
+    StampedResponse, StampedWorkspace, TransferFunction, Workspace,
+};
+
+/// A [`SimulationPlan`] or a [`StampedPlan`], with one set of calls. What belongs to another plan is refused with
+/// [`DynamicsError::Length`].
+#[derive(Debug)]
+pub enum RecordPlan {
+    /// Of a uniform record.
+    Uniform(Box<SimulationPlan>),
+    /// Of time stamps.
+    Stamped(StampedPlan),
+}
+
+/// An input, prepared for many responses.
+#[derive(Clone, Debug)]
+pub enum PlanInput {
+    /// Its spectrum.
+    Spectrum(InputSpectrum),
+    /// Its values at the knots.
+    Knots(Vec<f64>),
+}
+
+/// A transfer function with delay, prepared for many inputs.
+#[derive(Clone, Debug)]
+pub enum PlanResponse {
+    /// On the frequencies of the plan.
+    Uniform(Response),
+    /// On the stamps of the plan.
+    Stamped(StampedResponse),
+}
+
+/// Buffers of one thread.
+#[derive(Clone, Debug)]
+pub enum PlanWorkspace {
+    /// Of a uniform record.
+    Uniform(Workspace),
+    /// Of time stamps.
+    Stamped(StampedWorkspace),
+}
+
+const FOREIGN: DynamicsError = DynamicsError::Length { what: "plan", expected: 1, found: 0 };
+
+impl RecordPlan {
+    /// Samples of an input.
+    pub fn inputs(&self) -> usize {
+        match self {
+            Self::Uniform(plan) => plan.samples(),
+            Self::Stamped(plan) => plan.knots(),
+        }
+    }
+
+    /// Buffers for one thread.
+    pub fn workspace(&self) -> PlanWorkspace {
+        match self {
+            Self::Uniform(plan) => PlanWorkspace::Uniform(plan.workspace()),
+            Self::Stamped(_) => PlanWorkspace::Stamped(StampedWorkspace::default()),
+        }
+    }
+
+    /// An input of zeros.
+    pub fn empty_input(&self) -> PlanInput {
+        match self {
+            Self::Uniform(plan) => PlanInput::Spectrum(plan.empty_spectrum()),
+            Self::Stamped(plan) => PlanInput::Knots(vec![0.0; plan.knots()]),
+        }
+    }
+
+    /// Room for the response of a form with `parameters` parameters and its derivatives.
+    pub fn empty_response(&self, parameters: usize) -> PlanResponse {
+        match self {
+            Self::Uniform(plan) => PlanResponse::Uniform(plan.empty_response(parameters)),
+            Self::Stamped(plan) => PlanResponse::Stamped(plan.empty_response()),
+        }
+    }
+
+    /// Prepares an input; it starts from 0 (on a uniform record: as its plan says).
+    ///
+    /// # Errors
+    /// As [`SimulationPlan::transform_into`].
+    pub fn prepare_into(
+        &self,
+        input: &[f64],
+        workspace: &mut PlanWorkspace,
+        prepared: &mut PlanInput,
+    ) -> Result<(), DynamicsError> {
+        match (self, workspace, prepared) {
+            (Self::Uniform(plan), PlanWorkspace::Uniform(workspace), PlanInput::Spectrum(spectrum)) => {
+                plan.transform_into(input, workspace, spectrum)
+            }
+            (Self::Stamped(plan), _, PlanInput::Knots(knots)) => {
+                super::error::check_length("input", input.len(), plan.knots())?;
+                super::error::check_finite("input", input)?;
+                knots.copy_from_slice(input);
+                Ok(())
+            }
+            _ => Err(FOREIGN),
+        }
+    }
+
+    /// [`Self::prepare_into`] with buffers of its own.
+    ///
+    /// # Errors
+    /// As [`Self::prepare_into`].
+    pub fn prepare(&self, input: &[f64]) -> Result<PlanInput, DynamicsError> {
+        let mut prepared = self.empty_input();
+        self.prepare_into(input, &mut self.workspace(), &mut prepared)?;
+        Ok(prepared)
+    }
+
+    /// The response of `tf` behind a delay \[s\].
+    ///
+    /// # Errors
+    /// As [`SimulationPlan::response`], [`StampedPlan::response`].
+    pub fn response(
+        &self,
+        tf: &TransferFunction,
+        delay_s: f64,
+        sampling: Sampling,
+        response: &mut PlanResponse,
+    ) -> Result<(), DynamicsError> {
+        match (self, response) {
+            (Self::Uniform(plan), PlanResponse::Uniform(own)) => plan.response(tf, delay_s, sampling, own),
+            (Self::Stamped(plan), PlanResponse::Stamped(own)) => plan.response(tf, None, delay_s, own),
+            _ => Err(FOREIGN),
+        }
+    }
+
+    /// [`Self::response`] with its derivative in each parameter, and in the delay as the last.
+    ///
+    /// # Errors
+    /// As [`SimulationPlan::response_with_tangents`], [`StampedPlan::response`].
+    pub fn response_with_tangents(
+        &self,
+        linearised: &Linearised,
+        delay_s: f64,
+        sampling: Sampling,
+        response: &mut PlanResponse,
+    ) -> Result<(), DynamicsError> {
+        match (self, response) {
+            (Self::Uniform(plan), PlanResponse::Uniform(own)) => {
+                plan.response_with_tangents(linearised, delay_s, sampling, own)
+            }
+            (Self::Stamped(plan), PlanResponse::Stamped(own)) => {
+                plan.response(&linearised.transfer_function, Some(linearised), delay_s, own)
+            }
+            _ => Err(FOREIGN),
+        }
+    }
+
+    /// `output` = the response to `input`.
+    ///
+    /// # Errors
+    /// As [`SimulationPlan::apply`], [`StampedPlan::apply`].
+    pub fn apply(
+        &self,
+        response: &PlanResponse,
+        input: &PlanInput,
+        workspace: &mut PlanWorkspace,
+        output: &mut [f64],
+    ) -> Result<(), DynamicsError> {
+        match (self, response, input, workspace) {
+            (
+                Self::Uniform(plan),
+                PlanResponse::Uniform(response),
+                PlanInput::Spectrum(input),
+                PlanWorkspace::Uniform(workspace),
+            ) => plan.apply(response, input, workspace, output),
+            (
+                Self::Stamped(plan),
+                PlanResponse::Stamped(response),
+                PlanInput::Knots(input),
+                PlanWorkspace::Stamped(workspace),
+            ) => plan.apply(response, input, workspace, output),
+            _ => Err(FOREIGN),
+        }
+    }
+
+    /// As [`Self::apply`] for derivative `which` of the response.
+    ///
+    /// # Errors
+    /// As [`SimulationPlan::apply_tangent`], [`StampedPlan::apply_tangent`].
+    pub fn apply_tangent(
+        &self,
+        response: &PlanResponse,
+        which: usize,
+        input: &PlanInput,
+        workspace: &mut PlanWorkspace,
+        output: &mut [f64],
+    ) -> Result<(), DynamicsError> {
+        match (self, response, input, workspace) {
+            (
+                Self::Uniform(plan),
+                PlanResponse::Uniform(response),
+                PlanInput::Spectrum(input),
+                PlanWorkspace::Uniform(workspace),
+            ) => plan.apply_tangent(response, which, input, workspace, output),
+            (
+                Self::Stamped(plan),
+                PlanResponse::Stamped(response),
+                PlanInput::Knots(input),
+                PlanWorkspace::Stamped(workspace),
+            ) => plan.apply_tangent(response, which, input, workspace, output),
+            _ => Err(FOREIGN),
+        }
+    }
+}
+
+impl PlanInput {
+    /// Makes it an input of zeros.
+    pub fn clear(&mut self) {
+        match self {
+            Self::Spectrum(spectrum) => spectrum.clear(),
+            Self::Knots(knots) => knots.fill(0.0),
+        }
+    }
+
+    /// Adds `factor` · `other`, which has the same plan.
+    pub fn add(&mut self, factor: f64, other: &Self) {
+        match (self, other) {
+            (Self::Spectrum(own), Self::Spectrum(other)) => own.add(factor, other),
+            (Self::Knots(own), Self::Knots(other)) => {
+                own.iter_mut().zip(other).for_each(|(x, y)| *x += factor * y);
+            }
+            (Self::Spectrum(_), Self::Knots(_)) | (Self::Knots(_), Self::Spectrum(_)) => {}
+        }
+    }
+}
+
+impl PlanResponse {
+    /// Whether derivative `which` is zero everywhere (or not there).
+    pub fn tangent_is_zero(&self, which: usize) -> bool {
+        match self {
+            Self::Uniform(response) => response.tangent_is_zero(which),
+            Self::Stamped(response) => response.tangent_is_zero(which),
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! How fast a drive swings, whatever its time base and its amplitudes.
+
+use super::turning_points::{range_of, shortest_swing, turning_points};
+use super::{Piece, TimeBase};
+
+/// Reversals that count within a piece: of this share of its own range.
+const OWN_SHARE: f64 = 0.3;
+/// A piece whose drive moves by less than this share of that of the record holds it.
+const HELD: f64 = 1e-3;
+/// Reversals of the whole record that count: of this share of its range.
+const WIDE: f64 = 0.1;
+/// Fewest reversals of an oscillation.
+const FEWEST_REVERSALS: usize = 3;
+
+/// Lowest and highest frequency at which a drive swings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swings {
+    /// One over twice the longest time between wide reversals, or than the record where there are none \[Hz\].
+    pub slowest_hz: f64,
+    /// Of the fastest piece, small swings included \[Hz\].
+    pub fastest_hz: f64,
+}
+
+impl Swings {
+    /// Swings of a drive on time stamps; of a uniform one by its wide reversals alone. `None` without a time base.
+    pub fn of(u: &[f64], time: &TimeBase) -> Option<Self> {
+        if let TimeBase::Uniform { sample_rate_hz, .. } = time {
+            let hz = sample_rate_hz / (2.0 * shortest_swing(u) as f64);
+            return Some(Self { slowest_hz: hz, fastest_hz: hz });
+        }
+        let last = u.len().checked_sub(1)?;
+        let at = |k: usize| time.time_s(k);
+        let range = span(u);
+        let wide = turning_points(u, WIDE * range);
+        let ends = wide.windows(2).map(|two| Some(at(two[1].index)? - at(two[0].index)?));
+        let times: Vec<f64> = ends.collect::<Option<_>>()?;
+        let duration = at(last)? - at(0)?;
+        let longest = times.iter().copied().reduce(f64::max).unwrap_or(duration);
+        let shortest = times.iter().copied().filter(|t| *t > 0.0).reduce(f64::min).unwrap_or(duration);
+        let of_pieces = time.pieces(u.len());
+        let oscillations = of_pieces.iter().filter_map(|piece| oscillation_hz(u, piece, HELD * range));
+        Some(Self { slowest_hz: 0.5 / longest, fastest_hz: oscillations.fold(0.5 / shortest, f64::max) })
+    }
+}
+
+/// Frequency of the oscillation in a piece, where there is one.
+pub fn oscillation_hz(u: &[f64], piece: &Piece, least_range: f64) -> Option<f64> {
+    let own = u.get(piece.samples.clone())?;
+    let range = span(own);
+    let turns = turning_points(own, OWN_SHARE * range);
+    if range < least_range || turns.len() < FEWEST_REVERSALS {
+        return None;
+    }
+    let samples = turns[turns.len() - 1].index - turns[0].index;
+    Some((turns.len() - 1) as f64 / (2.0 * samples as f64 * piece.period_s))
+}
+
+fn span(x: &[f64]) -> f64 {
+    let (low, high) = range_of(x);
+    high - low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn a_small_fast_sine_behind_a_slow_ramp_is_seen() {
+        let ramp = (0..1000).map(|k| (f64::from(k) * 5e-4, f64::from(k) * 0.02));
+        let sine = (0..2000).map(|k| {
+            let t = 0.6 + f64::from(k) / 30_000.0;
+            (t, 20.0 + 0.1 * (TAU * 300.0 * t).sin())
+        });
+        let (times_s, u): (Vec<f64>, Vec<f64>) = ramp.chain(sine).unzip();
+        let swings = Swings::of(&u, &TimeBase::NonUniform { times_s }).unwrap();
+        assert!((swings.fastest_hz / 300.0 - 1.0).abs() < 0.01, "{swings:?}");
+        assert!(swings.slowest_hz < 1.0, "{swings:?}");
+    }
+}
