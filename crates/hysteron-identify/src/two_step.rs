@@ -247,8 +247,7 @@ fn assemble(
 
 /// The offset that suits the whole first record: the fit's own is that of its start where it allowed for creep.
 fn settle_offset(model: &mut Model, step1: &StaticStep, first: &RecordFacts) -> Result<(), IdentifyError> {
-    let simulated =
-        model.simulate_at_own_rate(&first.data.u, &first.data.time, &step1.starts[0])?;
+    let simulated = model.simulate_at_own_rate(&first.data.u, &first.data.time, &step1.starts[0])?;
     let fitted = first.data.without_first(step1.left_out[0]);
     model.offset += score(&fitted, &simulated, &Scoring::default())?.offset;
     Ok(())

@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 
 use hysteron_model::Start;
 use hysteron_model::dynamics::{
-    Creep, DynamicForm, InterSample, Linearised, Modes, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace,
+    Creep, DynamicForm, InterSample, Linearised, Modes, Sampling, Scheme, SimulationPlan, StampedPlan,
+    StampedWorkspace,
 };
 
 /// Rate of the common grid \[Hz\].
@@ -133,7 +134,8 @@ fn derivatives_are_those_of_the_output() {
         plan.response(&linearised.transfer_function, Some(&linearised), delay_s, &mut response).unwrap();
         for which in 0..=p.len() {
             let mut found = vec![0.0; plan.samples()];
-            plan.apply_tangent(&response, which, &input, &mut StampedWorkspace::default(), &mut found).unwrap();
+            plan.apply_tangent(&response, which, &input, &mut StampedWorkspace::default(), &mut found)
+                .unwrap();
             let at = |change: f64| {
                 let mut p = p.clone();
                 let mut delay_s = delay_s;

@@ -164,7 +164,7 @@ impl OutputUncertainty {
             thinning,
             factor: 1,
             output: vec![0.0; drive.len()],
-            weight: vec![1.0; drive.len()],
+            weighting: vec![1.0; drive.len()].into(),
             before,
             transients: false,
             offset_is_held: false,
@@ -197,13 +197,20 @@ pub(super) fn of_records(problem: &JointProblem, known: &Knowledge, noise: &[f64
     let total = at.residuals.len();
     (problem.records().iter().enumerate().zip(noise))
         .map(|((index, record), &noise)| {
-            let mut std_dev = deviations(&[&at.linear, &at.searched], total, problem.rows(index), matrix);
-            // Derivatives are weighted; where a sample does not count, the one before stands for it.
-            let mut last =
-                std_dev.iter().zip(&record.weight).find(|(_, w)| **w > 0.0).map_or(0.0, |(s, w)| s / w);
-            for (sd, weight) in std_dev.iter_mut().zip(&record.weight) {
+            let rows = problem.rows(index);
+            let own = [&at.linear, &at.searched].map(|columns| {
+                let mut own: Vec<f64> =
+                    columns.chunks_exact(total).flat_map(|column| &column[rows.clone()]).copied().collect();
+                own.chunks_exact_mut(rows.len()).for_each(|column| record.unweigh(column));
+                own
+            });
+            let mut std_dev = deviations(&[&own[0], &own[1]], rows.len(), 0..rows.len(), matrix);
+            // Where a sample does not count, the one before stands for it.
+            let counts = |(_, weight): &(&mut f64, &f64)| **weight > 0.0;
+            let mut last = std_dev.iter_mut().zip(record.weights()).find(counts).map_or(0.0, |(sd, _)| *sd);
+            for (sd, weight) in std_dev.iter_mut().zip(record.weights()) {
                 if *weight > 0.0 {
-                    last = *sd / weight;
+                    last = *sd;
                 }
                 *sd = last;
             }

@@ -5,6 +5,7 @@ use super::super::static_step::{self, OFFSET};
 use super::super::{Engine, IdentifyError, RecordFacts};
 use super::drive::TimedDrive;
 use super::record::{Ingredients, JointRecord};
+use super::weighting::{by_swing, thinned};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
 use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
@@ -64,8 +65,11 @@ impl<'a> JointMember<'a> {
         let step = quantisation_step(&facts.data.y).unwrap_or(0.0) / 12f64.sqrt();
         let noise = floor.max(step).max(LEAST_NOISE * facts.stroke());
         let whole = facts.scored(0).len() == facts.data.y.len();
-        let even = matches!(timing, Timing::Rate(_));
-        let factor = if whole && even { reduction(facts, before) } else { 1 };
+        let factor = match timing {
+            Timing::Stamps(_) => facts.data.len() / thinned(&facts.data).len().max(1),
+            _ if whole => reduction(facts, before),
+            _ => 1,
+        };
         Ok(Self { facts, before, transients, noise, factor, rate_hz })
     }
 
@@ -84,6 +88,9 @@ impl<'a> JointMember<'a> {
         options: &Options,
     ) -> Result<JointRecord, IdentifyError> {
         let factor = if reduced { self.factor } else { 1 };
+        if let (Timing::Stamps(_), _) = self.facts.require_timing()? {
+            return self.prepare_stamps(factor > 1, scale, degree, options);
+        }
         // A thinned record is band-limited, whatever the scheme of the whole.
         let scheme = if factor > 1 { Scheme::BandLimited } else { options.scheme() };
         let data = &self.facts.data;
@@ -107,11 +114,57 @@ impl<'a> JointMember<'a> {
             thinning,
             factor,
             output,
-            weight,
+            weighting: weight.into(),
             before: self.before,
             transients: self.transients,
             offset_is_held: held.is_some(),
             nuisance,
+            degree,
+            clock,
+            scheme,
+            sampling: Sampling { reconstruction: options.inter_sample, ..Sampling::of(scheme) },
+        })?)
+    }
+
+    /// [`Self::prepare`] of a record on uneven stamps. `thin`: of the samples that show every swing.
+    fn prepare_stamps(
+        &self,
+        thin: bool,
+        scale: f64,
+        degree: usize,
+        options: &Options,
+    ) -> Result<JointRecord, IdentifyError> {
+        let data = &self.facts.data;
+        let kept = if thin { thinned(data) } else { (0..data.len()).collect() };
+        let pick = |x: &[f64]| -> Vec<f64> { kept.iter().map(|&k| x[k]).collect() };
+        let times_s = data.time.times_s(data.len()).unwrap_or_default();
+        let held = options.demands.fixed(OFFSET);
+        let mut weighting = by_swing(data, scale / self.noise, self.noise, self.facts.stroke());
+        if let Some(valid) = &data.valid {
+            let masked = weighting.weight.iter_mut().zip(valid).filter(|(_, valid)| !**valid);
+            masked.for_each(|(weight, _)| *weight = 0.0);
+        }
+        if thin {
+            weighting = weighting.of_rows(&kept);
+        }
+        let first = times_s.first().copied().unwrap_or(0.0);
+        let duration = self.facts.duration_s();
+        let drift = || kept.iter().map(|&k| (times_s[k] - first) / duration - 0.5).collect();
+        let (times_s, drive) = (pick(&times_s), pick(&data.u));
+        let timing = Timing::Stamps(&times_s);
+        let scheme = options.scheme();
+        let TimedDrive { fine, thinning, clock } =
+            TimedDrive::new(&drive, timing, scheme, options.inter_sample, RecordEnds::Open)?;
+        Ok(JointRecord::new(Ingredients {
+            drive: fine.as_ref().unwrap_or(&drive),
+            thinning,
+            factor: 1,
+            output: pick(&data.y).into_iter().map(|y| y - held.unwrap_or(0.0)).collect(),
+            weighting,
+            before: self.before,
+            transients: self.transients,
+            offset_is_held: held.is_some(),
+            nuisance: if options.drift { vec![drift()] } else { Vec::new() },
             degree,
             clock,
             scheme,

@@ -228,7 +228,7 @@ mod tests {
             thinning: Thinning::Pick(1),
             factor: 1,
             output: output.clone(),
-            weight: vec![1.0; drive.len()],
+            weighting: vec![1.0; drive.len()].into(),
             before: Start::Remembering { voltage_v: drive[0], memory: () },
             transients: false,
             offset_is_held: false,

@@ -19,6 +19,7 @@ mod smoothing;
 mod starts;
 #[cfg(test)]
 mod tests;
+mod weighting;
 
 pub use band::{OutputUncertainty, PredictionBand};
 pub(super) use campaign::JointMember;

@@ -54,7 +54,7 @@ impl JointObjective {
 
     /// Weight of each sample of record `index` in the residuals; empty where there is no such record.
     pub fn weights(&self, index: usize) -> &[f64] {
-        self.problem.records().get(index).map_or(&[], |record| &record.weight)
+        self.problem.records().get(index).map_or(&[], |record| record.weights())
     }
 }
 

@@ -13,6 +13,7 @@
 use super::super::projection::Projection;
 use super::drive::Thinning;
 use super::reduction::Reduction;
+use super::weighting::Weighting;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Linearised, PlanInput, PlanResponse, PlanWorkspace, RecordPlan, Sampling};
 use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm};
@@ -35,8 +36,7 @@ pub(in super::super) struct JointRecord {
     reduction: Option<Reduction>,
     /// What happened before the first sample; an unknown memory at rest at u(0) is a parameter of the fit.
     before: Start<()>,
-    /// Weight of each sample that is worked on, 0 where it does not count.
-    pub(super) weight: Vec<f64>,
+    weighting: Weighting,
     /// Orthonormal weighted columns of offset and drift.
     nuisance: Projection,
     /// Measured output, weighted, without nuisance.
@@ -116,7 +116,17 @@ impl JointRecord {
 
     /// Samples that are worked on.
     pub(super) fn samples(&self) -> usize {
-        self.weight.len()
+        self.weighting.weight.len()
+    }
+
+    /// Weight of each sample that is worked on, 0 where it does not count.
+    pub(super) fn weights(&self) -> &[f64] {
+        &self.weighting.weight
+    }
+
+    /// Takes the weights off a weighted column.
+    pub(super) fn unweigh(&self, column: &mut [f64]) {
+        self.weighting.undo(column);
     }
 
     /// Scratch for `degree` powers, `hysteretic` columns and the tangents of `parameters` parameters of the dynamics.
@@ -250,8 +260,7 @@ impl JointRecord {
         let count = columns.len() / samples;
         let degree = count - hysteresis.inputs.len();
         let column = |index: usize, column: &mut [f64], lane: &mut Lane| {
-            let input =
-                if index < degree { &self.powers[index] } else { &hysteresis.inputs[index - degree] };
+            let input = if index < degree { &self.powers[index] } else { &hysteresis.inputs[index - degree] };
             let done = self.plan.apply(response, input, &mut lane.plan, column).is_ok();
             self.end(column);
             if let Some(unit) = &self.rest {
@@ -263,7 +272,7 @@ impl JointRecord {
                 };
                 column.iter_mut().zip(unit).for_each(|(c, unit)| *c += at_rest * unit);
             }
-            column.iter_mut().zip(&self.weight).for_each(|(c, w)| *c *= w);
+            self.weighting.apply(column);
             done
         };
         let share = count.div_ceil(lanes.len());
@@ -294,7 +303,7 @@ impl JointRecord {
                 return false;
             }
             self.end(column);
-            column.iter_mut().zip(&self.weight).for_each(|(c, w)| *c *= w);
+            self.weighting.apply(column);
             ws.local.push(|q| q.copy_from_slice(column));
         }
         if !self.transients.is_empty() {

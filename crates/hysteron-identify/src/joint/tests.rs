@@ -37,7 +37,7 @@ fn records(scheme: Scheme, transients: bool, before: [Start<()>; 2], factor: usi
                 .map(|(k, u)| 2.0 * u - 0.4 * (u * 0.9).sin() + 0.2 * (k as f64 * 0.11).cos() + r as f64)
                 .collect();
             let often = if factor == 1 { 37 } else { 400 };
-            let weight =
+            let weight: Vec<f64> =
                 (0..samples).map(|k| if k % often == 5 { 0.0 } else { 1.0 + 0.5 * r as f64 }).collect();
             let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
             let (fine, thinning) = fine_drive(drive, scheme, InterSample::Linear, ends).unwrap();
@@ -46,7 +46,7 @@ fn records(scheme: Scheme, transients: bool, before: [Start<()>; 2], factor: usi
                 thinning,
                 factor,
                 output,
-                weight,
+                weighting: weight.into(),
                 before,
                 transients,
                 offset_is_held: false,

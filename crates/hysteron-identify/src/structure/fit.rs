@@ -125,8 +125,7 @@ impl Campaign<'_> {
         let (mut square, mut weighted, mut samples, mut information) = (0.0, 0.0, 0usize, 0.0);
         for (index, facts) in self.facts.iter().enumerate() {
             let data = &facts.data;
-            let simulated =
-                fit.model.simulate_at_own_rate(&data.u, &data.time, &fit.starts[index])?;
+            let simulated = fit.model.simulate_at_own_rate(&data.u, &data.time, &fit.starts[index])?;
             let offset = score(data, &simulated, &Scoring::default())?.offset;
             let residual: Vec<f64> =
                 facts.scored(0).into_iter().map(|k| data.y[k] - simulated[k] - offset).collect();

@@ -53,10 +53,10 @@ pub use form::{DynamicForm, FormParameter, MOST_INTEGER_POLES, MOST_RESONANCES, 
 pub use inverse::{Inverse, InverseAim};
 pub use linearised::{Linearised, TermTangent};
 pub use plan::{InputSpectrum, SimulationPlan, Workspace};
+pub use record_plan::{PlanInput, PlanResponse, PlanWorkspace, RecordPlan};
 pub use response::{Response, Sampling};
 pub use second_order::SecondOrder;
 pub use stability::{Stability, stability};
-pub use record_plan::{PlanInput, PlanResponse, PlanWorkspace, RecordPlan};
 pub use stamped::{Knots, StampedPlan, StampedResponse, StampedWorkspace};
 pub use transfer_function::TransferFunction;
 

@@ -59,9 +59,7 @@ impl Model {
                 };
                 run.remark_range(self, &record.u);
                 let y = match self {
-                    Self::Hammerstein(body) => {
-                        body.law.simulate(&record.u, &record.time, &start)?
-                    }
+                    Self::Hammerstein(body) => body.law.simulate(&record.u, &record.time, &start)?,
                     Self::Oscillator(body) => oscillate(body, record, start)?,
                     Self::Modes(_) | Self::Branches(_) => return Err(self.takes_others()),
                 };

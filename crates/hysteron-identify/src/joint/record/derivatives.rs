@@ -156,7 +156,7 @@ impl JointRecord {
 
     /// Weights a derivative and takes its part in the local columns off.
     fn finish(&self, known: &Known<'_>, out: &mut [f64]) {
-        out.iter_mut().zip(&self.weight).for_each(|(o, w)| *o *= w);
+        self.weighting.apply(out);
         known.local.project(out);
     }
 }

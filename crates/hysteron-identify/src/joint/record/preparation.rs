@@ -3,6 +3,7 @@
 use super::super::super::projection::Projection;
 use super::super::drive::Thinning;
 use super::super::reduction::Reduction;
+use super::super::weighting::Weighting;
 use super::{JointRecord, rest_voltage};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicsError, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan};
@@ -26,7 +27,7 @@ pub(crate) struct Ingredients<'a> {
     /// Measured output, less a held offset.
     pub(crate) output: Vec<f64>,
     /// Weight of each sample.
-    pub(crate) weight: Vec<f64>,
+    pub(crate) weighting: Weighting,
     pub(crate) before: Start<()>,
     /// Decaying motion from before the record is allowed for.
     pub(crate) transients: bool,
@@ -61,13 +62,13 @@ impl JointRecord {
         };
         let input = |x| reduced(x, |reduction, x, out| reduction.input(x, 0.0, out));
         let output = |x| reduced(x, Reduction::output);
-        let weight = match &reduction {
-            None => parts.weight,
-            Some(reduction) => reduction.weights(&parts.weight),
+        let weighting = match &reduction {
+            None => parts.weighting,
+            Some(reduction) => reduction.weights(&parts.weighting.weight).into(),
         };
-        let samples = weight.len();
+        let samples = weighting.weight.len();
         let weighted = |mut x: Vec<f64>| {
-            x.iter_mut().zip(&weight).for_each(|(x, w)| *x *= w);
+            weighting.apply(&mut x);
             x
         };
         let unit = output(vec![1.0; count]);
@@ -107,7 +108,7 @@ impl JointRecord {
         let transients = parts.transients.then(|| transient_inputs(inputs));
         let transients =
             transients.into_iter().flatten().map(|x| plan.prepare(&input(x))).collect::<Result<_, _>>()?;
-        let valid = weight.iter().filter(|w| **w > 0.0).count();
+        let valid = weighting.weight.iter().filter(|w| **w > 0.0).count();
         Ok(Self {
             drive: parts.drive.to_vec(),
             grid,
@@ -121,7 +122,7 @@ impl JointRecord {
             powers,
             transients,
             plan,
-            weight,
+            weighting,
             reduction,
         })
     }

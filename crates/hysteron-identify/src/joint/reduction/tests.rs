@@ -1,7 +1,7 @@
 //! Reduced records against whole ones that are filtered and thinned afterwards.
 
 use super::super::drive::fine_drive;
-use super::super::record::{Candidate, Direction, Clock, Ingredients, JointRecord};
+use super::super::record::{Candidate, Clock, Direction, Ingredients, JointRecord};
 use super::*;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Linearised, Modes, Sampling, Scheme};
@@ -23,7 +23,7 @@ fn record(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize) ->
         thinning,
         factor,
         output: vec![0.0; drive.len()],
-        weight: vec![1.0; drive.len()],
+        weighting: vec![1.0; drive.len()].into(),
         before,
         transients: false,
         // Nothing is taken off the columns then.
@@ -78,7 +78,7 @@ fn differences(drive: &[f64], rule: InterSample, before: Start<()>, factor: usiz
             let largest = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
             let mut off = [0.0f64; 3];
             for (row, (expected, found)) in expected.iter().zip(&found).enumerate() {
-                let difference = (expected * reduced.weight[row] - found).abs() / (factor as f64).sqrt();
+                let difference = (expected * reduced.weights()[row] - found).abs() / (factor as f64).sqrt();
                 let place = match row {
                     _ if periodic => 0,
                     row if row < first => 1,

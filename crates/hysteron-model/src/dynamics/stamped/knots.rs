@@ -25,7 +25,8 @@ impl Knots {
         let largest = LARGEST_MOVE * (high - low);
         let mut knots = Self { times_s: Vec::with_capacity(u.len()), drive_v: Vec::with_capacity(u.len()) };
         for (k, (&time, &voltage)) in times_s.iter().zip(u).enumerate() {
-            if let (Some(before), Some(&from)) = (k.checked_sub(1).and_then(|k| times_s.get(k)), u.get(k.max(1) - 1))
+            if let (Some(before), Some(&from)) =
+                (k.checked_sub(1).and_then(|k| times_s.get(k)), u.get(k.max(1) - 1))
                 && rule != InterSample::Hold
             {
                 let parts = ((voltage - from).abs() / largest).ceil().clamp(1.0, MOST_PARTS);

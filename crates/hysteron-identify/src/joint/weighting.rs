@@ -1,0 +1,156 @@
+//! What the samples of a record count.
+//!
+//! A sample counts by the error that is expected of it. Outside its class a model is wrong by a share of the swing, so that in a
+//! small oscillation beside large moves it must come closer to count as much as there: residuals are weighted by the swing of their
+//! piece of the record. The level about which a piece oscillates is left by the large moves before; its error is theirs. So the
+//! mean of every period counts as large moves do, and what goes on about it as small ones do: two orthogonal parts of the residual.
+
+use std::ops::Range;
+
+use hysteron_model::record::{InputOutput, Piece, oscillation_hz, range_of, turning_points};
+
+/// What a model outside its class is wrong by, as a share of the swing.
+const MISFIT: f64 = 0.002;
+/// Weights that differ by less than this factor are those of one amplitude.
+const SEVERAL: f64 = 2.0;
+/// An oscillation moves the drive by at least this share of its range in the record.
+const OSCILLATES: f64 = 1e-4;
+/// Samples kept a swing where a record is thinned, and in a piece without reversals.
+const KEPT_A_SWING: f64 = 24.0;
+const KEPT_A_PIECE: f64 = 60.0;
+/// Reversals that thinning keeps: of this share of the range of their piece.
+const REVERSAL: f64 = 0.1;
+
+/// Weights of the samples of a record.
+#[derive(Clone, Debug, Default)]
+pub(in super::super) struct Weighting {
+    /// Of each sample, 0 where it does not count.
+    pub(in super::super) weight: Vec<f64>,
+    /// Periods of oscillations.
+    pub(in super::super) periods: Vec<Level>,
+}
+
+/// A period whose mean counts otherwise than what goes on about it.
+#[derive(Clone, Debug, PartialEq)]
+pub(in super::super) struct Level {
+    /// Its samples, whose weights are equal or 0.
+    pub(in super::super) rows: Range<usize>,
+    /// Weight of the mean over that of the samples, above 0.
+    pub(in super::super) share: f64,
+}
+
+impl From<Vec<f64>> for Weighting {
+    fn from(weight: Vec<f64>) -> Self {
+        Self { weight, periods: Vec::new() }
+    }
+}
+
+impl Weighting {
+    /// Weights a column.
+    pub(super) fn apply(&self, column: &mut [f64]) {
+        column.iter_mut().zip(&self.weight).for_each(|(x, w)| *x *= w);
+        self.scale_levels(column, |share| share);
+    }
+
+    /// Takes the weights off a column; samples that do not count become 0.
+    pub(super) fn undo(&self, column: &mut [f64]) {
+        self.scale_levels(column, |share| 1.0 / share);
+        column.iter_mut().zip(&self.weight).for_each(|(x, w)| *x = if *w > 0.0 { *x / w } else { 0.0 });
+    }
+
+    /// Weights where only these rows are worked on, each for those up to the next.
+    pub(super) fn of_rows(&self, kept: &[usize]) -> Self {
+        let weight = kept.iter().enumerate().map(|(at, &k)| {
+            let next = kept.get(at + 1).copied().unwrap_or(self.weight.len());
+            self.weight[k] * ((next - k) as f64).sqrt()
+        });
+        let place = |row: usize| kept.partition_point(|k| *k < row);
+        let level = |level: &Level| Level { rows: place(level.rows.start)..place(level.rows.end), ..*level };
+        Self { weight: weight.collect(), periods: self.periods.iter().map(level).collect() }
+    }
+
+    fn scale_levels(&self, column: &mut [f64], factor: impl Fn(f64) -> f64) {
+        for Level { rows, share } in &self.periods {
+            let (Some(own), Some(weight)) = (column.get_mut(rows.clone()), self.weight.get(rows.clone()))
+            else {
+                continue;
+            };
+            let counted = weight.iter().filter(|w| **w > 0.0).count().max(1);
+            let mean = own.iter().sum::<f64>() / counted as f64;
+            let change = (factor(*share) - 1.0) * mean;
+            own.iter_mut().zip(weight).filter(|(_, w)| **w > 0.0).for_each(|(x, _)| *x += change);
+        }
+    }
+}
+
+/// Weights of a record in pieces: `largest` for moves over the whole `stroke`, more for small oscillations, by the error that is
+/// expected of them beside the `noise`.
+pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64) -> Weighting {
+    let mut weighting = Weighting::from(vec![largest; data.len()]);
+    let expected = |swing: f64| noise.hypot(MISFIT * swing);
+    for piece in data.time.pieces(data.len()) {
+        let Some(samples) = period_samples(data, &piece) else { continue };
+        let count = (piece.samples.len() as f64 / samples).floor().max(1.0) as usize;
+        let from = |period: usize| match period {
+            period if period == count => piece.samples.end,
+            period => piece.samples.start + (period as f64 * samples).round() as usize,
+        };
+        let periods: Vec<Range<usize>> = (0..count).map(|period| from(period)..from(period + 1)).collect();
+        let mut swings: Vec<f64> = periods.iter().map(|rows| span(&data.y[rows.clone()])).collect();
+        swings.sort_by(f64::total_cmp);
+        let gain = expected(stroke) / expected(swings[count / 2]);
+        if gain < SEVERAL {
+            continue;
+        }
+        weighting.weight[piece.samples.clone()].iter_mut().for_each(|weight| *weight *= gain);
+        weighting.periods.extend(periods.into_iter().map(|rows| Level { rows, share: 1.0 / gain }));
+    }
+    weighting
+}
+
+/// Samples of a record in pieces that show every swing of its drive, reversals and ends of pieces among them.
+pub(super) fn thinned(data: &InputOutput) -> Vec<usize> {
+    let mut kept = Vec::new();
+    for piece in data.time.pieces(data.len()) {
+        let own = &data.u[piece.samples.clone()];
+        let swing = period_samples(data, &piece)
+            .map_or(own.len() as f64 / KEPT_A_PIECE, |samples| 0.5 * samples / KEPT_A_SWING);
+        let stride = (swing as usize).max(1);
+        let mut within: Vec<usize> = (0..own.len()).step_by(stride).chain(own.len().checked_sub(1)).collect();
+        within.extend(turning_points(own, REVERSAL * span(own)).iter().map(|turn| turn.index));
+        within.sort_unstable();
+        within.dedup();
+        kept.extend(within.into_iter().map(|k| piece.samples.start + k));
+    }
+    kept
+}
+
+/// Samples of a period of the oscillation in a piece.
+fn period_samples(data: &InputOutput, piece: &Piece) -> Option<f64> {
+    let hz = oscillation_hz(&data.u, piece, OSCILLATES * span(&data.u))?;
+    Some(1.0 / (hz * piece.period_s))
+}
+
+fn span(x: &[f64]) -> f64 {
+    let (low, high) = range_of(x);
+    high - low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_scaled_alone_and_back() {
+        let weighting = Weighting {
+            weight: vec![1.0, 2.0, 2.0, 0.0, 2.0],
+            periods: vec![Level { rows: 1..5, share: 0.25 }],
+        };
+        // Mean 3 about which it goes −1, 0, 1, weighted by 2: a mean of 1.5 about which it goes −2, 0, 2.
+        let mut column = [7.0, 2.0, 3.0, 9.0, 4.0];
+        weighting.apply(&mut column);
+        assert_eq!(column, [7.0, -0.5, 1.5, 0.0, 3.5]);
+        weighting.undo(&mut column);
+        assert_eq!(column, [7.0, 2.0, 3.0, 0.0, 4.0]);
+    }
+}
