@@ -73,6 +73,12 @@ pub enum ColumnRole {
     Inputs,
     /// A column to be scaled.
     Scaled,
+    /// A column whose values decide which samples are kept.
+    Condition,
+    /// A column whose mean or trend is removed.
+    Detrended,
+    /// A column to be renamed.
+    Renamed,
 }
 
 impl ColumnRole {
@@ -84,6 +90,9 @@ impl ColumnRole {
             Self::Reference => "reference",
             Self::Time => "time",
             Self::Scaled => "scaled channel",
+            Self::Condition => "channel of a condition",
+            Self::Detrended => "detrended channel",
+            Self::Renamed => "renamed channel",
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Channels and the column headers that carry their names and units.
 
-use super::{Channel, Unit};
+use crate::advice::ColumnRole;
+
+use super::{Channel, Record, RecordError, Unit};
 
 impl Channel {
     /// Channel from its parts.
@@ -26,6 +28,32 @@ impl Channel {
     /// Whether `asked` means this channel: its header or its bare name, exactly.
     pub(crate) fn is_called(&self, asked: &str) -> bool {
         self.name == asked || self.header() == asked
+    }
+}
+
+impl Record {
+    /// Index of the channel called so: exactly, else ignoring case.
+    pub(super) fn position(&self, asked: &str, role: ColumnRole) -> Result<usize, RecordError> {
+        let lower = asked.to_lowercase();
+        let same = |c: &Channel| c.name.to_lowercase() == lower || c.header().to_lowercase() == lower;
+        let exactly = |c: &Channel| c.is_called(asked);
+        for accept in [&exactly as &dyn Fn(&Channel) -> bool, &same] {
+            let mut found = (0..self.channels.len()).filter(|&i| accept(&self.channels[i]));
+            if let (Some(one), None) = (found.next(), found.next()) {
+                return Ok(one);
+            }
+        }
+        Err(self.no_such(asked, role))
+    }
+
+    /// The refusal of a channel that is not there.
+    pub(super) fn no_such(&self, asked: &str, role: ColumnRole) -> RecordError {
+        RecordError::NoSuchChannel {
+            record: self.name.clone(),
+            asked: asked.to_string(),
+            role,
+            available: self.channels.iter().map(Channel::label).collect::<Vec<_>>().join(", "),
+        }
     }
 }
 

@@ -32,16 +32,7 @@ impl Record {
     /// # Errors
     /// [`RecordError::NoSuchChannel`], [`RecordError::BadScale`], [`RecordError::NotFinite`] where a product overflows.
     pub fn with_channel_scaled(&self, name: &str, factor: f64, unit: Unit) -> Result<Record, RecordError> {
-        let found: Vec<usize> =
-            (0..self.channels.len()).filter(|&i| self.channels[i].is_called(name)).collect();
-        let [index] = found.as_slice() else {
-            return Err(RecordError::NoSuchChannel {
-                record: self.name.clone(),
-                asked: name.to_string(),
-                role: ColumnRole::Scaled,
-                available: self.channels.iter().map(|c| c.label()).collect::<Vec<_>>().join(", "),
-            });
-        };
+        let index = self.position(name, ColumnRole::Scaled)?;
         if !factor.is_finite() || factor == 0.0 {
             return Err(RecordError::BadScale {
                 record: self.name.clone(),
@@ -50,7 +41,7 @@ impl Record {
             });
         }
         let mut scaled = self.clone();
-        let channel = &mut scaled.channels[*index];
+        let channel = &mut scaled.channels[index];
         channel.unit = unit;
         for x in &mut channel.samples {
             *x *= factor;

@@ -282,6 +282,79 @@ pub enum RecordError {
         /// What was asked.
         purpose: &'static str,
     },
+    /// A step that needs time stamps.
+    #[error(
+        "record `{record}`: {purpose} needs time stamps, and it has neither a time column nor a sample rate"
+    )]
+    NoTimes {
+        /// Name of the record.
+        record: String,
+        /// What was asked.
+        purpose: &'static str,
+    },
+    /// A cut that keeps next to nothing.
+    #[error(
+        "record `{record}`: the cut keeps {kept} of {samples} samples, at least 2 are needed; the record holds {holds}"
+    )]
+    EmptyCut {
+        /// Name of the record.
+        record: String,
+        /// Samples kept.
+        kept: usize,
+        /// Samples of the record.
+        samples: usize,
+        /// Range of its time and of the columns asked for.
+        holds: String,
+    },
+    /// A text asked of a column of numbers.
+    #[error(
+        "record `{record}`: channel `{channel}` holds numbers, `{text}` is none; ask for a number or a range"
+    )]
+    TextCondition {
+        /// Name of the record.
+        record: String,
+        /// The channel.
+        channel: String,
+        /// The text.
+        text: String,
+    },
+    /// Fewer turning points than asked for.
+    #[error("record `{record}`: channel `{channel}` turns {found} times, turning point {asked} is asked for")]
+    TooFewTurns {
+        /// Name of the record.
+        record: String,
+        /// The channel.
+        channel: String,
+        /// Number of the turning point, from 1.
+        asked: usize,
+        /// Turning points there are.
+        found: usize,
+    },
+    /// Records whose columns differ.
+    #[error("records `{first}` and `{second}` cannot be joined: {difference}")]
+    JoinColumns {
+        /// Name of the first record.
+        first: String,
+        /// Name of the other.
+        second: String,
+        /// What differs.
+        difference: String,
+    },
+    /// Records that overlap in time.
+    #[error(
+        "record `{later}` begins at {begins_s} s, before `{earlier}` ends at {ends_s} s: time must increase from record \
+         to record; give them in order, and cut what overlaps"
+    )]
+    JoinOrder {
+        /// Name of the record before.
+        earlier: String,
+        /// Name of the record behind it.
+        later: String,
+        /// Last stamp of the one \[s\].
+        ends_s: f64,
+        /// First stamp of the other \[s\].
+        begins_s: f64,
+    },
 }
 
 impl RecordError {

@@ -11,14 +11,17 @@
 
 mod channel;
 mod crop;
+mod cut;
 mod dead_band;
 mod delay;
 mod error;
 mod excitation_kind;
 mod frequency_response;
+mod gaps;
 mod inspect;
 mod inspection_summary;
 mod inter_sample;
+mod join;
 mod keyed;
 mod loop_shape;
 mod noise_floor;
@@ -38,6 +41,7 @@ mod turning_points;
 mod unit;
 
 pub use channel::{header_of, split_header};
+pub use cut::{Admitted, Condition, Cut, CutError, Turns};
 pub use dead_band::beyond_dead_band;
 pub use delay::{
     DelayFinding, Response, delay_from_phase, find_delay, fundamental_response, low_frequency_responses,
@@ -45,6 +49,7 @@ pub use delay::{
 pub use error::RecordError;
 pub use excitation_kind::{ExcitationKind, WaveShape, excitation_kind};
 pub use frequency_response::{FrequencyResponse, ResponseDataError, unwrapped_phase_deg};
+pub use gaps::Gap;
 pub use inspect::{Inspection, inspect};
 pub use inspection_summary::{
     ChannelSummary, DelaySummary, DriveSummary, InspectionFinding, InspectionSummary, LoopSummary,

@@ -1,9 +1,10 @@
 //! Records at another sample rate.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use super::time_base::check_rate;
-use super::{InputOutput, RecordError, TimeBase};
+use super::{Gap, InputOutput, Record, RecordError, TimeBase};
 
 /// Zero crossings of the interpolating kernel on either side.
 const HALF_WIDTH: f64 = 32.0;
@@ -11,6 +12,31 @@ const HALF_WIDTH: f64 = 32.0;
 const KAISER_BETA: f64 = 9.0;
 /// Cut-off as a fraction of the lower of the two Nyquist frequencies.
 const PASSBAND: f64 = 0.92;
+/// Stamps closer together than all but this share of them are jitter, not a rate.
+const SHARE_OF_SHORT_PERIODS: f64 = 0.02;
+/// Most samples of a resampled record, and of the grid between.
+const MAX_SAMPLES: f64 = (1u64 << 29) as f64;
+/// Most samples of the finer grid for each new one.
+const FINEST: f64 = 4096.0;
+
+impl Record {
+    /// The record at another sample rate, over the same time: every channel as [`InputOutput::resampled`].
+    ///
+    /// # Errors
+    /// As [`InputOutput::resampled`].
+    pub fn resampled(&self, sample_rate_hz: f64) -> Result<Record, RecordError> {
+        let columns: Vec<&[f64]> = self.channels.iter().map(|c| c.samples.as_slice()).collect();
+        let new = match resampled(&self.name, &self.time, self.valid.as_deref(), &columns, sample_rate_hz)? {
+            Some(new) => new,
+            None => return Ok(self.clone()),
+        };
+        let mut record = Record { time: new.time, valid: new.valid, ..self.clone() };
+        for (channel, samples) in record.channels.iter_mut().zip(new.columns) {
+            channel.samples = samples;
+        }
+        Ok(record)
+    }
+}
 
 impl InputOutput {
     /// The record at another sample rate, over the same time.
@@ -18,85 +44,28 @@ impl InputOutput {
     /// Uniform samples are interpolated with a Kaiser-windowed sinc of 2 · 32 zero crossings, cut off at 0.92 of the lower Nyquist
     /// frequency (so nothing aliases); within that distance of the ends the kernel is what is left of it, scaled to
     /// unit gain at zero frequency. Measured on a sine at 0.4 of the old rate's Nyquist frequency: error below 1e-4 of
-    /// the amplitude, away from the ends. Non-uniform samples are joined by straight lines (equal stamps are averaged). A new
-    /// sample is valid where its two old neighbours are.
+    /// the amplitude, away from the ends. A new sample is valid where its two old neighbours are.
+    ///
+    /// Non-uniform samples are taken apart at their gaps ([`TimeBase::gaps`]). A part that is uniform is treated as above. Any
+    /// other is joined by straight lines (through the middle where stamps are equal), to a multiple of the new rate that follows
+    /// its closest samples, and then filtered to the new rate as above: nothing aliases, but the lines damp what is near the
+    /// Nyquist frequency of the old samples. Samples within a gap lie on the straight line across it and are not valid.
     ///
     /// # Errors
-    /// [`RecordError::BadSampleRate`]; [`RecordError::NotUniform`] without a time base; [`RecordError::TooShort`] where fewer than
+    /// [`RecordError::BadSampleRate`]; [`RecordError::NoTimes`] without a time base; [`RecordError::TooShort`] where fewer than
     /// two samples would be left; [`RecordError::BadSetting`] above 2²⁹ samples.
     pub fn resampled(&self, sample_rate_hz: f64) -> Result<InputOutput, RecordError> {
-        check_rate(&self.name, sample_rate_hz)?;
-        if self.sample_rate_hz() == Some(sample_rate_hz) {
+        let columns = [self.u.as_slice(), self.y.as_slice()];
+        let Some(new) = resampled(&self.name, &self.time, self.valid.as_deref(), &columns, sample_rate_hz)?
+        else {
             return Ok(self.clone());
-        }
-        let n = self.len();
-        let (Some(start), Some(end)) = (self.time.time_s(0), self.time.time_s(n.saturating_sub(1))) else {
-            return Err(RecordError::NotUniform {
-                record: self.name.clone(),
-                purpose: "resampling",
-                found: self.time.description(),
-            });
         };
-        // A last sample that rounding alone puts behind the end is kept.
-        let intervals = ((end - start) * sample_rate_hz * (1.0 + 1e-12) + 1e-9).floor();
-        if intervals < 1.0 {
-            return Err(RecordError::TooShort {
-                record: self.name.clone(),
-                got: intervals as usize + 1,
-                need: 2,
-                purpose: "resampling to this rate",
-            });
-        }
-        if intervals >= (1u64 << 29) as f64 {
-            return Err(RecordError::BadSetting {
-                record: self.name.clone(),
-                setting: "sample rate",
-                value: sample_rate_hz,
-                allowed: "the new record must stay below 2^29 samples",
-            });
-        }
-        let count = intervals as usize + 1;
-        // Places of the new samples, in old sample indices.
-        let places: Vec<f64> = match &self.time {
-            TimeBase::NonUniform { times_s } => {
-                let mut k = 0;
-                (0..count)
-                    .map(|i| {
-                        let t = start + i as f64 / sample_rate_hz;
-                        while k + 2 < n && times_s[k + 1] < t {
-                            k += 1;
-                        }
-                        let width = times_s[k + 1] - times_s[k];
-                        k as f64 + if width > 0.0 { ((t - times_s[k]) / width).clamp(0.0, 1.0) } else { 0.5 }
-                    })
-                    .collect()
-            }
-            _ => {
-                let rate = self.sample_rate_hz().unwrap_or(sample_rate_hz);
-                (0..count).map(|i| (i as f64 * rate / sample_rate_hz).min((n - 1) as f64)).collect()
-            }
-        };
-        let cutoff = match &self.time {
-            TimeBase::Uniform { sample_rate_hz: old, .. } => Some(PASSBAND * (sample_rate_hz / old).min(1.0)),
-            _ => None,
-        };
-        let at = |x: &[f64]| -> Vec<f64> {
-            places
-                .iter()
-                .map(|&place| match cutoff {
-                    Some(cutoff) => by_sinc(x, place, cutoff),
-                    None => by_line(x, place),
-                })
-                .collect()
-        };
+        let mut columns = new.columns.into_iter();
         Ok(InputOutput {
-            time: TimeBase::Uniform { start_s: start, sample_rate_hz, jitter_samples: 0.0 },
-            u: at(&self.u),
-            y: at(&self.y),
-            valid: self.valid.as_ref().map(|valid| {
-                let ok = |k: f64| valid.get(k as usize).copied().unwrap_or(true);
-                places.iter().map(|p| ok(p.floor()) && ok(p.ceil())).collect()
-            }),
+            time: new.time,
+            u: columns.next().unwrap_or_default(),
+            y: columns.next().unwrap_or_default(),
+            valid: new.valid,
             ..self.without_samples()
         })
     }
@@ -116,6 +85,201 @@ impl InputOutput {
         }
         self.resampled(self.require_sample_rate_hz("decimation")? / factor as f64)
     }
+}
+
+/// Columns on another grid.
+struct Resampled {
+    time: TimeBase,
+    columns: Vec<Vec<f64>>,
+    valid: Option<Vec<bool>>,
+}
+
+/// The columns at another rate; `None` where they have it.
+fn resampled(
+    name: &str,
+    time: &TimeBase,
+    valid: Option<&[bool]>,
+    columns: &[&[f64]],
+    sample_rate_hz: f64,
+) -> Result<Option<Resampled>, RecordError> {
+    check_rate(name, sample_rate_hz)?;
+    let n = columns.iter().map(|x| x.len()).min().unwrap_or(0);
+    if matches!(time, TimeBase::Uniform { sample_rate_hz: old, .. } if *old == sample_rate_hz) {
+        return Ok(None);
+    }
+    let (Some(start), Some(end)) = (time.time_s(0), time.time_s(n.saturating_sub(1))) else {
+        return Err(RecordError::NoTimes { record: name.to_owned(), purpose: "resampling" });
+    };
+    // A last sample that rounding alone puts behind the end is kept.
+    let intervals = ((end - start) * sample_rate_hz * (1.0 + 1e-12) + 1e-9).floor();
+    if n < 2 || intervals < 1.0 {
+        return Err(RecordError::TooShort {
+            record: name.to_owned(),
+            got: intervals as usize + 1,
+            need: 2,
+            purpose: "resampling to this rate",
+        });
+    }
+    if intervals >= MAX_SAMPLES {
+        return Err(RecordError::BadSetting {
+            record: name.to_owned(),
+            setting: "sample rate",
+            value: sample_rate_hz,
+            allowed: "the new record must stay below 2^29 samples",
+        });
+    }
+    let count = intervals as usize + 1;
+    let new_time = TimeBase::Uniform { start_s: start, sample_rate_hz, jitter_samples: 0.0 };
+    let (places, columns, in_gap) = match time {
+        TimeBase::NonUniform { times_s } => {
+            let new = NonUniform { times_s, columns, start_s: start, sample_rate_hz };
+            new.resampled(count, &time.gaps())
+        }
+        _ => {
+            let old = match time {
+                TimeBase::Uniform { sample_rate_hz: old, .. } => *old,
+                _ => sample_rate_hz,
+            };
+            let ratio = old / sample_rate_hz;
+            let places: Vec<f64> = (0..count).map(|i| (i as f64 * ratio).min((n - 1) as f64)).collect();
+            let columns = filtered(columns, &places, PASSBAND * (1.0 / ratio).min(1.0));
+            (places, columns, Vec::new())
+        }
+    };
+    let is_valid = |k: f64| valid.is_none_or(|valid| valid.get(k as usize).copied().unwrap_or(true));
+    let valid = (valid.is_some() || in_gap.contains(&true)).then(|| {
+        let mask = places.iter().enumerate();
+        mask.map(|(i, p)| {
+            is_valid(p.floor()) && is_valid(p.ceil()) && !in_gap.get(i).copied().unwrap_or(false)
+        })
+        .collect()
+    });
+    Ok(Some(Resampled { time: new_time, columns, valid }))
+}
+
+/// Non-uniform samples and the grid that they are to be on.
+struct NonUniform<'a> {
+    times_s: &'a [f64],
+    columns: &'a [&'a [f64]],
+    start_s: f64,
+    sample_rate_hz: f64,
+}
+
+impl NonUniform<'_> {
+    /// Places of the new samples among the old ones, their values, and whether each lies in a gap.
+    fn resampled(&self, count: usize, gaps: &[Gap]) -> (Vec<f64>, Vec<Vec<f64>>, Vec<bool>) {
+        let grid: Vec<f64> = (0..count).map(|i| self.start_s + i as f64 / self.sample_rate_hz).collect();
+        let places = places_in(self.times_s, &grid);
+        let mut columns: Vec<Vec<f64>> =
+            self.columns.iter().map(|x| places.iter().map(|&place| by_line(x, place)).collect()).collect();
+        let ends = gaps.iter().map(|gap| gap.after + 1).chain([self.times_s.len()]);
+        let mut begin = 0;
+        for end in ends {
+            let part = begin..end;
+            // New samples from the first old one of the part to its last.
+            let new = places.partition_point(|p| *p < begin as f64)
+                ..places.partition_point(|p| *p <= (end - 1) as f64);
+            if let Some(values) = self.part(part, &grid[new.clone()]) {
+                for (column, values) in columns.iter_mut().zip(values) {
+                    column[new.clone()].copy_from_slice(&values);
+                }
+            }
+            begin = end;
+        }
+        let within = |place: &f64| {
+            let gap = gaps.partition_point(|gap| (gap.after as f64) < *place);
+            gap > 0 && *place < gaps[gap - 1].after as f64 + 1.0
+        };
+        let in_gap = places.iter().map(within).collect();
+        (places, columns, in_gap)
+    }
+
+    /// Filtered values of a part without gaps at the times of `grid`; `None` where straight lines are all there is to have.
+    fn part(&self, part: Range<usize>, grid: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let times = &self.times_s[part.clone()];
+        let columns: Vec<&[f64]> = self.columns.iter().map(|x| &x[part.clone()]).collect();
+        let (&first, &last) = (times.first()?, times.last()?);
+        let origin = *grid.first()?;
+        if let Ok(TimeBase::Uniform { start_s, sample_rate_hz: old, .. }) =
+            TimeBase::from_times("", times.to_vec())
+        {
+            let most = (times.len() - 1) as f64;
+            let places: Vec<f64> = grid.iter().map(|t| ((t - start_s) * old).clamp(0.0, most)).collect();
+            return Some(filtered(&columns, &places, PASSBAND * (self.sample_rate_hz / old).min(1.0)));
+        }
+        let finer = (1.0 / (shortest_period(times)? * self.sample_rate_hz)).ceil().min(FINEST);
+        if finer <= 1.0 || (last - first) * self.sample_rate_hz * finer >= MAX_SAMPLES {
+            return None;
+        }
+        let fine_rate = self.sample_rate_hz * finer;
+        let before = ((origin - first) * fine_rate + 1e-9).floor();
+        let fine_start = origin - before / fine_rate;
+        let intervals = ((last - fine_start) * fine_rate + 1e-9).floor() as usize;
+        let fine: Vec<f64> = (0..=intervals).map(|i| fine_start + i as f64 / fine_rate).collect();
+        let fine_places = places_in(times, &fine);
+        let lines: Vec<Vec<f64>> =
+            columns.iter().map(|x| fine_places.iter().map(|&place| by_line(x, place)).collect()).collect();
+        let lines: Vec<&[f64]> = lines.iter().map(Vec::as_slice).collect();
+        let places: Vec<f64> =
+            (0..grid.len()).map(|i| (before + i as f64 * finer).min(intervals as f64)).collect();
+        Some(filtered(&lines, &places, PASSBAND / finer))
+    }
+}
+
+/// Shortest distance of stamps that is not jitter \[s\].
+fn shortest_period(times_s: &[f64]) -> Option<f64> {
+    let mut periods: Vec<f64> =
+        times_s.windows(2).map(|two| two[1] - two[0]).filter(|period| *period > 0.0).collect();
+    let rank = (SHARE_OF_SHORT_PERIODS * periods.len() as f64) as usize;
+    (rank < periods.len()).then(|| *periods.select_nth_unstable_by(rank, f64::total_cmp).1)
+}
+
+/// Places of increasing times among stamps, in indices of these; within the stamps. The middle between equal ones.
+fn places_in(times_s: &[f64], at: &[f64]) -> Vec<f64> {
+    let n = times_s.len();
+    if n < 2 {
+        return vec![0.0; at.len()];
+    }
+    let mut k = 0;
+    let place = |&t: &f64| {
+        while k + 2 < n && times_s[k + 1] < t {
+            k += 1;
+        }
+        let width = times_s[k + 1] - times_s[k];
+        k as f64 + if width > 0.0 { ((t - times_s[k]) / width).clamp(0.0, 1.0) } else { 0.5 }
+    };
+    at.iter().map(place).collect()
+}
+
+/// Columns at places between their samples, low-passed at `cutoff` (1: their Nyquist frequency):
+/// Σ x_k h(place − k) / Σ h, h the windowed sinc.
+fn filtered(columns: &[&[f64]], places: &[f64], cutoff: f64) -> Vec<Vec<f64>> {
+    let n = columns.iter().map(|x| x.len()).min().unwrap_or(0);
+    let reach = HALF_WIDTH / cutoff;
+    let mut new = vec![Vec::with_capacity(places.len()); columns.len()];
+    // The kernel of a place between two samples holds for every place so far behind a sample.
+    let (mut behind, mut lowest, mut kernel) = (f64::NAN, 0.0, Vec::new());
+    for &place in places {
+        if place - place.floor() != behind {
+            behind = place - place.floor();
+            lowest = (behind - reach).ceil();
+            let reached = (behind + reach).floor() - lowest;
+            kernel = (0..=reached as usize)
+                .map(|i| windowed_sinc(behind - (lowest + i as f64), cutoff, reach))
+                .collect();
+        }
+        let first = place.floor() + lowest;
+        let skipped = (-first).max(0.0) as usize;
+        let first = first.max(0.0) as usize;
+        let kernel = kernel.get(skipped..).unwrap_or_default();
+        let kernel = &kernel[..kernel.len().min(n.saturating_sub(first))];
+        let gain: f64 = kernel.iter().sum();
+        for (new, x) in new.iter_mut().zip(columns) {
+            let sum: f64 = kernel.iter().zip(&x[first.min(x.len())..]).map(|(h, x)| h * x).sum();
+            new.push(sum / gain);
+        }
+    }
+    new
 }
 
 /// A low-pass ahead of taking every `factor`-th sample: a Kaiser-windowed sinc that reaches `reach` new samples to either
@@ -141,20 +305,6 @@ fn by_line(x: &[f64], place: f64) -> f64 {
     (1.0 - t) * x[k] + t * x[k + 1]
 }
 
-/// Σ x_k h(place − k) / Σ h, h the windowed sinc with cut-off `cutoff` (1: the Nyquist frequency).
-fn by_sinc(x: &[f64], place: f64, cutoff: f64) -> f64 {
-    let reach = HALF_WIDTH / cutoff;
-    let first = (place - reach).ceil().max(0.0) as usize;
-    let last = ((place + reach).floor() as usize).min(x.len() - 1);
-    let (mut sum, mut weight) = (0.0, 0.0);
-    for (k, x) in x.iter().enumerate().take(last + 1).skip(first) {
-        let h = windowed_sinc(place - k as f64, cutoff, reach);
-        sum += h * x;
-        weight += h;
-    }
-    sum / weight
-}
-
 /// The sinc with cut-off `cutoff` (1: the Nyquist frequency) at `d` samples, times Kaiser's window.
 fn windowed_sinc(d: f64, cutoff: f64, reach: f64) -> f64 {
     let a = PI * cutoff * d;
@@ -175,6 +325,7 @@ fn bessel_i0(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Channel;
     use super::*;
     use std::f64::consts::TAU;
 
@@ -260,5 +411,88 @@ mod tests {
         assert_eq!(new.u[0], 0.0);
         assert!(new.u[2..].iter().zip([6.0, 8.0, 10.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{:?}", new.u);
         assert_eq!(new.valid, Some(vec![true, true, false, false, false]));
+    }
+
+    /// Two rates without a pause between them, then a pause.
+    fn segments() -> Record {
+        let mut times = vec![0.0];
+        for (steps, period) in [(2000, 0.001), (200, 0.01), (1, 1.0), (1000, 0.001)] {
+            for _ in 0..steps {
+                times.push(times.last().unwrap() + period);
+            }
+        }
+        let slow: Vec<f64> = times.iter().map(|t| (TAU * 0.5 * t).sin()).collect();
+        let fast: Vec<f64> =
+            times.iter().map(|t| if *t < 2.0 { (TAU * 180.0 * t).sin() } else { 0.0 }).collect();
+        let channels = vec![Channel::new("u", "V", slow), Channel::new("y", "um", fast)];
+        Record::new("r", TimeBase::from_times("r", times).unwrap(), channels).unwrap()
+    }
+
+    #[test]
+    fn segments_of_different_rates_do_not_alias_and_a_gap_is_masked() {
+        let record = segments();
+        let gaps = record.time.gaps();
+        assert_eq!(gaps.len(), 1);
+        let new = record.resampled(50.0).unwrap();
+        let valid = new.valid.as_ref().unwrap();
+        let mut masked = 0;
+        for (k, (slow, fast)) in new.channels[0].samples.iter().zip(&new.channels[1].samples).enumerate() {
+            let t = new.time.time_s(k).unwrap();
+            let in_gap = t > gaps[0].from_s + 1e-9 && t < gaps[0].to_s - 1e-9;
+            assert_eq!(valid[k], !in_gap, "{t}");
+            masked += usize::from(in_gap);
+            if !in_gap && t > 0.7 && (t - 4.0).abs() > 0.7 && (t - 5.0).abs() > 0.7 && t < 5.3 {
+                assert!((slow - (TAU * 0.5 * t).sin()).abs() < 2e-3, "{t}: {slow}");
+            }
+            // 180 Hz sampled at 50 Hz would be 20 Hz of full height.
+            if (0.7..1.3).contains(&t) {
+                assert!(fast.abs() < 2e-3, "{t}: {fast}");
+            }
+        }
+        assert_eq!(masked, 49);
+        // What is sampled more finely than it was lies on straight lines.
+        let fine = record.resampled(1000.0).unwrap();
+        let (y, t) = (&fine.channels[0].samples, |k| fine.time.time_s(k).unwrap());
+        assert!((y[2505] - 0.5 * (y[2500] + y[2510])).abs() < 1e-4, "{} {}", y[2505], t(2505));
+    }
+
+    #[test]
+    fn a_pause_between_two_pieces_of_one_rate_leaves_both_as_they_are() {
+        let times: Vec<f64> =
+            (0..400).map(|k| f64::from(k) * 0.01 + if k < 200 { 0.0 } else { 5.0 }).collect();
+        let u: Vec<f64> = (0..400).map(|k| (0.1 * f64::from(k)).sin()).collect();
+        let record = Record::new(
+            "r",
+            TimeBase::from_times("r", times).unwrap(),
+            vec![Channel::new("u", "V", u.clone())],
+        );
+        let new = record.unwrap().resampled(100.0).unwrap();
+        for (k, x) in u.iter().enumerate() {
+            let at = if k < 200 { k } else { k + 500 };
+            let tolerance = if (40..160).contains(&(k % 200)) { 1e-4 } else { 0.05 };
+            assert!((new.channels[0].samples[at] - x).abs() < tolerance, "{k}");
+        }
+        assert_eq!(new.valid.unwrap().iter().filter(|valid| !**valid).count(), 500);
+    }
+
+    #[test]
+    fn a_record_keeps_all_its_columns_and_needs_times() {
+        let record = Record {
+            valid: Some(vec![true, false, true, true, true]),
+            ..Record::new(
+                "r",
+                TimeBase::uniform(10.0),
+                ["u", "y", "segment"].map(|name| Channel::new(name, "", vec![2.0; 5])).to_vec(),
+            )
+            .unwrap()
+        };
+        let new = record.resampled(20.0).unwrap();
+        assert_eq!((new.channels.len(), new.len()), (3, 9));
+        assert!(new.channels.iter().flat_map(|c| &c.samples).all(|x| (x - 2.0).abs() < 1e-12));
+        let valid = new.valid.unwrap();
+        assert_eq!(valid, [true, false, false, false, true, true, true, true, true]);
+        assert_eq!(record.resampled(10.0).unwrap(), record);
+        let without = Record { time: TimeBase::Unknown, ..record };
+        assert!(matches!(without.resampled(10.0), Err(RecordError::NoTimes { .. })));
     }
 }

@@ -195,15 +195,29 @@ impl Record {
     fn alone(&self, asked: Option<&str>, role: Role) -> Result<Signal, RecordError> {
         self.check()?;
         let mut notes = Vec::new();
-        let index = match self.named(asked, role)? {
-            Some(index) => index,
-            None if self.channels.len() == 1 => 0,
-            None => self.guess(role, None, &mut notes)?,
-        };
+        let index = self.position_alone(asked, role, &mut notes)?;
         let channel = &self.channels[index];
         self.check_not_time(channel, role)?;
         let (samples, unit) = in_base_unit(channel);
         Ok(Signal { samples, unit, name: channel.name.clone(), time: self.time.clone(), notes })
+    }
+
+    /// Index of the input channel, as [`Record::drive`] takes it, of a record that need not be sound yet.
+    pub(super) fn input_position(&self, asked: Option<&str>) -> Result<usize, RecordError> {
+        self.position_alone(asked, Role::Input, &mut Vec::new())
+    }
+
+    fn position_alone(
+        &self,
+        asked: Option<&str>,
+        role: Role,
+        notes: &mut Vec<Finding>,
+    ) -> Result<usize, RecordError> {
+        match self.named(asked, role)? {
+            Some(index) => Ok(index),
+            None if self.channels.len() == 1 => Ok(0),
+            None => self.guess(role, None, notes),
+        }
     }
 
     fn named(&self, asked: Option<&str>, role: Role) -> Result<Option<usize>, RecordError> {
