@@ -1,9 +1,9 @@
 //! Measured records: named channels with units on one time base.
 //!
 //! A [`Record`] holds the channels of a file; [`Record::input_output`] takes the two that a fit works with, in its units, as
-//! [`InputOutput`]. Preparation returns new records: [`InputOutput::cropped`], [`InputOutput::resampled`],
-//! [`InputOutput::decimated`], [`InputOutput::with_offset_removed`], [`InputOutput::with_drift_removed`],
-//! [`Record::with_channel_scaled`]. What a record holds is found by [`find_periods`], [`noise_floor`], [`linear_drift`],
+//! [`InputOutput`]. Preparation returns new records: [`Record::cut`], [`Record::joined`], [`Record::with_channel_scaled`],
+//! [`Record::with_trend_removed`], [`Record::resampled`], and several of these in turn [`Prepare`]; [`InputOutput::cropped`],
+//! [`InputOutput::decimated`], [`InputOutput::with_offset_removed`], [`InputOutput::with_drift_removed`]. What a record holds is found by [`find_periods`], [`noise_floor`], [`linear_drift`],
 //! [`find_delay`], [`loop_shape`], [`excitation_kind`], and all at once, with the reasons in plain words, by [`inspect`].
 //!
 //! A time base is asked for the time of a sample ([`TimeBase::time_s`]) or for its rate, where it has one; only here is it known
@@ -14,6 +14,7 @@ mod crop;
 mod cut;
 mod dead_band;
 mod delay;
+mod detrend;
 mod error;
 mod excitation_kind;
 mod frequency_response;
@@ -28,6 +29,7 @@ mod noise_floor;
 mod periods;
 mod pieces;
 mod plausibility;
+mod prepare;
 mod resample;
 mod scale;
 mod selection;
@@ -46,6 +48,7 @@ pub use dead_band::beyond_dead_band;
 pub use delay::{
     DelayFinding, Response, delay_from_phase, find_delay, fundamental_response, low_frequency_responses,
 };
+pub use detrend::Trend;
 pub use error::RecordError;
 pub use excitation_kind::{ExcitationKind, WaveShape, excitation_kind};
 pub use frequency_response::{FrequencyResponse, ResponseDataError, unwrapped_phase_deg};
@@ -62,6 +65,7 @@ pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};
 pub use periods::{Periods, find_periods};
 pub use pieces::{GAP_PERIODS, Piece, even_times};
 pub use plausibility::implausible_units;
+pub use prepare::{ColumnRange, Prepare, Prepared, Step};
 #[doc(hidden)]
 pub use resample::low_pass;
 pub use scale::{Scale, ScaleError};

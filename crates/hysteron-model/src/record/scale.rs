@@ -1,11 +1,15 @@
 //! Scale of a channel, e.g. of sensor volts in µm or of command volts at the actuator.
 
+use std::fmt;
 use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
 
 use super::{Record, RecordError, Unit};
 
 /// Scale of one channel, parsed from `y=2.5um/V`, `y=2.5um` or `u=15V/V`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Scale {
     channel: String,
     factor: f64,
@@ -49,7 +53,34 @@ impl FromStr for Scale {
     }
 }
 
+/// The text it is parsed from: `y=2.5um/V`.
+impl fmt::Display for Scale {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}{}", self.channel, self.factor, self.unit.symbol())?;
+        self.per.as_ref().map_or(Ok(()), |per| write!(f, "/{}", per.symbol()))
+    }
+}
+
+impl TryFrom<String> for Scale {
+    type Error = ScaleError;
+
+    fn try_from(text: String) -> Result<Self, ScaleError> {
+        text.parse()
+    }
+}
+
+impl From<Scale> for String {
+    fn from(scale: Scale) -> Self {
+        scale.to_string()
+    }
+}
+
 impl Scale {
+    /// Channel that is scaled, as it was named.
+    pub fn channel(&self) -> &str {
+        &self.channel
+    }
+
     /// The record with the channel scaled.
     ///
     /// # Errors
@@ -98,6 +129,16 @@ mod tests {
         assert_eq!(scaled("y = -1e3 µm / V", "V"), Ok(("y_um".into(), -2000.0)));
         assert_eq!(scaled("y=15V/V", "V"), Ok(("y_V".into(), 30.0)));
         assert_eq!(scaled("y=3um/V", ""), Ok(("y_um".into(), 6.0)));
+    }
+
+    #[test]
+    fn a_scale_comes_back_from_its_text() {
+        for text in ["y=2.5um/V", "y=-1000um", "u=1e-7V/mV"] {
+            let scale: Scale = text.parse().unwrap();
+            assert_eq!(scale.to_string().parse(), Ok(scale.clone()), "{text}");
+            let json = serde_json::to_string(&scale).unwrap();
+            assert_eq!(serde_json::from_str::<Scale>(&json).unwrap(), scale, "{json}");
+        }
     }
 
     #[test]
