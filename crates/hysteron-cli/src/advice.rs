@@ -17,6 +17,8 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::ChooseColumn { role, example } => {
             let column = example.as_deref().unwrap_or(match role {
                 ColumnRole::Scaled => "COL=FACTOR",
+                ColumnRole::Condition => "COL=VALUE",
+                ColumnRole::Renamed => "OLD=NEW",
                 _ => "COL",
             });
             format!("{} {column}", flag_of(*role))
@@ -26,6 +28,11 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::ChooseResponse { divisor: true } => "--over NAME".to_owned(),
         Advice::ScaleColumn { column } => format!("--scale {column}=2.5um/V"),
         Advice::GiveSampleRate => "--sample-rate HZ".to_owned(),
+        Advice::Resample => {
+            "hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ if only the stamps are badly written"
+                .to_owned()
+        }
+        Advice::CutOtherwise => "another --from, --to, --where or --turns".to_owned(),
         Advice::GivePeriod => "--period S".to_owned(),
         Advice::NameDynamicRecord => "--dynamic FILE".to_owned(),
         Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),
@@ -46,6 +53,9 @@ fn flag_of(role: ColumnRole) -> &'static str {
         ColumnRole::Time => "--time",
         ColumnRole::Inputs => "--inputs",
         ColumnRole::Scaled => "--scale",
+        ColumnRole::Condition => "--where",
+        ColumnRole::Detrended => "--detrend or --remove-mean",
+        ColumnRole::Renamed => "--rename",
     }
 }
 

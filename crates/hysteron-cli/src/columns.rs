@@ -10,6 +10,7 @@ use hysteron_model::record::{
 use hysteron_model::{Advice, Finding};
 use rayon::prelude::*;
 
+use crate::cut::CutFlags;
 use crate::failure::Failure;
 use crate::numbers::{positive, whole};
 use crate::{advice, console};
@@ -48,6 +49,9 @@ pub struct InputFlags {
 
     #[command(flatten)]
     time: TimeFlags,
+
+    #[command(flatten)]
+    cut: CutFlags,
 }
 
 /// Which column drives and which responds.
@@ -62,7 +66,8 @@ pub struct ColumnFlags {
 }
 
 impl TimeFlags {
-    fn options(&self) -> ReadOptions {
+    /// What the flags mean to the reader.
+    pub fn options(&self) -> ReadOptions {
         let defaults = ReadOptions::default();
         ReadOptions {
             time: self.time.clone(),
@@ -79,7 +84,7 @@ impl InputFlags {
     /// # Errors
     /// If the file is not a readable record or the input cannot be decided.
     pub fn read_drive(&self, path: &Path) -> Result<Signal, Failure> {
-        let options = ReadOptions { input: self.input.clone(), ..self.time.options() };
+        let options = ReadOptions { input: self.input.clone(), ..self.options() };
         let read = || -> Result<Signal, Unreadable> {
             if self.scales.is_empty() {
                 return Ok(read_drive(path, &options)?);
@@ -99,8 +104,13 @@ impl InputFlags {
     /// # Errors
     /// If the file is not a readable record.
     pub fn read_record(&self, path: &Path) -> Result<Record, Failure> {
-        let read = || self.scaled(read_record(path, &self.time.options())?);
+        let read = || self.scaled(read_record(path, &self.options())?);
         read().map_err(|e: Unreadable| e.at(path, "--inputs and --outputs"))
+    }
+
+    /// What the flags mean to a reader of all columns.
+    fn options(&self) -> ReadOptions {
+        ReadOptions { cut: self.cut.cut(), ..self.time.options() }
     }
 
     fn beyond_dead_band(&self, u: &mut [f64], told: &mut Vec<String>) {
@@ -156,11 +166,7 @@ impl ColumnFlags {
 
     /// What the flags mean to the reader.
     pub fn options(&self) -> ReadOptions {
-        ReadOptions {
-            input: self.drive.input.clone(),
-            output: self.output.clone(),
-            ..self.drive.time.options()
-        }
+        ReadOptions { input: self.drive.input.clone(), output: self.output.clone(), ..self.drive.options() }
     }
 
     /// Reads input and output of a record. Prints what was decided without being told, and what stands in the way of a good

@@ -16,6 +16,7 @@ mod columns;
 mod compare;
 mod completions;
 mod console;
+mod cut;
 mod excite;
 mod export;
 mod failure;
@@ -29,6 +30,7 @@ mod model;
 mod numbers;
 mod optimizers;
 mod output;
+mod prepare;
 mod progress;
 mod realise;
 mod recalibrate;
@@ -65,6 +67,7 @@ enum Command {
     Identify(Box<identify::Identify>),
     Compare(compare::Compare),
     Inspect(inspect::Inspect),
+    Prepare(Box<prepare::PrepareCommand>),
     Recalibrate(recalibrate::Recalibrate),
     Adapt(Box<adapt::Adapt>),
     Validate(validate::Validate),
@@ -87,6 +90,7 @@ fn run(command: &Command) -> Result<(), Failure> {
         Command::Identify(c) => c.run(),
         Command::Compare(c) => c.run(),
         Command::Inspect(c) => c.run(),
+        Command::Prepare(c) => c.run(),
         Command::Recalibrate(c) => c.run(),
         Command::Adapt(c) => c.run(),
         Command::Validate(c) => c.run(),

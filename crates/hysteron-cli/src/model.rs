@@ -11,7 +11,7 @@ use hysteron_model::model::{
 use hysteron_model::oscillator::OscillatorError;
 use hysteron_model::record::{InputOutput, Quantity, Source, Timing, Unit};
 use hysteron_model::validate::Scoring;
-use hysteron_model::{Model, Start, hammerstein};
+use hysteron_model::{Advice, Model, Start, hammerstein};
 
 use crate::axes::AxesFlags;
 use crate::columns::{ColumnFlags, InputFlags};
@@ -229,19 +229,15 @@ impl Loaded {
             RunError::Simulation(e) => {
                 let failure = simulating().because(&e);
                 match e {
-                    SimulationError::NoSampleRate => failure.hint(
-                        "give the sample rate with --sample-rate HZ, or resample the record to a uniform time",
-                    ),
+                    SimulationError::NoSampleRate => failure.advised(Some(Advice::Resample)),
                     SimulationError::SampleRate { model_hz, .. } => failure.hint(format!(
-                        "resample the record to {model_hz} Hz, or identify the model again with --scheme tustin, which \
-                         holds at other rates"
+                        "hysteron prepare {record} --rate {model_hz}Hz -o OUT.csv, or identify the model again with \
+                         --scheme tustin, which holds at other rates"
                     )),
                     _ => failure,
                 }
             }
-            RunError::NoSampleRate => simulating()
-                .because(error)
-                .hint("give the sample rate with --sample-rate HZ, or resample the record to a uniform time"),
+            RunError::NoSampleRate => simulating().because(error).advised(Some(Advice::Resample)),
             RunError::Oscillator(e @ OscillatorError::NotSettled { .. }) => {
                 simulating().because(e).hint("leave --settled out: the record starts from rest")
             }

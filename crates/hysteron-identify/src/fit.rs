@@ -148,7 +148,7 @@ impl FitError {
     pub fn advice(&self) -> Option<Advice> {
         match self {
             Self::Hammerstein(e) => e.advice(),
-            Self::Oscillator(OscillatorFitError::NotUniform { .. }) => Some(Advice::GiveSampleRate),
+            Self::Oscillator(OscillatorFitError::NotUniform { .. }) => Some(Advice::Resample),
             Self::Modes(ModesFitError::Axes(e)) | Self::Branches(CoupledFitError::Axes(e)) => e.advice(),
             _ => None,
         }

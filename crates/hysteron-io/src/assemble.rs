@@ -4,32 +4,56 @@ use std::path::Path;
 
 use hysteron_model::record::{Channel, Record, RecordError, Source, TimeBase};
 
-use crate::columns::Columns;
-use crate::place::{Part, Place};
+use crate::columns::{Columns, Heading};
+use crate::place::{Part, Place, shown};
+use crate::rename::renamed;
 use crate::roles::{Chosen, Role, Roles};
 use crate::{IoError, ReadOptions};
 
-/// Makes a checked record of a file's columns; also gives the channels chosen by the options.
-pub(crate) fn assemble(columns: Columns, options: &ReadOptions) -> Result<(Record, Chosen), IoError> {
-    let Roles { roles, chosen } = Roles::new(&columns.headings, options)?;
-    check_lengths(&columns, &roles)?;
-    for (column, role) in roles.iter().enumerate() {
-        check_values(&columns, column, *role)?;
-    }
-    let Columns { headings, values, sample_rate_hz, sha256, .. } = columns;
-    let file = headings.file;
+/// Most texts of a column that a message lists.
+const MOST_TEXTS_LISTED: usize = 12;
+
+/// A record of a file.
+pub(crate) struct Assembled {
+    pub record: Record,
+    /// The channels chosen by the options.
+    pub chosen: Chosen,
+    /// Number of samples in the file.
+    pub file_samples: usize,
+}
+
+/// Makes a checked record of a file's columns, renamed and cut as the options say.
+pub(crate) fn assemble(mut columns: Columns, options: &ReadOptions) -> Result<Assembled, IoError> {
+    columns.headings = renamed(&columns.headings, &options.rename)?;
+    let Roles { roles, chosen, cut, texts } = Roles::new(&columns.headings, options)?;
+    let file_samples = check_lengths(&columns, &roles)?;
+    let file = columns.headings.file.clone();
     let name =
         Path::new(&file).file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned());
-    let (mut times, mut valid, mut channels) = (None, None, Vec::new());
-    for ((column, samples), role) in headings.columns.into_iter().zip(values).zip(roles) {
-        match role {
-            Role::Time(factor) => times = Some(in_seconds(samples, factor)),
-            Role::Mask => valid = Some(samples.iter().map(|&v| v == 1.0).collect()),
-            Role::Channel => channels.push(Channel { name: column.name, unit: column.unit, samples }),
-            Role::Skipped => {}
+    let failed = |source: RecordError| IoError::Record { file: file.clone(), source: Box::new(source) };
+    if !texts.is_empty() {
+        retain_texts(&name, &mut columns, &texts, file_samples).map_err(failed)?;
+    }
+    for (column, role) in roles.iter().enumerate() {
+        if cut.is_whole() || *role != Role::Channel {
+            check_values(&columns, column, *role)?;
         }
     }
-    let failed = |source: RecordError| IoError::Record { file: file.clone(), source: Box::new(source) };
+    let (mut times, mut valid, mut channels, mut sources) = (None, None, Vec::new(), Vec::new());
+    let values = std::mem::take(&mut columns.values);
+    for (index, (samples, role)) in values.into_iter().zip(&roles).enumerate() {
+        match role {
+            Role::Time(factor) => times = Some(in_seconds(samples, *factor)),
+            Role::Mask => valid = Some(samples.iter().map(|&v| v == 1.0).collect()),
+            Role::Channel => {
+                let Heading { name, unit, .. } = columns.headings.columns[index].clone();
+                channels.push(Channel { name, unit, samples });
+                sources.push(index);
+            }
+            Role::Texts | Role::Skipped => {}
+        }
+    }
+    let sample_rate_hz = columns.sample_rate_hz.take();
     let time = match (times, options.sample_rate_hz) {
         (Some(times), Some(rate)) => TimeBase::from_times_at_rate(&name, &times, rate).map_err(failed)?,
         (Some(times), None) => {
@@ -45,18 +69,59 @@ pub(crate) fn assemble(columns: Columns, options: &ReadOptions) -> Result<(Recor
         (None, Some(rate)) => TimeBase::uniform(rate),
         (None, None) => sample_rate_hz.map_or(TimeBase::Unknown, |(_, rate)| TimeBase::uniform(rate)),
     };
-    let source = Some(Source { path: file.clone(), sha256 });
-    let record = Record { name, time, channels, valid, source };
+    let source = Some(Source { path: file.clone(), sha256: std::mem::take(&mut columns.sha256) });
+    let mut record = Record { name, time, channels, valid, source };
+    if !cut.is_whole() {
+        let kept = cut.kept(&record).map_err(failed)?;
+        for (channel, column) in record.channels.iter().zip(sources) {
+            if let Some(&sample) = kept.iter().find(|&&k| !channel.samples[k].is_finite()) {
+                let found = channel.samples[sample].to_string();
+                return Err(IoError::NotFinite { place: columns.place(column, sample), found });
+            }
+        }
+        record = record.at(&kept).map_err(failed)?;
+    }
     record.check().map_err(failed)?;
-    Ok((record, chosen))
+    Ok(Assembled { record, chosen, file_samples })
+}
+
+/// Keeps the samples at which columns of texts hold the texts asked for.
+fn retain_texts(
+    record: &str,
+    columns: &mut Columns,
+    asked: &[(usize, String)],
+    samples: usize,
+) -> Result<(), RecordError> {
+    let mut keep = vec![true; samples];
+    for (column, text) in asked {
+        let number = columns.texts[*column].iter().position(|own| own == text).map(|number| number as f64);
+        keep.iter_mut().zip(&columns.values[*column]).for_each(|(keep, own)| *keep &= Some(*own) == number);
+    }
+    let kept = keep.iter().filter(|keep| **keep).count();
+    if kept < 2 {
+        let holds = asked.iter().map(|(column, _)| {
+            let own = &columns.texts[*column];
+            let some: Vec<String> = own
+                .iter()
+                .take(MOST_TEXTS_LISTED)
+                .map(|text| format!("`{}`", shown(text.as_bytes())))
+                .collect();
+            let more = if own.len() > some.len() { ", …" } else { "" };
+            format!("{}{more} in `{}`", some.join(", "), columns.headings.header(*column))
+        });
+        let holds = holds.collect::<Vec<_>>().join(" and ");
+        return Err(RecordError::EmptyCut { record: record.to_owned(), kept, samples, holds });
+    }
+    columns.retain(&keep);
+    Ok(())
 }
 
 /// All columns that are read have one length, of at least two samples. Time, else the first of them, says which.
-fn check_lengths(columns: &Columns, roles: &[Role]) -> Result<(), IoError> {
+fn check_lengths(columns: &Columns, roles: &[Role]) -> Result<usize, IoError> {
     let file = &columns.headings.file;
     let read = || (0..roles.len()).filter(|&i| roles[i] != Role::Skipped);
     let Some(first) = read().find(|&i| matches!(roles[i], Role::Time(_))).or_else(|| read().next()) else {
-        return Ok(());
+        return Ok(0);
     };
     match columns.check_lengths(first, read())? {
         0 => Err(IoError::NoSamples { place: Place::new(file, Part::Whole) }),
@@ -64,7 +129,7 @@ fn check_lengths(columns: &Columns, roles: &[Role]) -> Result<(), IoError> {
             let part = columns.lines.line(0).map_or(Part::Whole, Part::Line);
             Err(IoError::OneSample { place: Place::new(file, part) })
         }
-        _ => Ok(()),
+        samples => Ok(samples),
     }
 }
 

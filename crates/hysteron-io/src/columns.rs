@@ -28,14 +28,25 @@ pub(crate) struct Headings {
 #[derive(Debug)]
 pub(crate) struct Columns {
     pub headings: Headings,
-    /// One list of numbers a heading; empty for those not read.
+    /// One list of numbers a heading; empty for those not read. Of a column of texts, which of its [`Self::texts`].
     pub values: Vec<Vec<f64>>,
+    /// One list a heading: the different texts of a column of texts, in the order in which they first stand.
+    pub texts: Vec<Vec<String>>,
     /// Lines that the samples stand in; none for a binary file.
     pub lines: SampleLines,
     /// Sample rate \[Hz\] that the file gives, and the name it gives it by.
     pub sample_rate_hz: Option<(String, f64)>,
     /// SHA-256 of the file's bytes.
     pub sha256: String,
+}
+
+/// What of a column is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    Nothing,
+    Numbers,
+    /// Texts, as numbers of different ones.
+    Texts,
 }
 
 /// Line numbers of samples: the first sample and its line of every run of lines without a gap.
@@ -107,6 +118,21 @@ impl Columns {
             expected,
             reference: self.headings.header(reference).to_owned(),
         })
+    }
+
+    /// Takes out the samples that are not to be kept, in all columns.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let mut lines = SampleLines::default();
+        for (sample, (old, _)) in keep.iter().enumerate().filter(|(_, keep)| **keep).enumerate() {
+            if let Some(line) = self.lines.line(old) {
+                lines.note(sample, line);
+            }
+        }
+        for values in &mut self.values {
+            let mut keep = keep.iter();
+            values.retain(|_| keep.next().copied().unwrap_or(true));
+        }
+        self.lines = lines;
     }
 
     /// The place of a column's sample.

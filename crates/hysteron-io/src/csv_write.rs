@@ -4,20 +4,19 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::atomic_file::write_atomically_with;
-use hysteron_model::record::{Record, RecordError, TimeBase};
+use hysteron_model::record::Record;
 
 use crate::IoError;
+use crate::write::{check, headers};
 
 /// Writes a record as comma-separated text that [`read_record`](crate::read_record) reads back to the same numbers: column `t_s`
 /// where there is a time base, one column a channel (`u_V`), `valid` where there is a mask. The file is complete or not there.
 ///
 /// # Errors
-/// [`IoError::Record`] where the record is not sound ([`Record::check`]), [`IoError::Write`].
+/// [`IoError::Record`] where the record is not sound ([`Record::check`]) or a channel has the header of time or mask,
+/// [`IoError::Write`].
 pub fn write_csv(path: &Path, record: &Record) -> Result<(), IoError> {
-    record.check().map_err(|source: RecordError| IoError::Record {
-        file: path.display().to_string(),
-        source: Box::new(source),
-    })?;
+    check(path, record)?;
     Ok(write_atomically_with(path, |out| write_csv_to(out, record))?)
 }
 
@@ -26,15 +25,7 @@ pub fn write_csv(path: &Path, record: &Record) -> Result<(), IoError> {
 /// # Errors
 /// Whatever the sink returns.
 pub fn write_csv_to(out: &mut dyn Write, record: &Record) -> io::Result<()> {
-    let mut headers: Vec<String> = Vec::new();
-    let timed = !matches!(record.time, TimeBase::Unknown);
-    if timed {
-        headers.push("t_s".to_string());
-    }
-    headers.extend(record.channels.iter().map(|c| quoted(&c.header())));
-    if record.valid.is_some() {
-        headers.push("valid".to_string());
-    }
+    let headers: Vec<String> = headers(record).iter().map(|header| quoted(header)).collect();
     writeln!(out, "{}", headers.join(","))?;
     let mut line = String::new();
     let rows = record.channels.iter().map(|c| c.samples.len()).min().unwrap_or(0);

@@ -447,6 +447,28 @@ pub enum IoError {
         /// Time of this line \[s\].
         after: f64,
     },
+    /// A text asked of a column that holds numbers by its format.
+    #[error("{place}: holds numbers, `{text}` is none; ask for a number or a range")]
+    TextCondition {
+        /// The array.
+        place: Place,
+        /// The text.
+        text: String,
+    },
+    /// A new name with another unit.
+    #[error(
+        "{place}: `{name}` is in {unit}, and a new name `{to}` converts no number; scale it to another unit"
+    )]
+    RenamedUnit {
+        /// Where it stands.
+        place: Place,
+        /// Header of the column.
+        name: String,
+        /// Its unit.
+        unit: String,
+        /// The new name.
+        to: String,
+    },
     /// What was read is not a usable record.
     #[error("{source}")]
     Record {

@@ -8,7 +8,7 @@ use hysteron_model::record::FrequencyResponse;
 use hysteron_model::record::{Source, Unit, split_header};
 use hysteron_numeric::Complex64;
 
-use crate::columns::{Columns, Heading, Headings};
+use crate::columns::{Columns, Heading, Headings, Wanted};
 use crate::read::{open, read_columns};
 use crate::{IoError, ReadOptions};
 
@@ -162,8 +162,9 @@ impl Layout {
     }
 
     /// Which of the file's columns are read.
-    fn wanted(&self, columns: usize) -> Vec<bool> {
-        (0..columns).map(|i| i == self.frequency.0 || self.parts().any(|part| part == i)).collect()
+    fn wanted(&self, columns: usize) -> Vec<Wanted> {
+        let is_read = |i| i == self.frequency.0 || self.parts().any(|part| part == i);
+        (0..columns).map(|i| if is_read(i) { Wanted::Numbers } else { Wanted::Nothing }).collect()
     }
 }
 

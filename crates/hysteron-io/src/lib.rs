@@ -2,8 +2,8 @@
 //!
 //! [`read_record`] takes what loggers, spreadsheets and numerical tools write and either returns a checked record or an
 //! [`IoError`] that names file, line and column (or array and index), what was found, what was expected and what to do.
-//! [`read_input_output`] also decides which column drives and which responds. [`write_csv`] writes a record so that it reads
-//! back to the same numbers.
+//! [`read_input_output`] also decides which column drives and which responds. [`write_record`] writes a record, as CSV or NPZ, so
+//! that it reads back to the same numbers.
 //!
 //! # Formats
 //! Delimited text (CSV), NPY and NPZ. The format is told by the first bytes, else by the extension; anything else is text.
@@ -46,10 +46,13 @@ mod json_file;
 mod model_file;
 mod npy;
 mod npz;
+mod npz_write;
 mod options;
 mod place;
 mod read;
+mod rename;
 mod roles;
+mod write;
 
 pub use atomic_folder::{FolderError, NamedFile, temporary_folder, write_folder};
 pub use csv_write::{write_csv, write_csv_to};
@@ -58,9 +61,12 @@ pub use frequency_response::{ResponseOptions, read_frequency_response, read_freq
 pub use hash::sha256;
 pub use json_file::{JsonFileError, load_json, save_json};
 pub use model_file::{ModelDiskError, load_model, load_model_and_source, save_model};
+pub use npz_write::write_npz;
 pub use options::ReadOptions;
 pub use place::{Part, Place};
 pub use read::{
-    ReadOutcome, read_drive, read_input_output, read_input_output_bytes, read_record, read_record_bytes,
-    read_reference,
+    PartRead, ReadOutcome, read_drive, read_input_output, read_input_output_bytes, read_part, read_record,
+    read_record_bytes, read_reference,
 };
+pub use rename::{Rename, RenameError};
+pub use write::write_record;

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use crate::columns::{Columns, Headings, SampleLines};
+use crate::columns::{Columns, Headings, SampleLines, Wanted};
 use crate::hash::sha256;
 use crate::options::MAX_LINE_BYTES;
 use crate::place::{Part, Place, shown};
@@ -37,7 +37,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let headings = Headings::new(file, None, fields.iter().map(|field| field.name.clone()).collect())?;
     let wanted = wanted(&headings)?;
     let mut numbers = Vec::new();
-    for (field, _) in fields.iter().zip(&wanted).filter(|(_, wanted)| **wanted) {
+    for (field, _) in fields.iter().zip(&wanted).filter(|(_, wanted)| **wanted != Wanted::Nothing) {
         numbers.push((
             field.offset,
             field.number.ok_or_else(|| IoError::ArrayType {
@@ -48,10 +48,13 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     }
     Budget::new(options).spend(&whole, &array, numbers.len())?;
     let mut read = array.read_values(data, &numbers).map_err(malformed)?.into_iter();
-    let values =
-        wanted.iter().map(|&wanted| if wanted { read.next() } else { None }.unwrap_or_default()).collect();
+    let values = wanted
+        .iter()
+        .map(|&wanted| if wanted == Wanted::Nothing { None } else { read.next() }.unwrap_or_default())
+        .collect();
+    let texts = vec![Vec::new(); headings.columns.len()];
     let lines = SampleLines::default();
-    Ok(Columns { headings, values, lines, sample_rate_hz: None, sha256: sha256(&bytes) })
+    Ok(Columns { headings, values, texts, lines, sample_rate_hz: None, sha256: sha256(&bytes) })
 }
 
 /// What the header of an array says.

@@ -6,7 +6,7 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 
 use crate::IoError;
-use crate::columns::{Columns, Headings, SampleLines};
+use crate::columns::{Columns, Headings, SampleLines, Wanted};
 use crate::hash::sha256;
 use crate::npy::{Array, Budget, Type};
 use crate::options::MAX_COLUMNS;
@@ -72,10 +72,14 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let mut values = Vec::new();
     for (entry, wanted) in entries.iter().zip(wanted) {
         let place = Place::new(file, Part::Array(entry.name.as_str().into()));
-        values.push(if wanted { column(&mut archive, entry, &place, &mut budget)? } else { Vec::new() });
+        values.push(match wanted {
+            Wanted::Nothing => Vec::new(),
+            _ => column(&mut archive, entry, &place, &mut budget)?,
+        });
     }
     let lines = SampleLines::default();
-    Ok(Columns { headings, values, lines, sample_rate_hz, sha256: sha256(&bytes) })
+    let texts = vec![Vec::new(); headings.columns.len()];
+    Ok(Columns { headings, values, texts, lines, sample_rate_hz, sha256: sha256(&bytes) })
 }
 
 type Archive<'a> = ZipArchive<Cursor<&'a Vec<u8>>>;

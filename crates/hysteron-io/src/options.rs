@@ -1,6 +1,9 @@
 //! What the user may say about a file.
 
+use hysteron_model::record::Cut;
 use serde::{Deserialize, Serialize};
+
+use crate::Rename;
 
 /// How to read a file; the default detects everything.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +20,11 @@ pub struct ReadOptions {
     /// Sample rate \[Hz\]: needed where there is no time column; where there is one, it must agree with it and
     /// replaces its stamps.
     pub sample_rate_hz: Option<f64>,
+    /// New names of columns; whatever else names a column names it by its new name.
+    pub rename: Vec<Rename>,
+    /// Part of the record that is kept. Outside of it, numbers may be missing or not finite. A condition may ask for a text in a
+    /// column of texts of a text file; the record is without that column.
+    pub cut: Cut,
     /// Delimiter; `None`: detected.
     pub delimiter: Option<u8>,
     /// Largest file read \[bytes\].
@@ -34,6 +42,8 @@ impl Default for ReadOptions {
             output: None,
             reference: None,
             sample_rate_hz: None,
+            rename: Vec::new(),
+            cut: Cut::default(),
             delimiter: None,
             max_bytes: 4 << 30,
             max_values: 1 << 29,

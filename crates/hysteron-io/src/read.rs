@@ -7,9 +7,10 @@ use std::path::Path;
 use hysteron_model::Finding;
 use hysteron_model::record::{ChannelChoice, InputOutput, Record, RecordError, Signal};
 
-use crate::assemble::assemble;
-use crate::columns::{Columns, Headings};
+use crate::assemble::{Assembled, assemble};
+use crate::columns::{Columns, Headings, Wanted};
 use crate::place::{Part, Place};
+use crate::rename::renamed;
 use crate::roles::{Chosen, Roles};
 use crate::{IoError, ReadOptions, csv, npy, npz};
 
@@ -36,7 +37,7 @@ pub(crate) struct Input<'a> {
     pub bytes: &'a mut dyn Read,
     pub options: &'a ReadOptions,
     /// Says which of the columns are to be read.
-    pub wanted: &'a mut dyn FnMut(&Headings) -> Result<Vec<bool>, IoError>,
+    pub wanted: &'a mut dyn FnMut(&Headings) -> Result<Vec<Wanted>, IoError>,
 }
 
 impl Input<'_> {
@@ -61,12 +62,30 @@ pub struct ReadOutcome {
     pub notes: Vec<Finding>,
 }
 
+/// A record and how much of its file it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartRead {
+    /// The record.
+    pub record: Record,
+    /// Number of samples in the file, of which [`ReadOptions::cut`] keeps those of the record.
+    pub file_samples: usize,
+}
+
 /// Reads a record; see the crate's description for the formats.
 ///
 /// # Errors
 /// Any [`IoError`]; it names the file, and line and column or array where there are any.
 pub fn read_record(path: &Path, options: &ReadOptions) -> Result<Record, IoError> {
-    Ok(read(&path.display().to_string(), open(path)?, options)?.0)
+    Ok(read_part(path, options)?.record)
+}
+
+/// [`read_record`], with the number of samples in the file.
+///
+/// # Errors
+/// As [`read_record`].
+pub fn read_part(path: &Path, options: &ReadOptions) -> Result<PartRead, IoError> {
+    let Assembled { record, file_samples, .. } = read(&path.display().to_string(), open(path)?, options)?;
+    Ok(PartRead { record, file_samples })
 }
 
 /// Reads a record from memory; `name` stands for the file in messages, and its extension may choose the format.
@@ -74,7 +93,7 @@ pub fn read_record(path: &Path, options: &ReadOptions) -> Result<Record, IoError
 /// # Errors
 /// As [`read_record`].
 pub fn read_record_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Record, IoError> {
-    Ok(read(name, bytes, options)?.0)
+    Ok(read(name, bytes, options)?.record)
 }
 
 /// Reads a record and takes its input and output: as the options name them, otherwise by the rules of
@@ -120,12 +139,12 @@ fn read_alone(
     take: impl FnOnce(&Record, &Chosen) -> Result<Signal, RecordError>,
 ) -> Result<Signal, IoError> {
     let file = path.display().to_string();
-    let (record, chosen) = read(&file, open(path)?, options)?;
+    let Assembled { record, chosen, .. } = read(&file, open(path)?, options)?;
     take(&record, &chosen).map_err(|source| IoError::Record { file, source: Box::new(source) })
 }
 
 fn selected(file: &str, source: impl Read, options: &ReadOptions) -> Result<ReadOutcome, IoError> {
-    let (record, Chosen { input, output, .. }) = read(file, source, options)?;
+    let Assembled { record, chosen: Chosen { input, output, .. }, .. } = read(file, source, options)?;
     let choice = ChannelChoice { input, output };
     let failed = |source| IoError::Record { file: file.to_string(), source: Box::new(source) };
     let notes = record.select(&choice).map_err(failed)?.notes;
@@ -133,8 +152,9 @@ fn selected(file: &str, source: impl Read, options: &ReadOptions) -> Result<Read
     Ok(ReadOutcome { data, notes })
 }
 
-fn read(file: &str, source: impl Read, options: &ReadOptions) -> Result<(Record, Chosen), IoError> {
-    let wanted = |headings: &Headings| Ok(Roles::new(headings, options)?.wanted());
+fn read(file: &str, source: impl Read, options: &ReadOptions) -> Result<Assembled, IoError> {
+    let wanted =
+        |headings: &Headings| Ok(Roles::new(&renamed(headings, &options.rename)?, options)?.wanted());
     assemble(read_columns(file, source, options, wanted)?, options)
 }
 
@@ -152,7 +172,7 @@ pub(crate) fn read_columns(
     file: &str,
     mut source: impl Read,
     options: &ReadOptions,
-    mut wanted: impl FnMut(&Headings) -> Result<Vec<bool>, IoError>,
+    mut wanted: impl FnMut(&Headings) -> Result<Vec<Wanted>, IoError>,
 ) -> Result<Columns, IoError> {
     let mut head = Vec::new();
     (&mut source)

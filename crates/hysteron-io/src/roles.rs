@@ -1,9 +1,10 @@
 //! What each column of a record is, decided by its header and by what the caller chose.
 
 use hysteron_model::advice::ColumnRole;
-use hysteron_model::record::{Quantity, header_of};
+use hysteron_model::record::{Admitted, Condition, Cut, Quantity, header_of};
 
-use crate::columns::{Heading, Headings, list};
+use crate::columns::{Heading, Headings, Wanted, list};
+use crate::place::{Part, Place};
 use crate::{IoError, ReadOptions};
 
 /// What a column is read as.
@@ -13,6 +14,8 @@ pub(crate) enum Role {
     Time(f64),
     Mask,
     Channel,
+    /// Texts that a condition asks for; no channel of the record.
+    Texts,
     /// Not read.
     Skipped,
 }
@@ -31,6 +34,10 @@ pub(crate) struct Roles {
     /// One a column.
     pub roles: Vec<Role>,
     pub chosen: Chosen,
+    /// What is cut out, its columns by their headers; without the conditions on texts.
+    pub cut: Cut,
+    /// Columns of texts and the text that each must be.
+    pub texts: Vec<(usize, String)>,
 }
 
 impl Roles {
@@ -50,6 +57,7 @@ impl Roles {
             return Err(IoError::FrequencyResponse { place: headings.place(), column });
         }
         let only_chosen = input.is_some() && output.is_some();
+        let conditions = Conditions::new(headings, &options.cut)?;
         let role = |(i, column): (usize, &Heading)| {
             if taken.contains(&Some(i)) {
                 Role::Channel
@@ -60,7 +68,9 @@ impl Roles {
                 })
             } else if column.name.eq_ignore_ascii_case("valid") {
                 Role::Mask
-            } else if only_chosen || column.header.is_empty() {
+            } else if conditions.texts.iter().any(|(text, _)| *text == i) {
+                Role::Texts
+            } else if (only_chosen && !conditions.read.contains(&i)) || column.header.is_empty() {
                 Role::Skipped
             } else {
                 Role::Channel
@@ -73,17 +83,80 @@ impl Roles {
         let header_at =
             |i: Option<usize>| i.and_then(|i| columns.get(i)).map(|c| header_of(&c.name, &c.unit));
         let [input, output, reference] = taken.map(header_at);
-        Ok(Roles { roles, chosen: Chosen { input, output, reference } })
+        let Conditions { mut cut, texts, .. } = conditions;
+        if let Some(turns) = &mut cut.turns {
+            turns.column = turns.column.take().or_else(|| input.clone());
+        }
+        let (texts, in_channels): (Vec<_>, Vec<_>) =
+            texts.into_iter().partition(|(column, _)| roles.get(*column) == Some(&Role::Texts));
+        // The record says that a channel of numbers is no column of texts.
+        cut.conditions.extend(in_channels.into_iter().map(|(column, text)| Condition {
+            column: header_at(Some(column)).unwrap_or_default(),
+            is: Admitted::Text(text),
+        }));
+        Ok(Roles { roles, chosen: Chosen { input, output, reference }, cut, texts })
     }
 
-    /// Which columns a reader has to read.
-    pub fn wanted(&self) -> Vec<bool> {
-        self.roles.iter().map(|role| *role != Role::Skipped).collect()
+    /// What a reader has to read of each column.
+    pub fn wanted(&self) -> Vec<Wanted> {
+        let wanted = |role: &Role| match role {
+            Role::Skipped => Wanted::Nothing,
+            Role::Texts => Wanted::Texts,
+            _ => Wanted::Numbers,
+        };
+        self.roles.iter().map(wanted).collect()
+    }
+}
+
+/// Columns that a cut looks at.
+struct Conditions {
+    /// The cut, its columns by their headers, without the conditions on texts.
+    cut: Cut,
+    /// Columns that it needs as numbers.
+    read: Vec<usize>,
+    /// Columns that are to hold a text, and the text.
+    texts: Vec<(usize, String)>,
+}
+
+impl Conditions {
+    fn new(headings: &Headings, cut: &Cut) -> Result<Self, IoError> {
+        let mut found = Conditions { cut: cut.clone(), read: Vec::new(), texts: Vec::new() };
+        found.cut.conditions.clear();
+        let position = |asked: &str, role| chosen(headings, Some(asked), role).map(Option::unwrap_or_default);
+        let header =
+            |i: usize| headings.columns.get(i).map(|c| header_of(&c.name, &c.unit)).unwrap_or_default();
+        for condition in &cut.conditions {
+            let column = position(&condition.column, ColumnRole::Condition)?;
+            match &condition.is {
+                Admitted::Text(text) if headings.line.is_none() => {
+                    let array = Part::Array(headings.header(column).into());
+                    let place = Place::new(&headings.file, array);
+                    return Err(IoError::TextCondition { place, text: text.clone() });
+                }
+                Admitted::Text(text) => found.texts.push((column, text.clone())),
+                is => {
+                    found.read.push(column);
+                    found.cut.conditions.push(Condition { column: header(column), is: is.clone() });
+                }
+            }
+        }
+        if let Some(turns) = &mut found.cut.turns
+            && let Some(asked) = &turns.column
+        {
+            let column = position(asked, ColumnRole::Input)?;
+            found.read.push(column);
+            turns.column = Some(header(column));
+        }
+        Ok(found)
     }
 }
 
 /// The column chosen for a role: by header or bare name exactly, else ignoring case, else by number from 1.
-fn chosen(headings: &Headings, asked: Option<&str>, role: ColumnRole) -> Result<Option<usize>, IoError> {
+pub(crate) fn chosen(
+    headings: &Headings,
+    asked: Option<&str>,
+    role: ColumnRole,
+) -> Result<Option<usize>, IoError> {
     let columns = &headings.columns;
     let Some(asked) = asked.map(str::trim) else { return Ok(None) };
     let same = |fold: &dyn Fn(&str) -> String| -> Vec<usize> {

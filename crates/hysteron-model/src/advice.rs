@@ -30,6 +30,10 @@ pub enum Advice {
     },
     /// Give the sample rate.
     GiveSampleRate,
+    /// Resample the record to a uniform rate, or give the rate if its stamps are only badly written.
+    Resample,
+    /// Keep another part of the record.
+    CutOtherwise,
     /// Give the length of a period.
     GivePeriod,
     /// Name the record that carries dynamics.

@@ -138,7 +138,7 @@ fn models_bound_to_their_sample_rate_refuse_another_and_say_what_to_do() {
         for arguments in ["simulate model.json run.csv -o out.csv", "validate model.json run.csv --json"] {
             let run = bench.run(arguments);
             assert_eq!((run.exit_code, run.stdout.as_str()), (1, ""), "{arguments}");
-            for part in ["200", "100", "try: resample the record to 200 Hz"] {
+            for part in ["200", "100", "try: hysteron prepare run.csv --rate 200Hz"] {
                 assert!(run.stderr.contains(part), "{arguments}: {}", run.stderr);
             }
         }

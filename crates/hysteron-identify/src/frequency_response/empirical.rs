@@ -123,7 +123,7 @@ fn refused(record: &str, problem: &str, advice: Option<Advice>) -> FrequencyResp
 fn rate(record: &InputOutput) -> Result<f64, FrequencyResponseError> {
     record.sample_rate_hz().ok_or_else(|| {
         let problem = "it has no uniform sample rate; resample it, or give the rate";
-        refused(&record.name, problem, Some(Advice::GiveSampleRate))
+        refused(&record.name, problem, Some(Advice::Resample))
     })
 }
 

@@ -1,10 +1,12 @@
 //! Rows of text to columns of numbers.
 
+use std::collections::HashMap;
+
 use super::dialect::{loosely_number, split_fields};
 use super::lines::{Line, is_spreadsheet_error};
 use super::plain::plain_columns;
 use super::utf8;
-use crate::columns::{Columns, Headings, SampleLines};
+use crate::columns::{Columns, Headings, SampleLines, Wanted};
 use crate::options::MAX_NUMBER_BYTES;
 use crate::place::{Part, Place, shown};
 use crate::{IoError, ReadOptions};
@@ -12,8 +14,14 @@ use crate::{IoError, ReadOptions};
 /// The columns read so far.
 pub(crate) struct Table {
     headings: Headings,
-    /// Which columns are read.
-    wanted: Vec<bool>,
+    /// What of each column is read.
+    wanted: Vec<Wanted>,
+    /// Which columns are read as numbers.
+    numbers: Vec<bool>,
+    /// Numbers of the texts of each column, in the order in which they first stand.
+    texts: Vec<HashMap<String, usize>>,
+    /// Whether numbers may be missing or not finite, NaN then: a cut may leave them out.
+    keeps_missing: bool,
     delimiter: u8,
     /// One list a column of the file; empty for those not read.
     columns: Vec<Vec<f64>>,
@@ -26,11 +34,14 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    pub fn new(headings: Headings, wanted: Vec<bool>, delimiter: u8, options: &ReadOptions) -> Self {
+    pub fn new(headings: Headings, wanted: Vec<Wanted>, delimiter: u8, options: &ReadOptions) -> Self {
         Table {
             columns: vec![Vec::new(); headings.columns.len()],
+            texts: vec![HashMap::new(); headings.columns.len()],
             headings,
+            numbers: wanted.iter().map(|wanted| *wanted == Wanted::Numbers).collect(),
             wanted,
+            keeps_missing: !options.cut.is_whole(),
             delimiter,
             rows: 0,
             lines: SampleLines::default(),
@@ -44,12 +55,13 @@ impl Table {
     /// to go through [`Self::push_row`].
     pub fn push_block(&mut self, block: &[u8], before: u64) -> Option<u64> {
         if block.is_empty()
+            || self.wanted.contains(&Wanted::Texts)
             || self.comma_line.is_some()
             || (self.point_line.is_none() && block.contains(&b'.'))
         {
             return None;
         }
-        let (rows, columns) = plain_columns(block, self.delimiter, &self.wanted)?;
+        let (rows, columns) = plain_columns(block, self.delimiter, &self.numbers)?;
         self.values_left = self.values_left.checked_sub(columns.iter().map(Vec::len).sum())?;
         for (to, values) in self.columns.iter_mut().zip(columns) {
             to.extend(values);
@@ -111,16 +123,30 @@ impl Table {
     }
 
     fn push_field(&mut self, column: usize, field: &[u8], line: Line<'_>) -> Result<(), IoError> {
-        if !self.wanted.get(column).is_some_and(|&wanted| wanted) {
-            return Ok(());
-        }
-        let value = self.number(column, field, line)?;
+        let value = match self.wanted.get(column) {
+            None | Some(Wanted::Nothing) => return Ok(()),
+            Some(Wanted::Numbers) => self.number(column, field, line)?,
+            Some(Wanted::Texts) => self.text(column, field, line)?,
+        };
         self.values_left = self.values_left.checked_sub(1).ok_or_else(|| IoError::TooManyValues {
             place: self.line(line),
             limit: self.columns.iter().map(Vec::len).sum(),
         })?;
         self.columns[column].push(value);
         Ok(())
+    }
+
+    /// Which of its column's texts a field is.
+    fn text(&mut self, column: usize, field: &[u8], line: Line<'_>) -> Result<f64, IoError> {
+        let place = || Place::cell(&self.headings.file, line.number, column + 1, "");
+        let text = utf8(field.trim_ascii(), place)?;
+        let Some(texts) = self.texts.get_mut(column) else { return Ok(0.0) };
+        let next = texts.len();
+        let number = match texts.get(text) {
+            Some(number) => *number,
+            None => *texts.entry(text.to_owned()).or_insert(next),
+        };
+        Ok(number as f64)
     }
 
     fn number(&mut self, column: usize, field: &[u8], line: Line<'_>) -> Result<f64, IoError> {
@@ -134,6 +160,7 @@ impl Table {
         }
         let value = match parsed {
             Some(value) => value,
+            None if text.is_empty() && line.ended && self.keeps_missing => return Ok(f64::NAN),
             None => {
                 self.comma_number(text, line.number).ok_or_else(|| self.not_a_number(column, text, line))?
             }
@@ -147,7 +174,7 @@ impl Table {
                 other_line,
             });
         }
-        if value.is_finite() {
+        if value.is_finite() || self.keeps_missing {
             return Ok(value);
         }
         Err(IoError::NotFinite { place: self.cell(column, line), found: shown(field) })
@@ -202,7 +229,13 @@ impl Table {
 
     /// What was read, after the last line.
     pub fn into_columns(self, sha256: String) -> Columns {
-        let Table { headings, columns: values, lines, .. } = self;
-        Columns { headings, values, lines, sample_rate_hz: None, sha256 }
+        let Table { headings, columns: values, texts, lines, .. } = self;
+        let in_order = |texts: HashMap<String, usize>| {
+            let mut texts: Vec<(usize, String)> = texts.into_iter().map(|(text, i)| (i, text)).collect();
+            texts.sort_unstable();
+            texts.into_iter().map(|(_, text)| text).collect()
+        };
+        let texts = texts.into_iter().map(in_order).collect();
+        Columns { headings, values, texts, lines, sample_rate_hz: None, sha256 }
     }
 }

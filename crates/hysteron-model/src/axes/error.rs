@@ -191,7 +191,7 @@ impl AxesError {
             Self::NoInputs => {
                 Some(Advice::ChooseColumn { role: ColumnRole::Inputs, example: Some("u1_V,u2_V".to_owned()) })
             }
-            Self::NotUniform { .. } => Some(Advice::GiveSampleRate),
+            Self::NotUniform { .. } => Some(Advice::Resample),
             _ => None,
         }
     }

@@ -2,6 +2,7 @@
 
 use hysteron_numeric::display::short;
 
+use super::time_base::NO_TIMES;
 use crate::advice::{Advice, ColumnRole};
 
 /// What is wrong with a record, or why a step cannot be done with it. Sample indices count from 0.
@@ -368,7 +369,12 @@ impl RecordError {
                 Some(Advice::ChooseColumn { role: *role, example: Some(first.clone()) })
             }
             Self::SameChannel { .. } => Some(Advice::ChooseColumns),
-            Self::NotUniform { .. } => Some(Advice::GiveSampleRate),
+            Self::NotUniform { found, .. } if *found == NO_TIMES => Some(Advice::GiveSampleRate),
+            Self::NotUniform { .. } => Some(Advice::Resample),
+            Self::NoTimes { .. } => Some(Advice::GiveSampleRate),
+            Self::EmptyCut { .. } | Self::TextCondition { .. } | Self::TooFewTurns { .. } => {
+                Some(Advice::CutOtherwise)
+            }
             _ => None,
         }
     }

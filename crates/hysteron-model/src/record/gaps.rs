@@ -1,5 +1,7 @@
 //! Pauses in a record.
 
+use serde::{Deserialize, Serialize};
+
 use super::TimeBase;
 use super::turning_points::median;
 
@@ -9,7 +11,7 @@ const LONGEST_PERIODS: f64 = 3.0;
 const NEIGHBOURS: usize = 3;
 
 /// A pause between two samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gap {
     /// Index of the last sample before it.
     pub after: usize,

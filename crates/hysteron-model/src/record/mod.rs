@@ -65,7 +65,7 @@ pub use noise_floor::{NoiseFloor, NoiseMethod, noise_floor};
 pub use periods::{Periods, find_periods};
 pub use pieces::{GAP_PERIODS, Piece, even_times};
 pub use plausibility::implausible_units;
-pub use prepare::{ColumnRange, Prepare, Prepared, Step};
+pub use prepare::{ColumnRange, Prepare, Prepared, PreparedSummary, Step};
 #[doc(hidden)]
 pub use resample::low_pass;
 pub use scale::{Scale, ScaleError};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::turning_points::range_of;
-use super::{Record, RecordError, Scale, TimeBase};
+use super::{Gap, Record, RecordError, Scale, TimeBase};
 
 /// What is done to records, in this order: joined to one, scaled, mean and trend removed, resampled. Nothing by default but the
 /// joining. What is cut out of each record before is a [`super::Cut`].
@@ -25,6 +25,29 @@ pub struct Prepare {
 pub struct Prepared {
     /// The record.
     pub record: Record,
+    /// What was done, in order.
+    pub steps: Vec<Step>,
+    /// Gaps between the samples before any resampling.
+    pub gaps: Vec<Gap>,
+}
+
+/// A prepared record in figures.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PreparedSummary {
+    /// Number of samples.
+    pub samples: usize,
+    /// Samples that the mask excludes.
+    pub masked_samples: usize,
+    /// Sample rate \[Hz\]; `None` where the stamps are not uniform, or there are none.
+    pub sample_rate_hz: Option<f64>,
+    /// First time \[s\].
+    pub start_s: Option<f64>,
+    /// Last time \[s\].
+    pub end_s: Option<f64>,
+    /// The columns and their ranges.
+    pub columns: Vec<ColumnRange>,
+    /// Gaps between the samples before any resampling.
+    pub gaps: Vec<Gap>,
     /// What was done, in order.
     pub steps: Vec<Step>,
 }
@@ -93,6 +116,7 @@ impl Prepare {
     /// [`Record::resampled`].
     pub fn run(&self, records: &[Record]) -> Result<Prepared, RecordError> {
         let mut record = Record::joined(records)?;
+        let gaps = record.time.gaps();
         let mut steps = Vec::new();
         if records.len() > 1 {
             steps.push(Step::Joined { records: records.len() });
@@ -112,7 +136,6 @@ impl Prepare {
             steps.push(Step::Detrended { channel: channel.clone(), mean: trend.mean, per_s: trend.per_s });
         }
         if let Some(to_hz) = self.sample_rate_hz {
-            let gaps = record.time.gaps();
             let from_hz = record.sample_rate_hz();
             record = record.resampled(to_hz)?;
             let in_gap = |k: &usize| {
@@ -123,7 +146,24 @@ impl Prepare {
             let samples_in_gaps = if gaps.is_empty() { 0 } else { invalid.filter(in_gap).count() };
             steps.push(Step::Resampled { from_hz, to_hz, gaps: gaps.len(), samples_in_gaps });
         }
-        Ok(Prepared { record, steps })
+        Ok(Prepared { record, steps, gaps })
+    }
+}
+
+impl Prepared {
+    /// The record in figures.
+    pub fn summary(&self) -> PreparedSummary {
+        let extent = self.record.extent_s();
+        PreparedSummary {
+            samples: self.record.len(),
+            masked_samples: self.record.valid.iter().flatten().filter(|valid| !**valid).count(),
+            sample_rate_hz: self.record.sample_rate_hz(),
+            start_s: extent.map(|(start, _)| start),
+            end_s: extent.map(|(_, end)| end),
+            columns: self.record.ranges(),
+            gaps: self.gaps.clone(),
+            steps: self.steps.clone(),
+        }
     }
 }
 
@@ -140,12 +180,7 @@ impl Record {
     pub fn ranges(&self) -> Vec<ColumnRange> {
         let range = |channel: &super::Channel| {
             let (low, high) = range_of(&channel.samples);
-            ColumnRange {
-                name: channel.name.clone(),
-                unit: channel.unit.symbol().to_owned(),
-                low,
-                high,
-            }
+            ColumnRange { name: channel.name.clone(), unit: channel.unit.symbol().to_owned(), low, high }
         };
         self.channels.iter().map(range).collect()
     }
@@ -175,7 +210,9 @@ mod tests {
         assert_eq!(done.record.channels[1].unit.symbol(), "um");
         assert_eq!(done.record.sample_rate_hz(), Some(50.0));
         assert_eq!(done.record.len(), 300);
-        let [joined, scaled, mean, trend, resampled] = done.steps.as_slice() else { panic!("{:?}", done.steps) };
+        let [joined, scaled, mean, trend, resampled] = done.steps.as_slice() else {
+            panic!("{:?}", done.steps)
+        };
         assert_eq!(*joined, Step::Joined { records: 2 });
         assert_eq!(*scaled, Step::Scaled { scale: prepare.scales[0].clone() });
         assert!(matches!(mean, Step::MeanRemoved { mean, .. } if (mean - 9.5).abs() < 1e-12), "{mean:?}");
@@ -183,10 +220,13 @@ mod tests {
         assert!(matches!(trend, Step::Detrended { mean, .. } if (mean - 2.19).abs() < 1e-9), "{trend:?}");
         let expected = Step::Resampled { from_hz: None, to_hz: 50.0, gaps: 1, samples_in_gaps: 100 };
         assert_eq!(*resampled, expected);
-        assert_eq!(done.record.valid.unwrap().iter().filter(|valid| !**valid).count(), 100);
-        let ranges = record("a", 0.0).ranges();
-        assert_eq!((ranges[0].low, ranges[0].high, ranges[1].unit.as_str()), (0.0, 19.0, "V"));
+        assert_eq!((done.summary().masked_samples, done.gaps.len()), (100, 1));
         let nothing = Prepare::default().run(&[record("a", 0.0)]).unwrap();
-        assert_eq!(nothing, Prepared { record: record("a", 0.0), steps: Vec::new() });
+        assert_eq!(nothing, Prepared { record: record("a", 0.0), steps: Vec::new(), gaps: Vec::new() });
+        let summary = nothing.summary();
+        assert_eq!((summary.samples, summary.masked_samples, summary.sample_rate_hz), (200, 0, Some(100.0)));
+        assert_eq!((summary.start_s, summary.end_s), (Some(0.0), Some(1.99)));
+        let [u, y] = summary.columns.as_slice() else { panic!("{summary:?}") };
+        assert_eq!((u.low, u.high, y.unit.as_str()), (0.0, 19.0, "V"));
     }
 }

@@ -11,6 +11,9 @@ pub const UNIFORM_TOLERANCE_SAMPLES: f64 = 0.1;
 /// A sample rate given beside a time column may differ from the column's mean rate by this fraction.
 pub const GIVEN_RATE_TOLERANCE: f64 = 0.005;
 
+/// What a record without time stamps is said to be.
+pub(crate) const NO_TIMES: &str = "it has neither a time column nor a sample rate";
+
 impl TimeBase {
     /// Uniform time base starting at 0 s.
     pub fn uniform(sample_rate_hz: f64) -> Self {
@@ -108,7 +111,7 @@ impl TimeBase {
         match self {
             TimeBase::Uniform { .. } => "it is uniform",
             TimeBase::NonUniform { .. } => "its time stamps are not uniform",
-            TimeBase::Unknown => "it has neither a time column nor a sample rate",
+            TimeBase::Unknown => NO_TIMES,
         }
     }
 }

@@ -1,0 +1,30 @@
+//! Flags that say which part of a record is kept, the same for every command that reads records.
+
+use clap::Args;
+use hysteron_model::record::{Condition, Cut};
+
+use crate::numbers::seconds;
+
+/// Part of a record.
+#[derive(Args, Clone, Debug)]
+pub struct CutFlags {
+    /// First time kept, in seconds or with a unit, e.g. 1.5s or 300ms
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true, help_heading = "Part of the record")]
+    from: Option<f64>,
+
+    /// Last time kept, likewise
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true, help_heading = "Part of the record")]
+    to: Option<f64>,
+
+    /// Value of a column where samples are kept, e.g. segment=2, segment=2..7 (both ends included), segment=2.. or, in a column
+    /// of words, segment=ramp; may be repeated: all must hold
+    #[arg(long = "where", value_name = "COL=VALUE", value_parser = str::parse::<Condition>, help_heading = "Part of the record")]
+    conditions: Vec<Condition>,
+}
+
+impl CutFlags {
+    /// What the flags mean to the library.
+    pub fn cut(&self) -> Cut {
+        Cut { from_s: self.from, to_s: self.to, conditions: self.conditions.clone(), turns: None }
+    }
+}

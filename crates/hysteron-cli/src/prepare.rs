@@ -1,0 +1,215 @@
+//! `hysteron prepare`: records cut, joined, scaled, detrended, resampled, as one new record.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use hysteron_io::{PartRead, ReadOptions, Rename, read_part, write_record};
+use hysteron_model::record::{Cut, Prepare, PreparedSummary, Scale, Step, Turns};
+use hysteron_numeric::display::short;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::columns::{TimeFlags, Unreadable};
+use crate::console;
+use crate::cut::CutFlags;
+use crate::failure::Failure;
+use crate::numbers::hertz;
+use crate::output::{self, OutFile};
+
+/// Cut, join, scale, detrend and resample records into one new record.
+#[derive(Args)]
+#[command(
+    after_help = "The order is fixed: rename; --where, --from, --to, then --turns in what these keep (in every record); join, in the order \
+    given; scale; remove means, then trends; resample. Flags behind --rename name columns by their new names. \
+    All columns are kept, but for one of words that --where asks about.\n\n\
+    Records are joined by their own time stamps, which must increase from record to record.\n\n\
+    --rate filters what the new rate cannot carry. Stamps that are not uniform (segments of different rates) are interpolated within \
+    what was measured: a gap, longer than three of its neighbours' periods, is bridged by a straight line, and what lies in it is \
+    marked 0 in the column valid.\n\n\
+    The file written is a header line t_s,u_V,…,valid and one line a sample, or an NPZ archive of the same columns. Numbers that are missing or not \
+    finite are refused where they are kept.\n\n\
+    Example: hysteron prepare run.csv --from 1.5s --to 20s -o steady.csv\n\
+    Example: hysteron prepare scan.csv --where segment=2..7 --rate 500Hz -o scan_500.csv\n\
+    Example: hysteron prepare run_1.csv run_2.csv --rename ch1=u_V --scale y=2.5um/V --detrend y -o both.npz"
+)]
+pub struct PrepareCommand {
+    /// The records, in the order of time
+    #[arg(value_name = "RECORD", required = true)]
+    records: Vec<PathBuf>,
+
+    /// File to write
+    #[arg(short, long = "out", value_name = "OUT.csv|npz")]
+    out: OutFile,
+
+    /// New name of a column, e.g. ch1=u_V; no number is converted; may be repeated
+    #[arg(long, value_name = "OLD=NEW", value_parser = str::parse::<Rename>)]
+    rename: Vec<Rename>,
+
+    #[command(flatten)]
+    cut: CutFlags,
+
+    /// Turning points of the drive between which samples are kept, counted from 1, e.g. 1:5, 3: or :5
+    #[arg(long, value_name = "FIRST:LAST", value_parser = str::parse::<Turns>, help_heading = "Part of the record")]
+    turns: Option<Turns>,
+
+    /// Drive whose turning points are meant: its name, with or without unit, or its number from 1
+    #[arg(long, value_name = "COL", requires = "turns", help_heading = "Part of the record")]
+    input: Option<String>,
+
+    /// What a column's numbers mean, e.g. y=2.5um/V or u=15V/V; may be repeated
+    #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = str::parse::<Scale>)]
+    scales: Vec<Scale>,
+
+    /// Columns whose mean is removed
+    #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
+    remove_mean: Vec<String>,
+
+    /// Columns whose straight-line trend is removed, the mean with it
+    #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
+    detrend: Vec<String>,
+
+    /// New sample rate, in Hz or with a unit, e.g. 500Hz or 2kHz
+    #[arg(long, value_name = "RATE", value_parser = hertz, allow_hyphen_values = true)]
+    rate: Option<f64>,
+
+    /// Print what was read, done and written as one JSON object
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    time: TimeFlags,
+}
+
+/// A file that was read.
+#[derive(Serialize)]
+struct Read {
+    record: String,
+    file_samples: usize,
+    samples: usize,
+}
+
+/// What was read, done and written, as JSON.
+#[derive(Serialize)]
+struct Written {
+    file: String,
+    records: Vec<Read>,
+    #[serde(flatten)]
+    prepared: PreparedSummary,
+}
+
+impl PrepareCommand {
+    pub fn run(&self) -> Result<(), Failure> {
+        output::check_file("the record", &self.out)?;
+        let options = self.options();
+        let read = |path: &PathBuf| read_part(path, &options).map_err(|e| unreadable(path, e.into()));
+        let parts: Vec<PartRead> = self.records.par_iter().map(read).collect::<Result<_, _>>()?;
+        let read_of = |(path, part): (&PathBuf, &PartRead)| Read {
+            record: path.display().to_string(),
+            file_samples: part.file_samples,
+            samples: part.record.len(),
+        };
+        let read: Vec<Read> = self.records.iter().zip(&parts).map(read_of).collect();
+        let records: Vec<_> = parts.into_iter().map(|part| part.record).collect();
+        let prepared = self.prepare().run(&records).map_err(|e| {
+            let names: Vec<String> = self.records.iter().map(|path| path.display().to_string()).collect();
+            Failure::new(format!("cannot prepare {}", names.join(", "))).because(&e).advised(e.advice())
+        })?;
+        write_record(&self.out, &prepared.record).map_err(|e| {
+            Failure::new(format!("cannot write the record to {}", self.out.display())).because(e)
+        })?;
+        let written =
+            Written { file: self.out.display().to_string(), records: read, prepared: prepared.summary() };
+        if self.json {
+            return console::json(&written);
+        }
+        lines(&written).iter().for_each(|line| console::message(line));
+        Ok(())
+    }
+
+    fn options(&self) -> ReadOptions {
+        let turns = self.turns.clone().map(|turns| Turns { column: self.input.clone(), ..turns });
+        ReadOptions {
+            rename: self.rename.clone(),
+            cut: Cut { turns, ..self.cut.cut() },
+            ..self.time.options()
+        }
+    }
+
+    fn prepare(&self) -> Prepare {
+        Prepare {
+            scales: self.scales.clone(),
+            remove_mean: self.remove_mean.clone(),
+            detrend: self.detrend.clone(),
+            sample_rate_hz: self.rate,
+        }
+    }
+}
+
+fn unreadable(path: &Path, error: Unreadable) -> Failure {
+    error.at(path, "--where COL=TEXT for a column of words")
+}
+
+/// What was done, a line each.
+fn lines(written: &Written) -> Vec<String> {
+    let Written { file, records, prepared } = written;
+    let read = records
+        .iter()
+        .filter(|read| read.samples < read.file_samples)
+        .map(|read| format!("kept {} of {} samples of {}", read.samples, read.file_samples, read.record));
+    let mut lines: Vec<String> = read.chain(prepared.steps.iter().map(step)).collect();
+    let resampled = prepared.steps.iter().any(|step| matches!(step, Step::Resampled { .. }));
+    if !prepared.gaps.is_empty() && !resampled {
+        lines.push(format!("{} (longer than three of their neighbours' periods)", gaps(prepared.gaps.len())));
+    }
+    let time = match (prepared.start_s, prepared.end_s) {
+        (Some(start), Some(end)) => format!(", {} to {} s", short(start), short(end)),
+        _ => ", without time".to_owned(),
+    };
+    let rate = match prepared.sample_rate_hz {
+        Some(rate) => format!(" at {} Hz", short(rate)),
+        None if prepared.start_s.is_some() => ", not uniform".to_owned(),
+        None => String::new(),
+    };
+    let columns: Vec<String> = prepared
+        .columns
+        .iter()
+        .map(|c| {
+            let unit = if c.unit.is_empty() { String::new() } else { format!(" {}", c.unit) };
+            format!("{} {} to {}{unit}", c.name, short(c.low), short(c.high))
+        })
+        .collect();
+    let masked = match prepared.masked_samples {
+        0 => String::new(),
+        masked => format!("; {masked} not valid"),
+    };
+    lines.push(format!(
+        "wrote {} samples to {file}{time}{rate}: {}{masked}",
+        prepared.samples,
+        columns.join(", ")
+    ));
+    lines
+}
+
+fn step(step: &Step) -> String {
+    match step {
+        Step::Joined { records } => format!("joined {records} records"),
+        Step::Scaled { scale } => format!("scaled {scale}"),
+        Step::MeanRemoved { channel, mean } => format!("removed the mean of {channel}, {}", short(*mean)),
+        Step::Detrended { channel, mean, per_s } => {
+            format!("removed the trend of {channel}, mean {}, {} per s", short(*mean), short(*per_s))
+        }
+        Step::Resampled { from_hz, to_hz, gaps: count, samples_in_gaps } => {
+            let from =
+                from_hz.map_or("stamps that are not uniform".to_owned(), |hz| format!("{} Hz", short(hz)));
+            let masked = match count {
+                0 => String::new(),
+                count => format!("; {}, {samples_in_gaps} samples in them marked not valid", gaps(*count)),
+            };
+            format!("resampled from {from} to {} Hz{masked}", short(*to_hz))
+        }
+    }
+}
+
+fn gaps(count: usize) -> String {
+    if count == 1 { "1 gap".to_owned() } else { format!("{count} gaps") }
+}

@@ -1,0 +1,36 @@
+//! Record to file, in the format of its extension.
+
+use std::path::Path;
+
+use hysteron_model::record::{Record, RecordError, TimeBase};
+
+use crate::{IoError, write_csv, write_npz};
+
+/// Writes a record: as NPZ to a file `NAME.npz` ([`write_npz`]), as CSV to any other ([`write_csv`]).
+///
+/// # Errors
+/// Those of [`write_csv`].
+pub fn write_record(path: &Path, record: &Record) -> Result<(), IoError> {
+    let is_npz = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz"));
+    if is_npz { write_npz(path, record) } else { write_csv(path, record) }
+}
+
+/// Headers of a record's columns in a file: time, channels, mask.
+pub(crate) fn headers(record: &Record) -> Vec<String> {
+    let time = (!matches!(record.time, TimeBase::Unknown)).then(|| "t_s".to_owned());
+    let mask = record.valid.is_some().then(|| "valid".to_owned());
+    time.into_iter().chain(record.channels.iter().map(|c| c.header())).chain(mask).collect()
+}
+
+/// A record that reads back: sound, and no channel has the header of time or mask.
+pub(crate) fn check(path: &Path, record: &Record) -> Result<(), IoError> {
+    let failed = |source| IoError::Record { file: path.display().to_string(), source: Box::new(source) };
+    record.check().map_err(failed)?;
+    let headers = headers(record);
+    match headers.iter().enumerate().find(|(i, header)| headers[..*i].contains(header)) {
+        None => Ok(()),
+        Some((_, twice)) => {
+            Err(failed(RecordError::DuplicateChannel { record: record.name.clone(), channel: twice.clone() }))
+        }
+    }
+}
