@@ -56,6 +56,7 @@ fn flag_of(role: ColumnRole) -> &'static str {
         ColumnRole::Condition => "--where",
         ColumnRole::Detrended => "--detrend or --remove-mean",
         ColumnRole::Renamed => "--rename",
+        ColumnRole::LeftOut => "--drop",
     }
 }
 

@@ -19,11 +19,11 @@ use crate::output::{self, OutFile};
 /// Cut, join, scale, detrend and resample records into one new record.
 #[derive(Args)]
 #[command(
-    after_help = "The order is fixed: rename; --where, --from, --to, then --turns in what these keep (in every record); join, in the order \
+    after_help = "The order is fixed: rename, drop; --where, --from, --to, then --turns in what these keep (in every record); join, in the order \
     given; scale; remove means, then trends; resample. Flags behind --rename name columns by their new names. \
-    All columns are kept, but for one of words that --where asks about.\n\n\
+    All other columns are kept, but for one of words that --where asks about.\n\n\
     Records are joined by their own time stamps, which must increase from record to record.\n\n\
-    --rate filters what the new rate cannot carry. Stamps that are not uniform (segments of different rates) are interpolated within \
+    --rate filters what the new rate cannot carry; a column of labels (a segment's number) keeps its value until the next. Stamps that are not uniform (segments of different rates) are interpolated within \
     what was measured: a gap, longer than three of its neighbours' periods, is bridged by a straight line, and what lies in it is \
     marked 0 in the column valid.\n\n\
     The file written is a header line t_s,u_V,…,valid and one line a sample, or an NPZ archive of the same columns. Numbers that are missing or not \
@@ -44,6 +44,10 @@ pub struct PrepareCommand {
     /// New name of a column, e.g. ch1=u_V; no number is converted; may be repeated
     #[arg(long, value_name = "OLD=NEW", value_parser = str::parse::<Rename>)]
     rename: Vec<Rename>,
+
+    /// Columns that are left out, by their new names
+    #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
+    drop: Vec<String>,
 
     #[command(flatten)]
     cut: CutFlags,
@@ -130,6 +134,7 @@ impl PrepareCommand {
         let turns = self.turns.clone().map(|turns| Turns { column: self.input.clone(), ..turns });
         ReadOptions {
             rename: self.rename.clone(),
+            leave_out: self.drop.clone(),
             cut: Cut { turns, ..self.cut.cut() },
             ..self.time.options()
         }
@@ -146,7 +151,7 @@ impl PrepareCommand {
 }
 
 fn unreadable(path: &Path, error: Unreadable) -> Failure {
-    error.at(path, "--where COL=TEXT for a column of words")
+    error.at(path, "--where COL=TEXT for a column of words, --drop COL for one that is not needed")
 }
 
 /// What was done, a line each.

@@ -20,6 +20,8 @@ pub struct ReadOptions {
     /// Sample rate \[Hz\]: needed where there is no time column; where there is one, it must agree with it and
     /// replaces its stamps.
     pub sample_rate_hz: Option<f64>,
+    /// Columns that are not read, by name or number: they may hold anything.
+    pub leave_out: Vec<String>,
     /// New names of columns; whatever else names a column names it by its new name.
     pub rename: Vec<Rename>,
     /// Part of the record that is kept. Outside of it, numbers may be missing or not finite. A condition may ask for a text in a
@@ -42,6 +44,7 @@ impl Default for ReadOptions {
             output: None,
             reference: None,
             sample_rate_hz: None,
+            leave_out: Vec::new(),
             rename: Vec::new(),
             cut: Cut::default(),
             delimiter: None,

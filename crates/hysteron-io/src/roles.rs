@@ -56,11 +56,15 @@ impl Roles {
             let column = column.header.clone();
             return Err(IoError::FrequencyResponse { place: headings.place(), column });
         }
+        let left_out = options.leave_out.iter().map(|name| chosen(headings, Some(name), ColumnRole::LeftOut));
+        let left_out = left_out.collect::<Result<Vec<_>, _>>()?;
         let only_chosen = input.is_some() && output.is_some();
         let conditions = Conditions::new(headings, &options.cut)?;
         let role = |(i, column): (usize, &Heading)| {
             if taken.contains(&Some(i)) {
                 Role::Channel
+            } else if left_out.contains(&Some(i)) {
+                Role::Skipped
             } else if Some(i) == time {
                 Role::Time(match column.unit.base() {
                     (Quantity::Time, factor) => factor,

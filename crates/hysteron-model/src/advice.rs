@@ -83,6 +83,8 @@ pub enum ColumnRole {
     Detrended,
     /// A column to be renamed.
     Renamed,
+    /// A column that is left out.
+    LeftOut,
 }
 
 impl ColumnRole {
@@ -97,6 +99,7 @@ impl ColumnRole {
             Self::Condition => "channel of a condition",
             Self::Detrended => "detrended channel",
             Self::Renamed => "renamed channel",
+            Self::LeftOut => "channel left out",
         }
     }
 }

@@ -76,7 +76,7 @@ pub use hysteron_identify::{
     Watch,
 };
 #[doc(inline)]
-pub use hysteron_io::ReadOptions;
+pub use hysteron_io::{ReadOptions, Rename};
 #[doc(inline)]
 pub use hysteron_model::Start;
 #[doc(inline)]
@@ -90,7 +90,10 @@ pub use hysteron_model::model::{Capability, Remark, Score, Unsupported};
 #[doc(inline)]
 pub use hysteron_model::model_file::Kind;
 #[doc(inline)]
-pub use hysteron_model::record::{Channel, InterSample, Record, Signal, TimeBase, Unit};
+pub use hysteron_model::record::{
+    Admitted, Channel, Condition, Cut, InterSample, Prepare, Prepared, PreparedSummary, Record, Signal,
+    TimeBase, Turns, Unit,
+};
 #[doc(inline)]
 pub use hysteron_model::validate::{OffsetTreatment, Scores, Scoring};
 
@@ -101,6 +104,48 @@ use std::path::Path;
 /// # Errors
 /// [`Error::File`] for the first file that is no readable record; it names file, line and column.
 pub fn read<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Record>, Error> {
-    let options = ReadOptions::default();
-    paths.into_iter().map(|path| Ok(hysteron_io::read_record(path.as_ref(), &options)?)).collect()
+    read_with(paths, &ReadOptions::default())
+}
+
+/// Reads records as the options say: columns chosen, renamed and left out, and of each record the part that is to be kept. What
+/// else is done before a fit is [`Prepare`].
+///
+/// ```
+/// use hysteron::prelude::*;
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("scan.csv");
+/// # let line = |k: u32| format!("{},{},{},{}\n", f64::from(k) / 1000.0, k % 50, k % 50, k / 500);
+/// # let text: String = std::iter::once("t_s,u_V,y_V,segment\n".to_owned()).chain((0..1500).map(line)).collect();
+/// # std::fs::write(&path, &text)?;
+/// let cut = Cut { from_s: Some(0.2), conditions: vec!["segment=0..1".parse()?], ..Cut::default() };
+/// let records = hysteron::read_with([&path], &ReadOptions { cut, ..ReadOptions::default() })?;
+/// let prepare = Prepare {
+///     scales: vec!["y=2.5um/V".parse()?],
+///     sample_rate_hz: Some(500.0),
+///     ..Prepare::default()
+/// };
+/// let prepared = prepare.run(&records)?;
+/// assert_eq!(prepared.record.len(), 400);
+/// # let path = folder.path().join("scan_500.csv");
+/// hysteron::write(&path, &prepared.record)?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with<P: AsRef<Path>>(
+    paths: impl IntoIterator<Item = P>,
+    options: &ReadOptions,
+) -> Result<Vec<Record>, Error> {
+    paths.into_iter().map(|path| Ok(hysteron_io::read_record(path.as_ref(), options)?)).collect()
+}
+
+/// Writes a record, as NPZ to a file `NAME.npz`, as CSV to any other.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn write(path: impl AsRef<Path>, record: &Record) -> Result<(), Error> {
+    Ok(hysteron_io::write_record(path.as_ref(), record)?)
 }

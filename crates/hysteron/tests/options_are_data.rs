@@ -1,7 +1,7 @@
 //! Options are data: as JSON and back they are the same, and what is left out is the default.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
-use hysteron::{Limits, Precision, ReadOptions, Scoring, Target};
+use hysteron::{Cut, Limits, Precision, Prepare, ReadOptions, Rename, Scoring, Target, Turns};
 use hysteron_identify::frequency_response::empirical::EmpiricalOptions;
 use hysteron_identify::online::{FollowMethod, FollowOptions, Term};
 use hysteron_identify::{Options, coupled, modes, oscillator};
@@ -41,6 +41,9 @@ fn options_come_back() {
     defaults::<ChannelChoice>();
     defaults::<EmpiricalOptions>();
     defaults::<ReadOptions>();
+    defaults::<Cut>();
+    defaults::<Turns>();
+    defaults::<Prepare>();
     defaults::<ResponseOptions>();
     comes_back(Prediction::Band { highest_hz: 30.0, noise: 1e-3 });
     comes_back(FollowOptions {
@@ -50,6 +53,21 @@ fn options_come_back() {
         every: None,
         run_length: 1e6,
         reopen: true,
+    });
+    let cut = Cut {
+        from_s: Some(0.1),
+        to_s: None,
+        conditions: ["segment=2..7", "f=..3", "mode=ramp"].map(|text| text.parse().unwrap()).to_vec(),
+        turns: Some("1:5".parse().unwrap()),
+    };
+    comes_back(cut.clone());
+    let rename: Rename = "ch1=u_V".parse().unwrap();
+    comes_back(ReadOptions { rename: vec![rename], cut, ..ReadOptions::default() });
+    comes_back(Prepare {
+        scales: vec!["y=2.5um/V".parse().unwrap()],
+        remove_mean: vec!["u".into()],
+        detrend: vec!["y".into()],
+        sample_rate_hz: Some(500.0),
     });
     comes_back(Target::C { float: Precision::F32 });
     comes_back(Target::Fmu);

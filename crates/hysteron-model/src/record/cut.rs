@@ -172,7 +172,10 @@ impl Cut {
         for Condition { column, .. } in &self.conditions {
             if let Some(values) = values(record, column) {
                 let (low, high) = range_of(&values);
-                ranges.push(format!("`{column}` from {} to {}", short(low), short(high)));
+                let range = format!("`{column}` from {} to {}", short(low), short(high));
+                if !ranges.contains(&range) {
+                    ranges.push(range);
+                }
             }
         }
         Err(RecordError::EmptyCut {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::time_base::check_rate;
-use super::{Gap, InputOutput, Record, RecordError, TimeBase};
+use super::{Channel, ChannelChoice, Gap, InputOutput, Quantity, Record, RecordError, TimeBase};
 
 /// Zero crossings of the interpolating kernel on either side.
 const HALF_WIDTH: f64 = 32.0;
@@ -14,13 +14,18 @@ const KAISER_BETA: f64 = 9.0;
 const PASSBAND: f64 = 0.92;
 /// Stamps closer together than all but this share of them are jitter, not a rate.
 const SHARE_OF_SHORT_PERIODS: f64 = 0.02;
+/// A channel of labels changes in fewer than one of so many steps.
+const LABEL_STEPS: usize = 100;
 /// Most samples of a resampled record, and of the grid between.
 const MAX_SAMPLES: f64 = (1u64 << 29) as f64;
 /// Most samples of the finer grid for each new one.
 const FINEST: f64 = 4096.0;
 
 impl Record {
-    /// The record at another sample rate, over the same time: every channel as [`InputOutput::resampled`].
+    /// The record at another sample rate, over the same time: its channels as [`InputOutput::resampled`]. But a channel of
+    /// labels (the number of a segment, the frequency in it), which a filter would smear, keeps its last value until the next: one
+    /// that changes in at most one of a hundred steps, and is no voltage, length or angle, and not the input or output by the rules of
+    /// [`Record::select`].
     ///
     /// # Errors
     /// As [`InputOutput::resampled`].
@@ -31,11 +36,26 @@ impl Record {
             None => return Ok(self.clone()),
         };
         let mut record = Record { time: new.time, valid: new.valid, ..self.clone() };
-        for (channel, samples) in record.channels.iter_mut().zip(new.columns) {
-            channel.samples = samples;
+        let chosen = self.select(&ChannelChoice::default()).ok();
+        for (index, (channel, samples)) in record.channels.iter_mut().zip(new.columns).enumerate() {
+            let is_signal = chosen.as_ref().is_some_and(|c| [c.input, c.output].contains(&index));
+            channel.samples = if !is_signal && holds_labels(channel) {
+                let last = channel.samples.len().saturating_sub(1);
+                // A place that rounding alone puts before a sample is that sample's.
+                let before = |place: &f64| ((place + 1e-9) as usize).min(last);
+                new.places.iter().map(|place| channel.samples[before(place)]).collect()
+            } else {
+                samples
+            };
         }
         Ok(record)
     }
+}
+
+/// Whether the samples of a channel look like labels and not like a signal.
+fn holds_labels(channel: &Channel) -> bool {
+    let changes = channel.samples.windows(2).filter(|two| two[0] != two[1]).count();
+    channel.unit.base().0 == Quantity::Other && changes * LABEL_STEPS < channel.samples.len()
 }
 
 impl InputOutput {
@@ -91,6 +111,8 @@ impl InputOutput {
 struct Resampled {
     time: TimeBase,
     columns: Vec<Vec<f64>>,
+    /// Places of the new samples, in indices of the old ones.
+    places: Vec<f64>,
     valid: Option<Vec<bool>>,
 }
 
@@ -154,7 +176,7 @@ fn resampled(
         })
         .collect()
     });
-    Ok(Some(Resampled { time: new_time, columns, valid }))
+    Ok(Some(Resampled { time: new_time, columns, places, valid }))
 }
 
 /// Non-uniform samples and the grid that they are to be on.
@@ -325,7 +347,6 @@ fn bessel_i0(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Channel;
     use super::*;
     use std::f64::consts::TAU;
 
@@ -473,6 +494,22 @@ mod tests {
             assert!((new.channels[0].samples[at] - x).abs() < tolerance, "{k}");
         }
         assert_eq!(new.valid.unwrap().iter().filter(|valid| !**valid).count(), 500);
+    }
+
+    #[test]
+    fn labels_are_held_and_a_stepped_drive_is_filtered() {
+        let n = 1000;
+        let step: Vec<f64> = (0..n).map(|k| (k / 500) as f64).collect();
+        let wave = (0..n).map(|k| (0.05 * k as f64).sin()).collect();
+        let channels = vec![
+            Channel::new("u", "", step.clone()),
+            Channel::new("y", "um", wave),
+            Channel::new("segment", "", step),
+        ];
+        let new = Record::new("r", TimeBase::uniform(1000.0), channels).unwrap().resampled(100.0).unwrap();
+        let of = |channel: usize| &new.channels[channel].samples;
+        assert!((0..100).all(|k| of(2)[k] == (k / 50) as f64), "{:?}", of(2));
+        assert!(of(0).iter().any(|u| *u < -0.01), "{:?}", of(0));
     }
 
     #[test]
