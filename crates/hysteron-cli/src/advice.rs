@@ -29,7 +29,7 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::ScaleColumn { column } => format!("--scale {column}=2.5um/V"),
         Advice::GiveSampleRate => "--sample-rate HZ".to_owned(),
         Advice::Resample => {
-            "hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ if only the stamps are badly written"
+            "hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ where there is no time or it is badly written"
                 .to_owned()
         }
         Advice::CutOtherwise => "another --from, --to, --where or --turns".to_owned(),
@@ -37,7 +37,9 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::NameDynamicRecord => "--dynamic FILE".to_owned(),
         Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),
         Advice::FitJointly => "leave --method and --dynamics arx (oe, bj, srivc) out".to_owned(),
-        Advice::NoDynamics => "--dynamics none, or --sample-rate HZ".to_owned(),
+        Advice::NoDynamics => {
+            "--dynamics none, hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ".to_owned()
+        }
         Advice::Widen { parameter } => format!("--bound {parameter}=LOW:HIGH"),
         Advice::Hold { parameter } => format!("--fix {}=VALUE", parameter.as_deref().unwrap_or("NAME")),
         Advice::SearchLonger => "--generations N, or leave --optimizer out".to_owned(),

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use hysteron_io::write_csv;
-use hysteron_model::Start;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
@@ -15,6 +14,7 @@ use hysteron_model::model::InverseSummary;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{Channel, Record, TimeBase, Unit};
+use hysteron_model::{Advice, Start};
 use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
@@ -126,7 +126,7 @@ impl Invert {
         let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
             return Err(failure()
                 .because("the reference has no uniform sample rate, which is to be the controller's")
-                .hint("give the sample rate with --sample-rate HZ, or a time column of even steps"));
+                .advised(Some(Advice::Resample)));
         };
         let range_v = self.range.or(model.body().drive_range()).ok_or_else(|| {
             failure()

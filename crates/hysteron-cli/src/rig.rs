@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use hysteron_io::atomic_file::write_atomically_with;
 use hysteron_io::{JsonFileError, load_json, save_json, write_csv_to};
+use hysteron_model::Advice;
 use hysteron_model::record::{Quantity, TimeBase};
 use hysteron_rig::excitation::Excitation;
 use hysteron_rig::{CampaignPlan, RigRun, Truth, measure, run_campaign};
@@ -102,9 +103,7 @@ impl Rig {
         let failure = || Failure::new(format!("cannot play the drive {}", path.display()));
         let drive = self.columns.read_drive(path)?;
         let TimeBase::Uniform { sample_rate_hz, .. } = drive.time else {
-            return Err(failure()
-                .because("it has no uniform sample rate")
-                .hint("give the sample rate with --sample-rate HZ"));
+            return Err(failure().because("it has no uniform sample rate").advised(Some(Advice::Resample)));
         };
         if !matches!(drive.unit.base().0, Quantity::Voltage) && !drive.unit.symbol().is_empty() {
             return Err(failure().because(format!("its unit is {}, the bench is driven in V", drive.unit)));

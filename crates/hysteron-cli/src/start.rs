@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use clap::Args;
-use hysteron_model::Start;
 use hysteron_model::record::TimeBase;
+use hysteron_model::{Advice, Start};
 
 use crate::failure::Failure;
 use crate::numbers::{number, positive};
@@ -36,7 +36,7 @@ impl StartFlags {
             let TimeBase::Uniform { sample_rate_hz, .. } = time else {
                 return Err(Failure::new(format!("cannot start {} settled", path.display()))
                     .because("the record has no uniform sample rate, so its period has no number of samples")
-                    .hint("give the sample rate with --sample-rate HZ"));
+                    .advised(Some(Advice::Resample)));
             };
             return Ok(Start::settled((period_s * sample_rate_hz).round() as usize));
         }

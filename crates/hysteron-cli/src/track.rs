@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use hysteron_io::write_csv;
+use hysteron_model::Advice;
 use hysteron_model::compensator::CompensatorError;
 use hysteron_model::control::{ControlError, Plant, TuningError, Wanted, slew_of_current};
 use hysteron_model::model::{Capability, SignalRole};
@@ -200,10 +201,7 @@ impl Track {
             self.model.display()
         )));
         let realise = match error {
-            TrackError::NoSampleRate => {
-                return failure
-                    .hint("give the sample rate with --sample-rate HZ, or a time column of even steps");
-            }
+            TrackError::NoSampleRate => return failure.advised(Some(Advice::Resample)),
             TrackError::NoRange => return failure.hint("give the range of the drive, e.g. --range 0:100"),
             TrackError::NothingScored { .. } => {
                 return because(Failure::usage("nothing is left to score"))

@@ -8,6 +8,7 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use hysteron_identify::online::FollowedSummary;
 use hysteron_identify::online::{FollowMethod, FollowOptions, Followed, Term, known_noise};
+use hysteron_model::Advice;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scoring;
@@ -131,7 +132,7 @@ impl Adapt {
         if data.sample_rate_hz().is_none() {
             return Err(Failure::new(format!("cannot follow {}", self.record.display()))
                 .because("it has no uniform sample rate, and a memory is a number of samples")
-                .hint("give the sample rate with --sample-rate HZ"));
+                .advised(Some(Advice::Resample)));
         }
         let signals = data.clone().into();
         let start = old.score(&self.record, &signals, &self.start, &Scoring::default())?.simulation.start;

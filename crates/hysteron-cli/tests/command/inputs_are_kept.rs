@@ -3,7 +3,7 @@
 use crate::bench::{Bench, good_record};
 
 /// Commands that write to IN what they read from it.
-const COMMANDS: [&str; 21] = [
+const COMMANDS: [&str; 23] = [
     "identify IN -o IN",
     "identify IN -o new.json --report IN",
     "identify --static IN --dynamic run.csv -o IN",
@@ -11,6 +11,8 @@ const COMMANDS: [&str; 21] = [
     "compare IN -o IN",
     "compare IN --report IN",
     "inspect IN --plot IN",
+    "prepare IN -o IN",
+    "prepare run.csv IN -o IN",
     "recalibrate model.json IN -o IN",
     "recalibrate IN run.csv -o IN",
     "adapt model.json IN -o IN",

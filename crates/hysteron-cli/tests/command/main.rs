@@ -23,6 +23,7 @@ mod models_are_realised;
 mod optimizers_are_compared;
 mod oscillators_are_identified;
 mod outputs_are_checked_first;
+mod prepare_makes_a_record;
 mod public_records_are_explained;
 mod recalibrate_finds_gain_and_delay;
 mod results_are_unchanged;
