@@ -6,10 +6,10 @@ use hysteron_identify::{PredictionBand, PredictionError};
 use hysteron_io::{ModelDiskError, load_model_and_source, save_model};
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
-    Capability, Hammerstein, RunError, Score, SignalRole, Signals, Simulation, Unsupported,
+    Capability, Hammerstein, RunError, RunScore, Score, SignalRole, Signals, Simulation, Unsupported,
 };
 use hysteron_model::oscillator::OscillatorError;
-use hysteron_model::record::{InputOutput, Quantity, Source, Timing, Unit};
+use hysteron_model::record::{InputOutput, Quantity, Run, Source, Timing, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Advice, Model, Start, hammerstein};
 
@@ -152,6 +152,22 @@ impl Loaded {
     ) -> Result<Score, Failure> {
         let score = self.model.score(signals, start, scoring).map_err(|e| self.cannot_run(path, e))?;
         remarks::tell(path, &self.model, &score.simulation.remarks);
+        Ok(score)
+    }
+
+    /// Scores of the model on a run of several records, of which the one at `path` is the first.
+    ///
+    /// # Errors
+    /// As [`Self::score`].
+    pub fn score_run(
+        &self,
+        path: &Path,
+        run: &Run,
+        start: Start,
+        scoring: &Scoring,
+    ) -> Result<RunScore, Failure> {
+        let score = self.model.score_run(run, start, scoring).map_err(|e| self.cannot_run(path, e))?;
+        remarks::tell(path, &self.model, &score.whole.simulation.remarks);
         Ok(score)
     }
 

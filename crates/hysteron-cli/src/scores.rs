@@ -167,6 +167,19 @@ fn axes_table(records: &[Score]) -> Table {
     table
 }
 
+/// The score of a run from the start that the model file assumes, beside that of its table.
+pub fn without_estimated_start(score: &Score) -> String {
+    let unit = score.unit.to_string();
+    format!(
+        "{}: from the start that the model file assumes, without the memory estimated from the first record: {} {}, {} {}.\n",
+        score.record,
+        console::in_unit("RMSE", &unit),
+        significant(score.rmse, 4),
+        console::in_unit("max error", &unit),
+        significant(score.max_abs_error, 4),
+    )
+}
+
 /// What the scores of several outputs mean.
 pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation − offset over all outputs, the offset of each sensor estimated unless \
     --fixed-offset is given; of mean period: the same of the mean over the record's periods, in which noise counts less; level: rms \

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::PredictionError;
-use hysteron_model::model::{Capability, Score, Signals};
-use hysteron_model::record::InputOutput;
+use hysteron_model::model::{Capability, RunScore, Score, Signals};
+use hysteron_model::record::{InputOutput, Run};
 use hysteron_model::validate::{OffsetTreatment, Scoring};
 use hysteron_report::validation::page;
 use serde::Serialize;
@@ -47,6 +47,10 @@ pub struct Validate {
     #[arg(long)]
     fixed_offset: bool,
 
+    /// The records are consecutive parts of one run on one clock: simulated at one go from the start of the first, with one offset
+    #[arg(long, conflicts_with = "band")]
+    continued: bool,
+
     /// Say how many samples lie within the 95 % band of a new measurement, from the errors in the model file
     #[arg(long)]
     band: bool,
@@ -69,12 +73,21 @@ struct Report {
     records: Vec<Score>,
 }
 
+/// Scores of several runs, as JSON.
+#[derive(Serialize)]
+struct Runs<'a> {
+    runs: &'a [RunScore],
+}
+
 impl Validate {
     pub fn run(&self) -> Result<(), Failure> {
         self.result.check()?;
         let loaded = Loaded::read(&self.model)?;
         if self.band {
             loaded.hammerstein(Capability::Bands)?;
+        }
+        if self.continued {
+            return self.run_continued(&loaded);
         }
         let records = self.records.iter().map(|path| self.score(&loaded, path));
         let records = records.collect::<Result<Vec<_>, Failure>>()?;
@@ -87,11 +100,50 @@ impl Validate {
         }
     }
 
+    /// Scores of the records as parts of runs.
+    fn run_continued(&self, loaded: &Loaded) -> Result<(), Failure> {
+        let mut records = Vec::new();
+        for path in &self.records {
+            match loaded.read_record(path, &self.columns, &self.axes)? {
+                Signals::Single(record) => records.push(record),
+                Signals::Several(_) => {
+                    return Err(Failure::usage("--continued takes models of one input and one output"));
+                }
+            }
+        }
+        let runs = Run::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
+        let path = &self.records[0];
+        let scores = runs.iter().map(|run| {
+            let start = self.start.start(path, &run.data.time)?;
+            loaded.score_run(path, run, start, &self.scoring())
+        });
+        let scores = scores.collect::<Result<Vec<RunScore>, Failure>>()?;
+        let pairs =
+            runs.iter().zip(&scores).map(|(run, s)| (Signals::Single(run.data.clone()), s.whole.clone()));
+        self.result.write(|| page(loaded.model(), &pairs.collect::<Vec<_>>(), &maker()))?;
+        if self.result.json {
+            return match scores.as_slice() {
+                [only] => console::json(only),
+                several => console::json(&Runs { runs: several }),
+            };
+        }
+        let shown: Vec<Score> =
+            scores.iter().flat_map(|s| s.records.iter().chain([&s.whole]).cloned()).collect();
+        let mut text = self.text(&shown);
+        for without in scores.iter().filter_map(|s| s.whole_without_estimated_start.as_ref()) {
+            text += &scores::without_estimated_start(without);
+        }
+        console::result(&text)
+    }
+
+    fn scoring(&self) -> Scoring {
+        let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
+        Scoring { skip_s: self.skip, offset }
+    }
+
     fn score(&self, loaded: &Loaded, path: &Path) -> Result<(Signals, Score), Failure> {
         let signals = loaded.read_record(path, &self.columns, &self.axes)?;
-        let offset = if self.fixed_offset { OffsetTreatment::Fixed } else { OffsetTreatment::Estimated };
-        let scoring = Scoring { skip_s: self.skip, offset };
-        let score = loaded.score(path, &signals, &self.start, &scoring)?;
+        let score = loaded.score(path, &signals, &self.start, &self.scoring())?;
         let score = match &signals {
             Signals::Single(record) if self.band => self.with_band(loaded, path, record, score)?,
             _ => score,

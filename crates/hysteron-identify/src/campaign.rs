@@ -2,6 +2,7 @@
 
 use super::options::{CampaignRecord, DynamicsChoice, Options, RecordRole};
 use super::{IdentifyError, RecordFacts};
+use hysteron_model::record::Run;
 use rayon::prelude::*;
 
 /// Fewest valid samples of a usable record.
@@ -41,6 +42,24 @@ pub(super) fn usable(campaign: &[CampaignRecord]) -> Result<Vec<RecordFacts>, Id
         .collect();
     // The first error in the order of the records, whatever the threads.
     facts.into_iter().collect()
+}
+
+/// The records as runs.
+pub(super) fn runs(records: &[CampaignRecord]) -> Result<Vec<Run>, IdentifyError> {
+    let data: Vec<_> = records.iter().map(|record| record.data.clone()).collect();
+    Ok(Run::of(&data)?)
+}
+
+/// The runs as records; each has the role of its first part.
+pub(super) fn of_runs(records: &[CampaignRecord], runs: &[Run]) -> Vec<CampaignRecord> {
+    let mut first = 0;
+    runs.iter()
+        .map(|run| {
+            let role = records.get(first).and_then(|record| record.role);
+            first += run.parts.len();
+            CampaignRecord { data: run.data.clone(), role }
+        })
+        .collect()
 }
 
 /// Roles as given, else recognised: the slowest kind of excitation is quasi-static unless it is broad, the rest is dynamic.

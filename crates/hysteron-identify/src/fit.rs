@@ -14,7 +14,8 @@ use crate::modes::{self, ModesFitError, ModesIdentification};
 use crate::oscillator::{self, OscillatorFitError};
 use crate::structure::{Neighbours, StructureError, neighbours};
 use crate::{
-    CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, Searches, Watch, identify,
+    CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, RecordFit, Searches, Watch,
+    identify,
 };
 
 /// A kind of model and what is asked of its identification.
@@ -233,6 +234,14 @@ impl Fit {
         }
     }
 
+    /// Each run as a whole, where records continue one another.
+    pub fn runs(&self) -> &[RecordFit] {
+        match &self.found {
+            Found::Hammerstein(found) => &found.runs,
+            _ => &[],
+        }
+    }
+
     /// The structures next to the identified one, fitted to the same records; `None` for a kind that has no others.
     pub fn neighbours(
         &self,
@@ -316,7 +325,7 @@ fn hammerstein(found: Identification, options: &Options, maker: &Maker) -> Resul
     Ok(Fit {
         parameters: parameters.collect(),
         model: Model::try_from(file)?,
-        scores: found.records.iter().map(crate::RecordFit::score).collect(),
+        scores: found.records.iter().map(RecordFit::score).collect(),
         findings: found.findings.clone(),
         treatment: found.treatment.clone(),
         interrupted: found.cancelled,
@@ -455,6 +464,11 @@ impl Serialize for Fit {
             Found::Branches(_) => told = told.with("structure", "hammerstein"),
         }
         told = told.with("records", &self.scores);
+        told = match self.runs() {
+            [] => told,
+            [run] => told.with("whole", run.score()),
+            runs => told.with("whole", runs.iter().map(RecordFit::score).collect::<Vec<_>>()),
+        };
         told = match &self.found {
             Found::Modes(found) => told.with("parameters", found.parameters),
             _ => told.with("parameters", &self.parameters),

@@ -84,6 +84,24 @@ pub fn identify(
     watch: &Watch<'_>,
     resume: Option<Searches>,
 ) -> Result<Identification, IdentifyError> {
+    if !options.continued {
+        return identify_records(records, options, watch, resume);
+    }
+    let runs = campaign::runs(records)?;
+    let mut found = identify_records(&campaign::of_runs(records, &runs), options, watch, resume)?;
+    let parts = found.records.iter().zip(&runs).map(|(fit, run)| fit.in_parts(run));
+    let parts = parts.collect::<Result<Vec<_>, _>>()?.concat();
+    found.runs = std::mem::replace(&mut found.records, parts);
+    Ok(found)
+}
+
+/// [`identify`] from records that do not continue one another.
+fn identify_records(
+    records: &[CampaignRecord],
+    options: &Options,
+    watch: &Watch<'_>,
+    resume: Option<Searches>,
+) -> Result<Identification, IdentifyError> {
     options.validate()?;
     let facts = campaign::usable(records)?;
     let roles = campaign::roles(records, &facts);

@@ -230,6 +230,9 @@ pub struct Options {
     /// Creep factor of a joint fit. With [`DynamicsChoice::Auto`] and [`Creep::None`] it gets a fractional one where the
     /// records ask for it.
     pub creep: Creep,
+    /// The records are consecutive parts of one run on one clock: memory, creep and offset carry over. One that begins before the
+    /// one before it ends starts another run.
+    pub continued: bool,
     /// What happened before each record of a joint fit.
     pub initial: Initial,
     /// A joint fit allows for a linear drift of each record's output.
@@ -271,6 +274,7 @@ impl Default for Options {
             dynamics: DynamicsChoice::Auto,
             order: 2,
             creep: Creep::None,
+            continued: false,
             initial: Initial::Auto,
             drift: false,
             algorithm: None,

@@ -10,8 +10,8 @@ use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model::{Score, Simulation};
 use hysteron_model::model_file::{HysteresisKind, ModelFile, typographic};
-use hysteron_model::record::{InputOutput, Unit};
-use hysteron_model::validate::Scores;
+use hysteron_model::record::{InputOutput, Run, RunPart, Unit};
+use hysteron_model::validate::{OffsetTreatment, ScoreError, Scores, Scoring, score};
 use hysteron_optimize::Bounds;
 
 /// An identified model and everything a report needs about it.
@@ -31,6 +31,8 @@ pub struct Identification {
     pub bounds: Vec<Bounds>,
     /// Fit of every record.
     pub records: Vec<RecordFit>,
+    /// Each run as a whole where records continue one another; `records` are then its parts.
+    pub runs: Vec<RecordFit>,
     /// How the structure was chosen.
     pub structure: StructureChoice,
     /// Covariance of the parameters of a joint fit, in the article's symbols; `None` where the records do not determine
@@ -160,6 +162,24 @@ pub struct RecordFit {
 }
 
 impl RecordFit {
+    /// The fit of a run as those of its parts, with the offset of the run.
+    pub(super) fn in_parts(&self, run: &Run) -> Result<Vec<Self>, ScoreError> {
+        let fixed = Scoring { offset: OffsetTreatment::Fixed, ..Scoring::default() };
+        let part = |(index, part): (usize, &RunPart)| {
+            let simulated: Vec<f64> =
+                self.simulated[part.samples.clone()].iter().map(|y| y + self.scores.offset).collect();
+            Ok(Self {
+                role: self.role,
+                start: if index == 0 { self.start } else { Start::AsIdentified },
+                scores: score(&part.data, &simulated, &fixed)?,
+                band: self.band.as_ref().map(|band| band.part(part.samples.clone())),
+                data: part.data.clone(),
+                simulated,
+            })
+        };
+        run.parts.iter().enumerate().map(part).collect()
+    }
+
     /// The scores with what they are of; simulated from the start that was fitted.
     pub fn score(&self) -> Score {
         let simulation = Simulation::of_single(self.simulated.clone(), self.start, self.data.u_unit.clone());

@@ -119,6 +119,7 @@ pub(super) fn identify(
         searches,
         bounds,
         records: fits,
+        runs: Vec::new(),
         structure,
         covariance: None,
         of_numbers,

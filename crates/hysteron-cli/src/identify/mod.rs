@@ -125,6 +125,11 @@ pub struct Identify {
     #[arg(long, value_parser = one_of(Initial::ALL, Initial::name, Initial::summary), default_value = "auto")]
     initial: Initial,
 
+    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry over; the drive goes
+    /// along a straight line through the pauses. A record that begins before the one before it ends starts another run
+    #[arg(long)]
+    continued: bool,
+
     /// Allow for a linear drift of each record's output (joint)
     #[arg(long)]
     drift: bool,

@@ -20,6 +20,7 @@ impl Identify {
             order: self.order,
             creep: self.creep()?,
             initial: self.initial,
+            continued: self.continued,
             drift: self.drift,
             dynamics: self.dynamics.unwrap_or(DynamicsChoice::Auto),
             algorithm: self.algorithm(),

@@ -73,6 +73,7 @@ impl Identify {
             ("--method", self.method != Method::Joint),
             ("--order", self.order != 2),
             ("--creep", self.creep.is_some() || self.creep_elements.is_some()),
+            ("--continued", self.continued),
             ("--drift", self.drift),
             ("--optimizer", self.optimizer != OptimizerArg::Auto),
             ("--generations", self.generations.is_some()),

@@ -1,6 +1,6 @@
 //! What `hysteron identify` prints.
 
-use hysteron_identify::{Fit, FitParameter, Interval, IntervalMethod, Place};
+use hysteron_identify::{Fit, FitParameter, Interval, IntervalMethod, Place, RecordFit};
 use hysteron_model::Model;
 use hysteron_model::axes::InfluenceMatrix;
 use hysteron_model::model_file::typographic;
@@ -32,7 +32,8 @@ pub fn text(fit: &Fit) -> String {
             text += &format!("influence at {size} {unit} rms\n{}\n\n", influence(&level.matrix, &fit.model));
         }
     }
-    text += &format!("{}\n\n", scores::table(&fit.scores));
+    let whole = fit.runs().iter().map(RecordFit::score);
+    text += &format!("{}\n\n", scores::table(&fit.scores.iter().cloned().chain(whole).collect::<Vec<_>>()));
     for finding in &fit.findings {
         text += &format!("{}: {}\n", finding.kind.name(), advice::text(finding));
     }

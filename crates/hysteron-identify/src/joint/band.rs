@@ -35,6 +35,11 @@ pub struct PredictionBand {
 }
 
 impl PredictionBand {
+    /// The band of a part of the record.
+    pub(crate) fn part(&self, samples: Range<usize>) -> Self {
+        Self { std_dev: self.std_dev.get(samples).unwrap_or_default().to_vec(), noise: self.noise }
+    }
+
     /// Half the width of the band that holds the model's true output with 95 % at each sample \[output unit\].
     pub fn of_output(&self) -> Vec<f64> {
         self.std_dev.iter().map(|sd| NORMAL_975 * sd).collect()

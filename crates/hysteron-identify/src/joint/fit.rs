@@ -182,6 +182,7 @@ pub(in super::super) fn identify(
         bounds: vec![problem.bounds().clone()],
         searches: vec![search],
         records: fits,
+        runs: Vec::new(),
         structure,
         covariance,
         of_numbers,

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use super::super::Identification;
-use super::super::campaign::usable;
+use super::super::campaign::{of_runs, runs, usable};
 use super::super::engine::Engine;
 use super::super::joint::JointMember;
 use super::super::options::{CampaignRecord, Choice, DynamicsChoice, Options};
@@ -60,7 +60,8 @@ pub fn neighbours(
     found: &Identification,
     watch: &Watch<'_>,
 ) -> Result<Neighbours, StructureError> {
-    let facts = usable(campaign)?;
+    let runs = if options.continued { Some(of_runs(campaign, &runs(campaign)?)) } else { None };
+    let facts = usable(runs.as_deref().unwrap_or(campaign))?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     folds::plan(&facts, &contents)?;
     let options = &Options { algorithm: None, start: Some(found.model.clone()), ..options.clone() };

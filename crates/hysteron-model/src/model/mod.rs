@@ -18,7 +18,7 @@ pub use error::{RunError, SignalRole};
 pub use inverse_summary::InverseSummary;
 pub use remark::Remark;
 pub use run::Simulation;
-pub use score::{AxesScore, BandScore, Score};
+pub use score::{AxesScore, BandScore, RunScore, Score};
 pub use signals::Signals;
 
 use crate::axes::{CoupledHammerstein, ScheduledModes};

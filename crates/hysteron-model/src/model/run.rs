@@ -1,14 +1,14 @@
 //! Simulation and scores of any kind of model.
 
-use super::{AxesScore, Body, Model, Remark, RunError, Score, SignalRole, Signals};
+use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals};
 use crate::axes::{AxesRecord, AxesScores, SteadyPeriod};
 use crate::dynamics::Dynamics;
 use crate::hammerstein;
 use crate::model_file::{ModelFile, OscillatorFile};
 use crate::oscillator::Oscillator;
-use crate::record::{InputOutput, InterSample, TimeBase, Unit, find_periods, range_of};
+use crate::record::{InputOutput, InterSample, Run, RunPart, TimeBase, Unit, find_periods, range_of};
 use crate::start::Start;
-use crate::validate::{Scores, Scoring, StartError, choose_start, score, unfollowed_start};
+use crate::validate::{OffsetTreatment, Scores, Scoring, StartError, choose_start, score, unfollowed_start};
 
 /// Excess over the valid range, as a share of it, that is not worth a remark.
 const RANGE_SLACK: f64 = 0.01;
@@ -101,6 +101,42 @@ impl Model {
         };
         let unit = agreed_unit(SignalRole::Output, &self.units().output, &record.y_unit, &mut Vec::new())?;
         Ok(Score::of_single(record, unit, scores, simulation))
+    }
+
+    /// Scores of the model on a run of several records. [`Start::AsIdentified`]: from the start that explains the first record best,
+    /// as [`Self::score`] finds it; the later ones do not help.
+    ///
+    /// # Errors
+    /// As [`Self::score`]; models of several inputs and outputs take no runs.
+    pub fn score_run(&self, run: &Run, start: Start, scoring: &Scoring) -> Result<RunScore, RunError> {
+        let first = run.parts.first().map_or(&run.data, |part| &part.data);
+        let chosen = match start {
+            Start::AsIdentified => {
+                self.score(&Signals::Single(first.clone()), start, scoring)?.simulation.start
+            }
+            given => given,
+        };
+        let signals = Signals::Single(run.data.clone());
+        let whole = self.score(&signals, chosen, scoring)?;
+        let expected = self.expected_start(first, &mut Vec::new());
+        let without = if start == Start::AsIdentified && expected != chosen {
+            Some(self.score(&signals, expected, scoring)?)
+        } else {
+            None
+        };
+        let simulated = whole.simulation.outputs.first().map_or(&[][..], Vec::as_slice);
+        let offset = whole.outputs.first().map_or(0.0, |scores| scores.offset);
+        let fixed = Scoring { skip_s: None, offset: OffsetTreatment::Fixed };
+        let part = |(index, part): (usize, &RunPart)| {
+            let own: Vec<f64> = simulated[part.samples.clone()].iter().map(|y| y + offset).collect();
+            let scoring = if index == 0 { Scoring { skip_s: scoring.skip_s, ..fixed } } else { fixed };
+            let scores = score(&part.data, &own, &scoring)?;
+            let start = if index == 0 { chosen } else { Start::AsIdentified };
+            let simulation = Simulation::of_single(own, start, whole.simulation.input_unit.clone());
+            Ok(Score::of_single(&part.data, whole.unit.clone(), scores, simulation))
+        };
+        let records = run.parts.iter().enumerate().map(part).collect::<Result<_, RunError>>()?;
+        Ok(RunScore { records, whole, whole_without_estimated_start: without })
     }
 
     /// The start that the model file assumes for a record; what is remarkable about it goes to `remarks`.

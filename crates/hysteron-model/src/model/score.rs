@@ -1,6 +1,7 @@
 //! How well a model describes a record, as numbers and as data whose keys name the units.
 
-use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 
 use super::Simulation;
 use crate::record::{InputOutput, Unit, key_in};
@@ -33,6 +34,18 @@ pub struct Score {
     pub band: Option<BandScore>,
     /// The simulation that was scored.
     pub simulation: Simulation,
+}
+
+/// How well a model describes a run of several records, simulated at one go from the start of the first, with one offset.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunScore {
+    /// Each part of the run, with the offset of the whole.
+    pub records: Vec<Score>,
+    /// The whole run.
+    pub whole: Score,
+    /// The whole run from the start that the model file assumes, without the memory that the first record tells of; `None` where
+    /// that is the same.
+    pub whole_without_estimated_start: Option<Score>,
 }
 
 /// Scores that only a record of several axes has.

@@ -31,6 +31,7 @@ mod pieces;
 mod plausibility;
 mod prepare;
 mod resample;
+mod runs;
 mod scale;
 mod selection;
 mod sensor;
@@ -68,6 +69,7 @@ pub use plausibility::implausible_units;
 pub use prepare::{ColumnRange, Prepare, Prepared, PreparedSummary, Step};
 #[doc(hidden)]
 pub use resample::low_pass;
+pub use runs::{Run, RunPart, follow_each_other};
 pub use scale::{Scale, ScaleError};
 pub use selection::{ChannelChoice, Selection, Signal};
 pub use sensor::{Clipping, clipping, quantisation_step};
