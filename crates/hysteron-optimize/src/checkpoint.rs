@@ -6,7 +6,7 @@ use super::de::Members;
 use super::least_squares::MultiStart;
 use super::ledger::Ledger;
 use super::pso::Swarm;
-use super::{Algorithm, Bounds, ResumeError, Settings, StopReason};
+use super::{Algorithm, Bounds, OptimizeError, Settings, StopReason};
 use serde::{Deserialize, Serialize};
 
 const FORMAT: &str = "hysteron-optimizer-checkpoint";
@@ -104,9 +104,9 @@ impl Checkpoint {
         bounds: &Bounds,
         algorithm: &Algorithm,
         settings: &Settings,
-    ) -> Result<(), ResumeError> {
+    ) -> Result<(), OptimizeError> {
         if self.format != FORMAT || self.version != VERSION {
-            return Err(ResumeError::Format {
+            return Err(OptimizeError::CheckpointFormat {
                 format: self.format.clone(),
                 version: self.version,
                 expected: FORMAT,
@@ -114,7 +114,10 @@ impl Checkpoint {
             });
         }
         if self.problem != problem {
-            return Err(ResumeError::Problem { found: self.problem.clone(), expected: problem.to_owned() });
+            return Err(OptimizeError::CheckpointProblem {
+                found: self.problem.clone(),
+                expected: problem.to_owned(),
+            });
         }
         if &self.bounds != bounds {
             let mut pairs = self.bounds.ranges.iter().zip(&bounds.ranges);
@@ -122,10 +125,10 @@ impl Checkpoint {
                 Some((_, range)) => range.name.clone(),
                 None => "the number of parameters".to_owned(),
             };
-            return Err(ResumeError::Bounds { parameter });
+            return Err(OptimizeError::CheckpointBounds { parameter });
         }
         if &self.algorithm != algorithm {
-            return Err(ResumeError::Algorithm {
+            return Err(OptimizeError::CheckpointAlgorithm {
                 found: format!("{:?}", self.algorithm),
                 expected: format!("{algorithm:?}"),
             });
@@ -140,24 +143,26 @@ impl Checkpoint {
             ("list of starts", format!("{:?}", there.starts), format!("{:?}", here.starts)),
         ];
         match differing.into_iter().find(|(_, found, expected)| found != expected) {
-            Some((setting, found, expected)) => Err(ResumeError::Settings { setting, found, expected }),
+            Some((setting, found, expected)) => {
+                Err(OptimizeError::CheckpointSettings { setting, found, expected })
+            }
             None => self.check_consistent(),
         }
     }
 
     /// Refuses a best point whose cost is `now` where the checkpoint has another.
-    pub(super) fn check_cost(&self, now: f64) -> Result<(), ResumeError> {
+    pub(super) fn check_cost(&self, now: f64) -> Result<(), OptimizeError> {
         let stored = self.ledger.best_cost;
         let same = if stored.is_finite() { (now - stored).abs() <= SAME_COST * stored.abs() } else { true };
-        if same { Ok(()) } else { Err(ResumeError::Cost { stored, now }) }
+        if same { Ok(()) } else { Err(OptimizeError::CheckpointCost { stored, now }) }
     }
 
     /// Refuses a state no run can be in: a damaged file must not make a run panic.
-    fn check_consistent(&self) -> Result<(), ResumeError> {
+    fn check_consistent(&self) -> Result<(), OptimizeError> {
         let dimension = self.bounds.dimension();
         let best = &self.ledger.best;
         if best.len() != dimension || !best.iter().all(|t| (0.0..=1.0).contains(t)) {
-            return Err(ResumeError::Damaged { what: "its best point is not in the search box" });
+            return Err(OptimizeError::CheckpointDamaged { what: "its best point is not in the search box" });
         }
         let consistent = match (&self.algorithm, &self.state) {
             (_, State::NotStarted) => self.ledger.evaluations == 0,
@@ -182,7 +187,9 @@ impl Checkpoint {
         if consistent {
             Ok(())
         } else {
-            Err(ResumeError::Damaged { what: "its population does not fit its options or its search box" })
+            Err(OptimizeError::CheckpointDamaged {
+                what: "its population does not fit its options or its search box",
+            })
         }
     }
 }

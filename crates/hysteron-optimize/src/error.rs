@@ -73,20 +73,11 @@ pub enum OptimizeError {
         /// The point.
         x: Vec<f64>,
     },
-    /// The checkpoint does not belong to this run.
-    #[error("cannot resume: {0}")]
-    Resume(#[from] ResumeError),
-}
-
-/// Why a checkpoint was refused.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum ResumeError {
     /// Not a checkpoint of this version.
     #[error(
         "the checkpoint is of format \"{format}\" version {version}, this program reads \"{expected}\" version {expected_version}"
     )]
-    Format {
+    CheckpointFormat {
         /// Format found.
         format: String,
         /// Version found.
@@ -96,33 +87,33 @@ pub enum ResumeError {
         /// Version read.
         expected_version: u32,
     },
-    /// Another problem.
+    /// A checkpoint of another problem.
     #[error("the checkpoint is of the problem \"{found}\", not of \"{expected}\"")]
-    Problem {
+    CheckpointProblem {
         /// Identity in the checkpoint.
         found: String,
         /// Identity of the problem given.
         expected: String,
     },
-    /// Another search box.
+    /// A checkpoint with another search box.
     #[error("the checkpoint's search box differs in {parameter}: resume with the bounds it was started with")]
-    Bounds {
+    CheckpointBounds {
         /// First parameter that differs.
         parameter: String,
     },
-    /// Another algorithm or other options of it.
+    /// A checkpoint of another algorithm or other options of it.
     #[error(
         "the checkpoint is of {found}, asked for is {expected}: resume with the algorithm and options it was started with"
     )]
-    Algorithm {
+    CheckpointAlgorithm {
         /// Algorithm and options in the checkpoint.
         found: String,
         /// Algorithm and options given.
         expected: String,
     },
-    /// Other settings.
+    /// A checkpoint with other settings.
     #[error("the checkpoint was made with another {setting}: {found} there, {expected} here")]
-    Settings {
+    CheckpointSettings {
         /// Which setting.
         setting: &'static str,
         /// Value in the checkpoint.
@@ -134,16 +125,32 @@ pub enum ResumeError {
     #[error(
         "the cost at the checkpoint's best point is {now} here and {stored} there: it was made with other data"
     )]
-    Cost {
+    CheckpointCost {
         /// Cost in the checkpoint.
         stored: f64,
         /// Cost of this problem at the same point.
         now: f64,
     },
-    /// The state contradicts itself: the file was damaged or edited.
+    /// The state of a checkpoint contradicts itself: the file was damaged or edited.
     #[error("the checkpoint is damaged: {what}")]
-    Damaged {
+    CheckpointDamaged {
         /// What is wrong.
         what: &'static str,
     },
+}
+
+impl OptimizeError {
+    /// Whether what was to be resumed from was refused.
+    pub fn is_of_checkpoint(&self) -> bool {
+        matches!(
+            self,
+            Self::CheckpointFormat { .. }
+                | Self::CheckpointProblem { .. }
+                | Self::CheckpointBounds { .. }
+                | Self::CheckpointAlgorithm { .. }
+                | Self::CheckpointSettings { .. }
+                | Self::CheckpointCost { .. }
+                | Self::CheckpointDamaged { .. }
+        )
+    }
 }

@@ -23,7 +23,7 @@
 //! - Every evaluation is counted, those of finite differences and of the scout too.
 //! - A candidate whose cost is not finite has cost +∞ and never wins.
 //! - A [`Checkpoint`] is the whole state of a run, serialisable; resumed, the run ends with the same bits as one that
-//!   was never interrupted. A checkpoint of another problem or other options is refused ([`ResumeError`]).
+//!   was never interrupted. A checkpoint of another problem or other options is refused ([`OptimizeError`]).
 //!
 //! ```
 //! use hysteron_optimize::{Algorithm, Bounds, DeAbcOptions, Problem, Range, Settings, Unobserved, minimize_cost};
@@ -79,7 +79,7 @@ pub use checkpoint::Checkpoint;
 pub use cma_es::CmaEsOptions;
 pub use de::DeOptions;
 pub use de_abc::{Chaos, DeAbcOptions, Moved, Scout, ScoutKeeps};
-pub use error::{OptimizeError, ResumeError};
+pub use error::OptimizeError;
 pub use hysteron_numeric::root_mean_square;
 pub use jacobian::{Differences, residual_jacobian};
 pub use least_squares::{LeastSquaresOptions, LocalStatus, StartResult};

@@ -4,7 +4,7 @@ use hysteron_identify::coupled::CoupledFitError;
 use hysteron_identify::modes::ModesFitError;
 use hysteron_identify::oscillator::OscillatorFitError;
 use hysteron_identify::{FitError, IdentifyError};
-use hysteron_optimize::{OptimizeError, ResumeError};
+use hysteron_optimize::OptimizeError;
 
 use crate::failure::Failure;
 
@@ -33,10 +33,10 @@ fn failure_of(error: &FitError) -> Failure {
 }
 
 /// A fit that cannot go on from what was given to go on from.
-fn cannot_resume(title: &str, error: &ResumeError) -> Failure {
+fn cannot_resume(title: &str, error: &OptimizeError) -> Failure {
     let failure = Failure::new(title).hint(RESUME);
     match error {
-        ResumeError::Problem { .. } => {
+        OptimizeError::CheckpointProblem { .. } => {
             failure.because("the interrupted searches are of other records or options")
         }
         error => failure.because(error),
@@ -50,7 +50,7 @@ fn hammerstein(error: &IdentifyError) -> Failure {
         | IdentifyError::Demand { .. }
         | IdentifyError::CreepTakesJointFit
         | IdentifyError::Option { .. } => Failure::usage(NO_MODEL).because(error),
-        IdentifyError::Optimize(OptimizeError::Resume(e)) => cannot_resume(NO_MODEL, e),
+        IdentifyError::Optimize(e) if e.is_of_checkpoint() => cannot_resume(NO_MODEL, e),
         IdentifyError::ModelClass { .. } => failure.hint(
             "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 hands the model \
              out all the same; --dynamic FILE names a record that carries dynamics; --degree 1 --fix alpha=0 is a linear device",
@@ -63,7 +63,7 @@ fn oscillator(error: &OscillatorFitError) -> Failure {
     let failure = Failure::new(NO_OSCILLATOR).because(error);
     match error {
         OscillatorFitError::Fixed { .. } => Failure::usage(NO_OSCILLATOR).because(error),
-        OscillatorFitError::Optimize(OptimizeError::Resume(e)) => cannot_resume(NO_OSCILLATOR, e),
+        OscillatorFitError::Optimize(e) if e.is_of_checkpoint() => cannot_resume(NO_OSCILLATOR, e),
         OscillatorFitError::NoOscillator { .. } => failure.hint(
             "check the columns (--input is the force, --output the displacement) and their signs; without a resonance in the \
              record identify a Hammerstein model (leave --structure out)",
@@ -98,7 +98,7 @@ fn modes(error: &ModesFitError) -> Failure {
 fn branches(error: &CoupledFitError) -> Failure {
     let failure = Failure::new(NO_BRANCHES).because(error);
     match error {
-        CoupledFitError::Optimize(OptimizeError::Resume(e)) => cannot_resume(NO_BRANCHES, e),
+        CoupledFitError::Optimize(e) if e.is_of_checkpoint() => cannot_resume(NO_BRANCHES, e),
         CoupledFitError::ModelClass { .. } => failure.hint(
             "check the columns and their order (--inputs, --outputs); several modes a path need --structure modes; --least-fit 0 hands \
              the model out all the same",

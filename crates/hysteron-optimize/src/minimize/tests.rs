@@ -2,7 +2,7 @@ use super::super::test_problems::{
     Cost, ResidualFunction, Residuals, cube, powell_singular, rastrigin, rosenbrock, sphere,
 };
 use super::super::{
-    AbcOptions, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions, Range, ResumeError,
+    AbcOptions, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, OptimizeError, PsoOptions, Range,
     Scout, Stagnation, Unobserved,
 };
 use super::*;
@@ -360,30 +360,26 @@ fn checkpoint_of_another_run_is_refused() {
     let settings = Settings::default();
     let checkpoint = checkpoint_of(&curved(), &de, &settings);
     let resume = |problem: &Residuals<ResidualFunction>, algorithm: &Algorithm, settings: &Settings| {
-        let outcome = minimize(problem, algorithm, settings, &mut Unobserved, Some(checkpoint.clone()));
-        match outcome.unwrap_err() {
-            OptimizeError::Resume(error) => error,
-            other => panic!("{other}"),
-        }
+        minimize(problem, algorithm, settings, &mut Unobserved, Some(checkpoint.clone())).unwrap_err()
     };
     let mut narrower = cube(2, -3.0, 4.0);
     narrower.ranges[1] = Range::linear("x1", -3.0, 3.9);
     let error = resume(&rosenbrock(narrower), &de, &settings);
-    assert_eq!(error, ResumeError::Bounds { parameter: "x1".to_owned() });
+    assert_eq!(error, OptimizeError::CheckpointBounds { parameter: "x1".to_owned() });
     let error = resume(&powell_singular(), &de, &settings);
-    assert!(matches!(error, ResumeError::Bounds { .. }), "{error}");
+    assert!(matches!(error, OptimizeError::CheckpointBounds { .. }), "{error}");
     let error =
         resume(&curved(), &Algorithm::De(DeOptions { factor: 0.6, ..DeOptions::default() }), &settings);
-    assert!(matches!(error, ResumeError::Algorithm { .. }), "{error}");
+    assert!(matches!(error, OptimizeError::CheckpointAlgorithm { .. }), "{error}");
     let error = resume(&curved(), &de, &Settings { seed: 2, ..Settings::default() });
-    assert!(matches!(error, ResumeError::Settings { setting: "seed", .. }), "{error}");
+    assert!(matches!(error, OptimizeError::CheckpointSettings { setting: "seed", .. }), "{error}");
     let other_data: ResidualFunction = |x, out| {
         out.copy_from_slice(&[x[0] - 0.7, x[1] - 1.1]);
         true
     };
     let other_data = Residuals { residuals: other_data, ..curved() };
     let error = resume(&other_data, &de, &settings);
-    assert!(matches!(error, ResumeError::Cost { .. }), "{error}");
+    assert!(matches!(error, OptimizeError::CheckpointCost { .. }), "{error}");
     // The number of threads is no part of a run.
     let threads = Settings { threads: Some(2), ..Settings::default() };
     assert!(minimize(&curved(), &de, &threads, &mut Unobserved, Some(checkpoint.clone())).is_ok());
@@ -408,7 +404,7 @@ fn damaged_checkpoint_is_refused_without_a_panic() {
                 if let Ok(damaged) = serde_json::from_value::<Checkpoint>(json) {
                     let error = minimize(&curved(), &algorithm, &settings, &mut Unobserved, Some(damaged))
                         .unwrap_err();
-                    let refused = matches!(error, OptimizeError::Resume(ResumeError::Damaged { .. }));
+                    let refused = matches!(error, OptimizeError::CheckpointDamaged { .. });
                     assert!(refused, "{} {path}: {error}", algorithm.name());
                 }
             }
@@ -439,7 +435,7 @@ fn checkpoint_of_another_format_is_refused() {
     json["version"] = serde_json::json!(99);
     let later: Checkpoint = serde_json::from_value(json).unwrap();
     let error = minimize(&curved(), &de, &Settings::default(), &mut Unobserved, Some(later)).unwrap_err();
-    assert!(matches!(error, OptimizeError::Resume(ResumeError::Format { version: 99, .. })), "{error}");
+    assert!(matches!(error, OptimizeError::CheckpointFormat { version: 99, .. }), "{error}");
 }
 
 #[test]
