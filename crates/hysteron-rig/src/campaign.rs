@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{RigError, RigRun, Truth, measure};
+use super::{RigRun, Truth, measure};
+use crate::RigError;
 use crate::excitation::{Excitation, ExcitationSpec, SweepLaw, Waveform};
 
 /// What a record of the campaign is for.
@@ -98,7 +99,7 @@ impl CampaignPlan {
     /// The waveforms in the order they are played.
     ///
     /// # Errors
-    /// [`RigError::Excitation`] where a waveform makes no sense.
+    /// [`RigError::Waveform`] where a waveform makes no sense.
     pub fn drives(&self, seed: u64) -> Result<Vec<(Role, Excitation)>, RigError> {
         let make = |name: String, waveform, soft_start_s| -> Result<Excitation, RigError> {
             let spec = ExcitationSpec {

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Excitation, ExcitationError};
+use super::Excitation;
+use crate::RigError;
 
 /// Limits of the drive amplifier at its command input or at its output, whichever the waveform describes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,9 +46,9 @@ impl AmplifierLimits {
     /// experimenter's and is not checked.
     ///
     /// # Errors
-    /// [`ExcitationError::Voltage`], [`ExcitationError::Slew`] or [`ExcitationError::Current`] at the first sample that
-    /// offends; [`ExcitationError::Limit`] where the limits themselves make no sense.
-    pub fn check(&self, excitation: &Excitation) -> Result<(), ExcitationError> {
+    /// [`RigError::Voltage`], [`RigError::Slew`] or [`RigError::Current`] at the first sample that
+    /// offends; [`RigError::Limit`] where the limits themselves make no sense.
+    pub fn check(&self, excitation: &Excitation) -> Result<(), RigError> {
         self.validate()?;
         let fs = excitation.sample_rate_hz;
         let slack = ROUNDING * (self.high_v - self.low_v);
@@ -58,12 +59,12 @@ impl AmplifierLimits {
             let time_s = k as f64 / fs;
             if !(self.low_v - slack..=self.high_v + slack).contains(&u) {
                 let (low_v, high_v) = (self.low_v, self.high_v);
-                return Err(ExcitationError::Voltage { sample: k, time_s, value_v: u, low_v, high_v });
+                return Err(RigError::Voltage { sample: k, time_s, value_v: u, low_v, high_v });
             }
             let Some(&next) = samples.get(k + 1) else { break };
             let slew = (next - u) * fs;
             if slew.abs() > slew_limit * (1.0 + ROUNDING) {
-                return Err(ExcitationError::Slew {
+                return Err(RigError::Slew {
                     sample: k,
                     time_s,
                     slew_v_per_s: slew,
@@ -74,20 +75,14 @@ impl AmplifierLimits {
                 && (capacitance_f * slew).abs() > limit_a * (1.0 + ROUNDING)
             {
                 let current_a = capacitance_f * slew;
-                return Err(ExcitationError::Current {
-                    sample: k,
-                    time_s,
-                    current_a,
-                    limit_a,
-                    capacitance_f,
-                });
+                return Err(RigError::Current { sample: k, time_s, current_a, limit_a, capacitance_f });
             }
         }
         Ok(())
     }
 
-    fn validate(&self) -> Result<(), ExcitationError> {
-        let wrong = |parameter, value, expected| ExcitationError::Limit { parameter, value, expected };
+    fn validate(&self) -> Result<(), RigError> {
+        let wrong = |parameter, value, expected| RigError::Limit { parameter, value, expected };
         if !self.low_v.is_finite() {
             return Err(wrong("low_v", self.low_v, "a finite voltage"));
         }
@@ -145,11 +140,11 @@ mod tests {
     #[test]
     fn names_the_first_sample_outside_the_voltage_range() {
         let err = limits().check(&waveform(vec![0.0, 1.0, 2.0, -1.5, -2.0])).unwrap_err();
-        let ExcitationError::Slew { sample: 2, .. } = err else { panic!("{err}") };
+        let RigError::Slew { sample: 2, .. } = err else { panic!("{err}") };
         let err = limits().check(&waveform(vec![0.0, -1.0, -1.5, -2.0])).unwrap_err();
         assert_eq!(
             err,
-            ExcitationError::Voltage { sample: 2, time_s: 0.002, value_v: -1.5, low_v: -1.0, high_v: 10.0 }
+            RigError::Voltage { sample: 2, time_s: 0.002, value_v: -1.5, low_v: -1.0, high_v: 10.0 }
         );
     }
 
@@ -160,7 +155,7 @@ mod tests {
         let err = limits().check(&w).unwrap_err();
         assert_eq!(
             err,
-            ExcitationError::Slew { sample: 1, time_s: 0.001, slew_v_per_s: 2500.0, limit_v_per_s: 2000.0 }
+            RigError::Slew { sample: 1, time_s: 0.001, slew_v_per_s: 2500.0, limit_v_per_s: 2000.0 }
         );
         assert!(limits().check(&waveform(vec![0.0, 2.0, 0.0, 2.0])).is_ok(), "exactly at the limit");
     }
@@ -175,14 +170,14 @@ mod tests {
         };
         assert!(limits.check(&waveform(vec![0.0, 1.5])).is_ok());
         let err = limits.check(&waveform(vec![0.0, 1.5, -0.5])).unwrap_err();
-        let ExcitationError::Current { sample: 1, current_a, .. } = err else { panic!("{err}") };
+        let RigError::Current { sample: 1, current_a, .. } = err else { panic!("{err}") };
         assert!((current_a + 0.012).abs() < 1e-15);
     }
 
     #[test]
     fn limits_that_make_no_sense_are_refused_by_name() {
         let refuse = |l: AmplifierLimits, name| match l.check(&waveform(vec![0.0])) {
-            Err(ExcitationError::Limit { parameter, .. }) => assert_eq!(parameter, name),
+            Err(RigError::Limit { parameter, .. }) => assert_eq!(parameter, name),
             other => panic!("{other:?}"),
         };
         refuse(AmplifierLimits { high_v: -1.0, ..limits() }, "high_v");
@@ -194,6 +189,6 @@ mod tests {
     #[test]
     fn a_waveform_that_is_not_a_number_is_refused() {
         let err = limits().check(&waveform(vec![0.0, f64::NAN])).unwrap_err();
-        assert!(matches!(err, ExcitationError::Voltage { sample: 1, .. }), "{err}");
+        assert!(matches!(err, RigError::Voltage { sample: 1, .. }), "{err}");
     }
 }

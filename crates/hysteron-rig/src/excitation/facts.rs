@@ -3,17 +3,16 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::RigError;
 use hysteron_model::record::TimeBase;
 
 fn sine(frequency_hz: f64) -> Waveform {
     Waveform::Sine { frequency_hz, periods: 2.0 }
 }
 
-fn parameter_of(result: Result<Excitation, ExcitationError>) -> &'static str {
+fn parameter_of(result: Result<Excitation, RigError>) -> &'static str {
     match result {
-        Err(ExcitationError::Parameter { parameter, .. } | ExcitationError::EmptyList { parameter, .. }) => {
-            parameter
-        }
+        Err(RigError::Waveform { parameter, .. } | RigError::EmptyWaveform { parameter, .. }) => parameter,
         other => panic!("{other:?}"),
     }
 }
@@ -74,7 +73,7 @@ fn what_makes_no_sense_is_refused_by_name() {
     assert_eq!(parameter_of(with(multisine(1.00037))), "period_s");
     assert_eq!(parameter_of(with(multisine(0.001))), "period_s");
     let error = with(Waveform::Sine { frequency_hz: 1e-6, periods: 1e6 }).unwrap_err();
-    assert!(matches!(error, ExcitationError::TooLong { .. }), "{error}");
+    assert!(matches!(error, RigError::TooLong { .. }), "{error}");
 }
 
 #[test]
@@ -173,7 +172,7 @@ proptest! {
         let drive = match spec.generate() {
             Ok(drive) => drive,
             // A few of the drawn combinations are too short for a sample or for their lines.
-            Err(ExcitationError::Parameter { .. }) => return Ok(()),
+            Err(RigError::Waveform { .. }) => return Ok(()),
             Err(other) => return Err(TestCaseError::fail(other.to_string())),
         };
         let proper = &drive.samples_v[drive.lead_in_samples..drive.samples_v.len() - drive.lead_out_samples];

@@ -14,12 +14,11 @@
 //!     AmplifierLimits { low_v: -2.0, high_v: 12.0, slew_v_per_s: Some(4_000.0), current_a: None, capacitance_f: None };
 //! amplifier.check(&drive)?;
 //! assert_eq!(drive.samples_v.len(), 100_000);
-//! # Ok::<(), hysteron_rig::excitation::ExcitationError>(())
+//! # Ok::<(), hysteron_rig::RigError>(())
 //! ```
 
 mod amplifier;
 mod check;
-mod error;
 mod multisine;
 mod paths;
 mod random;
@@ -34,7 +33,6 @@ mod waveform;
 mod facts;
 
 pub use amplifier::AmplifierLimits;
-pub use error::ExcitationError;
 pub use signal::Excitation;
 pub use specification::ExcitationSpec;
 pub use summary::ExcitationSummary;

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::check::Check;
-use super::{Excitation, ExcitationError, Waveform};
+use super::{Excitation, Waveform};
+use crate::RigError;
 
 /// A drive waveform as asked for; see [`ExcitationSpec::generate`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,8 +53,8 @@ impl ExcitationSpec {
     /// Checks every number, the length included.
     ///
     /// # Errors
-    /// [`ExcitationError::Parameter`], [`ExcitationError::EmptyList`] or [`ExcitationError::TooLong`] naming what is wrong.
-    pub fn validate(&self) -> Result<(), ExcitationError> {
+    /// [`RigError::Waveform`], [`RigError::EmptyWaveform`] or [`RigError::TooLong`] naming what is wrong.
+    pub fn validate(&self) -> Result<(), RigError> {
         let check = Check(self.waveform.kind());
         check.positive("sample_rate_hz", self.sample_rate_hz)?;
         check.finite("low_v", self.low_v)?;
@@ -70,11 +71,7 @@ impl ExcitationSpec {
         let samples =
             (self.waveform.duration_s() + self.soft_start_s + self.soft_end_s) * self.sample_rate_hz;
         if samples.is_nan() || samples > MAX_SAMPLES as f64 {
-            return Err(ExcitationError::TooLong {
-                waveform: self.waveform.kind(),
-                samples,
-                max: MAX_SAMPLES,
-            });
+            return Err(RigError::TooLong { waveform: self.waveform.kind(), samples, max: MAX_SAMPLES });
         }
         if samples < 1.0 {
             return Err(check.wrong("sample_rate_hz", self.sample_rate_hz, "high enough for one sample"));
@@ -86,7 +83,7 @@ impl ExcitationSpec {
     ///
     /// # Errors
     /// Those of [`ExcitationSpec::validate`].
-    pub fn generate(&self) -> Result<Excitation, ExcitationError> {
+    pub fn generate(&self) -> Result<Excitation, RigError> {
         self.validate()?;
         let shape = self.waveform.shape(self.sample_rate_hz, self.seed);
         let range_v = self.high_v - self.low_v;

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::check::Check;
-use super::{ExcitationError, Shape, multisine, paths, random, slow, sweep, whole_samples};
+use super::{Shape, multisine, paths, random, slow, sweep, whole_samples};
+use crate::RigError;
 
 /// The waveform between lead-in and lead-out. Amplitudes are parts of the range `high_v − low_v`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -271,7 +272,7 @@ impl Waveform {
         }
     }
 
-    pub(super) fn validate(&self, check: &Check, fs: f64) -> Result<(), ExcitationError> {
+    pub(super) fn validate(&self, check: &Check, fs: f64) -> Result<(), RigError> {
         match self {
             Waveform::Sine { frequency_hz, periods } | Waveform::Triangle { frequency_hz, periods } => {
                 check.below_nyquist("frequency_hz", *frequency_hz, fs)?;
