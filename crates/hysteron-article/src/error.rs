@@ -55,4 +55,22 @@ pub enum ArticleError {
     /// A simulation could not be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),
+    /// An option of the study of optimisers outside its allowed range.
+    #[error("option {option} of the optimiser study is {value}: need {wanted}")]
+    StudyOption {
+        /// Option.
+        option: &'static str,
+        /// Its value.
+        value: usize,
+        /// What is allowed.
+        wanted: &'static str,
+    },
+    /// The study of optimisers was asked to stop.
+    #[error("the optimiser study was stopped after {done} of {runs} runs")]
+    StudyStopped {
+        /// Runs done.
+        done: usize,
+        /// Runs planned.
+        runs: usize,
+    },
 }

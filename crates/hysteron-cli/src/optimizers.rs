@@ -1,8 +1,9 @@
 //! `hysteron optimizers`: the optimisers compared.
 
 use clap::Args;
+use hysteron_article::ArticleError;
 use hysteron_article::optimizer_study::{
-    Competitor, ProblemResult, Study, StudyError, StudyOptions, StudyProblem, run_study,
+    Competitor, ProblemResult, Study, StudyOptions, StudyProblem, run_study,
 };
 use hysteron_article::page::optimizer_study::{ROW_HEADINGS, page, row_cells, target};
 use serde::de::DeserializeOwned;
@@ -75,8 +76,8 @@ impl Optimizers {
         };
         let stop = Interrupt::listen("no comparison is printed")?;
         run_study(&options, &progress::watch(&stop)).map_err(|e| match e {
-            StudyError::Option { .. } => Failure::usage("cannot compare the optimisers").because(e),
-            StudyError::Cancelled { .. } => {
+            ArticleError::StudyOption { .. } => Failure::usage("cannot compare the optimisers").because(e),
+            ArticleError::StudyStopped { .. } => {
                 Failure::new("cannot compare the optimisers").because(e).exiting_with(stop.exit_code())
             }
             _ => Failure::new("cannot compare the optimisers").because(e),

@@ -1,7 +1,7 @@
 //! The article's dynamic problem: orders and coefficients of a fractional transfer function.
 
-use super::StudyError;
 use super::noise::add_noise;
+use crate::ArticleError;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{self, InputSpectrum, Scheme, SimulationPlan, Term, TransferFunction};
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
@@ -47,8 +47,8 @@ impl FractionalBlock {
     /// The problem with a noise realisation.
     ///
     /// # Errors
-    /// [`StudyError::Dynamics`] never occurs: the truth is stable.
-    pub fn new(noise_seed: u64) -> Result<Self, StudyError> {
+    /// [`ArticleError::Dynamics`] never occurs: the truth is stable.
+    pub fn new(noise_seed: u64) -> Result<Self, ArticleError> {
         let duration_s = SAMPLES as f64 / SAMPLE_RATE_HZ;
         let cycles = |t: f64| t + 0.5 * (100.0 - 1.0) * t * t / duration_s;
         let chirp: Vec<f64> = (0..SAMPLES).map(|k| (TAU * cycles(k as f64 / SAMPLE_RATE_HZ)).sin()).collect();

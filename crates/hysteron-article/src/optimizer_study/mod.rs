@@ -40,7 +40,7 @@
 //!         println!("{}: {:.4}, {} %", row.name, row.median_best_rmse, row.success_percent);
 //!     }
 //! }
-//! # Ok::<(), hysteron_article::optimizer_study::StudyError>(())
+//! # Ok::<(), hysteron_article::ArticleError>(())
 //! ```
 
 mod competitor;
@@ -54,7 +54,7 @@ mod summary;
 
 pub use competitor::Competitor;
 pub use fractional_block::FractionalBlock;
-pub use options::{StudyError, StudyOptions, StudyProblem};
+pub use options::{StudyOptions, StudyProblem};
 pub use run::run_study;
 pub use static_block::StaticBlock;
 pub use study::{Curve, Parameter, ProblemResult, Row, Run, Study};

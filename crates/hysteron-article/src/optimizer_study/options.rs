@@ -1,11 +1,8 @@
 //! What is to be compared.
 
 use super::Competitor;
-use hysteron_model::dynamics::DynamicsError;
-use hysteron_model::hysteresis::HysteresisError;
-use hysteron_optimize::OptimizeError;
+use crate::ArticleError;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// What is to be compared, and how long.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,41 +72,8 @@ impl StudyProblem {
     }
 }
 
-/// Why a study could not be made.
-#[derive(Clone, Debug, Error)]
-#[non_exhaustive]
-pub enum StudyError {
-    /// An option outside its allowed range.
-    #[error("option {option} of the optimiser study is {value}: need {wanted}")]
-    Option {
-        /// Option.
-        option: &'static str,
-        /// Its value.
-        value: usize,
-        /// What is allowed.
-        wanted: &'static str,
-    },
-    /// It was asked to stop.
-    #[error("the optimiser study was stopped after {done} of {runs} runs")]
-    Cancelled {
-        /// Runs done.
-        done: usize,
-        /// Runs planned.
-        runs: usize,
-    },
-    /// A run failed.
-    #[error("an optimiser run failed: {0}")]
-    Optimize(#[from] OptimizeError),
-    /// The static block could not be simulated.
-    #[error("the study's static block cannot be simulated: {0}")]
-    Hysteresis(#[from] HysteresisError),
-    /// The dynamic block could not be simulated.
-    #[error("the study's dynamic block cannot be simulated: {0}")]
-    Dynamics(#[from] DynamicsError),
-}
-
 impl StudyOptions {
-    pub(super) fn validate(&self) -> Result<(), StudyError> {
+    pub(super) fn validate(&self) -> Result<(), ArticleError> {
         let checks = [
             ("problems", self.problems.len(), 1, "at least one"),
             ("competitors", self.competitors.len(), 1, "at least one"),
@@ -118,7 +82,7 @@ impl StudyOptions {
             ("threads", self.threads.unwrap_or(1), 1, "at least 1"),
         ];
         match checks.into_iter().find(|&(_, value, least, _)| value < least) {
-            Some((option, value, _, wanted)) => Err(StudyError::Option { option, value, wanted }),
+            Some((option, value, _, wanted)) => Err(ArticleError::StudyOption { option, value, wanted }),
             None => Ok(()),
         }
     }

@@ -1,7 +1,8 @@
 //! The study itself.
 
 use super::study::{Parameter, ProblemResult, Row, Study};
-use super::{FractionalBlock, StaticBlock, StudyError, StudyOptions, StudyProblem};
+use super::{FractionalBlock, StaticBlock, StudyOptions, StudyProblem};
+use crate::ArticleError;
 use hysteron_identify::{Event, Watch};
 use hysteron_optimize::{
     Algorithm, Differences, LeastSquaresOptions, LeastSquaresProblem, OptimizeError, Outcome, Settings,
@@ -20,8 +21,8 @@ const SUCCESS: f64 = 1.01;
 /// cores.
 ///
 /// # Errors
-/// [`StudyError::Option`]; [`StudyError::Cancelled`] if it was stopped; [`StudyError::Optimize`] if a run failed.
-pub fn run_study(options: &StudyOptions, watch: &Watch<'_>) -> Result<Study, StudyError> {
+/// [`ArticleError::StudyOption`]; [`ArticleError::StudyStopped`] if it was stopped; [`ArticleError::Optimize`] if a run failed.
+pub fn run_study(options: &StudyOptions, watch: &Watch<'_>) -> Result<Study, ArticleError> {
     options.validate()?;
     let ticker = Ticker {
         watch,
@@ -44,7 +45,7 @@ fn table(
     problem: StudyProblem,
     options: &StudyOptions,
     ticker: &Ticker<'_, '_>,
-) -> Result<ProblemResult, StudyError> {
+) -> Result<ProblemResult, ArticleError> {
     match problem {
         StudyProblem::StaticBlock => {
             let block = StaticBlock::new(options.noise_seed)?;
@@ -65,13 +66,13 @@ fn compare(
     noise_um: f64,
     options: &StudyOptions,
     ticker: &Ticker<'_, '_>,
-) -> Result<ProblemResult, StudyError> {
+) -> Result<ProblemResult, ArticleError> {
     let reachable_rmse = polished_from(problem, truth)?;
     let target_rmse = SUCCESS * reachable_rmse;
     let jobs: Vec<(usize, u64)> = (0..options.competitors.len())
         .flat_map(|c| (0..options.seeds as u64).map(move |s| (c, options.first_seed.wrapping_add(s))))
         .collect();
-    let one = |&(c, seed): &(usize, u64)| -> Result<(u64, Outcome), StudyError> {
+    let one = |&(c, seed): &(usize, u64)| -> Result<(u64, Outcome), ArticleError> {
         ticker.check()?;
         let competitor = options.competitors[c];
         let outcome = competitor.run(problem, options.budget, seed, &mut ticker.watch.stop().clone());
@@ -102,7 +103,7 @@ fn compare(
 }
 
 /// Least cost near the truth.
-fn polished_from(problem: &impl LeastSquaresProblem, truth: &[f64]) -> Result<f64, StudyError> {
+fn polished_from(problem: &impl LeastSquaresProblem, truth: &[f64]) -> Result<f64, ArticleError> {
     let options = LeastSquaresOptions {
         starts: 1,
         differences: Differences::central(),
@@ -121,9 +122,12 @@ struct Ticker<'a, 'w> {
 }
 
 impl Ticker<'_, '_> {
-    fn check(&self) -> Result<(), StudyError> {
+    fn check(&self) -> Result<(), ArticleError> {
         if self.watch.is_stopped() {
-            return Err(StudyError::Cancelled { done: self.done.load(Ordering::Relaxed), runs: self.runs });
+            return Err(ArticleError::StudyStopped {
+                done: self.done.load(Ordering::Relaxed),
+                runs: self.runs,
+            });
         }
         Ok(())
     }

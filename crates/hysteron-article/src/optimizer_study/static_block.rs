@@ -1,7 +1,7 @@
 //! The article's static problem: the improved Bouc–Wen model from a 1 Hz loop.
 
-use super::StudyError;
 use super::noise::add_noise;
+use crate::ArticleError;
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{BoucWen, bouc_wen::UnitShape};
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem, Range, root_mean_square};
@@ -31,8 +31,8 @@ impl StaticBlock {
     /// The problem with a noise realisation.
     ///
     /// # Errors
-    /// [`StudyError::Hysteresis`] never occurs: the truth is admissible.
-    pub fn new(noise_seed: u64) -> Result<Self, StudyError> {
+    /// [`ArticleError::Hysteresis`] never occurs: the truth is admissible.
+    pub fn new(noise_seed: u64) -> Result<Self, ArticleError> {
         let u: Vec<f64> = (0..SAMPLES).map(|k| 5.0 - 5.0 * (TAU * k as f64 / SAMPLE_RATE_HZ).cos()).collect();
         let mut y = vec![0.0; SAMPLES];
         let [quadratic, linear, alpha, beta, gamma] = Self::TRUTH;

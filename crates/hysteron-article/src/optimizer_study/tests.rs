@@ -1,4 +1,5 @@
 use super::*;
+use crate::ArticleError;
 use hysteron_identify::{Event, Watch};
 use hysteron_optimize::{StopReason, Unobserved};
 use std::ops::ControlFlow;
@@ -86,7 +87,7 @@ fn progress_counts_every_run_and_can_stop_the_study() {
         if told == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     let stopped = run_study(&options, &third);
-    assert!(matches!(stopped, Err(StudyError::Cancelled { done: 3, .. })), "{stopped:?}");
+    assert!(matches!(stopped, Err(ArticleError::StudyStopped { done: 3, .. })), "{stopped:?}");
 }
 
 #[test]
@@ -112,6 +113,6 @@ fn options_outside_their_range_are_refused() {
         (StudyOptions { threads: Some(0), ..StudyOptions::default() }, "threads"),
     ] {
         let error = run_study(&options, &Watch::silent()).unwrap_err();
-        assert!(matches!(error, StudyError::Option { option, .. } if option == name), "{error}");
+        assert!(matches!(error, ArticleError::StudyOption { option, .. } if option == name), "{error}");
     }
 }
