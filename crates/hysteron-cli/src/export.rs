@@ -1,5 +1,6 @@
 //! `hysteron export`: a model as source that runs without Hysteron.
 
+use hysteron_io::IoError;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -8,7 +9,6 @@ use hysteron_export::{
     ExportError, ExportSummary, Inverse, NamedFile, Precision, Rounding, Runtime, Subject, c_files,
     fmu_files, inverse_files, inverse_fmu_files, rust_files, write_folder,
 };
-use hysteron_io::FolderError;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::model::Capability;
 use hysteron_model::realise::RealiseOptions;
@@ -236,10 +236,10 @@ impl Export {
             ExportError::Name { .. } => failure.hint("name it with --name, e.g. --name stage"),
             ExportError::Compiler { .. } => failure
                 .hint("install a C compiler (e.g. apt-get install gcc), or name one in the variable CC"),
-            ExportError::Folder(FolderError::Foreign { .. }) => {
+            ExportError::Folder(IoError::Foreign { .. }) => {
                 failure.hint("name another folder, or another --name")
             }
-            ExportError::Folder(FolderError::Write { source, .. }) => failure.hint(match source.kind() {
+            ExportError::Folder(IoError::Folder { source, .. }) => failure.hint(match source.kind() {
                 ErrorKind::IsADirectory | ErrorKind::NotADirectory => {
                     "name another folder, or another --name"
                 }

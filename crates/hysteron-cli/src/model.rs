@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use hysteron_identify::{PredictionBand, PredictionError};
-use hysteron_io::{ModelDiskError, load_model_and_source, save_model};
+use hysteron_io::{IoError, load_model_and_source, save_model};
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
     Capability, Hammerstein, RunError, RunScore, Score, SignalRole, Signals, Simulation, Unsupported,
@@ -321,7 +321,7 @@ pub fn save(path: &Path, model: &Model) -> Result<(), Failure> {
 ///
 /// # Errors
 /// If the data are not sound, or the file cannot be written.
-pub fn write(path: &Path, data: impl TryInto<Model, Error: Into<ModelDiskError>>) -> Result<Model, Failure> {
+pub fn write(path: &Path, data: impl TryInto<Model, Error: Into<IoError>>) -> Result<Model, Failure> {
     let failure = || Failure::new(format!("cannot write the model to {}", path.display()));
     let model = data.try_into().map_err(|e| failure().because(e.into()))?;
     save(path, &model)?;
@@ -329,7 +329,7 @@ pub fn write(path: &Path, data: impl TryInto<Model, Error: Into<ModelDiskError>>
 }
 
 /// The failure to read the model file at `path`.
-fn cannot_read(path: &Path, error: ModelDiskError) -> Failure {
+fn cannot_read(path: &Path, error: IoError) -> Failure {
     Failure::new(format!("cannot read the model {}", path.display()))
         .because(error)
         .hint("hysteron identify writes model files; hysteron schema prints their format")

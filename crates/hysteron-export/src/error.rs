@@ -1,6 +1,6 @@
 //! Why a model was not exported.
 
-use hysteron_io::FolderError;
+use hysteron_io::IoError;
 use hysteron_model::compensator::CompensatorError;
 use hysteron_model::realise::RealiseError;
 
@@ -47,7 +47,7 @@ pub enum ExportError {
     },
     /// The folder cannot be written.
     #[error(transparent)]
-    Folder(#[from] FolderError),
+    Folder(#[from] IoError),
     /// No binary could be made.
     #[error("the C compiler `{compiler}` {problem}")]
     Compiler {

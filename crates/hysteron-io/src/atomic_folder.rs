@@ -1,8 +1,9 @@
 //! Files written together: a folder that is complete, or as it was.
 
 use std::io::{self, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::IoError;
 use crate::atomic_file::write_atomically;
 
 /// A file to be written.
@@ -21,28 +22,6 @@ impl NamedFile {
     }
 }
 
-/// Why a folder was not written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FolderError {
-    /// A file in the folder is not one that was written so before.
-    #[error("{} is there already and was not written by an export", path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The folder or a file of it cannot be written.
-    #[error("{action} {} failed: {source}", path.display())]
-    Write {
-        /// The step that failed.
-        action: &'static str,
-        /// The file or folder.
-        path: PathBuf,
-        /// What the operating system says.
-        source: io::Error,
-    },
-}
-
 /// A folder for what is done with and removed when dropped.
 ///
 /// # Errors
@@ -56,8 +35,8 @@ pub fn temporary_folder() -> io::Result<tempfile::TempDir> {
 /// renamed; what was replaced is put back where a later rename fails. A symbolic link to a file stays, and that file is replaced or made.
 ///
 /// # Errors
-/// [`FolderError::Foreign`] for a file of the same name without the mark; [`FolderError::Write`]. Nothing has changed then.
-pub fn write_folder(folder: &Path, files: &[NamedFile], mark: &[u8]) -> Result<(), FolderError> {
+/// [`IoError::Foreign`] for a file of the same name without the mark; [`IoError::Folder`]. Nothing has changed then.
+pub fn write_folder(folder: &Path, files: &[NamedFile], mark: &[u8]) -> Result<(), IoError> {
     for file in files {
         check(&folder.join(&file.name), mark)?;
     }
@@ -93,7 +72,7 @@ pub fn write_folder(folder: &Path, files: &[NamedFile], mark: &[u8]) -> Result<(
         let made = beside.keep();
         return std::fs::rename(&made, folder).map_err(|source| {
             let _ = std::fs::remove_dir_all(&made);
-            FolderError::Write { action: "renaming the finished folder to", path: folder.to_owned(), source }
+            IoError::Folder { action: "renaming the finished folder to", path: folder.to_owned(), source }
         });
     }
     for (done, file) in files.iter().enumerate() {
@@ -108,22 +87,22 @@ pub fn write_folder(folder: &Path, files: &[NamedFile], mark: &[u8]) -> Result<(
     Ok(())
 }
 
-fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> FolderError {
+fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> IoError {
     let path = path.to_owned();
-    move |source| FolderError::Write { action, path, source }
+    move |source| IoError::Folder { action, path, source }
 }
 
 /// Whether a file can be replaced, or made.
-fn check(path: &Path, mark: &[u8]) -> Result<(), FolderError> {
+fn check(path: &Path, mark: &[u8]) -> Result<(), IoError> {
     let refused = |kind: ErrorKind| failed("writing", path)(kind.into());
     match std::fs::metadata(path) {
         Ok(found) if found.is_dir() => Err(refused(ErrorKind::IsADirectory)),
         // A device or a pipe: it was not written so, and reading it might wait for ever.
-        Ok(found) if !found.is_file() => Err(FolderError::Foreign { path: path.to_owned() }),
+        Ok(found) if !found.is_file() => Err(IoError::Foreign { path: path.to_owned() }),
         Ok(_) => {
             let old = std::fs::read(path).map_err(failed("reading", path))?;
             let ours = old.windows(mark.len()).any(|part| part == mark);
-            if ours { Ok(()) } else { Err(FolderError::Foreign { path: path.to_owned() }) }
+            if ours { Ok(()) } else { Err(IoError::Foreign { path: path.to_owned() }) }
         }
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
         Err(e) => Err(failed("writing", path)(e)),
@@ -173,10 +152,11 @@ fn remove_empty(folder: &Path, path: &Path) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::PathBuf;
 
     const MARK: &[u8] = b"hysteron export";
 
-    fn write_folder(folder: &Path, files: &[NamedFile]) -> Result<(), FolderError> {
+    fn write_folder(folder: &Path, files: &[NamedFile]) -> Result<(), IoError> {
         super::write_folder(folder, files, MARK)
     }
 
@@ -195,7 +175,7 @@ mod tests {
         assert!(read("a.c").ends_with('2') && read("src/b.c").ends_with('2'));
         assert_eq!(read("mine.c"), "mine");
         let refused = write_folder(&folder, &[file("a.c", "3"), file("mine.c", "3")]).unwrap_err();
-        assert!(matches!(&refused, FolderError::Foreign { path } if path.ends_with("mine.c")), "{refused}");
+        assert!(matches!(&refused, IoError::Foreign { path } if path.ends_with("mine.c")), "{refused}");
         assert!(read("a.c").ends_with('2') && read("mine.c") == "mine");
         // No temporary folder is left.
         assert_eq!(std::fs::read_dir(place.path().join("deep")).unwrap().count(), 1);
@@ -242,7 +222,7 @@ mod tests {
         symlink("/dev/null", folder.join("null.c")).unwrap();
         for name in ["pipe.c", "null.c"] {
             let refused = write_folder(&folder, &[file(name, "2")]).unwrap_err();
-            assert!(matches!(refused, FolderError::Foreign { .. }), "{refused}");
+            assert!(matches!(refused, IoError::Foreign { .. }), "{refused}");
         }
     }
 
@@ -277,7 +257,7 @@ mod tests {
             }
             let before = tree(&folder);
             let refused = write_folder(&folder, &files).unwrap_err();
-            assert!(matches!(refused, FolderError::Write { .. }), "{at}: {refused}");
+            assert!(matches!(refused, IoError::Folder { .. }), "{at}: {refused}");
             assert_eq!(tree(place.path()).len(), 1 + before.len(), "{at}");
             assert_eq!(tree(&folder), before, "{at}");
             std::fs::remove_dir_all(&folder).unwrap();

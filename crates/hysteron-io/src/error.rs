@@ -1,12 +1,12 @@
 //! What can be wrong with a file.
 
+use std::path::PathBuf;
+
 use crate::atomic_file::AtomicWriteError;
-use crate::json_file::JsonFileError;
-use crate::model_file::ModelDiskError;
 use hysteron_model::Advice;
 use hysteron_model::advice::ColumnRole;
-use hysteron_model::record::RecordError;
-use hysteron_model::record::ResponseDataError;
+use hysteron_model::model_file::ModelFileError;
+use hysteron_model::record::{RecordError, ResponseDataError};
 
 use crate::place::Place;
 
@@ -33,12 +33,6 @@ pub enum IoError {
     /// The file cannot be written.
     #[error(transparent)]
     Write(#[from] AtomicWriteError),
-    /// A model file cannot be read or written.
-    #[error(transparent)]
-    Model(#[from] ModelDiskError),
-    /// A JSON file cannot be read or written.
-    #[error(transparent)]
-    Json(#[from] JsonFileError),
     /// Nothing but blank lines and comments.
     #[error("`{file}` {what}: expected a header line such as `t_s,u_V,y_um` and one line a sample")]
     Empty {
@@ -477,6 +471,57 @@ pub enum IoError {
         /// What is wrong with it.
         source: Box<RecordError>,
     },
+    /// A file in the folder is not one that was written so before.
+    #[error("{} is there already and was not written by an export", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder or a file of it cannot be written.
+    #[error("{action} {} failed: {source}", path.display())]
+    Folder {
+        /// The step that failed.
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// A JSON file cannot be opened or read.
+    #[error("{}: {cause}", path.display())]
+    JsonUnread {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+    /// A JSON file is too large to be what it should be.
+    #[error("{}: it has more than {most_bytes} bytes", path.display())]
+    JsonTooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Largest size read \[bytes\].
+        most_bytes: u64,
+    },
+    /// A file is not JSON, or not of what was expected.
+    #[error("{}: {cause}", path.display())]
+    JsonContent {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with line and column.
+        cause: serde_json::Error,
+    },
+    /// A model file cannot be opened or read.
+    #[error("cannot read {}: {problem}", path.display())]
+    ModelUnread {
+        /// The file.
+        path: PathBuf,
+        /// Answer of the operating system.
+        problem: std::io::Error,
+    },
+    /// A model file that holds no sound model.
+    #[error(transparent)]
+    Model(#[from] ModelFileError),
 }
 
 impl IoError {

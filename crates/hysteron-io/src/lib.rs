@@ -54,13 +54,13 @@ mod rename;
 mod roles;
 mod write;
 
-pub use atomic_folder::{FolderError, NamedFile, temporary_folder, write_folder};
+pub use atomic_folder::{NamedFile, temporary_folder, write_folder};
 pub use csv_write::{write_csv, write_csv_to};
 pub use error::IoError;
 pub use frequency_response::{ResponseOptions, read_frequency_response, read_frequency_response_bytes};
 pub use hash::sha256;
-pub use json_file::{JsonFileError, load_json, save_json};
-pub use model_file::{ModelDiskError, load_model, load_model_and_source, save_model};
+pub use json_file::{load_json, save_json};
+pub use model_file::{load_model, load_model_and_source, save_model};
 pub use npz_write::write_npz;
 pub use options::ReadOptions;
 pub use place::{Part, Place};

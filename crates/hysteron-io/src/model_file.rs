@@ -2,40 +2,21 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use hysteron_model::Model;
-use hysteron_model::model_file::{MAX_BYTES, ModelFileError};
+use hysteron_model::model_file::MAX_BYTES;
 use hysteron_model::record::Source;
 
-use crate::atomic_file::{AtomicWriteError, write_atomically};
+use crate::IoError;
+use crate::atomic_file::write_atomically;
 use crate::hash::sha256;
-
-/// Why a model file could not be read or written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ModelDiskError {
-    /// The file cannot be opened or read.
-    #[error("cannot read {}: {problem}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Answer of the operating system.
-        problem: std::io::Error,
-    },
-    /// The file cannot be written.
-    #[error(transparent)]
-    Write(#[from] AtomicWriteError),
-    /// It holds no sound model.
-    #[error(transparent)]
-    Content(#[from] ModelFileError),
-}
 
 /// The model in the file at `path`, of any kind.
 ///
 /// # Errors
 /// If it cannot be read, is too large for a model, or not sound.
-pub fn load_model(path: &Path) -> Result<Model, ModelDiskError> {
+pub fn load_model(path: &Path) -> Result<Model, IoError> {
     Ok(load_model_and_source(path)?.0)
 }
 
@@ -43,8 +24,8 @@ pub fn load_model(path: &Path) -> Result<Model, ModelDiskError> {
 ///
 /// # Errors
 /// As [`load_model`].
-pub fn load_model_and_source(path: &Path) -> Result<(Model, Source), ModelDiskError> {
-    let unreadable = |problem| ModelDiskError::Unreadable { path: path.to_owned(), problem };
+pub fn load_model_and_source(path: &Path) -> Result<(Model, Source), IoError> {
+    let unreadable = |problem| IoError::ModelUnread { path: path.to_owned(), problem };
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
@@ -56,6 +37,6 @@ pub fn load_model_and_source(path: &Path) -> Result<(Model, Source), ModelDiskEr
 ///
 /// # Errors
 /// If the model is not sound, or the file cannot be written.
-pub fn save_model(path: &Path, model: &Model) -> Result<(), ModelDiskError> {
+pub fn save_model(path: &Path, model: &Model) -> Result<(), IoError> {
     Ok(write_atomically(path, model.to_json()?.as_bytes())?)
 }
