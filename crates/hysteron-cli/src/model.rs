@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use hysteron_identify::{PredictionBand, PredictionError};
 use hysteron_io::{IoError, load_model_and_source, save_model};
+use hysteron_model::axes::AxesError;
 use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
     Capability, Hammerstein, RunError, RunScore, Score, SignalRole, Signals, Simulation, Unsupported,
@@ -258,7 +259,7 @@ impl Loaded {
                 simulating().because(e).hint("leave --settled out: the record starts from rest")
             }
             RunError::Score(e) => scoring().because(e),
-            RunError::AxesScore(e) => scoring().because(e),
+            RunError::Axes(e @ (AxesError::Score(_) | AxesError::Outputs { .. })) => scoring().because(e),
             RunError::TooFewSamples { .. } => {
                 scoring().because(error).hint("record at least one loop, with a hundred samples or more")
             }

@@ -6,7 +6,7 @@ use crate::atomic_file::AtomicWriteError;
 use hysteron_model::Advice;
 use hysteron_model::advice::ColumnRole;
 use hysteron_model::model_file::ModelFileError;
-use hysteron_model::record::{RecordError, ResponseDataError};
+use hysteron_model::record::RecordError;
 
 use crate::place::Place;
 
@@ -329,7 +329,7 @@ pub enum IoError {
         /// The file.
         file: String,
         /// What is wrong with it.
-        source: Box<ResponseDataError>,
+        source: Box<RecordError>,
     },
     /// No channel besides time and mask.
     #[error(

@@ -1,21 +1,21 @@
 //! What can go wrong in this crate, of whatever part: a caller that only tells crates apart takes [`Error`].
 
-use crate::axes::{AxesError, AxesScoreError};
+use crate::axes::AxesError;
 use crate::compensator::CompensatorError;
 use crate::control::{ControlError, TuningError};
 use crate::dynamics::DynamicsError;
 use crate::fractional::FractionalError;
 use crate::hammerstein::SimulationError;
-use crate::hysteresis::{HysteresisError, UnknownElements};
+use crate::hysteresis::HysteresisError;
 use crate::invert::InversionError;
 use crate::model::{RunError, Unsupported};
 use crate::model_file::ModelFileError;
 use crate::oscillator::OscillatorError;
 use crate::realise::RealiseError;
-use crate::record::{RecordError, ResponseDataError, ScaleError};
+use crate::record::RecordError;
 use crate::tracking::TrackError;
 use crate::unknown_name::UnknownName;
-use crate::validate::{ScoreError, StartError};
+use crate::validate::ScoreError;
 
 /// Error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -24,9 +24,6 @@ pub enum Error {
     /// [`AxesError`].
     #[error(transparent)]
     Axes(#[from] AxesError),
-    /// [`AxesScoreError`].
-    #[error(transparent)]
-    AxesScore(#[from] AxesScoreError),
     /// [`CompensatorError`].
     #[error(transparent)]
     Compensator(#[from] CompensatorError),
@@ -36,9 +33,6 @@ pub enum Error {
     /// [`DynamicsError`].
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// [`UnknownElements`].
-    #[error(transparent)]
-    Elements(#[from] UnknownElements),
     /// [`FractionalError`].
     #[error(transparent)]
     Fractional(#[from] FractionalError),
@@ -63,24 +57,15 @@ pub enum Error {
     /// [`RecordError`].
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// [`ResponseDataError`].
-    #[error(transparent)]
-    Response(#[from] ResponseDataError),
     /// [`RunError`].
     #[error(transparent)]
     Run(#[from] RunError),
-    /// [`ScaleError`].
-    #[error(transparent)]
-    Scale(#[from] ScaleError),
     /// [`ScoreError`].
     #[error(transparent)]
     Score(#[from] ScoreError),
     /// [`SimulationError`].
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// [`StartError`].
-    #[error(transparent)]
-    Start(#[from] StartError),
     /// [`TrackError`].
     #[error(transparent)]
     Track(#[from] TrackError),

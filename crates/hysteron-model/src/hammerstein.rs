@@ -52,7 +52,7 @@ pub fn joins_means(scheme: Scheme, inter_sample: InterSample) -> bool {
 }
 
 /// Why a model could not be simulated.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulationError {
     /// Dynamics or a delay need to know the time between samples.

@@ -15,7 +15,7 @@ use super::watch::Plan;
 use super::{Finding, FindingKind, Searches, Watch};
 use hysteron_model::Model;
 use hysteron_model::axes::{
-    AxesError, AxesRecord, AxesScoreError, AxesScores, CoupledErrors, CoupledHammerstein, SteadyPeriod,
+    AxesError, AxesRecord, AxesScores, CoupledErrors, CoupledHammerstein, SteadyPeriod,
 };
 use hysteron_model::model_file::{CoupledFile, SignalUnits};
 use hysteron_model::validate::Scoring;
@@ -67,9 +67,6 @@ pub enum CoupledFitError {
     /// The search failed.
     #[error(transparent)]
     Optimize(#[from] OptimizeError),
-    /// The fit could not be scored.
-    #[error(transparent)]
-    Score(#[from] AxesScoreError),
     /// The model does not describe a record.
     #[error(
         "the branches do not describe record `{record}`: the best fit explains {fit_percent:.1} % of it, {need} % are needed"

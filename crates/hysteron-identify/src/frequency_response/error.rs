@@ -2,7 +2,7 @@
 
 use hysteron_model::Advice;
 use hysteron_model::dynamics::DynamicsError;
-use hysteron_model::record::{RecordError, ResponseDataError};
+use hysteron_model::record::RecordError;
 use hysteron_optimize::OptimizeError;
 
 /// Error of [`crate::frequency_response`].
@@ -75,10 +75,7 @@ pub enum FrequencyResponseError {
         /// Why.
         problem: String,
     },
-    /// A response that does not hold together.
-    #[error(transparent)]
-    Data(#[from] ResponseDataError),
-    /// From the record.
+    /// From the record, or the response.
     #[error(transparent)]
     Record(#[from] RecordError),
     /// From the transfer function.

@@ -17,7 +17,7 @@ pub use file::RecalibrationSummary;
 use hysteron_model::Start;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::record::{InputOutput, range_of};
-use hysteron_model::validate::{Scores, Scoring, StartError, choose_start, score};
+use hysteron_model::validate::{ScoreError, Scores, Scoring, choose_start, score};
 use hysteron_optimize::{Algorithm, LeastSquaresOptions, Settings, Unobserved, minimize};
 use nalgebra::{DMatrix, DVector};
 use problem::{GainAndDelay, Names};
@@ -189,8 +189,8 @@ fn choose(model: &Model, recordings: &[Recording]) -> Result<Vec<Start>, Identif
         }
         match choose_start(model, &recording.data, recording.start, &Scoring::default()) {
             Ok((start, _)) => Ok(start),
-            Err(StartError::Simulation(e)) => Err(e.into()),
-            Err(StartError::Score(e)) => Err(e.into()),
+            Err(ScoreError::Simulation(e)) => Err(e.into()),
+            Err(e) => Err(e.into()),
         }
     };
     recordings.iter().map(one).collect()

@@ -3,6 +3,7 @@
 use crate::advice::{Advice, ColumnRole};
 use crate::hysteresis::HysteresisError;
 use crate::record::RecordError;
+use crate::validate::ScoreError;
 
 /// A record or a model of several axes that cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -181,6 +182,17 @@ pub enum AxesError {
     /// The drive between its samples.
     #[error("the drive between its samples: {0}")]
     Interpolation(#[from] HysteresisError),
+    /// A single output could not be scored.
+    #[error(transparent)]
+    Score(#[from] ScoreError),
+    /// The outputs do not match.
+    #[error("the record has {measured} outputs, the simulation {simulated}")]
+    Outputs {
+        /// Of the record.
+        measured: usize,
+        /// Of the simulation.
+        simulated: usize,
+    },
 }
 
 impl AxesError {

@@ -31,7 +31,7 @@ pub use modes::{
 #[doc(hidden)]
 pub use modes::{LARGEST_POLE, POWERS, frequency, linear_states};
 pub use record::AxesRecord;
-pub use score::{AxesScoreError, AxesScores};
+pub use score::AxesScores;
 pub use steady::SteadyPeriod;
 #[doc(hidden)]
 pub use steady::remove_means;

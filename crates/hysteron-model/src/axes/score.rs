@@ -1,8 +1,8 @@
 //! Scores of several outputs.
 
-use super::{AxesRecord, SteadyPeriod, remove_means};
-use crate::record::{InputOutput, RecordError};
-use crate::validate::{ScoreError, Scores, Scoring, score};
+use super::{AxesError, AxesRecord, SteadyPeriod, remove_means};
+use crate::record::InputOutput;
+use crate::validate::{Scores, Scoring, score};
 
 /// How well a simulation agrees with a record, output by output and pooled.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,26 +19,6 @@ pub struct AxesScores {
     pub mean_period_rmse: Option<f64>,
 }
 
-/// Why a record could not be scored.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AxesScoreError {
-    /// A single output could not be scored.
-    #[error(transparent)]
-    Score(#[from] ScoreError),
-    /// A channel that is not one.
-    #[error(transparent)]
-    Record(#[from] RecordError),
-    /// The outputs do not match.
-    #[error("the record has {measured} outputs, the simulation {simulated}")]
-    Outputs {
-        /// Of the record.
-        measured: usize,
-        /// Of the simulation.
-        simulated: usize,
-    },
-}
-
 /// Mean square about the mean, over the valid samples.
 fn variance_of(y: &[f64], valid: Option<&[bool]>) -> f64 {
     let is_valid = |k: usize| valid.is_none_or(|mask| mask.get(k) == Some(&true));
@@ -52,15 +32,15 @@ impl AxesScores {
     /// Scores simulated outputs (one list an output) against a record; `period`: its mean period, where it repeats.
     ///
     /// # Errors
-    /// [`AxesScoreError`].
+    /// [`AxesError`].
     pub fn new(
         record: &AxesRecord,
         simulated: &[Vec<f64>],
         scoring: &Scoring,
         period: Option<&SteadyPeriod>,
-    ) -> Result<Self, AxesScoreError> {
+    ) -> Result<Self, AxesError> {
         if record.y.is_empty() || record.y.len() != simulated.len() {
-            return Err(AxesScoreError::Outputs { measured: record.y.len(), simulated: simulated.len() });
+            return Err(AxesError::Outputs { measured: record.y.len(), simulated: simulated.len() });
         }
         let mut outputs = Vec::with_capacity(simulated.len());
         let (mut squares, mut variance) = (0.0, 0.0);

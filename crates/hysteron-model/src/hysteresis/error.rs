@@ -246,6 +246,16 @@ pub enum HysteresisError {
     /// Up-sampling by 0.
     #[error("the up-sampling factor is 0: it must be at least 1")]
     Factor,
+    /// A number of elements that a family cannot have.
+    #[error("{family} cannot have {found} elements: {allowed}")]
+    Elements {
+        /// Name of the family.
+        family: &'static str,
+        /// The number.
+        found: usize,
+        /// What is allowed.
+        allowed: String,
+    },
     /// Not one number a shape parameter.
     #[error("the shape has {found} parameters but this family has {expected}")]
     ShapeCount {

@@ -59,7 +59,7 @@ pub use duhem::Duhem;
 pub use error::HysteresisError;
 pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};
 pub use follow::{DriveLimits, Followed};
-pub use form::{HysteresisForm, UnknownElements};
+pub use form::HysteresisForm;
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
 pub use inter_sample::RecordEnds;
 #[doc(hidden)]

@@ -1,6 +1,6 @@
 //! Why a model could not be run on a record.
 
-use crate::axes::{AxesError, AxesScoreError};
+use crate::axes::AxesError;
 use crate::hammerstein::SimulationError;
 use crate::model::Unsupported;
 use crate::model_file::Kind;
@@ -80,9 +80,6 @@ pub enum RunError {
     /// The record cannot be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),
-    /// A record of several axes cannot be scored.
-    #[error(transparent)]
-    AxesScore(#[from] AxesScoreError),
     /// Too few samples say anything about a model.
     #[error("only {samples} of its {total} samples can be scored; need at least {need}")]
     TooFewSamples {

@@ -8,7 +8,7 @@ use crate::model_file::{ModelFile, OscillatorFile};
 use crate::oscillator::Oscillator;
 use crate::record::{InputOutput, InterSample, Run, RunPart, TimeBase, Unit, find_periods, range_of};
 use crate::start::Start;
-use crate::validate::{OffsetTreatment, Scores, Scoring, StartError, choose_start, score, unfollowed_start};
+use crate::validate::{OffsetTreatment, ScoreError, Scores, Scoring, choose_start, score, unfollowed_start};
 
 /// Excess over the valid range, as a share of it, that is not worth a remark.
 const RANGE_SLACK: f64 = 0.01;
@@ -210,8 +210,8 @@ impl Model {
         let expected = hammerstein_start(&body.data, record, &mut run.remarks);
         run.remark_range(self, &record.u);
         let (chosen, y) = choose_start(&body.law, record, expected, scoring).map_err(|e| match e {
-            StartError::Simulation(e) => RunError::from(e),
-            StartError::Score(e) => e.into(),
+            ScoreError::Simulation(e) => RunError::from(e),
+            e => e.into(),
         })?;
         if chosen != expected {
             run.remarks.push(Remark::StartChosen { chosen, expected });

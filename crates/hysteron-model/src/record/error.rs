@@ -248,6 +248,9 @@ pub enum RecordError {
         /// Unit that the factor is per.
         per: String,
     },
+    /// Text that is no [`Scale`](super::Scale).
+    #[error("{0}")]
+    ScaleText(&'static str),
     /// A setting of a preparation step out of its range.
     #[error("record `{record}`: {setting} = {value} is not possible; {allowed}")]
     BadSetting {
@@ -355,6 +358,62 @@ pub enum RecordError {
         ends_s: f64,
         /// First stamp of the other \[s\].
         begins_s: f64,
+    },
+    /// Lists of different lengths.
+    #[error("frequency response `{name}`: {what} has {found} entries where there are {expected} frequencies")]
+    ResponseLength {
+        /// The response.
+        name: String,
+        /// Which list.
+        what: &'static str,
+        /// Entries found.
+        found: usize,
+        /// Number of frequencies.
+        expected: usize,
+    },
+    /// A frequency that is not positive and finite, or not above the one before.
+    #[error(
+        "frequency response `{name}`, point {index}: frequency {value} Hz; frequencies must be positive, finite and strictly ascending"
+    )]
+    ResponseFrequency {
+        /// The response.
+        name: String,
+        /// Point, from 1.
+        index: usize,
+        /// Frequency found \[Hz\].
+        value: f64,
+    },
+    /// A value that is not finite, or zero where it has to be divided by.
+    #[error("frequency response `{name}`, {frequency_hz} Hz: the value {found} is not {wanted}")]
+    ResponseValue {
+        /// The response.
+        name: String,
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+        /// Value found.
+        found: String,
+        /// What is wanted.
+        wanted: &'static str,
+    },
+    /// A standard deviation that is not positive and finite.
+    #[error(
+        "frequency response `{name}`, {frequency_hz} Hz: the standard deviation is {found}; it must be positive and finite"
+    )]
+    ResponseUncertainty {
+        /// The response.
+        name: String,
+        /// Frequency \[Hz\].
+        frequency_hz: f64,
+        /// Standard deviation found.
+        found: f64,
+    },
+    /// Two responses that do not share their frequencies.
+    #[error("cannot divide frequency response `{over}` by `{under}`: they are not at the same frequencies")]
+    OtherFrequencies {
+        /// Numerator.
+        over: String,
+        /// Denominator.
+        under: String,
     },
 }
 

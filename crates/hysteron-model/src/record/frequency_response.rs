@@ -1,69 +1,8 @@
 //! A measured frequency response.
 
 use super::Source;
+use crate::record::RecordError;
 use hysteron_numeric::Complex64;
-
-/// What can be wrong with a measured frequency response.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ResponseDataError {
-    /// Lists of different lengths.
-    #[error("frequency response `{name}`: {what} has {found} entries where there are {expected} frequencies")]
-    Length {
-        /// The response.
-        name: String,
-        /// Which list.
-        what: &'static str,
-        /// Entries found.
-        found: usize,
-        /// Number of frequencies.
-        expected: usize,
-    },
-    /// A frequency that is not positive and finite, or not above the one before.
-    #[error(
-        "frequency response `{name}`, point {index}: frequency {value} Hz; frequencies must be positive, finite and strictly ascending"
-    )]
-    Frequency {
-        /// The response.
-        name: String,
-        /// Point, from 1.
-        index: usize,
-        /// Frequency found \[Hz\].
-        value: f64,
-    },
-    /// A value that is not finite, or zero where it has to be divided by.
-    #[error("frequency response `{name}`, {frequency_hz} Hz: the value {found} is not {wanted}")]
-    Value {
-        /// The response.
-        name: String,
-        /// Frequency \[Hz\].
-        frequency_hz: f64,
-        /// Value found.
-        found: String,
-        /// What is wanted.
-        wanted: &'static str,
-    },
-    /// A standard deviation that is not positive and finite.
-    #[error(
-        "frequency response `{name}`, {frequency_hz} Hz: the standard deviation is {found}; it must be positive and finite"
-    )]
-    Uncertainty {
-        /// The response.
-        name: String,
-        /// Frequency \[Hz\].
-        frequency_hz: f64,
-        /// Standard deviation found.
-        found: f64,
-    },
-    /// Two responses that do not share their frequencies.
-    #[error("cannot divide frequency response `{over}` by `{under}`: they are not at the same frequencies")]
-    OtherFrequencies {
-        /// Numerator.
-        over: String,
-        /// Denominator.
-        under: String,
-    },
-}
 
 /// A complex frequency response G(2πi f) at measured frequencies, with its uncertainty where it is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,11 +27,7 @@ impl FrequencyResponse {
     ///
     /// # Errors
     /// As [`Self::check`].
-    pub fn new(
-        name: &str,
-        frequency_hz: Vec<f64>,
-        values: Vec<Complex64>,
-    ) -> Result<Self, ResponseDataError> {
+    pub fn new(name: &str, frequency_hz: Vec<f64>, values: Vec<Complex64>) -> Result<Self, RecordError> {
         let response = Self {
             name: name.to_owned(),
             frequency_hz,
@@ -127,21 +62,21 @@ impl FrequencyResponse {
     /// (positive, finite).
     ///
     /// # Errors
-    /// [`ResponseDataError::Length`], [`ResponseDataError::Frequency`], [`ResponseDataError::Value`],
-    /// [`ResponseDataError::Uncertainty`].
-    pub fn check(&self) -> Result<(), ResponseDataError> {
+    /// [`RecordError::ResponseLength`], [`RecordError::ResponseFrequency`], [`RecordError::ResponseValue`],
+    /// [`RecordError::ResponseUncertainty`].
+    pub fn check(&self) -> Result<(), RecordError> {
         let name = || self.name.clone();
         let lengths =
             [("value", Some(self.values.len())), ("uncertainty", self.std_dev.as_ref().map(Vec::len))];
         for (what, found) in lengths {
             if let Some(found) = found.filter(|&found| found != self.len()) {
-                return Err(ResponseDataError::Length { name: name(), what, found, expected: self.len() });
+                return Err(RecordError::ResponseLength { name: name(), what, found, expected: self.len() });
             }
         }
         let mut before = 0.0;
         for (i, (&f, value)) in self.frequency_hz.iter().zip(&self.values).enumerate() {
             if !(f > before && f.is_finite()) {
-                return Err(ResponseDataError::Frequency { name: name(), index: i + 1, value: f });
+                return Err(RecordError::ResponseFrequency { name: name(), index: i + 1, value: f });
             }
             if !value.is_finite() {
                 return Err(self.bad_value(i, "finite"));
@@ -150,15 +85,15 @@ impl FrequencyResponse {
         }
         for (&f, &s) in self.frequency_hz.iter().zip(self.std_dev.iter().flatten()) {
             if !(s > 0.0 && s.is_finite()) {
-                return Err(ResponseDataError::Uncertainty { name: name(), frequency_hz: f, found: s });
+                return Err(RecordError::ResponseUncertainty { name: name(), frequency_hz: f, found: s });
             }
         }
         Ok(())
     }
 
     #[doc(hidden)]
-    pub fn bad_value(&self, index: usize, wanted: &'static str) -> ResponseDataError {
-        ResponseDataError::Value {
+    pub fn bad_value(&self, index: usize, wanted: &'static str) -> RecordError {
+        RecordError::ResponseValue {
             name: self.name.clone(),
             frequency_hz: self.frequency_hz.get(index).copied().unwrap_or(f64::NAN),
             found: self.values.get(index).map(ToString::to_string).unwrap_or_default(),
@@ -183,11 +118,11 @@ impl FrequencyResponse {
     /// command. Independent uncertainties are combined to first order; where only one is known it is taken alone.
     ///
     /// # Errors
-    /// [`ResponseDataError::OtherFrequencies`]; [`ResponseDataError::Value`] for a zero divisor.
-    pub fn over(&self, under: &Self) -> Result<Self, ResponseDataError> {
+    /// [`RecordError::OtherFrequencies`]; [`RecordError::ResponseValue`] for a zero divisor.
+    pub fn over(&self, under: &Self) -> Result<Self, RecordError> {
         if self.frequency_hz != under.frequency_hz {
             let (over, under) = (self.name.clone(), under.name.clone());
-            return Err(ResponseDataError::OtherFrequencies { over, under });
+            return Err(RecordError::OtherFrequencies { over, under });
         }
         if let Some(index) = under.values.iter().position(|v| *v == Complex64::ZERO) {
             return Err(under.bad_value(index, "a divisor"));
@@ -243,7 +178,7 @@ pub fn unwrapped_phase_deg(values: &[Complex64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    fn response(f: &[f64]) -> Result<FrequencyResponse, ResponseDataError> {
+    fn response(f: &[f64]) -> Result<FrequencyResponse, RecordError> {
         FrequencyResponse::new("g", f.to_vec(), f.iter().map(|&f| Complex64::new(f, -1.0)).collect())
     }
 
@@ -251,15 +186,15 @@ mod tests {
     fn unsound_responses_are_refused() {
         assert!(response(&[1.0, 2.0, 4.0]).is_ok());
         for bad in [&[0.0, 1.0][..], &[1.0, 1.0], &[2.0, 1.0], &[1.0, f64::NAN], &[1.0, f64::INFINITY]] {
-            assert!(matches!(response(bad), Err(ResponseDataError::Frequency { .. })), "{bad:?}");
+            assert!(matches!(response(bad), Err(RecordError::ResponseFrequency { .. })), "{bad:?}");
         }
         let short = FrequencyResponse::new("g", vec![1.0, 2.0], vec![Complex64::ONE]);
-        assert!(matches!(short, Err(ResponseDataError::Length { found: 1, expected: 2, .. })));
+        assert!(matches!(short, Err(RecordError::ResponseLength { found: 1, expected: 2, .. })));
         let infinite = FrequencyResponse::new("g", vec![1.0], vec![Complex64::new(f64::INFINITY, 0.0)]);
-        assert!(matches!(infinite, Err(ResponseDataError::Value { .. })));
+        assert!(matches!(infinite, Err(RecordError::ResponseValue { .. })));
         let mut zero = response(&[1.0]).unwrap();
         zero.std_dev = Some(vec![0.0]);
-        assert!(matches!(zero.check(), Err(ResponseDataError::Uncertainty { .. })));
+        assert!(matches!(zero.check(), Err(RecordError::ResponseUncertainty { .. })));
     }
 
     #[test]

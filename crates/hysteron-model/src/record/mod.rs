@@ -52,7 +52,7 @@ pub use delay::{
 pub use detrend::Trend;
 pub use error::RecordError;
 pub use excitation_kind::{ExcitationKind, WaveShape, excitation_kind};
-pub use frequency_response::{FrequencyResponse, ResponseDataError, unwrapped_phase_deg};
+pub use frequency_response::{FrequencyResponse, unwrapped_phase_deg};
 pub use gaps::Gap;
 pub use inspect::{Inspection, inspect};
 pub use inspection_summary::{
@@ -70,7 +70,7 @@ pub use prepare::{ColumnRange, Prepare, Prepared, PreparedSummary, Step};
 #[doc(hidden)]
 pub use resample::low_pass;
 pub use runs::{Run, RunPart, follow_each_other};
-pub use scale::{Scale, ScaleError};
+pub use scale::Scale;
 pub use selection::{ChannelChoice, Selection, Signal};
 pub use sensor::{Clipping, clipping, quantisation_step};
 pub use start_up::{StartUp, fit_start_up};

@@ -18,16 +18,11 @@ pub struct Scale {
     per: Option<Unit>,
 }
 
-/// Text that is no [`Scale`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct ScaleError(&'static str);
-
 impl FromStr for Scale {
-    type Err = ScaleError;
+    type Err = RecordError;
 
-    fn from_str(text: &str) -> Result<Self, ScaleError> {
-        let form = || ScaleError("expected COL=FACTOR and a unit, e.g. y=2.5um/V");
+    fn from_str(text: &str) -> Result<Self, RecordError> {
+        let form = || RecordError::ScaleText("expected COL=FACTOR and a unit, e.g. y=2.5um/V");
         let (channel, scale) = text.split_once('=').ok_or_else(form)?;
         let (scale, per) = match scale.split_once('/') {
             Some((scale, per)) => (scale, Some(per.trim())),
@@ -42,7 +37,7 @@ impl FromStr for Scale {
             return Err(form());
         }
         if !(factor.is_finite() && factor != 0.0) {
-            return Err(ScaleError("the factor must be finite and not 0"));
+            return Err(RecordError::ScaleText("the factor must be finite and not 0"));
         }
         Ok(Scale {
             channel: channel.trim().to_owned(),
@@ -116,7 +111,7 @@ mod tests {
     fn scaled(text: &str, unit: &str) -> Result<(String, f64), String> {
         let channel = Channel::new("y", unit, vec![1.0, 2.0]);
         let record = Record::new("r", TimeBase::uniform(1.0), vec![channel]).unwrap();
-        let scale: Scale = text.parse().map_err(|e: ScaleError| e.to_string())?;
+        let scale: Scale = text.parse().map_err(|e: RecordError| e.to_string())?;
         let scaled = scale.apply(&record).map_err(|e| e.to_string())?;
         Ok((scaled.channels[0].header(), scaled.channels[0].samples[1]))
     }

@@ -13,8 +13,9 @@ pub use loop_width::loop_opening;
 pub use residual_tests::{CorrelationTest, Correlogram, residual_input_correlation, residual_whiteness};
 #[doc(hidden)]
 pub use start::settling_samples;
-pub use start::{StartError, choose_start, possible_starts, settled_period, unfollowed_start};
+pub use start::{choose_start, possible_starts, settled_period, unfollowed_start};
 
+use crate::hammerstein::SimulationError;
 use crate::record::{InputOutput, TimeBase};
 use serde::{Deserialize, Serialize};
 
@@ -134,6 +135,9 @@ pub enum ScoreError {
         /// Largest magnitude among record and simulation.
         largest: f64,
     },
+    /// The model cannot be simulated on the record from the start preferred.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
 }
 
 /// Fewest samples a score is given for.

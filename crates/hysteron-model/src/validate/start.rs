@@ -2,23 +2,12 @@
 
 use super::memory::best_memory;
 use super::{ScoreError, Scoring, score};
-use crate::hammerstein::{Model, SimulationError};
+use crate::hammerstein::Model;
 use crate::record::{InputOutput, Periods, find_periods, range_of, shortest_swing};
 use crate::start::Start;
 
 /// Ends that differ by less than this share of the range close a loop.
 const CLOSED: f64 = 0.03;
-
-/// Why no start could be chosen.
-#[derive(Debug, thiserror::Error)]
-pub enum StartError {
-    /// The model cannot be simulated on the record from any start.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    /// The record cannot be scored.
-    #[error(transparent)]
-    Score(#[from] ScoreError),
-}
 
 /// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off), settled on
 /// its own period where it repeats from the beginning or is one closed loop.
@@ -77,13 +66,13 @@ fn closes(x: &[f64]) -> bool {
 /// estimated memory z ([`Start::Remembering`]).
 ///
 /// # Errors
-/// [`StartError`] where the model cannot be simulated from the preferred start, or the record cannot be scored.
+/// [`ScoreError`] where the model cannot be simulated from the preferred start, or the record cannot be scored.
 pub fn choose_start(
     model: &Model,
     record: &InputOutput,
     preferred: Start,
     scoring: &Scoring,
-) -> Result<(Start, Vec<f64>), StartError> {
+) -> Result<(Start, Vec<f64>), ScoreError> {
     const BETTER: f64 = 0.99;
     let simulated = model.simulate(&record.u, &record.time, &preferred)?;
     let mut best = (score(record, &simulated, scoring)?.rmse, preferred, simulated);

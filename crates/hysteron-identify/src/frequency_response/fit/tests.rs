@@ -1,4 +1,4 @@
-use hysteron_model::record::ResponseDataError;
+use hysteron_model::record::RecordError;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -175,7 +175,7 @@ fn what_cannot_be_fitted_is_refused_and_an_edge_is_told() {
     let mut zero = sampled(&TransferFunction::article_eq13(), 0.0, spaced(1.0, 9.0, 9));
     zero.values[4] = Complex64::ZERO;
     let refused = fit_structure(&zero, &Structure::POWER_LAW, Weighting::Relative);
-    assert!(matches!(refused, Err(FrequencyResponseError::Data(ResponseDataError::Value { .. }))));
+    assert!(matches!(refused, Err(FrequencyResponseError::Record(RecordError::ResponseValue { .. }))));
     // A response that leads has no delay: it ends on the edge at 0, without a standard error.
     let lead = |f: &f64| Complex64::from_polar(1.0, 1e-3 * f);
     let frequency_hz = spaced(1.0, 100.0, 30);

@@ -37,18 +37,6 @@ pub enum HysteresisForm {
 const MOST_ELEMENTS: usize = 60;
 const MOST_OF_A_PLANE: usize = 16;
 
-/// A number of elements that a family cannot have.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{family} cannot have {found} elements: {allowed}")]
-pub struct UnknownElements {
-    /// Name of the family.
-    pub family: &'static str,
-    /// The number.
-    pub found: usize,
-    /// What is allowed.
-    pub allowed: String,
-}
-
 impl std::str::FromStr for HysteresisForm {
     type Err = UnknownName;
 
@@ -92,9 +80,10 @@ impl HysteresisForm {
     /// The family with another number of elements: plays, slip elements, states, lines or intervals of a plane, degree.
     ///
     /// # Errors
-    /// [`UnknownElements`] for a number that the family cannot have.
-    pub fn with_elements(self, count: usize) -> Result<Self, UnknownElements> {
-        let refused = |allowed: String| UnknownElements { family: self.name(), found: count, allowed };
+    /// [`HysteresisError::Elements`] for a number that the family cannot have.
+    pub fn with_elements(self, count: usize) -> Result<Self, HysteresisError> {
+        let refused =
+            |allowed: String| HysteresisError::Elements { family: self.name(), found: count, allowed };
         let within = |most: usize| {
             (1..=most).contains(&count).then_some(count).ok_or_else(|| refused(format!("it has 1 to {most}")))
         };
