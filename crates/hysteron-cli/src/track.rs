@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use hysteron_io::write_csv;
 use hysteron_model::Advice;
-use hysteron_model::compensator::CompensatorError;
-use hysteron_model::control::{ControlError, Plant, TuningError, Wanted, slew_of_current};
+use hysteron_model::control::{ControlError, Plant, Wanted, slew_of_current};
+use hysteron_model::invert::InversionError;
 use hysteron_model::model::{Capability, SignalRole};
 use hysteron_model::realise::{RealiseError, RealiseOptions};
 use hysteron_model::record::{Channel, Record, Signal, TimeBase};
-use hysteron_model::tracking::{Controller, PlantDescription, TrackError, TrackOptions, Tracking, track};
+use hysteron_model::tracking::{Controller, PlantDescription, TrackOptions, Tracking, track};
 use hysteron_numeric::display::short;
 use hysteron_report::tracking as report;
 use hysteron_rig::{Dac, RigStage, Truth};
@@ -193,7 +193,7 @@ impl Track {
         }
     }
 
-    fn explained(&self, error: &TrackError) -> Failure {
+    fn explained(&self, error: &ControlError) -> Failure {
         let because = |failure: Failure| failure.because(error);
         let failure = because(Failure::new(format!(
             "cannot follow {} with {}",
@@ -201,23 +201,19 @@ impl Track {
             self.model.display()
         )));
         let realise = match error {
-            TrackError::NoSampleRate => return failure.advised(Some(Advice::Resample)),
-            TrackError::NoRange => return failure.hint("give the range of the drive, e.g. --range 0:100"),
-            TrackError::NothingScored { .. } => {
+            ControlError::NoSampleRate => return failure.advised(Some(Advice::Resample)),
+            ControlError::NoRange => return failure.hint("give the range of the drive, e.g. --range 0:100"),
+            ControlError::NothingScored { .. } => {
                 return because(Failure::usage("nothing is left to score"))
                     .hint("less --skip, or less --preview");
             }
-            TrackError::Sines { .. } | TrackError::SlowSines { .. } => {
+            ControlError::Sines { .. } | ControlError::SlowSines { .. } => {
                 return because(Failure::usage("--sines cannot be played"));
             }
-            TrackError::Control(ControlError::Begins(_)) => {
+            ControlError::Inversion(InversionError::Begins { .. } | InversionError::Falls { .. }) => {
                 return failure.hint("change the reference's offset, or widen --range");
             }
-            TrackError::Control(
-                ControlError::Realise(e)
-                | ControlError::Compensator(CompensatorError::Realise(e))
-                | ControlError::Tuning(TuningError::Realise(e)),
-            ) => e,
+            ControlError::Realise(e) | ControlError::Inversion(InversionError::Realise(e)) => e,
             _ => return failure,
         };
         if matches!(realise, RealiseError::LowestFrequency) {

@@ -1,7 +1,7 @@
 //! Why a model was not exported.
 
 use hysteron_io::IoError;
-use hysteron_model::compensator::CompensatorError;
+use hysteron_model::invert::InversionError;
 use hysteron_model::realise::RealiseError;
 
 /// Error of an export.
@@ -22,7 +22,7 @@ pub enum ExportError {
     Realise(#[from] RealiseError),
     /// There is no inverse.
     #[error(transparent)]
-    Inverse(#[from] CompensatorError),
+    Inverse(#[from] InversionError),
     /// Nothing to test.
     #[error(
         "the {what} does not move along the drive of the self-test, which would pass whatever the source does"

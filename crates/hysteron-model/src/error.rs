@@ -1,8 +1,7 @@
 //! What can go wrong in this crate, of whatever part: a caller that only tells crates apart takes [`Error`].
 
 use crate::axes::AxesError;
-use crate::compensator::CompensatorError;
-use crate::control::{ControlError, TuningError};
+use crate::control::ControlError;
 use crate::dynamics::DynamicsError;
 use crate::fractional::FractionalError;
 use crate::hammerstein::SimulationError;
@@ -13,7 +12,6 @@ use crate::model_file::ModelFileError;
 use crate::oscillator::OscillatorError;
 use crate::realise::RealiseError;
 use crate::record::RecordError;
-use crate::tracking::TrackError;
 use crate::unknown_name::UnknownName;
 use crate::validate::ScoreError;
 
@@ -24,9 +22,6 @@ pub enum Error {
     /// [`AxesError`].
     #[error(transparent)]
     Axes(#[from] AxesError),
-    /// [`CompensatorError`].
-    #[error(transparent)]
-    Compensator(#[from] CompensatorError),
     /// [`ControlError`].
     #[error(transparent)]
     Control(#[from] ControlError),
@@ -66,12 +61,6 @@ pub enum Error {
     /// [`SimulationError`].
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// [`TrackError`].
-    #[error(transparent)]
-    Track(#[from] TrackError),
-    /// [`TuningError`].
-    #[error(transparent)]
-    Tuning(#[from] TuningError),
     /// [`Unsupported`].
     #[error(transparent)]
     Unsupported(#[from] Unsupported),

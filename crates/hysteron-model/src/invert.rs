@@ -12,13 +12,13 @@ use std::f64::consts::FRAC_PI_2;
 
 use hysteron_rt::Limited;
 
-use crate::compensator::{Compensation, CompensatorError, CompensatorParts};
+use crate::compensator::{Compensation, CompensatorParts};
 use crate::dynamics::{
     Dynamics, DynamicsError, InterSample, Inverse, InverseAim, Response, Sampling, Scheme, SimulationPlan,
     Term, TransferFunction,
 };
 use crate::hammerstein::{Model, SETTLING_PERIODS, SimulationError};
-use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError};
+use crate::hysteresis::{DriveGrid, DriveLimits, Followed, HysteresisError, Invertibility};
 use crate::realise::RealiseError;
 use crate::start::{Memory, Start};
 use hysteron_numeric::display::short;
@@ -115,7 +115,7 @@ pub struct InverseOfDynamics {
 }
 
 /// Why there is no drive.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InversionError {
     /// Fewer than two samples.
@@ -199,10 +199,7 @@ pub enum InversionError {
         "one sample at a time the device begins where it was virgin: give that voltage, not its hysteretic displacement"
     )]
     Displacement,
-    /// There is no compensator.
-    #[error(transparent)]
-    Compensator(#[from] CompensatorError),
-    /// The runtime refuses where the device rests.
+    /// The model does not run sample by sample, or not from where the device rests.
     #[error(transparent)]
     Realise(#[from] RealiseError),
     /// The model cannot be run at this rate.
@@ -214,6 +211,25 @@ pub enum InversionError {
     /// The hysteresis has no inverse.
     #[error("the hysteresis cannot be inverted: {0}")]
     Hysteresis(#[from] HysteresisError),
+    /// A number of the options of a compensator is not usable.
+    #[error("{name} must be {allowed}, but it is {value}")]
+    Option {
+        /// Its name, with its unit where it has one.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The hysteresis has no inverse within the range.
+    #[error("the hysteresis cannot be inverted: {0}")]
+    NotInvertible(Invertibility),
+    /// The gain at rest is 0, or next to nothing.
+    #[error("the dynamics pass next to nothing at rest: no drive holds a displacement")]
+    NoGain,
+    /// The equations of the regulator have no solution in double precision.
+    #[error("no stable regulator was found; ask for a lower bandwidth")]
+    NoRegulator,
 }
 
 impl Model {

@@ -4,12 +4,11 @@
 
 use hysteron_model::Memory;
 use hysteron_model::Start;
-use hysteron_model::compensator::{
-    Compensation, CompensatorError, CompensatorOptions, CompensatorParts, Prediction,
-};
+use hysteron_model::compensator::{Compensation, CompensatorOptions, CompensatorParts, Prediction};
 use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{Family, FamilyForm, FamilyStream, Hysteresis};
+use hysteron_model::invert::InversionError;
 use hysteron_model::realise::{Realisation, RealiseOptions, RuntimeParts, realise};
 use hysteron_model::record::InterSample;
 use hysteron_rt::{Limited, ModelError, Real};
@@ -218,6 +217,6 @@ fn what_does_not_rise_is_refused() {
     family.weights[5] = 1.0;
     let compensation = Compensation::new(&model, RATE_HZ, &CompensatorOptions::default()).unwrap();
     let refused = CompensatorParts::<f64>::new(&compensation, RANGE, f64::INFINITY).map(drop);
-    assert!(matches!(refused, Err(CompensatorError::NotInvertible(_))), "{refused:?}");
+    assert!(matches!(refused, Err(InversionError::NotInvertible(_))), "{refused:?}");
     assert!(refused.unwrap_err().to_string().contains("does not raise the output"));
 }

@@ -4,7 +4,7 @@ use hysteron_rt::{Compensator, Drive};
 use self_cell::{MutBorrow, self_cell};
 use serde::{Deserialize, Serialize};
 
-use super::{Compensation, CompensatorError, CompensatorOptions, CompensatorParts};
+use super::{Compensation, CompensatorOptions, CompensatorParts, InversionError};
 use crate::hammerstein::Model;
 
 /// What a drive keeps to.
@@ -64,7 +64,7 @@ impl Controller {
         sample_rate_hz: f64,
         limits: Limits,
         options: &CompensatorOptions,
-    ) -> Result<Self, CompensatorError> {
+    ) -> Result<Self, InversionError> {
         let compensation = Compensation::new(model, sample_rate_hz, options)?;
         let range = [limits.low, limits.high];
         let parts = CompensatorParts::new(&compensation, range, limits.slew_v_per_s)?;

@@ -27,9 +27,8 @@ pub use parts::CompensatorParts;
 pub use prediction::Prediction;
 
 use crate::hammerstein::Model;
-use crate::hysteresis::Invertibility;
-use crate::invert::{BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH};
-use crate::realise::{LinearRealisation, RealiseError, RealiseOptions, held};
+use crate::invert::{BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH, InversionError};
+use crate::realise::{LinearRealisation, RealiseOptions, held};
 use hysteron_numeric::Complex64;
 use riccati::{StateSpace, regulator};
 
@@ -73,34 +72,6 @@ impl Default for CompensatorOptions {
     }
 }
 
-/// Why there is no compensator.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CompensatorError {
-    /// The model does not run sample by sample.
-    #[error(transparent)]
-    Realise(#[from] RealiseError),
-    /// A number of the options is not usable.
-    #[error("{name} must be {allowed}, but it is {value}")]
-    Option {
-        /// Its name, with its unit where it has one.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// The hysteresis has no inverse within the range.
-    #[error("the hysteresis cannot be inverted: {0}")]
-    NotInvertible(Invertibility),
-    /// The gain at rest is 0, or next to nothing.
-    #[error("the dynamics pass next to nothing at rest: no drive holds a displacement")]
-    NoGain,
-    /// The equations of the regulator have no solution in double precision.
-    #[error("no stable regulator was found; ask for a lower bandwidth")]
-    NoRegulator,
-}
-
 /// The linear law of a compensator at one sample rate; see [`hysteron_rt::Law`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compensation {
@@ -132,18 +103,18 @@ impl Compensation {
     /// The law for a model at a controller's rate.
     ///
     /// # Errors
-    /// [`CompensatorError`].
+    /// [`InversionError`].
     pub fn new(
         model: &Model,
         sample_rate_hz: f64,
         options: &CompensatorOptions,
-    ) -> Result<Self, CompensatorError> {
+    ) -> Result<Self, InversionError> {
         options.check(sample_rate_hz)?;
         let dynamics = held(model, sample_rate_hz, &options.realise)?;
         let plant = plant(&dynamics);
         let gain = dynamics.held_gain();
         if gain.abs() <= 1e-6 * dynamics.reference_gain {
-            return Err(CompensatorError::NoGain);
+            return Err(InversionError::NoGain);
         }
         let own_bandwidth = options.bandwidth_hz.unwrap_or(BANDWIDTH_SHARE * sample_rate_hz);
         let is_static = dynamics.sections.is_empty() && dynamics.taps.len() == 1;
@@ -155,7 +126,7 @@ impl Compensation {
             let error = options.error_at_bandwidth;
             (error / (1.0 - error) * passed / roughness, own_bandwidth)
         };
-        let gains = feedback(&plant, weight).ok_or(CompensatorError::NoRegulator)?;
+        let gains = feedback(&plant, weight).ok_or(InversionError::NoRegulator)?;
         let states = dynamics.sections.len();
         let mut kept = gains.gains.iter().map(|k| -k);
         let mut section_gains = Vec::with_capacity(states);
@@ -246,8 +217,8 @@ impl Compensation {
 }
 
 impl CompensatorOptions {
-    fn check(&self, sample_rate_hz: f64) -> Result<(), CompensatorError> {
-        let refuse = |name, value, allowed| Err(CompensatorError::Option { name, value, allowed });
+    fn check(&self, sample_rate_hz: f64) -> Result<(), InversionError> {
+        let refuse = |name, value, allowed| Err(InversionError::Option { name, value, allowed });
         if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
             return refuse("sample rate [Hz]", sample_rate_hz, "positive and finite");
         }
@@ -372,18 +343,18 @@ fn known(
     preview: usize,
     prediction: Prediction,
     sample_rate_hz: f64,
-) -> Result<Vec<f64>, CompensatorError> {
+) -> Result<Vec<f64>, InversionError> {
     // Gain j is on the sample late + j ahead.
     let last = late + ahead.len() - 1;
     let unknown = last - preview.min(last);
     if unknown > MOST_AHEAD {
         let (value, allowed) = (unknown as f64, "at most 4096: give more preview");
-        return Err(CompensatorError::Option { name: "samples to predict", value, allowed });
+        return Err(InversionError::Option { name: "samples to predict", value, allowed });
     }
     let gain_at = |samples_ahead: usize| {
         samples_ahead.checked_sub(late).and_then(|j| ahead.get(j)).copied().unwrap_or(0.0)
     };
-    let weights = prediction.weights(unknown, sample_rate_hz).ok_or(CompensatorError::NoRegulator)?;
+    let weights = prediction.weights(unknown, sample_rate_hz).ok_or(InversionError::NoRegulator)?;
     let first = preview.saturating_sub(late);
     let mut known = vec![0.0; (first + 1).max(weights.ncols())];
     for (l, gain) in known.iter_mut().enumerate() {

@@ -2,7 +2,7 @@
 
 use hysteron_rt::{Compensator, LANES, Law, Limits, Real};
 
-use super::{Compensation, CompensatorError};
+use super::{Compensation, InversionError};
 use crate::hysteresis::{Hysteresis, HysteresisError};
 use crate::realise::{Realisation, RealiseError, RuntimeParts};
 
@@ -27,20 +27,20 @@ impl<T: Real> CompensatorParts<T> {
     /// The parts of a law within the voltages `range_v` and the rate `slew_v_per_s` (infinite for none), rounded to `T`.
     ///
     /// # Errors
-    /// [`CompensatorError::NotInvertible`] for a hysteresis that has no inverse within the range; as [`RuntimeParts::new`];
-    /// [`CompensatorError::Option`] for limits that leave no room.
+    /// [`InversionError::NotInvertible`] for a hysteresis that has no inverse within the range; as [`RuntimeParts::new`];
+    /// [`InversionError::Option`] for limits that leave no room.
     pub fn new(
         compensation: &Compensation,
         range_v: [f64; 2],
         slew_v_per_s: f64,
-    ) -> Result<Self, CompensatorError> {
+    ) -> Result<Self, InversionError> {
         let [low, high] = range_v;
         if !(low < high && (high - low).is_finite()) {
             return Err(RealiseError::from(HysteresisError::Range { low, high }).into());
         }
         if slew_v_per_s.is_nan() || slew_v_per_s <= 0.0 {
             let (value, allowed) = (slew_v_per_s, "positive");
-            return Err(CompensatorError::Option { name: "largest rate of the drive [V/s]", value, allowed });
+            return Err(InversionError::Option { name: "largest rate of the drive [V/s]", value, allowed });
         }
         let model = &compensation.model;
         invertible(&model.hysteresis, range_v, 1.0 / compensation.sample_rate_hz)?;
@@ -85,7 +85,7 @@ impl<T: Real> CompensatorParts<T> {
     ///
     /// # Errors
     /// [`RealiseError::Rounded`] where the coefficients are not finite in this number type.
-    pub fn compensator(&mut self) -> Result<Compensator<'_, T>, CompensatorError> {
+    pub fn compensator(&mut self) -> Result<Compensator<'_, T>, InversionError> {
         let Self { model, recent, real, pairs, reference, ring, limits, offset } = self;
         let (hysteresis, dynamics) = model.blocks()?;
         let law = Law { recent, real, pairs, reference };
@@ -95,11 +95,7 @@ impl<T: Real> CompensatorParts<T> {
 }
 
 /// Whether every move within the range raises the output: by the exact condition of the family, else along loops of all sizes.
-fn invertible(
-    hysteresis: &Hysteresis,
-    [low, high]: [f64; 2],
-    interval_s: f64,
-) -> Result<(), CompensatorError> {
+fn invertible(hysteresis: &Hysteresis, [low, high]: [f64; 2], interval_s: f64) -> Result<(), InversionError> {
     let samples = TURNS * SAMPLES_A_TURN;
     let loops: Vec<f64> = (0..samples)
         .map(|k| {
@@ -110,5 +106,5 @@ fn invertible(
         })
         .collect();
     let found = hysteresis.invertibility(&[(&loops, Some(interval_s))]).map_err(RealiseError::from)?;
-    if found.is_invertible() { Ok(()) } else { Err(CompensatorError::NotInvertible(found)) }
+    if found.is_invertible() { Ok(()) } else { Err(InversionError::NotInvertible(found)) }
 }

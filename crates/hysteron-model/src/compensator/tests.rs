@@ -175,12 +175,12 @@ fn what_cannot_be_is_refused() {
     let usual = CompensatorOptions::default();
     for bandwidth_hz in [0.0, -1.0, 5000.0, f64::NAN] {
         let refused = law(&CompensatorOptions { bandwidth_hz: Some(bandwidth_hz), ..usual });
-        assert!(matches!(refused, Err(CompensatorError::Option { .. })), "{bandwidth_hz}");
+        assert!(matches!(refused, Err(InversionError::Option { .. })), "{bandwidth_hz}");
     }
     for (highest_hz, noise) in [(0.0, 0.1), (6000.0, 0.1), (10.0, 0.0), (10.0, f64::NAN)] {
         let prediction = Prediction::Band { highest_hz, noise };
         let refused = law(&CompensatorOptions { prediction, ..usual });
-        assert!(matches!(refused, Err(CompensatorError::Option { .. })), "{highest_hz} {noise}");
+        assert!(matches!(refused, Err(InversionError::Option { .. })), "{highest_hz} {noise}");
     }
     let steep = Model {
         hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![1.0, -0.1], 0.0, 1.0, 0.0, 1.0).unwrap()),
@@ -189,7 +189,7 @@ fn what_cannot_be_is_refused() {
     let law = Compensation::new(&steep, RATE_HZ, &usual).unwrap();
     assert!(CompensatorParts::<f64>::new(&law, [0.0, 4.0], f64::INFINITY).is_ok());
     let refused = CompensatorParts::<f64>::new(&law, [0.0, 6.0], f64::INFINITY);
-    assert!(matches!(refused, Err(CompensatorError::NotInvertible(_))), "{refused:?}");
+    assert!(matches!(refused, Err(InversionError::NotInvertible(_))), "{refused:?}");
     for (range, slew) in
         [([1.0, 1.0], 1.0), ([0.0, f64::NAN], 1.0), ([0.0, 1.0], 0.0), ([0.0, 1.0], f64::NAN)]
     {

@@ -6,7 +6,7 @@ use hysteron_rt::{FilteredLms, LmsFilter, LmsMemory, LmsSettings};
 use nalgebra::{DMatrix, DVector};
 
 use super::strategy::SLOW;
-use super::{ControlError, TuningError, Wanted};
+use super::{ControlError, Wanted};
 use hysteron_numeric::Complex64;
 
 /// Samples of the answer that are computed, its tail being cut off where no more than this share is left.
@@ -72,14 +72,14 @@ impl AdaptiveFilter {
     /// The step is the share of its limit that leaves the gain margin and, of a loop that is an integral and a delay, the phase margin asked for.
     ///
     /// # Errors
-    /// [`TuningError::Number`], [`TuningError::NoGain`] where no step is stable.
+    /// [`ControlError::Number`], [`ControlError::NoGain`] where no step is stable.
     pub fn new(
         path: &[(f64, Complex64)],
         correction: &dyn Fn(f64) -> Complex64,
         sample_rate_hz: f64,
         adaptive: Adaptive,
         wanted: &Wanted,
-    ) -> Result<Self, TuningError> {
+    ) -> Result<Self, ControlError> {
         let Adaptive { highest_hz, weights, leak_per_s } = adaptive;
         for (name, value, sound) in [
             (
@@ -95,7 +95,7 @@ impl AdaptiveFilter {
             ),
         ] {
             if !sound {
-                return Err(TuningError::Number { name, value });
+                return Err(ControlError::Number { name, value });
             }
         }
         let stride = ((sample_rate_hz / (PER_PERIOD * highest_hz)) as usize).max(1);
@@ -109,10 +109,10 @@ impl AdaptiveFilter {
             limit_at_hz: 0.0,
             sample_rate_hz,
         };
-        found.whitening = found.whitened().ok_or(TuningError::NoGain)?;
+        found.whitening = found.whitened().ok_or(ControlError::NoGain)?;
         (found.limit, found.limit_at_hz) = found.limit_on(path);
         found.rate = (found.limit * (1.0 / wanted.gain).min(1.0 - wanted.phase_deg / 90.0)).min(LARGEST_STEP);
-        if found.rate > 0.0 { Ok(found) } else { Err(TuningError::NoGain) }
+        if found.rate > 0.0 { Ok(found) } else { Err(ControlError::NoGain) }
     }
 
     /// The model of the secondary path at a frequency \[Hz\].

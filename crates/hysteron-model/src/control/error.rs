@@ -2,8 +2,7 @@
 
 use hysteron_rt::ModelError;
 
-use super::TuningError;
-use crate::compensator::CompensatorError;
+use crate::dynamics::DynamicsError;
 use crate::hysteresis::HysteresisError;
 use crate::invert::InversionError;
 use crate::realise::RealiseError;
@@ -16,21 +15,15 @@ pub type StageError = Box<dyn std::error::Error + Send + Sync>;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ControlError {
-    /// The inverse.
-    #[error(transparent)]
-    Compensator(#[from] CompensatorError),
-    /// The feedback.
-    #[error(transparent)]
-    Tuning(#[from] TuningError),
     /// The model does not run sample by sample.
     #[error(transparent)]
     Realise(#[from] RealiseError),
     /// The stage.
     #[error(transparent)]
     Stage(#[from] StageError),
-    /// The reference does not begin where the stage can rest.
+    /// The inverse, or a reference that does not begin where the stage can rest.
     #[error(transparent)]
-    Begins(#[from] InversionError),
+    Inversion(#[from] InversionError),
     /// The hysteresis refuses.
     #[error(transparent)]
     Hysteresis(#[from] HysteresisError),
@@ -48,4 +41,58 @@ pub enum ControlError {
     /// There is nothing to follow.
     #[error("a reference needs at least 2 samples, all of them finite")]
     Reference,
+    /// A number of the feedback is not usable.
+    #[error("{name} is out of range: {value}")]
+    Number {
+        /// Its name, with its unit where it has one.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// No gain of the feedback keeps the margins.
+    #[error("no gain of the feedback keeps the margins asked for")]
+    NoGain,
+    /// The model has no resonance for a notch.
+    #[error("the model has no resonance below half the sample rate, a notch has nothing to take off")]
+    NoResonance,
+    /// The poles of the feedback make no sense.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    /// A reference without a sample rate.
+    #[error("the reference has no uniform sample rate, which is to be the controller's")]
+    NoSampleRate,
+    /// The drive has no range.
+    #[error("the model file does not say which voltages it was identified with")]
+    NoRange,
+    /// Too few samples are scored.
+    #[error(
+        "nothing is left to score: the reference has {samples} samples, {skipped} of them skipped at its beginning and {ahead} at \
+         its end, where what is to be known ahead is not there"
+    )]
+    NothingScored {
+        /// Samples of the reference.
+        samples: usize,
+        /// Skipped at its beginning.
+        skipped: usize,
+        /// Skipped at its end.
+        ahead: usize,
+    },
+    /// Sines that the controller's rate does not allow.
+    #[error("the sines must lie above 0 and below half the sample rate, {} Hz", short(*half_rate_hz))]
+    Sines {
+        /// Half the sample rate \[Hz\].
+        half_rate_hz: f64,
+    },
+    /// Sines that are too slow.
+    #[error(
+        "the sines begin at {} Hz, with a period of a million samples or more; the lowest that is played is {} Hz",
+        short(*begin_hz),
+        short(*lowest_hz)
+    )]
+    SlowSines {
+        /// Where they begin \[Hz\].
+        begin_hz: f64,
+        /// The lowest possible \[Hz\].
+        lowest_hz: f64,
+    },
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use hysteron_rt::{Feedback, Real};
 
-use super::tuning::TuningError;
+use super::ControlError;
 use crate::dynamics::{Dynamics, TransferFunction};
 use crate::fractional::{Scheme, Term};
 use crate::hammerstein::Model;
@@ -72,21 +72,21 @@ impl FeedbackLaw {
     /// The form with the gain 1 (1/s for the integrals).
     ///
     /// # Errors
-    /// [`TuningError`]: a number out of range, poles that were not found.
-    pub fn new(kind: FeedbackKind, sample_rate_hz: f64) -> Result<Self, TuningError> {
+    /// [`ControlError`]: a number out of range, poles that were not found.
+    pub fn new(kind: FeedbackKind, sample_rate_hz: f64) -> Result<Self, ControlError> {
         if !(sample_rate_hz.is_finite() && sample_rate_hz > 0.0) {
-            return Err(TuningError::Number { name: "sample rate [Hz]", value: sample_rate_hz });
+            return Err(ControlError::Number { name: "sample rate [Hz]", value: sample_rate_hz });
         }
         let below_half = |name, f: f64| {
             let sound = f > 0.0 && f < 0.5 * sample_rate_hz;
-            if sound { Ok(TAU * f) } else { Err(TuningError::Number { name, value: f }) }
+            if sound { Ok(TAU * f) } else { Err(ControlError::Number { name, value: f }) }
         };
         let (proportional, integral_per_s, dynamics) = match kind {
             FeedbackKind::Integral => (0.0, 1.0, None),
             FeedbackKind::Pi { corner_hz } => (1.0, below_half("corner [Hz]", corner_hz)?, None),
             FeedbackKind::FractionalPi { corner_hz, order } => {
                 if !(order > 0.0 && order < 1.0) {
-                    return Err(TuningError::Number { name: "order of the integral", value: order });
+                    return Err(ControlError::Number { name: "order of the integral", value: order });
                 }
                 let corner = below_half("corner [Hz]", corner_hz)?;
                 let low = FRACTIONAL_DECADES * corner_hz;
@@ -102,7 +102,7 @@ impl FeedbackLaw {
                     [("damping of the zeros", notch.zeros), ("damping of the poles", notch.poles)]
                 {
                     if !(value >= 0.0 && value.is_finite()) {
-                        return Err(TuningError::Number { name, value });
+                        return Err(ControlError::Number { name, value });
                     }
                 }
                 // N/s = 1/s + 2 (ζ₀ − ζ₁) ω/(s² + 2 ζ₁ ω s + ω²).
@@ -113,7 +113,7 @@ impl FeedbackLaw {
                 (0.0, 1.0, Some((shape, None)))
             }
         };
-        let model = |dynamics| -> Result<Model, TuningError> {
+        let model = |dynamics| -> Result<Model, ControlError> {
             Ok(Model {
                 hysteresis: Hysteresis::BoucWen(BoucWen::new(vec![1.0], 0.0, 1.0, 0.0, 1.0)?),
                 dynamics,
@@ -187,9 +187,9 @@ impl<T: Real> FeedbackParts<T> {
     /// The controller, at rest.
     ///
     /// # Errors
-    /// [`TuningError::Realise`] where the coefficients are not finite in this number type.
-    pub fn feedback(&mut self) -> Result<Feedback<'_, T>, TuningError> {
-        let rounded = |_| TuningError::Realise(crate::realise::RealiseError::Rounded);
+    /// [`ControlError::Realise`] where the coefficients are not finite in this number type.
+    pub fn feedback(&mut self) -> Result<Feedback<'_, T>, ControlError> {
+        let rounded = |_| ControlError::Realise(crate::realise::RealiseError::Rounded);
         let dynamics = self.dynamics.block().map_err(rounded)?;
         Feedback::new(self.proportional, self.integral, dynamics).map_err(rounded)
     }

@@ -32,4 +32,4 @@ pub use play::{Plant, Played, Stage, StageRun, StageSample, play};
 pub use score::TrackingScore;
 pub use sines::{Edge, Followed, SineAnswer, Sines};
 pub use strategy::{Bandwidth, Forward, Loop, LoopSettings, Strategy};
-pub use tuning::{LawFamily, Tuned, TuningError, Wanted, tune, tune_observer};
+pub use tuning::{LawFamily, Tuned, Wanted, tune, tune_observer};

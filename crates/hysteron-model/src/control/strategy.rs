@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 use super::margins::loop_frequencies;
 use super::tuning::LawFamily;
 use super::{
-    Adaptive, AdaptiveFilter, ControlError, Margins, StraightLine, Tuned, TuningError, Wanted, tune,
-    tune_observer,
+    Adaptive, AdaptiveFilter, ControlError, Margins, StraightLine, Tuned, Wanted, tune, tune_observer,
 };
 use crate::compensator::{Compensation, CompensatorOptions};
 use crate::hammerstein::Model;
@@ -125,7 +124,7 @@ impl Loop {
     pub fn new(model: &Model, settings: &LoopSettings, strategy: &Strategy) -> Result<Self, ControlError> {
         let rate = settings.sample_rate_hz;
         if !(rate.is_finite() && rate > 0.0) {
-            return Err(TuningError::Number { name: "sample rate [Hz]", value: rate }.into());
+            return Err(ControlError::Number { name: "sample rate [Hz]", value: rate });
         }
         let inverse = match strategy.forward {
             Forward::Line => None,
@@ -159,7 +158,7 @@ impl Loop {
         let needs_inverse = strategy.observer || strategy.adaptive.is_some();
         if needs_inverse && inverse.is_none() {
             let name = "observer or adaptive feedforward without the inverse (number of inverses)";
-            return Err(TuningError::Number { name, value: 0.0 }.into());
+            return Err(ControlError::Number { name, value: 0.0 });
         }
         let path = || -> Vec<(f64, Complex64)> { frequencies.iter().map(|f| (*f, correction(*f))).collect() };
         let observer =

@@ -1,10 +1,9 @@
 //! Tuning of the feedback from the model, to stated margins.
 
+use super::ControlError;
 use super::law::{FeedbackKind, FeedbackLaw, Notch};
 use super::margins::Margins;
-use crate::dynamics::DynamicsError;
-use crate::hysteresis::HysteresisError;
-use crate::realise::{LinearRealisation, RealiseError};
+use crate::realise::LinearRealisation;
 use hysteron_numeric::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -38,35 +37,6 @@ impl Default for Wanted {
     }
 }
 
-/// Why there is no feedback.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TuningError {
-    /// A number is not usable.
-    #[error("{name} is out of range: {value}")]
-    Number {
-        /// Its name, with its unit where it has one.
-        name: &'static str,
-        /// The value given.
-        value: f64,
-    },
-    /// No gain keeps the margins.
-    #[error("no gain of the feedback keeps the margins asked for")]
-    NoGain,
-    /// The model has no resonance for a notch.
-    #[error("the model has no resonance below half the sample rate, a notch has nothing to take off")]
-    NoResonance,
-    /// The law does not run sample by sample.
-    #[error(transparent)]
-    Realise(#[from] RealiseError),
-    /// Its poles make no sense.
-    #[error(transparent)]
-    Dynamics(#[from] DynamicsError),
-    /// The hysteresis makes no sense.
-    #[error(transparent)]
-    Hysteresis(#[from] HysteresisError),
-}
-
 /// A law with what it reaches on the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuned {
@@ -97,14 +67,14 @@ pub enum LawFamily {
 /// for PI^λ), the form that leaves least is kept. `plant` is the rest of the loop at rising frequencies \[Hz\], the period of the computation included.
 ///
 /// # Errors
-/// [`TuningError`].
+/// [`ControlError`].
 pub fn tune(
     family: LawFamily,
     plant: &[(f64, Complex64)],
     dynamics: &LinearRealisation,
     sample_rate_hz: f64,
     wanted: &Wanted,
-) -> Result<Tuned, TuningError> {
+) -> Result<Tuned, ControlError> {
     let decades = (0.1 / LOWEST_CORNER).log10();
     let count = (decades * CORNERS_PER_DECADE as f64).round() as usize;
     let corners = || {
@@ -141,7 +111,7 @@ pub fn tune(
             let half = 0.5 * sample_rate_hz;
             let (frequency_hz, zeros) = resonance(dynamics, sample_rate_hz)
                 .filter(|(f, _)| *f < half)
-                .ok_or(TuningError::NoResonance)?;
+                .ok_or(ControlError::NoResonance)?;
             for poles in [0.3, 0.5, 0.7, 1.0] {
                 let notch = Notch { frequency_hz, zeros, poles };
                 let law = FeedbackLaw::new(FeedbackKind::NotchIntegral { notch }, sample_rate_hz)?;
@@ -149,7 +119,7 @@ pub fn tune(
             }
         }
     }
-    best.ok_or(TuningError::NoGain)
+    best.ok_or(ControlError::NoGain)
 }
 
 /// Frequency \[Hz\] and damping of the least damped pair of poles.
@@ -206,12 +176,12 @@ fn left(points: &[(f64, Complex64)]) -> f64 {
 /// displacement, q the period of the computation. On the model it is stable at any gain; the margins say how far the device may differ.
 ///
 /// # Errors
-/// [`TuningError::NoGain`].
+/// [`ControlError::NoGain`].
 pub fn tune_observer(
     correction: &[(f64, Complex64)],
     sample_rate_hz: f64,
     wanted: &Wanted,
-) -> Result<(f64, Margins), TuningError> {
+) -> Result<(f64, Margins), ControlError> {
     let margins = |gain: f64| {
         let loops: Vec<(f64, Complex64)> = correction
             .iter()
@@ -229,7 +199,7 @@ pub fn tune_observer(
         return Ok((high, margins(high).1));
     }
     if !margins(low).0 {
-        return Err(TuningError::NoGain);
+        return Err(ControlError::NoGain);
     }
     for _ in 0..HALVINGS {
         let between = (low * high).sqrt();

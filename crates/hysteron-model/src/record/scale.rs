@@ -57,9 +57,9 @@ impl fmt::Display for Scale {
 }
 
 impl TryFrom<String> for Scale {
-    type Error = ScaleError;
+    type Error = RecordError;
 
-    fn try_from(text: String) -> Result<Self, ScaleError> {
+    fn try_from(text: String) -> Result<Self, RecordError> {
         text.parse()
     }
 }

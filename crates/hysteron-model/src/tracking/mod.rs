@@ -21,7 +21,7 @@ use crate::record::{Signal, TimeBase, Unit, range_of};
 use run::Rehearsal;
 
 pub use controller::{Controller, ControllerFamily, ReferenceKnowledge};
-pub use options::{TrackError, TrackOptions};
+pub use options::TrackOptions;
 pub use run::{Adaptation, ControllerRun, differ};
 pub use summary::law;
 
@@ -71,16 +71,16 @@ pub struct PlantDescription {
 /// Plays every controller of `options` on `plant`. `reference` is in the unit of the model's output and uniformly sampled.
 ///
 /// # Errors
-/// [`TrackError`]: a reference or options that leave nothing to play; a controller that was asked for and cannot be made or
+/// [`ControlError`]: a reference or options that leave nothing to play; a controller that was asked for and cannot be made or
 /// played (where all are asked for, it is left out instead, unless none remains).
 pub fn track(
     model: &Body<ModelFile, hammerstein::Model>,
     reference: &Signal,
     options: &TrackOptions,
     (plant, description): (Plant<'_>, PlantDescription),
-) -> Result<Tracking, TrackError> {
+) -> Result<Tracking, ControlError> {
     let TimeBase::Uniform { sample_rate_hz, .. } = reference.time else {
-        return Err(TrackError::NoSampleRate);
+        return Err(ControlError::NoSampleRate);
     };
     let samples = &reference.samples;
     let settings = options.settings(model, sample_rate_hz)?;
@@ -124,7 +124,7 @@ fn sorted_out<T>(
     outcomes: Vec<(Controller, Result<T, ControlError>)>,
     all: bool,
     left_out: &mut Vec<(Controller, ControlError)>,
-) -> Result<Vec<(Controller, T)>, TrackError> {
+) -> Result<Vec<(Controller, T)>, ControlError> {
     let mut sound = Vec::new();
     for (controller, outcome) in outcomes {
         match outcome {

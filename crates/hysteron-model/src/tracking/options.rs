@@ -3,8 +3,6 @@
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-use hysteron_numeric::display::short;
-
 use super::{Controller, ReferenceKnowledge};
 use crate::control::{ControlError, Loop, LoopSettings, Sines, Wanted};
 use crate::hammerstein;
@@ -67,64 +65,18 @@ impl Default for TrackOptions {
     }
 }
 
-/// Why a reference was not followed.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum TrackError {
-    /// The reference has no sample rate.
-    #[error("the reference has no uniform sample rate, which is to be the controller's")]
-    NoSampleRate,
-    /// The drive has no range.
-    #[error("the model file does not say which voltages it was identified with")]
-    NoRange,
-    /// Too few samples are scored.
-    #[error(
-        "nothing is left to score: the reference has {samples} samples, {skipped} of them skipped at its beginning and {ahead} at \
-         its end, where what is to be known ahead is not there"
-    )]
-    NothingScored {
-        /// Samples of the reference.
-        samples: usize,
-        /// Skipped at its beginning.
-        skipped: usize,
-        /// Skipped at its end.
-        ahead: usize,
-    },
-    /// Sines that the controller's rate does not allow.
-    #[error("the sines must lie above 0 and below half the sample rate, {} Hz", short(*half_rate_hz))]
-    Sines {
-        /// Half the sample rate \[Hz\].
-        half_rate_hz: f64,
-    },
-    /// Sines that are too slow.
-    #[error(
-        "the sines begin at {} Hz, with a period of a million samples or more; the lowest that is played is {} Hz",
-        short(*begin_hz),
-        short(*lowest_hz)
-    )]
-    SlowSines {
-        /// Where they begin \[Hz\].
-        begin_hz: f64,
-        /// The lowest possible \[Hz\].
-        lowest_hz: f64,
-    },
-    /// A controller cannot be made or played.
-    #[error(transparent)]
-    Control(#[from] ControlError),
-}
-
 impl TrackOptions {
     pub(super) fn settings(
         &self,
         model: &Body<ModelFile, hammerstein::Model>,
         sample_rate_hz: f64,
-    ) -> Result<LoopSettings, TrackError> {
+    ) -> Result<LoopSettings, ControlError> {
         let valid = model.data().valid_range.as_ref();
         let own = || valid.map(|valid| [valid.input.low, valid.input.high]);
         let trusted_to_hz = valid.and_then(|valid| valid.frequency.as_ref()).map(|f| f.high);
         Ok(LoopSettings {
             sample_rate_hz,
-            range_v: self.range.or_else(own).ok_or(TrackError::NoRange)?,
+            range_v: self.range.or_else(own).ok_or(ControlError::NoRange)?,
             slew_v_per_s: self.slew_per_s,
             wanted: Wanted { trusted_to_hz, ..self.margins },
             realise: model.realise_options(sample_rate_hz, self.realise),
@@ -143,27 +95,31 @@ impl TrackOptions {
         loops: &[(Controller, Loop)],
         samples: usize,
         sample_rate_hz: f64,
-    ) -> Result<Range<usize>, TrackError> {
+    ) -> Result<Range<usize>, ControlError> {
         let skipped = self.skip_s.map_or(samples / 4, |seconds| (seconds * sample_rate_hz) as usize);
         let previews = loops.iter().filter_map(|(_, made)| made.inverse.as_ref()).map(|i| i.preview);
         let ahead = previews.max().unwrap_or(0).min(samples);
         let end = samples - ahead;
         if skipped.saturating_add(LEAST_SCORED) > end {
-            return Err(TrackError::NothingScored { samples, skipped, ahead });
+            return Err(ControlError::NothingScored { samples, skipped, ahead });
         }
         Ok(skipped..end)
     }
 
     /// Sines about the middle of the reference and as large as it; none where it does not move.
-    pub(super) fn sines(&self, reference: &[f64], sample_rate_hz: f64) -> Result<Option<Sines>, TrackError> {
+    pub(super) fn sines(
+        &self,
+        reference: &[f64],
+        sample_rate_hz: f64,
+    ) -> Result<Option<Sines>, ControlError> {
         let range_hz = self.sines_hz.unwrap_or(SINES.map(|share| share * sample_rate_hz));
         let half_rate_hz = 0.5 * sample_rate_hz;
         if !(range_hz[0] > 0.0 && range_hz[1] < half_rate_hz) {
-            return Err(TrackError::Sines { half_rate_hz });
+            return Err(ControlError::Sines { half_rate_hz });
         }
         let lowest_hz = Sines::lowest_hz(sample_rate_hz);
         if range_hz[0] < lowest_hz {
-            return Err(TrackError::SlowSines { begin_hz: range_hz[0], lowest_hz });
+            return Err(ControlError::SlowSines { begin_hz: range_hz[0], lowest_hz });
         }
         let (low, high) = range_of(reference);
         let (level, amplitude) = (0.5 * (low + high), 0.5 * (high - low));
