@@ -9,7 +9,6 @@ use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
     Capability, Hammerstein, RunError, RunScore, Score, SignalRole, Signals, Simulation, Unsupported,
 };
-use hysteron_model::oscillator::OscillatorError;
 use hysteron_model::record::{InputOutput, Quantity, Run, Source, Timing, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Advice, Model, Start, hammerstein};
@@ -251,13 +250,13 @@ impl Loaded {
                         "hysteron prepare {record} --rate {model_hz}Hz -o OUT.csv, or identify the model again with \
                          --scheme tustin, which holds at other rates"
                     )),
+                    SimulationError::NotSettled { .. } => {
+                        failure.hint("leave --settled out: the record starts from rest")
+                    }
                     _ => failure,
                 }
             }
             RunError::NoSampleRate => simulating().because(error).advised(Some(Advice::Resample)),
-            RunError::Oscillator(e @ OscillatorError::NotSettled { .. }) => {
-                simulating().because(e).hint("leave --settled out: the record starts from rest")
-            }
             RunError::Score(e) => scoring().because(e),
             RunError::Axes(e @ (AxesError::Score(_) | AxesError::Outputs { .. })) => scoring().because(e),
             RunError::TooFewSamples { .. } => {

@@ -9,7 +9,6 @@ use crate::hysteresis::HysteresisError;
 use crate::invert::InversionError;
 use crate::model::{RunError, Unsupported};
 use crate::model_file::ModelFileError;
-use crate::oscillator::OscillatorError;
 use crate::realise::RealiseError;
 use crate::record::RecordError;
 use crate::unknown_name::UnknownName;
@@ -43,9 +42,6 @@ pub enum Error {
     /// [`UnknownName`].
     #[error(transparent)]
     Name(#[from] UnknownName),
-    /// [`OscillatorError`].
-    #[error(transparent)]
-    Oscillator(#[from] OscillatorError),
     /// [`RealiseError`].
     #[error(transparent)]
     Realise(#[from] RealiseError),

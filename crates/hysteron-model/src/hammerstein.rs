@@ -10,11 +10,11 @@
 use crate::dynamics::check_length;
 use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{
-    Dynamics, DynamicsError, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace,
-    TransferFunction,
+    Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace, TransferFunction,
 };
-use crate::hysteresis::{DriveGrid, Hysteresis, HysteresisError, RecordEnds, polygon_of_means};
+use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means};
 use crate::record::{InterSample, Timing, even_times};
+pub use crate::simulation_error::SimulationError;
 use crate::start::Start;
 use std::borrow::Cow;
 
@@ -49,42 +49,6 @@ pub const FINER: usize = 8;
 #[doc(hidden)]
 pub fn joins_means(scheme: Scheme, inter_sample: InterSample) -> bool {
     scheme == Scheme::BandLimited && inter_sample == InterSample::Linear
-}
-
-/// Why a model could not be simulated.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SimulationError {
-    /// Dynamics or a delay need to know the time between samples.
-    #[error("the model has dynamics or a delay, but the record has no uniform sample rate")]
-    NoSampleRate,
-    /// The model's parameters belong to one sample rate.
-    #[error(
-        "the model ({scheme}) belongs to the sample rate it was identified at, {model_hz} Hz, and the record has \
-         {record_hz} Hz"
-    )]
-    SampleRate {
-        /// What ties the model to its rate: a scheme, or `ARX`.
-        scheme: &'static str,
-        /// Rate of the model \[Hz\].
-        model_hz: f64,
-        /// Rate of the record \[Hz\].
-        record_hz: f64,
-    },
-    /// The record is too short to have started settled.
-    #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
-    Period {
-        /// Samples of the record.
-        samples: usize,
-        /// Samples of the period asked for.
-        period_samples: usize,
-    },
-    /// The hysteresis block failed.
-    #[error(transparent)]
-    Hysteresis(#[from] HysteresisError),
-    /// The dynamic block failed.
-    #[error(transparent)]
-    Dynamics(#[from] DynamicsError),
 }
 
 /// Drive with what ran before it, the number of samples put in front, and the voltage before all that.

@@ -25,6 +25,7 @@ pub mod model_file;
 pub mod oscillator;
 pub mod realise;
 pub mod record;
+mod simulation_error;
 mod start;
 pub mod tracking;
 mod unknown_name;

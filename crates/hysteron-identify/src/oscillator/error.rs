@@ -2,7 +2,7 @@
 
 use crate::IdentifyError;
 use hysteron_model::hysteresis::HysteresisError;
-use hysteron_model::oscillator::OscillatorError;
+use hysteron_model::oscillator::SimulationError;
 use hysteron_model::record::RecordError;
 use hysteron_model::validate::ScoreError;
 use hysteron_optimize::OptimizeError;
@@ -67,7 +67,7 @@ pub enum OscillatorFitError {
     Hysteresis(#[from] HysteresisError),
     /// The oscillator could not be simulated.
     #[error(transparent)]
-    Oscillator(#[from] OscillatorError),
+    Oscillator(#[from] SimulationError),
     /// The search failed.
     #[error(transparent)]
     Optimize(#[from] OptimizeError),

@@ -2,7 +2,7 @@
 
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
-use hysteron_model::oscillator::{Drive, Oscillator, OscillatorError, OscillatorState};
+use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState, SimulationError};
 
 use crate::oracles::{BENCHMARK, multisine, relative, tiny_steps};
 
@@ -113,40 +113,40 @@ fn a_periodic_start_is_what_repetition_settles_to() {
 #[test]
 fn what_cannot_be_simulated_is_refused() {
     let drive = |u: &[f64], ends| Drive::new(u, RATE, InterSample::Linear, ends, 4);
-    assert_eq!(drive(&[1.0], RecordEnds::Open), Err(OscillatorError::TooShort { samples: 1 }));
+    assert_eq!(drive(&[1.0], RecordEnds::Open), Err(SimulationError::TooShort { samples: 1 }));
     assert!(matches!(
         drive(&[0.0, f64::NAN], RecordEnds::Open),
-        Err(OscillatorError::Force { index: 1, .. })
+        Err(SimulationError::Force { index: 1, .. })
     ));
     let rate = Drive::new(&[0.0; 4], 0.0, InterSample::Linear, RecordEnds::Open, 4);
-    assert_eq!(rate, Err(OscillatorError::SampleRate { value: 0.0 }));
+    assert_eq!(rate, Err(SimulationError::BadSampleRate { value: 0.0 }));
     let steps = Drive::new(&[0.0; 4], RATE, InterSample::Linear, RecordEnds::Open, 0);
-    assert_eq!(steps, Err(OscillatorError::Steps));
+    assert_eq!(steps, Err(SimulationError::Steps));
     let open = drive(&[1.0; 8], RecordEnds::Open).unwrap();
     let run = |p: Oscillator, start, samples| p.simulate(&open, start, &mut vec![0.0; samples]).unwrap_err();
-    assert_eq!(run(BENCHMARK, Start::AsIdentified, 7), OscillatorError::Lengths { expected: 8, found: 7 });
-    assert_eq!(run(BENCHMARK, Start::PERIODIC, 8), OscillatorError::NotPeriodic);
-    let other = OscillatorError::Period { samples: 8, period_samples: 4 };
+    assert_eq!(run(BENCHMARK, Start::AsIdentified, 7), SimulationError::Lengths { expected: 8, found: 7 });
+    assert_eq!(run(BENCHMARK, Start::PERIODIC, 8), SimulationError::NotPeriodic);
+    let other = SimulationError::Period { samples: 8, period_samples: 4 };
     assert_eq!(run(BENCHMARK, Start::settled(4), 8), other);
     let nowhere = Start::from(OscillatorState { y: f64::INFINITY, ..OscillatorState::default() });
-    assert!(matches!(run(BENCHMARK, nowhere, 8), OscillatorError::State { .. }));
+    assert!(matches!(run(BENCHMARK, nowhere, 8), SimulationError::State { .. }));
     for (name, bad) in [
         ("mass", Oscillator { mass: 0.0, ..BENCHMARK }),
         ("n", Oscillator { n: 0.5, ..BENCHMARK }),
         ("gamma", Oscillator { gamma: f64::NAN, ..BENCHMARK }),
     ] {
         assert!(
-            matches!(run(bad, Start::AsIdentified, 8), OscillatorError::Parameter { name: n, .. } if n == name)
+            matches!(run(bad, Start::AsIdentified, 8), SimulationError::Parameter { name: n, .. } if n == name)
         );
     }
     // Hardening of higher order, pushed far: z is infinite after a finite way.
     let hardening = Oscillator { beta: 0.0, gamma: -10.0, n: 2.0, ..BENCHMARK };
     let far = drive(&[1e4; 400], RecordEnds::Open).unwrap();
     let error = hardening.simulate(&far, Start::AsIdentified, &mut [0.0; 400]).unwrap_err();
-    assert!(matches!(error, OscillatorError::RunsAway { index } if index > 1), "{error}");
+    assert!(matches!(error, SimulationError::RunsAway { index } if index > 1), "{error}");
     // Without any damping nothing settles.
     let ideal = Oscillator { damping: 0.0, alpha: 0.0, beta: 0.0, gamma: 0.0, ..BENCHMARK };
     let repeats = drive(&multisine(50, 3), RecordEnds::Periodic).unwrap();
     let error = ideal.simulate(&repeats, Start::PERIODIC, &mut [0.0; 50]).unwrap_err();
-    assert!(matches!(error, OscillatorError::NotSettled { .. }), "{error}");
+    assert!(matches!(error, SimulationError::NotSettled { .. }), "{error}");
 }

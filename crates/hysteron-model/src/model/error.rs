@@ -4,7 +4,6 @@ use crate::axes::AxesError;
 use crate::hammerstein::SimulationError;
 use crate::model::Unsupported;
 use crate::model_file::Kind;
-use crate::oscillator::OscillatorError;
 use crate::record::Unit;
 use crate::validate::ScoreError;
 use hysteron_numeric::display::short;
@@ -65,12 +64,9 @@ pub enum RunError {
     /// The motion of a mass needs the time between samples.
     #[error("the record has no uniform sample rate: the motion of a mass cannot be followed")]
     NoSampleRate,
-    /// A Hammerstein model.
+    /// A Hammerstein model or an oscillator.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// An oscillator.
-    #[error(transparent)]
-    Oscillator(#[from] OscillatorError),
     /// A model of several axes.
     #[error(transparent)]
     Axes(#[from] AxesError),

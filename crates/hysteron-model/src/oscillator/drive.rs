@@ -1,6 +1,6 @@
 //! The force, and what it does between its samples.
 
-use super::OscillatorError;
+use super::SimulationError;
 use crate::hysteresis::RecordEnds;
 use crate::record::InterSample;
 
@@ -22,29 +22,29 @@ impl Drive {
     /// error of 1.1 % where the band-limited force leaves 0.04 %.
     ///
     /// # Errors
-    /// [`OscillatorError::TooShort`], [`OscillatorError::SampleRate`], [`OscillatorError::Steps`],
-    /// [`OscillatorError::Force`], [`OscillatorError::Interpolation`].
+    /// [`SimulationError::TooShort`], [`SimulationError::BadSampleRate`], [`SimulationError::Steps`],
+    /// [`SimulationError::Force`], [`SimulationError::Interpolation`].
     pub fn new(
         u: &[f64],
         sample_rate_hz: f64,
         rule: InterSample,
         ends: RecordEnds,
         steps: usize,
-    ) -> Result<Self, OscillatorError> {
+    ) -> Result<Self, SimulationError> {
         let samples = u.len();
         if samples < 2 {
-            return Err(OscillatorError::TooShort { samples });
+            return Err(SimulationError::TooShort { samples });
         }
         if !(sample_rate_hz > 0.0 && sample_rate_hz.is_finite()) {
-            return Err(OscillatorError::SampleRate { value: sample_rate_hz });
+            return Err(SimulationError::BadSampleRate { value: sample_rate_hz });
         }
         if steps == 0 {
-            return Err(OscillatorError::Steps);
+            return Err(SimulationError::Steps);
         }
         if let Some((index, &value)) = u.iter().enumerate().find(|(_, u)| !u.is_finite()) {
-            return Err(OscillatorError::Force { index, value });
+            return Err(SimulationError::Force { index, value });
         }
-        let force = rule.upsample(u, 2 * steps, ends)?;
+        let force = rule.upsample(u, 2 * steps, ends).map_err(SimulationError::Interpolation)?;
         let step_s = 1.0 / (sample_rate_hz * steps as f64);
         Ok(Self { force, samples, steps, step_s, ends, held: rule == InterSample::Hold })
     }

@@ -18,14 +18,13 @@
 //! βδ for γ.
 
 mod drive;
-mod error;
 mod record;
 mod sensitivities;
 mod simulate;
 mod step;
 
+pub use crate::simulation_error::SimulationError;
 pub use drive::Drive;
-pub use error::OscillatorError;
 pub use sensitivities::{PARTIALS, Response};
 
 use crate::hysteresis::{Admissibility, UnitShape};
@@ -89,8 +88,8 @@ impl Oscillator {
     /// simulated as long as it does not.
     ///
     /// # Errors
-    /// [`OscillatorError::Parameter`], the first found.
-    pub fn validate(&self) -> Result<(), OscillatorError> {
+    /// [`SimulationError::Parameter`], the first found.
+    pub fn validate(&self) -> Result<(), SimulationError> {
         for (name, value) in Self::NAMES.into_iter().zip(self.values()) {
             let (allowed, expected) = match name {
                 "mass" => (value > 0.0, "a finite number above 0"),
@@ -98,7 +97,7 @@ impl Oscillator {
                 _ => (true, "a finite number"),
             };
             if !(allowed && value.is_finite()) {
-                return Err(OscillatorError::Parameter { name, value, expected });
+                return Err(SimulationError::Parameter { name, value, expected });
             }
         }
         Ok(())

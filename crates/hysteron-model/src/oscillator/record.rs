@@ -1,6 +1,6 @@
 //! Simulation of a whole record.
 
-use super::{Drive, Oscillator, OscillatorError, OscillatorState};
+use super::{Drive, Oscillator, OscillatorState, SimulationError};
 use crate::hysteresis::RecordEnds;
 use crate::record::InterSample;
 use crate::start::Start;
@@ -13,14 +13,14 @@ impl Oscillator {
     /// the last sample gives the steady state over and over; another one is followed from there.
     ///
     /// # Errors
-    /// As [`Drive::new`] and [`Self::simulate`]; [`OscillatorError::Period`].
+    /// As [`Drive::new`] and [`Self::simulate`]; [`SimulationError::Period`].
     pub fn simulate_record(
         &self,
         u: &[f64],
         sample_rate_hz: f64,
         rule: InterSample,
         start: Start,
-    ) -> Result<Vec<f64>, OscillatorError> {
+    ) -> Result<Vec<f64>, SimulationError> {
         self.validate()?;
         let steps = self.steps(sample_rate_hz);
         let open = |start: Start<OscillatorState>| {
@@ -30,11 +30,11 @@ impl Oscillator {
         };
         let period_samples = match start {
             Start::Settled { period_samples } => period_samples.unwrap_or(u.len()),
-            Start::Remembering { .. } => return Err(OscillatorError::Memory),
+            Start::Remembering { .. } => return Err(SimulationError::Memory),
             Start::AsIdentified | Start::Rest { .. } => return open(Start::AsIdentified),
         };
         let period = u.get(..period_samples).filter(|period| period.len() >= 2);
-        let period = period.ok_or(OscillatorError::Period { samples: u.len(), period_samples })?;
+        let period = period.ok_or(SimulationError::Period { samples: u.len(), period_samples })?;
         let drive = Drive::new(period, sample_rate_hz, rule, RecordEnds::Periodic, steps)?;
         let mut y = vec![0.0; period_samples];
         let first = self.simulate(&drive, Start::PERIODIC, &mut y)?;
@@ -87,7 +87,7 @@ mod tests {
             OSCILLATOR.simulate_record(&force(60), 750.0, InterSample::Linear, start).unwrap_err()
         };
         for period_samples in [0, 1, 61] {
-            assert_eq!(run(period_samples), OscillatorError::Period { samples: 60, period_samples });
+            assert_eq!(run(period_samples), SimulationError::Period { samples: 60, period_samples });
         }
     }
 }

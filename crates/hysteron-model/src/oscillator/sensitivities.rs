@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SMatrix};
 
 use super::simulate::{first_state, settle};
 use super::step::{Motion, State};
-use super::{Drive, Oscillator, OscillatorError, OscillatorState};
+use super::{Drive, Oscillator, OscillatorState, SimulationError};
 use crate::start::Start;
 
 /// Derivatives: with respect to the seven parameters in the order of [`Oscillator::NAMES`], then to y, ẏ and z at the first
@@ -67,13 +67,13 @@ impl Oscillator {
     /// state are then 0.
     ///
     /// # Errors
-    /// As [`Self::simulate`]; [`OscillatorError::NotContracting`] where a steady state has no derivatives.
+    /// As [`Self::simulate`]; [`SimulationError::NotContracting`] where a steady state has no derivatives.
     pub fn simulate_with_sensitivities(
         &self,
         drive: &Drive,
         start: Start<OscillatorState>,
         out: &mut Response,
-    ) -> Result<OscillatorState, OscillatorError> {
+    ) -> Result<OscillatorState, SimulationError> {
         self.validate()?;
         out.y.resize(drive.len(), 0.0);
         out.partials.iter_mut().for_each(|column| column.resize(drive.len(), 0.0));
@@ -96,7 +96,7 @@ fn follow(
     drive: &Drive,
     first: State,
     out: &mut Response,
-) -> Result<(State, Tangent), OscillatorError> {
+) -> Result<(State, Tangent), SimulationError> {
     let (mut x, mut s) = (first, Tangent::at_start());
     let h = drive.step_s();
     let mut keep = |k: usize, x: &State, s: &Tangent| {
@@ -116,7 +116,7 @@ fn follow(
         }
         let sum = s.y.iter().chain(&s.v).chain(&s.z).chain(&x).sum::<f64>();
         if !sum.is_finite() {
-            return Err(OscillatorError::RunsAway { index: k + 1 });
+            return Err(SimulationError::RunsAway { index: k + 1 });
         }
         s.drop_vanished();
         keep(k + 1, &x, &s);
@@ -125,12 +125,12 @@ fn follow(
 }
 
 /// Total derivatives of a steady state x₀ = x(T; x₀, θ) from those at fixed x₀: ∂x₀/∂θ = (1 − ∂x(T)/∂x₀)⁻¹ ∂x(T)/∂θ.
-fn close_period(end: &Tangent, out: &mut Response) -> Result<(), OscillatorError> {
+fn close_period(end: &Tangent, out: &mut Response) -> Result<(), SimulationError> {
     let rows = [&end.y, &end.v, &end.z];
     let left = Matrix3::from_fn(|i, j| f64::from(u8::from(i == j)) - rows[i][PARAMETERS + j]);
     let moved = SMatrix::<f64, 3, PARAMETERS>::from_fn(|i, j| rows[i][j]);
     let first = left.lu().solve(&moved).filter(|m| m.iter().all(|x| x.is_finite()));
-    let first = first.ok_or(OscillatorError::NotContracting)?;
+    let first = first.ok_or(SimulationError::NotContracting)?;
     let (parameters, states) = out.partials.split_at_mut(PARAMETERS);
     for (j, column) in parameters.iter_mut().enumerate() {
         for (i, state) in states.iter().enumerate() {

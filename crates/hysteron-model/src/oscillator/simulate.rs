@@ -1,7 +1,7 @@
 //! Simulation along a drive.
 
 use super::step::{Motion, State};
-use super::{Drive, Oscillator, OscillatorError, OscillatorState};
+use super::{Drive, Oscillator, OscillatorState, SimulationError};
 use crate::hysteresis::RecordEnds;
 use crate::start::Start;
 
@@ -17,18 +17,18 @@ impl From<OscillatorState> for Start<OscillatorState> {
 pub(super) fn first_state(
     start: Start<OscillatorState>,
     drive: &Drive,
-) -> Result<Option<State>, OscillatorError> {
+) -> Result<Option<State>, SimulationError> {
     match start {
         Start::AsIdentified | Start::Rest { .. } => Ok(Some([0.0; 3])),
         Start::Remembering { memory, .. } => {
             let OscillatorState { y, velocity, z } = memory;
             if !(y.is_finite() && velocity.is_finite() && z.is_finite()) {
-                return Err(OscillatorError::State { y, velocity, z });
+                return Err(SimulationError::State { y, velocity, z });
             }
             Ok(Some(memory.into()))
         }
         Start::Settled { period_samples: Some(samples) } if samples != drive.len() => {
-            Err(OscillatorError::Period { samples: drive.len(), period_samples: samples })
+            Err(SimulationError::Period { samples: drive.len(), period_samples: samples })
         }
         Start::Settled { .. } => Ok(None),
     }
@@ -39,17 +39,17 @@ impl Oscillator {
     /// repeats that at the end of the period. Classical Runge–Kutta scheme of fourth order with the steps of the drive. Allocates nothing.
     ///
     /// # Errors
-    /// [`OscillatorError`]: a parameter or a state out of range, an output of another length than the drive, a motion that runs
+    /// [`SimulationError`]: a parameter or a state out of range, an output of another length than the drive, a motion that runs
     /// away, a steady state that is not found.
     pub fn simulate(
         &self,
         drive: &Drive,
         start: Start<OscillatorState>,
         out: &mut [f64],
-    ) -> Result<OscillatorState, OscillatorError> {
+    ) -> Result<OscillatorState, SimulationError> {
         self.validate()?;
         if out.len() != drive.len() {
-            return Err(OscillatorError::Lengths { expected: drive.len(), found: out.len() });
+            return Err(SimulationError::Lengths { expected: drive.len(), found: out.len() });
         }
         let end = match first_state(start, drive)? {
             None => settle(self, drive, out)?,
@@ -65,7 +65,7 @@ fn follow(
     drive: &Drive,
     first: State,
     out: &mut [f64],
-) -> Result<(State, State), OscillatorError> {
+) -> Result<(State, State), SimulationError> {
     let mut x = first;
     let mut largest = first.map(f64::abs);
     let h = drive.step_s();
@@ -81,7 +81,7 @@ fn follow(
             x = motion.step(&x, u, h);
         }
         if !(x[0] + x[1] + x[2]).is_finite() {
-            return Err(OscillatorError::RunsAway { index: k + 1 });
+            return Err(SimulationError::RunsAway { index: k + 1 });
         }
         for (largest, x) in largest.iter_mut().zip(x) {
             *largest = largest.max(x.abs());
@@ -102,9 +102,9 @@ pub(super) fn settle(
     oscillator: &Oscillator,
     drive: &Drive,
     out: &mut [f64],
-) -> Result<State, OscillatorError> {
+) -> Result<State, SimulationError> {
     if drive.ends() != RecordEnds::Periodic {
-        return Err(OscillatorError::NotPeriodic);
+        return Err(SimulationError::NotPeriodic);
     }
     let motion = Motion::of(oscillator);
     let mut first = [0.0; 3];
@@ -118,5 +118,5 @@ pub(super) fn settle(
         }
         first = end;
     }
-    Err(OscillatorError::NotSettled { periods: PERIODS, change })
+    Err(SimulationError::NotSettled { periods: PERIODS, change })
 }

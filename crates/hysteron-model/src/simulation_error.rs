@@ -1,17 +1,48 @@
-//! What can be wrong with an oscillator or its simulation.
+//! Why a model of one input and one output could not be simulated.
 
+use crate::dynamics::DynamicsError;
 use crate::hysteresis::HysteresisError;
 
-/// An oscillator that cannot be simulated.
+/// A Hammerstein model or an oscillator that cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum OscillatorError {
+pub enum SimulationError {
+    /// Dynamics or a delay need to know the time between samples.
+    #[error("the model has dynamics or a delay, but the record has no uniform sample rate")]
+    NoSampleRate,
+    /// The model's parameters belong to one sample rate.
+    #[error(
+        "the model ({scheme}) belongs to the sample rate it was identified at, {model_hz} Hz, and the record has \
+         {record_hz} Hz"
+    )]
+    SampleRate {
+        /// What ties the model to its rate: a scheme, or `ARX`.
+        scheme: &'static str,
+        /// Rate of the model \[Hz\].
+        model_hz: f64,
+        /// Rate of the record \[Hz\].
+        record_hz: f64,
+    },
+    /// The record is too short to have started settled.
+    #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
+    Period {
+        /// Samples of the record.
+        samples: usize,
+        /// Samples of the period asked for.
+        period_samples: usize,
+    },
+    /// The hysteresis block failed.
+    #[error(transparent)]
+    Hysteresis(#[from] HysteresisError),
+    /// The dynamic block failed.
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
     /// A start with a hysteresis memory, which an oscillator at rest does not have.
     #[error(
         "an oscillator starts from rest without force, or settled on a period; a hysteresis memory does not apply"
     )]
     Memory,
-    /// A parameter is out of range.
+    /// A parameter of an oscillator is out of range.
     #[error("oscillator parameter {name} is {value}: expected {expected}")]
     Parameter {
         /// Its name.
@@ -47,11 +78,11 @@ pub enum OscillatorError {
     },
     /// A sample rate that is none.
     #[error("the sample rate is {value} Hz: it must be finite and above 0")]
-    SampleRate {
+    BadSampleRate {
         /// The rate given.
         value: f64,
     },
-    /// No steps between samples.
+    /// No steps of an oscillator between samples.
     #[error("0 steps a sample: at least 1 is needed")]
     Steps,
     /// The output does not have the length of the drive.
@@ -61,14 +92,6 @@ pub enum OscillatorError {
         expected: usize,
         /// Samples of the output.
         found: usize,
-    },
-    /// The record is too short to have started settled.
-    #[error("a settled start needs a period of 2 to {samples} samples, found {period_samples}")]
-    Period {
-        /// Samples of the record.
-        samples: usize,
-        /// Samples of the period asked for.
-        period_samples: usize,
     },
     /// A steady state was asked for under a force that ends.
     #[error("a periodic start needs a force that repeats, but this one was made with open ends")]
@@ -99,5 +122,5 @@ pub enum OscillatorError {
     NotContracting,
     /// The force could not be interpolated.
     #[error("the force between its samples: {0}")]
-    Interpolation(#[from] HysteresisError),
+    Interpolation(HysteresisError),
 }
