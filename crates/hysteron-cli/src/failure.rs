@@ -44,11 +44,6 @@ impl Failure {
         self
     }
 
-    /// Whether it says what to do.
-    pub fn has_hint(&self) -> bool {
-        self.hint.is_some()
-    }
-
     /// Adds the remedy of the library, if there is one, in flags.
     pub fn advised(self, advice: Option<Advice>) -> Self {
         match advice {

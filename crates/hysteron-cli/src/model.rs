@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron_identify::{PredictionBand, PredictionError};
+use hysteron_identify::{IdentifyError, PredictionBand};
 use hysteron_io::{IoError, load_model_and_source, save_model};
 use hysteron_model::axes::AxesError;
 use hysteron_model::hammerstein::SimulationError;
@@ -219,13 +219,13 @@ impl Loaded {
     ) -> Result<PredictionBand, Failure> {
         let file = self.hammerstein(Capability::Bands)?.data();
         PredictionBand::of_file(file, u, timing, start).map_err(|e| match e {
-            PredictionError::Simulation(e) => self.cannot_run(path, e.into()),
+            IdentifyError::Simulation(e) => self.cannot_run(path, e.into()),
             e => self.no_band(&e),
         })
     }
 
     /// Why the file gives no band.
-    pub fn no_band(&self, error: &PredictionError) -> Failure {
+    pub fn no_band(&self, error: &IdentifyError) -> Failure {
         Failure::new(format!("cannot draw a band around {}", self.path.display())).because(error).hint(
             "identify the model anew: a joint fit, or one of slow records alone, writes what a band needs; two steps and ARX do not",
         )

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use hysteron_identify::PredictionError;
+use hysteron_identify::IdentifyError;
 use hysteron_io::write_csv;
 use hysteron_model::model::{Capability, Signals};
 use hysteron_model::record::{Channel, Record};
@@ -80,7 +80,7 @@ impl Simulate {
             let half = match of {
                 BandArg::Model => band.of_output(),
                 BandArg::Measurement if band.noise > 0.0 => band.of_measurement(),
-                BandArg::Measurement => return Err(loaded.no_band(&PredictionError::NoScores)),
+                BandArg::Measurement => return Err(loaded.no_band(&IdentifyError::NoScores)),
             };
             for (name, sign) in [("y_low", -1.0), ("y_high", 1.0)] {
                 let end = y.iter().zip(&half).map(|(y, h)| y + sign * h).collect();

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use hysteron_identify::PredictionError;
+use hysteron_identify::IdentifyError;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
 use hysteron_model::record::{InputOutput, Run};
 use hysteron_model::validate::{OffsetTreatment, Scoring};
@@ -161,7 +161,7 @@ impl Validate {
     ) -> Result<Score, Failure> {
         let band = loaded.band(path, &record.u, &record.time, &score.simulation.start)?;
         if band.noise == 0.0 {
-            return Err(loaded.no_band(&PredictionError::NoScores));
+            return Err(loaded.no_band(&IdentifyError::NoScores));
         }
         let held = band.holds(record, &score, self.skip.unwrap_or(0.0));
         Ok(Score { band: Some(held), ..score })

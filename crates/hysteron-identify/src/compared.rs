@@ -10,10 +10,10 @@ use hysteron_numeric::number::significant;
 use serde::{Serialize, Serializer};
 
 use crate::baselines::{CrossValidated, Trained};
-use crate::fit::{Fit, FitError, FitRecords, Task, fit};
+use crate::fit::{Fit, FitRecords, Task, fit};
 use crate::structure::{Candidate, Comparison, Standing};
 use crate::watch::Watch;
-use crate::{CampaignRecord, Options};
+use crate::{CampaignRecord, IdentifyError, Options};
 
 /// Samples of the drive that is timed, and passes of the clock over all candidates.
 const SAMPLES: usize = 10_000;
@@ -68,7 +68,7 @@ impl Compared {
         campaign: &[CampaignRecord],
         watch: &Watch<'_>,
         maker: &Maker,
-    ) -> Option<(Candidate, Result<Fit, FitError>)> {
+    ) -> Option<(Candidate, Result<Fit, IdentifyError>)> {
         let preferred = &self.comparison.entries[self.comparison.ranking.as_ref()?.preferred];
         let options =
             Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };

@@ -1,14 +1,21 @@
 //! What can go wrong between records and a model.
 
+use crate::baselines::BaselineError;
+use crate::online::CorrectionError;
+use crate::structure::UnknownCandidate;
 use hysteron_model::Advice;
+use hysteron_model::axes::AxesError;
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
+use hysteron_model::hysteresis::HysteresisError;
+use hysteron_model::model::{RunError, Unsupported};
+use hysteron_model::model_file::{Kind, ModelFileError};
 use hysteron_model::record::RecordError;
 use hysteron_model::validate::ScoreError;
 use hysteron_numeric::display::short;
 use hysteron_optimize::OptimizeError;
 
-/// Why no model was identified.
+/// Error of this crate: why no model was identified, or what one is asked for cannot be said.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IdentifyError {
@@ -156,6 +163,252 @@ pub enum IdentifyError {
     /// The fit could not be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),
+    /// A model file does not say how well its numbers are known.
+    #[error(
+        "the model file holds no correlation of its numbers, so that what their errors mean for the output is not known"
+    )]
+    NoCorrelation,
+    /// A model file does not say how a measurement scatters about the model.
+    #[error("the model file holds no scores, so that how measurements scatter about the model is not known")]
+    NoScores,
+    /// A model file is not sound.
+    #[error(transparent)]
+    ModelFile(#[from] ModelFileError),
+    /// The records cannot tell structures apart.
+    #[error("{because}")]
+    CannotRank {
+        /// Why not.
+        because: String,
+        /// What to measure.
+        measure: String,
+    },
+    /// The motion of an oscillator needs a uniform time base.
+    #[error("record '{record}' has no uniform sample rate: the motion of a mass cannot be followed")]
+    OscillatorNotUniform {
+        /// Record.
+        record: String,
+    },
+    /// A parameter of an oscillator cannot be held.
+    #[error("parameter '{name}' = {value}: {wanted}")]
+    OscillatorFixed {
+        /// Parameter.
+        name: String,
+        /// Value demanded.
+        value: f64,
+        /// What would be accepted.
+        wanted: &'static str,
+    },
+    /// The records do not look like a mass on a spring.
+    #[error(
+        "the records are not those of a mass on a spring: the best linear oscillator has m = {mass:.3e}, c = {damping:.3e}, \
+         k = {stiffness:.3e} (force over acceleration, velocity and displacement); all of them should be positive"
+    )]
+    NoOscillator {
+        /// Its mass.
+        mass: f64,
+        /// Its damping.
+        damping: f64,
+        /// Its stiffness.
+        stiffness: f64,
+    },
+    /// No shape of the loop gives an oscillator that can be simulated.
+    #[error("no loop was found with which the oscillator can be simulated under the force of these records")]
+    NoLoop,
+    /// The oscillator does not describe the record.
+    #[error(
+        "a mass on a hysteretic spring does not describe record '{record}': the best fit explains {fit_percent:.1} % of it, \
+         {need} % are needed"
+    )]
+    OscillatorClass {
+        /// Record.
+        record: String,
+        /// Fit \[%\], see [`hysteron_model::validate::Scores`].
+        fit_percent: f64,
+        /// Least fit accepted \[%\].
+        need: f64,
+    },
+    /// The drive between its samples.
+    #[error(transparent)]
+    Hysteresis(#[from] HysteresisError),
+    /// The modes that were to be gone on with are of another problem.
+    #[error("the interrupted search is of other records or options")]
+    Resume,
+    /// Stopped too early.
+    #[error("the fit was stopped before there was a model")]
+    Stopped,
+    /// A record or model of several axes that cannot be used.
+    #[error(transparent)]
+    Axes(#[from] AxesError),
+    /// Records that do not belong together.
+    #[error("records `{first}` and `{other}` differ in their {what}: {of_first} and {of_other}")]
+    Different {
+        /// One record.
+        first: String,
+        /// Another.
+        other: String,
+        /// In what they differ.
+        what: &'static str,
+        /// What the first has.
+        of_first: String,
+        /// What the other has.
+        of_other: String,
+    },
+    /// An option of a fit of modes that cannot be met.
+    #[error("{name} is {value}: expected {expected}")]
+    ModesOption {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        expected: &'static str,
+    },
+    /// No mode was found.
+    #[error(
+        "no lightly damped mode was found in the frequency response up to {top_hz:.1} Hz: nothing resonates there"
+    )]
+    NoModes {
+        /// Highest excited frequency \[Hz\].
+        top_hz: f64,
+    },
+    /// Actuators that the outputs do not tell apart.
+    #[error(
+        "the influence matrix is singular (condition number {condition:.1e}): the outputs do not tell the inputs apart at slow movement"
+    )]
+    Singular {
+        /// Condition number.
+        condition: f64,
+    },
+    /// The model of several axes does not describe a record.
+    #[error(
+        "the {what} do not describe record `{record}`: the best fit explains {fit_percent:.1} % of it, {need} % are needed"
+    )]
+    AxesClass {
+        /// `modes` or `branches`.
+        what: &'static str,
+        /// Record.
+        record: String,
+        /// Fit \[%\].
+        fit_percent: f64,
+        /// Least fit accepted \[%\].
+        need: f64,
+    },
+    /// No records to fit branches to, or none with outputs.
+    #[error("no records with inputs and outputs were given")]
+    NoOutputs,
+    /// No branches could be simulated or the inputs are not told apart.
+    #[error(
+        "no branches can be fitted: an input does not move, or moves together with another in all records"
+    )]
+    NoBranches,
+    /// The kind of model takes other records.
+    #[error("{kind} takes records of {expected}")]
+    Records {
+        /// Kind of model asked for.
+        kind: Kind,
+        /// What its records have.
+        expected: &'static str,
+    },
+    /// A model of this kind cannot be a start.
+    #[error(transparent)]
+    Unsupported(#[from] Unsupported),
+    /// A start of another kind.
+    #[error("a fit of the kind \"{wanted}\" begins with a model of that kind, not of \"{found}\"")]
+    OtherStart {
+        /// Kind that is fitted.
+        wanted: Kind,
+        /// Kind of the start.
+        found: Kind,
+    },
+    /// The model found cannot be scored on its records.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// So many threads cannot be had.
+    #[error("cannot work on {threads} threads: {reason}")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// Why not.
+        reason: String,
+    },
+    /// Nothing to write of a frequency response.
+    #[error("no structure was fitted to the frequency response")]
+    NoStructure,
+    /// Too few points of a frequency response for the parameters.
+    #[error(
+        "{found} points of `{name}` between {low_hz} and {high_hz} Hz; {structure} with {parameters} parameters needs at least {need}: take a wider band or a simpler structure"
+    )]
+    TooFewPoints {
+        /// The response.
+        name: String,
+        /// Lower end of the band \[Hz\].
+        low_hz: f64,
+        /// Upper end \[Hz\].
+        high_hz: f64,
+        /// The structure.
+        structure: String,
+        /// Its parameters.
+        parameters: usize,
+        /// Points needed.
+        need: usize,
+        /// Points there are.
+        found: usize,
+    },
+    /// A structure outside of what is fitted to a frequency response.
+    #[error("{what} is {found}; allowed is {allowed}")]
+    ResponseStructure {
+        /// What of the structure.
+        what: &'static str,
+        /// Found.
+        found: usize,
+        /// Allowed range.
+        allowed: &'static str,
+    },
+    /// No start of a fit to a frequency response could be evaluated.
+    #[error("no start for {structure} could be evaluated on `{name}`")]
+    NoResponseStart {
+        /// The structure.
+        structure: String,
+        /// The response.
+        name: String,
+    },
+    /// A frequency response whose linear equations have no solution.
+    #[error(
+        "the response at {points} frequencies does not determine the {coefficients} coefficients of the transfer function"
+    )]
+    Undetermined {
+        /// Number of frequencies.
+        points: usize,
+        /// Coefficients wanted.
+        coefficients: usize,
+    },
+    /// Records that no empirical response can be taken from.
+    #[error("cannot take a frequency response from `{record}`: {problem}")]
+    NoResponse {
+        /// The record.
+        record: String,
+        /// What is wrong and what to do.
+        problem: String,
+        /// Remedy, typed.
+        advice: Option<Advice>,
+    },
+    /// A structure that no model file can hold.
+    #[error("{structure} is no transfer function: {problem}")]
+    NoTransferFunction {
+        /// The structure.
+        structure: String,
+        /// Why.
+        problem: String,
+    },
+    /// Text that names no structure.
+    #[error(transparent)]
+    Candidate(#[from] UnknownCandidate),
+    /// A baseline.
+    #[error(transparent)]
+    Baseline(#[from] BaselineError),
+    /// A correction while running.
+    #[error(transparent)]
+    Correction(#[from] CorrectionError),
 }
 
 impl IdentifyError {
@@ -168,7 +421,10 @@ impl IdentifyError {
             Self::Constant { .. } | Self::Units { .. } | Self::OtherDevice { .. } => {
                 Some(Advice::ChooseColumns)
             }
+            Self::OscillatorNotUniform { .. } => Some(Advice::Resample),
+            Self::NoResponse { advice, .. } => advice.clone(),
             Self::Record(e) => e.advice(),
+            Self::Axes(e) => e.advice(),
             _ => None,
         }
     }

@@ -1,18 +1,17 @@
 //! From records to a model of any kind, and everything that is to be known about it.
 
-use hysteron_model::Advice;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::model::{Capability, RunError, Score, Unsupported};
-use hysteron_model::model_file::{Kind, Maker, ModelFileError};
+use hysteron_model::model_file::{Kind, Maker};
 use hysteron_model::record::{InputOutput, Keyed};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model, Start};
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::coupled::{self, CoupledFitError, CoupledIdentification};
-use crate::modes::{self, ModesFitError, ModesIdentification};
-use crate::oscillator::{self, OscillatorFitError};
-use crate::structure::{Neighbours, StructureError, neighbours};
+use crate::coupled::{self, CoupledIdentification};
+use crate::modes::{self, ModesIdentification};
+use crate::oscillator;
+use crate::structure::{Neighbours, neighbours};
 use crate::{
     CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, RecordFit, Searches, Watch,
     identify,
@@ -56,16 +55,16 @@ impl Task {
     /// The same, beginning with the parameters of a model.
     ///
     /// # Errors
-    /// [`FitError::Unsupported`] for a model of a kind that cannot be a start, [`FitError::OtherStart`] for one of another kind than
+    /// [`IdentifyError::Unsupported`] for a model of a kind that cannot be a start, [`IdentifyError::OtherStart`] for one of another kind than
     /// the task's.
-    pub fn starting_from(mut self, model: &Model) -> Result<Self, FitError> {
+    pub fn starting_from(mut self, model: &Model) -> Result<Self, IdentifyError> {
         Unsupported::check(model.kind(), Capability::StartOfFit)?;
         match (&mut self, model) {
             (Self::Hammerstein(options), Model::Hammerstein(body)) => {
                 options.start = Some(body.law().clone());
             }
             (Self::Oscillator(options), Model::Oscillator(body)) => options.start = Some(*body.law()),
-            _ => return Err(FitError::OtherStart { wanted: self.kind(), found: model.kind() }),
+            _ => return Err(IdentifyError::OtherStart { wanted: self.kind(), found: model.kind() }),
         }
         Ok(self)
     }
@@ -91,69 +90,6 @@ pub enum FitRecords {
     Single(Vec<CampaignRecord>),
     /// Several named inputs and outputs: modes and branches.
     Several(Vec<AxesRecord>),
-}
-
-/// Why no model came of the records.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FitError {
-    /// Of a Hammerstein model.
-    #[error(transparent)]
-    Hammerstein(#[from] IdentifyError),
-    /// Of an oscillator.
-    #[error(transparent)]
-    Oscillator(#[from] OscillatorFitError),
-    /// Of modes.
-    #[error(transparent)]
-    Modes(#[from] ModesFitError),
-    /// Of branches.
-    #[error(transparent)]
-    Branches(#[from] CoupledFitError),
-    /// The kind takes other records.
-    #[error("{kind} takes records of {expected}")]
-    Records {
-        /// Kind of model asked for.
-        kind: Kind,
-        /// What its records have.
-        expected: &'static str,
-    },
-    /// A model of this kind cannot be a start.
-    #[error(transparent)]
-    Unsupported(#[from] Unsupported),
-    /// A start of another kind.
-    #[error("a fit of the kind \"{wanted}\" begins with a model of that kind, not of \"{found}\"")]
-    OtherStart {
-        /// Kind that is fitted.
-        wanted: Kind,
-        /// Kind of the start.
-        found: Kind,
-    },
-    /// The model found is not sound.
-    #[error(transparent)]
-    Model(#[from] ModelFileError),
-    /// The model found cannot be scored on its records.
-    #[error(transparent)]
-    Score(#[from] RunError),
-    /// So many threads cannot be had.
-    #[error("cannot work on {threads} threads: {reason}")]
-    Threads {
-        /// Threads asked for.
-        threads: usize,
-        /// Why not.
-        reason: String,
-    },
-}
-
-impl FitError {
-    /// Remedy, where there is one that the user can choose.
-    pub fn advice(&self) -> Option<Advice> {
-        match self {
-            Self::Hammerstein(e) => e.advice(),
-            Self::Oscillator(OscillatorFitError::NotUniform { .. }) => Some(Advice::Resample),
-            Self::Modes(ModesFitError::Axes(e)) | Self::Branches(CoupledFitError::Axes(e)) => e.advice(),
-            _ => None,
-        }
-    }
 }
 
 /// An identified model and what is to be known about it.
@@ -248,7 +184,7 @@ impl Fit {
         records: &FitRecords,
         task: &Task,
         watch: &Watch<'_>,
-    ) -> Option<Result<Neighbours, StructureError>> {
+    ) -> Option<Result<Neighbours, IdentifyError>> {
         match (&self.found, records, task) {
             (Found::Hammerstein(found), FitRecords::Single(records), Task::Hammerstein(options)) => {
                 Some(neighbours(records, options, found, watch))
@@ -261,15 +197,15 @@ impl Fit {
 /// Identifies a model of the kind that `task` asks for. `resume`: go on from the searches of an interrupted fit of the same records.
 ///
 /// # Errors
-/// [`FitError`].
+/// [`IdentifyError`].
 pub fn fit(
     records: &FitRecords,
     task: &Task,
     watch: &Watch<'_>,
     resume: Option<Searches>,
     maker: &Maker,
-) -> Result<Fit, FitError> {
-    let others = |kind: Kind, expected| FitError::Records { kind, expected };
+) -> Result<Fit, IdentifyError> {
+    let others = |kind: Kind, expected| IdentifyError::Records { kind, expected };
     match (task, records) {
         (Task::Hammerstein(options), FitRecords::Single(records)) => {
             let found = identify(records, options, watch, resume)?;
@@ -298,19 +234,19 @@ pub fn fit(
 /// [`fit`] on so many threads; the result does not depend on their number.
 ///
 /// # Errors
-/// As [`fit`]; [`FitError::Threads`].
+/// As [`fit`]; [`IdentifyError::Threads`].
 pub fn fit_on(
     threads: Option<usize>,
-    work: impl FnOnce() -> Result<Fit, FitError> + Send,
-) -> Result<Fit, FitError> {
+    work: impl FnOnce() -> Result<Fit, IdentifyError> + Send,
+) -> Result<Fit, IdentifyError> {
     let Some(threads) = threads else { return work() };
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),
-        Err(e) => Err(FitError::Threads { threads, reason: e.to_string() }),
+        Err(e) => Err(IdentifyError::Threads { threads, reason: e.to_string() }),
     }
 }
 
-fn hammerstein(found: Identification, options: &Options, maker: &Maker) -> Result<Fit, FitError> {
+fn hammerstein(found: Identification, options: &Options, maker: &Maker) -> Result<Fit, IdentifyError> {
     let file = found.model_file(options, maker);
     let parameters = found.parameters.iter().map(|p| FitParameter {
         place: Some(Place::Block(p.block.to_owned())),
@@ -338,7 +274,7 @@ fn oscillator_fit(
     found: oscillator::Identification,
     options: &oscillator::Options,
     maker: &Maker,
-) -> Result<Fit, FitError> {
+) -> Result<Fit, IdentifyError> {
     let file = found.model_file(options, maker);
     let parameters = found.estimates.iter().map(|e| FitParameter {
         place: None,
@@ -367,7 +303,7 @@ fn modes_fit(
     records: &[AxesRecord],
     options: &modes::Options,
     maker: &Maker,
-) -> Result<Fit, FitError> {
+) -> Result<Fit, IdentifyError> {
     let model = Model::try_from(found.model_file(records, options, maker))?;
     // A record that was taken for one period as a whole is scored as that.
     let start = |record: &AxesRecord| {
@@ -394,7 +330,7 @@ fn branches_fit(
     found: CoupledIdentification,
     records: &[AxesRecord],
     maker: &Maker,
-) -> Result<Fit, FitError> {
+) -> Result<Fit, IdentifyError> {
     let file = found.model_file(records, maker);
     let parameters = file.parameters().into_iter().map(|(of, name, q)| FitParameter {
         place: Some(Place::Of(of)),

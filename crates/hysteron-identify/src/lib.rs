@@ -5,6 +5,7 @@
 //! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain words what
 //! the records do not determine.
 
+mod alike;
 pub mod baselines;
 mod campaign;
 mod compared;
@@ -19,7 +20,6 @@ mod fit;
 pub mod frequency_response;
 mod identifiability;
 mod joint;
-mod layer_error;
 mod layout;
 pub mod linear;
 mod linear_step;
@@ -45,18 +45,16 @@ mod written;
 pub use compared::{CandidateCost, Compared};
 pub use engine::Search;
 pub use error::IdentifyError;
-pub use fit::{Fit, FitError, FitParameter, FitRecords, Found, Place, Task, fit, fit_on};
+pub use fit::{Fit, FitParameter, FitRecords, Found, Place, Task, fit, fit_on};
 pub use hysteron_model::{Finding, FindingKind};
 pub use joint::{
     Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,
     Smoothing,
 };
-pub use layer_error::Error;
 pub use layout::Demands;
 pub use options::{
     CampaignRecord, Choice, DynamicsChoice, HIGHEST_DEGREE, Initial, Method, Options, RecordRole,
 };
-pub use prediction::PredictionError;
 pub use result::{Correlation, Identification, Parameter, RecordFit, Reduction, StructureChoice};
 pub use searches::{ModesCheckpoint, Searches, SearchesFormat};
 pub use static_fit::StaticFit;

@@ -9,49 +9,30 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::joint::PredictionBand;
+use crate::IdentifyError;
 use hysteron_model::Start;
 use hysteron_model::hammerstein::{Model, SimulationError};
-use hysteron_model::model_file::{ModelFile, ModelFileError, number_mut};
+use hysteron_model::model_file::{ModelFile, number_mut};
 use hysteron_model::record::Timing;
 
 /// Step of the differences, in standard deviations along d_k: their error is a millionth of what is not linear.
 const STEP: f64 = 1e-3;
-
-/// Why a model file gives no prediction band.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PredictionError {
-    /// The file does not say how well its numbers are known.
-    #[error(
-        "the model file holds no correlation of its numbers, so that what their errors mean for the output is not known"
-    )]
-    NoCorrelation,
-    /// The file does not say how a measurement scatters about the model.
-    #[error("the model file holds no scores, so that how measurements scatter about the model is not known")]
-    NoScores,
-    /// The file is not sound.
-    #[error(transparent)]
-    ModelFile(#[from] ModelFileError),
-    /// The model cannot be simulated on the drive.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-}
 
 impl PredictionBand {
     /// Band of a model file's output for `drive` \[V\]. Its `noise` is the RMSE of the file's scores together; 0 where it has
     /// none, and then only [`Self::of_output`] means something.
     ///
     /// # Errors
-    /// [`PredictionError`]: no correlation in the file, a drive that the model cannot be simulated on.
+    /// [`IdentifyError`]: no correlation in the file, a drive that the model cannot be simulated on.
     pub fn of_file<'a>(
         file: &ModelFile,
         drive: &[f64],
         timing: impl Into<Timing<'a>>,
         start: &Start,
-    ) -> Result<Self, PredictionError> {
+    ) -> Result<Self, IdentifyError> {
         let timing = timing.into();
         let model = file.to_model()?;
-        let (names, covariance) = file.covariance().ok_or(PredictionError::NoCorrelation)?;
+        let (names, covariance) = file.covariance().ok_or(IdentifyError::NoCorrelation)?;
         let errors = covariance.diagonal().map(f64::sqrt);
         let correlation = covariance.map_with_location(|i, j, c| c / (errors[i] * errors[j]));
         let eigen = correlation.symmetric_eigen();
@@ -145,7 +126,7 @@ mod tests {
         let start = Start::Rest { voltage_v: 0.0 };
         assert!(matches!(
             PredictionBand::of_file(&file, &[0.0, 1.0], None, &start),
-            Err(PredictionError::NoCorrelation)
+            Err(IdentifyError::NoCorrelation)
         ));
         file.set_covariance(&names(&["linear"]), &DMatrix::from_element(1, 1, 0.01));
         let band = PredictionBand::of_file(&file, &[0.0, 1.0, 5.0], None, &start).unwrap();

@@ -1,7 +1,7 @@
 //! The report of an identification of any kind.
 
-use hysteron_identify::structure::{Neighbours, StructureError};
-use hysteron_identify::{Fit, Found};
+use hysteron_identify::structure::Neighbours;
+use hysteron_identify::{Fit, Found, IdentifyError};
 use hysteron_model::Model;
 use hysteron_model::model_file::ModelFileError;
 
@@ -17,7 +17,7 @@ use crate::{identification, model};
 pub fn report(
     name: &str,
     fit: &Fit,
-    others: Option<&Result<Neighbours, StructureError>>,
+    others: Option<&Result<Neighbours, IdentifyError>>,
 ) -> Result<Page, ModelFileError> {
     match (&fit.found, &fit.model) {
         (Found::Hammerstein(found), Model::Hammerstein(body)) => {

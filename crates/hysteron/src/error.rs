@@ -16,7 +16,7 @@ pub enum Error {
     Model(#[from] hysteron_model::Error),
     /// No model was identified.
     #[error(transparent)]
-    Identify(#[from] hysteron_identify::Error),
+    Identify(#[from] hysteron_identify::IdentifyError),
     /// The model cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -53,5 +53,4 @@ of_layer! {
     File: hysteron_io::atomic_file::AtomicWriteError;
     Model: hysteron_model::UnknownName, hysteron_model::axes::AxesError, hysteron_model::invert::InversionError, hysteron_model::model::RunError, hysteron_model::model::Unsupported,
         hysteron_model::model_file::ModelFileError, hysteron_model::realise::RealiseError, hysteron_model::record::RecordError;
-    Identify: hysteron_identify::FitError;
 }

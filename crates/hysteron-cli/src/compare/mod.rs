@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use hysteron_identify::baselines::cross_validate_all;
-use hysteron_identify::structure::{Candidate, Comparison, StructureError, UnknownCandidate, compare};
-use hysteron_identify::{CampaignRecord, Compared, Options, Watch};
+use hysteron_identify::structure::{Candidate, Comparison, UnknownCandidate, compare};
+use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options, Watch};
 use hysteron_report::comparison;
 
 use crate::columns::ColumnFlags;
@@ -127,9 +127,9 @@ fn nothing(comparison: &Comparison) -> Failure {
     }
 }
 
-fn explain(error: &StructureError) -> Failure {
+fn explain(error: &IdentifyError) -> Failure {
     match error {
-        StructureError::CannotRank { because, measure } => {
+        IdentifyError::CannotRank { because, measure } => {
             Failure::new("structures cannot be ranked on these records")
                 .because(because)
                 .hint(format!("measure {measure}."))

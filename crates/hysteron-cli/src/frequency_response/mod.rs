@@ -5,12 +5,11 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use hysteron_identify::IdentifyError;
 use hysteron_identify::frequency_response::empirical::{
     EmpiricalOptions, EmpiricalResponse, empirical_response,
 };
-use hysteron_identify::frequency_response::{
-    Explained, Family, FileError, FrequencyResponse, Weighting, compare,
-};
+use hysteron_identify::frequency_response::{Explained, Family, FrequencyResponse, Weighting, compare};
 use hysteron_io::{IoError, ResponseOptions, read_frequency_response, read_record};
 use hysteron_report::frequency_response::page;
 
@@ -195,10 +194,8 @@ impl FrequencyResponseCommand {
 fn write_model(path: &Path, found: &Explained) -> Result<String, Failure> {
     let failure = || Failure::new(format!("cannot write the model {}", path.display()));
     let written = found.model_file(&maker()).map_err(|e| match e {
-        FileError::NoPlace { .. } => {
-            failure().because(e).hint("fit another structure, e.g. --structure fractional")
-        }
-        e => failure().because(e),
+        IdentifyError::Hysteresis(_) => failure().because(e),
+        e => failure().because(e).hint("fit another structure, e.g. --structure fractional"),
     })?;
     crate::model::write(path, written.file)?;
     let start = if written.is_unbounded_at_rest {

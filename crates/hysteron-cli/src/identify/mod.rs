@@ -224,7 +224,7 @@ impl Identify {
         let watch = progress::watch(&stop);
         let found = fit_on(self.threads, || fit(&records, &task, &watch, resume, &maker()));
         drop(watch);
-        let found = found.map_err(|e| stop.told(explain(&e)))?;
+        let found = found.map_err(|e| stop.told(explain(&e, task.kind())))?;
         let written = if found.interrupted { partial(&self.out) } else { self.out.to_path_buf() };
         model::save(&written, &found.model)?;
         if found.interrupted {

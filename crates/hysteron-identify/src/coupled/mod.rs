@@ -13,14 +13,14 @@ use rayon::prelude::*;
 use super::engine::Engine;
 use super::watch::Plan;
 use super::{Finding, FindingKind, Searches, Watch};
+use crate::IdentifyError;
+use crate::alike::same;
 use hysteron_model::Model;
-use hysteron_model::axes::{
-    AxesError, AxesRecord, AxesScores, CoupledErrors, CoupledHammerstein, SteadyPeriod,
-};
+use hysteron_model::axes::{AxesRecord, AxesScores, CoupledErrors, CoupledHammerstein, SteadyPeriod};
 use hysteron_model::model_file::{CoupledFile, SignalUnits};
 use hysteron_model::validate::Scoring;
 use hysteron_optimize::{
-    Algorithm, Differences, LeastSquaresOptions, OptimizeError, Problem, Settings, Stop, residual_jacobian,
+    Algorithm, Differences, LeastSquaresOptions, Problem, Settings, Stop, residual_jacobian,
 };
 use problem::{CoupledProblem, OF_ACTUATOR, OF_PATH, Piece};
 use serde::{Deserialize, Serialize};
@@ -35,51 +35,6 @@ const DELAYS: [f64; 2] = [0.3, 3.0];
 const ROUNDS: usize = 3;
 /// Shapes of the loops that are started from: α, β' times half the range of the drive.
 const SHAPES: [(f64, f64); 2] = [(0.2, 2.0), (0.35, 0.7)];
-
-/// Why no branches were identified.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum CoupledFitError {
-    /// A record or model that cannot be used.
-    #[error(transparent)]
-    Axes(#[from] AxesError),
-    /// No records, or none with outputs.
-    #[error("no records with inputs and outputs were given")]
-    NoRecords,
-    /// Records that do not belong together.
-    #[error("records `{first}` and `{other}` differ in their {what}")]
-    Different {
-        /// One record.
-        first: String,
-        /// Another.
-        other: String,
-        /// In what they differ.
-        what: &'static str,
-    },
-    /// Stopped too early.
-    #[error("the fit was stopped before there was a model")]
-    Stopped,
-    /// No start could be simulated or the inputs are not told apart.
-    #[error(
-        "no branches can be fitted: an input does not move, or moves together with another in all records"
-    )]
-    NoStart,
-    /// The search failed.
-    #[error(transparent)]
-    Optimize(#[from] OptimizeError),
-    /// The model does not describe a record.
-    #[error(
-        "the branches do not describe record `{record}`: the best fit explains {fit_percent:.1} % of it, {need} % are needed"
-    )]
-    ModelClass {
-        /// Record.
-        record: String,
-        /// Fit \[%\].
-        fit_percent: f64,
-        /// Least fit accepted \[%\].
-        need: f64,
-    },
-}
 
 /// What a user can ask of the identification.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,14 +75,14 @@ pub struct CoupledIdentification {
 /// before its record, or is in its steady state where all of them repeat.
 ///
 /// # Errors
-/// [`CoupledFitError`].
+/// [`IdentifyError`].
 pub fn identify(
     records: &[AxesRecord],
     options: &Options,
     watch: &Watch<'_>,
     resume: Option<Searches>,
-) -> Result<CoupledIdentification, CoupledFitError> {
-    let first = records.first().filter(|r| !r.y.is_empty()).ok_or(CoupledFitError::NoRecords)?;
+) -> Result<CoupledIdentification, IdentifyError> {
+    let first = records.first().filter(|r| !r.y.is_empty()).ok_or(IdentifyError::NoOutputs)?;
     same(first, records)?;
     let pieces: Vec<Piece> = records
         .iter()
@@ -136,13 +91,13 @@ pub fn identify(
             Piece { record, settled: period.map(|p| p.samples()) }
         })
         .collect();
-    let problem = CoupledProblem::new(&pieces, None).ok_or(CoupledFitError::NoRecords)?;
+    let problem = CoupledProblem::new(&pieces, None).ok_or(IdentifyError::NoOutputs)?;
     let mut engine = Engine::new(None, Settings::default(), watch, PLAN, resume);
     engine.enter("starts");
     let starts: Vec<Vec<f64>> =
         SHAPES.par_iter().filter_map(|shape| start(&problem, *shape, watch.stop())).collect();
     if starts.is_empty() {
-        return Err(if watch.is_stopped() { CoupledFitError::Stopped } else { CoupledFitError::NoStart });
+        return Err(if watch.is_stopped() { IdentifyError::Stopped } else { IdentifyError::NoBranches });
     }
     let search =
         LeastSquaresOptions { starts: starts.len(), agreement: None, ..LeastSquaresOptions::default() };
@@ -153,7 +108,7 @@ pub fn identify(
     };
     let search = Algorithm::LeastSquares(search);
     let found = engine.run("branches", &problem, &search, starts, Some(&shown))?.outcome;
-    let model = problem.model(&found.best).ok_or(CoupledFitError::NoStart)?;
+    let model = problem.model(&found.best).ok_or(IdentifyError::NoBranches)?;
     let errors =
         if engine.enter("standard errors") { errors(&pieces, &problem, &model, &found.best) } else { None };
     let scores = pieces
@@ -163,34 +118,18 @@ pub fn identify(
             let simulated = model.simulate(&r.u, r.sample_rate_hz, piece.settled)?;
             Ok(AxesScores::new(r, &simulated, &Scoring::default(), None)?)
         })
-        .collect::<Result<Vec<_>, CoupledFitError>>()?;
+        .collect::<Result<Vec<_>, IdentifyError>>()?;
     for (record, score) in records.iter().zip(&scores) {
         let fit_percent = score.fit_percent.unwrap_or(0.0);
         // Who interrupts takes what there is.
         if fit_percent < options.least_fit_percent && !engine.cancelled {
             let (record, need) = (record.label(), options.least_fit_percent);
-            return Err(CoupledFitError::ModelClass { record, fit_percent, need });
+            return Err(IdentifyError::AxesClass { what: "branches", record, fit_percent, need });
         }
     }
     let findings = findings(errors.as_ref());
     let (interrupted, resume) = (engine.cancelled, engine.searches());
     Ok(CoupledIdentification { model, errors, records: scores, findings, interrupted, resume })
-}
-
-fn same(first: &AxesRecord, records: &[AxesRecord]) -> Result<(), CoupledFitError> {
-    for other in records {
-        let differs = [
-            ("number of inputs", first.u.len() != other.u.len()),
-            ("number of outputs", first.y.len() != other.y.len()),
-            ("sample rates", (first.sample_rate_hz / other.sample_rate_hz).ln().abs() > 1e-6),
-            ("units", (&first.u_unit, &first.y_unit) != (&other.u_unit, &other.y_unit)),
-        ];
-        if let Some((what, _)) = differs.into_iter().find(|(_, differs)| *differs) {
-            let (first, other) = (first.name.clone(), other.name.clone());
-            return Err(CoupledFitError::Different { first, other, what });
-        }
-    }
-    Ok(())
 }
 
 /// Best point of the lattice, one path after the other; `None` where nothing can be simulated, or it was stopped.

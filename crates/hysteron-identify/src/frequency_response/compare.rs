@@ -2,9 +2,8 @@
 
 use super::explain::explain;
 use super::fit::fit_beside;
-use super::{
-    Core, FrequencyResponse, FrequencyResponseError, ResponseFit, Structure, Weighting, fit_structure,
-};
+use super::{Core, FrequencyResponse, ResponseFit, Structure, Weighting, fit_structure};
+use crate::IdentifyError;
 
 /// Most modes tried where nobody says how many.
 const MOST_MODES: usize = 10;
@@ -81,7 +80,7 @@ pub fn compare(
     weighting: Weighting,
     families: &[Family],
     modes: Option<usize>,
-) -> Result<Vec<Candidate>, FrequencyResponseError> {
+) -> Result<Vec<Candidate>, IdentifyError> {
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut add = |name: String, fit: ResponseFit| {
         let explanation = explain(&fit, response);
@@ -125,7 +124,7 @@ fn modal(
     weighting: Weighting,
     base: Structure,
     wanted: Option<usize>,
-) -> Result<ResponseFit, FrequencyResponseError> {
+) -> Result<ResponseFit, IdentifyError> {
     let structure = |count| Structure { core: Core::Modes { count }, ..base };
     let mut last = fit_structure(response, &structure(1), weighting)?;
     let mut best = last.clone();

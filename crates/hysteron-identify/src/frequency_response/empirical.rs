@@ -6,7 +6,8 @@
 //! excited the distortion of odd and of even order. This is the robust method of R. Pintelon and J. Schoukens, *System
 //! Identification: A Frequency Domain Approach*, 2nd ed., Wiley 2012, doi:10.1002/9781118287422, chapter 4.
 
-use super::{FrequencyResponse, FrequencyResponseError};
+use super::FrequencyResponse;
+use crate::IdentifyError;
 use hysteron_model::Advice;
 use hysteron_model::record::{InputOutput, find_periods};
 use hysteron_numeric::Complex64;
@@ -74,13 +75,13 @@ struct Realisation {
 /// Takes the response from one or more records of the same multisine lines.
 ///
 /// # Errors
-/// [`FrequencyResponseError::Records`]: no record; no uniform sample rate; a period that is not a whole number of samples or
+/// [`IdentifyError::NoResponse`]: no record; no uniform sample rate; a period that is not a whole number of samples or
 /// not there twice where it has to be found; masked samples; records of different rates, periods or lines.
-/// [`FrequencyResponseError::Record`]: no period found.
+/// [`IdentifyError::Record`]: no period found.
 pub fn empirical_response(
     records: &[InputOutput],
     options: &EmpiricalOptions,
-) -> Result<EmpiricalResponse, FrequencyResponseError> {
+) -> Result<EmpiricalResponse, IdentifyError> {
     let Some(first) = records.first() else { return Err(bad("(none)", "there is no record")) };
     let sample_rate_hz = rate(first)?;
     let mut realisations = Vec::with_capacity(records.len());
@@ -112,15 +113,15 @@ pub fn empirical_response(
     assemble(records, &realisations, &lines, resolution, period_samples)
 }
 
-fn bad(record: &str, problem: &str) -> FrequencyResponseError {
+fn bad(record: &str, problem: &str) -> IdentifyError {
     refused(record, problem, None)
 }
 
-fn refused(record: &str, problem: &str, advice: Option<Advice>) -> FrequencyResponseError {
-    FrequencyResponseError::Records { record: record.to_owned(), problem: problem.to_owned(), advice }
+fn refused(record: &str, problem: &str, advice: Option<Advice>) -> IdentifyError {
+    IdentifyError::NoResponse { record: record.to_owned(), problem: problem.to_owned(), advice }
 }
 
-fn rate(record: &InputOutput) -> Result<f64, FrequencyResponseError> {
+fn rate(record: &InputOutput) -> Result<f64, IdentifyError> {
     record.sample_rate_hz().ok_or_else(|| {
         let problem = "it has no uniform sample rate; resample it, or give the rate";
         refused(&record.name, problem, Some(Advice::Resample))
@@ -131,7 +132,7 @@ fn rate(record: &InputOutput) -> Result<f64, FrequencyResponseError> {
 fn steady_part(
     record: &InputOutput,
     options: &EmpiricalOptions,
-) -> Result<(usize, std::ops::Range<usize>), FrequencyResponseError> {
+) -> Result<(usize, std::ops::Range<usize>), IdentifyError> {
     let (period, start, count, settling) = match options.period_s {
         Some(period_s) => {
             let period = period_s * rate(record)?;
@@ -228,7 +229,7 @@ fn assemble(
     lines: &[usize],
     resolution: f64,
     period_samples: usize,
-) -> Result<EmpiricalResponse, FrequencyResponseError> {
+) -> Result<EmpiricalResponse, IdentifyError> {
     let count = realisations.len() as f64;
     let gain = |r: &Realisation, k: usize| r.output[k] / r.input[k];
     let values: Vec<Complex64> =

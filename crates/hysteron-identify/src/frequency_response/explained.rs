@@ -12,6 +12,7 @@ use serde::{Serialize, Serializer};
 
 use super::empirical::{DetectionLines, EmpiricalResponse};
 use super::{Candidate, FrequencyResponse, Weighting};
+use crate::IdentifyError;
 
 /// A measured response and the structures fitted to it.
 #[derive(Clone, Debug)]
@@ -62,7 +63,7 @@ impl Explained {
     ///
     /// # Errors
     /// Why the best one has no place in a file, or no model at all.
-    pub fn model_file(&self, maker: &Maker) -> Result<WrittenStructure, FileError> {
+    pub fn model_file(&self, maker: &Maker) -> Result<WrittenStructure, IdentifyError> {
         let mut order: Vec<&Candidate> = self.candidates.iter().collect();
         order.sort_by(|a, b| a.fit.aic.total_cmp(&b.fit.aic));
         let mut refused = None;
@@ -78,7 +79,7 @@ impl Explained {
                 Err(reason) => refused = refused.or(Some(reason)),
             }
         }
-        Err(FileError::NoPlace { reason: refused.map(|e| e.to_string()).unwrap_or_default() })
+        Err(refused.unwrap_or(IdentifyError::NoStructure))
     }
 
     fn file(
@@ -116,20 +117,6 @@ impl Explained {
         file.provenance = Some(Provenance::new(maker, Vec::new(), options, None));
         Ok(file)
     }
-}
-
-/// Why there is no model file of a structure.
-#[derive(Debug, thiserror::Error)]
-pub enum FileError {
-    /// No structure has a place in a model file.
-    #[error("{reason}")]
-    NoPlace {
-        /// Why the best one has none.
-        reason: String,
-    },
-    /// The block without hysteresis is not sound.
-    #[error(transparent)]
-    Hysteresis(#[from] hysteron_model::hysteresis::HysteresisError),
 }
 
 /// The fits for programs.

@@ -6,7 +6,8 @@ use nalgebra::DMatrix;
 
 use super::problem::ResponseProblem;
 use super::start::{one_mode_more, starts};
-use super::{Core, FrequencyResponse, FrequencyResponseError, Structure};
+use super::{Core, FrequencyResponse, Structure};
+use crate::IdentifyError;
 use hysteron_numeric::Complex64;
 use hysteron_optimize::{
     Algorithm, Bounds, LeastSquaresOptions, OptimizeError, Outcome, Problem, Settings, Unobserved, minimize,
@@ -88,13 +89,13 @@ pub struct ResponseFit {
 /// correlated (1 + 2Σρ up to the first ρ ≤ 0), which what a structure leaves unexplained always are.
 ///
 /// # Errors
-/// [`FrequencyResponseError`]: an unsound response, too few points (2N must exceed the number of parameters), a value of
+/// [`IdentifyError`]: an unsound response, too few points (2N must exceed the number of parameters), a value of
 /// zero under relative weights, no start.
 pub fn fit_structure(
     response: &FrequencyResponse,
     structure: &Structure,
     weighting: Weighting,
-) -> Result<ResponseFit, FrequencyResponseError> {
+) -> Result<ResponseFit, IdentifyError> {
     response.check()?;
     structure.check()?;
     check_points(response, structure)?;
@@ -114,7 +115,7 @@ pub(super) fn fit_beside(
     structure: &Structure,
     weighting: Weighting,
     before: Option<&ResponseFit>,
-) -> Result<ResponseFit, FrequencyResponseError> {
+) -> Result<ResponseFit, IdentifyError> {
     response.check()?;
     structure.check()?;
     check_points(response, structure)?;
@@ -133,7 +134,7 @@ pub(super) fn fit_beside(
     }
     if starts.is_empty() {
         let (structure, name) = (structure.to_string(), response.name.clone());
-        return Err(FrequencyResponseError::NoStart { structure, name });
+        return Err(IdentifyError::NoResponseStart { structure, name });
     }
     let outcome = polish(&problem, starts)?;
     let same = |cost: f64| cost <= outcome.cost * (1.0 + SAME_OPTIMUM) + 1e-12;
@@ -155,11 +156,11 @@ fn sort_pairs(structure: &Structure, x: &mut [f64]) {
     x[real..real + 2 * pairs].copy_from_slice(sorted.as_flattened());
 }
 
-fn check_points(response: &FrequencyResponse, structure: &Structure) -> Result<(), FrequencyResponseError> {
+fn check_points(response: &FrequencyResponse, structure: &Structure) -> Result<(), IdentifyError> {
     let parameters = structure.parameter_count();
     if 2 * response.len() <= parameters {
         let (low_hz, high_hz) = response.range_hz();
-        return Err(FrequencyResponseError::TooFewPoints {
+        return Err(IdentifyError::TooFewPoints {
             name: response.name.clone(),
             low_hz,
             high_hz,

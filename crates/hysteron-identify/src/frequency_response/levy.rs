@@ -2,8 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use super::FrequencyResponse;
 use super::projection::Projection;
-use super::{FrequencyResponse, FrequencyResponseError};
+use crate::IdentifyError;
 use hysteron_model::dynamics::{Term, TransferFunction};
 use hysteron_numeric::Complex64;
 
@@ -16,17 +17,17 @@ use hysteron_numeric::Complex64;
 /// only as the noise vanishes: it is a start, not an end. Solved in s/ω₀, ω₀ in the middle of the band.
 ///
 /// # Errors
-/// [`FrequencyResponseError::Undetermined`] for fewer equations than coefficients, or without a finite solution;
-/// [`FrequencyResponseError::Dynamics`] for orders that are not allowed.
+/// [`IdentifyError::Undetermined`] for fewer equations than coefficients, or without a finite solution;
+/// [`IdentifyError::Dynamics`] for orders that are not allowed.
 pub fn levy(
     response: &FrequencyResponse,
     numerator_orders: &[f64],
     denominator_orders: &[f64],
     passes: usize,
-) -> Result<TransferFunction, FrequencyResponseError> {
+) -> Result<TransferFunction, IdentifyError> {
     let (points, numerators) = (response.len(), numerator_orders.len());
     let coefficients = (numerators + denominator_orders.len()).saturating_sub(1);
-    let undetermined = || FrequencyResponseError::Undetermined { points, coefficients };
+    let undetermined = || IdentifyError::Undetermined { points, coefficients };
     let Some((&lowest, others)) = denominator_orders.split_first() else { return Err(undetermined()) };
     if 2 * points < coefficients || numerators == 0 {
         return Err(undetermined());
@@ -144,7 +145,7 @@ mod tests {
     fn fewer_equations_than_coefficients_are_refused() {
         let response = FrequencyResponse::new("one", vec![1.0], vec![Complex64::ONE]).unwrap();
         let refused = levy(&response, &[0.0, 1.0], &[0.0, 1.0, 2.0], 1);
-        assert!(matches!(refused, Err(FrequencyResponseError::Undetermined { points: 1, coefficients: 4 })));
+        assert!(matches!(refused, Err(IdentifyError::Undetermined { points: 1, coefficients: 4 })));
         assert!(levy(&response, &[0.0], &[], 1).is_err());
     }
 }

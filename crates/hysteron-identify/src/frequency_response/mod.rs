@@ -22,7 +22,6 @@
 
 mod compare;
 pub mod empirical;
-mod error;
 mod explain;
 mod explained;
 mod fit;
@@ -35,8 +34,7 @@ mod structure;
 mod transfer;
 
 pub use compare::{Candidate, Family, compare, has_dynamics, has_resonance};
-pub use error::FrequencyResponseError;
-pub use explained::{Explained, FileError, WrittenStructure};
+pub use explained::{Explained, WrittenStructure};
 pub use fit::{FittedParameter, ResponseFit, Weighting, fit_structure};
 pub use hysteron_model::record::{FrequencyResponse, unwrapped_phase_deg};
 pub use levy::levy;

@@ -7,7 +7,8 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use super::projection::{Projection, dot};
-use super::{FrequencyResponse, FrequencyResponseError, Structure, Weighting};
+use super::{FrequencyResponse, Structure, Weighting};
+use crate::IdentifyError;
 use hysteron_numeric::Complex64;
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
 
@@ -41,7 +42,7 @@ impl ResponseProblem {
         response: &FrequencyResponse,
         structure: Structure,
         weighting: Weighting,
-    ) -> Result<Self, FrequencyResponseError> {
+    ) -> Result<Self, IdentifyError> {
         let (low, high) = response.range_hz();
         let omega: Vec<f64> = response.frequency_hz.iter().map(|f| TAU * f).collect();
         let weights = weights(response, weighting)?;
@@ -113,10 +114,7 @@ fn add_products(columns: &[f64], rows: usize, coefficients: &[f64], out: &mut [f
 }
 
 /// 1/G_i, or √2/σ_i so that real and imaginary part of a residual have variance 1.
-fn weights(
-    response: &FrequencyResponse,
-    weighting: Weighting,
-) -> Result<Vec<Complex64>, FrequencyResponseError> {
+fn weights(response: &FrequencyResponse, weighting: Weighting) -> Result<Vec<Complex64>, IdentifyError> {
     match (weighting, &response.std_dev) {
         (Weighting::Uncertainty, Some(std_dev)) => {
             Ok(std_dev.iter().map(|s| Complex64::new(SQRT_2 / s, 0.0)).collect())

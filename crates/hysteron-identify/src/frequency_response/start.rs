@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use super::levy::levy;
 use super::problem::ResponseProblem;
 use super::relocation::{Relocation, parameters, spread};
-use super::{Core, FrequencyResponse, FrequencyResponseError};
+use super::{Core, FrequencyResponse};
+use crate::IdentifyError;
 use hysteron_numeric::Complex64;
 use hysteron_optimize::{Bounds, Problem};
 
@@ -132,11 +133,7 @@ fn lag(response: &FrequencyResponse, order: f64) -> Vec<f64> {
     vec![corner.unwrap_or((low * high).sqrt()), order]
 }
 
-fn oscillator(
-    response: &FrequencyResponse,
-    order1: f64,
-    order2: f64,
-) -> Result<Vec<f64>, FrequencyResponseError> {
+fn oscillator(response: &FrequencyResponse, order1: f64, order2: f64) -> Result<Vec<f64>, IdentifyError> {
     let g = levy(response, &[0.0], &[0.0, order1, order2], PASSES)?;
     let (low, high) = response.range_hz();
     let [_, one, two] = g.denominator.as_slice() else { return Ok(vec![high, 1.0, order1, order2]) };

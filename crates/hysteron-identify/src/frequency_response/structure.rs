@@ -1,9 +1,9 @@
 //! Structures of a frequency response: what is nonlinear in them, what is linear, and the derivatives.
 
+use crate::IdentifyError;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 
-use super::FrequencyResponseError;
 use hysteron_numeric::Complex64;
 use hysteron_optimize::Range;
 
@@ -93,16 +93,16 @@ impl Structure {
     }
 
     /// # Errors
-    /// [`FrequencyResponseError::Structure`] for a number of poles that is not fitted.
-    pub fn check(&self) -> Result<(), FrequencyResponseError> {
+    /// [`IdentifyError::ResponseStructure`] for a number of poles that is not fitted.
+    pub fn check(&self) -> Result<(), IdentifyError> {
         match self.core {
             Core::Rational { poles, .. } if poles == 0 || poles > MOST_POLES => {
                 let what = "the number of poles";
-                Err(FrequencyResponseError::Structure { what, found: poles, allowed: "1 to 40" })
+                Err(IdentifyError::ResponseStructure { what, found: poles, allowed: "1 to 40" })
             }
             Core::Modes { count } if count == 0 || count > MOST_POLES / 2 => {
                 let what = "the number of modes";
-                Err(FrequencyResponseError::Structure { what, found: count, allowed: "1 to 20" })
+                Err(IdentifyError::ResponseStructure { what, found: count, allowed: "1 to 20" })
             }
             _ => Ok(()),
         }

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::{Core, FrequencyResponse, FrequencyResponseError, ResponseFit};
+use super::{Core, FrequencyResponse, ResponseFit};
+use crate::IdentifyError;
 use hysteron_model::dynamics::{Term, TransferFunction};
 use hysteron_model::model_file::transfer_function_numbers;
 use nalgebra::DMatrix;
@@ -20,15 +21,15 @@ impl ResponseFit {
     /// Transfer function and delay \[s\] of the fit, checked against it at the points of `response`.
     ///
     /// # Errors
-    /// [`FrequencyResponseError::NoTransferFunction`] for a loss angle, or where the polynomials of many poles lose the fit
+    /// [`IdentifyError::NoTransferFunction`] for a loss angle, or where the polynomials of many poles lose the fit
     /// to rounding.
     pub fn to_transfer_function(
         &self,
         response: &FrequencyResponse,
-    ) -> Result<(TransferFunction, f64), FrequencyResponseError> {
+    ) -> Result<(TransferFunction, f64), IdentifyError> {
         let refuse = |problem: String| {
             let structure = self.structure.to_string();
-            Err(FrequencyResponseError::NoTransferFunction { structure, problem })
+            Err(IdentifyError::NoTransferFunction { structure, problem })
         };
         if self.structure.loss_angle {
             return refuse(
@@ -55,8 +56,8 @@ impl ResponseFit {
     ///
     /// # Errors
     /// What [`TransferFunction::validate`] refuses.
-    pub fn covariance_of_numbers(&self) -> Result<(Vec<String>, DMatrix<f64>), FrequencyResponseError> {
-        let numbers = |fit: &Self| -> Result<(Vec<String>, Vec<f64>), FrequencyResponseError> {
+    pub fn covariance_of_numbers(&self) -> Result<(Vec<String>, DMatrix<f64>), IdentifyError> {
+        let numbers = |fit: &Self| -> Result<(Vec<String>, Vec<f64>), IdentifyError> {
             let (mut names, mut values) = transfer_function_numbers(&fit.expand()?);
             names.push("delay".to_owned());
             values.push(fit.value("delay"));
@@ -81,7 +82,7 @@ impl ResponseFit {
         Ok((names, &jacobian * &self.covariance * jacobian.transpose()))
     }
 
-    fn expand(&self) -> Result<TransferFunction, FrequencyResponseError> {
+    fn expand(&self) -> Result<TransferFunction, IdentifyError> {
         let exponent = self.value("exponent");
         let (up, down) = ((-exponent).max(0.0), exponent.max(0.0));
         let gain = self.value("gain");

@@ -13,7 +13,6 @@
 //! way between absolute and relative errors. The result does not depend on the number of threads.
 
 mod columns;
-mod error;
 mod normal;
 mod records;
 mod search;
@@ -23,10 +22,10 @@ mod summary;
 mod tests;
 mod written;
 
-pub use error::ModesFitError;
 pub use summary::{LevelInfluence, ModeShift, ModesRecordFit};
 
 use super::{Finding, Searches, Watch};
+use crate::IdentifyError;
 use hysteron_model::axes::{AxesRecord, InfluenceMatrix, ScheduledModes};
 use serde::{Deserialize, Serialize};
 
@@ -104,12 +103,12 @@ pub struct ModesIdentification {
 /// Identifies scheduled modes from records that share the device, the sample rate and the channels.
 ///
 /// # Errors
-/// [`ModesFitError`]: records that cannot be used, options that cannot be met, a model that does not describe the records.
+/// [`IdentifyError`]: records that cannot be used, options that cannot be met, a model that does not describe the records.
 pub fn identify(
     records: &[AxesRecord],
     options: &Options,
     watch: &Watch<'_>,
     resume: Option<Searches>,
-) -> Result<ModesIdentification, ModesFitError> {
+) -> Result<ModesIdentification, IdentifyError> {
     summary::identify(records, options, watch, resume)
 }

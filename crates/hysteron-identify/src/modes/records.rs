@@ -1,6 +1,8 @@
 //! Records brought into the form the fit works on.
 
-use super::{ModesFitError, Options};
+use super::Options;
+use crate::IdentifyError;
+use crate::alike::same;
 use hysteron_model::axes::{AxesRecord, SteadyPeriod};
 use hysteron_model::hysteresis::RecordEnds;
 use hysteron_model::record::InterSample;
@@ -38,8 +40,8 @@ pub(super) struct Campaign {
 }
 
 impl Campaign {
-    pub(super) fn new(records: &[AxesRecord], options: &Options) -> Result<Self, ModesFitError> {
-        let first = records.first().ok_or(ModesFitError::NoRecords)?;
+    pub(super) fn new(records: &[AxesRecord], options: &Options) -> Result<Self, IdentifyError> {
+        let first = records.first().ok_or(IdentifyError::NoRecords)?;
         same(first, records)?;
         let mut pieces = Vec::with_capacity(records.len());
         for record in records {
@@ -109,32 +111,4 @@ impl Campaign {
             piece.weight = 1.0 / (numbers * rms[piece.level].max(f64::MIN_POSITIVE));
         }
     }
-}
-
-/// Channels, rate and units must agree.
-fn same(first: &AxesRecord, records: &[AxesRecord]) -> Result<(), ModesFitError> {
-    for other in records {
-        let differ = |what, of_first: String, of_other: String| {
-            if of_first == of_other {
-                return Ok(());
-            }
-            Err(ModesFitError::Different {
-                first: first.name.clone(),
-                other: other.name.clone(),
-                what,
-                of_first,
-                of_other,
-            })
-        };
-        differ("number of inputs", first.u.len().to_string(), other.u.len().to_string())?;
-        differ("number of outputs", first.y.len().to_string(), other.y.len().to_string())?;
-        differ(
-            "sample rates",
-            format!("{:.4} Hz", first.sample_rate_hz),
-            format!("{:.4} Hz", other.sample_rate_hz),
-        )?;
-        differ("input units", first.u_unit.to_string(), other.u_unit.to_string())?;
-        differ("output units", first.y_unit.to_string(), other.y_unit.to_string())?;
-    }
-    Ok(())
 }

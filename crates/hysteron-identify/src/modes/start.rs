@@ -2,8 +2,9 @@
 
 use nalgebra::DMatrix;
 
+use super::Options;
 use super::records::{Campaign, Piece};
-use super::{ModesFitError, Options};
+use crate::IdentifyError;
 use hysteron_model::axes::{
     CommonPoles, FeedbackStrain, FrequencyMatrix, InfluenceMatrix, LevelLaw, ScheduledModes, StrainLaw,
     Trajectory, VectorFit, frequency, linear_states, spectrum, spread_poles,
@@ -48,7 +49,7 @@ pub(super) fn linear_start(
     campaign: &Campaign,
     options: &Options,
     stop: &Stop,
-) -> Result<Start, ModesFitError> {
+) -> Result<Start, IdentifyError> {
     let top = campaign.top();
     let periods: Vec<_> = top.iter().map(|piece| &piece.period).collect();
     let response = FrequencyMatrix::local_polynomial(&periods)?;
@@ -67,11 +68,11 @@ pub(super) fn linear_start(
     };
     let (pairs, poles) = choose_poles(&fit, &response, (options.modes, rate, top_hz), is_mode, stop)?;
     if poles.pairs.is_empty() {
-        return Err(ModesFitError::NoModes { top_hz });
+        return Err(IdentifyError::NoModes { top_hz });
     }
     let influence = InfluenceMatrix::of_response(&response);
     if influence.inverse().is_none() {
-        return Err(ModesFitError::Singular { condition: influence.condition_number() });
+        return Err(IdentifyError::Singular { condition: influence.condition_number() });
     }
     let residues = fit.residues(&poles)?;
     let mut model = rank_one(campaign, options, &poles, &residues, lag);
@@ -88,12 +89,12 @@ fn choose_poles(
     (given, rate, top_hz): (Option<usize>, f64, f64),
     is_mode: impl Fn(&Complex64) -> bool,
     stop: &Stop,
-) -> Result<(usize, CommonPoles), ModesFitError> {
-    let poles = |count: usize| -> Result<CommonPoles, ModesFitError> {
+) -> Result<(usize, CommonPoles), IdentifyError> {
+    let poles = |count: usize| -> Result<CommonPoles, IdentifyError> {
         let start = spread_poles(count, (SPREAD.0 * top_hz, SPREAD.1 * top_hz), START_DAMPING, rate);
         let mut found = fit.poles(&start, RELOCATIONS, || !stop.is_requested())?;
         if stop.is_requested() {
-            return Err(ModesFitError::Stopped);
+            return Err(IdentifyError::Stopped);
         }
         found.pairs.retain(&is_mode);
         found.real.clear();
@@ -105,7 +106,7 @@ fn choose_poles(
     let mut best: Option<(f64, usize, CommonPoles)> = None;
     for count in TRIED {
         if stop.is_requested() {
-            return Err(ModesFitError::Stopped);
+            return Err(IdentifyError::Stopped);
         }
         // Fewer equations than unknowns say nothing.
         if 4 * (2 * count + 2) > 2 * response.len() {
@@ -118,7 +119,7 @@ fn choose_poles(
             best = Some((error, count, found));
         }
     }
-    let (_, count, poles) = best.ok_or(ModesFitError::NoModes { top_hz })?;
+    let (_, count, poles) = best.ok_or(IdentifyError::NoModes { top_hz })?;
     Ok((count, poles))
 }
 

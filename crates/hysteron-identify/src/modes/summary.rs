@@ -5,9 +5,9 @@ use super::normal::residual;
 use super::records::{Campaign, Piece};
 use super::search::{From, Ledger, Stage, search};
 use super::start::{add_feedback, linear_start};
-use super::{ModesFitError, ModesIdentification, Options};
+use super::{ModesIdentification, Options};
 use crate::findings::say;
-use crate::{Finding, FindingKind, ModesCheckpoint, Searches, Watch, fingerprint};
+use crate::{Finding, FindingKind, IdentifyError, ModesCheckpoint, Searches, Watch, fingerprint};
 use hysteron_model::Advice;
 use hysteron_model::axes::{AxesRecord, FrequencyMatrix, InfluenceMatrix, Mode, ScheduledModes};
 use hysteron_model::model_file::{ModesFile, SignalUnits};
@@ -97,11 +97,11 @@ fn identity(records: &[AxesRecord], options: &Options) -> String {
 }
 
 /// Where an interrupted search of the same problem stood.
-fn resumed(resume: Option<Searches>, problem: &str) -> Result<Option<Box<ModesCheckpoint>>, ModesFitError> {
+fn resumed(resume: Option<Searches>, problem: &str) -> Result<Option<Box<ModesCheckpoint>>, IdentifyError> {
     match resume {
         None => Ok(None),
         Some(Searches { modes: Some(state), .. }) if state.problem == problem => Ok(Some(state)),
-        Some(_) => Err(ModesFitError::Resume),
+        Some(_) => Err(IdentifyError::Resume),
     }
 }
 
@@ -110,7 +110,7 @@ pub(super) fn identify(
     options: &Options,
     watch: &Watch<'_>,
     resume: Option<Searches>,
-) -> Result<ModesIdentification, ModesFitError> {
+) -> Result<ModesIdentification, IdentifyError> {
     check(options)?;
     let campaign = Campaign::new(records, options)?;
     let scheduled = campaign.levels.len() > 1;
@@ -126,7 +126,7 @@ pub(super) fn identify(
     let resume = resumed(resume, &problem)?;
     let mut ledger = Ledger { watch, done: 0, whole, file: &file, problem: &problem, stage: 0, state: None };
     if !ledger.tell("frequency response", None, None) {
-        return Err(ModesFitError::Stopped);
+        return Err(IdentifyError::Stopped);
     }
     let start = linear_start(&campaign, options, watch.stop())?;
     let mut model = start.model.clone();
@@ -165,7 +165,8 @@ pub(super) fn identify(
         // Not a number describes nothing. Who interrupts takes what there is.
         let enough = fit.fit_percent >= options.least_fit_percent;
         if !enough && !ledger.is_stopped() {
-            return Err(ModesFitError::ModelClass {
+            return Err(IdentifyError::AxesClass {
+                what: "modes",
                 record: fit.record.clone(),
                 fit_percent: fit.fit_percent,
                 need: options.least_fit_percent,
@@ -219,8 +220,8 @@ fn stages(options: &Options, scheduled: bool) -> Vec<Stage> {
     stages
 }
 
-fn check(options: &Options) -> Result<(), ModesFitError> {
-    let refuse = |name, value: f64, expected| Err(ModesFitError::Option { name, value, expected });
+fn check(options: &Options) -> Result<(), IdentifyError> {
+    let refuse = |name, value: f64, expected| Err(IdentifyError::ModesOption { name, value, expected });
     if !(1..=8).contains(&options.steps) {
         return refuse("steps", options.steps as f64, "1 to 8 steps a sample");
     }

@@ -67,18 +67,6 @@ pub enum CorrectionError {
         /// Why.
         cause: SampleError,
     },
-}
-
-/// Why a model cannot be followed over a record.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum FollowError {
-    /// The correction.
-    #[error(transparent)]
-    Correction(#[from] CorrectionError),
-    /// Settings of the estimator or the monitor.
-    #[error(transparent)]
-    Settings(#[from] OnlineError<f64>),
     /// The outputs cannot be scored.
     #[error(transparent)]
     Score(#[from] ScoreError),

@@ -1,6 +1,6 @@
 //! A model corrected over a whole record.
 
-use super::{Adapter, Alarm, Correction, CorrectionError, Estimator, FollowError, Term};
+use super::{Adapter, Alarm, Correction, CorrectionError, Estimator, Term};
 use hysteron_model::Start;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::{ModelFile, ScoreRole};
@@ -131,19 +131,19 @@ impl Followed {
     /// Runs `data` through the correction of `model`, simulated from `start`.
     ///
     /// # Errors
-    /// [`FollowError`]: a record without sample rate, terms that cannot be corrected, options out of range.
+    /// [`CorrectionError`]: a record without sample rate, terms that cannot be corrected, options out of range.
     pub fn over(
         data: &InputOutput,
         model: &Model,
         start: &Start,
         options: &FollowOptions,
-    ) -> Result<Self, FollowError> {
+    ) -> Result<Self, CorrectionError> {
         let task = Task {
             data,
             model,
             start,
             options,
-            sample_rate_hz: data.sample_rate_hz().ok_or(FollowError::NotUniform)?,
+            sample_rate_hz: data.sample_rate_hz().ok_or(CorrectionError::NotUniform)?,
         };
         match options.terms.len() {
             1 => task.with_terms::<1>(),
@@ -152,7 +152,7 @@ impl Followed {
             4 => task.with_terms::<4>(),
             5 => task.with_terms::<5>(),
             MOST_TERMS => task.with_terms::<MOST_TERMS>(),
-            count => Err(FollowError::Terms(count)),
+            count => Err(CorrectionError::Terms(count)),
         }
     }
 }
@@ -173,11 +173,11 @@ impl Task<'_> {
         InputOutput { valid: Some(mask), ..self.data.clone() }
     }
 
-    fn with_terms<const N: usize>(&self) -> Result<Followed, FollowError> {
+    fn with_terms<const N: usize>(&self) -> Result<Followed, CorrectionError> {
         let Self { data, options, sample_rate_hz, .. } = *self;
         let noise = options.noise;
         let terms: [Term; N] =
-            options.terms.as_slice().try_into().map_err(|_| FollowError::Terms(options.terms.len()))?;
+            options.terms.as_slice().try_into().map_err(|_| CorrectionError::Terms(options.terms.len()))?;
         let correction = Correction::new(self.model.clone(), terms)?;
         let regressors = correction.regressors(&data.u, Some(sample_rate_hz), self.start)?;
         let every = match options.every {

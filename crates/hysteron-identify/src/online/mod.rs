@@ -56,7 +56,7 @@ mod term;
 
 pub use adapter::{Adapted, Adapter, Alarm, Estimator, Trace};
 pub use correction::{Correction, Regressors, Row};
-pub use error::{CorrectionError, FollowError};
+pub use error::CorrectionError;
 pub use follow::{FollowMethod, FollowOptions, Followed, MOST_TERMS, Path, known_noise};
 pub use summary::FollowedSummary;
 pub use term::{Term, UnknownTerm};

@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 use rustfft::num_complex::Complex64;
 
+use super::Options;
 use super::preparation::Piece;
-use super::{Options, OscillatorFitError};
+use crate::IdentifyError;
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{RecordEnds, UnitShape};
 use hysteron_model::record::InterSample;
@@ -80,7 +81,7 @@ struct Motion {
 }
 
 impl EquationError {
-    pub(super) fn new(pieces: &[Piece], options: &Options) -> Result<Self, OscillatorFitError> {
+    pub(super) fn new(pieces: &[Piece], options: &Options) -> Result<Self, IdentifyError> {
         let fixed = |name: &str| options.fixed.iter().find(|(n, _)| n == name).map(|(_, value)| *value);
         let held = [fixed("mass"), fixed("damping")];
         let mut parts = Vec::new();
@@ -142,17 +143,13 @@ impl EquationError {
     }
 
     /// The linear oscillator, by weights 1/impedance of the one before, and the columns under the last weights.
-    fn weigh(
-        &mut self,
-        spectra: &[[Vec<Complex64>; 4]],
-        omegas: &[Vec<f64>],
-    ) -> Result<(), OscillatorFitError> {
+    fn weigh(&mut self, spectra: &[[Vec<Complex64>; 4]], omegas: &[Vec<f64>]) -> Result<(), IdentifyError> {
         for _ in 0..WEIGHTINGS {
             self.fill(spectra);
-            let Some((found, _)) = self.solve(None, None) else { return Err(OscillatorFitError::NoStart) };
+            let Some((found, _)) = self.solve(None, None) else { return Err(IdentifyError::NoLoop) };
             let [mass, damping, stiffness] = [found.mass, found.damping, found.stiffness];
             if !(mass > 0.0 && stiffness > 0.0) {
-                return Err(OscillatorFitError::NoOscillator { mass, damping, stiffness });
+                return Err(IdentifyError::NoOscillator { mass, damping, stiffness });
             }
             let damping = damping.max(LEAST_DAMPING * 2.0 * (mass * stiffness).sqrt());
             self.linear = [mass, damping, stiffness];

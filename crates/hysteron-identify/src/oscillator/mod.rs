@@ -14,7 +14,6 @@
 
 mod coordinates;
 mod equation_error;
-mod error;
 mod knowledge;
 mod output_error;
 mod preparation;
@@ -22,10 +21,10 @@ mod search;
 mod shapes;
 mod written;
 
-pub use error::OscillatorFitError;
 pub use knowledge::Estimate;
 
 use super::{Correlation, Finding, Initial, Searches, Watch};
+use crate::IdentifyError;
 use hysteron_model::Start;
 use hysteron_model::model::{Score, Simulation};
 use hysteron_model::oscillator::{Oscillator, OscillatorState};
@@ -127,13 +126,13 @@ impl RecordFit {
 /// Identifies an oscillator from records that share the device.
 ///
 /// # Errors
-/// [`OscillatorFitError`]: records that cannot be used, options that cannot be met, records that are not those of an
+/// [`IdentifyError`]: records that cannot be used, options that cannot be met, records that are not those of an
 /// oscillator.
 pub fn identify(
     records: &[InputOutput],
     options: &Options,
     watch: &Watch<'_>,
     resume: Option<Searches>,
-) -> Result<Identification, OscillatorFitError> {
+) -> Result<Identification, IdentifyError> {
     search::identify(records, options, watch, resume)
 }

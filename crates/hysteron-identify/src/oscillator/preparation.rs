@@ -3,7 +3,8 @@
 use super::super::RecordFacts;
 use super::super::campaign::usable;
 use super::super::options::{CampaignRecord, Initial};
-use super::{Options, OscillatorFitError};
+use super::Options;
+use crate::IdentifyError;
 use hysteron_model::Start;
 use hysteron_model::hysteresis::RecordEnds;
 use hysteron_model::record::{InputOutput, Periods};
@@ -41,16 +42,17 @@ impl Piece {
 }
 
 /// The records as pieces, in their order.
-pub(super) fn pieces(records: &[InputOutput], options: &Options) -> Result<Vec<Piece>, OscillatorFitError> {
+pub(super) fn pieces(records: &[InputOutput], options: &Options) -> Result<Vec<Piece>, IdentifyError> {
     let campaign: Vec<CampaignRecord> =
         records.iter().map(|data| CampaignRecord { data: data.clone(), role: None }).collect();
     usable(&campaign)?.iter().map(|facts| piece(facts, options.initial)).collect()
 }
 
-fn piece(facts: &RecordFacts, initial: Initial) -> Result<Piece, OscillatorFitError> {
+fn piece(facts: &RecordFacts, initial: Initial) -> Result<Piece, IdentifyError> {
     let data = &facts.data;
-    let rate =
-        data.sample_rate_hz().ok_or_else(|| OscillatorFitError::NotUniform { record: data.name.clone() })?;
+    let rate = data
+        .sample_rate_hz()
+        .ok_or_else(|| IdentifyError::OscillatorNotUniform { record: data.name.clone() })?;
     let whole = |start: Start<()>| Piece {
         name: data.name.clone(),
         u: data.u.clone(),

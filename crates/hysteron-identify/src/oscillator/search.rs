@@ -8,10 +8,10 @@ use super::knowledge::{Estimate, estimates};
 use super::output_error::OutputError;
 use super::preparation::{Piece, pieces};
 use super::shapes::candidates;
-use super::{Identification, Options, OscillatorFitError, RecordFit};
+use super::{Identification, Options, RecordFit};
 use crate::engine::Engine;
 use crate::watch::Plan;
-use crate::{Correlation, Finding, FindingKind, Searches, Watch};
+use crate::{Correlation, Finding, FindingKind, IdentifyError, Searches, Watch};
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{Admissibility, RecordEnds};
 use hysteron_model::model_file::{OscillatorFile, SignalUnits};
@@ -32,7 +32,7 @@ pub(super) fn identify(
     options: &Options,
     watch: &Watch<'_>,
     resume: Option<Searches>,
-) -> Result<Identification, OscillatorFitError> {
+) -> Result<Identification, IdentifyError> {
     let held = held(options)?;
     if let Some(start) = &options.start {
         start.validate()?;
@@ -85,7 +85,7 @@ pub(super) fn identify(
         let fit_percent = fit.scores.fit_percent.unwrap_or(0.0);
         // Who interrupts takes what there is.
         if fit_percent < options.least_fit_percent && !engine.cancelled {
-            return Err(OscillatorFitError::ModelClass {
+            return Err(IdentifyError::OscillatorClass {
                 record: fit.data.name.clone(),
                 fit_percent,
                 need: options.least_fit_percent,
@@ -113,10 +113,10 @@ pub(super) fn identify(
 }
 
 /// Coordinates that the options hold.
-fn held(options: &Options) -> Result<[Option<f64>; COUNT], OscillatorFitError> {
+fn held(options: &Options) -> Result<[Option<f64>; COUNT], IdentifyError> {
     let mut held = [None; COUNT];
     for (name, value) in &options.fixed {
-        let refuse = |wanted| OscillatorFitError::Fixed { name: name.clone(), value: *value, wanted };
+        let refuse = |wanted| IdentifyError::OscillatorFixed { name: name.clone(), value: *value, wanted };
         let Some((_, index)) = HOLDABLE.iter().find(|(known, _)| known == name) else {
             return Err(refuse("only mass, damping and n can be held: k and α, β and γ hang together"));
         };
@@ -137,7 +137,7 @@ fn record_fit(
     data: &InputOutput,
     (piece, drive): (&Piece, &Drive),
     start: Start<OscillatorState>,
-) -> Result<RecordFit, OscillatorFitError> {
+) -> Result<RecordFit, IdentifyError> {
     let mut one = vec![0.0; drive.len()];
     oscillator.simulate(drive, start, &mut one)?;
     let repeats = drive.ends() == RecordEnds::Periodic;

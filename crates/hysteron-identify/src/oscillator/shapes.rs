@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::Options;
 use super::coordinates::{Coordinates, SHARPEST};
 use super::equation_error::{Coefficients, EquationError, Scratch};
-use super::{Options, OscillatorFitError};
+use crate::IdentifyError;
 use crate::engine::Engine;
 use hysteron_optimize::{
     Algorithm, Bounds, LeastSquaresOptions, LeastSquaresProblem, Outcome, Problem, Range, root_mean_square,
@@ -33,7 +34,7 @@ pub(super) fn candidates(
     regression: &EquationError,
     options: &Options,
     engine: &mut Engine<'_, '_>,
-) -> Result<(Vec<Candidate>, Vec<Outcome>), OscillatorFitError> {
+) -> Result<(Vec<Candidate>, Vec<Outcome>), IdentifyError> {
     let held = options.fixed.iter().find(|(name, _)| name == "n").map(|(_, n)| *n);
     let given = options.start.map(|start| Coordinates::of(&start, regression.size).0);
     let exponents = match (held, given) {
@@ -71,7 +72,7 @@ pub(super) fn candidates(
         searches.push(outcome);
     }
     found.sort_by(|a, b| a.error.total_cmp(&b.error));
-    let best = found.first().ok_or(OscillatorFitError::NoStart)?.error;
+    let best = found.first().ok_or(IdentifyError::NoLoop)?.error;
     found.retain(|candidate| candidate.error <= WORSE * best);
     Ok((found, searches))
 }

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::super::RecordFacts;
 use super::content::{Content, near, same};
-use super::{StructureError, prospect};
+use super::prospect;
+use crate::IdentifyError;
 
 /// Groups of records from which on whole records are left out.
 const ENOUGH_RECORDS: usize = 3;
@@ -26,7 +27,7 @@ pub struct Fold {
 }
 
 /// Plans the folds, or says why structures cannot be told apart.
-pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fold>, StructureError> {
+pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fold>, IdentifyError> {
     let unit = facts[0].data.u_unit.symbol();
     let groups = groups(facts, contents);
     let name = |group: &[usize]| {
@@ -56,7 +57,7 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
             .iter()
             .all(|c| near(c.amplitude.1, first.amplitude.1) && near(c.frequency_hz.1, first.frequency_hz.1));
     if one_wave || folds.len() < 2 {
-        return Err(StructureError::CannotRank {
+        return Err(IdentifyError::CannotRank {
             because: format!(
                 "the records hold one amplitude and one frequency ({}), which is one experiment however often it is repeated: \
                  nothing is left to predict, and any of the structures can be bent to the one loop",
@@ -119,7 +120,7 @@ mod tests {
         record("sweep", |t| (TAU * (t + 2.0 * t * t)).sin(), 8.0)
     }
 
-    fn planned(facts: &[RecordFacts]) -> Result<Vec<Fold>, StructureError> {
+    fn planned(facts: &[RecordFacts]) -> Result<Vec<Fold>, IdentifyError> {
         let contents: Vec<Content> = facts.iter().map(Content::of).collect();
         plan(facts, &contents)
     }
@@ -183,7 +184,7 @@ mod tests {
             vec![sine("a", 1.0, 1.0, 5.0), sine("b", 1.0, 1.0, 5.0), sine("c", 1.0, 1.0, 5.0)],
         ] {
             let error = planned(&facts).unwrap_err();
-            let StructureError::CannotRank { because, measure } = error else { panic!("{error}") };
+            let IdentifyError::CannotRank { because, measure } = error else { panic!("{error}") };
             assert!(because.contains("one amplitude and one frequency (1 V, 1 Hz)"), "{because}");
             assert!(measure.contains("sweep"), "{measure}");
         }

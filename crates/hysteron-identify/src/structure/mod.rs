@@ -3,7 +3,7 @@
 //! [`compare`] leaves out one fold after the other ([`Fold`]: a record, or a part of one), fits every [`Candidate`] to the
 //! rest, simulates what was left out (the model's own past output is fed back; the sensor's offset is estimated), and ranks
 //! by the mean error over the folds with the uncertainty of its differences ([`rank`]). Where the records are one experiment
-//! repeated, it refuses ([`StructureError::CannotRank`]) and says what to measure. [`prospects`] says before any fit what a
+//! repeated, it refuses ([`IdentifyError::CannotRank`]) and says what to measure. [`prospects`] says before any fit what a
 //! campaign can determine.
 
 mod candidate;
@@ -41,23 +41,6 @@ const PASSES: usize = 3;
 const SECOND_PASS: usize = 15;
 /// Fits of other candidates that a fit may start from.
 const LEND: usize = 2;
-
-/// Why structures were not compared.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum StructureError {
-    /// The records cannot tell structures apart.
-    #[error("{because}")]
-    CannotRank {
-        /// Why not.
-        because: String,
-        /// What to measure.
-        measure: String,
-    },
-    /// The records are not usable.
-    #[error(transparent)]
-    Identify(#[from] IdentifyError),
-}
 
 /// A comparison of structures.
 #[derive(Clone, Debug)]
@@ -112,13 +95,13 @@ impl Entry {
 /// degrees and n, one [`Part`] after the other about the best so far, until none is better. Of `options`, structure, algorithm and demands are each candidate's own.
 ///
 /// # Errors
-/// [`StructureError`]. A candidate that cannot be fitted is no error: its [`Entry::failures`] say why.
+/// [`IdentifyError`]. A candidate that cannot be fitted is no error: its [`Entry::failures`] say why.
 pub fn compare(
     campaign: &[CampaignRecord],
     candidates: Option<&[Candidate]>,
     options: &Options,
     watch: &Watch<'_>,
-) -> Result<Comparison, StructureError> {
+) -> Result<Comparison, IdentifyError> {
     options.validate()?;
     let facts = usable(campaign)?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();

@@ -15,7 +15,8 @@ use super::super::options::{CampaignRecord, Choice, DynamicsChoice, Options};
 use super::candidate::{Block, Candidate};
 use super::content::Content;
 use super::fit::{Campaign, Named, NoFit, Training};
-use super::{StructureError, folds};
+use super::folds;
+use crate::IdentifyError;
 use crate::watch::{Event, Plan, Watch};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
@@ -52,14 +53,14 @@ pub struct Neighbour {
 /// dynamics, with and without creep, a polynomial degree more and less, n held and free. One that cannot be fitted is left out.
 ///
 /// # Errors
-/// [`StructureError::CannotRank`] where the records cannot tell structures apart; [`StructureError::Identify`] where they cannot be
+/// [`IdentifyError::CannotRank`] where the records cannot tell structures apart; [`IdentifyError::Identify`] where they cannot be
 /// fitted jointly.
 pub fn neighbours(
     campaign: &[CampaignRecord],
     options: &Options,
     found: &Identification,
     watch: &Watch<'_>,
-) -> Result<Neighbours, StructureError> {
+) -> Result<Neighbours, IdentifyError> {
     let runs = if options.continued { Some(of_runs(campaign, &runs(campaign)?)) } else { None };
     let facts = usable(runs.as_deref().unwrap_or(campaign))?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();

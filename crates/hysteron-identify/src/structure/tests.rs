@@ -180,7 +180,7 @@ fn the_neighbours_of_what_was_identified_are_told_apart() {
     let once = [campaign[0].clone()];
     assert!(matches!(
         neighbours(&once, &options, &found, &Watch::silent()),
-        Err(StructureError::CannotRank { .. })
+        Err(IdentifyError::CannotRank { .. })
     ));
 }
 

@@ -3,8 +3,8 @@
 
 use std::ops::ControlFlow;
 
-use hysteron_identify::coupled::{CoupledFitError, Options, identify};
-use hysteron_identify::{Event, Watch};
+use hysteron_identify::coupled::{Options, identify};
+use hysteron_identify::{Event, IdentifyError, Watch};
 use hysteron_model::axes::{AxesRecord, CoupledHammerstein, Path};
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_model::record::{Channel, Record, TimeBase};
@@ -125,10 +125,10 @@ fn inputs_that_move_together_or_not_at_all_are_refused() {
     together.u[1] = vec![0.5; SAMPLES];
     assert!(matches!(
         identify(&[together], &Options::default(), &Watch::silent(), None),
-        Err(CoupledFitError::NoStart)
+        Err(IdentifyError::NoBranches)
     ));
     assert!(matches!(
         identify(&[], &Options::default(), &Watch::silent(), None),
-        Err(CoupledFitError::NoRecords)
+        Err(IdentifyError::NoOutputs)
     ));
 }

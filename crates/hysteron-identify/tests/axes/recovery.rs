@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use hysteron_identify::modes::{ModesFitError, ModesIdentification, Options, identify};
-use hysteron_identify::{Event, FindingKind, Watch};
+use hysteron_identify::modes::{ModesIdentification, Options, identify};
+use hysteron_identify::{Event, FindingKind, IdentifyError, Watch};
 use hysteron_model::axes::{AxesRecord, ScheduledModes, SteadyPeriod};
 
 use crate::device::{HIGH, LOW, MODES, device, linear_device, record, record_of};
@@ -11,7 +11,7 @@ use crate::device::{HIGH, LOW, MODES, device, linear_device, record, record_of};
 /// Noise of the outputs, rms \[µm\].
 const NOISE: f64 = 0.02;
 
-fn fit(records: &[AxesRecord], options: &Options) -> Result<ModesIdentification, ModesFitError> {
+fn fit(records: &[AxesRecord], options: &Options) -> Result<ModesIdentification, IdentifyError> {
     identify(records, options, &Watch::silent(), None)
 }
 
@@ -107,7 +107,7 @@ fn a_stopped_search_hands_out_the_best_so_far() {
     assert!(!resumed.interrupted && found.model != straight.model);
     assert_eq!(resumed.model, straight.model);
     let others = identify(&training()[..1], &options, &Watch::silent(), resume());
-    assert!(matches!(others, Err(ModesFitError::Resume)), "{others:?}");
+    assert!(matches!(others, Err(IdentifyError::Resume)), "{others:?}");
 }
 
 #[test]

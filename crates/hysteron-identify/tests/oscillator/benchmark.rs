@@ -4,7 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
-use hysteron_identify::oscillator::{Identification, Options, OscillatorFitError};
+use hysteron_identify::IdentifyError;
+use hysteron_identify::oscillator::{Identification, Options};
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
 use hysteron_model::oscillator::{Drive, Oscillator};
@@ -13,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::oracles::{BENCHMARK, Random, rms};
 
-fn identify(records: &[InputOutput], options: &Options) -> Result<Identification, OscillatorFitError> {
+fn identify(records: &[InputOutput], options: &Options) -> Result<Identification, IdentifyError> {
     hysteron_identify::oscillator::identify(records, options, &hysteron_identify::Watch::silent(), None)
 }
 

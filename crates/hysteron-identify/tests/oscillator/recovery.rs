@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use hysteron_identify::Initial;
-use hysteron_identify::oscillator::{Identification, Options, OscillatorFitError};
+use hysteron_identify::oscillator::{Identification, Options};
 use hysteron_identify::{Event, Watch};
+use hysteron_identify::{IdentifyError, Initial};
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
 use hysteron_model::oscillator::{Drive, Oscillator, OscillatorState};
@@ -12,7 +12,7 @@ use hysteron_model::record::{InputOutput, TimeBase};
 
 use crate::oracles::{BENCHMARK, Random, multisine, rms};
 
-fn identify(records: &[InputOutput], options: &Options) -> Result<Identification, OscillatorFitError> {
+fn identify(records: &[InputOutput], options: &Options) -> Result<Identification, IdentifyError> {
     hysteron_identify::oscillator::identify(records, options, &Watch::silent(), None)
 }
 
@@ -150,20 +150,19 @@ fn what_is_no_oscillator_is_refused() {
     let plain = Options::default();
     // A sensor of the force itself: no mass.
     let error = of(record(u.iter().map(|u| -u).collect(), uniform()), &plain);
-    assert!(matches!(error, OscillatorFitError::NoOscillator { .. }), "{error}");
+    assert!(matches!(error, IdentifyError::NoOscillator { .. }), "{error}");
     // Motion that has nothing to do with the force.
     let error = of(record(multisine(2048, 18), uniform()), &plain);
-    let refused =
-        matches!(error, OscillatorFitError::NoOscillator { .. } | OscillatorFitError::ModelClass { .. });
+    let refused = matches!(error, IdentifyError::NoOscillator { .. } | IdentifyError::OscillatorClass { .. });
     assert!(refused, "{error}");
     let error = of(record(u.clone(), TimeBase::Unknown), &plain);
-    assert!(matches!(error, OscillatorFitError::NotUniform { .. }), "{error}");
+    assert!(matches!(error, IdentifyError::OscillatorNotUniform { .. }), "{error}");
     let error = of(record(vec![1.0; 2048], uniform()), &plain);
-    assert!(matches!(error, OscillatorFitError::Unusable(_)), "{error}");
+    assert!(matches!(error, IdentifyError::Constant { .. }), "{error}");
     let held = |name: &str, value| Options { fixed: vec![(name.into(), value)], ..Options::default() };
     for (name, value) in [("alpha", 1.0), ("mass", 0.0), ("n", 0.5), ("damping", f64::NAN)] {
         let error = of(record(u.clone(), uniform()), &held(name, value));
-        assert!(matches!(error, OscillatorFitError::Fixed { .. }), "{error}");
+        assert!(matches!(error, IdentifyError::OscillatorFixed { .. }), "{error}");
     }
-    assert!(matches!(identify(&[], &plain).unwrap_err(), OscillatorFitError::Unusable(_)));
+    assert!(matches!(identify(&[], &plain).unwrap_err(), IdentifyError::NoRecords));
 }

@@ -5,8 +5,10 @@ use crate::figure::{ConvergenceCurve, FrequencyResponseCurve};
 use crate::number::significant;
 use crate::page::Highlight;
 use crate::record_curves::{BandWidths, RecordCurves, is_simulated};
-use hysteron_identify::structure::{Neighbours, StructureError};
-use hysteron_identify::{FindingKind, Identification, Method, PredictionBand, RecordFit, RecordRole};
+use hysteron_identify::structure::Neighbours;
+use hysteron_identify::{
+    FindingKind, Identification, IdentifyError, Method, PredictionBand, RecordFit, RecordRole,
+};
 use hysteron_model::dynamics::{Creep, Dynamics, TransferFunction};
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::ModelFile;
@@ -37,7 +39,7 @@ pub(super) fn data(
     model_name: &str,
     found: &Identification,
     file: &ModelFile,
-    others: Option<&Result<Neighbours, StructureError>>,
+    others: Option<&Result<Neighbours, IdentifyError>>,
 ) -> IdentificationReportData {
     let of_kind = |kind| found.findings.iter().filter(move |f| f.kind == kind).map(|f| f.text.clone());
     let unit = found.records.first().map(|r| r.data.y_unit.to_string()).unwrap_or_default();
@@ -273,7 +275,7 @@ fn convergence_note(found: &Identification, unit: &str) -> String {
 }
 
 /// The identified structure and those next to it.
-fn structures(others: &Result<Neighbours, StructureError>) -> Vec<StructureRow> {
+fn structures(others: &Result<Neighbours, IdentifyError>) -> Vec<StructureRow> {
     let Ok(others) = others else { return Vec::new() };
     let lowest = others.entries.iter().map(|e| e.bic).fold(f64::INFINITY, f64::min);
     let row = |(place, entry): (usize, &hysteron_identify::structure::Neighbour)| StructureRow {
@@ -287,7 +289,7 @@ fn structures(others: &Result<Neighbours, StructureError>) -> Vec<StructureRow> 
 }
 
 /// How the structures were compared, or why not.
-fn about_structures(found: &Identification, others: &Result<Neighbours, StructureError>) -> String {
+fn about_structures(found: &Identification, others: &Result<Neighbours, IdentifyError>) -> String {
     match others {
         Ok(others) => format!(
             "Each fitted to the same records, from the identified model on, thinned where they are oversampled; shaded: the one identified. \
@@ -303,7 +305,7 @@ fn about_structures(found: &Identification, others: &Result<Neighbours, Structur
                 .collect::<Vec<_>>()
                 .join(" ")
         ),
-        Err(StructureError::CannotRank { because, measure }) => {
+        Err(IdentifyError::CannotRank { because, measure }) => {
             format!("Not compared: {because}. To tell structures apart measure {measure}.")
         }
         Err(error) => format!("Not compared: {error}."),

@@ -14,8 +14,8 @@ use crate::number::{significant, with_std_error};
 use crate::page::{Block, Column, Highlight, Page, Section, Table};
 use crate::record_curves::RecordCurves;
 use crate::starts::SearchStarts;
-use hysteron_identify::structure::{Neighbours, StructureError};
-use hysteron_identify::{Correlation, Identification};
+use hysteron_identify::structure::Neighbours;
+use hysteron_identify::{Correlation, Identification, IdentifyError};
 use hysteron_model::model_file::ModelFile;
 use hysteron_numeric::number::fixed;
 
@@ -25,7 +25,7 @@ pub fn report(
     model_name: &str,
     found: &Identification,
     file: &ModelFile,
-    others: Option<&Result<Neighbours, StructureError>>,
+    others: Option<&Result<Neighbours, IdentifyError>>,
 ) -> Page {
     identification_report(&contents::data(model_name, found, file, others))
 }

@@ -4,6 +4,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::super::Core;
 use super::*;
+use crate::IdentifyError;
 use hysteron_model::dynamics::{Term, TransferFunction};
 
 fn sampled(tf: &TransferFunction, delay: f64, frequency_hz: Vec<f64>) -> FrequencyResponse {
@@ -58,10 +59,7 @@ fn power_law_and_loss_angle_are_told_apart() {
     near(&fit, "loss_angle", 0.03, 1e-9);
     near(&fit, "gain", 0.13, 1e-9);
     assert!(fit.relative_rms < 1e-10);
-    assert!(matches!(
-        fit.to_transfer_function(&response),
-        Err(FrequencyResponseError::NoTransferFunction { .. })
-    ));
+    assert!(matches!(fit.to_transfer_function(&response), Err(IdentifyError::NoTransferFunction { .. })));
     let plain = fit_structure(&response, &Structure::POWER_LAW, Weighting::Relative).unwrap();
     assert!(plain.relative_rms > 1e-3);
 }
@@ -171,11 +169,11 @@ fn errors_reach_the_numbers_of_a_model_file() {
 fn what_cannot_be_fitted_is_refused_and_an_edge_is_told() {
     let response = sampled(&TransferFunction::article_eq13(), 0.0, vec![1.0]);
     let refused = fit_structure(&response, &Structure::FRACTIONAL_LAG, Weighting::Relative);
-    assert!(matches!(refused, Err(FrequencyResponseError::TooFewPoints { need: 2, found: 1, .. })));
+    assert!(matches!(refused, Err(IdentifyError::TooFewPoints { need: 2, found: 1, .. })));
     let mut zero = sampled(&TransferFunction::article_eq13(), 0.0, spaced(1.0, 9.0, 9));
     zero.values[4] = Complex64::ZERO;
     let refused = fit_structure(&zero, &Structure::POWER_LAW, Weighting::Relative);
-    assert!(matches!(refused, Err(FrequencyResponseError::Record(RecordError::ResponseValue { .. }))));
+    assert!(matches!(refused, Err(IdentifyError::Record(RecordError::ResponseValue { .. }))));
     // A response that leads has no delay: it ends on the edge at 0, without a standard error.
     let lead = |f: &f64| Complex64::from_polar(1.0, 1e-3 * f);
     let frequency_hz = spaced(1.0, 100.0, 30);

@@ -68,7 +68,7 @@ fn what_cannot_be_followed_is_refused() {
     let method = FollowMethod::Gradient { step: 0.05 };
     let none = FollowOptions { terms: Vec::new(), ..options(method) };
     let followed = Followed::over(&today(uniform()), &model(), &START, &none);
-    assert!(matches!(followed, Err(FollowError::Terms(0))));
+    assert!(matches!(followed, Err(CorrectionError::Terms(0))));
     let followed = Followed::over(&today(TimeBase::Unknown), &model(), &START, &options(method));
-    assert!(matches!(followed, Err(FollowError::NotUniform)));
+    assert!(matches!(followed, Err(CorrectionError::NotUniform)));
 }
