@@ -11,7 +11,7 @@ use hysteron_model::record::{InputOutput, InterSample, TimeBase};
 use hysteron_rig::excitation::Excitation;
 use hysteron_rig::{BoucWenFractional, Plant, PowerTerm, Truth, measure};
 use hysteron_rt::{
-    FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, OnlineError, Rls, RlsSettings, SampleError,
+    FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, ParameterError, Rls, RlsSettings, SampleError,
     Unexcited,
 };
 use proptest::prelude::*;
@@ -366,7 +366,7 @@ fn what_cannot_be_is_refused() {
     let before = adapter;
     assert_eq!(adapter.step(&row, f64::NAN), Err(SampleError::NotFinite));
     assert_eq!(adapter, before);
-    let settings: CorrectionError = OnlineError::NoChange.into();
+    let settings: CorrectionError = ParameterError::NoChange.into();
     assert!(settings.to_string().contains("looks for nothing"));
 }
 

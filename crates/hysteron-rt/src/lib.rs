@@ -42,12 +42,13 @@ mod dual;
 mod increment;
 mod model;
 mod online;
+mod parameter_error;
 mod plane;
 mod play;
 mod real;
 mod series;
 
-pub use bouc_wen::{BoucWen, BoucWenState, ParameterError, SimulateError, StepError};
+pub use bouc_wen::{BoucWen, BoucWenState, SimulateError, StepError};
 pub use branch::{
     Branch, GAUSS_LEGENDRE, MOST_MOMENTS, MOST_PANELS, langevin, langevin_slope, moments, rising_root,
 };
@@ -58,10 +59,11 @@ pub use model::{
     ModelError, Observed, Observer, Operator, PolePair, Reached, RealPoles, Sections, SectionsMemory,
 };
 pub use online::{
-    FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, OnlineError, Residual, Rls, RlsSettings,
-    SampleError, Unexcited,
+    FitMonitor, Misfit, MonitorSettings, Nlms, NlmsSettings, Residual, Rls, RlsSettings, SampleError,
+    Unexcited,
 };
-pub use plane::{LEAST_TURNS, Plane, PlaneError, Turn, Turns};
-pub use play::{BrokenLine, Piece, PlayBank, PlayBankError, PlayError, SidedPlays, Sides, play};
+pub use parameter_error::ParameterError;
+pub use plane::{LEAST_TURNS, Plane, Turn, Turns};
+pub use play::{BrokenLine, Piece, PlayBank, PlayError, SidedPlays, Sides, play};
 pub use real::{Real, Scalar};
 pub use series::log_distance;

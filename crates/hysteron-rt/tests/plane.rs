@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_rt::{Hysteresis, ModelError, Operator, Plane, PlaneError, Real, Turn, Turns};
+use hysteron_rt::{Hysteresis, ModelError, Operator, ParameterError, Plane, Real, Turn, Turns};
 use proptest::prelude::*;
 
 const INTERVALS: usize = 5;
@@ -185,14 +185,14 @@ fn single_precision_does_not_drift() {
 
 #[test]
 fn planes_that_are_none_are_refused() {
-    assert_eq!(Plane::new([0.0, 1.0], 2, &[1.0, 1.0]), Err(PlaneError::Sums { expected: 3, found: 2 }));
-    assert_eq!(Plane::new([0.0, 1.0], 1, &[f64::NAN]), Err(PlaneError::NotFinite));
+    assert_eq!(Plane::new([0.0, 1.0], 2, &[1.0, 1.0]), Err(ParameterError::Sums { expected: 3, found: 2 }));
+    assert_eq!(Plane::new([0.0, 1.0], 1, &[f64::NAN]), Err(ParameterError::Sum));
     for range in [[1.0, 1.0], [0.0, f64::INFINITY], [f64::NAN, 1.0]] {
-        assert_eq!(Plane::new(range, 1, &[1.0]), Err(PlaneError::Range));
+        assert_eq!(Plane::new(range, 1, &[1.0]), Err(ParameterError::Range));
     }
     assert!(matches!(
         Plane::<f64>::new([0.0, 1.0], 0, &[]),
-        Err(PlaneError::Range | PlaneError::Sums { .. })
+        Err(ParameterError::Range | ParameterError::Sums { .. })
     ));
     let plane = Plane::new([0.0, 1.0], 1, &[1.0]).unwrap();
     let mut turns = [Turn::none(); 3];

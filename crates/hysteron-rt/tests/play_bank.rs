@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_rt::{PlayBank, PlayBankError, PlayError, play};
+use hysteron_rt::{ParameterError, PlayBank, PlayError, play};
 use proptest::prelude::*;
 
 /// Thresholds (V) from positive gaps, and weights (µm/V) whose partial sums stay above −0.9.
@@ -71,11 +71,11 @@ fn an_empty_bank_is_a_straight_line() {
 #[test]
 fn what_cannot_be_is_refused_with_its_numbers() {
     let new = |r: &'static [f64], w: &'static [f64]| PlayBank::new(r, w).unwrap_err();
-    assert_eq!(new(&[1.0], &[]), PlayBankError::Lengths { thresholds: 1, weights: 0 });
-    assert_eq!(new(&[0.0], &[1.0]), PlayBankError::Threshold { index: 0, value: 0.0, above: 0.0 });
-    assert_eq!(new(&[1.0, 1.0], &[1.0, 1.0]), PlayBankError::Threshold { index: 1, value: 1.0, above: 1.0 });
-    assert!(matches!(new(&[f64::NAN], &[1.0]), PlayBankError::Threshold { index: 0, .. }));
-    assert!(matches!(new(&[1.0], &[f64::INFINITY]), PlayBankError::Weight { index: 0, .. }));
+    assert_eq!(new(&[1.0], &[]), ParameterError::Lengths { thresholds: 1, weights: 0 });
+    assert_eq!(new(&[0.0], &[1.0]), ParameterError::Threshold { index: 0, value: 0.0, above: 0.0 });
+    assert_eq!(new(&[1.0, 1.0], &[1.0, 1.0]), ParameterError::Threshold { index: 1, value: 1.0, above: 1.0 });
+    assert!(matches!(new(&[f64::NAN], &[1.0]), ParameterError::Threshold { index: 0, .. }));
+    assert!(matches!(new(&[1.0], &[f64::INFINITY]), ParameterError::Weight { index: 0, .. }));
 
     let bank = PlayBank::new(&[1.0, 2.0], &[-0.5, 2.0]).unwrap();
     assert_eq!(bank.step(&mut [0.0], 1.0), Err(PlayError::Lengths { expected: 2, found: 1 }));

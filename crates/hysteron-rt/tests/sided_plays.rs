@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
-use hysteron_rt::{BrokenLine, Hysteresis, ModelError, Operator, PlayBankError, Real, SidedPlays, Sides};
+use hysteron_rt::{BrokenLine, Hysteresis, ModelError, Operator, ParameterError, Real, SidedPlays, Sides};
 use proptest::prelude::*;
 
 const THRESHOLDS: [f64; 3] = [0.4, 1.1, 2.3];
@@ -277,10 +277,10 @@ fn numbers_that_do_not_fit_are_refused() {
     let even = Sides::Even { widening: 0.0 };
     let refused =
         |sides, thresholds: &[f64], weights: &[f64]| SidedPlays::new(sides, thresholds, weights).err();
-    let lengths = |thresholds, weights| Some(PlayBankError::Lengths { thresholds, weights });
+    let lengths = |thresholds, weights| Some(ParameterError::Lengths { thresholds, weights });
     assert_eq!(refused(even, &[1.0], &[1.0, 2.0]), lengths(1, 2));
     assert_eq!(refused(Sides::Ramps { steepness: 1.0 }, &[0.0, 1.0], &[1.0]), lengths(3, 1));
-    assert!(matches!(refused(even, &[0.0], &[1.0]), Some(PlayBankError::Threshold { index: 0, .. })));
+    assert!(matches!(refused(even, &[0.0], &[1.0]), Some(ParameterError::Threshold { index: 0, .. })));
     assert!(refused(Sides::Ramps { steepness: 1.0 }, &[-1.0], &[1.0]).is_none());
     let envelopes = |rise, centre| Sides::Envelopes { right: [rise, centre], left: [1.0, 0.0] };
     assert!(refused(envelopes(1.0, 0.0), &[0.0], &[1.0]).is_none());
@@ -291,9 +291,9 @@ fn numbers_that_do_not_fit_are_refused() {
         envelopes(0.0, 0.0),
         envelopes(1.0, f64::INFINITY),
     ] {
-        assert_eq!(refused(sides, &[1.0], &[1.0]), Some(PlayBankError::Sides), "{sides:?}");
+        assert_eq!(refused(sides, &[1.0], &[1.0]), Some(ParameterError::Sides), "{sides:?}");
     }
-    assert!(matches!(refused(even, &[1.0], &[f64::NAN]), Some(PlayBankError::Weight { index: 0, .. })));
+    assert!(matches!(refused(even, &[1.0], &[f64::NAN]), Some(ParameterError::Weight { index: 0, .. })));
     assert!(BrokenLine::new(&[0.1], &[1.0], &[1.0]).is_err());
     assert!(BrokenLine::new(&[0.1], &[1.0, 1.0], &[1.0; 3]).is_err());
     let line = BrokenLine::new(&[0.1], &[1.0], &[1.0, 2.0]).unwrap();

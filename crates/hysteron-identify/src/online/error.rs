@@ -1,6 +1,6 @@
 //! What can be wrong with a correction while running.
 
-use hysteron_rt::{OnlineError, SampleError};
+use hysteron_rt::{ParameterError, SampleError};
 use thiserror::Error;
 
 use hysteron_model::hammerstein::SimulationError;
@@ -58,7 +58,7 @@ pub enum CorrectionError {
     Hysteresis(#[from] HysteresisError),
     /// Settings of an estimator or a monitor.
     #[error(transparent)]
-    Settings(#[from] OnlineError<f64>),
+    Settings(#[from] ParameterError<f64>),
     /// A sample that cannot be learnt from.
     #[error("sample {index}: {cause}")]
     Sample {

@@ -1,6 +1,6 @@
 //! What can be wrong with a hysteresis block or its simulation.
 
-use hysteron_rt::{ParameterError, PlayBankError, SimulateError, StepError};
+use hysteron_rt::{ParameterError, SimulateError, StepError};
 use thiserror::Error;
 
 use hysteron_numeric::display::short;
@@ -348,6 +348,9 @@ impl From<ParameterError<f64>> for HysteresisError {
         match error {
             ParameterError::Exponent { n } => Self::Exponent { n },
             ParameterError::NotFinite { name, value } => Self::Parameter { name, value },
+            ParameterError::Lengths { thresholds, weights } => Self::PlayCount { thresholds, weights },
+            ParameterError::Threshold { index, value, above } => Self::Threshold { index, value, above },
+            ParameterError::Weight { index, value } => Self::Weight { index, value },
             _ => Self::Parameter { name: "n", value: f64::NAN },
         }
     }
@@ -360,17 +363,6 @@ impl From<SimulateError<f64>> for HysteresisError {
             SimulateError::Step { index, cause: StepError::NotFinite } => Self::Drive { index },
             SimulateError::Step { index, cause } => Self::RunsAway { index, cause },
             _ => Self::Drive { index: 0 },
-        }
-    }
-}
-
-impl From<PlayBankError<f64>> for HysteresisError {
-    fn from(error: PlayBankError<f64>) -> Self {
-        match error {
-            PlayBankError::Lengths { thresholds, weights } => Self::PlayCount { thresholds, weights },
-            PlayBankError::Threshold { index, value, above } => Self::Threshold { index, value, above },
-            PlayBankError::Weight { index, value } => Self::Weight { index, value },
-            _ => Self::Weight { index: 0, value: f64::NAN },
         }
     }
 }

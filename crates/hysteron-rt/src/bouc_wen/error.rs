@@ -3,24 +3,6 @@
 use core::error::Error;
 use core::fmt::{Display, Formatter, Result};
 
-/// A parameter the operator cannot be built with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ParameterError<T> {
-    /// A parameter is infinite or not a number.
-    NotFinite {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: T,
-    },
-    /// n < 1.
-    Exponent {
-        /// The exponent given.
-        n: T,
-    },
-}
-
 /// A step that has no finite result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -61,15 +43,6 @@ pub enum SimulateError<T> {
     },
 }
 
-impl<T: Display> Display for ParameterError<T> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Self::NotFinite { name, value } => write!(f, "Bouc–Wen parameter {name} = {value} is not finite"),
-            Self::Exponent { n } => write!(f, "Bouc–Wen exponent n = {n} is below 1, the smallest allowed"),
-        }
-    }
-}
-
 impl<T: Display> Display for StepError<T> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
@@ -103,6 +76,5 @@ impl<T: Display> Display for SimulateError<T> {
     }
 }
 
-impl<T: Display + core::fmt::Debug> Error for ParameterError<T> {}
 impl<T: Display + core::fmt::Debug> Error for StepError<T> {}
 impl<T: Display + core::fmt::Debug> Error for SimulateError<T> {}

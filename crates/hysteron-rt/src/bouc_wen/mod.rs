@@ -6,8 +6,9 @@ mod linear;
 mod power;
 mod quadratic;
 
-pub use error::{ParameterError, SimulateError, StepError};
+pub use error::{SimulateError, StepError};
 
+use crate::ParameterError;
 use crate::dual::Dual;
 use crate::real::{Real, Scalar};
 

@@ -7,11 +7,12 @@ mod monitor;
 mod nlms;
 mod rls;
 
-pub use error::{OnlineError, SampleError};
+pub use error::SampleError;
 pub use monitor::{FitMonitor, Misfit, MonitorSettings};
 pub use nlms::{Nlms, NlmsSettings};
 pub use rls::{Residual, Rls, RlsSettings, Unexcited};
 
+use crate::ParameterError;
 use crate::real::Real;
 
 /// Σ aᵢ bᵢ.
@@ -42,9 +43,9 @@ fn check<T: Real, const N: usize>(
     start: &[T; N],
     deviations: &[T; N],
     bounds: Option<&[(T, T); N]>,
-) -> Result<(), OnlineError<T>> {
+) -> Result<(), ParameterError<T>> {
     let zero = T::of(0.0);
-    let error = |name, index, value, must| Err(OnlineError::Parameter { name, index, value, must });
+    let error = |name, index, value, must| Err(ParameterError::Parameter { name, index, value, must });
     for (index, (&value, &deviation)) in start.iter().zip(deviations).enumerate() {
         if !value.is_finite() {
             return error("the start value", index, value, "finite");

@@ -1,6 +1,7 @@
 //! When a model no longer fits: cumulative sums of the log-likelihood ratio of normalised residuals.
 
-use super::{OnlineError, SampleError, clamp};
+use super::{SampleError, clamp};
+use crate::ParameterError;
 use crate::real::Real;
 
 /// What a monitor looks for, and how rarely it may be wrong.
@@ -61,11 +62,11 @@ impl<T: Real> FitMonitor<T> {
     /// Starts with sums of zero.
     ///
     /// # Errors
-    /// [`OnlineError`]: nothing to look for, a number that is not finite or out of its range.
-    pub fn new(settings: MonitorSettings<T>) -> Result<Self, OnlineError<T>> {
+    /// [`ParameterError`]: nothing to look for, a number that is not finite or out of its range.
+    pub fn new(settings: MonitorSettings<T>) -> Result<Self, ParameterError<T>> {
         let MonitorSettings { shift, spread, run_length, fewest } = settings;
         let (zero, one) = (T::of(0.0), T::of(1.0));
-        let refuse = |name, value, must| Err(OnlineError::Number { name, value, must });
+        let refuse = |name, value, must| Err(ParameterError::Number { name, value, must });
         if let Some(shift) = shift.filter(|shift| !(*shift > zero && (*shift * *shift).is_finite())) {
             return refuse("the shift", shift, "positive and finite, its square too");
         }
@@ -73,7 +74,7 @@ impl<T: Real> FitMonitor<T> {
             return refuse("the ratio of spreads", spread, "above 1 and finite, its square too");
         }
         let charts = match (shift, spread) {
-            (None, None) => return Err(OnlineError::NoChange),
+            (None, None) => return Err(ParameterError::NoChange),
             (None, Some(_)) => 1.0,
             (Some(_), None) => 2.0,
             (Some(_), Some(_)) => 3.0,

@@ -1,6 +1,7 @@
 //! Normalised least mean squares.
 
-use super::{OnlineError, SampleError, all_finite, check, clamp, dot};
+use super::{SampleError, all_finite, check, clamp, dot};
+use crate::ParameterError;
 use crate::real::Real;
 
 /// What the gradient correction starts from.
@@ -39,17 +40,21 @@ impl<T: Real, const N: usize> Nlms<T, N> {
     /// Starts from these settings.
     ///
     /// # Errors
-    /// [`OnlineError`]: a number that is not finite or out of its range, bounds that the start does not keep.
-    pub fn new(settings: NlmsSettings<T, N>) -> Result<Self, OnlineError<T>> {
+    /// [`ParameterError`]: a number that is not finite or out of its range, bounds that the start does not keep.
+    pub fn new(settings: NlmsSettings<T, N>) -> Result<Self, ParameterError<T>> {
         let NlmsSettings { start, deviations, step, regulariser, bounds } = &settings;
         let zero = T::of(0.0);
         check(start, deviations, bounds.as_ref())?;
         if !(*step > zero && *step < T::of(2.0)) {
-            return Err(OnlineError::Number { name: "the step", value: *step, must: "above 0 and below 2" });
+            return Err(ParameterError::Number {
+                name: "the step",
+                value: *step,
+                must: "above 0 and below 2",
+            });
         }
         if !(*regulariser >= zero && regulariser.is_finite()) {
             let must = "finite and not negative";
-            return Err(OnlineError::Number { name: "the regulariser", value: *regulariser, must });
+            return Err(ParameterError::Number { name: "the regulariser", value: *regulariser, must });
         }
         Ok(Self { settings, parameters: *start })
     }

@@ -1,7 +1,8 @@
 //! Recursive least squares with forgetting, in factors, with a bounded covariance.
 
 use super::covariance::Covariance;
-use super::{OnlineError, SampleError, all_finite, check, clamp, dot};
+use super::{SampleError, all_finite, check, clamp, dot};
+use crate::ParameterError;
 use crate::real::Real;
 
 /// What recursive least squares starts from.
@@ -86,19 +87,19 @@ impl<T: Real, const N: usize> Rls<T, N> {
     /// Starts from these settings.
     ///
     /// # Errors
-    /// [`OnlineError`]: a number that is not finite or out of its range, bounds that the start does not keep.
-    pub fn new(settings: RlsSettings<T, N>) -> Result<Self, OnlineError<T>> {
+    /// [`ParameterError`]: a number that is not finite or out of its range, bounds that the start does not keep.
+    pub fn new(settings: RlsSettings<T, N>) -> Result<Self, ParameterError<T>> {
         let RlsSettings { start, deviations, noise, forgetting, bounds, .. } = &settings;
         let (zero, one) = (T::of(0.0), T::of(1.0));
         check(start, deviations, bounds.as_ref())?;
         if !(*forgetting > zero && *forgetting <= one) {
             let must = "above 0 and at most 1";
-            return Err(OnlineError::Number { name: "the forgetting factor", value: *forgetting, must });
+            return Err(ParameterError::Number { name: "the forgetting factor", value: *forgetting, must });
         }
         let variance = *noise * *noise * *forgetting;
         if !(*noise > zero && variance > zero && variance.is_finite()) {
             let must = "positive and finite, its square too";
-            return Err(OnlineError::Number { name: "the noise", value: *noise, must });
+            return Err(ParameterError::Number { name: "the noise", value: *noise, must });
         }
         let covariance = Covariance::independent(deviations);
         Ok(Self { settings, parameters: *start, covariance, next: 0 })

@@ -1,8 +1,6 @@
 //! What a plane of relays puts out, by sums over parts of it.
 
-use core::error::Error;
-use core::fmt::{Debug, Display, Formatter, Result as Formatted};
-
+use crate::ParameterError;
 use crate::real::Real;
 
 /// A Preisach plane on `n` equal intervals between two voltages: relays of even density in each cell of rows α and columns β < α, those of the
@@ -21,42 +19,6 @@ pub struct Plane<'a, T> {
     everett: &'a [T],
 }
 
-/// Numbers a plane cannot be built with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum PlaneError {
-    /// Ends that are not finite, or not the low one below the high one.
-    Range,
-    /// Not n (n + 1)/2 sums, n ≥ 1.
-    Sums {
-        /// How many there must be.
-        expected: usize,
-        /// How many there are.
-        found: usize,
-    },
-    /// A sum is infinite or not a number.
-    NotFinite,
-}
-
-impl Display for PlaneError {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Formatted {
-        match self {
-            Self::Range => {
-                write!(f, "the ends of a plane of relays must be finite, the low one below the high one")
-            }
-            Self::Sums { expected, found } => {
-                write!(
-                    f,
-                    "{found} sums over a plane of relays where there must be {expected}, and at least 1"
-                )
-            }
-            Self::NotFinite => write!(f, "a sum over a plane of relays is not finite"),
-        }
-    }
-}
-
-impl Error for PlaneError {}
-
 /// A place along an axis: interval, and share of it passed.
 type Place<T> = (usize, T);
 
@@ -64,18 +26,18 @@ impl<'a, T: Real> Plane<'a, T> {
     /// The plane between two voltages in `intervals` intervals, with its sums.
     ///
     /// # Errors
-    /// [`PlaneError`].
-    pub fn new([low, high]: [T; 2], intervals: usize, everett: &'a [T]) -> Result<Self, PlaneError> {
+    /// [`ParameterError`].
+    pub fn new([low, high]: [T; 2], intervals: usize, everett: &'a [T]) -> Result<Self, ParameterError<T>> {
         let density = T::of(intervals as f64) / (high - low);
         if !(low < high && density.is_finite() && density > T::of(0.0)) {
-            return Err(PlaneError::Range);
+            return Err(ParameterError::Range);
         }
         let expected = intervals.saturating_mul(intervals.saturating_add(1)) / 2;
         if everett.len() != expected || expected == 0 {
-            return Err(PlaneError::Sums { expected, found: everett.len() });
+            return Err(ParameterError::Sums { expected, found: everett.len() });
         }
         if !everett.iter().all(|e| e.is_finite()) {
-            return Err(PlaneError::NotFinite);
+            return Err(ParameterError::Sum);
         }
         Ok(Self { low, density, intervals, everett })
     }

@@ -3,5 +3,5 @@
 mod everett;
 mod memory;
 
-pub use everett::{Plane, PlaneError};
+pub use everett::Plane;
 pub use memory::{LEAST_TURNS, Turn, Turns};

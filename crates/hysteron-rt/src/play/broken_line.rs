@@ -1,6 +1,6 @@
 //! A broken line of the mean of a bank of plays: Kuhnen's dead zones as bands.
 
-use super::PlayBankError;
+use crate::ParameterError;
 use crate::real::Real;
 
 /// Σ wₖ bₖ(h) of the mean h = u + Σ gⱼ (Fⱼ − u) of plays Fⱼ, with corners c₁ < c₂ < …: band k is max(0, min(h − cₖ, cₖ₊₁ − cₖ)), the
@@ -18,21 +18,21 @@ impl<'a, T: Real> BrokenLine<'a, T> {
     /// Shares gⱼ, one a play; corners, at least one, increasing; slopes wₖ, one more.
     ///
     /// # Errors
-    /// [`PlayBankError`].
-    pub fn new(shares: &'a [T], corners: &'a [T], slopes: &'a [T]) -> Result<Self, PlayBankError<T>> {
+    /// [`ParameterError`].
+    pub fn new(shares: &'a [T], corners: &'a [T], slopes: &'a [T]) -> Result<Self, ParameterError<T>> {
         if corners.is_empty() || slopes.len() != corners.len() + 1 {
-            return Err(PlayBankError::Lengths { thresholds: corners.len() + 1, weights: slopes.len() });
+            return Err(ParameterError::Lengths { thresholds: corners.len() + 1, weights: slopes.len() });
         }
         let mut above = T::of(f64::NEG_INFINITY);
         for (index, &value) in corners.iter().enumerate() {
             if !(value.is_finite() && value > above) {
-                return Err(PlayBankError::Threshold { index, value, above });
+                return Err(ParameterError::Threshold { index, value, above });
             }
             above = value;
         }
         for (index, &value) in shares.iter().chain(slopes).enumerate() {
             if !value.is_finite() {
-                return Err(PlayBankError::Weight { index, value });
+                return Err(ParameterError::Weight { index, value });
             }
         }
         Ok(Self { shares, corners, slopes })

@@ -3,37 +3,6 @@
 use core::error::Error;
 use core::fmt::{Debug, Display, Formatter, Result};
 
-/// Numbers a bank of plays cannot be built with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum PlayBankError<T> {
-    /// Not one weight a threshold.
-    Lengths {
-        /// Number of thresholds.
-        thresholds: usize,
-        /// Number of weights.
-        weights: usize,
-    },
-    /// A threshold is not finite or not above the one before it (0 before the first).
-    Threshold {
-        /// Its number, from 0.
-        index: usize,
-        /// Its value.
-        value: T,
-        /// What it must exceed.
-        above: T,
-    },
-    /// A weight is infinite or not a number.
-    Weight {
-        /// Its number, from 0.
-        index: usize,
-        /// Its value.
-        value: T,
-    },
-    /// A number that says where the sides of plays stand is infinite, not a number, or not positive where it must be.
-    Sides,
-}
-
 /// A move, or the inverse of one, without a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -62,28 +31,6 @@ pub enum PlayError<T> {
     },
 }
 
-impl<T: Display> Display for PlayBankError<T> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        match self {
-            Self::Lengths { thresholds, weights } => {
-                write!(f, "{thresholds} thresholds but {weights} weights: give one weight a threshold")
-            }
-            Self::Threshold { index, value, above } => write!(
-                f,
-                "threshold {index} (from 0) is {value}: it must be finite and above {above}; thresholds are positive \
-                 and increase"
-            ),
-            Self::Weight { index, value } => {
-                write!(f, "weight {index} (from 0) is {value}: it must be finite")
-            }
-            Self::Sides => write!(
-                f,
-                "the numbers of the sides of the plays must be finite, rises and steepness positive, widening not negative"
-            ),
-        }
-    }
-}
-
 impl<T: Display> Display for PlayError<T> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
@@ -105,5 +52,4 @@ impl<T: Display> Display for PlayError<T> {
     }
 }
 
-impl<T: Display + Debug> Error for PlayBankError<T> {}
 impl<T: Display + Debug> Error for PlayError<T> {}

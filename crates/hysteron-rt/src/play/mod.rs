@@ -5,9 +5,10 @@ mod error;
 mod sided;
 
 pub use broken_line::BrokenLine;
-pub use error::{PlayBankError, PlayError};
+pub use error::PlayError;
 pub use sided::{SidedPlays, Sides};
 
+use crate::ParameterError;
 use crate::real::Real;
 
 /// State of a play operator of half-width `threshold` (r ≥ 0) after a monotone move of its input to `u`:
@@ -53,19 +54,19 @@ impl<'a, T: Real> PlayBank<'a, T> {
     /// The sum of plays with these thresholds and weights. Weights may have any sign.
     ///
     /// # Errors
-    /// [`PlayBankError`]: lengths that differ, thresholds not finite, positive and increasing, weights not finite.
-    pub fn new(thresholds: &'a [T], weights: &'a [T]) -> Result<Self, PlayBankError<T>> {
+    /// [`ParameterError`]: lengths that differ, thresholds not finite, positive and increasing, weights not finite.
+    pub fn new(thresholds: &'a [T], weights: &'a [T]) -> Result<Self, ParameterError<T>> {
         let zero = T::of(0.0);
         if weights.len() != thresholds.len() {
-            return Err(PlayBankError::Lengths { thresholds: thresholds.len(), weights: weights.len() });
+            return Err(ParameterError::Lengths { thresholds: thresholds.len(), weights: weights.len() });
         }
         let (mut above, mut slope, mut least_slope) = (zero, zero, zero);
         for (index, (&threshold, &weight)) in thresholds.iter().zip(weights).enumerate() {
             if !(threshold.is_finite() && threshold > above) {
-                return Err(PlayBankError::Threshold { index, value: threshold, above });
+                return Err(ParameterError::Threshold { index, value: threshold, above });
             }
             if !weight.is_finite() {
-                return Err(PlayBankError::Weight { index, value: weight });
+                return Err(ParameterError::Weight { index, value: weight });
             }
             above = threshold;
             slope = slope + weight;

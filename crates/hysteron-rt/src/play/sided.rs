@@ -1,6 +1,7 @@
 //! Plays whose two sides are functions of the voltage, and what is put behind them.
 
-use super::{BrokenLine, PlayBankError};
+use super::BrokenLine;
+use crate::ParameterError;
 use crate::real::Real;
 
 /// Between which two sides a play stands at the voltage u: its state goes from x to max(low, min(high, x)).
@@ -45,8 +46,8 @@ impl<'a, T: Real> SidedPlays<'a, T> {
     /// The sum. Thresholds are positive and increase; the first of plays between envelopes may be 0, lines increase alone.
     ///
     /// # Errors
-    /// [`PlayBankError`].
-    pub fn new(sides: Sides<T>, thresholds: &'a [T], weights: &'a [T]) -> Result<Self, PlayBankError<T>> {
+    /// [`ParameterError`].
+    pub fn new(sides: Sides<T>, thresholds: &'a [T], weights: &'a [T]) -> Result<Self, ParameterError<T>> {
         let zero = T::of(0.0);
         let positive = |x: T| x.is_finite() && x > zero;
         let (sound, count) = match sides {
@@ -60,10 +61,10 @@ impl<'a, T: Real> SidedPlays<'a, T> {
             }
         };
         if !sound {
-            return Err(PlayBankError::Sides);
+            return Err(ParameterError::Sides);
         }
         if weights.len() != count {
-            return Err(PlayBankError::Lengths { thresholds: count, weights: weights.len() });
+            return Err(ParameterError::Lengths { thresholds: count, weights: weights.len() });
         }
         let mut above = match sides {
             Sides::Even { .. } | Sides::Below => zero,
@@ -72,13 +73,13 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         };
         for (index, &value) in thresholds.iter().enumerate() {
             if !(value.is_finite() && value > above) {
-                return Err(PlayBankError::Threshold { index, value, above });
+                return Err(ParameterError::Threshold { index, value, above });
             }
             above = value;
         }
         for (index, &value) in weights.iter().enumerate() {
             if !value.is_finite() {
-                return Err(PlayBankError::Weight { index, value });
+                return Err(ParameterError::Weight { index, value });
             }
         }
         Ok(Self { sides, thresholds, weights, line: None })
@@ -87,11 +88,11 @@ impl<'a, T: Real> SidedPlays<'a, T> {
     /// The same with a broken line of the mean of the plays beside them.
     ///
     /// # Errors
-    /// [`PlayBankError::Lengths`] where there is not one share a play.
-    pub fn with_line(self, line: BrokenLine<'a, T>) -> Result<Self, PlayBankError<T>> {
+    /// [`ParameterError::Lengths`] where there is not one share a play.
+    pub fn with_line(self, line: BrokenLine<'a, T>) -> Result<Self, ParameterError<T>> {
         let (thresholds, weights) = (self.weights.len(), line.shares().len());
         if thresholds != weights {
-            return Err(PlayBankError::Lengths { thresholds, weights });
+            return Err(ParameterError::Lengths { thresholds, weights });
         }
         Ok(Self { line: Some(line), ..self })
     }

@@ -1,7 +1,7 @@
 //! Normalised least mean squares: it converges for every step that is allowed.
 
 use super::noise::Noise;
-use hysteron_rt::{Nlms, NlmsSettings, OnlineError, SampleError};
+use hysteron_rt::{Nlms, NlmsSettings, ParameterError, SampleError};
 use proptest::prelude::*;
 
 const DEVIATIONS: [f64; 3] = [0.1, 2.0, 0.5];
@@ -55,7 +55,10 @@ fn it_converges_for_every_step_between_0_and_2_and_no_other_is_taken() {
         assert!(distance(nlms.parameters(), &truth) < 1e-24, "step {step}: {:?}", nlms.parameters());
     }
     for step in [0.0, -0.1, 2.0, 2.5, f64::NAN] {
-        assert!(matches!(Nlms::new(settings(step, 0.0)), Err(OnlineError::Number { name: "the step", .. })));
+        assert!(matches!(
+            Nlms::new(settings(step, 0.0)),
+            Err(ParameterError::Number { name: "the step", .. })
+        ));
     }
 }
 
@@ -85,10 +88,10 @@ fn in_white_noise_it_settles_where_the_theory_says() {
 #[test]
 fn what_cannot_be_is_refused_and_a_bad_sample_changes_nothing() {
     for regulariser in [-1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(Nlms::new(settings(1.0, regulariser)), Err(OnlineError::Number { .. })));
+        assert!(matches!(Nlms::new(settings(1.0, regulariser)), Err(ParameterError::Number { .. })));
     }
     let zero = NlmsSettings { deviations: [1.0, 0.0, 1.0], ..settings(1.0, 0.0) };
-    assert!(matches!(Nlms::new(zero), Err(OnlineError::Parameter { index: 1, .. })));
+    assert!(matches!(Nlms::new(zero), Err(ParameterError::Parameter { index: 1, .. })));
     let mut nlms = Nlms::new(settings(1.0, 0.0)).unwrap();
     let before = nlms;
     assert_eq!(nlms.step(&[f64::NAN, 0.0, 0.0], 0.0), Err(SampleError::NotFinite));

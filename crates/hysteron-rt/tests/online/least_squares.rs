@@ -1,7 +1,7 @@
 //! Recursive least squares against the normal equations.
 
 use super::noise::Noise;
-use hysteron_rt::{OnlineError, Real, Rls, RlsSettings, SampleError, Unexcited};
+use hysteron_rt::{ParameterError, Real, Rls, RlsSettings, SampleError, Unexcited};
 use nalgebra::{SMatrix, SVector};
 use proptest::prelude::*;
 
@@ -237,8 +237,8 @@ fn a_bound_is_met_where_the_constrained_minimum_lies() {
 fn what_cannot_be_is_refused_with_its_numbers() {
     let good = settings(0.99, Unexcited::Hold);
     let refused = |settings| Rls::new(settings).unwrap_err();
-    let parameter = |error| matches!(error, OnlineError::Parameter { index: 1, .. });
-    let number = |error| matches!(error, OnlineError::Number { .. });
+    let parameter = |error| matches!(error, ParameterError::Parameter { index: 1, .. });
+    let number = |error| matches!(error, ParameterError::Number { .. });
     assert!(parameter(refused(RlsSettings { start: [1.0, f64::NAN, 0.0], ..good })));
     for deviation in [0.0, -1.0, f64::INFINITY, f64::NAN, 1e-200, 1e200] {
         assert!(parameter(refused(RlsSettings { deviations: [1.0, deviation, 1.0], ..good })));

@@ -1,7 +1,7 @@
 //! The monitor's run lengths: simulated, by the Markov chain of Brook and Evans, and as promised.
 
 use super::noise::Noise;
-use hysteron_rt::{FitMonitor, Misfit, MonitorSettings, OnlineError, SampleError};
+use hysteron_rt::{FitMonitor, Misfit, MonitorSettings, ParameterError, SampleError};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
@@ -164,23 +164,23 @@ fn fewer_wild_samples_than_stated_are_no_alarm() {
 fn what_cannot_be_is_refused() {
     let good = MonitorSettings { shift: Some(0.5), spread: Some(1.5), run_length: 1e4, fewest: 1 };
     let refused = |settings| FitMonitor::new(settings).unwrap_err();
-    assert_eq!(refused(MonitorSettings { shift: None, spread: None, ..good }), OnlineError::NoChange);
+    assert_eq!(refused(MonitorSettings { shift: None, spread: None, ..good }), ParameterError::NoChange);
     for shift in [0.0, -1.0, f64::NAN, 1e200] {
         assert!(matches!(
             refused(MonitorSettings { shift: Some(shift), ..good }),
-            OnlineError::Number { .. }
+            ParameterError::Number { .. }
         ));
     }
     for spread in [1.0, 0.5, f64::NAN, f64::INFINITY] {
         assert!(matches!(
             refused(MonitorSettings { spread: Some(spread), ..good }),
-            OnlineError::Number { .. }
+            ParameterError::Number { .. }
         ));
     }
     for run_length in [1.0, 0.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(refused(MonitorSettings { run_length, ..good }), OnlineError::Number { .. }));
+        assert!(matches!(refused(MonitorSettings { run_length, ..good }), ParameterError::Number { .. }));
     }
-    assert!(matches!(refused(MonitorSettings { fewest: 0, ..good }), OnlineError::Number { .. }));
+    assert!(matches!(refused(MonitorSettings { fewest: 0, ..good }), ParameterError::Number { .. }));
 }
 
 proptest! {
