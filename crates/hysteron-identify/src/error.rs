@@ -1,7 +1,6 @@
 //! What can go wrong between records and a model.
 
 use crate::baselines::BaselineError;
-use crate::online::CorrectionError;
 use crate::structure::UnknownCandidate;
 use hysteron_model::Advice;
 use hysteron_model::axes::AxesError;
@@ -14,6 +13,7 @@ use hysteron_model::record::RecordError;
 use hysteron_model::validate::ScoreError;
 use hysteron_numeric::display::short;
 use hysteron_optimize::OptimizeError;
+use hysteron_rt::{ParameterError, SampleError};
 
 /// Error of this crate: why no model was identified, or what one is asked for cannot be said.
 #[derive(Debug, thiserror::Error)]
@@ -406,9 +406,62 @@ pub enum IdentifyError {
     /// A baseline.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
-    /// A correction while running.
+    /// A term of a correction with a number out of its range.
+    #[error("term {index} (from 0): {name} is {value}, it must be {must}")]
+    CorrectionTerm {
+        /// Number of the term, from 0.
+        index: usize,
+        /// Name of the number.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        must: &'static str,
+    },
+    /// A term of a correction that is there twice.
+    #[error("term {index} (from 0) is there before: its coefficients cannot be told apart")]
+    CorrectionTwice {
+        /// Number of the later one, from 0.
+        index: usize,
+    },
+    /// A creep term over a record without a sample rate.
+    #[error("a creep term needs the time between samples, but the record has no uniform sample rate")]
+    CorrectionNoRate,
+    /// Not one regressor row of a correction a sample.
+    #[error("the record has {found} samples but the regressors {expected}: make them from this record")]
+    CorrectionLengths {
+        /// Rows of the regressors.
+        expected: usize,
+        /// Samples of the record.
+        found: usize,
+    },
+    /// A creep coefficient that a Hammerstein model has no place for.
+    #[error(
+        "term {index} (from 0) creeps by {value}: a model file has no place for it; leave creep terms out"
+    )]
+    CorrectionCreep {
+        /// Number of the term, from 0.
+        index: usize,
+        /// Its coefficient.
+        value: f64,
+    },
+    /// Settings of an estimator or a monitor while running.
     #[error(transparent)]
-    Correction(#[from] CorrectionError),
+    OnlineSettings(#[from] ParameterError<f64>),
+    /// A sample that cannot be learnt from.
+    #[error("sample {index}: {cause}")]
+    OnlineSample {
+        /// Its number, from 0.
+        index: usize,
+        /// Why.
+        cause: SampleError,
+    },
+    /// No terms to be followed, or too many.
+    #[error("between one and six terms can be followed, not {0}")]
+    FollowTerms(usize),
+    /// A record to be followed whose samples are not equally spaced.
+    #[error("it has no uniform sample rate, and a memory is a number of samples")]
+    FollowNotUniform,
 }
 
 impl IdentifyError {

@@ -2,7 +2,8 @@
 //! and nothing is found where nothing changes.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test may fail
-use hysteron_identify::online::{Adapter, Correction, CorrectionError, Estimator, Regressors, Row, Term};
+use hysteron_identify::IdentifyError;
+use hysteron_identify::online::{Adapter, Correction, Estimator, Regressors, Row, Term};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term as Power, TransferFunction};
 use hysteron_model::hammerstein::Model;
@@ -295,8 +296,8 @@ fn a_creep_column_is_the_first_order_lag_of_the_model() {
             let want = 3.0 * (t + lag_s * (-t / lag_s).exp_m1());
             assert!((row.regressors[0] - want).abs() < 1e-9, "{} {want}", row.regressors[0]);
         }
-        assert!(matches!(correction.regressors(&u, None, &REST), Err(CorrectionError::NoSampleRate)));
-        assert!(matches!(correction.corrected(&[0.1]), Err(CorrectionError::Creep { index: 0, .. })));
+        assert!(matches!(correction.regressors(&u, None, &REST), Err(IdentifyError::CorrectionNoRate)));
+        assert!(matches!(correction.corrected(&[0.1]), Err(IdentifyError::CorrectionCreep { index: 0, .. })));
         assert_eq!(correction.corrected(&[0.0]).unwrap(), line);
     }
 }
@@ -351,14 +352,14 @@ fn what_cannot_be_is_refused() {
     let new = |term| Correction::new(model(), [Term::Gain, term]);
     for term in [Term::Power(0), Term::Power(21), Term::Creep { lag_s: 0.0 }, Term::Creep { lag_s: f64::NAN }]
     {
-        assert!(matches!(new(term), Err(CorrectionError::Term { index: 1, .. })));
+        assert!(matches!(new(term), Err(IdentifyError::CorrectionTerm { index: 1, .. })));
     }
-    assert!(matches!(new(Term::Gain), Err(CorrectionError::Twice { index: 1 })));
+    assert!(matches!(new(Term::Gain), Err(IdentifyError::CorrectionTwice { index: 1 })));
     let regressors: Regressors<3> = correction().regressors(&drive(0.1), Some(RATE_HZ), &REST).unwrap();
     let mut adapter = Adapter::new(Estimator::LeastSquares(least_squares(250.0)), monitor(1e6), false);
     let short = record(&drive(0.05), vec![0.0; 50]);
     let lengths = adapter.run(&regressors, &short);
-    assert!(matches!(lengths, Err(CorrectionError::Lengths { expected: 100, found: 50 })));
+    assert!(matches!(lengths, Err(IdentifyError::CorrectionLengths { expected: 100, found: 50 })));
     assert!(correction().regressors(&drive(0.1), None, &REST).is_err());
     assert!(correction().regressors(&[f64::NAN, 0.0], Some(RATE_HZ), &REST).is_err());
     assert!(correction().corrected(&[0.0, f64::NAN, 0.0]).is_err());
@@ -366,7 +367,7 @@ fn what_cannot_be_is_refused() {
     let before = adapter;
     assert_eq!(adapter.step(&row, f64::NAN), Err(SampleError::NotFinite));
     assert_eq!(adapter, before);
-    let settings: CorrectionError = ParameterError::NoChange.into();
+    let settings: IdentifyError = ParameterError::NoChange.into();
     assert!(settings.to_string().contains("looks for nothing"));
 }
 

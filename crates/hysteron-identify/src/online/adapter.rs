@@ -1,7 +1,7 @@
 //! Moves the coefficients of a correction sample by sample and watches what is left.
 
-use super::CorrectionError;
 use super::correction::{Regressors, Row};
+use crate::IdentifyError;
 use hysteron_model::record::InputOutput;
 use hysteron_rt::{FitMonitor, Misfit, Nlms, Rls, SampleError};
 
@@ -110,15 +110,15 @@ impl<const N: usize> Adapter<N> {
     /// Takes in a record, sample by sample. Samples marked invalid are predicted and not learnt from.
     ///
     /// # Errors
-    /// [`CorrectionError::Lengths`], [`CorrectionError::Sample`].
+    /// [`IdentifyError::CorrectionLengths`], [`IdentifyError::OnlineSample`].
     pub fn run(
         &mut self,
         regressors: &Regressors<N>,
         record: &InputOutput,
-    ) -> Result<Trace<N>, CorrectionError> {
+    ) -> Result<Trace<N>, IdentifyError> {
         let samples = record.y.len();
         if regressors.len() != samples {
-            return Err(CorrectionError::Lengths { expected: regressors.len(), found: samples });
+            return Err(IdentifyError::CorrectionLengths { expected: regressors.len(), found: samples });
         }
         let mut trace = Trace {
             predicted: Vec::with_capacity(samples),
@@ -129,7 +129,8 @@ impl<const N: usize> Adapter<N> {
         for (index, (row, &y)) in regressors.rows().zip(&record.y).enumerate() {
             let valid = record.valid.as_ref().is_none_or(|mask| mask.get(index) == Some(&true));
             if valid {
-                let adapted = self.step(&row, y).map_err(|cause| CorrectionError::Sample { index, cause })?;
+                let adapted =
+                    self.step(&row, y).map_err(|cause| IdentifyError::OnlineSample { index, cause })?;
                 trace.predicted.push(adapted.predicted);
                 if let Some(misfit) = adapted.misfit.filter(|_| self.reopen || !alarmed) {
                     trace.alarms.push(Alarm { sample: index, misfit });

@@ -1,6 +1,7 @@
 //! Which coefficients of a model may move, and what their regressors are.
 
-use super::{CorrectionError, Term};
+use super::Term;
+use crate::IdentifyError;
 use hysteron_model::Start;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
@@ -38,21 +39,26 @@ impl<const N: usize> Correction<N> {
     /// The coefficients of `model` that these terms name.
     ///
     /// # Errors
-    /// [`CorrectionError::Term`]: a power outside 1 … 20 or a lag that is not finite and positive;
-    /// [`CorrectionError::Twice`].
-    pub fn new(model: Model, terms: [Term; N]) -> Result<Self, CorrectionError> {
+    /// [`IdentifyError::CorrectionTerm`]: a power outside 1 … 20 or a lag that is not finite and positive;
+    /// [`IdentifyError::CorrectionTwice`].
+    pub fn new(model: Model, terms: [Term; N]) -> Result<Self, IdentifyError> {
         for (index, term) in terms.iter().enumerate() {
             match *term {
                 Term::Power(power) if !(1..=HIGHEST_POWER).contains(&power) => {
                     let (value, must) = (f64::from(power), "1 to 20 (power 0 is the offset)");
-                    return Err(CorrectionError::Term { index, name: "the power", value, must });
+                    return Err(IdentifyError::CorrectionTerm { index, name: "the power", value, must });
                 }
                 Term::Creep { lag_s } if !(lag_s > 0.0 && lag_s.is_finite()) => {
                     let must = "finite and positive";
-                    return Err(CorrectionError::Term { index, name: "the lag [s]", value: lag_s, must });
+                    return Err(IdentifyError::CorrectionTerm {
+                        index,
+                        name: "the lag [s]",
+                        value: lag_s,
+                        must,
+                    });
                 }
                 _ if terms.iter().take(index).any(|earlier| earlier == term) => {
-                    return Err(CorrectionError::Twice { index });
+                    return Err(IdentifyError::CorrectionTwice { index });
                 }
                 _ => {}
             }
@@ -84,13 +90,13 @@ impl<const N: usize> Correction<N> {
     /// its drive band-limited between samples.
     ///
     /// # Errors
-    /// As [`Model::simulate`]; [`CorrectionError::NoSampleRate`].
+    /// As [`Model::simulate`]; [`IdentifyError::CorrectionNoRate`].
     pub fn regressors(
         &self,
         u: &[f64],
         sample_rate_hz: Option<f64>,
         start: &Start,
-    ) -> Result<Regressors<N>, CorrectionError> {
+    ) -> Result<Regressors<N>, IdentifyError> {
         let without_offset = Model { offset: 0.0, ..self.model.clone() };
         let w = without_offset.simulate(u, sample_rate_hz, start)?;
         let mut columns = [const { Vec::new() }; N];
@@ -103,7 +109,7 @@ impl<const N: usize> Correction<N> {
                     model.simulate(u, sample_rate_hz, &without_memory(start))?
                 }
                 Term::Creep { lag_s } => {
-                    let rate = sample_rate_hz.ok_or(CorrectionError::NoSampleRate)?;
+                    let rate = sample_rate_hz.ok_or(IdentifyError::CorrectionNoRate)?;
                     lagged(&w, 1.0 / (rate * lag_s))
                 }
             };
@@ -116,9 +122,9 @@ impl<const N: usize> Correction<N> {
     /// The model with the coefficients `parameters`.
     ///
     /// # Errors
-    /// [`CorrectionError::Creep`] where a creep coefficient is not 0; [`CorrectionError::Hysteresis`] where gain
+    /// [`IdentifyError::CorrectionCreep`] where a creep coefficient is not 0; [`IdentifyError::Hysteresis`] where gain
     /// or coefficients are none for the hysteresis block.
-    pub fn corrected(&self, parameters: &[f64; N]) -> Result<Model, CorrectionError> {
+    pub fn corrected(&self, parameters: &[f64; N]) -> Result<Model, IdentifyError> {
         let mut model = self.model.clone();
         let of =
             |wanted: Term| self.terms.iter().zip(parameters).find(|(t, _)| **t == wanted).map(|(_, p)| *p);
@@ -136,7 +142,9 @@ impl<const N: usize> Correction<N> {
                     }
                     polynomial[at] += value;
                 }
-                Term::Creep { .. } if value != 0.0 => return Err(CorrectionError::Creep { index, value }),
+                Term::Creep { .. } if value != 0.0 => {
+                    return Err(IdentifyError::CorrectionCreep { index, value });
+                }
                 _ => {}
             }
         }
@@ -182,7 +190,7 @@ impl<const N: usize> Row<N> {
 }
 
 /// v = uⁿ, a Bouc–Wen operator without hysteresis.
-fn power_of_drive(power: u32) -> Result<Hysteresis, CorrectionError> {
+fn power_of_drive(power: u32) -> Result<Hysteresis, IdentifyError> {
     let mut polynomial = vec![0.0; power as usize];
     if let Some(last) = polynomial.last_mut() {
         *last = 1.0;

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{CorrectionError, FollowOptions, Followed};
+use super::{FollowOptions, Followed};
+use crate::IdentifyError;
 use hysteron_model::model_file::{
     Maker, ModelFile, Provenance, RecordEntry, RecordRole, ScoreEntry, ScoreRole,
 };
@@ -13,14 +14,14 @@ impl Followed {
     /// from. Standard errors and covariance of the old numbers are left out: they say nothing of the new ones.
     ///
     /// # Errors
-    /// [`CorrectionError`] where the coefficients make no model.
+    /// [`IdentifyError`] where the coefficients make no model.
     pub fn model_file(
         &self,
         data: &InputOutput,
         options: &FollowOptions,
         (old, source): (&ModelFile, &Source),
         maker: &Maker,
-    ) -> Result<ModelFile, &CorrectionError> {
+    ) -> Result<ModelFile, &IdentifyError> {
         let model = self.model.as_ref()?;
         let mut named = BTreeMap::from([
             ("method".to_owned(), "adapt".to_owned()),

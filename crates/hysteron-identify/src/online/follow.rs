@@ -1,6 +1,7 @@
 //! A model corrected over a whole record.
 
-use super::{Adapter, Alarm, Correction, CorrectionError, Estimator, Term};
+use super::{Adapter, Alarm, Correction, Estimator, Term};
+use crate::IdentifyError;
 use hysteron_model::Start;
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::{ModelFile, ScoreRole};
@@ -124,26 +125,26 @@ pub struct Followed {
     /// First samples at which the corrected model no longer fitted.
     pub alarms: Vec<Alarm>,
     /// The model with the coefficients of the last sample; the error where a model has no place for them.
-    pub model: Result<Model, CorrectionError>,
+    pub model: Result<Model, IdentifyError>,
 }
 
 impl Followed {
     /// Runs `data` through the correction of `model`, simulated from `start`.
     ///
     /// # Errors
-    /// [`CorrectionError`]: a record without sample rate, terms that cannot be corrected, options out of range.
+    /// [`IdentifyError`]: a record without sample rate, terms that cannot be corrected, options out of range.
     pub fn over(
         data: &InputOutput,
         model: &Model,
         start: &Start,
         options: &FollowOptions,
-    ) -> Result<Self, CorrectionError> {
+    ) -> Result<Self, IdentifyError> {
         let task = Task {
             data,
             model,
             start,
             options,
-            sample_rate_hz: data.sample_rate_hz().ok_or(CorrectionError::NotUniform)?,
+            sample_rate_hz: data.sample_rate_hz().ok_or(IdentifyError::FollowNotUniform)?,
         };
         match options.terms.len() {
             1 => task.with_terms::<1>(),
@@ -152,7 +153,7 @@ impl Followed {
             4 => task.with_terms::<4>(),
             5 => task.with_terms::<5>(),
             MOST_TERMS => task.with_terms::<MOST_TERMS>(),
-            count => Err(CorrectionError::Terms(count)),
+            count => Err(IdentifyError::FollowTerms(count)),
         }
     }
 }
@@ -173,11 +174,14 @@ impl Task<'_> {
         InputOutput { valid: Some(mask), ..self.data.clone() }
     }
 
-    fn with_terms<const N: usize>(&self) -> Result<Followed, CorrectionError> {
+    fn with_terms<const N: usize>(&self) -> Result<Followed, IdentifyError> {
         let Self { data, options, sample_rate_hz, .. } = *self;
         let noise = options.noise;
-        let terms: [Term; N] =
-            options.terms.as_slice().try_into().map_err(|_| CorrectionError::Terms(options.terms.len()))?;
+        let terms: [Term; N] = options
+            .terms
+            .as_slice()
+            .try_into()
+            .map_err(|_| IdentifyError::FollowTerms(options.terms.len()))?;
         let correction = Correction::new(self.model.clone(), terms)?;
         let regressors = correction.regressors(&data.u, Some(sample_rate_hz), self.start)?;
         let every = match options.every {

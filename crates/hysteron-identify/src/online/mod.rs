@@ -47,7 +47,6 @@
 
 mod adapter;
 mod correction;
-mod error;
 mod file;
 mod follow;
 mod spacing;
@@ -56,7 +55,6 @@ mod term;
 
 pub use adapter::{Adapted, Adapter, Alarm, Estimator, Trace};
 pub use correction::{Correction, Regressors, Row};
-pub use error::CorrectionError;
 pub use follow::{FollowMethod, FollowOptions, Followed, MOST_TERMS, Path, known_noise};
 pub use summary::FollowedSummary;
 pub use term::{Term, UnknownTerm};

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{CorrectionError, Regressors};
-use crate::correlation_time;
+use super::Regressors;
+use crate::{IdentifyError, correlation_time};
 use hysteron_model::record::InputOutput;
 
 /// Parts of a record that are looked at one by one: a jump spoils one of them, and not the median.
@@ -17,11 +17,11 @@ impl<const N: usize> Regressors<N> {
     /// record too short to say.
     ///
     /// # Errors
-    /// [`CorrectionError::Lengths`].
-    pub fn samples_per_independent_one(&self, record: &InputOutput) -> Result<f64, CorrectionError> {
+    /// [`IdentifyError::CorrectionLengths`].
+    pub fn samples_per_independent_one(&self, record: &InputOutput) -> Result<f64, IdentifyError> {
         let (expected, found) = (self.len(), record.y.len());
         if expected != found {
-            return Err(CorrectionError::Lengths { expected, found });
+            return Err(IdentifyError::CorrectionLengths { expected, found });
         }
         let is_valid = |k: usize| record.valid.as_ref().is_none_or(|valid| valid.get(k) == Some(&true));
         let rows: Vec<_> = self

@@ -1,6 +1,7 @@
 //! A device of a known gain and offset is followed.
 
 use super::*;
+use crate::IdentifyError;
 use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::{Maker, SignalUnits};
@@ -68,7 +69,7 @@ fn what_cannot_be_followed_is_refused() {
     let method = FollowMethod::Gradient { step: 0.05 };
     let none = FollowOptions { terms: Vec::new(), ..options(method) };
     let followed = Followed::over(&today(uniform()), &model(), &START, &none);
-    assert!(matches!(followed, Err(CorrectionError::Terms(0))));
+    assert!(matches!(followed, Err(IdentifyError::FollowTerms(0))));
     let followed = Followed::over(&today(TimeBase::Unknown), &model(), &START, &options(method));
-    assert!(matches!(followed, Err(CorrectionError::NotUniform)));
+    assert!(matches!(followed, Err(IdentifyError::FollowNotUniform)));
 }
