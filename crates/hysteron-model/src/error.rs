@@ -3,7 +3,6 @@
 use crate::axes::AxesError;
 use crate::control::ControlError;
 use crate::dynamics::DynamicsError;
-use crate::fractional::FractionalError;
 use crate::hammerstein::SimulationError;
 use crate::hysteresis::HysteresisError;
 use crate::invert::InversionError;
@@ -27,9 +26,6 @@ pub enum Error {
     /// [`DynamicsError`].
     #[error(transparent)]
     Dynamics(#[from] DynamicsError),
-    /// [`FractionalError`].
-    #[error(transparent)]
-    Fractional(#[from] FractionalError),
     /// [`HysteresisError`].
     #[error(transparent)]
     Hysteresis(#[from] HysteresisError),

@@ -7,11 +7,11 @@
 //! On time stamps that are not uniform every step is exact ([`StampedPlan`]), whatever the scheme; the drive goes along straight
 //! lines between them, or is held.
 
-use crate::dynamics::check_length;
 use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{
     Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace, TransferFunction,
 };
+use crate::dynamics_error::check_length;
 use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means};
 use crate::record::{InterSample, Timing, even_times};
 pub use crate::simulation_error::SimulationError;

@@ -14,6 +14,7 @@ pub mod axes;
 pub mod compensator;
 pub mod control;
 pub mod dynamics;
+mod dynamics_error;
 mod error;
 mod finding;
 pub mod fractional;

@@ -4,10 +4,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use hysteron_model::dynamics::{Scheme, Term, TransferFunction};
+use hysteron_model::dynamics::{DynamicsError, Scheme, Term, TransferFunction};
 use hysteron_model::fractional::{
-    FractionalError, convolution_weights, differintegral, differintegral_direct, simulate_causal,
-    simulate_recursion, weights,
+    convolution_weights, differintegral, differintegral_direct, simulate_causal, simulate_recursion, weights,
 };
 use hysteron_numeric::Complex64;
 use proptest::prelude::*;
@@ -115,17 +114,17 @@ fn relaxation_of_order_1_8_is_a_mittag_leffler_function() {
 fn what_has_no_meaning_is_a_typed_error() {
     let x = [1.0, 2.0];
     let refuse = |alpha, fs, scheme| differintegral(alpha, &x, fs, scheme).unwrap_err();
-    assert!(matches!(refuse(0.5, 10.0, Scheme::Tustin), FractionalError::Improper { .. }));
-    assert!(matches!(refuse(0.5, 10.0, Scheme::BandLimited), FractionalError::NoWeights { .. }));
-    assert!(matches!(refuse(f64::NAN, 10.0, Scheme::Bdf2), FractionalError::Order { .. }));
-    assert!(matches!(refuse(0.5, 0.0, Scheme::Bdf2), FractionalError::SampleRate { .. }));
+    assert!(matches!(refuse(0.5, 10.0, Scheme::Tustin), DynamicsError::ImproperOperator { .. }));
+    assert!(matches!(refuse(0.5, 10.0, Scheme::BandLimited), DynamicsError::NoWeights { .. }));
+    assert!(matches!(refuse(f64::NAN, 10.0, Scheme::Bdf2), DynamicsError::OperatorOrder { .. }));
+    assert!(matches!(refuse(0.5, 0.0, Scheme::Bdf2), DynamicsError::SampleRate { .. }));
     assert!(differintegral(-0.5, &x, 10.0, Scheme::Tustin).is_ok());
     let differentiator = [Term::new(1.0, 1.5)];
     let one = [Term::new(1.0, 0.0)];
     let result = simulate_recursion(&differentiator, &one, &x, 10.0, Scheme::Tustin);
-    assert!(matches!(result, Err(FractionalError::Improper { .. })));
+    assert!(matches!(result, Err(DynamicsError::ImproperOperator { .. })));
     let none = simulate_recursion(&one, &[], &x, 10.0, Scheme::Bdf2);
-    assert!(matches!(none, Err(FractionalError::NoTerms { part: "denominator" })));
+    assert!(matches!(none, Err(DynamicsError::NoOperatorTerms { part: "denominator" })));
     assert_eq!(differintegral(0.5, &[], 10.0, Scheme::Bdf2), Ok(vec![]));
     assert_eq!(simulate_causal(&one, &one, &[], 10.0, Scheme::Bdf2), Ok(vec![]));
 }

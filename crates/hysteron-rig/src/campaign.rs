@@ -108,7 +108,7 @@ impl CampaignPlan {
                 seed,
                 ..ExcitationSpec::new(self.sample_rate_hz, self.low_v, self.high_v, waveform)
             };
-            Ok(spec.generate()?)
+            spec.generate()
         };
         let loop_hz = self.loop_hz;
         let mut drives = vec![

@@ -1,7 +1,7 @@
 //! Simulation that assumes no stability.
 
-use super::error::check_finite;
 use super::{DynamicsError, Scheme, TransferFunction};
+use crate::dynamics_error::check_finite;
 use crate::start::{LinearStart, Start};
 
 impl TransferFunction {
@@ -9,8 +9,9 @@ impl TransferFunction {
     /// simulating on purpose what [`super::SimulationPlan`] refuses as unstable.
     ///
     /// # Errors
-    /// [`DynamicsError::InfiniteDcGain`] under `Rest`; [`DynamicsError::PeriodicRecursion`]; [`DynamicsError::InputNotFinite`]; [`DynamicsError::Fractional`] for `BandLimited`, an
-    /// improper G under `Tustin`, or a response that overflows.
+    /// [`DynamicsError::InfiniteDcGain`] under `Rest`; [`DynamicsError::PeriodicRecursion`]; [`DynamicsError::InputNotFinite`];
+    /// [`DynamicsError::NoWeights`] for `BandLimited`, [`DynamicsError::ImproperOperator`] under `Tustin`,
+    /// [`DynamicsError::ResultNotFinite`].
     pub fn simulate_causal(
         &self,
         input: &[f64],

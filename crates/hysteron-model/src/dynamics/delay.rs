@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use super::DynamicsError;
-use super::error::{check_finite, check_length, check_sample_rate};
+use crate::dynamics_error::{check_finite, check_length, check_sample_rate};
 pub use crate::record::InterSample;
 use hysteron_numeric::Complex64;
 use hysteron_numeric::fft::{RealFft, fast_length};

@@ -11,8 +11,8 @@
 
 use std::f64::consts::PI;
 
-use super::error::check_length;
 use super::{Arx, DynamicsError, Response, SimulationPlan};
+use crate::dynamics_error::check_length;
 use hysteron_numeric::Complex64;
 
 /// What an inverse is to do.

@@ -5,10 +5,10 @@ use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use super::blocks::{BLOCK, Exponential, Polynomial, frequencies};
-use super::error::{check_finite, check_length, check_sample_rate};
 use super::frequencies::Frequencies;
 use super::sums::{self, Candidate};
 use super::{DynamicsError, Scheme, Stability, Term, TransferFunction, stability};
+use crate::dynamics_error::{check_finite, check_length, check_sample_rate};
 use hysteron_numeric::fft::{RealFft, fast_length};
 use hysteron_numeric::{Complex64, InstructionSet, half_turns, multiply_quotient};
 

@@ -92,8 +92,8 @@ impl RecordPlan {
                 plan.transform_into(input, workspace, spectrum)
             }
             (Self::Stamped(plan), _, PlanInput::Knots(knots)) => {
-                super::error::check_length("input", input.len(), plan.knots())?;
-                super::error::check_finite("input", input)?;
+                crate::dynamics_error::check_length("input", input.len(), plan.knots())?;
+                crate::dynamics_error::check_finite("input", input)?;
                 knots.copy_from_slice(input);
                 Ok(())
             }

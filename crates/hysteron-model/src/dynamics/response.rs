@@ -9,9 +9,9 @@
 //! G is taken at the s of the plan's scheme, δ(z)/h. The delay and the signal between its samples are taken at the true
 //! s, z = e^(−sh), so they do not depend on the scheme.
 
-use super::error::check_length;
 use super::tangent::Tangent;
 use super::{DynamicsError, InputSpectrum, Linearised, Scheme, SimulationPlan, TransferFunction, Workspace};
+use crate::dynamics_error::check_length;
 use crate::record::InterSample;
 use hysteron_numeric::{Complex64, multiply};
 

@@ -1,10 +1,10 @@
 //! Values and derivatives of a candidate's response, block by block of frequencies.
 
 use super::blocks::BLOCK;
-use super::error::check_length;
 use super::shift::InputFactor;
 use super::sums::{Block, Candidate, Polynomials};
 use super::{DynamicsError, Linearised, Response, Sampling, SimulationPlan, TransferFunction};
+use crate::dynamics_error::check_length;
 use hysteron_numeric::{Complex64, multiply_quotient, quotient_parts, quotient_tangent};
 
 /// Derivative of a response in one direction.

@@ -1,8 +1,8 @@
 //! The recursion of article Eq. 4 by divide and conquer.
 
-use super::error::check_finite;
 use super::recursion::kernels;
-use super::{FractionalError, Scheme, Term};
+use super::{Scheme, Term};
+use crate::dynamics_error::{DynamicsError, check_result};
 use hysteron_numeric::convolution::{CausalConvolver, causal_convolution};
 
 /// Ranges up to this length are solved by the plain recursion.
@@ -24,7 +24,7 @@ pub fn simulate_causal(
     input: &[f64],
     sample_rate_hz: f64,
     scheme: Scheme,
-) -> Result<Vec<f64>, FractionalError> {
+) -> Result<Vec<f64>, DynamicsError> {
     let (n, d) = kernels(numerator, denominator, input.len(), sample_rate_hz, scheme)?;
     // Forcing first; each solved sample then subtracts itself from the samples after it.
     let mut output = match n.as_slice() {
@@ -40,7 +40,7 @@ pub fn simulate_causal(
         length *= 2;
     }
     solve(&d, &mut blocks, &mut output);
-    check_finite(output)
+    check_result(output)
 }
 
 /// Solves for a range whose samples hold the forcing minus the contribution of everything before the range.

@@ -11,7 +11,6 @@
 //! - [`convolution_weights`]: the series of any K(δ(z)/h).
 
 mod causal;
-mod error;
 mod operator;
 mod quadrature;
 mod recursion;
@@ -19,7 +18,6 @@ mod scheme;
 mod weights;
 
 pub use causal::simulate_causal;
-pub use error::FractionalError;
 pub use operator::{differintegral, differintegral_direct};
 pub use quadrature::convolution_weights;
 pub use recursion::simulate_recursion;

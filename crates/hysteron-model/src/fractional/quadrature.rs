@@ -1,7 +1,7 @@
 //! Convolution quadrature weights of any operator.
 
-use super::error::{check_finite, check_sample_rate};
-use super::{FractionalError, Scheme};
+use super::Scheme;
+use crate::dynamics_error::{DynamicsError, check_result, check_sample_rate};
 use hysteron_numeric::Complex64;
 use hysteron_numeric::fft::{RealFft, fast_length};
 
@@ -15,13 +15,13 @@ const ALIASING: f64 = 1e-10;
 /// largest |K| on the circle times the sample's own r^−j ≤ 1e5 in rounding.
 ///
 /// # Errors
-/// [`FractionalError::SampleRate`], [`FractionalError::NotFinite`] where K is not finite on the circle.
+/// [`DynamicsError::SampleRate`], [`DynamicsError::ResultNotFinite`] where K is not finite on the circle.
 pub fn convolution_weights(
     operator: impl Fn(Complex64) -> Complex64,
     count: usize,
     sample_rate_hz: f64,
     scheme: Scheme,
-) -> Result<Vec<f64>, FractionalError> {
+) -> Result<Vec<f64>, DynamicsError> {
     check_sample_rate(sample_rate_hz)?;
     let length = fast_length(2 * count);
     let damping = -ALIASING.ln() / length as f64;
@@ -47,5 +47,5 @@ pub fn convolution_weights(
     for (j, w) in series.iter_mut().enumerate() {
         *w *= (damping * j as f64).exp() / length as f64;
     }
-    check_finite(series)
+    check_result(series)
 }

@@ -1,8 +1,8 @@
 //! The article's simulator, Eq. 4: an implicit recursion over the whole past.
 
-use super::error::{check_finite, check_sample_rate};
 use super::weights::cleared_weights;
-use super::{FractionalError, Scheme, Term};
+use super::{Scheme, Term};
+use crate::dynamics_error::{DynamicsError, check_result, check_sample_rate};
 
 /// Response of Σ numerator / Σ denominator to `input`, zero before the first sample, by the O(N²) recursion
 /// (article Eq. 4):
@@ -14,7 +14,7 @@ use super::{FractionalError, Scheme, Term};
 /// equation, and without it rounding at z = −1 grows as k^α_n.
 ///
 /// # Errors
-/// See [`FractionalError`]: terms, orders, sample rate, scheme, an improper operator under `Tustin`, a result
+/// See [`DynamicsError`]: terms, orders, sample rate, scheme, an improper operator under `Tustin`, a result
 /// that is not finite.
 pub fn simulate_recursion(
     numerator: &[Term],
@@ -22,7 +22,7 @@ pub fn simulate_recursion(
     input: &[f64],
     sample_rate_hz: f64,
     scheme: Scheme,
-) -> Result<Vec<f64>, FractionalError> {
+) -> Result<Vec<f64>, DynamicsError> {
     let (n, d) = kernels(numerator, denominator, input.len(), sample_rate_hz, scheme)?;
     let past = |kernel: &[f64], signal: &[f64]| -> f64 {
         kernel.iter().zip(signal.iter().rev()).map(|(w, x)| w * x).sum()
@@ -32,7 +32,7 @@ pub fn simulate_recursion(
         let forcing = past(&n, &input[..=k]);
         output.push((forcing - past(&d[1..], &output)) / d[0]);
     }
-    check_finite(output)
+    check_result(output)
 }
 
 /// The merged series (n, d) of numerator and denominator; n is cut after its last non-zero weight, d has at
@@ -43,17 +43,17 @@ pub(super) fn kernels(
     count: usize,
     sample_rate_hz: f64,
     scheme: Scheme,
-) -> Result<(Vec<f64>, Vec<f64>), FractionalError> {
+) -> Result<(Vec<f64>, Vec<f64>), DynamicsError> {
     check_sample_rate(sample_rate_hz)?;
     let highest = |part: &'static str, terms: &[Term]| {
         let orders = terms.iter().filter(|term| term.coefficient != 0.0).map(|term| term.order);
-        orders.reduce(f64::max).ok_or(FractionalError::NoTerms { part })
+        orders.reduce(f64::max).ok_or(DynamicsError::NoOperatorTerms { part })
     };
     let orders = (highest("numerator", numerator)?, highest("denominator", denominator)?);
     if scheme == Scheme::Tustin && orders.0 > orders.1 {
-        return Err(FractionalError::Improper { numerator: orders.0, denominator: orders.1 });
+        return Err(DynamicsError::ImproperOperator { numerator: orders.0, denominator: orders.1 });
     }
-    let merged = |terms: &[Term]| -> Result<Vec<f64>, FractionalError> {
+    let merged = |terms: &[Term]| -> Result<Vec<f64>, DynamicsError> {
         let mut sum = vec![0.0; count.max(1)];
         for term in terms {
             let scale = term.coefficient * sample_rate_hz.powf(term.order);

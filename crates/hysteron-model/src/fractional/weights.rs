@@ -1,6 +1,7 @@
 //! Power series of δ(z)ᵅ.
 
-use super::{FractionalError, Scheme};
+use super::Scheme;
+use crate::dynamics_error::DynamicsError;
 
 /// Grünwald–Letnikov weights: w₀ = 1, w_j = w_{j−1}(1 − (α+1)/j), the series of (1 − z)ᵅ (article Eq. 3).
 ///
@@ -21,9 +22,9 @@ pub fn grunwald_letnikov_weights(alpha: f64, count: usize) -> Vec<f64> {
 /// First `count` coefficients of the power series of δ(z)ᵅ, without the factor h^−α.
 ///
 /// # Errors
-/// [`FractionalError::Order`] for an order that is not finite, [`FractionalError::NoWeights`] for
+/// [`DynamicsError::OperatorOrder`] for an order that is not finite, [`DynamicsError::NoWeights`] for
 /// `BandLimited`.
-pub fn weights(scheme: Scheme, alpha: f64, count: usize) -> Result<Vec<f64>, FractionalError> {
+pub fn weights(scheme: Scheme, alpha: f64, count: usize) -> Result<Vec<f64>, DynamicsError> {
     cleared_weights(scheme, alpha, 0.0, count)
 }
 
@@ -38,9 +39,9 @@ pub(super) fn cleared_weights(
     alpha: f64,
     cleared: f64,
     count: usize,
-) -> Result<Vec<f64>, FractionalError> {
+) -> Result<Vec<f64>, DynamicsError> {
     if !alpha.is_finite() {
-        return Err(FractionalError::Order { order: alpha });
+        return Err(DynamicsError::OperatorOrder { order: alpha });
     }
     let recurrence = |first: f64, step: &dyn Fn(f64, f64, f64) -> f64| {
         let mut series = Vec::with_capacity(count);
@@ -52,7 +53,7 @@ pub(super) fn cleared_weights(
         series
     };
     match scheme {
-        Scheme::BandLimited => Err(FractionalError::NoWeights { scheme }),
+        Scheme::BandLimited => Err(DynamicsError::NoWeights { scheme }),
         Scheme::GrunwaldLetnikov => Ok(grunwald_letnikov_weights(alpha, count)),
         Scheme::Bdf2 => Ok(recurrence(1.5f64.powf(alpha), &|k, f, before| {
             (4.0 * (k - alpha) * f - (k - 1.0 - 2.0 * alpha) * before) / (3.0 * (k + 1.0))

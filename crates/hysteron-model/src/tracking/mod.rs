@@ -130,11 +130,11 @@ fn sorted_out<T>(
         match outcome {
             Ok(one) => sound.push((controller, one)),
             Err(e) if all => left_out.push((controller, e)),
-            Err(e) => return Err(e.into()),
+            Err(e) => return Err(e),
         }
     }
     match left_out.pop() {
-        Some((_, e)) if sound.is_empty() => Err(e.into()),
+        Some((_, e)) if sound.is_empty() => Err(e),
         last => {
             left_out.extend(last);
             Ok(sound)

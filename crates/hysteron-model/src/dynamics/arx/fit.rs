@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Arx;
 use crate::dynamics::DynamicsError;
-use crate::dynamics::error::{check_finite, check_length};
+use crate::dynamics_error::{check_finite, check_length};
 
 /// A diagonal element of R below this fraction of its (unit) column makes the column dependent.
 const DEPENDENT: f64 = 1e-12;

@@ -11,7 +11,7 @@ use crate::start::{LinearStart, Start};
 use std::f64::consts::TAU;
 
 use super::DynamicsError;
-use super::error::{check_finite, check_length, check_sample_rate};
+use crate::dynamics_error::{check_finite, check_length, check_sample_rate};
 use hysteron_numeric::Complex64;
 use hysteron_numeric::fft::RealFft;
 

@@ -12,8 +12,8 @@ mod knots;
 mod relaxation_fit;
 mod resonant_poles;
 
-use super::error::{check_finite, check_length};
 use super::{DynamicsError, Linearised, Stability, TransferFunction, stability};
+use crate::dynamics_error::{check_finite, check_length};
 use hysteron_numeric::Complex64;
 pub use knots::Knots;
 use relaxation_fit::{RelaxationFit, Weights};

@@ -1,9 +1,9 @@
-//! What the dynamic block can refuse.
+//! What fractional calculus of samples and the dynamic block can refuse.
 
-use crate::fractional::FractionalError;
+use crate::fractional::Scheme;
 use hysteron_numeric::display::short;
 
-/// Error of [`crate::dynamics`].
+/// Error of [`crate::fractional`] and [`crate::dynamics`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DynamicsError {
@@ -205,12 +205,46 @@ pub enum DynamicsError {
         /// The transfer function, printed.
         form: String,
     },
-    /// An error of the fractional operators below.
-    #[error(transparent)]
-    Fractional(#[from] FractionalError),
+    /// The order of an operator is not a finite number.
+    #[error("the order must be a finite real number (complex orders are not supported), but it is {order}")]
+    OperatorOrder {
+        /// The order given.
+        order: f64,
+    },
+    /// The scheme has no power series.
+    #[error("the {scheme} scheme has no weights in the time domain; use grunwald-letnikov, bdf2 or tustin")]
+    NoWeights {
+        /// The scheme given.
+        scheme: Scheme,
+    },
+    /// Tustin was asked for an improper operator: its response at the Nyquist frequency is infinite.
+    #[error(
+        "tustin needs a proper operator (numerator order ≤ denominator order), but the orders are {numerator} over \
+         {denominator} and it would diverge; use grunwald-letnikov or bdf2"
+    )]
+    ImproperOperator {
+        /// Highest order of the numerator.
+        numerator: f64,
+        /// Highest order of the denominator.
+        denominator: f64,
+    },
+    /// A polynomial of an operator has no terms, or no term that is not zero.
+    #[error("the {part} has no non-zero term")]
+    NoOperatorTerms {
+        /// `numerator` or `denominator`.
+        part: &'static str,
+    },
+    /// The result of an operator left the range of floating-point numbers.
+    #[error(
+        "sample {index} of the result is not finite: the system grows without bound or the input is not finite"
+    )]
+    ResultNotFinite {
+        /// First such sample.
+        index: usize,
+    },
 }
 
-pub(super) fn check_sample_rate(sample_rate_hz: f64) -> Result<(), DynamicsError> {
+pub(crate) fn check_sample_rate(sample_rate_hz: f64) -> Result<(), DynamicsError> {
     if sample_rate_hz.is_finite() && sample_rate_hz > 0.0 {
         Ok(())
     } else {
@@ -222,9 +256,16 @@ pub(crate) fn check_length(what: &'static str, found: usize, expected: usize) ->
     if found == expected { Ok(()) } else { Err(DynamicsError::Length { what, expected, found }) }
 }
 
-pub(super) fn check_finite(what: &'static str, samples: &[f64]) -> Result<(), DynamicsError> {
+pub(crate) fn check_finite(what: &'static str, samples: &[f64]) -> Result<(), DynamicsError> {
     match samples.iter().position(|x| !x.is_finite()) {
         Some(index) => Err(DynamicsError::InputNotFinite { what, index, value: samples[index] }),
         None => Ok(()),
+    }
+}
+
+pub(crate) fn check_result(samples: Vec<f64>) -> Result<Vec<f64>, DynamicsError> {
+    match samples.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(DynamicsError::ResultNotFinite { index }),
+        None => Ok(samples),
     }
 }
