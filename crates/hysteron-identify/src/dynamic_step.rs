@@ -49,7 +49,7 @@ pub(super) fn hysteresis_outputs<'a>(
             let mut v = vec![0.0; extended.len()];
             operator
                 .simulate(&extended, Start::Rest { voltage_v: rest_voltage_v }, &mut v)
-                .map_err(hysteron_model::hammerstein::SimulationError::from)?;
+                ?;
             Ok(HysteresisOutput { facts, v, rest: operator.polynomial_at(rest_voltage_v), prologue, rate_hz })
         })
         .collect()

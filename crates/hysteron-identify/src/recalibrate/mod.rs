@@ -275,7 +275,7 @@ fn fit(
         }
     }
     let hysteresis =
-        model.hysteresis.scaled(gain.value).map_err(hysteron_model::hammerstein::SimulationError::from)?;
+        model.hysteresis.scaled(gain.value)?;
     let model = Model { hysteresis, delay_s: delay.value, ..model.clone() };
     let correlation = match (&covariance, names.delay) {
         (Some(c), Some(at)) => {
