@@ -47,9 +47,7 @@ pub(super) fn hysteresis_outputs<'a>(
             let rate_hz = facts.require_sample_rate()?;
             let (extended, prologue, rest_voltage_v) = extend(start, &facts.data.u)?;
             let mut v = vec![0.0; extended.len()];
-            operator
-                .simulate(&extended, Start::Rest { voltage_v: rest_voltage_v }, &mut v)
-                ?;
+            operator.simulate(&extended, Start::Rest { voltage_v: rest_voltage_v }, &mut v)?;
             Ok(HysteresisOutput { facts, v, rest: operator.polynomial_at(rest_voltage_v), prologue, rate_hz })
         })
         .collect()

@@ -274,8 +274,7 @@ fn fit(
             *memory = memory.with_value(x[*at]).scaled(gain.value);
         }
     }
-    let hysteresis =
-        model.hysteresis.scaled(gain.value)?;
+    let hysteresis = model.hysteresis.scaled(gain.value)?;
     let model = Model { hysteresis, delay_s: delay.value, ..model.clone() };
     let correlation = match (&covariance, names.delay) {
         (Some(c), Some(at)) => {

@@ -53,7 +53,7 @@ pub struct Neighbour {
 /// dynamics, with and without creep, a polynomial degree more and less, n held and free. One that cannot be fitted is left out.
 ///
 /// # Errors
-/// [`IdentifyError::CannotRank`] where the records cannot tell structures apart; [`IdentifyError::Identify`] where they cannot be
+/// [`IdentifyError::CannotRank`] where the records cannot tell structures apart; others where they cannot be
 /// fitted jointly.
 pub fn neighbours(
     campaign: &[CampaignRecord],
