@@ -1,11 +1,11 @@
 //! How the command fails: `error:` what could not be done, `because:` why, `try:` what to do about it.
 
-use std::fmt::Display;
+use std::fmt::{self, Display, Formatter};
 use std::process::ExitCode;
 
 use hysteron_model::Advice;
 
-use crate::{advice, console};
+use crate::advice;
 
 /// A failure as the user reads it.
 #[derive(Debug)]
@@ -52,14 +52,20 @@ impl Failure {
         }
     }
 
-    /// Prints the failure to standard error and gives the exit code.
-    pub fn report(&self) -> ExitCode {
-        console::message(&format!("error: {}", self.error));
+    /// Exit code of the command.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(self.exit_code)
+    }
+}
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "error: {}", self.error)?;
         for (label, text) in [("because", &self.because), ("try", &self.hint)] {
             if let Some(text) = text {
-                console::message(&format!("{label}: {text}"));
+                write!(f, "\n{label}: {text}")?;
             }
         }
-        ExitCode::from(self.exit_code)
+        Ok(())
     }
 }

@@ -114,6 +114,9 @@ fn main() -> ExitCode {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     match output::check_distinct(&matches).and_then(|()| run(&cli.command)) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+        Err(failure) => {
+            console::message(&failure.to_string());
+            failure.exit_code()
+        }
     }
 }

@@ -6,6 +6,11 @@ use hysteron_model::record::{
 };
 use hysteron_model::validate::{settled_period, settling_samples};
 
+/// Swings whose size differs by less than this share of the range count as one amplitude.
+const ONE_AMPLITUDE: f64 = 0.05;
+/// Swings below this share of the range are noise rather than loops.
+const SMALLEST_LOOP: f64 = 0.1;
+
 /// A record is dynamic beside one whose fastest swing is this much slower.
 const FASTER: f64 = 3.0;
 
@@ -146,4 +151,25 @@ impl RecordFacts {
 fn span(x: &[f64]) -> f64 {
     let (low, high) = range_of(x);
     high - low
+}
+
+/// Number of clearly different loop amplitudes in all records together.
+pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usize {
+    let range = records.clone().map(RecordFacts::range_v).fold(0.0, f64::max);
+    let mut sizes: Vec<f64> = records
+        .flat_map(|facts| {
+            let turns = turning_points(&facts.data.u, SMALLEST_LOOP * range);
+            turns.windows(2).map(|w| (w[1].value - w[0].value).abs()).collect::<Vec<_>>()
+        })
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    let mut count = usize::from(!sizes.is_empty());
+    let mut last = sizes.first().copied().unwrap_or(0.0);
+    for size in sizes {
+        if size - last > ONE_AMPLITUDE * range {
+            count += 1;
+            last = size;
+        }
+    }
+    count
 }

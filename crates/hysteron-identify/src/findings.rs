@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::engine::Search;
+use super::facts::amplitudes;
 use super::joint::Smoothing;
 use super::options::{Choice, Method, Options, RecordRole};
 use super::result::{Identification, RecordFit};
@@ -19,16 +20,12 @@ use hysteron_optimize::StopReason;
 
 /// A parameter whose standard error exceeds this share of its value is called undetermined.
 const UNDETERMINED: f64 = 0.5;
-/// Swings whose size differs by less than this share of the range count as one amplitude.
-const ONE_AMPLITUDE: f64 = 0.05;
 /// A fall of the best cost by more than this share says that a search was still under way.
 const STILL_IMPROVING: f64 = 0.01;
 /// Fewest last generations over which that is judged.
 const LAST_GENERATIONS: usize = 5;
 /// A gain at rest that differs from that of the slowest records by more than this factor is none that they have shown.
 const FAR_FROM_REST: f64 = 1.25;
-/// Swings below this share of the range are noise rather than loops.
-const SMALLEST_LOOP: f64 = 0.1;
 
 /// Appends a finding.
 pub(crate) fn say<'a>(
@@ -311,7 +308,13 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             &mut findings,
             FindingKind::Warning,
             "search",
-            "The search was interrupted: this is the best model so far.".into(),
+            match result.method {
+                Method::Joint => {
+                    "The search was interrupted: this is the best model so far, its scores those of a quick simulation."
+                }
+                Method::TwoStep => "The search was interrupted: this is the best model so far.",
+            }
+            .into(),
         );
     }
     result.findings = findings;
@@ -472,27 +475,6 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
         }
     }
     list
-}
-
-/// Number of clearly different loop amplitudes in all records together.
-pub(super) fn amplitudes<'a>(records: impl Iterator<Item = &'a RecordFacts> + Clone) -> usize {
-    let range = records.clone().map(RecordFacts::range_v).fold(0.0, f64::max);
-    let mut sizes: Vec<f64> = records
-        .flat_map(|facts| {
-            let turns = turning_points(&facts.data.u, SMALLEST_LOOP * range);
-            turns.windows(2).map(|w| (w[1].value - w[0].value).abs()).collect::<Vec<_>>()
-        })
-        .collect();
-    sizes.sort_by(f64::total_cmp);
-    let mut count = usize::from(!sizes.is_empty());
-    let mut last = sizes.first().copied().unwrap_or(0.0);
-    for size in sizes {
-        if size - last > ONE_AMPLITUDE * range {
-            count += 1;
-            last = size;
-        }
-    }
-    count
 }
 
 #[cfg(test)]

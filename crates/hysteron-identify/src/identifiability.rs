@@ -1,7 +1,7 @@
 //! Which parameters of a joint fit its records determine, and which record would determine the others, in plain words.
 
 use super::RecordFacts;
-use super::findings::amplitudes;
+use super::facts::amplitudes;
 use super::joint::{Covariance, without_number};
 use super::result::{Identification, Parameter};
 use super::{Finding, FindingKind};

@@ -50,6 +50,7 @@ mod npz_write;
 mod options;
 mod place;
 mod read;
+mod reader;
 mod rename;
 mod roles;
 mod write;

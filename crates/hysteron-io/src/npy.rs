@@ -6,7 +6,7 @@ use crate::columns::{Columns, Headings, SampleLines, Wanted};
 use crate::hash::sha256;
 use crate::options::MAX_LINE_BYTES;
 use crate::place::{Part, Place, shown};
-use crate::read::{Input, Reader};
+use crate::reader::{Input, Reader};
 use crate::{IoError, ReadOptions};
 
 /// Single arrays.

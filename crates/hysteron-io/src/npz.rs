@@ -11,7 +11,7 @@ use crate::hash::sha256;
 use crate::npy::{Array, Budget, Type};
 use crate::options::MAX_COLUMNS;
 use crate::place::{Part, Place};
-use crate::read::{Input, Reader};
+use crate::reader::{Input, Reader};
 
 /// Archives of arrays.
 pub(crate) const READER: Reader = Reader {

@@ -10,6 +10,7 @@ use hysteron_model::record::{ChannelChoice, InputOutput, Record, RecordError, Si
 use crate::assemble::{Assembled, assemble};
 use crate::columns::{Columns, Headings, Wanted};
 use crate::place::{Part, Place};
+use crate::reader::{Input, Reader};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Roles};
 use crate::{IoError, ReadOptions, csv, npy, npz};
@@ -19,39 +20,6 @@ static READERS: [Reader; 3] = [csv::READER, npy::READER, npz::READER];
 
 /// Bytes at the start of a file that [`Reader::recognises`] looks at.
 const HEAD_BYTES: u64 = 8;
-
-/// A format.
-pub(crate) struct Reader {
-    /// Extensions of its files, in lower case.
-    pub extensions: &'static [&'static str],
-    /// Whether a file that begins with these bytes is of this format, whatever its extension.
-    pub recognises: fn(&[u8]) -> bool,
-    /// Reads the columns that are wanted.
-    pub read: fn(Input<'_>) -> Result<Columns, IoError>,
-}
-
-/// A file to be read.
-pub(crate) struct Input<'a> {
-    /// Its name, for messages.
-    pub file: &'a str,
-    pub bytes: &'a mut dyn Read,
-    pub options: &'a ReadOptions,
-    /// Says which of the columns are to be read.
-    pub wanted: &'a mut dyn FnMut(&Headings) -> Result<Vec<Wanted>, IoError>,
-}
-
-impl Input<'_> {
-    /// All bytes of the file.
-    pub fn read_to_end(&mut self) -> Result<Vec<u8>, IoError> {
-        let (place, limit_bytes) = (Place::new(self.file, Part::Whole), self.options.max_bytes);
-        let mut bytes = Vec::new();
-        match self.bytes.take(limit_bytes.saturating_add(1)).read_to_end(&mut bytes) {
-            Err(source) => Err(IoError::Read { place, source }),
-            Ok(_) if bytes.len() as u64 > limit_bytes => Err(IoError::TooLarge { place, limit_bytes }),
-            Ok(_) => Ok(bytes),
-        }
-    }
-}
 
 /// Input and output of a file, and what was decided without being told.
 #[derive(Clone, Debug, PartialEq)]

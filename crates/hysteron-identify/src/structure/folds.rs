@@ -100,6 +100,39 @@ fn ranges(facts: &RecordFacts, part: usize, parts: usize) -> Vec<Range<usize>> {
     }
 }
 
+/// What limits a ranking that can be made.
+pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let (low, high) = prospect::band(contents);
+    if prospect::one_amplitude(contents) {
+        notes.push(
+            "All records have one amplitude: polynomial degree, n and the shape of minor loops are compared at that amplitude only."
+                .to_owned(),
+        );
+    }
+    if high < prospect::FAST_OVER_SLOW * low.max(f64::MIN_POSITIVE) {
+        notes.push(
+            "The records span less than a factor of 3 in frequency: dynamics, creep and delay are hardly told from loop width."
+                .to_owned(),
+        );
+    }
+    if folds.len() < 4 {
+        notes.push(format!(
+            "A standard error from {} folds is itself uncertain by {:.0} %: take the ranking as a hint.",
+            folds.len(),
+            100.0 / (2.0 * (folds.len() as f64 - 1.0)).sqrt()
+        ));
+    }
+    if folds.iter().any(|f| !f.whole) {
+        notes.push(
+            "Parts of records are left out, not whole records: what differs from record to record (start, drift, temperature) is not \
+             in the errors."
+                .to_owned(),
+        );
+    }
+    notes
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -118,7 +118,7 @@ pub fn compare(
         Some(candidates) => run.add(candidates),
         None => run.search(),
     }
-    let notes = prospect::limits(&contents, &run.folds);
+    let notes = folds::limits(&contents, &run.folds);
     Ok(run.comparison(notes))
 }
 

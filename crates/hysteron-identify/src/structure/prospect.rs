@@ -6,14 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::super::RecordFacts;
 use super::content::{Content, brief, near};
-use super::folds::Fold;
 use hysteron_model::record::{
     DelayFinding, ExcitationKind, InputOutput, Response, delay_from_phase, excitation_kind, find_delay,
     fit_start_up, fundamental_response, low_frequency_responses,
 };
 
 /// Ratio of highest to lowest frequency from which on dynamics are told from hysteresis.
-const FAST_OVER_SLOW: f64 = 3.0;
+pub(super) const FAST_OVER_SLOW: f64 = 3.0;
 /// A gain this many times above what lies on both sides of it is a resonance.
 const PROMINENCE: f64 = 1.3;
 /// A record this long \[s\] shows creep; over a hold of that length it is told from everything else.
@@ -94,50 +93,17 @@ pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option
     None
 }
 
-/// What limits a ranking that can be made.
-pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
-    let mut notes = Vec::new();
-    let (low, high) = band(contents);
-    if one_amplitude(contents) {
-        notes.push(
-            "All records have one amplitude: polynomial degree, n and the shape of minor loops are compared at that amplitude only."
-                .to_owned(),
-        );
-    }
-    if high < FAST_OVER_SLOW * low.max(f64::MIN_POSITIVE) {
-        notes.push(
-            "The records span less than a factor of 3 in frequency: dynamics, creep and delay are hardly told from loop width."
-                .to_owned(),
-        );
-    }
-    if folds.len() < 4 {
-        notes.push(format!(
-            "A standard error from {} folds is itself uncertain by {:.0} %: take the ranking as a hint.",
-            folds.len(),
-            100.0 / (2.0 * (folds.len() as f64 - 1.0)).sqrt()
-        ));
-    }
-    if folds.iter().any(|f| !f.whole) {
-        notes.push(
-            "Parts of records are left out, not whole records: what differs from record to record (start, drift, temperature) is not \
-             in the errors."
-                .to_owned(),
-        );
-    }
-    notes
-}
-
 fn largest_amplitude(contents: &[Content]) -> f64 {
     contents.iter().map(|c| c.amplitude.1).fold(0.0, f64::max)
 }
 
-fn one_amplitude(contents: &[Content]) -> bool {
+pub(super) fn one_amplitude(contents: &[Content]) -> bool {
     let largest = largest_amplitude(contents);
     contents.iter().all(|c| near(c.amplitude.0, largest))
 }
 
 /// Lowest and highest frequency of all records; (0, 0) where none has any.
-fn band(contents: &[Content]) -> (f64, f64) {
+pub(super) fn band(contents: &[Content]) -> (f64, f64) {
     let moving = contents.iter().filter(|c| c.frequency_hz.1 > 0.0);
     let low = moving.clone().map(|c| c.frequency_hz.0).fold(f64::INFINITY, f64::min);
     let high = moving.map(|c| c.frequency_hz.1).fold(0.0, f64::max);

@@ -10,7 +10,7 @@ use std::io::Read;
 use crate::IoError;
 use crate::columns::{Columns, Headings};
 use crate::place::{Part, Place};
-use crate::read::{Input, Reader};
+use crate::reader::{Input, Reader};
 
 use dialect::{declared_delimiter, detect_delimiter, loosely_number, split_fields};
 use lines::{Line, Lines, is_skipped};

@@ -1,6 +1,6 @@
 //! Creep: the slow motion that follows every move, as a factor of the dynamics.
 
-use super::form::{FormParameter, free, not_negative, order, scale};
+use super::form_parameter::{FormParameter, free, not_negative, order, scale};
 use super::linearised::{Number, Sum};
 use serde::{Deserialize, Serialize};
 

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use hysteron_rt::{Dual, Scalar};
 
 use super::creep::{Creep, MOST_CREEP_ELEMENTS};
+use super::form_parameter::{FormParameter, free, order, scale};
 use super::linearised::{Linearised, Number, Sum};
 use super::{DynamicsError, TransferFunction};
 
@@ -54,41 +55,6 @@ pub struct DynamicForm {
     pub modes: Modes,
     /// The factor for creep.
     pub creep: Creep,
-}
-
-/// One parameter of a [`DynamicForm`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct FormParameter {
-    /// Name, as on the command line.
-    pub name: &'static str,
-    /// Unit; empty for a number without one.
-    pub unit: &'static str,
-    /// Whether it is positive and naturally searched on a logarithmic scale.
-    pub logarithmic: bool,
-    range: Range,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Range {
-    Positive,
-    NotNegative,
-    Finite,
-}
-
-pub(super) const fn scale(name: &'static str, unit: &'static str) -> FormParameter {
-    FormParameter { name, unit, logarithmic: true, range: Range::Positive }
-}
-
-pub(super) const fn order(name: &'static str) -> FormParameter {
-    FormParameter { name, unit: "", logarithmic: false, range: Range::NotNegative }
-}
-
-pub(super) const fn not_negative(name: &'static str) -> FormParameter {
-    FormParameter { name, unit: "", logarithmic: true, range: Range::NotNegative }
-}
-
-pub(super) const fn free(name: &'static str, unit: &'static str, logarithmic: bool) -> FormParameter {
-    FormParameter { name, unit, logarithmic, range: Range::Finite }
 }
 
 static LAG: [FormParameter; 1] = [scale("lag", "s")];
@@ -253,14 +219,8 @@ impl DynamicForm {
             return Err(DynamicsError::ParameterCount { expected, found: p.len() });
         }
         for (parameter, &value) in self.list().zip(p) {
-            let (allowed, inside) = match parameter.range {
-                Range::Positive => ("positive and finite", value > 0.0),
-                Range::NotNegative => ("a finite number ≥ 0", value >= 0.0),
-                Range::Finite => ("a finite number", true),
-            };
-            if !(inside && value.is_finite()) {
-                return Err(DynamicsError::Parameter { name: parameter.name, value, allowed });
-            }
+            let refused = |allowed| DynamicsError::Parameter { name: parameter.name, value, allowed };
+            parameter.check(value).map_err(refused)?;
         }
         Ok(p)
     }

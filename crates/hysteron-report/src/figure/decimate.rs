@@ -1,5 +1,6 @@
 //! Reducing curves to what a drawing can show, without losing an extreme value.
 
+use super::breaks::{finite, push_break, trim_break};
 use super::passes::by_passes;
 
 /// A curve in drawing coordinates `(x, y)` reduced to about what a raster of `cell` shows.
@@ -40,10 +41,6 @@ const MAX_COARSENING: usize = 32;
 
 /// A few passes with their ends and the extremes: a loop cannot be made of fewer points.
 const FEWEST: usize = 48;
-
-pub(super) fn finite(point: (f64, f64)) -> bool {
-    point.0.is_finite() && point.1.is_finite()
-}
 
 fn is_monotonic(points: &[(f64, f64)]) -> bool {
     let mut last = f64::NEG_INFINITY;
@@ -116,18 +113,6 @@ fn by_columns(points: &[(f64, f64)], cell: f64) -> Vec<(f64, f64)> {
     flush(&mut run, &mut out);
     trim_break(&mut out);
     out
-}
-
-pub(super) fn push_break(out: &mut Vec<(f64, f64)>) {
-    if out.last().is_some_and(|p| finite(*p)) {
-        out.push((f64::NAN, f64::NAN));
-    }
-}
-
-pub(super) fn trim_break(out: &mut Vec<(f64, f64)>) {
-    if out.last().is_some_and(|p| !finite(*p)) {
-        out.pop();
-    }
 }
 
 #[cfg(test)]

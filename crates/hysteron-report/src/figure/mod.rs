@@ -16,6 +16,7 @@
 //! assert!(svg.starts_with("<svg"));
 //! ```
 
+mod breaks;
 mod curves;
 mod decimate;
 mod heat;

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
 
-use super::decimate::{finite, push_break, trim_break};
+use super::breaks::{finite, push_break, trim_break};
 
 /// A pass that lies within this many cells of those before is left out: lines closer than that run into each other, and what
 /// is drawn below them could not be seen.

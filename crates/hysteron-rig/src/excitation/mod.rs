@@ -33,10 +33,13 @@ mod waveform;
 mod facts;
 
 pub use amplifier::AmplifierLimits;
+pub use multisine::{Lines, Phases};
 pub use signal::Excitation;
+pub use slow::Tone;
 pub use specification::ExcitationSpec;
 pub use summary::ExcitationSummary;
-pub use waveform::{Lines, Phases, SweepLaw, Tone, Waveform};
+pub use sweep::SweepLaw;
+pub use waveform::Waveform;
 
 /// Two rates or times are the same sample count if they differ by less than this part of a sample.
 const SAMPLE_ROUNDING: f64 = 1e-6;

@@ -6,10 +6,41 @@ use std::sync::Arc;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use super::Shape;
 use super::random::{fill_range, generator, synthesise, uniform};
-use super::waveform::{Lines, Phases};
+
+/// Which multiples of 1/period a multisine excites inside its band.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Lines {
+    /// All of them.
+    #[default]
+    Full,
+    /// Odd multiples: even-order distortion shows at the even ones.
+    Odd,
+    /// Odd multiples but one, chosen at random, of every `group`: odd-order distortion shows at those left out
+    /// (Pintelon and Schoukens 2012, doi:10.1002/9781118287422, §4.3).
+    OddWithDetection {
+        /// Consecutive odd multiples of which one is left out, at least 2 (3 or 4 are usual).
+        group: u32,
+    },
+}
+
+/// How the phases of a multisine are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phases {
+    /// Independent, uniform: Gaussian amplitudes, the assumption of the best linear approximation.
+    Random,
+    /// −π i(i − 1)/K for the i-th of K lines (Schroeder 1970, doi:10.1109/TIT.1970.1054411).
+    Schroeder,
+    /// Lowest crest factor that repeated clipping finds from Schroeder's phases and from random ones
+    /// (Van der Ouderaa, Schoukens and Renneboog 1988, doi:10.1109/19.7446).
+    #[default]
+    Optimised,
+}
 
 /// A checked multisine: lines are multiples of 1/period.
 pub(super) struct Request {

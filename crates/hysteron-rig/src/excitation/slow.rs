@@ -2,9 +2,23 @@
 
 use std::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
+
 use super::random::fill_range;
-use super::waveform::Tone;
 use super::{SAMPLE_ROUNDING, Shape, whole_samples};
+
+/// One sine of a sum.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tone {
+    /// Frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// Amplitude relative to the other tones.
+    pub amplitude: f64,
+    /// Phase of the sine at the start \[degree\].
+    #[serde(default)]
+    pub phase_deg: f64,
+}
 
 /// (1 − cos 2πft)/2 over `periods`.
 pub(super) fn sine(frequency_hz: f64, periods: f64, fs: f64) -> Shape {

@@ -2,8 +2,20 @@
 
 use std::f64::consts::TAU;
 
-use super::waveform::SweepLaw;
+use serde::{Deserialize, Serialize};
+
 use super::{SAMPLE_ROUNDING, Shape};
+
+/// How a sweep's frequency goes from f₀ to f₁ over T.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SweepLaw {
+    /// f = f₀ + (f₁ − f₀) t/T.
+    Linear,
+    /// f = f₀ (f₁/f₀)^(t/T): equal time for every octave.
+    #[default]
+    Logarithmic,
+}
 
 /// (1 − cos φ)/2 with φ' = 2πf(t).
 pub(super) fn sweep(law: SweepLaw, start_hz: f64, end_hz: f64, duration_s: f64, fs: f64) -> Shape {

@@ -3,6 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::check::Check;
+use super::multisine::{Lines, Phases};
+use super::slow::Tone;
+use super::sweep::SweepLaw;
 use super::{Shape, multisine, paths, random, slow, sweep, whole_samples};
 use crate::RigError;
 
@@ -116,61 +119,6 @@ pub enum Waveform {
         /// Duration \[s\].
         duration_s: f64,
     },
-}
-
-/// One sine of a sum.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tone {
-    /// Frequency \[Hz\].
-    pub frequency_hz: f64,
-    /// Amplitude relative to the other tones.
-    pub amplitude: f64,
-    /// Phase of the sine at the start \[degree\].
-    #[serde(default)]
-    pub phase_deg: f64,
-}
-
-/// How a sweep's frequency goes from f₀ to f₁ over T.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SweepLaw {
-    /// f = f₀ + (f₁ − f₀) t/T.
-    Linear,
-    /// f = f₀ (f₁/f₀)^(t/T): equal time for every octave.
-    #[default]
-    Logarithmic,
-}
-
-/// Which multiples of 1/period a multisine excites inside its band.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Lines {
-    /// All of them.
-    #[default]
-    Full,
-    /// Odd multiples: even-order distortion shows at the even ones.
-    Odd,
-    /// Odd multiples but one, chosen at random, of every `group`: odd-order distortion shows at those left out
-    /// (Pintelon and Schoukens 2012, doi:10.1002/9781118287422, §4.3).
-    OddWithDetection {
-        /// Consecutive odd multiples of which one is left out, at least 2 (3 or 4 are usual).
-        group: u32,
-    },
-}
-
-/// How the phases of a multisine are chosen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Phases {
-    /// Independent, uniform: Gaussian amplitudes, the assumption of the best linear approximation.
-    Random,
-    /// −π i(i − 1)/K for the i-th of K lines (Schroeder 1970, doi:10.1109/TIT.1970.1054411).
-    Schroeder,
-    /// Lowest crest factor that repeated clipping finds from Schroeder's phases and from random ones
-    /// (Van der Ouderaa, Schoukens and Renneboog 1988, doi:10.1109/19.7446).
-    #[default]
-    Optimised,
 }
 
 impl Waveform {

@@ -1,0 +1,40 @@
+//! What a format provides: how its files are recognised, and read into columns.
+
+use std::io::Read;
+
+use crate::columns::{Columns, Headings, Wanted};
+use crate::place::{Part, Place};
+use crate::{IoError, ReadOptions};
+
+/// A format.
+pub(crate) struct Reader {
+    /// Extensions of its files, in lower case.
+    pub extensions: &'static [&'static str],
+    /// Whether a file that begins with these bytes is of this format, whatever its extension.
+    pub recognises: fn(&[u8]) -> bool,
+    /// Reads the columns that are wanted.
+    pub read: fn(Input<'_>) -> Result<Columns, IoError>,
+}
+
+/// A file to be read.
+pub(crate) struct Input<'a> {
+    /// Its name, for messages.
+    pub file: &'a str,
+    pub bytes: &'a mut dyn Read,
+    pub options: &'a ReadOptions,
+    /// Says which of the columns are to be read.
+    pub wanted: &'a mut dyn FnMut(&Headings) -> Result<Vec<Wanted>, IoError>,
+}
+
+impl Input<'_> {
+    /// All bytes of the file.
+    pub fn read_to_end(&mut self) -> Result<Vec<u8>, IoError> {
+        let (place, limit_bytes) = (Place::new(self.file, Part::Whole), self.options.max_bytes);
+        let mut bytes = Vec::new();
+        match self.bytes.take(limit_bytes.saturating_add(1)).read_to_end(&mut bytes) {
+            Err(source) => Err(IoError::Read { place, source }),
+            Ok(_) if bytes.len() as u64 > limit_bytes => Err(IoError::TooLarge { place, limit_bytes }),
+            Ok(_) => Ok(bytes),
+        }
+    }
+}
