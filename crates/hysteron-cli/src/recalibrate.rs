@@ -92,10 +92,10 @@ impl Recalibrate {
 
 /// The object of `--json`.
 #[derive(Serialize)]
-struct Outcome<'a> {
+struct Outcome {
     model: String,
     #[serde(flatten)]
-    found: RecalibrationSummary<'a>,
+    found: RecalibrationSummary,
 }
 
 fn text(found: &Recalibration, model: &Model) -> String {

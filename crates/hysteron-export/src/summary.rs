@@ -2,17 +2,18 @@
 
 use std::path::Path;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::{NamedFile, Subject};
+use crate::{NamedFile, Precision, Subject};
 
 /// What was exported, for programs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ExportSummary {
     /// Beginning of every name in the source.
     pub name: String,
-    /// `f32` or `f64`.
-    pub float: &'static str,
+    /// Number type.
+    pub float: Precision,
     /// Rate that it runs at \[Hz\].
     pub sample_rate_hz: f64,
     /// States of the dynamic block.
@@ -32,7 +33,8 @@ pub struct ExportSummary {
 }
 
 /// One file of it.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FileSummary {
     /// Where it is.
     pub path: String,
@@ -46,7 +48,7 @@ impl ExportSummary {
         let linear = &subject.realisation.dynamics;
         Self {
             name: subject.name.clone(),
-            float: subject.precision.name(),
+            float: subject.precision,
             sample_rate_hz: subject.realisation.sample_rate_hz,
             states: linear.states(),
             taps: linear.taps.len(),

@@ -130,7 +130,7 @@ pub enum Found {
 }
 
 /// A parameter of an identified model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FitParameter {
     /// What it belongs to, where there are several.
     #[serde(flatten)]
@@ -152,7 +152,7 @@ pub struct FitParameter {
 }
 
 /// What a parameter belongs to.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Place {
     /// A block of the model.

@@ -25,7 +25,8 @@ pub enum StopReason {
 }
 
 /// What a run found, and how.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Outcome {
     /// Best parameters, in the problem's own units.
     pub best: Vec<f64>,

@@ -110,10 +110,10 @@ struct Task<'a> {
 
 /// The object of `--json`.
 #[derive(Serialize)]
-struct Outcome<'a> {
+struct Outcome {
     model: Option<String>,
     #[serde(flatten)]
-    found: FollowedSummary<'a>,
+    found: FollowedSummary,
 }
 
 impl Adapt {

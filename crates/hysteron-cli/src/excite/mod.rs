@@ -94,10 +94,10 @@ pub struct Drive {
 
 /// What was written, as JSON.
 #[derive(Serialize)]
-struct Written<'a> {
+struct Written {
     file: String,
     #[serde(flatten)]
-    drive: ExcitationSummary<'a>,
+    drive: ExcitationSummary,
 }
 
 impl Excite {

@@ -1,17 +1,20 @@
 //! A model corrected over a record, for programs.
 
+use std::borrow::Cow;
+
 use hysteron_model::record::InputOutput;
 use hysteron_rt::Misfit;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{FollowOptions, Followed};
 
 /// What came of the correction over a record.
-#[derive(Clone, Debug, Serialize)]
-pub struct FollowedSummary<'a> {
-    record: &'a str,
-    unit: &'a str,
-    method: &'static str,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FollowedSummary {
+    record: String,
+    unit: String,
+    method: Cow<'static, str>,
     memory_s: Option<f64>,
     every: usize,
     noise: f64,
@@ -24,7 +27,8 @@ pub struct FollowedSummary<'a> {
     alarms: Vec<AlarmSummary>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct CoefficientSummary {
     term: String,
     before: f64,
@@ -34,21 +38,22 @@ struct CoefficientSummary {
     greatest: f64,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 struct AlarmSummary {
     time_s: f64,
     sample: usize,
-    misfit: &'static str,
+    misfit: Cow<'static, str>,
 }
 
 impl Followed {
     /// The result for programs: of this record, with these options.
-    pub fn summary<'a>(&self, data: &'a InputOutput, options: &FollowOptions) -> FollowedSummary<'a> {
+    pub fn summary(&self, data: &InputOutput, options: &FollowOptions) -> FollowedSummary {
         let first = data.time.time_s(0).unwrap_or(0.0);
         FollowedSummary {
-            record: data.label(),
-            unit: data.y_unit.symbol(),
-            method: options.method.name(),
+            record: data.label().to_owned(),
+            unit: data.y_unit.symbol().to_owned(),
+            method: options.method.name().into(),
             memory_s: self.memory_s,
             every: self.every,
             noise: options.noise,
@@ -79,7 +84,8 @@ impl Followed {
                         Misfit::Above => "above",
                         Misfit::Below => "below",
                         Misfit::Spread => "spread",
-                    },
+                    }
+                    .into(),
                 })
                 .collect(),
         }

@@ -8,7 +8,7 @@ use hysteron_model::model_file::{
 };
 use hysteron_model::record::Source;
 use nalgebra::DMatrix;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Least eigenvalue of a correlation: what lies below is known as well as exactly. Numbers of the model that are one and the same
 /// have none.
@@ -151,11 +151,11 @@ impl Recalibration {
     }
 
     /// The result for programs.
-    pub fn summary(&self, file: &ModelFile) -> RecalibrationSummary<'_> {
+    pub fn summary(&self, file: &ModelFile) -> RecalibrationSummary {
         let record = |r| RecordSummary::new(r, file);
         RecalibrationSummary {
-            gain: ChangeSummary { change: &self.gain, changed: self.gain.is_significant() },
-            delay_s: ChangeSummary { change: &self.delay, changed: self.delay.is_significant() },
+            gain: ChangeSummary { change: self.gain, changed: self.gain.is_significant() },
+            delay_s: ChangeSummary { change: self.delay, changed: self.delay.is_significant() },
             offset: file.offset.value,
             offset_unit: file.offset.unit.clone(),
             changed: self.gain.is_significant() || self.delay.is_significant(),
@@ -194,40 +194,40 @@ impl Recalibration {
 }
 
 /// What a recalibration changed, for programs.
-#[derive(Clone, Debug, Serialize)]
-pub struct RecalibrationSummary<'a> {
-    gain: ChangeSummary<'a>,
-    delay_s: ChangeSummary<'a>,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RecalibrationSummary {
+    gain: ChangeSummary,
+    delay_s: ChangeSummary,
     offset: f64,
     offset_unit: String,
     changed: bool,
-    records: Vec<RecordSummary<'a>>,
+    records: Vec<RecordSummary>,
 }
 
-#[derive(Clone, Debug, Serialize)]
-struct ChangeSummary<'a> {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct ChangeSummary {
     #[serde(flatten)]
-    change: &'a Change,
+    change: Change,
     changed: bool,
 }
 
-#[derive(Clone, Debug, Serialize)]
-struct RecordSummary<'a> {
-    record: &'a str,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct RecordSummary {
+    record: String,
     samples: usize,
-    unit: &'a str,
+    unit: String,
     rmse_before: f64,
     rmse_after: f64,
     fit_percent: Option<f64>,
     start: String,
 }
 
-impl<'a> RecordSummary<'a> {
-    fn new(r: &'a RecalibratedRecord, file: &ModelFile) -> Self {
+impl RecordSummary {
+    fn new(r: &RecalibratedRecord, file: &ModelFile) -> Self {
         Self {
-            record: r.data.label(),
+            record: r.data.label().to_owned(),
             samples: r.after.samples,
-            unit: r.data.y_unit.symbol(),
+            unit: r.data.y_unit.symbol().to_owned(),
             rmse_before: r.before.rmse,
             rmse_after: r.after.rmse,
             fit_percent: r.after.fit_percent,
