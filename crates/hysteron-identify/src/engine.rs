@@ -65,6 +65,23 @@ impl<'a, 'w> Engine<'a, 'w> {
         self.watch.stop()
     }
 
+    /// Whether the work is to end with what there is.
+    pub(super) fn is_stopped(&mut self) -> bool {
+        self.cancelled |= self.watch.is_stopped();
+        self.cancelled
+    }
+
+    /// The search, or `None` where a stop left it without a point.
+    pub(super) fn unless_stopped(
+        &mut self,
+        search: Result<Search, OptimizeError>,
+    ) -> Result<Option<Search>, OptimizeError> {
+        match search {
+            Err(_) if self.is_stopped() => Ok(None),
+            search => search.map(Some),
+        }
+    }
+
     /// Work that is no search begins; whether it is worth beginning.
     pub(super) fn enter(&mut self, stage: &str) -> bool {
         self.fraction = self.plan.fraction(stage, 0.0).unwrap_or(self.fraction);
@@ -160,6 +177,8 @@ impl<'a, 'w> Engine<'a, 'w> {
         show: Show<'_>,
     ) -> Result<Search, OptimizeError> {
         let settings = Settings { starts, generations, ..self.settings.clone() };
+        // Its starts may come from work that was cut short.
+        self.is_stopped();
         let resume = self.resumed.remove(step);
         let mut observer = Observed { engine: self, step, show };
         let outcome = minimize(problem, algorithm, &settings, &mut observer, resume)?;

@@ -40,6 +40,16 @@ impl RecordFacts {
         Self { data, periods, shortest_swing, swings }
     }
 
+    /// Samples at the beginning that are enough to score: so many, or all of a record without two valid ones among them.
+    pub(super) fn beginning(&self, most: usize) -> usize {
+        let scored = self.scored(0);
+        if scored.get(1).is_some_and(|&second| second < most) {
+            self.data.y.len().min(most)
+        } else {
+            self.data.y.len()
+        }
+    }
+
     pub(super) fn range_v(&self) -> f64 {
         span(&self.data.u)
     }

@@ -308,13 +308,7 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             &mut findings,
             FindingKind::Warning,
             "search",
-            match result.method {
-                Method::Joint => {
-                    "The search was interrupted: this is the best model so far, its scores those of a quick simulation."
-                }
-                Method::TwoStep => "The search was interrupted: this is the best model so far.",
-            }
-            .into(),
+            "The search was interrupted: this is the best model so far.".into(),
         );
     }
     result.findings = findings;
@@ -456,6 +450,12 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
             "{name}: {role}, {} samples{masked}, {start}; its offset was {offset}.",
             facts.data.y.len()
         ));
+        if fit.data.valid != facts.data.valid {
+            list.push(format!(
+                "{name}: the fit was interrupted; its scores are of its first {} samples.",
+                fit.scores.samples
+            ));
+        }
         if fit.role == RecordRole::QuasiStatic {
             let creep = result.structure.creeps.get(quasi_static).copied().unwrap_or(0.0);
             let left_out = result.structure.left_out.get(quasi_static).copied().unwrap_or(0);

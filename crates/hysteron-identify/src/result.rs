@@ -155,7 +155,7 @@ pub struct RecordFit {
     pub start: Start,
     /// Scores (simulation, offset estimated).
     pub scores: Scores,
-    /// Simulated output, with the model's own offset \[output unit\].
+    /// Simulated output, with the model's own offset \[output unit\]; NaN where it was not simulated, the fit being stopped.
     pub simulated: Vec<f64>,
     /// How well the parameters determine the simulated output; a joint fit only.
     pub band: Option<PredictionBand>,

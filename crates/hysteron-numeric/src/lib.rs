@@ -14,6 +14,7 @@ mod non_negative;
 pub mod number;
 mod relaxation;
 mod series;
+mod stop;
 mod triangular;
 
 pub use dispatch::{
@@ -26,6 +27,7 @@ pub use non_negative::non_negative_least_squares;
 pub use relaxation::Relaxations;
 pub use rustfft::num_complex::Complex;
 pub use series::SeriesPanel;
+pub use stop::Stop;
 pub use triangular::triangular;
 
 /// Complex number in double precision.

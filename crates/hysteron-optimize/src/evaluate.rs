@@ -36,14 +36,25 @@ struct Refusal {
 }
 
 impl Refusal {
-    fn is_due(&self) -> bool {
-        self.stop.as_ref().is_some_and(Stop::is_requested) && self.found.load(Ordering::Relaxed)
+    fn is_asked_for(&self) -> bool {
+        self.stop.as_ref().is_some_and(Stop::is_requested)
     }
 
-    fn saw(&self, feasible: bool) {
-        if feasible {
+    fn is_due(&self) -> bool {
+        self.is_asked_for() && self.found.load(Ordering::Relaxed)
+    }
+
+    /// Evaluates a point unless that is refused; once more where a stop asked for meanwhile may have cut short the only point.
+    fn evaluate(&self, mut feasible: impl FnMut() -> bool) -> bool {
+        let before = self.is_asked_for();
+        let mut done = !self.is_due() && feasible();
+        if !done && !before && self.is_asked_for() && !self.is_due() {
+            done = feasible();
+        }
+        if done {
             self.found.store(true, Ordering::Relaxed);
         }
+        done
     }
 }
 
@@ -80,7 +91,7 @@ impl<'p, P: Problem> Evaluator<'p, P> {
     /// Cost at one point, outside every count.
     pub(super) fn cost(&mut self, point: &[f64]) -> f64 {
         // It was found in the run that is gone on with.
-        self.refusal.saw(true);
+        self.refusal.found.store(true, Ordering::Relaxed);
         self.slots.first_mut().map_or(f64::INFINITY, |slot| slot.cost(self.problem, point))
     }
 }
@@ -118,11 +129,11 @@ impl<P: Problem> Evaluate for Evaluator<'_, P> {
                 if i >= count {
                     break;
                 }
-                if refusal.is_due() {
-                    continue;
-                }
-                let cost = slot.cost(problem, points.get(i));
-                refusal.saw(cost.is_finite());
+                let mut cost = f64::INFINITY;
+                refusal.evaluate(|| {
+                    cost = slot.cost(problem, points.get(i));
+                    cost.is_finite()
+                });
                 slot.done.push((i, cost));
             }
         };
@@ -150,8 +161,7 @@ impl<P: LeastSquaresProblem> EvaluateResiduals for Evaluator<'_, P> {
         let share = count.div_ceil(self.slots.len().max(1)).max(1);
         let work = |((first, slot), (columns, feasible)): ((usize, &mut Slot<_>), Columns<'_>)| {
             for ((i, column), feasible) in (first * share..).zip(columns.chunks_mut(length)).zip(feasible) {
-                *feasible = !refusal.is_due() && slot.residuals(problem, points.get(i), column);
-                refusal.saw(*feasible);
+                *feasible = refusal.evaluate(|| slot.residuals(problem, points.get(i), column));
             }
         };
         let (slots, block) = (&mut self.slots, share * length);

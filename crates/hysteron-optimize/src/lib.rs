@@ -69,7 +69,6 @@ mod problem;
 mod pso;
 mod settings;
 mod starts;
-mod stop;
 mod stream;
 
 pub use abc::AbcOptions;
@@ -80,7 +79,7 @@ pub use cma_es::CmaEsOptions;
 pub use de::DeOptions;
 pub use de_abc::{Chaos, DeAbcOptions, Moved, Scout, ScoutKeeps};
 pub use error::OptimizeError;
-pub use hysteron_numeric::root_mean_square;
+pub use hysteron_numeric::{Stop, root_mean_square};
 pub use jacobian::{Differences, residual_jacobian};
 pub use least_squares::{LeastSquaresOptions, LocalStatus, StartResult};
 pub use ledger::{GenerationRecord, Improvement};
@@ -91,7 +90,6 @@ pub use problem::{Derivative, LeastSquaresProblem, Problem};
 pub use pso::PsoOptions;
 pub use settings::{Settings, Stagnation};
 pub use starts::Starts;
-pub use stop::Stop;
 
 #[cfg(test)]
 mod test_problems;

@@ -154,11 +154,13 @@ fn drive(
         if let Some(reason) = checkpoint.finished {
             break reason;
         }
-        let whole = stop.as_ref().map(|_| checkpoint.clone());
+        let whole = stop.as_ref().filter(|_| before.is_none()).map(|_| checkpoint.clone());
         let advance = step(&mut checkpoint);
-        if stop.as_ref().is_some_and(Stop::is_requested) && checkpoint.ledger.best_cost.is_finite() {
-            before = whole;
-            break StopReason::Cancelled;
+        if stop.as_ref().is_some_and(Stop::is_requested) {
+            before = before.or(whole);
+            if checkpoint.ledger.best_cost.is_finite() {
+                break StopReason::Cancelled;
+            }
         }
         if let Advance::Finished(reason) = advance {
             checkpoint.finished = Some(reason);

@@ -16,6 +16,7 @@ use super::setup::{self, JointSetup, memory_name};
 use super::smoothing::smoothed;
 use super::starts::Starts;
 use crate::watch::Plan;
+use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::{ModelFile, SignalUnits, polynomial_name};
@@ -31,6 +32,9 @@ const WHITE: f64 = 0.5;
 const AGREEMENT: usize = 3;
 /// Starts with fitted dynamics, beside the best one as it is, before any other.
 const FIRST_STARTS: usize = 2;
+
+/// Samples at the beginning of a record that a stopped fit is scored on.
+const BEGINNING: usize = 10_000;
 
 /// Stages of a joint fit by least squares.
 pub(in super::super) const PLAN: Plan = Plan(&[
@@ -78,40 +82,49 @@ pub(in super::super) fn identify(
         Choice::Given(degree) => degree,
         Choice::Auto => DEGREE_OF_STARTS,
     };
-    let problem = setup.problem(first_degree, reduced)?;
+    let mut problem = setup.problem(first_degree, reduced)?.finishing();
     let grown = |x: &[f64]| shown(&problem, x, &setup);
     let mut search = search_globally(&problem, &setup, &mut engine, Some(&grown))?;
     if options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None {
         let creeping = setup.with(DynamicForm { creep: Creep::Fractional, ..form }, options);
         if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, &mut engine)? {
-            (setup, search) = (creeping, better);
+            (setup, (problem, search)) = (creeping, better);
         }
     }
     let form = setup.form;
     let mut degrees = Vec::new();
     let mut degree = first_degree;
     let mut best = search.outcome.best.clone();
-    if options.degree == Choice::Auto && !engine.cancelled {
+    if options.degree == Choice::Auto && !engine.is_stopped() {
         (degree, best) = choose_degree(&setup, reduced, &search, &mut engine, &mut degrees)?;
     }
     let small = if reduced { Some(setup.problem(degree, true)?) } else { None };
     let at_small = best.clone();
-    let (problem, x, mut reduction) = if engine.cancelled {
-        (setup.problem(degree, reduced)?, best, None)
-    } else if let Some(small) = &small {
-        let whole = setup.problem(degree, false)?;
-        let polished = engine.quick_fit(ALL_SAMPLES, &whole, vec![best.clone()])?;
-        let reduction = Reduction { samples: whole.residual_count(), searched: small.valid(), moved: 0.0 };
-        search.outcome.cost = polished.outcome.cost;
-        search.outcome.best.clone_from(&polished.outcome.best);
-        (whole, polished.outcome.best, Some(reduction))
+    let polished = if engine.is_stopped() {
+        None
     } else {
         let whole = setup.problem(degree, false)?;
-        search.outcome.cost = whole.cost(&best, &mut whole.workspace());
-        search.outcome.best.clone_from(&best);
-        (whole, best, None)
+        let (x, cost) = if reduced {
+            let polished = engine.quick_fit(ALL_SAMPLES, &whole, vec![best.clone()]);
+            engine
+                .unless_stopped(polished)?
+                .map_or((best, f64::INFINITY), |s| (s.outcome.best, s.outcome.cost))
+        } else {
+            let cost = whole.cost(&best, &mut whole.workspace());
+            (best, cost)
+        };
+        cost.is_finite().then_some((whole, x, cost))
     };
-    // Who interrupts takes what there is, at once.
+    let (problem, x, mut reduction) = if let Some((whole, x, cost)) = polished {
+        (search.outcome.cost, search.outcome.best) = (cost, x.clone());
+        let samples = whole.residual_count();
+        let reduction =
+            small.as_ref().map(|small| Reduction { samples, searched: small.valid(), moved: 0.0 });
+        (whole, x, reduction)
+    } else {
+        degree = first_degree;
+        (problem, search.outcome.best.clone(), None)
+    };
     let certain = engine.enter(ERRORS);
     let smoothed = if certain { smoothed(&problem, &x) } else { None };
     let (linearisation, known_small) = rayon::join(
@@ -128,13 +141,15 @@ pub(in super::super) fn identify(
     }
     .ok_or(OptimizeError::NoFeasiblePoint { evaluations: search.outcome.evaluations })?;
     let mut model = assemble(&solution, &form, &members, options)?;
+    let stop = engine.stop().clone();
 
     let (fits, known) = rayon::join(
-        || simulated(&mut model, &solution, &members, roles, options),
+        || simulated(&mut model, &solution, &members, roles, (options, stop.is_requested())),
         || linearisation.and_then(|linearisation| knowledge::knowledge_of(&problem, &x, linearisation)),
     );
     let mut fits = fits?;
-    if certain {
+    let known = known.filter(|_| !engine.is_stopped());
+    if !engine.cancelled {
         findings::require_fit(&fits, facts, options)?;
     }
     let own = known.as_ref().map(|known| &known.covariance);
@@ -167,7 +182,7 @@ pub(in super::super) fn identify(
     if let Some(known) = &known {
         let found = match (&small, &known_small) {
             // The likelihood of weights that are drawn together is not that of the records.
-            _ if structure.smoothing.is_some() || engine.stop().is_requested() => Vec::new(),
+            _ if structure.smoothing.is_some() => Vec::new(),
             (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance, engine.stop()),
             (Some(_), None) => Vec::new(),
             (None, _) => intervals(&problem, known, &known.covariance, engine.stop()),
@@ -191,7 +206,7 @@ pub(in super::super) fn identify(
         findings: Vec::new(),
         treatment: Vec::new(),
         excited_hz: super::super::campaign::excited(facts),
-        cancelled: engine.cancelled || engine.stop().is_requested(),
+        cancelled: engine.is_stopped(),
         resume: engine.searches(),
     };
     findings::write(facts, options, &mut identification);
@@ -207,32 +222,39 @@ fn shown(problem: &JointProblem, x: &[f64], setup: &JointSetup<'_>) -> Option<hy
     hysteron_model::Model::try_from(ModelFile::from_model(&law, units)).ok()
 }
 
-/// The model's simulation of every record. Where the offset is free, the model's own is that of its first record.
+/// The model's simulation of every record; of a long one only the beginning where the fit was stopped. Where the offset is free,
+/// the model's own is that of its first record.
 fn simulated(
     model: &mut Model,
     solution: &JointSolution,
     members: &[JointMember<'_>],
     roles: &[RecordRole],
-    options: &Options,
+    (options, stopped): (&Options, bool),
 ) -> Result<Vec<RecordFit>, IdentifyError> {
     let simulate = |(index, member): (usize, &JointMember<'_>)| {
-        let data = &member.facts.data;
+        let mut data = member.facts.data.clone();
         let start = member.start(&solution.hysteresis, solution.memory[index]);
-        model.simulate(&data.u, &data.time, &start).map(|simulated| (start, simulated))
+        let is_whole = !stopped || matches!(start, Start::Settled { .. });
+        let samples = if is_whole { data.len() } else { member.facts.beginning(BEGINNING) };
+        let part = data.cropped(0..samples)?;
+        let mut simulated = model.simulate(&part.u, &part.time, &start)?;
+        if samples < data.len() {
+            simulated.resize(data.len(), f64::NAN);
+            data.valid.get_or_insert_with(|| vec![true; simulated.len()])[samples..].fill(false);
+        }
+        Ok((data, start, simulated))
     };
     // The first error in the order of the records, whatever the threads.
-    let outputs: Vec<_> = members.par_iter().enumerate().map(simulate).collect();
+    let outputs: Vec<Result<_, IdentifyError>> = members.par_iter().enumerate().map(simulate).collect();
     let mut outputs = outputs.into_iter().collect::<Result<Vec<_>, _>>()?;
     if options.demands.fixed(OFFSET).is_none() {
-        model.offset = mean_residual(&members[0].facts.data, &outputs[0].1)?;
-        outputs.iter_mut().flat_map(|(_, simulated)| simulated).for_each(|y| *y += model.offset);
+        model.offset = mean_residual(&outputs[0].0, &outputs[0].2)?;
+        outputs.iter_mut().flat_map(|(.., simulated)| simulated).for_each(|y| *y += model.offset);
     }
-    let fits: Vec<_> = members
-        .par_iter()
+    let fits: Vec<_> = outputs
+        .into_par_iter()
         .zip(roles)
-        .zip(outputs)
-        .map(|((member, role), (start, simulated))| {
-            let data = member.facts.data.clone();
+        .map(|((data, start, simulated), role)| {
             let scores = score(&data, &simulated, &Scoring::default())?;
             Ok(RecordFit { data, role: *role, start, scores, simulated, band: None })
         })
@@ -285,6 +307,9 @@ fn search_from_places(
     let places = setup.places(problem, engine)?;
     let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
     points.extend(setup.unfitted(problem, &places));
+    if engine.is_stopped() {
+        points.splice(0..0, problem.best());
+    }
     let mut search = engine.fit_from("joint fit", problem, points, show)?;
     search.outcome.evaluations += places.evaluations + evaluations;
     if agreeing(&search) >= AGREEMENT || engine.cancelled {
@@ -314,9 +339,9 @@ fn try_creep(
     degree: usize,
     reduced: bool,
     engine: &mut Engine<'_, '_>,
-) -> Result<Option<Search>, IdentifyError> {
+) -> Result<Option<(JointProblem, Search)>, IdentifyError> {
     let coloured = information(plain, &found.outcome.best) < WHITE * plain.valid() as f64;
-    if !coloured || engine.cancelled {
+    if !coloured || engine.is_stopped() {
         return Ok(None);
     }
     let problem = setup.problem(degree, reduced)?;
@@ -329,11 +354,14 @@ fn try_creep(
         .zip(&guesses[0])
         .map(|(range, &guess)| place(&range.name).map_or(guess, |at| found.outcome.best[at]));
     guesses.push(from_plain.collect());
-    let search = engine.quick_fit("joint fit with creep", &problem, guesses)?;
+    let search = engine.quick_fit("joint fit with creep", &problem, guesses);
+    let Some(search) = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped()) else {
+        return Ok(None);
+    };
     let information = information(&problem, &search.outcome.best);
     let gain = 2.0 * information * (found.outcome.cost / search.outcome.cost).ln();
     let parameters = problem.bounds().dimension() - plain.bounds().dimension();
-    Ok((gain > BIC_FALL + parameters as f64 * information.ln()).then_some(search))
+    Ok((gain > BIC_FALL + parameters as f64 * information.ln()).then_some((problem, search)))
 }
 
 /// Number of independent samples that the residuals at `x` are worth.
@@ -379,8 +407,11 @@ fn choose_degree(
             (found.outcome.cost, found.outcome.best.clone())
         } else {
             let start = found.outcome.best.clone();
-            let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start])?.outcome;
-            (fit.cost, fit.best)
+            let fit = engine.quick_fit(&format!("degree {degree}"), &problem, vec![start]);
+            match engine.unless_stopped(fit)? {
+                Some(fit) if !engine.is_stopped() => (fit.outcome.cost, fit.outcome.best),
+                _ => break,
+            }
         };
         if degree == highest {
             // That of the richest fit counts: its residual is the least structured.

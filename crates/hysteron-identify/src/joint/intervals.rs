@@ -116,7 +116,7 @@ pub(in super::super) fn intervals(
             let mut fit = whole_fit();
             let departure = |(_, profiled): &(usize, Profiled<'_>)| {
                 if stop.is_requested() {
-                    return [0.0; 2];
+                    return [f64::INFINITY; 2];
                 }
                 [-LOOK_AT, LOOK_AT]
                     .map(|steps| (profiled.along_valley(&mut fit, &optimum, steps) / steps - 1.0).abs())

@@ -9,7 +9,7 @@
 //! gradient Jᵀr is exact.
 
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::super::layout::Role;
 use super::super::projection::Projection;
@@ -18,7 +18,7 @@ use hysteron_model::dynamics::{DynamicForm, Linearised};
 use hysteron_model::hysteresis::{Hysteresis, HysteresisForm};
 use hysteron_model::model_file::polynomial_name;
 use hysteron_numeric::{dot, non_negative_least_squares};
-use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
+use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Stop, root_mean_square};
 
 /// Roles of the parameters of a joint fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,6 +86,19 @@ pub(in super::super) struct JointProblem {
     shaped: Vec<bool>,
     bounds: Bounds,
     identity: String,
+    stop: Stop,
+    finishes: bool,
+    best: Mutex<Option<Evaluated>>,
+}
+
+/// The best point so far, for work that is stopped: an evaluation may take seconds.
+#[derive(Clone, Debug)]
+struct Evaluated {
+    x: Vec<f64>,
+    cost: f64,
+    residuals: Vec<f64>,
+    /// Coefficients of u, u², … and weights.
+    coefficients: Vec<f64>,
 }
 
 /// Scratch of one evaluation.
@@ -102,6 +115,13 @@ pub(in super::super) struct JointWorkspace {
     eliminated: Vec<usize>,
     /// Where the columns, the sensitivities and the residual of this workspace belong to; empty: nowhere.
     at: Vec<f64>,
+}
+
+impl JointWorkspace {
+    /// What ends an evaluation early; `None`: it is finished.
+    fn set_stop(&mut self, stop: Option<&Stop>) {
+        self.records.iter_mut().for_each(|record| record.set_stop(stop));
+    }
 }
 
 impl JointProblem {
@@ -136,7 +156,66 @@ impl JointProblem {
             place(*role, Searched::Memory(record));
         }
         let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
-        Self { records, at, hysteresis, form, layout, searched, shaped, bounds, identity }
+        let (stop, best) = (Stop::new(), Mutex::default());
+        let finishes = false;
+        Self {
+            records,
+            at,
+            hysteresis,
+            form,
+            layout,
+            searched,
+            shaped,
+            bounds,
+            identity,
+            stop,
+            finishes,
+            best,
+        }
+    }
+
+    /// The same, stopped by `stop`: an evaluation is given up.
+    pub(super) fn stopped_by(self, stop: &Stop) -> Self {
+        Self { stop: stop.clone(), ..self }
+    }
+
+    /// The same; an evaluation that begins after the stop is finished, without derivatives: there is a point to hand out.
+    pub(super) fn finishing(self) -> Self {
+        Self { finishes: true, ..self }
+    }
+
+    /// The best point evaluated so far.
+    pub(super) fn best(&self) -> Option<Vec<f64>> {
+        self.best.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|best| best.x.clone())
+    }
+
+    /// What is known of `x` without an evaluation, once the work is stopped.
+    fn known(&self, x: &[f64]) -> Option<Evaluated> {
+        let best =
+            self.stop.is_requested().then(|| self.best.lock().unwrap_or_else(PoisonError::into_inner))?;
+        best.as_ref().filter(|best| best.x == x).cloned()
+    }
+
+    /// Keeps the point just eliminated at if it is the best so far; its cost.
+    fn keep(&self, x: &[f64], ws: &mut JointWorkspace) -> f64 {
+        let cost = root_mean_square(&ws.target);
+        let is_best = |best: &Option<Evaluated>| best.as_ref().is_none_or(|best| cost < best.cost);
+        if cost.is_finite() && is_best(&self.best.lock().unwrap_or_else(PoisonError::into_inner)) {
+            let coefficients = self.coefficients(x, ws);
+            let point = Evaluated { x: x.to_vec(), cost, residuals: ws.target.clone(), coefficients };
+            let mut best = self.best.lock().unwrap_or_else(PoisonError::into_inner);
+            if is_best(&best) {
+                *best = Some(point);
+            }
+        }
+        cost
+    }
+
+    /// [`Self::eliminate`] for a search; given up where a stop is asked for meanwhile.
+    fn evaluate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
+        let finish = self.finishes && self.stop.is_requested();
+        ws.set_stop((!finish).then_some(&self.stop));
+        self.eliminate(x, derivatives.filter(|_| !finish), ws)
     }
 
     pub(in super::super) fn layout(&self) -> &JointLayout {
@@ -296,6 +375,9 @@ impl JointProblem {
 
     /// All parameter values at `x`, the eliminated ones by linear least squares.
     pub(in super::super) fn solve(&self, x: &[f64]) -> Option<JointSolution> {
+        if let Some(known) = self.known(x) {
+            return self.solution(x, &known.coefficients);
+        }
         let mut ws = self.workspace();
         if !self.eliminate(x, None, &mut ws) {
             return None;
@@ -352,7 +434,7 @@ impl JointProblem {
     /// searched numbers; residuals beside them. Local columns are taken off all of them.
     pub(in super::super) fn linearise(&self, x: &[f64]) -> Option<Linearisation> {
         let mut ws = self.workspace();
-        if !self.eliminate(x, self.derivatives(), &mut ws) {
+        if self.stop.is_requested() || !self.evaluate(x, self.derivatives(), &mut ws) {
             return None;
         }
         let coefficients = self.coefficients(x, &mut ws);
@@ -390,7 +472,8 @@ impl JointProblem {
         wanted: Derivatives<'_>,
         ws: &mut JointWorkspace,
     ) -> bool {
-        if !self.respond(x, wanted, ws) {
+        ws.set_stop(Some(&self.stop));
+        if self.stop.is_requested() || !self.respond(x, wanted, ws) {
             return false;
         }
         let JointWorkspace { records, column, target, .. } = ws;
@@ -463,7 +546,11 @@ impl Problem for JointProblem {
     }
 
     fn cost(&self, x: &[f64], ws: &mut JointWorkspace) -> f64 {
-        if self.eliminate(x, None, ws) { root_mean_square(&ws.target) } else { f64::INFINITY }
+        match self.known(x) {
+            Some(known) => known.cost,
+            None if self.evaluate(x, None, ws) => self.keep(x, ws),
+            None => f64::INFINITY,
+        }
     }
 
     fn identity(&self) -> String {
@@ -477,17 +564,22 @@ impl LeastSquaresProblem for JointProblem {
     }
 
     fn residuals(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> bool {
+        if let Some(known) = self.known(x) {
+            out.copy_from_slice(&known.residuals);
+            return true;
+        }
         // Most trial points are taken and differentiated next.
-        let done = self.eliminate(x, self.derivatives(), ws);
+        let done = self.evaluate(x, self.derivatives(), ws);
         out.copy_from_slice(&ws.target);
         if done {
+            self.keep(x, ws);
             ws.at.extend_from_slice(x);
         }
         done
     }
 
     fn jacobian(&self, x: &[f64], ws: &mut JointWorkspace, out: &mut [f64]) -> Derivative {
-        if (x.is_empty() || ws.at != x) && !self.eliminate(x, self.derivatives(), ws) {
+        if (x.is_empty() || ws.at != x) && !self.evaluate(x, self.derivatives(), ws) {
             return Derivative::Infeasible;
         }
         let coefficients = self.coefficients(x, ws);

@@ -17,6 +17,7 @@ use super::weighting::Weighting;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Linearised, PlanInput, PlanResponse, PlanWorkspace, RecordPlan, Sampling};
 use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm};
+use hysteron_optimize::Stop;
 use rayon::prelude::*;
 
 mod derivatives;
@@ -106,6 +107,18 @@ struct Lane {
     input: Vec<f64>,
     /// Weighted sum of what several operators put out.
     sum: Vec<f64>,
+}
+
+impl RecordWorkspace {
+    /// What ends an evaluation early; `None`: it is finished.
+    pub(super) fn set_stop(&mut self, stop: Option<&Stop>) {
+        self.hysteresis.columns.stop = stop.cloned();
+    }
+}
+
+/// Whether work with these columns was asked to stop.
+fn is_stopped(columns: &Columns) -> bool {
+    columns.stop.as_ref().is_some_and(Stop::is_requested)
 }
 
 impl JointRecord {
@@ -215,7 +228,8 @@ impl JointRecord {
             .map(|((inputs, (values, rests)), lane)| {
                 let mut done = true;
                 for ((prepared, values), rest) in inputs.iter_mut().zip(values).zip(rests) {
-                    done &= self.prepare_input(values, *rest, form.sign(), lane);
+                    done =
+                        done && !is_stopped(columns) && self.prepare_input(values, *rest, form.sign(), lane);
                     std::mem::swap(&mut lane.prepared, prepared);
                 }
                 done
@@ -261,7 +275,8 @@ impl JointRecord {
         let degree = count - hysteresis.inputs.len();
         let column = |index: usize, column: &mut [f64], lane: &mut Lane| {
             let input = if index < degree { &self.powers[index] } else { &hysteresis.inputs[index - degree] };
-            let done = self.plan.apply(response, input, &mut lane.plan, column).is_ok();
+            let done = !is_stopped(&hysteresis.columns)
+                && self.plan.apply(response, input, &mut lane.plan, column).is_ok();
             self.end(column);
             if let Some(unit) = &self.rest {
                 let rest_v = rest_voltage(self.before, &self.drive);

@@ -98,7 +98,8 @@ impl<'a> JointSetup<'a> {
             self.form,
             self.options.scheme(),
         );
-        Ok(JointProblem::new(records, (self.hysteresis, self.form), layout, bounds, identity))
+        let problem = JointProblem::new(records, (self.hysteresis, self.form), layout, bounds, identity);
+        Ok(problem.stopped_by(&self.stop))
     }
 
     fn prepared(&self, degree: usize, reduced: bool) -> Result<Prepared, IdentifyError> {

@@ -120,7 +120,8 @@ impl JointSetup<'_> {
             let mut point = self.looping(problem.bounds(), found, *motion);
             if held.bounds().dimension() > 0 {
                 let start = self.looping(held.bounds(), found, *motion);
-                let fit = engine.rough_fit(&format!("dynamics, start {}", number + 1), &held, vec![start])?;
+                let fit = engine.rough_fit(&format!("dynamics, start {}", number + 1), &held, vec![start]);
+                let Some(fit) = engine.unless_stopped(fit)? else { break };
                 starts.evaluations += fit.outcome.evaluations;
                 let place = |name: &str| held.bounds().ranges.iter().position(|range| range.name == name);
                 for (range, value) in problem.bounds().ranges.iter().zip(&mut point) {
@@ -160,7 +161,7 @@ impl JointSetup<'_> {
         let index = self.slowest();
         let members = self.members.get(index..=index).unwrap_or_default();
         let setup = JointSetup::new(members, self.form, options).stopped_by(&self.stop);
-        let problem = setup.problem(degree, true)?;
+        let problem = setup.problem(degree, true)?.finishing();
         let lattice = self
             .shapes()
             .into_iter()

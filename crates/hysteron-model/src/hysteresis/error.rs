@@ -34,6 +34,9 @@ pub enum HysteresisError {
         /// The exponent given.
         n: f64,
     },
+    /// The work was asked to stop.
+    #[error("stopped before the end of the drive")]
+    Stopped,
     /// A memory of an operator of another family.
     #[error("the memory that the record is to start with belongs to a hysteresis operator of another family")]
     Memory,

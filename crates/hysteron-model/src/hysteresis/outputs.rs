@@ -1,5 +1,7 @@
 //! What the operators of a family put out over a record.
 
+use hysteron_numeric::Stop;
+
 use super::columns::ColumnSensitivities;
 use super::sensitivities::Sensitivities;
 
@@ -10,12 +12,14 @@ pub struct Columns {
     pub values: Vec<Vec<f64>>,
     /// ∂H_j/∂θ_p, where it is not zero and was asked for.
     pub partials: Vec<Partial>,
-    /// ∂H_j/∂memory of [`crate::Start::Remembering`]; empty unless derivatives were asked for.
+    /// ∂H_j/∂memory of [`crate::Start::Remembering`]; empty unless derivatives were asked for and there is such a memory.
     pub by_memory: Vec<Vec<f64>>,
     /// H_j before the first sample; 0 for a steady state, which has none.
     pub rest: Vec<f64>,
     /// ∂(H_j before the first sample)/∂memory.
     pub rest_by_memory: Vec<f64>,
+    /// Ends a long pass early.
+    pub stop: Option<Stop>,
     pub(in crate::hysteresis) sensitivities: Sensitivities,
     pub(in crate::hysteresis) scratch: ColumnSensitivities,
 }

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use super::super::super::projection::Projection;
-use super::{JointRecord, Lane, RecordWorkspace};
+use super::{JointRecord, Lane, RecordWorkspace, is_stopped};
 use hysteron_model::dynamics::{PlanInput, PlanResponse};
 use hysteron_model::hysteresis::Columns;
 
@@ -75,7 +75,8 @@ impl JointRecord {
         let deal = Mutex::new(wanted.into_iter());
         lanes.par_iter_mut().for_each(|lane| {
             while let Some((direction, out)) = deal.lock().ok().and_then(|mut deal| deal.next()) {
-                let written = direction.is_some_and(|d| self.derivative(d, weights, &known, lane, out));
+                let written = !is_stopped(known.hysteresis)
+                    && direction.is_some_and(|d| self.derivative(d, weights, &known, lane, out));
                 if !written {
                     out.fill(0.0);
                 }

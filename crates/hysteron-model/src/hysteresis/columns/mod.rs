@@ -9,7 +9,7 @@ mod pass;
 
 pub use model::ColumnModel;
 pub use pass::ColumnSensitivities;
-pub(super) use pass::differentiate;
+pub(super) use pass::{differentiate, simulate};
 
 use hysteron_rt::Scalar;
 
@@ -109,7 +109,7 @@ pub trait ColumnKernel {
     where
         Self: Sized,
     {
-        pass::simulate(self, shape, factor, u, start, out)
+        simulate(self, shape, factor, u, start, None, out)
     }
 
     /// As [`Self::simulate_every`] from a known `state`, which ends at the last sample of u.

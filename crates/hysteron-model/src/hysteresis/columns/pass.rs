@@ -1,5 +1,6 @@
 //! Columns over a record: plain, in the steady state, and with derivatives.
 
+use hysteron_numeric::Stop;
 use hysteron_rt::{Dual, Scalar};
 
 use super::super::HysteresisError;
@@ -9,7 +10,7 @@ use crate::start::Start;
 
 /// Columns and their derivatives at every `factor`-th sample of a drive, each K columns one after the other. The
 /// buffers are kept between calls.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct ColumnSensitivities {
     /// The columns.
     pub columns: Vec<f64>,
@@ -24,10 +25,23 @@ pub struct ColumnSensitivities {
     pub d_shape_rest: Vec<Vec<f64>>,
     /// Their derivatives with respect to the voltage at which the device was virgin.
     pub d_start_rest: Vec<f64>,
+    /// Ends the pass early.
+    pub stop: Option<Stop>,
 }
 
+/// Samples between two looks at the stop.
+const LOOK: usize = 1 << 12;
 /// Periods simulated at most to find a steady state.
 const PERIODS: usize = 200;
+
+/// Looks at the stop at every [`LOOK`]th sample.
+#[inline(always)]
+fn look(stop: Option<&Stop>, index: usize) -> Result<(), HysteresisError> {
+    if index.is_multiple_of(LOOK) && stop.is_some_and(Stop::is_requested) {
+        return Err(HysteresisError::Stopped);
+    }
+    Ok(())
+}
 
 /// Shape and lengths; the number of samples out.
 fn check<K: ColumnKernel>(
@@ -74,12 +88,13 @@ fn virgin_voltage(u: &[f64], at_rest: Option<(f64, Option<f64>)>) -> Result<f64,
     }
 }
 
-pub(super) fn simulate<K: ColumnKernel>(
+pub(in crate::hysteresis) fn simulate<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
     factor: usize,
     u: &[f64],
     start: Start<f64>,
+    stop: Option<&Stop>,
     out: &mut [f64],
 ) -> Result<K::State<f64>, HysteresisError> {
     let samples = check(kernel, shape, factor, u)?;
@@ -94,7 +109,7 @@ pub(super) fn simulate<K: ColumnKernel>(
             settle(kernel, shape, u, &mut state)?;
         }
     }
-    write(kernel, shape, &mut state, Every::new(factor)?, u, samples, out)?;
+    write(kernel, shape, &mut state, (Every::new(factor)?, stop), u, out)?;
     Ok(state)
 }
 
@@ -108,21 +123,22 @@ pub(super) fn continue_from<K: ColumnKernel>(
 ) -> Result<(), HysteresisError> {
     let samples = check(kernel, shape, factor, u)?;
     check_length(samples * kernel.columns(), out.len())?;
-    write(kernel, shape, state, Every::new(factor)?, u, samples, out)
+    write(kernel, shape, state, (Every::new(factor)?, None), u, out)
 }
 
 fn write<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
     state: &mut K::State<f64>,
-    mut every: Every,
+    (mut every, stop): (Every, Option<&Stop>),
     u: &[f64],
-    samples: usize,
     out: &mut [f64],
 ) -> Result<(), HysteresisError> {
     let mut row = vec![0.0; kernel.columns()];
+    let samples = out.len() / row.len().max(1);
     let mut at = 0;
     for (index, &u) in u.iter().enumerate() {
+        look(stop, index)?;
         kernel.advance(shape, state, u).map_err(|error| error.at_sample(index))?;
         if every.take() {
             kernel.read(shape, state, &mut row);
@@ -255,6 +271,7 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     let mut every = Every::new(factor)?;
     let mut at = 0;
     for (index, &u) in u.iter().enumerate() {
+        look(out.stop.as_ref(), index)?;
         kernel.advance(duals, &mut state, u).map_err(|error| error.at_sample(index))?;
         for number in K::relaxing(&mut state) {
             *number = number.without_vanished(0);

@@ -1,7 +1,7 @@
 //! A kernel run into the columns of a fit.
 
 use super::super::HysteresisError;
-use super::super::columns::ColumnKernel;
+use super::super::columns::{ColumnKernel, simulate};
 use super::super::outputs::Columns;
 use super::super::pass::at_rest;
 use crate::start::Start;
@@ -27,13 +27,14 @@ pub(super) fn run<K: ColumnKernel>(
         .filter(|&index| is_wanted(index))
         .flat_map(|index| (0..count).map(move |column| (index, column)))
         .collect();
-    out.resize(count, samples, &pairs, wanted.is_some());
+    let free = matches!(start, Start::Remembering { .. });
+    out.resize(count, samples, &pairs, wanted.is_some() && free);
     let mut all = std::mem::take(&mut out.scratch);
     let column = |values: &[f64], index: usize, to: &mut [f64]| {
         to.copy_from_slice(&values[index * samples..(index + 1) * samples]);
     };
-    let free = matches!(start, Start::Remembering { .. });
     if wanted.is_some() && (free || !pairs.is_empty()) {
+        all.stop.clone_from(&out.stop);
         kernel.simulate_with_sensitivities(own, factor, u, start, &mut all)?;
         for partial in &mut out.partials {
             let index = partial.shape - fixed;
@@ -49,8 +50,7 @@ pub(super) fn run<K: ColumnKernel>(
         }
     } else {
         all.columns.resize(samples * count, 0.0);
-        kernel.simulate_every(own, factor, u, start, &mut all.columns)?;
-        out.by_memory.iter_mut().for_each(|values| values.fill(0.0));
+        simulate(kernel, own, factor, u, start, out.stop.as_ref(), &mut all.columns)?;
         match at_rest(start, u)? {
             Some((rest, None)) => kernel.read(own, &kernel.virgin(own, rest), &mut out.rest),
             Some((rest, Some(virgin))) => {
