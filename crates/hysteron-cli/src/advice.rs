@@ -32,6 +32,7 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
             "hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ where there is no time or it is badly written"
                 .to_owned()
         }
+        Advice::ContinueRun => "--continued".to_owned(),
         Advice::CutOtherwise => "another --from, --to, --where or --turns".to_owned(),
         Advice::GivePeriod => "--period S".to_owned(),
         Advice::NameDynamicRecord => "--dynamic FILE".to_owned(),

@@ -87,6 +87,9 @@ impl Validate {
             loaded.hammerstein(Capability::Bands)?;
         }
         if self.continued {
+            loaded.hammerstein(Capability::Runs)?;
+        }
+        if self.continued {
             return self.run_continued(&loaded);
         }
         let records = self.records.iter().map(|path| self.score(&loaded, path));

@@ -13,7 +13,9 @@ use hysteron_model::Advice;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
 use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
-use hysteron_model::record::{LoopSense, implausible_units, loop_shape, range_of, turning_points};
+use hysteron_model::record::{
+    LoopSense, follow_each_other, implausible_units, loop_shape, range_of, turning_points,
+};
 use hysteron_numeric::Complex64;
 use hysteron_numeric::display::short;
 use hysteron_optimize::StopReason;
@@ -142,6 +144,14 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             None => "too narrow to have a sense",
         };
         say(&mut findings, FindingKind::Verdict, "loop sense", format!("The measured loop runs {sense}."));
+    }
+    let records: Vec<_> = facts.iter().map(|f| &f.data).collect();
+    if !options.continued && follow_each_other(&records) {
+        let text = "The stamps of these records follow each other. If they are parts of one run, take them as such: memory, creep and \
+                    offset then carry over from part to part.";
+        findings.push(
+            Finding::new(FindingKind::Advice, "one run", text.to_owned()).with_advice(Advice::ContinueRun),
+        );
     }
     // An interrupted fit skips the verdict, which may simulate every record.
     if !result.cancelled {

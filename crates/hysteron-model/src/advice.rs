@@ -32,6 +32,8 @@ pub enum Advice {
     GiveSampleRate,
     /// Resample the record to a uniform rate, or give the rate if its stamps are only badly written.
     Resample,
+    /// Take the records as parts of one run.
+    ContinueRun,
     /// Keep another part of the record.
     CutOtherwise,
     /// Give the length of a period.

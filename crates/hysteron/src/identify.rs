@@ -49,6 +49,13 @@ impl<'a> Identify<'a> {
         }
     }
 
+    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry over.
+    #[must_use]
+    pub fn continued(mut self) -> Self {
+        self.options.continued = true;
+        self
+    }
+
     /// Kind of model; else a Hammerstein model, or modes where several inputs are named.
     #[must_use]
     pub fn kind(mut self, kind: Kind) -> Self {

@@ -86,7 +86,7 @@ pub use hysteron_model::dynamics::{Creep, Scheme};
 #[doc(inline)]
 pub use hysteron_model::hysteresis::{FamilyForm, HysteresisForm};
 #[doc(inline)]
-pub use hysteron_model::model::{Capability, Remark, Score, Unsupported};
+pub use hysteron_model::model::{Capability, Remark, RunScore, Score, Unsupported};
 #[doc(inline)]
 pub use hysteron_model::model_file::Kind;
 #[doc(inline)]

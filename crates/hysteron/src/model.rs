@@ -6,10 +6,10 @@ use hysteron_io::{load_model, save_model};
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::compensator::{CompensatorOptions, Controller, Limits};
 use hysteron_model::invert::InverseOptions;
-use hysteron_model::model::{Capability, Score, Signals};
+use hysteron_model::model::{Capability, RunScore, Score, Signals};
 use hysteron_model::model_file::Kind;
 use hysteron_model::realise::RealiseOptions;
-use hysteron_model::record::{ChannelChoice, Record, Signal, TimeBase, Unit};
+use hysteron_model::record::{ChannelChoice, Record, Run, Signal, TimeBase, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model as Core, Start};
 
@@ -74,6 +74,19 @@ impl Model {
     /// [`Error::Model`].
     pub fn score(&self, record: &Record, scoring: Scoring) -> Result<Score, Error> {
         Ok(self.0.score(&self.signals(record)?, Start::AsIdentified, &scoring)?)
+    }
+
+    /// How well the model describes consecutive records of one run, simulated at one go from the start that explains the first best. A
+    /// record that begins before the one before it ends starts another run.
+    ///
+    /// # Errors
+    /// [`Error::Model`].
+    pub fn score_continued(&self, records: &[Record], scoring: Scoring) -> Result<Vec<RunScore>, Error> {
+        self.0.hammerstein(Capability::Runs)?;
+        let single = |record: &Record| Ok(record.input_output(&ChannelChoice::default())?);
+        let runs = Run::of(&records.iter().map(single).collect::<Result<Vec<_>, Error>>()?)?;
+        let score = |run: &Run| Ok(self.0.score_run(run, Start::AsIdentified, &scoring)?);
+        runs.iter().map(score).collect()
     }
 
     /// The drive, held between its samples, that makes the output follow a reference.

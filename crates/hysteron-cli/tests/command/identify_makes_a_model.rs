@@ -2,8 +2,11 @@
 //! reason, and nothing half-written stays behind.
 
 use crate::bench::model_data;
-use crate::bench::{Bench, Run};
+use crate::bench::{Bench, Run, static_model};
 use hysteron_model::Start;
+use hysteron_model::dynamics::{Dynamics, Term, TransferFunction};
+use hysteron_model::hammerstein::Model;
+use hysteron_model::record::Timing;
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -168,19 +171,55 @@ fn what_cannot_be_identified_is_said_with_the_reason() {
 }
 
 #[test]
-fn uneven_time_is_fine_for_a_static_fit_and_refused_for_dynamics() {
+fn uneven_time_is_fitted_statically_and_with_dynamics_as_it_is() {
     let bench = Bench::new();
-    let mut text = "t_s,u_V,y_um\n".to_owned();
-    for k in 0..300 {
-        let t = f64::from(k) / 100.0 + 0.004 * f64::from(k % 3);
-        let u = 5.0 - 5.0 * (TAU * t).cos();
-        writeln!(text, "{t},{u},{}", 2.0 * u + 0.1 * u * u).unwrap();
+    let model = Model {
+        dynamics: Dynamics::Integer(TransferFunction::new(vec![Term::new(1.0, 0.0)], lag(0.01)).unwrap()),
+        delay_s: 0.002,
+        ..static_model()
+    };
+    // A slow loop at 200 Hz and a pause, then a fast sine at 2 kHz, on stamps that are rounded.
+    let slow = (0..600).map(|k| f64::from(k) / 200.0);
+    let times_s: Vec<f64> = slow.chain((0..1000).map(|k| 3.2 + f64::from(k) / 2000.0)).collect();
+    let drive = |t: f64| 5.0 - 5.0 * (TAU * t).cos() + if t > 3.1 { (TAU * 30.0 * t).sin() } else { 0.0 };
+    let u: Vec<f64> = times_s.iter().map(|t| drive(*t)).collect();
+    let y = model.simulate(&u, Timing::Stamps(&times_s), &Start::Rest { voltage_v: 0.0 }).unwrap();
+    let mut parts = ["t_s,u_V,y_um\n".to_owned(), "t_s,u_V,y_um\n".to_owned()];
+    for ((t, u), y) in times_s.iter().zip(&u).zip(&y) {
+        writeln!(parts[usize::from(*t > 3.1)], "{t:.6},{u},{y}").unwrap();
     }
-    bench.write("uneven.csv", &text);
-    json(&bench.run("identify uneven.csv -o static.json --json"));
-    let run = bench.run("identify --static uneven.csv --dynamic uneven.csv -o new.json");
-    assert_eq!(run.exit_code, 1);
-    assert!(run.stderr.contains("non-uniform time stamps"), "{}", run.stderr);
+    let [slow, fast] = &parts;
+    bench.write("slow.csv", slow);
+    bench.write("fast.csv", fast);
+    bench.write("both.csv", format!("{slow}{}", fast.split_once('\n').unwrap().1));
+    json(&bench.run("identify both.csv -o static.json --dynamics none --delay 0 --json"));
+    let flags = "--dynamics integer --order 1 --degree 1 --json";
+    let one = json(&bench.run(&format!("identify both.csv -o one.json {flags}")));
+    let run = bench.run(&format!("identify slow.csv fast.csv --continued -o parts.json {flags}"));
+    let two = json(&run);
+    assert_eq!(one["records"][0]["samples"], 1600);
+    let samples: Vec<_> = two["records"].as_array().unwrap().iter().map(|r| r["samples"].clone()).collect();
+    assert_eq!(samples, [600, 1000]);
+    assert_eq!(two["whole"]["samples"], 1600);
+    for found in [&one, &two] {
+        let value = |name: &str| {
+            let of_name = |p: &&serde_json::Value| p["name"] == name;
+            found["parameters"].as_array().unwrap().iter().find(of_name).unwrap()["value"].as_f64().unwrap()
+        };
+        assert!((value("lag") - 0.01).abs() < 2e-4, "{found}");
+        assert!((value("delay") - 0.002).abs() < 2e-4, "{found}");
+    }
+    let scored = json(&bench.run("validate parts.json slow.csv fast.csv --continued --json"));
+    let rmse = |score: &serde_json::Value| score["rmse_um"].as_f64().unwrap();
+    assert!((rmse(&scored["whole"]) - rmse(&two["whole"])).abs() < 1e-3, "{scored}");
+    assert_eq!(scored["records"].as_array().unwrap().len(), 2);
+    // On their own they are two records, and the command says that they could be parts of one run.
+    let apart = bench.run(&format!("identify slow.csv fast.csv -o apart.json {flags}"));
+    assert!(apart.stdout.contains("--continued") || apart.stderr.contains("--continued"), "{apart:?}");
+}
+
+fn lag(time_s: f64) -> Vec<Term> {
+    vec![Term::new(1.0, 0.0), Term::new(time_s, 1.0)]
 }
 
 #[test]

@@ -52,7 +52,8 @@ impl<'a> JointMember<'a> {
             Initial::Free => (remembering, true),
             Initial::Zero => (Start::Rest { voltage_v: 0.0 }, false),
             Initial::Periodic => (periodic(facts)?, false),
-            Initial::Auto if first.abs() > JUMP * facts.range_v() => {
+            // Uneven stamps are those of a logger that ran before: the drive did not jump to its first sample.
+            Initial::Auto if matches!(timing, Timing::Rate(_)) && first.abs() > JUMP * facts.range_v() => {
                 match static_step::choose_start(facts, options, engine)? {
                     Start::Rest { voltage_v } if voltage_v != first => (Start::Rest { voltage_v }, false),
                     _ => (remembering, false),

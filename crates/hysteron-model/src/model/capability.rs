@@ -11,6 +11,8 @@ pub enum Capability {
     Simulation,
     /// Scores on a record.
     Scores,
+    /// Scores on consecutive records of one run.
+    Runs,
     /// A band around the output, from the errors of the numbers.
     Bands,
     /// Running sample by sample at a controller's rate.
@@ -31,9 +33,10 @@ pub enum Capability {
 
 impl Capability {
     /// Every one.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Simulation,
         Self::Scores,
+        Self::Runs,
         Self::Bands,
         Self::Realisation,
         Self::Inversion,
@@ -49,6 +52,7 @@ impl Capability {
         match self {
             Self::Simulation => "simulation",
             Self::Scores => "scoring",
+            Self::Runs => "scoring of a run in parts",
             Self::Bands => "a band around the output",
             Self::Realisation => "realisation",
             Self::Inversion => "inversion",

@@ -107,7 +107,7 @@ impl Model {
     /// as [`Self::score`] finds it; the later ones do not help.
     ///
     /// # Errors
-    /// As [`Self::score`]; models of several inputs and outputs take no runs.
+    /// As [`Self::score`]; [`RunError::Signals`] for models of several inputs and outputs.
     pub fn score_run(&self, run: &Run, start: Start, scoring: &Scoring) -> Result<RunScore, RunError> {
         let first = run.parts.first().map_or(&run.data, |part| &part.data);
         let chosen = match start {

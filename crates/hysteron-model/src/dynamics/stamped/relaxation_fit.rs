@@ -110,8 +110,8 @@ impl RelaxationFit {
         }
         let fitted = &self.inverse * &value;
         let left = &self.matrix * &fitted - &value;
-        // Written so that what is not a number fails, too.
-        if !(left.amax() <= ACCURACY * largest) {
+        let error = left.amax();
+        if error.is_nan() || error > ACCURACY * largest {
             return Err(DynamicsError::OutputNotFinite);
         }
         let tangents = tangents.iter().map(|tangent| self.split(&(&self.inverse * tangent))).collect();
