@@ -44,7 +44,12 @@ pub(super) fn identify(
     for facts in &dynamic {
         dynamic_starts.push(static_step::choose_start(facts, options, &mut engine)?);
     }
-    let outputs = dynamic_step::hysteresis_outputs(&step1.solution.hysteresis, &dynamic, &dynamic_starts)?;
+    // Without a second step nothing needs one sample rate.
+    let outputs = if follow {
+        dynamic_step::hysteresis_outputs(&step1.solution.hysteresis, &dynamic, &dynamic_starts)?
+    } else {
+        Vec::new()
+    };
     let step2 = match (follow, options.dynamics) {
         (false, DynamicsChoice::None | DynamicsChoice::Auto) => Step2::None,
         (false, wanted) if step1.solution.lag_s > 0.0 && wanted == DynamicsChoice::Integer => Step2::None,

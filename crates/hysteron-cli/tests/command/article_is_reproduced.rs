@@ -6,7 +6,9 @@ use crate::bench::Bench;
 fn a_rehearsal_writes_everything_and_says_that_it_is_one() {
     let bench = Bench::new();
     let run = bench.run("article --out-dir out --quick --seed 3 --json");
-    assert_eq!((run.exit_code, run.stderr.as_str()), (0, ""), "{run:?}");
+    // On a busy machine it may take long enough for a line of progress.
+    assert!(run.stderr.lines().all(|line| line.starts_with("progress: ")), "{run:?}");
+    assert_eq!(run.exit_code, 0, "{run:?}");
     let printed: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
     assert_eq!(printed["plan"]["quick"], true);
     assert_eq!(printed["plan"]["seed"], 3);

@@ -8,7 +8,7 @@ use super::record::{Ingredients, JointRecord};
 use super::weighting::{by_swing, thinned};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
-use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
+use hysteron_model::hysteresis::{Hysteresis, HysteresisError, HysteresisForm, RecordEnds};
 use hysteron_model::record::{Timing, noise_floor, quantisation_step};
 
 /// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a record, when it is
@@ -45,15 +45,27 @@ impl<'a> JointMember<'a> {
         engine: &mut Engine<'_, '_>,
     ) -> Result<Self, IdentifyError> {
         let (timing, rate_hz) = facts.require_timing()?;
+        let uneven = matches!(timing, Timing::Stamps(_));
+        let sees_rate = matches!(options.hysteresis, HysteresisForm::Family(form) if form.depends_on_rate());
+        if uneven && sees_rate {
+            return Err(IdentifyError::Hysteresis(HysteresisError::Interval));
+        }
         let first = facts.data.u[0];
         let remembering = Start::Remembering { voltage_v: first, memory: () };
         let (before, transients) = match options.initial {
             Initial::Rest => (remembering, false),
             Initial::Free => (remembering, true),
             Initial::Zero => (Start::Rest { voltage_v: 0.0 }, false),
+            Initial::Periodic if uneven => {
+                let record = facts.data.name.clone();
+                return Err(IdentifyError::NotPeriodic {
+                    record,
+                    found: "its time stamps are not uniform".into(),
+                });
+            }
             Initial::Periodic => (periodic(facts)?, false),
             // Uneven stamps are those of a logger that ran before: the drive did not jump to its first sample.
-            Initial::Auto if matches!(timing, Timing::Rate(_)) && first.abs() > JUMP * facts.range_v() => {
+            Initial::Auto if !uneven && first.abs() > JUMP * facts.range_v() => {
                 match static_step::choose_start(facts, options, engine)? {
                     Start::Rest { voltage_v } if voltage_v != first => (Start::Rest { voltage_v }, false),
                     _ => (remembering, false),

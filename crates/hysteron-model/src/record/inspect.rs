@@ -169,9 +169,9 @@ impl Inspection {
                     .to_string(),
             ).with_advice(Advice::GiveSampleRate)),
             TimeBase::NonUniform { .. } => findings.push(warning(format!(
-                "The time stamps are not uniform (longest distance {} times the median): a Hammerstein model is fitted to and simulated on them as they are; give the sample rate if they are only written coarsely.",
+                "The time stamps are not uniform (longest distance {} times the median): a Hammerstein model is fitted to and simulated on them as they are; what needs one rate takes the record resampled, or the rate if the stamps are only written coarsely.",
                 self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}"))
-            )).with_advice(Advice::GiveSampleRate)),
+            )).with_advice(Advice::Resample)),
             TimeBase::Uniform { jitter_samples, .. } if *jitter_samples > 0.01 => findings.push(warning(format!(
                 "The time stamps scatter by up to {jitter_samples:.3} of a sample about a uniform grid."
             ))),
