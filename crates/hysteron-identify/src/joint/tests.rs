@@ -8,7 +8,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Modes, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
 use hysteron_model::record::InterSample;
-use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range};
+use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Range, Stop};
 use std::f64::consts::TAU;
 
 /// At rest with an unknown memory, at the first voltage of whatever record.
@@ -280,6 +280,25 @@ fn jacobian_agrees_with_differences_on_periodic_records() {
         let problem = problem(fractional(), Some(1.0), records, [true, false]);
         check(&problem, &[0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9]);
     }
+}
+
+#[test]
+fn a_stopped_problem_knows_its_best_point_and_evaluates_no_other() {
+    let stop = Stop::new();
+    let records = records(Scheme::BandLimited, false, [REMEMBERING, Start::PERIODIC], 1);
+    let problem = problem(fractional(), Some(1.0), records, [true, false]).stopped_by(&stop);
+    let x = [0.35, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9];
+    let other = [0.3, 0.3, 120.0, 0.4, 1.9, 0.9, 0.0034, 0.9];
+    let (r, solution) = (residuals(&problem, &x), problem.solve(&x));
+    stop.request();
+    assert_eq!(problem.best(), Some(x.to_vec()));
+    assert_eq!((residuals(&problem, &x), problem.solve(&x)), (r, solution));
+    let mut out = vec![0.0; problem.residual_count()];
+    assert!(!problem.residuals(&other, &mut problem.workspace(), &mut out));
+    assert!(problem.linearise(&x).is_none());
+    // Where there is no point yet one is evaluated to its end.
+    let problem = problem.finishing();
+    assert!(problem.residuals(&other, &mut problem.workspace(), &mut out));
 }
 
 #[test]
