@@ -215,7 +215,7 @@ fn uneven_time_is_fitted_statically_and_with_dynamics_as_it_is() {
     assert_eq!(scored["records"].as_array().unwrap().len(), 2);
     // On their own they are two records, and the command says that they could be parts of one run.
     let apart = bench.run(&format!("identify slow.csv fast.csv -o apart.json {flags}"));
-    assert!(apart.stdout.contains("--continued") || apart.stderr.contains("--continued"), "{apart:?}");
+    assert!(apart.stdout.contains("continue-run"), "{apart:?}");
 }
 
 fn lag(time_s: f64) -> Vec<Term> {
