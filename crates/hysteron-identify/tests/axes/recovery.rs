@@ -145,7 +145,7 @@ fn records_that_do_not_belong_together_or_hold_nothing_are_refused() {
     noise.y.iter_mut().flatten().for_each(|y| *y = random.normal());
     let refused = refuse(&[noise]);
     assert!(refused.contains("do not describe") || refused.contains("no lightly damped mode"), "{refused}");
-    assert!(refuse(&[]).contains("no records"));
+    assert!(refuse(&[]).contains("no record was given"));
     let wrong = Options { steps: 0, ..options.clone() };
     assert!(fit(&[good], &wrong).unwrap_err().to_string().contains("steps is 0"));
 }
