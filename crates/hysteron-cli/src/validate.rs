@@ -87,9 +87,6 @@ impl Validate {
             loaded.hammerstein(Capability::Bands)?;
         }
         if self.continued {
-            loaded.hammerstein(Capability::Runs)?;
-        }
-        if self.continued {
             return self.run_continued(&loaded);
         }
         let records = self.records.iter().map(|path| self.score(&loaded, path));
@@ -105,6 +102,7 @@ impl Validate {
 
     /// Scores of the records as parts of runs.
     fn run_continued(&self, loaded: &Loaded) -> Result<(), Failure> {
+        loaded.hammerstein(Capability::Runs)?;
         let mut records = Vec::new();
         for path in &self.records {
             match loaded.read_record(path, &self.columns, &self.axes)? {

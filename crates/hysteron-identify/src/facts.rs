@@ -2,7 +2,7 @@
 
 use super::IdentifyError;
 use hysteron_model::record::{
-    InputOutput, Periods, Swings, TimeBase, Timing, find_periods, range_of, shortest_swing, turning_points,
+    InputOutput, Periods, Swings, TimeBase, Timing, find_periods, shortest_swing, span, turning_points,
 };
 use hysteron_model::validate::{settled_period, settling_samples};
 
@@ -141,8 +141,8 @@ impl RecordFacts {
     /// Time from the first to one past the last sample \[s\].
     pub(super) fn duration_s(&self) -> f64 {
         let samples = self.data.len();
-        match (self.data.time.time_s(0), self.data.time.time_s(samples.saturating_sub(1))) {
-            (Some(first), Some(last)) if self.swings.is_some() => last - first,
+        match self.data.time.extent_s(samples) {
+            Some((first, last)) if self.swings.is_some() => last - first,
             _ => self.data.sample_rate_hz().map_or(0.0, |rate| samples as f64 / rate),
         }
     }
@@ -156,11 +156,6 @@ impl RecordFacts {
             },
         })
     }
-}
-
-fn span(x: &[f64]) -> f64 {
-    let (low, high) = range_of(x);
-    high - low
 }
 
 /// Number of clearly different loop amplitudes in all records together.

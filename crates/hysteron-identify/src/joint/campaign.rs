@@ -5,7 +5,7 @@ use super::super::static_step::{self, OFFSET};
 use super::super::{Engine, IdentifyError, RecordFacts};
 use super::drive::TimedDrive;
 use super::record::{Ingredients, JointRecord};
-use super::weighting::{by_swing, thinned};
+use super::weighting::{Weighting, by_swing, thinned};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
 use hysteron_model::hysteresis::{Hysteresis, HysteresisError, HysteresisForm, RecordEnds};
@@ -101,7 +101,8 @@ impl<'a> JointMember<'a> {
         options: &Options,
     ) -> Result<JointRecord, IdentifyError> {
         let factor = if reduced { self.factor } else { 1 };
-        if let (Timing::Stamps(_), _) = self.facts.require_timing()? {
+        let (timing, _) = self.facts.require_timing()?;
+        if matches!(timing, Timing::Stamps(_)) {
             return self.prepare_stamps(factor > 1, scale, degree, options);
         }
         // A thinned record is band-limited, whatever the scheme of the whole.
@@ -110,16 +111,13 @@ impl<'a> JointMember<'a> {
         let samples = data.y.len();
         let held = options.demands.fixed(OFFSET);
         let output: Vec<f64> = data.y.iter().map(|y| y - held.unwrap_or(0.0)).collect();
-        let mut weight = vec![scale / self.noise; samples];
-        if let Some(valid) = &data.valid {
-            weight.iter_mut().zip(valid).filter(|(_, valid)| !**valid).for_each(|(weight, _)| *weight = 0.0);
-        }
+        let mut weighting = Weighting::from(vec![scale / self.noise; samples]);
+        weighting.mask(data.valid.as_deref());
         let mut nuisance = Vec::new();
         if options.drift {
             nuisance.push((0..samples).map(|k| k as f64 / samples as f64 - 0.5).collect());
         }
         let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
-        let (timing, _) = self.facts.require_timing()?;
         let TimedDrive { fine, thinning, clock } =
             TimedDrive::new(&data.u, timing, scheme, options.inter_sample, ends)?;
         Ok(JointRecord::new(Ingredients {
@@ -127,7 +125,7 @@ impl<'a> JointMember<'a> {
             thinning,
             factor,
             output,
-            weighting: weight.into(),
+            weighting,
             before: self.before,
             transients: self.transients,
             offset_is_held: held.is_some(),
@@ -153,10 +151,7 @@ impl<'a> JointMember<'a> {
         let times_s = data.time.times_s(data.len()).unwrap_or_default();
         let held = options.demands.fixed(OFFSET);
         let mut weighting = by_swing(data, scale / self.noise, self.noise, self.facts.stroke());
-        if let Some(valid) = &data.valid {
-            let masked = weighting.weight.iter_mut().zip(valid).filter(|(_, valid)| !**valid);
-            masked.for_each(|(weight, _)| *weight = 0.0);
-        }
+        weighting.mask(data.valid.as_deref());
         if thin {
             weighting = weighting.of_rows(&kept);
         }

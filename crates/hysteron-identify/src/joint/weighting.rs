@@ -1,4 +1,4 @@
-//! What the samples of a record count.
+//! Weights of the samples of a record.
 //!
 //! A sample counts by the error that is expected of it. Outside its class a model is wrong by a share of the swing, so that in a
 //! small oscillation beside large moves it must come closer to count as much as there: residuals are weighted by the swing of their
@@ -7,9 +7,9 @@
 
 use std::ops::Range;
 
-use hysteron_model::record::{InputOutput, Piece, oscillation_hz, range_of, turning_points};
+use hysteron_model::record::{InputOutput, Piece, oscillation_hz, span, turning_points};
 
-/// What a model outside its class is wrong by, as a share of the swing.
+/// Error of a model outside its class, as a share of the swing.
 const MISFIT: f64 = 0.002;
 /// Weights that differ by less than this factor are those of one amplitude.
 const SEVERAL: f64 = 2.0;
@@ -58,6 +58,12 @@ impl Weighting {
         column.iter_mut().zip(&self.weight).for_each(|(x, w)| *x = if *w > 0.0 { *x / w } else { 0.0 });
     }
 
+    /// Samples that are not valid do not count.
+    pub(super) fn mask(&mut self, valid: Option<&[bool]>) {
+        let masked = self.weight.iter_mut().zip(valid.unwrap_or_default()).filter(|(_, valid)| !**valid);
+        masked.for_each(|(weight, _)| *weight = 0.0);
+    }
+
     /// Weights where only these rows are worked on, each for those up to the next.
     pub(super) fn of_rows(&self, kept: &[usize]) -> Self {
         let weight = kept.iter().enumerate().map(|(at, &k)| {
@@ -88,8 +94,8 @@ impl Weighting {
 pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64) -> Weighting {
     let mut weighting = Weighting::from(vec![largest; data.len()]);
     let expected = |swing: f64| noise.hypot(MISFIT * swing);
-    for piece in data.time.pieces(data.len()) {
-        let Some(samples) = period_samples(data, &piece) else { continue };
+    for (piece, samples) in oscillations(data) {
+        let Some(samples) = samples else { continue };
         let count = (piece.samples.len() as f64 / samples).floor().max(1.0) as usize;
         let from = |period: usize| match period {
             period if period == count => piece.samples.end,
@@ -111,10 +117,9 @@ pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64
 /// Samples of a record in pieces that show every swing of its drive, reversals and ends of pieces among them.
 pub(super) fn thinned(data: &InputOutput) -> Vec<usize> {
     let mut kept = Vec::new();
-    for piece in data.time.pieces(data.len()) {
+    for (piece, samples) in oscillations(data) {
         let own = &data.u[piece.samples.clone()];
-        let swing = period_samples(data, &piece)
-            .map_or(own.len() as f64 / KEPT_A_PIECE, |samples| 0.5 * samples / KEPT_A_SWING);
+        let swing = samples.map_or(own.len() as f64 / KEPT_A_PIECE, |samples| 0.5 * samples / KEPT_A_SWING);
         let stride = (swing as usize).max(1);
         let mut within: Vec<usize> = (0..own.len()).step_by(stride).chain(own.len().checked_sub(1)).collect();
         within.extend(turning_points(own, REVERSAL * span(own)).iter().map(|turn| turn.index));
@@ -125,15 +130,15 @@ pub(super) fn thinned(data: &InputOutput) -> Vec<usize> {
     kept
 }
 
-/// Samples of a period of the oscillation in a piece.
-fn period_samples(data: &InputOutput, piece: &Piece) -> Option<f64> {
-    let hz = oscillation_hz(&data.u, piece, OSCILLATES * span(&data.u))?;
-    Some(1.0 / (hz * piece.period_s))
-}
-
-fn span(x: &[f64]) -> f64 {
-    let (low, high) = range_of(x);
-    high - low
+/// The pieces of a record, each with the samples of a period of its oscillation where it has one.
+fn oscillations(data: &InputOutput) -> impl Iterator<Item = (Piece, Option<f64>)> {
+    // Once: there may be as many pieces as samples.
+    let least_range = OSCILLATES * span(&data.u);
+    data.time.pieces(data.len()).into_iter().map(move |piece| {
+        let hz = oscillation_hz(&data.u, &piece, least_range);
+        let samples = hz.map(|hz| 1.0 / (hz * piece.period_s));
+        (piece, samples)
+    })
 }
 
 #[cfg(test)]

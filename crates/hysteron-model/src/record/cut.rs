@@ -229,7 +229,7 @@ impl Turns {
 impl Record {
     /// First and last time \[s\].
     pub(super) fn extent_s(&self) -> Option<(f64, f64)> {
-        self.time.time_s(0).zip(self.time.time_s(self.len().checked_sub(1)?))
+        self.time.extent_s(self.len())
     }
 
     /// The samples that a [`Cut`] keeps. Stamps stay as they are: where samples are left out between others, or segments of

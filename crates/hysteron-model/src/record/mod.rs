@@ -78,9 +78,9 @@ pub use swings::{Swings, oscillation_hz};
 pub use time_base::{GIVEN_RATE_TOLERANCE, UNIFORM_TOLERANCE_SAMPLES};
 pub use timing::Timing;
 pub use trend::{LinearDrift, linear_drift};
-#[doc(hidden)]
-pub use turning_points::range_of;
 pub use turning_points::{TurningPoint, shortest_swing, turning_points};
+#[doc(hidden)]
+pub use turning_points::{range_of, span};
 pub use unit::{Quantity, Unit};
 
 /// One measured (or simulated) run: named channels with units on one time base. Never changed in place:

@@ -84,7 +84,7 @@ impl Run {
 /// Whether records follow each other on one clock, as parts of one run do: each begins after the one before ends, by no more than
 /// the two last.
 pub fn follow_each_other(records: &[&InputOutput]) -> bool {
-    let extents: Option<Vec<(f64, f64)>> = records.iter().map(|record| extent_s(record).ok()).collect();
+    let extents: Option<Vec<(f64, f64)>> = records.iter().map(|r| r.time.extent_s(r.len())).collect();
     extents.is_some_and(|extents| {
         extents.len() > 1
             && extents.windows(2).all(|two| {
@@ -100,14 +100,11 @@ fn continues(group: &[&InputOutput], begins_s: f64) -> Result<bool, RecordError>
 
 /// Times of the first and of the last sample \[s\].
 fn extent_s(record: &InputOutput) -> Result<(f64, f64), RecordError> {
-    match (record.time.time_s(0), record.time.time_s(record.len().saturating_sub(1))) {
-        (Some(first), Some(last)) => Ok((first, last)),
-        _ => Err(RecordError::NotUniform {
-            record: record.name.clone(),
-            purpose: "continuing a run",
-            found: record.time.description(),
-        }),
-    }
+    record.time.extent_s(record.len()).ok_or_else(|| RecordError::NotUniform {
+        record: record.name.clone(),
+        purpose: "continuing a run",
+        found: record.time.description(),
+    })
 }
 
 #[cfg(test)]

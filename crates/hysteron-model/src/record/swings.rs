@@ -1,6 +1,6 @@
 //! How fast a drive swings, whatever its time base and its amplitudes.
 
-use super::turning_points::{range_of, shortest_swing, turning_points};
+use super::turning_points::{shortest_swing, span, turning_points};
 use super::{Piece, TimeBase};
 
 /// Reversals that count within a piece: of this share of its own range.
@@ -28,13 +28,13 @@ impl Swings {
             let hz = sample_rate_hz / (2.0 * shortest_swing(u) as f64);
             return Some(Self { slowest_hz: hz, fastest_hz: hz });
         }
-        let last = u.len().checked_sub(1)?;
+        let (first_s, last_s) = time.extent_s(u.len())?;
         let at = |k: usize| time.time_s(k);
         let range = span(u);
         let wide = turning_points(u, WIDE * range);
         let ends = wide.windows(2).map(|two| Some(at(two[1].index)? - at(two[0].index)?));
         let times: Vec<f64> = ends.collect::<Option<_>>()?;
-        let duration = at(last)? - at(0)?;
+        let duration = last_s - first_s;
         let longest = times.iter().copied().reduce(f64::max).unwrap_or(duration);
         let shortest = times.iter().copied().filter(|t| *t > 0.0).reduce(f64::min).unwrap_or(duration);
         let of_pieces = time.pieces(u.len());
@@ -53,11 +53,6 @@ pub fn oscillation_hz(u: &[f64], piece: &Piece, least_range: f64) -> Option<f64>
     }
     let samples = turns[turns.len() - 1].index - turns[0].index;
     Some((turns.len() - 1) as f64 / (2.0 * samples as f64 * piece.period_s))
-}
-
-fn span(x: &[f64]) -> f64 {
-    let (low, high) = range_of(x);
-    high - low
 }
 
 #[cfg(test)]

@@ -91,6 +91,11 @@ impl TimeBase {
         }
     }
 
+    /// Times of the first and of the last of this many samples \[s\]; `None` where they are unknown.
+    pub fn extent_s(&self, samples: usize) -> Option<(f64, f64)> {
+        self.time_s(0).zip(self.time_s(samples.checked_sub(1)?))
+    }
+
     /// The part of the base that belongs to samples `start..end`.
     pub(crate) fn cropped(&self, start: usize, end: usize) -> TimeBase {
         match self {

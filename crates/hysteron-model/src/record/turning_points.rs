@@ -62,6 +62,13 @@ pub fn range_of(samples: &[f64]) -> (f64, f64) {
     it.fold((first, first), |(low, high), x| (low.min(x), high.max(x)))
 }
 
+/// Largest less smallest value; 0 of nothing.
+#[doc(hidden)]
+pub fn span(samples: &[f64]) -> f64 {
+    let (low, high) = range_of(samples);
+    high - low
+}
+
 /// Median (upper of the two middle ones for an even count); NaN of nothing.
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
