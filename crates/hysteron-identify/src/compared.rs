@@ -7,11 +7,11 @@ use hysteron_model::hysteresis::{Invertibility, TimedDrive};
 use hysteron_model::model_file::Maker;
 use hysteron_model::realise::{Cost, RealiseOptions, side_by_side};
 use hysteron_numeric::number::significant;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::baselines::{CrossValidated, Trained};
 use crate::fit::{Fit, FitRecords, Task, fit};
-use crate::structure::{Candidate, Comparison, Standing};
+use crate::structure::{Candidate, Comparison, Fold, Standing};
 use crate::watch::Watch;
 use crate::{CampaignRecord, IdentifyError, Options};
 
@@ -224,72 +224,121 @@ fn costs(
         .collect()
 }
 
-/// The comparison for programs; errors in the unit of the output.
-#[derive(Serialize)]
-struct Summary<'a> {
-    records: &'a [String],
-    output_unit: &'a str,
-    preferred: Option<String>,
-    best: Option<String>,
-    noise_floor: f64,
-    samples: usize,
-    independent_samples: f64,
-    folds: Vec<FoldEntry<'a>>,
-    candidates: Vec<CandidateEntry<'a>>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    baselines: Vec<BaselineEntry<'a>>,
-    notes: Vec<String>,
-    interrupted: bool,
+/// A comparison in numbers: its JSON, to be written and read back. Errors are in the unit of the output.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComparisonSummary {
+    /// Names of the records.
+    pub records: Vec<String>,
+    /// Unit of the output.
+    pub output_unit: String,
+    /// Candidate to be taken: the one with the fewest parameters that is as good as the best.
+    pub preferred: Option<String>,
+    /// Candidate of the smallest error.
+    pub best: Option<String>,
+    /// Noise of the records.
+    pub noise_floor: f64,
+    /// Samples that were scored.
+    pub samples: usize,
+    /// So many independent ones they are worth.
+    pub independent_samples: f64,
+    /// What was left out in turn.
+    pub folds: Vec<FoldSummary>,
+    /// Candidates in the order of the ranking.
+    pub candidates: Vec<CandidateSummary>,
+    /// Black-box models on the same folds.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub baselines: Vec<BaselineSummary>,
+    /// The verdict in sentences.
+    pub notes: Vec<String>,
+    /// The comparison was stopped.
+    pub interrupted: bool,
 }
 
-#[derive(Serialize)]
-struct FoldEntry<'a> {
-    left_out: &'a str,
-    content: &'a str,
-    whole_records: bool,
+/// What is left out of a fit and scored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FoldSummary {
+    /// Its name.
+    pub left_out: String,
+    /// What it holds.
+    pub content: String,
+    /// It consists of whole records.
+    pub whole_records: bool,
 }
 
-#[derive(Serialize)]
-struct CandidateEntry<'a> {
-    name: String,
-    parameters: usize,
-    error: Option<f64>,
-    error_std_error: Option<f64>,
-    above_best: Option<f64>,
-    above_best_std_error: Option<f64>,
-    as_good_as_best: Option<bool>,
-    training_rmse: Option<f64>,
-    aic: Option<f64>,
-    bic: Option<f64>,
-    nanoseconds_per_sample: Option<f64>,
-    states: Option<usize>,
-    not_realised_because: Option<&'a str>,
-    invertible: Option<&'static str>,
-    fold_errors: &'a [Option<f64>],
-    failures: &'a [String],
+/// A candidate of a comparison.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CandidateSummary {
+    /// Its name.
+    pub name: String,
+    /// Number of estimated parameters.
+    pub parameters: usize,
+    /// Rms error on what was left out.
+    pub error: Option<f64>,
+    /// Standard error of it.
+    pub error_std_error: Option<f64>,
+    /// Error above that of the best candidate.
+    pub above_best: Option<f64>,
+    /// Standard error of it.
+    pub above_best_std_error: Option<f64>,
+    /// It cannot be told from the best.
+    pub as_good_as_best: Option<bool>,
+    /// Rms error on what it was trained on.
+    pub training_rmse: Option<f64>,
+    /// Akaike's information criterion.
+    pub aic: Option<f64>,
+    /// Bayesian information criterion.
+    pub bic: Option<f64>,
+    /// Nanoseconds a sample on the machine that compared.
+    pub nanoseconds_per_sample: Option<f64>,
+    /// Linear states of its realisation.
+    pub states: Option<usize>,
+    /// Why it has none.
+    pub not_realised_because: Option<String>,
+    /// Whether its hysteresis has an inverse.
+    pub invertible: Option<String>,
+    /// Rms error of each fold.
+    pub fold_errors: Vec<Option<f64>>,
+    /// Fits that failed, with the reason.
+    pub failures: Vec<String>,
 }
 
-#[derive(Serialize)]
-struct BaselineEntry<'a> {
-    name: &'static str,
-    parameters: Option<usize>,
-    lag_interval_s: Option<f64>,
-    output_lags: Option<usize>,
-    input_lags: Option<usize>,
-    error: Option<f64>,
-    error_std_error: Option<f64>,
-    training_rmse: Option<f64>,
-    fold_errors: &'a [Option<f64>],
-    failures: &'a [String],
-    seconds: Option<f64>,
+/// A black-box model of a comparison.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaselineSummary {
+    /// Its name.
+    pub name: String,
+    /// Number of parameters.
+    pub parameters: Option<usize>,
+    /// Time between two lags \[s\].
+    pub lag_interval_s: Option<f64>,
+    /// Lags of the output.
+    pub output_lags: Option<usize>,
+    /// Lags of the input.
+    pub input_lags: Option<usize>,
+    /// Rms error on what was left out.
+    pub error: Option<f64>,
+    /// Standard error of it.
+    pub error_std_error: Option<f64>,
+    /// Rms error on what it was trained on.
+    pub training_rmse: Option<f64>,
+    /// Rms error of each fold.
+    pub fold_errors: Vec<Option<f64>>,
+    /// Fits that failed, with the reason.
+    pub failures: Vec<String>,
+    /// Time that it took \[s\].
+    pub seconds: Option<f64>,
 }
 
-impl<'a> BaselineEntry<'a> {
-    fn new(entry: &'a CrossValidated) -> Self {
+impl BaselineSummary {
+    fn new(entry: &CrossValidated) -> Self {
         let model = entry.model.as_ref();
         let lags = model.map(|m| m.regressors.lags);
-        BaselineEntry {
-            name: entry.kind.name(),
+        Self {
+            name: entry.kind.name().to_owned(),
             parameters: model.map(Trained::parameters),
             lag_interval_s: model.map(|m| m.units.interval_s),
             output_lags: lags.map(|l| l.output),
@@ -297,22 +346,28 @@ impl<'a> BaselineEntry<'a> {
             error: entry.error().map(|e| e.0),
             error_std_error: entry.error().map(|e| e.1),
             training_rmse: entry.training_rmse,
-            fold_errors: &entry.fold_rmse,
-            failures: &entry.failures,
+            fold_errors: entry.fold_rmse.clone(),
+            failures: entry.failures.clone(),
             seconds: entry.seconds,
         }
     }
 }
 
 impl Serialize for Compared {
-    /// Candidates in the order of the ranking.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.summary().serialize(serializer)
+    }
+}
+
+impl Compared {
+    /// The comparison in numbers.
+    pub fn summary(&self) -> ComparisonSummary {
         let comparison = &self.comparison;
         let name = |i: usize| comparison.entries[i].candidate.to_string();
         let candidate = |i: usize| {
             let (entry, standing) = (&comparison.entries[i], self.standing(i));
             let costs = self.costs.get(i);
-            CandidateEntry {
+            CandidateSummary {
                 name: name(i),
                 parameters: entry.parameters,
                 error: standing.map(|s| s.mean),
@@ -325,30 +380,30 @@ impl Serialize for Compared {
                 bic: entry.bic,
                 nanoseconds_per_sample: costs.and_then(|c| c.cost).map(|c| c.nanoseconds),
                 states: costs.and_then(|c| c.cost).map(|c| c.states),
-                not_realised_because: costs.and_then(|c| c.why_not.as_deref()),
-                invertible: costs.and_then(|c| c.inverse).map(Invertibility::word),
-                fold_errors: &entry.fold_rmse,
-                failures: &entry.failures,
+                not_realised_because: costs.and_then(|c| c.why_not.clone()),
+                invertible: costs.and_then(|c| c.inverse).map(|found| found.word().to_owned()),
+                fold_errors: entry.fold_rmse.clone(),
+                failures: entry.failures.clone(),
             }
         };
-        let summary = Summary {
-            records: &self.records,
-            output_unit: &self.unit,
+        let fold = |f: &Fold| FoldSummary {
+            left_out: f.label.clone(),
+            content: f.content.clone(),
+            whole_records: f.whole,
+        };
+        ComparisonSummary {
+            records: self.records.clone(),
+            output_unit: self.unit.clone(),
             preferred: comparison.ranking.as_ref().map(|r| name(r.preferred)),
             best: comparison.ranking.as_ref().map(|r| name(r.best)),
             noise_floor: comparison.noise_floor,
             samples: comparison.samples,
             independent_samples: comparison.independent_samples,
-            folds: comparison
-                .folds
-                .iter()
-                .map(|f| FoldEntry { left_out: &f.label, content: &f.content, whole_records: f.whole })
-                .collect(),
+            folds: comparison.folds.iter().map(fold).collect(),
             candidates: self.order().into_iter().map(candidate).collect(),
-            baselines: self.baselines.iter().map(BaselineEntry::new).collect(),
+            baselines: self.baselines.iter().map(BaselineSummary::new).collect(),
             notes: self.verdict(),
             interrupted: comparison.interrupted,
-        };
-        summary.serialize(serializer)
+        }
     }
 }

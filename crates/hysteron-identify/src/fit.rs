@@ -1,9 +1,9 @@
 //! From records to a model of any kind, and everything that is to be known about it.
 
-use hysteron_model::axes::AxesRecord;
-use hysteron_model::model::{Capability, RunError, Score, Unsupported};
-use hysteron_model::model_file::{Kind, Maker};
-use hysteron_model::record::{InputOutput, Keyed};
+use hysteron_model::axes::{AxesRecord, Mode};
+use hysteron_model::model::{Capability, RunError, Score, ScoreSummary, Unsupported};
+use hysteron_model::model_file::{DynamicsBlock, HysteresisBlock, InfluenceEntry, Kind, Maker, Quantity};
+use hysteron_model::record::InputOutput;
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model, Start};
 use serde::{Deserialize, Serialize, Serializer};
@@ -365,91 +365,162 @@ fn scores(
     records.iter().map(score).collect()
 }
 
-/// One search, as JSON.
-#[derive(Serialize)]
-struct SearchEntry<'a> {
-    step: &'a str,
-    optimizer: &'a str,
-    cost: f64,
-    evaluations: usize,
-    generations: usize,
+/// An identification in numbers: its JSON, to be written and read back. What is empty or `None` is left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FitSummary {
+    /// Structure, of every kind but a Hammerstein model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub structure: Option<String>,
+    /// Scores of the records, of parts of runs where they continue one another.
+    pub records: Vec<ScoreSummary>,
+    /// The whole of a run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub whole: Option<ScoreSummary>,
+    /// The whole of each run, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub runs: Vec<ScoreSummary>,
+    /// Estimated and held parameters, of every kind but modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameters: Option<Vec<FitParameter>>,
+    /// Number of parameters of modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameter_count: Option<usize>,
+    /// Static block of a Hammerstein model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hysteresis: Option<HysteresisBlock>,
+    /// Its dynamic block.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamics: Option<DynamicsBlock>,
+    /// Its delay.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delay: Option<Quantity>,
+    /// Searches that were run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub searches: Option<Vec<SearchSummary>>,
+    /// Thinning of the records while searching.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reduction: Option<ReductionSummary>,
+    /// Modes at the lowest and the highest level.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub modes: Option<Vec<ModeSummary>>,
+    /// Influence matrices of modes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub influence: Option<Vec<InfluenceEntry>>,
+    /// Verdicts, advice and warnings.
+    pub findings: Vec<Finding>,
+    /// The fit was stopped.
+    pub interrupted: bool,
 }
 
-/// Thinning while searching, as JSON.
-#[derive(Serialize)]
-struct ReductionEntry {
-    samples: usize,
-    searched: usize,
-    moved_std_errors: f64,
+/// A search of an identification.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SearchSummary {
+    /// What was searched.
+    pub step: String,
+    /// Optimiser.
+    pub optimizer: String,
+    /// Cost at the end.
+    pub cost: f64,
+    /// Evaluations of the cost.
+    pub evaluations: usize,
+    /// Generations, or iterations of least squares.
+    pub generations: usize,
 }
 
-/// A mode at the lowest and at the highest level, as JSON.
-#[derive(Serialize)]
-struct ModeEntry {
-    lowest_level: hysteron_model::axes::Mode,
-    highest_level: hysteron_model::axes::Mode,
+/// Thinning of the records while searching.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReductionSummary {
+    /// Samples of the records.
+    pub samples: usize,
+    /// Those that the search looked at.
+    pub searched: usize,
+    /// Largest move of a parameter when all samples were taken, in standard errors.
+    pub moved_std_errors: f64,
+}
+
+/// A mode at the lowest and at the highest level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModeSummary {
+    /// At the lowest level.
+    pub lowest_level: Mode,
+    /// At the highest level.
+    pub highest_level: Mode,
 }
 
 impl Serialize for Fit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut told = Keyed::default();
-        match &self.found {
-            Found::Hammerstein(_) => {}
-            Found::Oscillator(_) => told = told.with("structure", "oscillator"),
-            Found::Modes(_) => told = told.with("structure", "modes"),
-            Found::Branches(_) => told = told.with("structure", "hammerstein"),
+        self.summary().serialize(serializer)
+    }
+}
+
+impl Fit {
+    /// The identification in numbers.
+    pub fn summary(&self) -> FitSummary {
+        let structure = match &self.found {
+            Found::Hammerstein(_) => None,
+            Found::Oscillator(_) => Some("oscillator"),
+            Found::Modes(_) => Some("modes"),
+            Found::Branches(_) => Some("hammerstein"),
+        };
+        let runs: Vec<ScoreSummary> = self.runs().iter().map(|run| run.score().summary()).collect();
+        let mut summary = FitSummary {
+            structure: structure.map(str::to_owned),
+            records: self.scores.iter().map(Score::summary).collect(),
+            parameters: Some(self.parameters.clone()),
+            findings: self.findings.clone(),
+            interrupted: self.interrupted,
+            ..FitSummary::default()
+        };
+        match <[ScoreSummary; 1]>::try_from(runs) {
+            Ok([run]) => summary.whole = Some(run),
+            Err(runs) => summary.runs = runs,
         }
-        told = told.with("records", &self.scores);
-        told = match self.runs() {
-            [] => told,
-            [run] => told.with("whole", run.score()),
-            runs => told.with("whole", runs.iter().map(RecordFit::score).collect::<Vec<_>>()),
-        };
-        told = match &self.found {
-            Found::Modes(found) => told.with("parameters", found.parameters),
-            _ => told.with("parameters", &self.parameters),
-        };
-        let told = match (&self.found, &self.model) {
+        match (&self.found, &self.model) {
             (Found::Hammerstein(found), Model::Hammerstein(body)) => {
-                let searches = found.searches.iter().map(|s| (s.step.as_str(), s.algorithm, &s.outcome));
-                let reduction = found.reduction.map(|r| ReductionEntry {
+                let file = body.data();
+                summary.hysteresis = Some(file.hysteresis.clone());
+                summary.dynamics = Some(file.dynamics.clone());
+                summary.delay = Some(file.delay.clone());
+                let searches = found.searches.iter();
+                let searches = searches.map(|s| SearchSummary::new(&s.step, s.algorithm, &s.outcome));
+                summary.searches = Some(searches.collect());
+                summary.reduction = found.reduction.map(|r| ReductionSummary {
                     samples: r.samples,
                     searched: r.searched,
                     moved_std_errors: r.moved,
                 });
-                let file = body.data();
-                told.with("hysteresis", &file.hysteresis)
-                    .with("dynamics", &file.dynamics)
-                    .with("delay", &file.delay)
-                    .with("searches", entries(searches))
-                    .with("reduction", reduction)
             }
             (Found::Oscillator(found), _) => {
-                let shapes = found.shapes.iter().map(|s| ("shape", "least-squares", s));
-                let last = std::iter::once(("output error", "least-squares", &found.search));
-                told.with("searches", entries(shapes.chain(last)))
+                let shapes = found.shapes.iter().map(|s| ("shape", s));
+                let all = shapes.chain([("output error", &found.search)]);
+                let all = all.map(|(step, outcome)| SearchSummary::new(step, "least-squares", outcome));
+                summary.searches = Some(all.collect());
             }
             (Found::Modes(found), Model::Modes(body)) => {
-                let mode = |m: &modes::ModeShift| ModeEntry { lowest_level: m.low, highest_level: m.high };
-                told.with("modes", found.modes.iter().map(mode).collect::<Vec<_>>())
-                    .with("influence", &body.data().influence)
+                let mode = |m: &modes::ModeShift| ModeSummary { lowest_level: m.low, highest_level: m.high };
+                summary.parameters = None;
+                summary.parameter_count = Some(found.parameters);
+                summary.modes = Some(found.modes.iter().map(mode).collect());
+                summary.influence = Some(body.data().influence.clone());
             }
-            _ => told,
-        };
-        told.with("findings", &self.findings).with("interrupted", self.interrupted).serialize(serializer)
+            _ => {}
+        }
+        summary
     }
 }
 
-fn entries<'a>(
-    searches: impl Iterator<Item = (&'a str, &'a str, &'a hysteron_optimize::Outcome)>,
-) -> Vec<SearchEntry<'a>> {
-    let entry =
-        |(step, optimizer, outcome): (&'a str, &'a str, &'a hysteron_optimize::Outcome)| SearchEntry {
-            step,
-            optimizer,
+impl SearchSummary {
+    fn new(step: &str, optimizer: &str, outcome: &hysteron_optimize::Outcome) -> Self {
+        Self {
+            step: step.to_owned(),
+            optimizer: optimizer.to_owned(),
             cost: outcome.cost,
             evaluations: outcome.evaluations,
             generations: outcome.generations,
-        };
-    searches.map(entry).collect()
+        }
+    }
 }

@@ -42,10 +42,15 @@ mod uncertainty;
 mod watch;
 mod written;
 
-pub use compared::{CandidateCost, Compared};
+pub use compared::{
+    BaselineSummary, CandidateCost, CandidateSummary, Compared, ComparisonSummary, FoldSummary,
+};
 pub use engine::Search;
 pub use error::IdentifyError;
-pub use fit::{Fit, FitParameter, FitRecords, Found, Place, Task, fit, fit_on};
+pub use fit::{
+    Fit, FitParameter, FitRecords, FitSummary, Found, ModeSummary, Place, ReductionSummary, SearchSummary,
+    Task, fit, fit_on,
+};
 pub use hysteron_model::{Finding, FindingKind};
 pub use joint::{
     Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,

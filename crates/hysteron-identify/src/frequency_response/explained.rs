@@ -8,7 +8,7 @@ use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::{Maker, ModelFile, Provenance, SignalUnits};
 use hysteron_model::record::InterSample;
 use hysteron_numeric::number::significant;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::empirical::{DetectionLines, EmpiricalResponse};
 use super::{Candidate, FrequencyResponse, Weighting};
@@ -119,44 +119,78 @@ impl Explained {
     }
 }
 
-/// The fits for programs.
-#[derive(Serialize)]
-struct Summary {
-    response: String,
-    unit: String,
-    points: usize,
-    band_hz: (f64, f64),
-    weighting: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    empirical: Option<EmpiricalSummary>,
-    structures: Vec<StructureSummary>,
+/// Fits to a frequency response in numbers: their JSON, to be written and read back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExplainedSummary {
+    /// Name of the response.
+    pub response: String,
+    /// Unit of its gain.
+    pub unit: String,
+    /// Number of its points.
+    pub points: usize,
+    /// Its lowest and highest frequency \[Hz\].
+    pub band_hz: (f64, f64),
+    /// `relative` or `uncertainty`.
+    pub weighting: String,
+    /// How the response was estimated, where it comes of records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub empirical: Option<EmpiricalSummary>,
+    /// Structures that were fitted, the preferred one first.
+    pub structures: Vec<StructureSummary>,
 }
 
-#[derive(Serialize)]
-struct StructureSummary {
-    name: String,
-    formula: String,
-    rms_error_percent: f64,
-    largest_error_percent: f64,
-    largest_error_at_hz: f64,
-    aic: f64,
-    starts: usize,
-    starts_in_best_optimum: usize,
-    explanation: String,
-    parameters: Vec<ParameterSummary>,
+/// A structure fitted to a frequency response.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StructureSummary {
+    /// Its name.
+    pub name: String,
+    /// Its transfer function.
+    pub formula: String,
+    /// Rms of the relative error \[%\].
+    pub rms_error_percent: f64,
+    /// Largest relative error \[%\].
+    pub largest_error_percent: f64,
+    /// Frequency at which it is \[Hz\].
+    pub largest_error_at_hz: f64,
+    /// Akaike's information criterion.
+    pub aic: f64,
+    /// Starts of the search.
+    pub starts: usize,
+    /// Those that ended in the best optimum.
+    pub starts_in_best_optimum: usize,
+    /// What the numbers mean, in a sentence.
+    pub explanation: String,
+    /// Its parameters.
+    pub parameters: Vec<ResponseParameter>,
 }
 
-#[derive(Serialize)]
-struct ParameterSummary {
-    name: String,
-    value: f64,
-    unit: String,
-    std_error: Option<f64>,
-    on_edge: bool,
+/// A parameter of a structure fitted to a frequency response.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResponseParameter {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Standard error, where the response determines it.
+    pub std_error: Option<f64>,
+    /// It ended at an end of its range.
+    pub on_edge: bool,
 }
 
 impl Serialize for Explained {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.summary().serialize(serializer)
+    }
+}
+
+impl Explained {
+    /// The fits in numbers.
+    pub fn summary(&self) -> ExplainedSummary {
         let response = &self.response;
         let structure = |c: &Candidate| StructureSummary {
             name: c.name.clone(),
@@ -172,7 +206,7 @@ impl Serialize for Explained {
                 .fit
                 .parameters
                 .iter()
-                .map(|p| ParameterSummary {
+                .map(|p| ResponseParameter {
                     name: p.name.clone(),
                     value: p.value,
                     unit: p.unit.clone(),
@@ -181,40 +215,53 @@ impl Serialize for Explained {
                 })
                 .collect(),
         };
-        let summary = Summary {
+        ExplainedSummary {
             response: response.name.clone(),
             unit: response.unit.clone(),
             points: response.len(),
             band_hz: response.range_hz(),
             weighting: match Weighting::of(response) {
-                Weighting::Relative => "relative",
-                Weighting::Uncertainty => "uncertainty",
+                Weighting::Relative => "relative".to_owned(),
+                Weighting::Uncertainty => "uncertainty".to_owned(),
             },
             empirical: self.empirical.as_ref().map(empirical_summary),
             structures: self.candidates.iter().map(structure).collect(),
-        };
-        summary.serialize(serializer)
+        }
     }
 }
 
-/// Root mean squares over the lines.
-#[derive(Serialize)]
-struct EmpiricalSummary {
-    realisations: usize,
-    periods: Vec<usize>,
-    period_samples: usize,
-    lines: usize,
-    noise_percent: Option<f64>,
-    distortion_percent: Option<f64>,
-    odd_detection: Option<Detection>,
-    even_detection: Option<Detection>,
+/// How a frequency response was estimated; root mean squares over its lines.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EmpiricalSummary {
+    /// Records.
+    pub realisations: usize,
+    /// Whole periods of each in steady state.
+    pub periods: Vec<usize>,
+    /// Samples of a period.
+    pub period_samples: usize,
+    /// Excited lines.
+    pub lines: usize,
+    /// Noise \[%\]; `None` for a single period.
+    pub noise_percent: Option<f64>,
+    /// Nonlinear distortion \[%\]; `None` for a single record.
+    pub distortion_percent: Option<f64>,
+    /// Odd lines that were not excited, where there are any.
+    pub odd_detection: Option<DetectionSummary>,
+    /// Even lines that were not excited, where there are any.
+    pub even_detection: Option<DetectionSummary>,
 }
 
-#[derive(Serialize)]
-struct Detection {
-    lines: usize,
-    amplitude_rms: f64,
-    noise_rms: f64,
+/// Lines that were not excited and show nonlinear distortion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DetectionSummary {
+    /// Their number.
+    pub lines: usize,
+    /// Rms amplitude of the output at them.
+    pub amplitude_rms: f64,
+    /// Rms noise at them.
+    pub noise_rms: f64,
 }
 
 fn empirical_summary(found: &EmpiricalResponse) -> EmpiricalSummary {
@@ -225,7 +272,7 @@ fn empirical_summary(found: &EmpiricalResponse) -> EmpiricalSummary {
         Some(rms(&shares))
     };
     let detection = |lines: &DetectionLines| {
-        (!lines.amplitude.is_empty()).then(|| Detection {
+        (!lines.amplitude.is_empty()).then(|| DetectionSummary {
             lines: lines.amplitude.len(),
             amplitude_rms: rms(&lines.amplitude),
             noise_rms: rms(&lines.noise),

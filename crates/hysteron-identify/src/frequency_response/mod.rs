@@ -34,7 +34,10 @@ mod structure;
 mod transfer;
 
 pub use compare::{Candidate, Family, compare, has_dynamics, has_resonance};
-pub use explained::{Explained, WrittenStructure};
+pub use explained::{
+    DetectionSummary, EmpiricalSummary, Explained, ExplainedSummary, ResponseParameter, StructureSummary,
+    WrittenStructure,
+};
 pub use fit::{FittedParameter, ResponseFit, Weighting, fit_structure};
 pub use hysteron_model::record::{FrequencyResponse, unwrapped_phase_deg};
 pub use levy::levy;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::model_file::{ModelFile, ValidRange};
 use crate::realise::{
@@ -88,40 +88,66 @@ impl CheckedRealisation {
     }
 }
 
-#[derive(Serialize)]
-struct Summary<'a> {
-    sample_rate_hz: f64,
-    accuracy: f64,
-    states: usize,
-    delay_samples: usize,
-    taps: &'a [f64],
-    sections: Vec<SectionEntry>,
-    rest_gain: f64,
-    offset: f64,
-    moves_half_way: bool,
-    band_hz: [f64; 2],
-    frequency_error: f64,
-    reference_gain: f64,
-    weights_over_gain: f64,
-    batch_difference_largest: f64,
-    batch_difference_rms: f64,
-    range: f64,
-    output_unit: &'a str,
-    nanoseconds_per_sample: f64,
+/// A realisation in numbers: its JSON, to be written and read back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RealisationSummary {
+    /// Its rate \[Hz\].
+    pub sample_rate_hz: f64,
+    /// Accuracy asked for, as a share of the range.
+    pub accuracy: f64,
+    /// Linear states.
+    pub states: usize,
+    /// Whole samples of delay.
+    pub delay_samples: usize,
+    /// Taps of the fractional part of the delay.
+    pub taps: Vec<f64>,
+    /// First and second order sections.
+    pub sections: Vec<SectionSummary>,
+    /// Gain at rest.
+    pub rest_gain: f64,
+    /// Offset of the output.
+    pub offset: f64,
+    /// The hysteresis moves half way between samples.
+    pub moves_half_way: bool,
+    /// Band that is realised \[Hz\].
+    pub band_hz: [f64; 2],
+    /// Largest error of the frequency response in it, relative.
+    pub frequency_error: f64,
+    /// Gain that the error is relative to.
+    pub reference_gain: f64,
+    /// Sum of the weights of the sections over the gain.
+    pub weights_over_gain: f64,
+    /// Largest difference from the batch simulation along the sweep.
+    pub batch_difference_largest: f64,
+    /// Rms difference from it.
+    pub batch_difference_rms: f64,
+    /// Range of the output along the sweep.
+    pub range: f64,
+    /// Symbol of the unit of the output.
+    pub output_unit: String,
+    /// Nanoseconds a sample on the machine that made it.
+    pub nanoseconds_per_sample: f64,
 }
 
-#[derive(Serialize)]
-struct SectionEntry {
-    kind: &'static str,
-    rate_rad_per_s: f64,
-    gain: [f64; 2],
-    weight: [f64; 2],
+/// A section of a realisation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SectionSummary {
+    /// `real` or `pair`.
+    pub kind: String,
+    /// Rate of its pole \[rad/s\].
+    pub rate_rad_per_s: f64,
+    /// Gain, real and imaginary part.
+    pub gain: [f64; 2],
+    /// Weight, real and imaginary part.
+    pub weight: [f64; 2],
 }
 
-impl SectionEntry {
+impl SectionSummary {
     fn new(section: &Section, rate: f64) -> Self {
-        SectionEntry {
-            kind: if section.is_pair() { "pair" } else { "real" },
+        SectionSummary {
+            kind: if section.is_pair() { "pair" } else { "real" }.to_owned(),
             rate_rad_per_s: section.rate(rate),
             gain: [section.gain.re, section.gain.im],
             weight: [section.weight.re, section.weight.im],
@@ -129,18 +155,19 @@ impl SectionEntry {
     }
 }
 
-impl Serialize for CheckedRealisation {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+impl CheckedRealisation {
+    /// It in numbers.
+    pub fn summary(&self) -> RealisationSummary {
         let realisation = &self.realisation;
         let linear = &realisation.dynamics;
         let rate = realisation.sample_rate_hz;
-        let summary = Summary {
+        RealisationSummary {
             sample_rate_hz: rate,
             accuracy: self.accuracy,
             states: linear.states(),
             delay_samples: linear.delay_samples,
-            taps: &linear.taps,
-            sections: linear.sections.iter().map(|s| SectionEntry::new(s, rate)).collect(),
+            taps: linear.taps.clone(),
+            sections: linear.sections.iter().map(|s| SectionSummary::new(s, rate)).collect(),
             rest_gain: linear.rest_gain,
             offset: realisation.model.offset,
             moves_half_way: realisation.joins_means,
@@ -151,9 +178,14 @@ impl Serialize for CheckedRealisation {
             batch_difference_largest: self.verification.largest,
             batch_difference_rms: self.verification.rms,
             range: self.verification.range,
-            output_unit: &self.units.1,
+            output_unit: self.units.1.clone(),
             nanoseconds_per_sample: self.nanoseconds,
-        };
-        summary.serialize(serializer)
+        }
+    }
+}
+
+impl Serialize for CheckedRealisation {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.summary().serialize(serializer)
     }
 }

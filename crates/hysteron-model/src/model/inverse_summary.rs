@@ -1,6 +1,7 @@
 //! The drive that follows a reference, for programs.
 
-use serde::{Serialize, Serializer};
+use serde::de::{Deserializer, Error};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::invert::InverseDrive;
 use crate::model_file::SignalUnits;
@@ -105,5 +106,33 @@ impl Serialize for InverseSummary {
             .with("predicted_rms_percent_of_stroke", self.predicted_rms_percent_of_stroke)
             .in_unit("band", output, self.band)
             .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for InverseSummary {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let keyed = Keyed::deserialize(deserializer)?;
+        let unit =
+            |key: &str| keyed.unit_of(key).ok_or_else(|| D::Error::custom(format_args!("{key} is missing")));
+        let (input, output) = (unit("drive_low")?, unit("predicted_max_error")?);
+        Ok(Self {
+            samples: keyed.get("samples")?,
+            sample_rate_hz: keyed.get("sample_rate_hz")?,
+            rest: keyed.get_in_unit("rest", input)?,
+            drive_low: keyed.get_in_unit("drive_low", input)?,
+            drive_high: keyed.get_in_unit("drive_high", input)?,
+            fastest_drive_per_s: keyed.get(&(key_in("fastest_drive", input) + "_per_s"))?,
+            samples_at_range: keyed.get("samples_at_range")?,
+            samples_at_slew: keyed.get("samples_at_slew")?,
+            bandwidth_hz: keyed.get("bandwidth_hz")?,
+            error_at_bandwidth: keyed.get("error_at_bandwidth")?,
+            noise_gain: keyed.get("noise_gain")?,
+            predicted_rms_error: keyed.get_in_unit("predicted_rms_error", output)?,
+            predicted_max_error: keyed.get_in_unit("predicted_max_error", output)?,
+            predicted_rms_percent_of_stroke: keyed.get("predicted_rms_percent_of_stroke")?,
+            band: keyed.get_in_unit("band", output)?,
+            input_unit: input.to_owned(),
+            output_unit: output.to_owned(),
+        })
     }
 }

@@ -13,12 +13,12 @@ mod score;
 mod signals;
 
 pub use capability::{Capability, Unsupported};
-pub use checked_realisation::{CheckedRealisation, Sweep};
+pub use checked_realisation::{CheckedRealisation, RealisationSummary, SectionSummary, Sweep};
 pub use error::{RunError, SignalRole};
 pub use inverse_summary::InverseSummary;
 pub use remark::Remark;
 pub use run::Simulation;
-pub use score::{AxesScore, BandScore, RunScore, Score};
+pub use score::{AxesScore, BandScore, ErrorSummary, RememberingStart, RunScore, Score, ScoreSummary};
 pub use signals::Signals;
 
 use crate::axes::{CoupledHammerstein, ScheduledModes};

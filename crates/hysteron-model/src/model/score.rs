@@ -1,10 +1,11 @@
 //! How well a model describes a record, as numbers and as data whose keys name the units.
 
-use serde::Serialize;
-use serde::ser::{SerializeMap, Serializer};
+use serde::de::{Deserializer, Error};
+use serde::ser::Serializer;
+use serde::{Deserialize, Serialize};
 
 use super::Simulation;
-use crate::record::{InputOutput, Unit, key_in};
+use crate::record::{InputOutput, Keyed, Unit};
 use crate::start::Memory;
 use crate::start::Start;
 use crate::validate::Scores;
@@ -97,75 +98,191 @@ impl Score {
 
 impl Serialize for Score {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let symbol = self.unit.symbol();
-        let first = self.outputs.first();
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("record", &self.record)?;
-        map.serialize_entry("samples", &first.map(|s| s.samples))?;
-        map.serialize_entry("skipped_samples", &first.map(|s| s.skipped_samples))?;
-        if symbol != "um" {
-            map.serialize_entry("unit", symbol)?;
-        }
-        let Some(axes) = &self.axes else {
-            if let Some(scores) = first {
-                of_output(&mut map, symbol, scores)?;
-            }
-            if let Some(band) = self.band {
-                map.serialize_entry("within_band_percent", &band.inside_percent)?;
-                map.serialize_entry(&key_in("band_of_measurement", symbol), &band.measurement)?;
-                map.serialize_entry(&key_in("band_of_model", symbol), &band.model)?;
-            }
-            if let Some((voltage, memory)) = self.estimated_memory() {
-                map.serialize_entry("start", &RememberingStart::new(voltage, memory))?;
-            }
-            return map.end();
-        };
-        map.serialize_entry("level", &axes.level)?;
-        map.serialize_entry(&key_in("rmse", symbol), &self.rmse)?;
-        map.serialize_entry(&key_in("rmse_mean_period", symbol), &axes.mean_period_rmse)?;
-        map.serialize_entry(&key_in("max_abs_error", symbol), &self.max_abs_error)?;
-        map.serialize_entry("fit_percent", &self.fit_percent)?;
-        let outputs = axes.outputs.iter().zip(&self.outputs);
-        let outputs: Vec<_> = outputs.map(|(name, scores)| NamedOutput { name, symbol, scores }).collect();
-        map.serialize_entry("outputs", &outputs)?;
-        map.end()
+        self.summary().serialize(serializer)
     }
 }
 
-fn of_output<M: SerializeMap>(map: &mut M, symbol: &str, s: &Scores) -> Result<(), M::Error> {
-    map.serialize_entry(&key_in("offset", symbol), &s.offset)?;
-    map.serialize_entry(&key_in("rmse", symbol), &s.rmse)?;
-    map.serialize_entry(&key_in("max_abs_error", symbol), &s.max_abs_error)?;
-    map.serialize_entry("rmse_percent_of_stroke", &s.rmse_percent_of_stroke)?;
-    map.serialize_entry("max_percent_of_stroke", &s.max_percent_of_stroke)?;
-    map.serialize_entry("fit_percent", &s.fit_percent)
+/// A [`Score`] without the simulation: its JSON, to be written and read back.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScoreSummary {
+    /// Name of the record: the path of its file, where it has one.
+    pub record: String,
+    /// Samples that were scored.
+    pub samples: usize,
+    /// Samples that were not.
+    pub skipped_samples: usize,
+    /// Symbol of the unit of the outputs.
+    pub unit: String,
+    /// Errors, of one output or pooled over several.
+    pub errors: ErrorSummary,
+    /// Band of a new measurement, where it was asked for.
+    pub band: Option<BandScore>,
+    /// Start with an estimated memory.
+    pub start: Option<RememberingStart>,
+    /// What a record of several axes has beside them, with the errors of each output.
+    pub axes: Option<(AxesScore, Vec<ErrorSummary>)>,
 }
 
-/// One of several outputs.
-struct NamedOutput<'a> {
-    name: &'a str,
-    symbol: &'a str,
-    scores: &'a Scores,
+/// Errors of one output or of several together, in the unit of the output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorSummary {
+    /// Constant added to the simulation; `None` for several outputs together.
+    pub offset: Option<f64>,
+    /// √(mean e²).
+    pub rmse: f64,
+    /// Largest |e|.
+    pub max_abs_error: f64,
+    /// rms error over the stroke \[%\].
+    pub rmse_percent_of_stroke: Option<f64>,
+    /// Largest error over the stroke \[%\].
+    pub max_percent_of_stroke: Option<f64>,
+    /// 100 · (1 − ‖e‖₂ / ‖y − ȳ‖₂) \[%\].
+    pub fit_percent: Option<f64>,
 }
 
-impl Serialize for NamedOutput<'_> {
+impl From<&Scores> for ErrorSummary {
+    fn from(s: &Scores) -> Self {
+        Self {
+            offset: Some(s.offset),
+            rmse: s.rmse,
+            max_abs_error: s.max_abs_error,
+            rmse_percent_of_stroke: s.rmse_percent_of_stroke,
+            max_percent_of_stroke: s.max_percent_of_stroke,
+            fit_percent: s.fit_percent,
+        }
+    }
+}
+
+impl Score {
+    /// Everything but the simulation.
+    pub fn summary(&self) -> ScoreSummary {
+        let first = self.outputs.first();
+        let pooled = ErrorSummary {
+            offset: None,
+            rmse: self.rmse,
+            max_abs_error: self.max_abs_error,
+            rmse_percent_of_stroke: None,
+            max_percent_of_stroke: None,
+            fit_percent: self.fit_percent,
+        };
+        let single = first.filter(|_| self.axes.is_none());
+        ScoreSummary {
+            record: self.record.clone(),
+            samples: first.map_or(0, |s| s.samples),
+            skipped_samples: first.map_or(0, |s| s.skipped_samples),
+            unit: self.unit.symbol().to_owned(),
+            errors: single.map_or(pooled, ErrorSummary::from),
+            band: self.band,
+            start: self.estimated_memory().map(|(voltage, memory)| RememberingStart::new(voltage, memory)),
+            axes: self.axes.clone().map(|axes| (axes, self.outputs.iter().map(ErrorSummary::from).collect())),
+        }
+    }
+}
+
+impl ErrorSummary {
+    fn told(&self, keyed: Keyed, unit: &str) -> Keyed {
+        keyed
+            .in_unit("offset", unit, self.offset)
+            .in_unit("rmse", unit, self.rmse)
+            .in_unit("max_abs_error", unit, self.max_abs_error)
+            .with("rmse_percent_of_stroke", self.rmse_percent_of_stroke)
+            .with("max_percent_of_stroke", self.max_percent_of_stroke)
+            .with("fit_percent", self.fit_percent)
+    }
+
+    fn read<E: Error>(keyed: &Keyed, unit: &str) -> Result<Self, E> {
+        Ok(Self {
+            offset: keyed.get_in_unit("offset", unit)?,
+            rmse: keyed.get_in_unit("rmse", unit)?,
+            max_abs_error: keyed.get_in_unit("max_abs_error", unit)?,
+            rmse_percent_of_stroke: keyed.get("rmse_percent_of_stroke")?,
+            max_percent_of_stroke: keyed.get("max_percent_of_stroke")?,
+            fit_percent: keyed.get("fit_percent")?,
+        })
+    }
+}
+
+impl Serialize for ScoreSummary {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("output", self.name)?;
-        of_output(&mut map, self.symbol, self.scores)?;
-        map.end()
+        let unit = self.unit.as_str();
+        let mut told = Keyed::default()
+            .with("record", &self.record)
+            .with("samples", self.samples)
+            .with("skipped_samples", self.skipped_samples);
+        if unit != "um" {
+            told = told.with("unit", unit);
+        }
+        let Some((axes, outputs)) = &self.axes else {
+            told = self.errors.told(told, unit);
+            if let Some(band) = self.band {
+                told = told
+                    .with("within_band_percent", band.inside_percent)
+                    .in_unit("band_of_measurement", unit, band.measurement)
+                    .in_unit("band_of_model", unit, band.model);
+            }
+            if let Some(start) = &self.start {
+                told = told.with("start", start);
+            }
+            return told.serialize(serializer);
+        };
+        let named = axes.outputs.iter().zip(outputs);
+        let outputs: Vec<Keyed> =
+            named.map(|(name, errors)| errors.told(Keyed::default().with("output", name), unit)).collect();
+        told.with("level", axes.level)
+            .in_unit("rmse", unit, self.errors.rmse)
+            .in_unit("rmse_mean_period", unit, axes.mean_period_rmse)
+            .in_unit("max_abs_error", unit, self.errors.max_abs_error)
+            .with("fit_percent", self.errors.fit_percent)
+            .with("outputs", outputs)
+            .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for ScoreSummary {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let keyed = Keyed::deserialize(deserializer)?;
+        let unit: String = keyed.get::<Option<String>, _>("unit")?.unwrap_or_else(|| "um".to_owned());
+        let inside: Option<f64> = keyed.get("within_band_percent")?;
+        let band = inside.map(|inside_percent| {
+            let measurement = keyed.get_in_unit("band_of_measurement", &unit)?;
+            Ok(BandScore { inside_percent, measurement, model: keyed.get_in_unit("band_of_model", &unit)? })
+        });
+        let axes = keyed.get::<Option<Vec<Keyed>>, _>("outputs")?.map(|outputs| {
+            let names = outputs.iter().map(|output| output.get("output"));
+            let axes = AxesScore {
+                outputs: names.collect::<Result<_, _>>()?,
+                level: keyed.get("level")?,
+                mean_period_rmse: keyed.get_in_unit("rmse_mean_period", &unit)?,
+            };
+            let errors = outputs.iter().map(|output| ErrorSummary::read(output, &unit));
+            Ok((axes, errors.collect::<Result<_, _>>()?))
+        });
+        Ok(Self {
+            record: keyed.get("record")?,
+            samples: keyed.get("samples")?,
+            skipped_samples: keyed.get("skipped_samples")?,
+            errors: ErrorSummary::read(&keyed, &unit)?,
+            band: band.transpose()?,
+            start: keyed.get("start")?,
+            axes: axes.transpose()?,
+            unit,
+        })
     }
 }
 
 /// A start with an estimated memory, in the model's units.
-#[derive(serde::Serialize)]
-struct RememberingStart {
-    kind: &'static str,
-    voltage: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    z: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    virgin_at: Option<f64>,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RememberingStart {
+    /// `remembering`.
+    pub kind: String,
+    /// Input before the first sample.
+    pub voltage: f64,
+    /// Hysteretic displacement there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z: Option<f64>,
+    /// Input at which the device was virgin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub virgin_at: Option<f64>,
 }
 
 impl RememberingStart {
@@ -174,7 +291,7 @@ impl RememberingStart {
             Memory::Displacement(z) => (Some(z), None),
             Memory::VirginAt(voltage) => (None, Some(voltage)),
         };
-        Self { kind: "remembering", voltage, z, virgin_at }
+        Self { kind: "remembering".to_owned(), voltage, z, virgin_at }
     }
 }
 
@@ -211,6 +328,27 @@ mod tests {
         let json = serde_json::to_value(scored("urad", Start::AsIdentified)).unwrap();
         assert_eq!(json["unit"], "urad");
         assert!(json["max_abs_error_urad"].is_f64(), "{json}");
+    }
+
+    /// Read back and written again, the JSON of a score is the same.
+    fn comes_back(score: &Score) {
+        let text = serde_json::to_string(score).unwrap();
+        let read: ScoreSummary = serde_json::from_str(&text).unwrap();
+        assert_eq!(read, score.summary());
+        assert_eq!(serde_json::to_string(&read).unwrap(), text);
+    }
+
+    #[test]
+    fn the_summary_of_a_score_comes_back() {
+        let memory = Memory::VirginAt(-1.5);
+        comes_back(&scored("urad", Start::Remembering { voltage_v: 3.0, memory }));
+        let one = scored("um", Start::AsIdentified);
+        let band = BandScore { inside_percent: 94.5, measurement: 0.1, model: 0.05 };
+        comes_back(&Score { band: Some(band), ..one.clone() });
+        let axes = AxesScore { outputs: vec!["y".into()], level: None, mean_period_rmse: Some(0.25) };
+        comes_back(&Score { axes: Some(axes), ..one });
+        let missing = serde_json::from_str::<ScoreSummary>(r#"{"record":"r"}"#).unwrap_err().to_string();
+        assert!(missing.contains("rmse_um") || missing.contains("samples"), "{missing}");
     }
 
     #[test]

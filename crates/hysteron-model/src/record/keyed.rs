@@ -1,7 +1,10 @@
 //! Results as JSON objects whose keys name the units.
 
-use serde::Serialize;
+use std::fmt;
+
+use serde::de::{DeserializeOwned, Deserializer, Error as _, MapAccess, Visitor};
 use serde::ser::{SerializeMap, Serializer};
+use serde::{Deserialize, Serialize};
 use serde_json::value::{RawValue, to_raw_value};
 
 /// A JSON object, its entries in the order they were put in.
@@ -21,6 +24,35 @@ impl Keyed {
     pub fn in_unit(self, key: &str, symbol: &str, value: impl Serialize) -> Self {
         self.with(key_in(key, symbol), value)
     }
+
+    /// Value of an entry; one that is not there reads as null.
+    ///
+    /// # Errors
+    /// The value is of another type, or the entry is missing and null is not allowed.
+    pub fn get<T: DeserializeOwned, E: serde::de::Error>(&self, key: &str) -> Result<T, E> {
+        let text = self.0.iter().find(|(own, _)| own == key).map_or("null", |(_, value)| value.get());
+        serde_json::from_str(text).map_err(|error| E::custom(format_args!("{key}: {error}")))
+    }
+
+    /// Value of an entry in a unit, by its symbol.
+    ///
+    /// # Errors
+    /// As [`Keyed::get`].
+    pub fn get_in_unit<T: DeserializeOwned, E: serde::de::Error>(
+        &self,
+        key: &str,
+        symbol: &str,
+    ) -> Result<T, E> {
+        self.get(&key_in(key, symbol))
+    }
+
+    /// Symbol of the unit in which there is an entry, by its key; empty where the key has none.
+    pub fn unit_of(&self, key: &str) -> Option<&str> {
+        self.0.iter().find_map(|(own, _)| {
+            let rest = own.strip_prefix(key)?;
+            if rest.is_empty() { Some(rest) } else { rest.strip_prefix('_') }
+        })
+    }
 }
 
 /// `rmse_um`: a key with its unit, where it has one.
@@ -35,5 +67,30 @@ impl Serialize for Keyed {
             map.serialize_entry(key, value)?;
         }
         map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Keyed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entries;
+        impl<'de> Visitor<'de> for Entries {
+            type Value = Keyed;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a JSON object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Keyed, A::Error> {
+                let mut entries: Vec<(String, Box<RawValue>)> = Vec::new();
+                while let Some((key, value)) = map.next_entry::<String, Box<RawValue>>()? {
+                    if entries.iter().any(|(own, _)| *own == key) {
+                        return Err(A::Error::custom(format_args!("duplicate key {key}")));
+                    }
+                    entries.push((key, value));
+                }
+                Ok(Keyed(entries))
+            }
+        }
+        deserializer.deserialize_map(Entries)
     }
 }
