@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::IdentifyError;
+use hysteron_io::write_record;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
 use hysteron_model::record::{InputOutput, Run};
 use hysteron_model::validate::{OffsetTreatment, Scoring};
@@ -17,6 +18,7 @@ use crate::failure::Failure;
 use crate::maker::maker;
 use crate::model::Loaded;
 use crate::numbers::not_negative;
+use crate::output;
 use crate::result_flags::ResultFlags;
 use crate::scores;
 use crate::start::StartFlags;
@@ -27,7 +29,8 @@ use crate::start::StartFlags;
     after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual is added to the \
     simulation and printed as the offset.\n\n\
     Example: hysteron validate model.json run1.csv run2.csv --skip 0.5\n\
-    Example: hysteron validate model.json run1.csv --report validation.html"
+    Example: hysteron validate model.json run1.csv --report validation.html\n\
+    Example: hysteron validate model.json run1.csv -o scored.csv"
 )]
 pub struct Validate {
     /// The model file
@@ -54,6 +57,11 @@ pub struct Validate {
     /// Say how many samples lie within the 95 % band of a new measurement, from the errors in the model file
     #[arg(long)]
     band: bool,
+
+    /// File for the samples that were scored: drive, measured output, model, residual (CSV, or NPZ by its name); one record, or
+    /// one run
+    #[arg(short, long = "output-file", value_name = "OUT.csv")]
+    out: Option<PathBuf>,
 
     #[command(flatten)]
     result: ResultFlags,
@@ -82,6 +90,9 @@ struct Runs<'a> {
 impl Validate {
     pub fn run(&self) -> Result<(), Failure> {
         self.result.check()?;
+        if let Some(out) = &self.out {
+            output::check_file("the series", out)?;
+        }
         let loaded = Loaded::read(&self.model)?;
         if self.band {
             loaded.hammerstein(Capability::Bands)?;
@@ -92,6 +103,7 @@ impl Validate {
         let records = self.records.iter().map(|path| self.score(&loaded, path));
         let records = records.collect::<Result<Vec<_>, Failure>>()?;
         self.result.write(|| page(loaded.model(), &records, &maker()))?;
+        self.write_series(&records)?;
         let records: Vec<Score> = records.into_iter().map(|(_, score)| score).collect();
         if self.result.json {
             console::json(&Report { records })
@@ -121,7 +133,9 @@ impl Validate {
         let scores = scores.collect::<Result<Vec<RunScore>, Failure>>()?;
         let pairs =
             runs.iter().zip(&scores).map(|(run, s)| (Signals::Single(run.data.clone()), s.whole.clone()));
-        self.result.write(|| page(loaded.model(), &pairs.collect::<Vec<_>>(), &maker()))?;
+        let pairs: Vec<(Signals, Score)> = pairs.collect();
+        self.result.write(|| page(loaded.model(), &pairs, &maker()))?;
+        self.write_series(&pairs)?;
         if self.result.json {
             return match scores.as_slice() {
                 [only] => console::json(only),
@@ -135,6 +149,20 @@ impl Validate {
             text += &scores::without_estimated_start(without);
         }
         console::result(&text)
+    }
+
+    /// The samples that were scored, where a file for them was named.
+    fn write_series(&self, scored: &[(Signals, Score)]) -> Result<(), Failure> {
+        let Some(out) = &self.out else { return Ok(()) };
+        let [(signals, score)] = scored else {
+            return Err(Failure::usage("-o takes one record, or one run (--continued)")
+                .hint("validate one record at a time, each with its own -o"));
+        };
+        let failure = || Failure::new(format!("cannot write the series to {}", out.display()));
+        let series = score.series(signals).map_err(|e| failure().because(e))?;
+        write_record(out, &series).map_err(|e| failure().because(e))?;
+        console::message(&format!("wrote {} samples to {}", series.len(), out.display()));
+        Ok(())
     }
 
     fn scoring(&self) -> Scoring {

@@ -27,7 +27,13 @@ pub fn describe(inspected: &Inspected) -> String {
             };
             format!("{} Hz{duration}, {jitter}", rounded(rate))
         }
-        (TimeBase::NonUniform { .. }, _) => "not uniform".into(),
+        (TimeBase::NonUniform { .. }, _) => {
+            let duration = found.duration_s.map_or(String::new(), |d| format!(" for {} s", rounded(d)));
+            match found.segments.len() {
+                0 => format!("irregular{duration}"),
+                segments => format!("{segments} segments of different rates{duration}"),
+            }
+        }
         _ => "no time".into(),
     };
     row("sampling", time);
@@ -39,7 +45,9 @@ pub fn describe(inspected: &Inspected) -> String {
         Some((low, high)) => format!("{}, {} to {} Hz", found.kind.name(), hz(low), hz(high)),
         None => found.kind.name().into(),
     };
-    row("drive", drive);
+    if found.segments.is_empty() {
+        row("drive", drive);
+    }
     if let Some(shape) = &found.loop_shape {
         let unit = spaced(&data.y_unit);
         row("stroke", significant(shape.stroke, 4) + &unit);
@@ -50,11 +58,65 @@ pub fn describe(inspected: &Inspected) -> String {
         row("noise floor", format!("{}{} rms", significant(noise.rms, 3), spaced(&data.y_unit)));
     }
     let mut text = format!("{table}\n");
+    if !found.segments.is_empty() {
+        text += &format!("{}\n", segments(inspected));
+    }
     for finding in &found.findings {
         text +=
             &format!("{}{}\n", if finding.is_warning() { "WARNING: " } else { "- " }, advice::text(finding));
     }
     text
+}
+
+/// One row a segment: when, at which rate, what the drive does and what the output answers.
+fn segments(Inspected { data, found }: &Inspected) -> String {
+    let (input, output) = (spaced(&data.u_unit), spaced(&data.y_unit));
+    let mut table = console::table(&[
+        "from [s]",
+        "for [s]",
+        "samples",
+        "rate [Hz]",
+        "drive",
+        "level",
+        "amplitude",
+        "answer",
+    ]);
+    for segment in &found.segments {
+        let hz = |f: f64| significant(f, 4);
+        let drive = match (segment.drive.low_hz, segment.drive.high_hz) {
+            (Some(low), Some(high)) if low == high => format!("{}, {} Hz", segment.drive.kind, hz(low)),
+            (Some(low), Some(high)) => format!("{}, {} to {} Hz", segment.drive.kind, hz(low), hz(high)),
+            _ => segment.drive.kind.clone(),
+        };
+        let answer = match (segment.gain, segment.phase_deg, segment.creep) {
+            (Some(gain), Some(phase), _) => {
+                let per = ratio(&data.y_unit, &data.u_unit);
+                format!("{}{per}, {}°", significant(gain, 4), significant(phase, 3))
+            }
+            (_, _, Some(creep)) => format!("creeps by {}{output}", significant(creep, 3)),
+            _ => String::new(),
+        };
+        table.add_row([
+            rounded(segment.start_s),
+            significant(segment.duration_s, 4),
+            segment.samples.len().to_string(),
+            significant(segment.sample_rate_hz, 5),
+            drive,
+            significant(segment.level, 4) + &input,
+            significant(segment.amplitude, 3) + &input,
+            answer,
+        ]);
+    }
+    table.to_string()
+}
+
+/// The unit of a gain, with a space before it.
+fn ratio(output: &Unit, input: &Unit) -> String {
+    if output.symbol().is_empty() || input.symbol().is_empty() {
+        String::new()
+    } else {
+        format!(" {output}/{input}")
+    }
 }
 
 fn signal(name: &str, unit: &Unit, (low, high): (f64, f64)) -> String {

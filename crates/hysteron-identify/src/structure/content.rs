@@ -36,12 +36,7 @@ impl Content {
         }
         let rate = facts.data.sample_rate_hz().unwrap_or(0.0);
         let kind = excitation_kind(u);
-        let (from, to) = match kind {
-            ExcitationKind::Wave { frequency, .. } => (frequency, frequency),
-            ExcitationKind::Sweep { from, to } => (from.min(to), from.max(to)),
-            ExcitationKind::Broadband { from, to } => (from, to),
-            _ => (0.0, 0.0),
-        };
+        let (from, to) = kind.span().unwrap_or_default();
         let varied = match kind {
             ExcitationKind::Constant => false,
             ExcitationKind::Wave { turning_levels, .. } => turning_levels > 2,

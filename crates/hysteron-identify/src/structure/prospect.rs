@@ -46,18 +46,26 @@ pub struct Prospects {
 
 /// Says before any fit what the records can determine together.
 pub fn prospects(records: &[InputOutput]) -> Prospects {
-    let facts: Vec<RecordFacts> = records.iter().map(|data| RecordFacts::new(data.clone())).collect();
-    let contents: Vec<Content> = facts.iter().map(Content::of).collect();
-    let described = contents.iter().zip(records).map(|(c, r)| c.describe(r.u_unit.symbol())).collect();
+    let wholes: Vec<RecordFacts> = records.iter().map(|data| RecordFacts::new(data.clone())).collect();
+    // Amplitudes, frequencies and phases are those of the parts of even sampling; creep and the start those of whole records.
+    let (mut facts, mut contents, mut described) = (Vec::new(), Vec::new(), Vec::new());
+    for record in records {
+        let parts: Vec<RecordFacts> = record.in_moving_segments().into_iter().map(RecordFacts::new).collect();
+        let own: Vec<Content> = parts.iter().map(Content::of).collect();
+        let words: Vec<String> = own.iter().map(|content| content.describe(record.u_unit.symbol())).collect();
+        described.push(words.join("; "));
+        facts.extend(parts);
+        contents.extend(own);
+    }
     let statements = vec![
         amplitudes(&facts, &contents),
         frequencies(&contents),
         resonance(&facts),
         delay(&facts),
-        creep(&facts),
-        starts(&facts),
+        creep(&wholes),
+        starts(&wholes),
     ];
-    Prospects { records: described, statements, next: next_record(&facts, &contents) }
+    Prospects { records: described, statements, next: next_record(&wholes, &contents) }
 }
 
 /// The record that adds most to these.
@@ -252,18 +260,16 @@ fn short_error(error: f64) -> f64 {
     format!("{error:.1e}").parse().unwrap_or(error)
 }
 
-fn duration_s(facts: &RecordFacts) -> f64 {
-    facts.data.sample_rate_hz().map_or(0.0, |rate| facts.data.u.len() as f64 / rate)
-}
-
 fn shows_creep(facts: &[RecordFacts]) -> bool {
     facts.iter().any(|f| {
-        matches!(excitation_kind(&f.data.u), ExcitationKind::Steps { .. }) && duration_s(f) >= LONG_S
+        let steps =
+            matches!(excitation_kind(&f.data.u), ExcitationKind::Steps { .. }) && f.duration_s() >= LONG_S;
+        steps || f.data.longest_hold_s() >= LONG_S
     })
 }
 
 fn creep(facts: &[RecordFacts]) -> Prospect {
-    let longest = facts.iter().map(duration_s).fold(0.0, f64::max);
+    let longest = facts.iter().map(RecordFacts::duration_s).fold(0.0, f64::max);
     let (determined, text) = if shows_creep(facts) {
         (Some(true), format!("held levels, records of up to {} s", brief(longest)))
     } else if longest >= LONG_S {

@@ -4,8 +4,8 @@ use serde::de::{Deserializer, Error};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 
-use super::Simulation;
-use crate::record::{InputOutput, Keyed, Unit};
+use super::{Signals, Simulation};
+use crate::record::{Channel, InputOutput, Keyed, Record, RecordError, Unit};
 use crate::start::Memory;
 use crate::start::Start;
 use crate::validate::Scores;
@@ -85,6 +85,40 @@ impl Score {
             band: None,
             simulation,
         }
+    }
+
+    /// Every sample of a record as it was scored: drive, measured output `y`, the model's `y_model` with the offset, `residual`
+    /// y − y_model. Samples that are not valid are marked.
+    ///
+    /// # Errors
+    /// [`RecordError`] where the record is not that of the score.
+    pub fn series(&self, signals: &Signals) -> Result<Record, RecordError> {
+        let mut channels = Vec::new();
+        let (drives, outputs, valid): (Vec<_>, Vec<_>, _) = match signals {
+            Signals::Single(record) => {
+                (vec![("u", &record.u)], vec![(String::new(), &record.y)], record.valid.clone())
+            }
+            Signals::Several(record) => {
+                let names =
+                    |names: &[String]| names.iter().map(|name| format!("_{name}")).collect::<Vec<_>>();
+                let inputs = record.inputs.iter().map(String::as_str).zip(&record.u).collect();
+                (inputs, names(&record.outputs).into_iter().zip(&record.y).collect(), None)
+            }
+        };
+        let input_unit = self.simulation.input_unit.symbol();
+        channels.extend(drives.into_iter().map(|(name, u)| Channel::new(name, input_unit, u.clone())));
+        for (((name, y), model), scores) in
+            outputs.into_iter().zip(&self.simulation.outputs).zip(&self.outputs)
+        {
+            let model: Vec<f64> = model.iter().map(|y| y + scores.offset).collect();
+            let residual = y.iter().zip(&model).map(|(y, model)| y - model).collect();
+            for (what, samples) in [("y", y.clone()), ("y_model", model), ("residual", residual)] {
+                channels.push(Channel::new(&format!("{what}{name}"), self.unit.symbol(), samples));
+            }
+        }
+        let series = Record { valid, ..Record::new(&self.record, signals.time().clone(), channels)? };
+        series.check()?;
+        Ok(series)
     }
 
     /// The hysteresis memory estimated from the record, and the voltage before its first sample \[V\].
@@ -356,6 +390,18 @@ mod tests {
         let memory = Memory::Displacement(0.25);
         let json = serde_json::to_value(scored("um", Start::Remembering { voltage_v: 3.0, memory })).unwrap();
         assert_eq!(json["start"], serde_json::json!({"kind": "remembering", "voltage": 3.0, "z": 0.25}));
+    }
+
+    #[test]
+    fn the_series_is_what_was_scored() {
+        let score = scored("urad", Start::AsIdentified);
+        let (u, y) = (vec![0.0, 1.0, 2.0, 1.0, 0.0], vec![0.0, 2.0, 5.0, 3.0, 0.5]);
+        let data = InputOutput::new("r", TimeBase::uniform(10.0), u, y).unwrap();
+        let series = score.series(&Signals::Single(data)).unwrap();
+        let residual = &series.channel("residual").unwrap().samples;
+        let rmse = (residual.iter().map(|r| r * r).sum::<f64>() / residual.len() as f64).sqrt();
+        assert!((rmse - score.rmse).abs() < 1e-15, "{rmse} {}", score.rmse);
+        assert_eq!(series.channel("y_model").unwrap().unit.symbol(), "urad");
     }
 
     #[test]

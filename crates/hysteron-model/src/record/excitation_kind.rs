@@ -70,6 +70,16 @@ impl ExcitationKind {
             Self::Broadband { .. } => "broadband",
         }
     }
+
+    /// Lowest and highest frequency \[per sample\], the same for one frequency; `None` where it has none (ramps, steps).
+    pub fn span(&self) -> Option<(f64, f64)> {
+        match *self {
+            Self::Wave { frequency, .. } => Some((frequency, frequency)),
+            Self::Sweep { from, to } => Some((from.min(to), from.max(to))),
+            Self::Broadband { from, to } => Some((from, to)),
+            Self::Constant | Self::Steps { .. } | Self::Ramps { .. } => None,
+        }
+    }
 }
 
 /// Classifies a drive by its holds, the distances between its turning points (of more than 2 % of its range), and its spectrum.

@@ -7,7 +7,7 @@ use hysteron_numeric::display::short;
 use super::turning_points::{median, range_of};
 use super::{
     Clipping, DelayFinding, ExcitationKind, InputOutput, LinearDrift, LoopSense, LoopShape, NoiseFloor,
-    NoiseMethod, Periods, StartUp, TimeBase, Unit, WaveShape, clipping, excitation_kind, find_delay,
+    NoiseMethod, Periods, Segment, StartUp, TimeBase, Unit, WaveShape, clipping, excitation_kind, find_delay,
     find_periods, implausible_units, linear_drift, loop_shape, noise_floor, quantisation_step,
 };
 
@@ -52,6 +52,8 @@ pub struct Inspection {
     pub output_clipping: Clipping,
     /// Converter step of the output.
     pub output_step: Option<f64>,
+    /// Stretches of even sampling with their drives; empty where there is one only.
+    pub segments: Vec<Segment>,
     /// Start out of rest, if the record has one.
     pub start_up: Option<StartUp>,
     /// What this means, in order of weight.
@@ -71,6 +73,7 @@ pub fn inspect(data: &InputOutput) -> Inspection {
     );
     let (delay, noise_floor) =
         rayon::join(|| find_delay(data, &kind, periods.as_ref()), || noise_floor(data, periods.as_ref()));
+    let segments = data.segments();
     let settled = periods.map_or(0, |p| p.steady_start());
     let makes_loop = matches!(kind, ExcitationKind::Wave { .. } | ExcitationKind::Ramps { .. });
     let held = matches!(kind, ExcitationKind::Steps { .. } | ExcitationKind::Constant);
@@ -82,14 +85,13 @@ pub fn inspect(data: &InputOutput) -> Inspection {
             TimeBase::Uniform { jitter_samples, .. } => Some(jitter_samples),
             _ => None,
         },
-        duration_s: match (data.time.time_s(0), data.time.time_s(data.len().saturating_sub(1))) {
-            (Some(first), Some(last)) => Some(last - first),
-            _ => None,
-        },
+        duration_s: data.time.extent_s(data.len()).map(|(first, last)| last - first),
         largest_gap: largest_gap(&data.time),
         input_range: range_of(&data.u),
         output_range: range_of(&valid_output),
-        frequency_span_hz: rate.and_then(|rate| span_of(&kind).map(|(a, b)| (a * rate, b * rate))),
+        frequency_span_hz: rate
+            .and_then(|rate| kind.span().map(|(a, b)| (a * rate, b * rate)))
+            .or_else(|| span_of(&segments)),
         period_change_rms: periods.as_ref().and_then(|p| period_change(data, p)),
         noise_floor,
         drift: periods.as_ref().and_then(|p| linear_drift(data, Some(p)).ok()),
@@ -98,10 +100,12 @@ pub fn inspect(data: &InputOutput) -> Inspection {
             _ => None,
         },
         // A drive may rest where it likes; held for less than half a period it was cut off.
-        input_clipping: span_of(&kind)
+        input_clipping: kind
+            .span()
             .map_or(Clipping::default(), |(lowest, _)| clipping(&data.u, (0.5 / lowest.max(1e-9)) as usize)),
         output_clipping: if held { Clipping::default() } else { clipping(&valid_output, usize::MAX) },
         output_step,
+        segments,
         start_up: match delay {
             Some(DelayFinding::FromStartUp(start_up)) => Some(start_up),
             _ => None,
@@ -119,7 +123,40 @@ fn warning(text: String) -> Finding {
     Finding::new(FindingKind::Warning, "record", text)
 }
 
+/// Amplitudes of oscillation whose ratio exceeds this are two.
+const TWO_AMPLITUDES: f64 = 1.5;
+/// Shortest rest of the drive that shows creep \[s\].
+const SHOWS_CREEP_S: f64 = 5.0;
+
 impl Inspection {
+    /// Amplitudes, frequencies and rests of the drive over all segments.
+    fn segments_in_words(&self, data: &InputOutput) -> Vec<String> {
+        let unit = spaced(&data.u_unit);
+        let whole = 0.5 * (self.input_range.1 - self.input_range.0);
+        let mut said =
+            vec![format!("{} segments at rates of their own, worked on as they are.", self.segments.len())];
+        let waves: Vec<&Segment> = self.segments.iter().filter(|s| s.gain.is_some()).collect();
+        if let Some((low, high)) = span_of(&self.segments) {
+            let smallest = waves.iter().map(|s| s.amplitude).fold(f64::INFINITY, f64::min);
+            let beside = if smallest.is_finite() && whole > TWO_AMPLITUDES * smallest {
+                format!(" beside a motion of {}{unit}: two amplitudes or more", short(whole))
+            } else {
+                String::new()
+            };
+            let of = if smallest.is_finite() {
+                format!(" of {}{unit} amplitude and more", short(smallest))
+            } else {
+                String::new()
+            };
+            said.push(format!("The drive oscillates at {low:.4} to {high:.4} Hz{of}{beside}."));
+        }
+        let hold = data.longest_hold_s();
+        if hold >= SHOWS_CREEP_S {
+            said.push(format!("It rests at a level for up to {} s: creep shows.", short(hold)));
+        }
+        said
+    }
+
     fn in_words(&self, data: &InputOutput) -> Vec<Finding> {
         let mut findings = Vec::new();
         self.warnings(data, &mut findings);
@@ -168,6 +205,8 @@ impl Inspection {
                 "There is no time column and no sample rate: a static fit is possible, dynamics are not. Give the sample rate if it is known."
                     .to_string(),
             ).with_advice(Advice::GiveSampleRate)),
+            // Of segments there is a table.
+            TimeBase::NonUniform { .. } if !self.segments.is_empty() => {}
             TimeBase::NonUniform { .. } => findings.push(warning(format!(
                 "The time stamps are not uniform (longest distance {} times the median): a Hammerstein model is fitted to and simulated on them as they are; what needs one rate takes the record resampled, or the rate if the stamps are only written coarsely.",
                 self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}"))
@@ -221,6 +260,7 @@ impl Inspection {
         let span = self.frequency_span_hz;
         let hz = |f: f64| format!("{f:.4} Hz");
         match (&self.kind, span) {
+            _ if !self.segments.is_empty() => self.segments_in_words(data).into_iter().for_each(&mut note),
             (ExcitationKind::Wave { shape, turning_levels, .. }, span) => {
                 let shape = match shape {
                     WaveShape::Sine => "sine",
@@ -333,13 +373,10 @@ fn spaced(unit: &Unit) -> String {
     if unit.symbol().is_empty() { String::new() } else { format!(" {unit}") }
 }
 
-fn span_of(kind: &ExcitationKind) -> Option<(f64, f64)> {
-    match *kind {
-        ExcitationKind::Wave { frequency, .. } => Some((frequency, frequency)),
-        ExcitationKind::Sweep { from, to } => Some((from.min(to), from.max(to))),
-        ExcitationKind::Broadband { from, to } => Some((from, to)),
-        _ => None,
-    }
+/// Lowest and highest frequency of the drives of segments \[Hz\].
+fn span_of(segments: &[Segment]) -> Option<(f64, f64)> {
+    let all = segments.iter().filter_map(|s| s.drive.low_hz.zip(s.drive.high_hz));
+    all.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
 fn largest_gap(time: &TimeBase) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Clipping, DelayFinding, InputOutput, Inspection, LoopSense, NoiseMethod, Unit};
+use super::{Clipping, DelayFinding, InputOutput, Inspection, LoopSense, NoiseMethod, Segment, Unit};
 use crate::finding::Finding;
 
 /// What was found in one record.
@@ -39,6 +39,9 @@ pub struct InspectionSummary {
     pub loop_shape: Option<LoopSummary>,
     /// What the record says about the delay.
     pub delay: Option<DelaySummary>,
+    /// Stretches of even sampling with their drives; empty where there is one only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub segments: Vec<Segment>,
     /// What this means, in order of weight.
     pub findings: Vec<InspectionFinding>,
 }
@@ -211,6 +214,7 @@ impl Inspection {
                 butterfly: l.butterfly,
             }),
             delay: self.delay.map(DelaySummary::from),
+            segments: self.segments.clone(),
             findings: self
                 .findings
                 .iter()
