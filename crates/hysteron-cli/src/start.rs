@@ -33,12 +33,12 @@ impl StartFlags {
     /// If a period is given and the record has no sample rate.
     pub fn start(&self, path: &Path, time: &TimeBase) -> Result<Start, Failure> {
         if let Some(period_s) = self.settled {
-            let TimeBase::Uniform { sample_rate_hz, .. } = time else {
+            let Some(samples) = time.samples_of(period_s) else {
                 return Err(Failure::new(format!("cannot start {} settled", path.display()))
-                    .because("the record has no uniform sample rate, so its period has no number of samples")
-                    .advised(Some(Advice::Resample)));
+                    .because("the record has no times, so its period has no number of samples")
+                    .advised(Some(Advice::GiveSampleRate)));
             };
-            return Ok(Start::settled((period_s * sample_rate_hz).round() as usize));
+            return Ok(Start::settled(samples));
         }
         Ok(self.rest_voltage.map_or(Start::AsIdentified, |voltage_v| Start::Rest { voltage_v }))
     }

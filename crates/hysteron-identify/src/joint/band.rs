@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::super::IdentifyError;
 use super::super::layout::Role;
-use super::drive::TimedDrive;
+use super::drive::{TimedDrive, cycles_before};
 use super::intervals::NORMAL_975;
 use super::knowledge::{Covariance, Knowledge};
 use super::problem::{JointLayout, JointProblem};
@@ -139,6 +139,7 @@ impl OutputUncertainty {
         timing: impl Into<Timing<'a>>,
         start: &Start,
     ) -> Result<PredictionBand, IdentifyError> {
+        let timing = timing.into();
         let weights = self.coefficients.get(self.layout.polynomial.len()..).unwrap_or_default();
         let (before, memory) = match *start {
             Start::AsIdentified => (Start::AsIdentified, 0.0),
@@ -147,6 +148,9 @@ impl OutputUncertainty {
                 Start::Remembering { voltage_v, memory: () },
                 self.hysteresis.memory_of_columns(memory.value(), weights),
             ),
+            Start::Settled { .. } if matches!(timing, Timing::Stamps(_)) => {
+                (Start::Rest { voltage_v: drive[0] }, 0.0)
+            }
             Start::Settled { period_samples } => {
                 let period_samples = period_samples.unwrap_or(drive.len());
                 if period_samples == 0 || !drive.len().is_multiple_of(period_samples) {
@@ -162,8 +166,14 @@ impl OutputUncertainty {
             }
         };
         let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
-        let TimedDrive { fine, thinning, clock } =
-            TimedDrive::new(drive, timing.into(), self.scheme, self.inter_sample, ends)?;
+        let TimedDrive { fine, thinning, clock } = match (timing, start) {
+            (Timing::Stamps(times_s), Start::Settled { period_samples }) => {
+                let period = period_samples.unwrap_or(drive.len());
+                let cycles = cycles_before(times_s, drive, period, 0..drive.len());
+                TimedDrive::on_stamps(cycles, (times_s, drive), self.scheme, self.inter_sample)?
+            }
+            _ => TimedDrive::new(drive, timing, self.scheme, self.inter_sample, ends)?,
+        };
         let record = JointRecord::new(Ingredients {
             drive: fine.as_deref().unwrap_or(drive),
             thinning,

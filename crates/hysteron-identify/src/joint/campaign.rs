@@ -3,13 +3,14 @@
 use super::super::options::{Initial, Options};
 use super::super::static_step::{self, OFFSET};
 use super::super::{Engine, IdentifyError, RecordFacts};
-use super::drive::TimedDrive;
+use super::drive::{TimedDrive, cycles_before};
 use super::record::{Ingredients, JointRecord};
 use super::weighting::{Weighting, by_swing, thinned};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
 use hysteron_model::hysteresis::{Hysteresis, HysteresisError, HysteresisForm, RecordEnds};
 use hysteron_model::record::{Timing, noise_floor, quantisation_step};
+use hysteron_model::validate::first_cycle;
 
 /// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a record, when it is
 /// reduced.
@@ -56,13 +57,16 @@ impl<'a> JointMember<'a> {
             Initial::Rest => (remembering, false),
             Initial::Free => (remembering, true),
             Initial::Zero => (Start::Rest { voltage_v: 0.0 }, false),
-            Initial::Periodic if uneven => {
-                let record = facts.data.name.clone();
-                return Err(IdentifyError::NotPeriodic {
-                    record,
-                    found: "its time stamps are not uniform".into(),
-                });
-            }
+            Initial::Periodic if uneven => match first_cycle(&facts.data) {
+                Some(period) => (Start::Settled { period_samples: Some(period) }, false),
+                None => {
+                    return Err(IdentifyError::NotPeriodic {
+                        record: facts.data.name.clone(),
+                        found: "its time stamps are not uniform, and the drive does not come back to where it began"
+                            .into(),
+                    });
+                }
+            },
             Initial::Periodic => (periodic(facts)?, false),
             // Uneven stamps are those of a logger that ran before: the drive did not jump to its first sample.
             Initial::Auto if !uneven && first.abs() > JUMP * facts.range_v() => {
@@ -158,18 +162,25 @@ impl<'a> JointMember<'a> {
         let first = times_s.first().copied().unwrap_or(0.0);
         let duration = self.facts.duration_s();
         let drift = || kept.iter().map(|&k| (times_s[k] - first) / duration - 0.5).collect();
-        let (times_s, drive) = (pick(&times_s), pick(&data.u));
-        let timing = Timing::Stamps(&times_s);
+        let (before, cycles) = match self.before {
+            // Samples that show every swing are enough of what was before.
+            Start::Settled { period_samples: Some(period) } => {
+                let cycles = cycles_before(&times_s, &data.u, period, thinned(data).iter().copied());
+                (Start::Rest { voltage_v: data.u[0] }, cycles)
+            }
+            other => (other, Default::default()),
+        };
+        let drive = pick(&data.u);
         let scheme = options.scheme();
         let TimedDrive { fine, thinning, clock } =
-            TimedDrive::new(&drive, timing, scheme, options.inter_sample, RecordEnds::Open)?;
+            TimedDrive::on_stamps(cycles, (&pick(&times_s), &drive), scheme, options.inter_sample)?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&drive),
             thinning,
             factor: 1,
             output: pick(&data.y).into_iter().map(|y| y - held.unwrap_or(0.0)).collect(),
             weighting,
-            before: self.before,
+            before,
             transients: self.transients,
             offset_is_held: held.is_some(),
             nuisance: if options.drift { vec![drift()] } else { Vec::new() },
@@ -185,7 +196,8 @@ impl<'a> JointMember<'a> {
         match self.before {
             Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => Start::Rest { voltage_v },
             Start::AsIdentified => Start::Rest { voltage_v: self.facts.data.u[0] },
-            Start::Settled { .. } => self.settled(),
+            Start::Settled { period_samples: Some(_) } => Start::Rest { voltage_v: self.facts.data.u[0] },
+            Start::Settled { period_samples: None } => self.settled(),
         }
     }
 
@@ -202,7 +214,8 @@ impl<'a> JointMember<'a> {
                 let own = hysteresis.form().own_memory(memory, &hysteresis.weights());
                 Start::Remembering { voltage_v, memory: hysteresis.memory(own) }
             }
-            Start::Settled { .. } => self.settled(),
+            Start::Settled { period_samples: Some(period) } => Start::settled(period),
+            Start::Settled { period_samples: None } => self.settled(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::record::Clock;
 use hysteron_model::dynamics::{Knots, Scheme};
-use hysteron_model::hammerstein::{FINER, SimulationError, joins_means};
+use hysteron_model::hammerstein::{FINER, SETTLING_PERIODS, SimulationError, joins_means};
 use hysteron_model::hysteresis::{RecordEnds, polygon_of_means};
 use hysteron_model::record::{InterSample, Timing, even_times};
 
@@ -61,6 +61,27 @@ pub(super) struct TimedDrive {
 }
 
 impl TimedDrive {
+    /// A drive on time stamps, and what it did `before` its first sample, of which there is no output.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(super) fn on_stamps(
+        before: (Vec<f64>, Vec<f64>),
+        (times_s, u): (&[f64], &[f64]),
+        scheme: Scheme,
+        inter_sample: InterSample,
+    ) -> Result<Self, SimulationError> {
+        let (mut knots_s, mut drive) = before;
+        let count = knots_s.len();
+        knots_s.extend_from_slice(times_s);
+        drive.extend_from_slice(u);
+        let mut timed = Self::new(&drive, Timing::Stamps(&knots_s), scheme, inter_sample, RecordEnds::Open)?;
+        if let Clock::Stamps { outputs_s, .. } = &mut timed.clock {
+            outputs_s.drain(..count);
+        }
+        Ok(timed)
+    }
+
     /// The drive `u` sampled as `timing` says.
     ///
     /// # Errors
@@ -87,6 +108,24 @@ impl TimedDrive {
             }
         }
     }
+}
+
+/// Times and values of the drive before a record whose first `period` samples repeat (a settled start): in every period those of
+/// `rows`.
+pub(super) fn cycles_before(
+    times_s: &[f64],
+    u: &[f64],
+    period: usize,
+    rows: impl Iterator<Item = usize> + Clone,
+) -> (Vec<f64>, Vec<f64>) {
+    let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else { return Default::default() };
+    let period_s = times_s.get(period).unwrap_or(last) - first;
+    let rows = rows.filter(|k| *k < period);
+    let before = (0..SETTLING_PERIODS).flat_map(|repetition| {
+        let back = (SETTLING_PERIODS - repetition) as f64 * period_s;
+        rows.clone().map(move |k| (times_s[k] - back, u[k]))
+    });
+    before.unzip()
 }
 
 /// The drive on the grid that the hysteresis runs over (`None`: its own), and how its samples follow from that.

@@ -80,6 +80,15 @@ pub(in super::super) fn intervals(
     whole: &Covariance,
     stop: &Stop,
 ) -> Vec<Option<Interval>> {
+    let unchecked = |j: usize| {
+        let error = whole.std_error(j)?;
+        Some(Interval::symmetric(whole.values[j], error, IntervalMethod::Unchecked))
+    };
+    let mut found: Vec<Option<Interval>> = (0..whole.values.len()).map(unchecked).collect();
+    // Weights that end at zero are no parameters: where thinned and whole records differ in these, shapes do not carry over.
+    if known.covariance.names != whole.names {
+        return found;
+    }
     let at = &known.covariance.values;
     let free: Vec<usize> = (0..at.len()).filter(|&j| known.covariance.std_error(j).is_some()).collect();
     let square = known.linearisation.residuals.iter().map(|r| r * r).sum();
@@ -97,13 +106,6 @@ pub(in super::super) fn intervals(
         || Whole { problem, eliminated: &known.linearisation.eliminated, ws: problem.workspace() };
     let linearisation = problem.residual_count() * at.len();
     let left = WORK as f64 / linearisation.max(1) as f64;
-    let mut found: Vec<Option<Interval>> = (0..at.len())
-        .map(|j| {
-            whole
-                .std_error(j)
-                .map(|error| Interval::symmetric(whole.values[j], error, IntervalMethod::Unchecked))
-        })
-        .collect();
     let mut curved: Vec<(f64, usize)> = Vec::new();
     let mut looked_at: Vec<(usize, Profiled<'_>)> =
         (0..at.len()).filter_map(|j| found[j].and(profiled(j)).map(|profiled| (j, profiled))).collect();

@@ -132,6 +132,21 @@ pub fn number_mut<'a>(model: &'a mut Model, name: &str) -> Option<&'a mut f64> {
     }
 }
 
+/// Shrinks a matrix of correlations towards the unit matrix until no eigenvalue is negative: those of parameters that are nearly
+/// dependent are zero but for rounding, of either sign.
+fn lift(matrix: &mut [CorrelationRow]) {
+    let count = matrix.len();
+    let lowest = DMatrix::from_fn(count, count, |i, j| matrix[i].0[j]).symmetric_eigenvalues().min();
+    if lowest >= 0.0 {
+        return;
+    }
+    // (R + x I)/(1 + x) has the lowest eigenvalue 0 at x = -lowest.
+    let shrunk = 1.0 / (1.0 - lowest);
+    for (i, row) in matrix.iter_mut().enumerate() {
+        row.0.iter_mut().enumerate().filter(|(j, _)| *j != i).for_each(|(_, r)| *r *= shrunk);
+    }
+}
+
 impl ModelFile {
     /// The number that a [`CorrelationEntry`] calls by this name.
     pub fn number(&self, name: &str) -> Option<&Quantity> {
@@ -182,10 +197,13 @@ impl ModelFile {
             if i == j { 1.0 } else { (covariance[(i.min(j), i.max(j))] / product).clamp(-1.0, 1.0) }
         };
         let row = |&i: &usize| CorrelationRow(kept.iter().map(|&j| coefficient(i, j)).collect());
-        self.correlation = (!kept.is_empty() && kept.len() <= MAX_CORRELATED).then(|| CorrelationEntry {
-            names: kept.iter().map(|&i| names[i].clone()).collect(),
-            matrix: kept.iter().map(row).collect(),
-        });
+        let count = kept.len();
+        let entry = || {
+            let mut matrix: Vec<CorrelationRow> = kept.iter().map(row).collect();
+            lift(&mut matrix);
+            CorrelationEntry { names: kept.iter().map(|&i| names[i].clone()).collect(), matrix }
+        };
+        self.correlation = (count > 0 && count <= MAX_CORRELATED).then(entry);
     }
 
     /// Names and covariance of the numbers whose correlation the file holds; `None` where it holds none.

@@ -96,6 +96,19 @@ impl TimeBase {
         self.time_s(0).zip(self.time_s(samples.checked_sub(1)?))
     }
 
+    /// Samples of a period of `period_s` from the first one on; `None` where times are unknown.
+    pub fn samples_of(&self, period_s: f64) -> Option<usize> {
+        match self {
+            Self::Uniform { sample_rate_hz, .. } => Some((period_s * sample_rate_hz).round() as usize),
+            // Stamps are rounded: the first sample of the next period may lie a little early.
+            Self::NonUniform { times_s } => {
+                let next_s = times_s.first()? + period_s * (1.0 - 1e-9);
+                Some(times_s.partition_point(|time| *time < next_s))
+            }
+            Self::Unknown => None,
+        }
+    }
+
     /// The part of the base that belongs to samples `start..end`.
     pub(crate) fn cropped(&self, start: usize, end: usize) -> TimeBase {
         match self {

@@ -13,7 +13,7 @@ pub use loop_width::loop_opening;
 pub use residual_tests::{CorrelationTest, Correlogram, residual_input_correlation, residual_whiteness};
 #[doc(hidden)]
 pub use start::settling_samples;
-pub use start::{choose_start, possible_starts, settled_period, unfollowed_start};
+pub use start::{choose_start, first_cycle, possible_starts, settled_period, unfollowed_start};
 
 use crate::hammerstein::SimulationError;
 use crate::record::{InputOutput, TimeBase};

@@ -3,11 +3,15 @@
 use super::memory::best_memory;
 use super::{ScoreError, Scoring, score};
 use crate::hammerstein::Model;
-use crate::record::{InputOutput, Periods, find_periods, range_of, shortest_swing};
+use crate::record::{InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing};
 use crate::start::Start;
 
 /// Ends that differ by less than this share of the range close a loop.
 const CLOSED: f64 = 0.03;
+
+/// Share of its range that a drive goes through in a cycle, and by which it may miss at its end where it began.
+const CYCLE: f64 = 0.7;
+const BACK: f64 = 0.06;
 
 /// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off), settled on
 /// its own period where it repeats from the beginning or is one closed loop.
@@ -19,10 +23,30 @@ pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
             starts.push(Start::ZERO);
         }
     }
-    if let Some(period_samples) = settled_period(record, find_periods(record).ok()) {
+    if let Some(period_samples) =
+        first_cycle(record).or_else(|| settled_period(record, find_periods(record).ok()))
+    {
         starts.push(Start::settled(period_samples));
     }
     starts
+}
+
+/// Samples of the first cycle of a drive on uneven stamps: those before it is back where it began, most of its range behind it.
+/// `None` where it does not come back.
+pub fn first_cycle(record: &InputOutput) -> Option<usize> {
+    if matches!(record.time, TimeBase::NonUniform { .. }) { cycle(&record.u) } else { None }
+}
+
+fn cycle(u: &[f64]) -> Option<usize> {
+    let (low, high) = range_of(u);
+    let (range, first) = (high - low, *u.first()?);
+    let (mut least, mut greatest) = (first, first);
+    let back = u.iter().position(|x| {
+        (least, greatest) = (least.min(*x), greatest.max(*x));
+        greatest - least >= CYCLE * range && (x - first).abs() <= BACK * range
+    })?;
+    let nearer = u[back..].windows(2).take_while(|two| (two[1] - first).abs() < (two[0] - first).abs());
+    Some(back + nearer.count())
 }
 
 /// Samples of the period that a record may be settled on: where the drive repeats from the first sample on (`periods`, if
@@ -112,6 +136,14 @@ mod tests {
             inter_sample: InterSample::Linear,
             sample_rate_hz: None,
         }
+    }
+
+    #[test]
+    fn a_cycle_ends_where_the_drive_is_back() {
+        let u: Vec<f64> = (0..250).map(|k| 3.0 + 2.0 * (TAU * f64::from(k) / 100.0).sin()).collect();
+        assert_eq!(cycle(&u), Some(100));
+        assert_eq!(cycle(&u[..90]), None);
+        assert_eq!(cycle(&[]), None);
     }
 
     #[test]
