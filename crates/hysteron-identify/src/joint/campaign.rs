@@ -18,6 +18,9 @@ const SAMPLES_A_SWING: usize = 12;
 const SAMPLES_A_RECORD: usize = 2000;
 /// A record without visible noise is taken to be right to this share of its stroke.
 const LEAST_NOISE: f64 = 1e-6;
+/// Weight of the first of several cycles, at least so many, over that of the others.
+const UNKNOWN_PAST: f64 = 0.05;
+const SEVERAL_CYCLES: usize = 3;
 /// A first sample off 0 V by more than this share of the range may be a start from 0 V.
 const JUMP: f64 = 0.02;
 
@@ -156,6 +159,9 @@ impl<'a> JointMember<'a> {
         let held = options.demands.fixed(OFFSET);
         let mut weighting = by_swing(data, scale / self.noise, self.noise, self.facts.stroke());
         weighting.mask(data.valid.as_deref());
+        if let Some(cycle) = self.unknown_cycle() {
+            weighting.weight[..cycle].iter_mut().for_each(|weight| *weight *= UNKNOWN_PAST);
+        }
         if thin {
             weighting = weighting.of_rows(&kept);
         }
@@ -189,6 +195,14 @@ impl<'a> JointMember<'a> {
             scheme,
             sampling: Sampling { reconstruction: options.inter_sample, ..Sampling::of(scheme) },
         })?)
+    }
+
+    /// Samples of the first of several cycles on uneven stamps, where its past is not known: one number is not enough to say what a
+    /// device remembers and how it creeps, and what is wrong of that must not be taken for the device.
+    pub(in super::super) fn unknown_cycle(&self) -> Option<usize> {
+        let cycle = first_cycle(&self.facts.data)?;
+        let several = self.facts.data.len() >= SEVERAL_CYCLES * cycle;
+        (several && matches!(self.before, Start::Remembering { .. })).then_some(cycle)
     }
 
     /// The start that is tried first where nothing is known of the record's memory.

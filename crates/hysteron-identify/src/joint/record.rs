@@ -137,6 +137,11 @@ impl JointRecord {
         &self.weighting.weight
     }
 
+    /// Whether it is sampled on uneven stamps.
+    pub(super) fn is_on_stamps(&self) -> bool {
+        matches!(self.plan, RecordPlan::Stamped(_))
+    }
+
     /// Takes the weights off a weighted column.
     pub(super) fn unweigh(&self, column: &mut [f64]) {
         self.weighting.undo(column);

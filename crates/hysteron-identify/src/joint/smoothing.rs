@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::super::layout::Role;
 use super::problem::JointProblem;
+use super::record::JointRecord;
 use hysteron_numeric::{non_negative_least_squares, triangular};
 
 /// Parts of all records together, at least; every record has as many as every other.
@@ -32,7 +33,12 @@ pub struct Smoothing {
 /// Coefficients of u, u², … and weights at the nonlinear numbers `x`, and how they were chosen. `None` where the family has no
 /// neighbours, or a linear number is held or searched.
 pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, Smoothing)> {
-    let neighbours = problem.hysteresis().neighbours();
+    let form = problem.hysteresis();
+    let neighbours = if problem.records().iter().any(JointRecord::is_on_stamps) {
+        form.chain()
+    } else {
+        form.neighbours().into_iter().map(|(a, b)| (a, Some(b))).collect()
+    };
     let layout = problem.layout();
     let free = layout.polynomial.iter().all(|role| *role == Role::Projected);
     let sign = match layout.weights.first() {
@@ -106,7 +112,7 @@ struct Fit {
     degree: usize,
     /// That of every weight.
     sign: f64,
-    neighbours: Vec<(usize, usize)>,
+    neighbours: Vec<(usize, Option<usize>)>,
 }
 
 impl Fit {
@@ -128,7 +134,7 @@ impl Fit {
         let differences = |weight: Option<usize>| {
             self.neighbours.iter().map(move |&(a, b)| match weight {
                 Some(weight) if weight == a => root,
-                Some(weight) if weight == b => -root,
+                Some(weight) if Some(weight) == b => -root,
                 _ => 0.0,
             })
         };
@@ -170,7 +176,7 @@ mod tests {
 
     #[test]
     fn what_the_rows_do_not_tell_apart_is_shared_by_neighbours() {
-        let fit = Fit { degree: 1, sign: 1.0, neighbours: vec![(1, 2)] };
+        let fit = Fit { degree: 1, sign: 1.0, neighbours: vec![(1, Some(2))] };
         let factor = factor(&columns());
         let plain = fit.solve(&factor, 0.0).unwrap();
         assert!(plain[2] == 0.0 || plain[3] == 0.0, "{plain:?}");
@@ -186,7 +192,7 @@ mod tests {
         let mut all = columns();
         all[3].iter_mut().enumerate().for_each(|(k, x)| *x += (k as f64).sin());
         all[4].iter_mut().enumerate().for_each(|(k, y)| *y = -*y + 0.3 * (k as f64 * 1.7).cos());
-        let fit = Fit { degree: 1, sign: -1.0, neighbours: vec![(0, 1), (1, 2)] };
+        let fit = Fit { degree: 1, sign: -1.0, neighbours: vec![(0, Some(1)), (1, Some(2))] };
         let kappa = 0.7;
         let c = fit.solve(&factor(&all), kappa).unwrap();
         let left: Vec<f64> =

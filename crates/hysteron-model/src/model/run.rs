@@ -109,7 +109,7 @@ impl Model {
     /// # Errors
     /// As [`Self::score`]; [`RunError::Signals`] for models of several inputs and outputs.
     pub fn score_run(&self, run: &Run, start: Start, scoring: &Scoring) -> Result<RunScore, RunError> {
-        let first = run.parts.first().map_or(&run.data, |part| &part.data);
+        let first = run.beginning();
         let chosen = match start {
             Start::AsIdentified => {
                 self.score(&Signals::Single(first.clone()), start, scoring)?.simulation.start
@@ -118,7 +118,7 @@ impl Model {
         };
         let signals = Signals::Single(run.data.clone());
         let whole = self.score(&signals, chosen, scoring)?;
-        let expected = self.expected_start(first, &mut Vec::new());
+        let expected = self.expected_start(&first, &mut Vec::new());
         let without = if start == Start::AsIdentified && expected != chosen {
             Some(self.score(&signals, expected, scoring)?)
         } else {

@@ -81,6 +81,21 @@ impl Run {
     }
 }
 
+impl Run {
+    /// The first part, and the drive of the first sample of the next one where there is one, which does not count: it says how long
+    /// the pause between parts is.
+    pub fn beginning(&self) -> InputOutput {
+        let Some(RunPart { samples, data }) = self.parts.first() else { return self.data.clone() };
+        match self.data.cropped(0..samples.end + 1) {
+            Ok(mut begun) => {
+                begun.valid.get_or_insert_with(|| vec![true; samples.end + 1])[samples.end] = false;
+                begun
+            }
+            Err(_) => data.clone(),
+        }
+    }
+}
+
 /// Whether records follow each other on one clock, as parts of one run do: each begins after the one before ends, by no more than
 /// the two last.
 pub fn follow_each_other(records: &[&InputOutput]) -> bool {

@@ -3,7 +3,7 @@
 use super::memory::best_memory;
 use super::{ScoreError, Scoring, score};
 use crate::hammerstein::Model;
-use crate::record::{InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing};
+use crate::record::{GAP_PERIODS, InputOutput, Periods, TimeBase, find_periods, range_of, shortest_swing};
 use crate::start::Start;
 
 /// Ends that differ by less than this share of the range close a loop.
@@ -34,8 +34,15 @@ pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
 /// Samples of the first cycle of a drive on uneven stamps: those before it is back where it began, most of its range behind it.
 /// `None` where it does not come back.
 pub fn first_cycle(record: &InputOutput) -> Option<usize> {
-    if matches!(record.time, TimeBase::NonUniform { .. }) { cycle(&record.u) } else { None }
+    let TimeBase::NonUniform { times_s } = &record.time else { return None };
+    let end = cycle(&record.u)?;
+    // Before a pause the drive need not come all the way: the cycle ends there, pause and all.
+    let step = |k: usize| Some(times_s.get(k + 1)? - times_s.get(k)?);
+    let paused = step(end).zip(end.checked_sub(1).and_then(step)).is_none_or(|(a, b)| a > GAP_PERIODS * b);
+    Some(if paused { (end + 1).min(times_s.len()) } else { end })
 }
+
+/// Sample at which a drive is back where it began, as near as it comes.
 
 fn cycle(u: &[f64]) -> Option<usize> {
     let (low, high) = range_of(u);
@@ -144,6 +151,21 @@ mod tests {
         assert_eq!(cycle(&u), Some(100));
         assert_eq!(cycle(&u[..90]), None);
         assert_eq!(cycle(&[]), None);
+        // A pause after 98 samples, of which the drive makes nothing: the first cycle ends with it.
+        let times_s = (0..250).map(|k| if k < 98 { 0.01 * f64::from(k) } else { 0.5 + 0.01 * f64::from(k) });
+        let record = |u: Vec<f64>, times_s: Vec<f64>| {
+            InputOutput::new("r", TimeBase::NonUniform { times_s }, u.clone(), u).unwrap()
+        };
+        let mut paused = u.clone();
+        paused.drain(98..100);
+        assert_eq!(first_cycle(&record(paused, times_s.take(248).collect())), Some(98));
+        let mut uneven: Vec<f64> = (0..250).map(|k| 0.01 * f64::from(k)).collect();
+        uneven[0] = -0.003;
+        assert_eq!(first_cycle(&record(u.clone(), uneven)), Some(100));
+        assert_eq!(
+            first_cycle(&InputOutput::new("r", TimeBase::uniform(100.0), u.clone(), u).unwrap()),
+            None
+        );
     }
 
     #[test]

@@ -204,6 +204,20 @@ impl HysteresisForm {
         }
     }
 
+    /// Pairs of weights of plays of neighbouring thresholds, and of neighbouring bands; behind the widest play there is none, of weight
+    /// 0. Empty for families without plays that are weighted one by one.
+    pub fn chain(self) -> Vec<(usize, Option<usize>)> {
+        let next = |from: usize, to: usize| (from + 1..to).map(|i| (i - 1, Some(i)));
+        match self {
+            Self::PrandtlIshlinskii { plays } => next(0, plays).chain([(plays - 1, None)]).collect(),
+            Self::Family(FamilyForm::DeadZonePlays { plays }) => {
+                let bands = next(plays, self.weight_names().len());
+                next(0, plays).chain([(plays - 1, None)]).chain(bands).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// Runs the operators over the drive `u` \[V\], given on a time base finer by a factor, from `start`; derivatives with
     /// respect to those shape numbers that `wanted` marks, and to the memory, where it is given.
     ///
