@@ -4,7 +4,7 @@ use super::IdentifyError;
 use hysteron_model::record::{
     InputOutput, Periods, Swings, TimeBase, Timing, find_periods, shortest_swing, span, turning_points,
 };
-use hysteron_model::validate::{settled_period, settling_samples};
+use hysteron_model::validate::{first_cycle, settled_period, settling_samples};
 
 /// Swings whose size differs by less than this share of the range count as one amplitude.
 const ONE_AMPLITUDE: f64 = 0.05;
@@ -17,6 +17,8 @@ const FASTER: f64 = 3.0;
 /// … or whose swings of at least this share of its range, so many at least, differ by as much.
 const WIDE: f64 = 0.5;
 const FEWEST_SWINGS: usize = 5;
+/// Fewest cycles of which the first can be spared.
+const SEVERAL_CYCLES: usize = 3;
 /// A drive that stays within this share of its range rests.
 const AT_REST: f64 = 0.01;
 
@@ -78,6 +80,17 @@ impl RecordFacts {
         let first = self.samples_at_rest();
         let step = self.data.u.get(first).map_or(0.0, |x| (x - self.data.u[0]).abs());
         step > share * self.range_v()
+    }
+
+    /// Samples of the first cycle of a record on uneven stamps that holds several.
+    pub(super) fn first_of_several_cycles(&self) -> Option<usize> {
+        first_cycle(&self.data).filter(|cycle| self.data.len() >= SEVERAL_CYCLES * cycle)
+    }
+
+    /// Cycles that a record on uneven stamps consists of; 1 where it holds fewer than [`SEVERAL_CYCLES`].
+    pub(super) fn cycles(&self) -> usize {
+        let of = |cycle: usize| (self.data.len() as f64 / cycle as f64).round() as usize;
+        self.first_of_several_cycles().map_or(1, of)
     }
 
     pub(super) fn whole_periods(&self) -> usize {

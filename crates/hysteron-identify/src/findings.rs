@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use super::defaults::beside_wide_moves;
 use super::engine::Search;
 use super::facts::amplitudes;
-use super::joint::Smoothing;
+use super::joint::{Smoothing, UNKNOWN_PAST};
 use super::options::{Choice, Method, Options, RecordRole};
 use super::result::{Identification, RecordFit};
 use super::{Finding, FindingKind};
@@ -210,6 +211,28 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                 }
             ),
         );
+    }
+    if let Some((small, wide)) = beside_wide_moves(facts) {
+        let unit = result.records.first().map_or("", |r| r.data.u_unit.symbol());
+        let told = say(
+            &mut findings,
+            FindingKind::Verdict,
+            "amplitudes",
+            format!(
+                "Oscillations of {} {unit} lie beside moves of {} {unit} amplitude: residuals are weighed by the swing of their segment, \
+                 so that small motion counts as much as wide motion, however short it is.{}",
+                short(small),
+                short(wide),
+                if matches!(result.model.hysteresis, Hysteresis::BoucWen(_)) {
+                    " The small loops of a Bouc–Wen model do not close: it drifts where the device does not."
+                } else {
+                    ""
+                }
+            ),
+        );
+        if matches!(result.model.hysteresis, Hysteresis::BoucWen(_)) {
+            told.advise(Advice::OtherHysteresis);
+        }
     }
     let dynamic = result.records.iter().any(|r| r.role == RecordRole::Dynamic);
     if !dynamic {
@@ -460,6 +483,14 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
             "{name}: {role}, {} samples{masked}, {start}; its offset was {offset}.",
             facts.data.y.len()
         ));
+        if !matches!(fit.start, Start::Settled { .. })
+            && let Some(cycle) = facts.first_of_several_cycles()
+        {
+            list.push(format!(
+                "{name}: the first of several cycles ({cycle} samples) has {UNKNOWN_PAST} of the weight of the others in the fit, because \
+                 what the device did before it is not known; the scores count it as any other."
+            ));
+        }
         if fit.data.valid != facts.data.valid {
             list.push(format!(
                 "{name}: the fit was interrupted; its scores are of its first {} samples.",

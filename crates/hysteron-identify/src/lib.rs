@@ -10,6 +10,7 @@ pub mod baselines;
 mod campaign;
 mod compared;
 pub mod coupled;
+mod defaults;
 mod dynamic_problem;
 mod dynamic_step;
 mod engine;
@@ -107,6 +108,7 @@ fn identify_records(
 ) -> Result<Identification, IdentifyError> {
     options.validate()?;
     let facts = campaign::usable(records)?;
+    let options = &defaults::resolved(&facts, options);
     let roles = campaign::roles(records, &facts);
     let settings = Settings {
         seed: options.seed,
@@ -117,7 +119,7 @@ fn identify_records(
     let joint = options.method == Method::Joint && !options.dynamics.takes_two_steps();
     let in_two_steps = !joint
         || (!campaign::has_second_step(&roles, options)
-            && options.hysteresis == HysteresisForm::BoucWen
+            && options.family() == HysteresisForm::BoucWen
             && options.creep == Creep::None);
     let plan = match &options.algorithm {
         _ if in_two_steps => two_step::PLAN,
@@ -130,7 +132,7 @@ fn identify_records(
     }
     if joint && campaign::has_second_step(&roles, options) {
         joint::identify(&facts, &roles, options, engine)
-    } else if options.hysteresis != HysteresisForm::BoucWen || options.creep != Creep::None {
+    } else if options.family() != HysteresisForm::BoucWen || options.creep != Creep::None {
         if !joint {
             return Err(IdentifyError::FamilyTakesJointFit);
         }

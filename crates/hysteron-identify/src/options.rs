@@ -221,8 +221,10 @@ pub enum Choice<T> {
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
-    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit.
-    pub hysteresis: HysteresisForm,
+    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; Krasnosel'skii–Pokrovskii where
+    /// small oscillations lie beside wide moves in a record on uneven stamps, then with [`DynamicsChoice::Auto`] and [`Creep::None`] a
+    /// lag and Kelvin–Voigt creep.
+    pub hysteresis: Choice<HysteresisForm>,
     /// Dynamic block.
     pub dynamics: DynamicsChoice,
     /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 12, or of [`DynamicsChoice::Modes`], 2 to 12.
@@ -270,7 +272,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             method: Method::Joint,
-            hysteresis: HysteresisForm::BoucWen,
+            hysteresis: Choice::Auto,
             dynamics: DynamicsChoice::Auto,
             order: 2,
             creep: Creep::None,
@@ -297,6 +299,14 @@ impl Default for Options {
 pub const HIGHEST_DEGREE: usize = 9;
 
 impl Options {
+    /// The family given, else Bouc–Wen.
+    pub fn family(&self) -> HysteresisForm {
+        match self.hysteresis {
+            Choice::Given(form) => form,
+            Choice::Auto => HysteresisForm::BoucWen,
+        }
+    }
+
     /// The scheme given, else `tustin`.
     pub(super) fn scheme(&self) -> Scheme {
         match self.scheme {
@@ -374,7 +384,7 @@ mod tests {
             sample_rate_hz: None,
         };
         let options = Options {
-            hysteresis: HysteresisForm::PrandtlIshlinskii { plays: 9 },
+            hysteresis: Choice::Given(HysteresisForm::PrandtlIshlinskii { plays: 9 }),
             dynamics: DynamicsChoice::TwoFractional,
             creep: Creep::KelvinVoigt { elements: 3 },
             degree: Choice::Given(4),

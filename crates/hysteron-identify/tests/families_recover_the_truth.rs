@@ -76,7 +76,7 @@ fn fitted(truth: &Model, noise_um: f64) -> Identification {
         })
         .collect();
     let options = Options {
-        hysteresis: truth.hysteresis.form(),
+        hysteresis: Choice::Given(truth.hysteresis.form()),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(truth.hysteresis.polynomial().len()),
         ..Options::default()
@@ -146,7 +146,12 @@ fn on_the_bench(truth: &Truth, hysteresis: HysteresisForm) -> Vec<f64> {
         .map(|r| CampaignRecord { data: data(r), role: None })
         .collect();
     let dynamics = DynamicsChoice::Integer;
-    let options = Options { hysteresis, dynamics, degree: Choice::Given(3), ..Options::default() };
+    let options = Options {
+        hysteresis: Choice::Given(hysteresis),
+        dynamics,
+        degree: Choice::Given(3),
+        ..Options::default()
+    };
     let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let unseen = runs.iter().filter(|r| matches!(r.role, Role::Tracking | Role::Validation { .. }));
     unseen

@@ -319,7 +319,7 @@ fn weights_of_plays_come_back_within_three_standard_errors() {
         .map(|r| CampaignRecord { data: data(r), role: None })
         .collect();
     let options = Options {
-        hysteresis: HysteresisForm::PrandtlIshlinskii { plays: 4 },
+        hysteresis: Choice::Given(HysteresisForm::PrandtlIshlinskii { plays: 4 }),
         dynamics: DynamicsChoice::Integer,
         degree: Choice::Given(1),
         ..Options::default()
@@ -467,7 +467,8 @@ fn plays_meet_the_default_bench_to_a_thousandth_of_its_stroke() {
         .collect();
     assert_eq!(campaign.len(), 2);
     let hysteresis = HysteresisForm::PrandtlIshlinskii { plays: 20 };
-    let options = Options { hysteresis, degree: Choice::Given(5), ..Options::default() };
+    let options =
+        Options { hysteresis: Choice::Given(hysteresis), degree: Choice::Given(5), ..Options::default() };
     let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
     let mut seen = 0;
     for run in runs.iter().filter(|r| matches!(r.role, Role::Tracking | Role::Validation { .. })) {

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use hysteron_identify::{
-    CampaignRecord, DynamicsChoice, Event, Finding, Fit as Found, FitParameter, FitRecords, Options,
+    CampaignRecord, Choice, DynamicsChoice, Event, Finding, Fit as Found, FitParameter, FitRecords, Options,
     Searches, Stop, Task, Watch, fit_on,
 };
 use hysteron_model::axes::AxesRecord;
@@ -89,10 +89,10 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Family of the hysteresis block of a Hammerstein model.
+    /// Family of the hysteresis block of a Hammerstein model, instead of what the records ask for.
     #[must_use]
     pub fn hysteresis(mut self, family: HysteresisForm) -> Self {
-        self.options.hysteresis = family;
+        self.options.hysteresis = Choice::Given(family);
         self
     }
 

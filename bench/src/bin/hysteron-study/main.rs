@@ -1,6 +1,7 @@
 //! What the joint identification promises, measured on simulated devices: `hysteron-study STUDY [NUMBER]`
 //! (`make study` runs them all). Each study is one file and prints a table; `docs/studies.md` quotes them.
 
+mod afm;
 mod blocks;
 mod campaign;
 mod coverage;
@@ -27,7 +28,7 @@ struct Study {
     run: fn(usize) -> Outcome<()>,
 }
 
-const STUDIES: [Study; 8] = [
+const STUDIES: [Study; 9] = [
     Study { name: "optimum", counts: "random devices", usual: 200, least: 1, run: optimum::study },
     Study { name: "full-size", counts: "random devices", usual: 5, least: 1, run: optimum::full_size },
     Study { name: "seeds", counts: "seeds of the search", usual: 200, least: 1, run: seeds::study },
@@ -36,6 +37,7 @@ const STUDIES: [Study; 8] = [
     Study { name: "blocks", counts: "noise seed", usual: 1, least: 0, run: blocks::study },
     Study { name: "track", counts: "noise seed", usual: 1, least: 0, run: track::study },
     Study { name: "coverage", counts: "campaigns", usual: 1000, least: 2, run: coverage::study },
+    Study { name: "afm", counts: "cycles left out in turn", usual: 8, least: 1, run: afm::study },
 ];
 
 fn usage() -> String {

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use hysteron_identify::{CampaignRecord, Options, Watch, identify};
+use hysteron_identify::{CampaignRecord, Choice, Options, Watch, identify};
 use hysteron_model::compensator::{CompensatorOptions, Prediction};
 use hysteron_model::control::{
     Adaptive, Edge, FeedbackKind, Forward, LawFamily, Loop, LoopSettings, Plant, Sines, Strategy,
@@ -143,7 +143,11 @@ pub fn study(seed: usize) -> Outcome<()> {
     let seed = seed as u64;
     let records = campaign(seed)?;
     let fit = |hysteresis| -> Outcome<Model> {
-        let options = Options { hysteresis, inter_sample: InterSample::Hold, ..Options::default() };
+        let options = Options {
+            hysteresis: Choice::Given(hysteresis),
+            inter_sample: InterSample::Hold,
+            ..Options::default()
+        };
         Ok(identify(&records, &options, &Watch::silent(), None)?.model)
     };
     let model = fit(HysteresisForm::PrandtlIshlinskii { plays: 20 })?;

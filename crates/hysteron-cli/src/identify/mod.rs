@@ -92,9 +92,10 @@ pub struct Identify {
     #[arg(long, value_enum)]
     structure: Option<StructureArg>,
 
-    /// Hysteresis block
-    #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary), default_value = "bouc-wen")]
-    hysteresis: HysteresisForm,
+    /// Hysteresis block [default: bouc-wen; krasnoselskii-pokrovskii where small oscillations lie beside wide moves in a record on
+    /// uneven stamps]
+    #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary))]
+    hysteresis: Option<HysteresisForm>,
 
     /// Elements of the hysteresis block: plays, slip elements, states, lines or intervals of a plane, degree
     /// [default: the family's own]

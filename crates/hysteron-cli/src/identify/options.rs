@@ -2,6 +2,7 @@
 
 use hysteron_identify::{Choice, Demands, DynamicsChoice, Options};
 use hysteron_model::dynamics::Creep;
+use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::InterSample;
 use hysteron_optimize::{
     AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions,
@@ -16,7 +17,7 @@ impl Identify {
     pub(super) fn options(&self) -> Result<Options, Failure> {
         Ok(Options {
             method: self.method,
-            hysteresis: with_elements(self.hysteresis, self.elements)?,
+            hysteresis: self.family()?,
             order: self.order,
             creep: self.creep()?,
             initial: self.initial,
@@ -35,6 +36,15 @@ impl Identify {
             scheme: self.scheme.map_or(Choice::Auto, Choice::Given),
             inter_sample: self.inter_sample.unwrap_or(InterSample::Linear),
             least_fit_percent: self.least_fit,
+        })
+    }
+
+    fn family(&self) -> Result<Choice<HysteresisForm>, Failure> {
+        Ok(match (self.hysteresis, self.elements) {
+            (None, None) => Choice::Auto,
+            (form, elements) => {
+                Choice::Given(with_elements(form.unwrap_or(HysteresisForm::BoucWen), elements)?)
+            }
         })
     }
 

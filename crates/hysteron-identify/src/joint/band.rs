@@ -184,6 +184,7 @@ impl OutputUncertainty {
             transients: false,
             offset_is_held: false,
             nuisance: Vec::new(),
+            cycles: 1,
             degree: self.layout.polynomial.len(),
             clock,
             scheme: self.scheme,

@@ -18,9 +18,8 @@ const SAMPLES_A_SWING: usize = 12;
 const SAMPLES_A_RECORD: usize = 2000;
 /// A record without visible noise is taken to be right to this share of its stroke.
 const LEAST_NOISE: f64 = 1e-6;
-/// Weight of the first of several cycles, at least so many, over that of the others.
-const UNKNOWN_PAST: f64 = 0.05;
-const SEVERAL_CYCLES: usize = 3;
+/// Weight of the first of several cycles, whose past is not known, over that of the others.
+pub(in super::super) const UNKNOWN_PAST: f64 = 0.01;
 /// A first sample off 0 V by more than this share of the range may be a start from 0 V.
 const JUMP: f64 = 0.02;
 
@@ -50,7 +49,7 @@ impl<'a> JointMember<'a> {
     ) -> Result<Self, IdentifyError> {
         let (timing, rate_hz) = facts.require_timing()?;
         let uneven = matches!(timing, Timing::Stamps(_));
-        let sees_rate = matches!(options.hysteresis, HysteresisForm::Family(form) if form.depends_on_rate());
+        let sees_rate = matches!(options.family(), HysteresisForm::Family(form) if form.depends_on_rate());
         if uneven && sees_rate {
             return Err(IdentifyError::Hysteresis(HysteresisError::Interval));
         }
@@ -71,6 +70,10 @@ impl<'a> JointMember<'a> {
                 }
             },
             Initial::Periodic => (periodic(facts)?, false),
+            // What the first of several cycles hides is not worth a parameter: a memory that explains it at any price spoils the rest.
+            Initial::Auto if facts.first_of_several_cycles().is_some() => {
+                (Start::Rest { voltage_v: first }, false)
+            }
             // Uneven stamps are those of a logger that ran before: the drive did not jump to its first sample.
             Initial::Auto if !uneven && first.abs() > JUMP * facts.range_v() => {
                 match static_step::choose_start(facts, options, engine)? {
@@ -137,6 +140,7 @@ impl<'a> JointMember<'a> {
             transients: self.transients,
             offset_is_held: held.is_some(),
             nuisance,
+            cycles: 1,
             degree,
             clock,
             scheme,
@@ -159,7 +163,10 @@ impl<'a> JointMember<'a> {
         let held = options.demands.fixed(OFFSET);
         let mut weighting = by_swing(data, scale / self.noise, self.noise, self.facts.stroke());
         weighting.mask(data.valid.as_deref());
-        if let Some(cycle) = self.unknown_cycle() {
+        // What a device remembers and how it creeps is not known: what is wrong of that must not be taken for the device.
+        if let Some(cycle) = self.facts.first_of_several_cycles()
+            && !matches!(self.before, Start::Settled { .. })
+        {
             weighting.weight[..cycle].iter_mut().for_each(|weight| *weight *= UNKNOWN_PAST);
         }
         if thin {
@@ -190,19 +197,12 @@ impl<'a> JointMember<'a> {
             transients: self.transients,
             offset_is_held: held.is_some(),
             nuisance: if options.drift { vec![drift()] } else { Vec::new() },
+            cycles: self.facts.cycles(),
             degree,
             clock,
             scheme,
             sampling: Sampling { reconstruction: options.inter_sample, ..Sampling::of(scheme) },
         })?)
-    }
-
-    /// Samples of the first of several cycles on uneven stamps, where its past is not known: one number is not enough to say what a
-    /// device remembers and how it creeps, and what is wrong of that must not be taken for the device.
-    pub(in super::super) fn unknown_cycle(&self) -> Option<usize> {
-        let cycle = first_cycle(&self.facts.data)?;
-        let several = self.facts.data.len() >= SEVERAL_CYCLES * cycle;
-        (several && matches!(self.before, Start::Remembering { .. })).then_some(cycle)
     }
 
     /// The start that is tried first where nothing is known of the record's memory.

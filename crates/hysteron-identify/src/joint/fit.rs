@@ -478,7 +478,7 @@ fn check_demands(options: &Options, form: &DynamicForm, records: usize) -> Resul
     let memory: Vec<String> = (0..records).map(memory_name).collect();
     let mut known: Vec<&str> = polynomial.iter().map(AsRef::as_ref).collect();
     let family: Vec<String> =
-        options.hysteresis.weight_names().into_iter().chain(options.hysteresis.shape_names()).collect();
+        options.family().weight_names().into_iter().chain(options.family().shape_names()).collect();
     known.extend(family.iter().map(String::as_str));
     known.push(OFFSET);
     if options.delay_s == Choice::Auto {

@@ -235,6 +235,7 @@ mod tests {
             transients: false,
             offset_is_held: false,
             nuisance: Vec::new(),
+            cycles: 1,
             degree: 1,
             clock: Clock::Rate(1000.0),
             scheme: Scheme::Tustin,

@@ -22,7 +22,7 @@ mod tests;
 mod weighting;
 
 pub use band::{OutputUncertainty, PredictionBand};
-pub(super) use campaign::JointMember;
+pub(super) use campaign::{JointMember, UNKNOWN_PAST};
 pub(super) use fit::{PLAN, POPULATION_PLAN, assemble, identify};
 pub use intervals::{Interval, IntervalMethod};
 pub use knowledge::Covariance;

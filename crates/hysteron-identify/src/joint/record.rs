@@ -37,6 +37,8 @@ pub(in super::super) struct JointRecord {
     reduction: Option<Reduction>,
     /// What happened before the first sample; an unknown memory at rest at u(0) is a parameter of the fit.
     before: Start<()>,
+    /// Cycles that the record consists of; 1 where it has none.
+    pub(super) cycles: usize,
     weighting: Weighting,
     /// Orthonormal weighted columns of offset and drift.
     nuisance: Projection,

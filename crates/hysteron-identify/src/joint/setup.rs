@@ -59,7 +59,7 @@ impl<'a> JointSetup<'a> {
         let facts: Vec<&RecordFacts> = members.iter().map(|member| member.facts).collect();
         Self {
             scales: Scales::of(&facts),
-            hysteresis: options.hysteresis,
+            hysteresis: options.family(),
             form,
             options,
             fastest_hz: facts.iter().map(|f| f.highest_frequency_hz()).fold(0.0, f64::max),

@@ -34,11 +34,10 @@ pub struct Smoothing {
 /// neighbours, or a linear number is held or searched.
 pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, Smoothing)> {
     let form = problem.hysteresis();
-    let neighbours = if problem.records().iter().any(JointRecord::is_on_stamps) {
-        form.chain()
-    } else {
-        form.neighbours().into_iter().map(|(a, b)| (a, Some(b))).collect()
-    };
+    let on_plane = form.neighbours().into_iter().map(|(a, b)| (a, Some(b)));
+    let chained =
+        if problem.records().iter().any(JointRecord::is_on_stamps) { form.chain() } else { Vec::new() };
+    let neighbours: Vec<(usize, Option<usize>)> = on_plane.chain(chained).collect();
     let layout = problem.layout();
     let free = layout.polynomial.iter().all(|role| *role == Role::Projected);
     let sign = match layout.weights.first() {
@@ -57,6 +56,9 @@ pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, S
     let parts: Vec<DMatrix<f64>> = (0..problem.records().len())
         .flat_map(|record| {
             let rows = problem.rows(record);
+            // Of a record in cycles each is a part: the level that a cycle leaves is met by the others or not.
+            let cycles = problem.records()[record].cycles;
+            let per_record = if cycles > 1 { cycles } else { per_record };
             let end = move |k: usize| rows.start + (rows.end - rows.start) * k / per_record;
             (0..per_record).map(move |k| end(k)..end(k + 1))
         })

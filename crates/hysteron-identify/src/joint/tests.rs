@@ -51,6 +51,7 @@ fn records(scheme: Scheme, transients: bool, before: [Start<()>; 2], factor: usi
                 transients,
                 offset_is_held: false,
                 nuisance: vec![(0..samples).map(|k| k as f64).collect()],
+                cycles: 1,
                 degree: 3,
                 clock: Clock::Rate(1000.0),
                 scheme,

@@ -192,7 +192,7 @@ impl Candidate {
             dynamics: self.block.dynamics,
             order: self.block.order,
             creep: self.creep,
-            hysteresis: self.hysteresis,
+            hysteresis: Choice::Given(self.hysteresis),
             degree: Choice::Given(self.degree),
             n: if self.n_free { Choice::Auto } else { Choice::Given(1.0) },
             ..base.clone()

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::super::Identification;
 use super::super::campaign::{of_runs, runs, usable};
+use super::super::defaults::resolved;
 use super::super::engine::Engine;
 use super::super::joint::JointMember;
 use super::super::options::{CampaignRecord, Choice, DynamicsChoice, Options};
@@ -65,6 +66,7 @@ pub fn neighbours(
     let facts = usable(runs.as_deref().unwrap_or(campaign))?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
     folds::plan(&facts, &contents)?;
+    let options = &resolved(&facts, options);
     let options = &Options { algorithm: None, start: Some(found.model.clone()), ..options.clone() };
     let stop = watch.stop();
     let silent = Watch::silent().stopped_by(stop);
@@ -116,12 +118,13 @@ pub fn neighbours(
 
 /// The structure that was identified.
 fn identified(options: &Options, found: &Identification) -> Candidate {
+    let hysteresis = found.model.hysteresis.form();
     Candidate {
         block: Block::of_options(options),
         creep: found.structure.creep,
         degree: found.structure.degree,
-        n_free: options.n == Choice::Auto && options.hysteresis == HysteresisForm::BoucWen,
-        hysteresis: options.hysteresis,
+        n_free: options.n == Choice::Auto && hysteresis == HysteresisForm::BoucWen,
+        hysteresis,
     }
 }
 

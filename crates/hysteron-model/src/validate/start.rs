@@ -43,7 +43,6 @@ pub fn first_cycle(record: &InputOutput) -> Option<usize> {
 }
 
 /// Sample at which a drive is back where it began, as near as it comes.
-
 fn cycle(u: &[f64]) -> Option<usize> {
     let (low, high) = range_of(u);
     let (range, first) = (high - low, *u.first()?);

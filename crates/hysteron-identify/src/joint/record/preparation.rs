@@ -34,6 +34,8 @@ pub(crate) struct Ingredients<'a> {
     pub(crate) offset_is_held: bool,
     /// Further nuisance columns (drift).
     pub(crate) nuisance: Vec<Vec<f64>>,
+    /// Cycles that the record consists of; 1 where it has none.
+    pub(crate) cycles: usize,
     /// Highest polynomial degree that will be asked for.
     pub(crate) degree: usize,
     pub(crate) clock: Clock,
@@ -114,6 +116,7 @@ impl JointRecord {
             grid,
             thinning: parts.thinning,
             before: parts.before,
+            cycles: parts.cycles,
             nuisance,
             target,
             valid,

@@ -29,6 +29,7 @@ fn record(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize) ->
         // Nothing is taken off the columns then.
         offset_is_held: true,
         nuisance: Vec::new(),
+        cycles: 1,
         degree: 2,
         clock: Clock::Rate(RATE),
         scheme: Scheme::BandLimited,

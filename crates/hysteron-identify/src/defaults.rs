@@ -1,0 +1,45 @@
+//! Structure by default where the records say more than the usual one can carry.
+//!
+//! Where small oscillations lie beside wide moves, the small loops of a Bouc–Wen model do not close: a small oscillation moves its
+//! level for as long as it lasts (Charalampakis & Koumousis 2009, doi:10.1016/j.jsv.2008.08.001). An operator that remembers
+//! reversals has no such drift, and what goes on between milliseconds and seconds is creep, told from the loops by their frequency.
+//! `hysteron-study afm` compares the families on such a device.
+
+use hysteron_model::dynamics::Creep;
+use hysteron_model::hysteresis::{FamilyForm, HysteresisForm};
+use hysteron_model::record::span;
+
+use super::facts::RecordFacts;
+use super::options::{Choice, DynamicsChoice, Method, Options};
+
+/// Oscillations of less than this share of the range of the drive are small.
+const SMALL: f64 = 0.1;
+/// Lines of the plane and elements of the creep.
+const LINES: usize = 8;
+const ELEMENTS: usize = 3;
+
+/// Amplitude of the smallest oscillation that lies beside wide moves in one record, and that of these; `None` where there is none.
+pub(super) fn beside_wide_moves(facts: &[RecordFacts]) -> Option<(f64, f64)> {
+    let of = |facts: &RecordFacts| {
+        let wide = 0.5 * span(&facts.data.u);
+        let oscillations = facts.data.segments().into_iter().filter(|s| s.gain.is_some());
+        let smallest = oscillations.map(|s| s.amplitude).reduce(f64::min)?;
+        (smallest < SMALL * wide).then_some((smallest, wide))
+    };
+    facts.iter().filter_map(of).reduce(|a, b| if b.0 < a.0 { b } else { a })
+}
+
+/// The options with what they leave open.
+pub(super) fn resolved(facts: &[RecordFacts], options: &Options) -> Options {
+    let given = matches!(options.hysteresis, Choice::Given(_)) || options.start.is_some();
+    let family = |form| Options { hysteresis: Choice::Given(form), ..options.clone() };
+    if given || options.method != Method::Joint || beside_wide_moves(facts).is_none() {
+        return family(options.family());
+    }
+    let plane = family(HysteresisForm::Family(FamilyForm::KrasnoselskiiPokrovskii { lines: LINES }));
+    if options.dynamics != DynamicsChoice::Auto || options.creep != Creep::None {
+        return plane;
+    }
+    let creep = Creep::KelvinVoigt { elements: ELEMENTS };
+    Options { dynamics: DynamicsChoice::Integer, order: 1, creep, ..plane }
+}
