@@ -1,9 +1,10 @@
 //! Structure by default where the records say more than the usual one can carry.
 //!
 //! Where small oscillations lie beside wide moves, the small loops of a Bouc–Wen model do not close: a small oscillation moves its
-//! level for as long as it lasts (Charalampakis & Koumousis 2009, doi:10.1016/j.jsv.2008.08.001). An operator that remembers
-//! reversals has no such drift, and what goes on between milliseconds and seconds is creep, told from the loops by their frequency.
-//! `hysteron-study afm` compares the families on such a device.
+//! level for as long as it lasts. An operator that remembers reversals has no such drift, and what goes on between milliseconds and
+//! seconds is creep, told from the loops by their frequency. Few cycles determine few weights: free ones are spent on the levels that
+//! single cycles leave, and miss those of the next ones; a density of four numbers over the plane of relays cannot. `hysteron-study
+//! afm` compares the families on such a device.
 
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::{FamilyForm, HysteresisForm};
@@ -14,9 +15,9 @@ use super::options::{Choice, DynamicsChoice, Method, Options};
 
 /// Oscillations of less than this share of the range of the drive are small.
 const SMALL: f64 = 0.1;
-/// Lines of the plane and elements of the creep.
-const LINES: usize = 8;
+/// Elements of the creep, and degree of the polynomial: higher ones are wrong where later drives go a little farther.
 const ELEMENTS: usize = 3;
+const DEGREE: usize = 3;
 
 /// Amplitude of the smallest oscillation that lies beside wide moves in one record, and that of these; `None` where there is none.
 pub(super) fn beside_wide_moves(facts: &[RecordFacts]) -> Option<(f64, f64)> {
@@ -36,7 +37,12 @@ pub(super) fn resolved(facts: &[RecordFacts], options: &Options) -> Options {
     if given || options.method != Method::Joint || beside_wide_moves(facts).is_none() {
         return family(options.family());
     }
-    let plane = family(HysteresisForm::Family(FamilyForm::KrasnoselskiiPokrovskii { lines: LINES }));
+    let plane = family(HysteresisForm::Family(FamilyForm::PreisachDensity));
+    let degree = match options.degree {
+        Choice::Auto => Choice::Given(DEGREE),
+        given => given,
+    };
+    let plane = Options { degree, ..plane };
     if options.dynamics != DynamicsChoice::Auto || options.creep != Creep::None {
         return plane;
     }

@@ -6,7 +6,7 @@ use super::defaults::beside_wide_moves;
 use super::engine::Search;
 use super::facts::amplitudes;
 use super::joint::{Smoothing, UNKNOWN_PAST};
-use super::options::{Choice, Method, Options, RecordRole};
+use super::options::{Choice, Initial, Method, Options, RecordRole};
 use super::result::{Identification, RecordFit};
 use super::{Finding, FindingKind};
 use super::{IdentifyError, RecordFacts, identifiability};
@@ -483,7 +483,7 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
             "{name}: {role}, {} samples{masked}, {start}; its offset was {offset}.",
             facts.data.y.len()
         ));
-        if !matches!(fit.start, Start::Settled { .. })
+        if options.initial != Initial::Periodic
             && let Some(cycle) = facts.first_of_several_cycles()
         {
             list.push(format!(

@@ -221,7 +221,7 @@ pub enum Choice<T> {
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
-    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; Krasnosel'skii–Pokrovskii where
+    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; a Preisach density where
     /// small oscillations lie beside wide moves in a record on uneven stamps, then with [`DynamicsChoice::Auto`] and [`Creep::None`] a
     /// lag and Kelvin–Voigt creep.
     pub hysteresis: Choice<HysteresisForm>,

@@ -158,7 +158,8 @@ fn on_the_bench(truth: &Truth, hysteresis: HysteresisForm) -> Vec<f64> {
         .map(|run| {
             let unseen = data(run);
             let (start, _) =
-                choose_start(&found.model, &unseen, found.records[0].start, &Scoring::default()).unwrap();
+                choose_start(&found.model, &unseen, found.records[0].start, None, &Scoring::default())
+                    .unwrap();
             let simulated = found.model.simulate(&unseen.u, unseen.sample_rate_hz(), &start).unwrap();
             score(&unseen, &simulated, &Scoring::default()).unwrap().rmse_percent_of_stroke.unwrap()
         })

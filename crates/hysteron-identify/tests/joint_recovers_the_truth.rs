@@ -475,7 +475,7 @@ fn plays_meet_the_default_bench_to_a_thousandth_of_its_stroke() {
         let unseen = data(run);
         // The bench starts every record alike.
         let (start, _) =
-            choose_start(&found.model, &unseen, found.records[0].start, &Scoring::default()).unwrap();
+            choose_start(&found.model, &unseen, found.records[0].start, None, &Scoring::default()).unwrap();
         let simulated = found.model.simulate(&unseen.u, unseen.sample_rate_hz(), &start).unwrap();
         let scores = score(&unseen, &simulated, &Scoring::default()).unwrap();
         let percent = scores.rmse_percent_of_stroke.unwrap();

@@ -7,6 +7,7 @@
 //! On time stamps that are not uniform every step is exact ([`StampedPlan`]), whatever the scheme; the drive goes along straight
 //! lines between them, or is held.
 
+use crate::Memory;
 use crate::dynamics::delay::delay_in_place;
 use crate::dynamics::{
     Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace, TransferFunction,
@@ -59,7 +60,7 @@ pub fn extend<'a>(start: &Start, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize,
         Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => {
             Ok((Cow::Borrowed(u), 0, voltage_v))
         }
-        Start::Settled { period_samples } => {
+        Start::Settled { period_samples, .. } => {
             let period_samples = period_samples.unwrap_or(u.len());
             let period = u.get(..period_samples).filter(|_| period_samples >= 2);
             let Some(period) = period else {
@@ -124,7 +125,7 @@ impl Model {
         let samples = ((u.len().max(1) - 1) as f64 / ratio).ceil() as usize + 1;
         let drive: Vec<f64> = (0..samples).map(|k| between(u, k as f64 * ratio)).collect();
         let start = match *start {
-            Start::Settled { period_samples: Some(samples) } => {
+            Start::Settled { period_samples: Some(samples), .. } => {
                 Start::settled((samples as f64 / ratio).round() as usize)
             }
             rest => rest,
@@ -179,6 +180,10 @@ impl Model {
             Start::Remembering { voltage_v, memory } => {
                 let memory = self.hysteresis.own_memory(memory)?;
                 (Some(memory), Start::Remembering { voltage_v, memory })
+            }
+            Start::Settled { virgin_at_v: Some(virgin), .. } => {
+                let memory = self.hysteresis.own_memory(Memory::VirginAt(virgin))?;
+                (Some(memory), Start::Remembering { voltage_v: rest_voltage_v, memory })
             }
             // What ran before is in the drive.
             _ => (None, Start::Rest { voltage_v: rest_voltage_v }),

@@ -419,7 +419,7 @@ impl<'a> Task<'a> {
         let rest_v = match options.start {
             Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => voltage_v,
             Start::AsIdentified => model.rest_for(reference[0], options.virgin_v, options.range_v)?,
-            Start::Settled { period_samples: Some(period_samples) }
+            Start::Settled { period_samples: Some(period_samples), .. }
                 if period_samples == 0 || !reference.len().is_multiple_of(period_samples) =>
             {
                 return Err(InversionError::Period { samples: reference.len(), period_samples });

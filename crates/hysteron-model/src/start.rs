@@ -31,6 +31,10 @@ pub enum Start<M = Memory> {
     Settled {
         /// Samples of a period; `None`: the record's own, which for a block of a model is the whole record.
         period_samples: Option<usize>,
+        /// Voltage at which the device was virgin before it moved, without turning, to where the first period began \[V\]; `None`: it
+        /// was virgin there.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        virgin_at_v: Option<f64>,
     },
 }
 
@@ -50,14 +54,14 @@ pub enum Memory {
 
 impl<M> Start<M> {
     /// The record repeats with its own period.
-    pub const PERIODIC: Self = Self::Settled { period_samples: None };
+    pub const PERIODIC: Self = Self::Settled { period_samples: None, virgin_at_v: None };
 
     /// At rest at 0, without memory: all signals zero before the first sample (the article).
     pub const ZERO: Self = Self::Rest { voltage_v: 0.0 };
 
     /// A period of so many samples has been running for long.
     pub fn settled(period_samples: usize) -> Self {
-        Self::Settled { period_samples: Some(period_samples) }
+        Self::Settled { period_samples: Some(period_samples), virgin_at_v: None }
     }
 }
 
@@ -78,10 +82,10 @@ impl Start {
                     &Unit::new(output).to_string()
                 )
             ),
-            Self::Settled { period_samples: Some(samples) } => {
+            Self::Settled { period_samples: Some(samples), .. } => {
                 format!("settled on its period of {samples} samples")
             }
-            Self::Settled { period_samples: None } => "settled on its period".to_owned(),
+            Self::Settled { period_samples: None, .. } => "settled on its period".to_owned(),
         }
     }
 

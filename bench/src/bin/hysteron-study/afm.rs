@@ -32,11 +32,7 @@ fn cycles() -> Outcome<Option<Vec<InputOutput>>> {
     }
     let options =
         ReadOptions { input: Some("u_V".into()), output: Some("y_um".into()), ..ReadOptions::default() };
-    let choice = ChannelChoice {
-        input: options.input.clone(),
-        output: options.output.clone(),
-        ..ChannelChoice::default()
-    };
+    let choice = ChannelChoice { input: options.input.clone(), output: options.output.clone() };
     let read = |cycle: usize| Ok(read_record(&path(cycle), &options)?.input_output(&choice)?);
     (0..CYCLES).map(read).collect::<Outcome<Vec<_>>>().map(Some)
 }
@@ -96,15 +92,17 @@ pub fn study(number: usize) -> Outcome<()> {
         ("bouc-wen", kelvin_voigt),
         ("prandtl-ishlinskii", kelvin_voigt),
         ("dead-zone-plays", kelvin_voigt),
-        ("krasnoselskii-pokrovskii", Creep::None),
-        ("krasnoselskii-pokrovskii", Creep::Logarithmic),
-        ("krasnoselskii-pokrovskii", Creep::Fractional),
         ("krasnoselskii-pokrovskii", kelvin_voigt),
+        ("preisach-density", Creep::None),
+        ("preisach-density", Creep::Logarithmic),
+        ("preisach-density", Creep::Fractional),
+        ("preisach-density", kelvin_voigt),
     ];
     for (name, creep) in candidates {
         let hysteresis = Choice::Given(named(name).ok_or("no such family")?);
         let (dynamics, order) = (DynamicsChoice::Integer, 1);
-        let options = Options { hysteresis, creep, dynamics, order, ..usual.clone() };
+        let degree = Choice::Given(3);
+        let options = Options { hysteresis, creep, dynamics, order, degree, ..usual.clone() };
         let scored = identified(&cycles[..6], &options).and_then(|model| free_run(&model, &cycles[6..]));
         let [rms, max] = match scored {
             Ok(score) => errors(&score),

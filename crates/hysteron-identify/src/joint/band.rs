@@ -151,7 +151,7 @@ impl OutputUncertainty {
             Start::Settled { .. } if matches!(timing, Timing::Stamps(_)) => {
                 (Start::Rest { voltage_v: drive[0] }, 0.0)
             }
-            Start::Settled { period_samples } => {
+            Start::Settled { period_samples, .. } => {
                 let period_samples = period_samples.unwrap_or(drive.len());
                 if period_samples == 0 || !drive.len().is_multiple_of(period_samples) {
                     return Err(IdentifyError::NotPeriodic {
@@ -167,7 +167,7 @@ impl OutputUncertainty {
         };
         let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let TimedDrive { fine, thinning, clock } = match (timing, start) {
-            (Timing::Stamps(times_s), Start::Settled { period_samples }) => {
+            (Timing::Stamps(times_s), Start::Settled { period_samples, .. }) => {
                 let period = period_samples.unwrap_or(drive.len());
                 let cycles = cycles_before(times_s, drive, period, 0..drive.len());
                 TimedDrive::on_stamps(cycles, (times_s, drive), self.scheme, self.inter_sample)?

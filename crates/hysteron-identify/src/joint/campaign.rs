@@ -60,7 +60,7 @@ impl<'a> JointMember<'a> {
             Initial::Free => (remembering, true),
             Initial::Zero => (Start::Rest { voltage_v: 0.0 }, false),
             Initial::Periodic if uneven => match first_cycle(&facts.data) {
-                Some(period) => (Start::Settled { period_samples: Some(period) }, false),
+                Some(period) => (Start::settled(period), false),
                 None => {
                     return Err(IdentifyError::NotPeriodic {
                         record: facts.data.name.clone(),
@@ -177,7 +177,7 @@ impl<'a> JointMember<'a> {
         let drift = || kept.iter().map(|&k| (times_s[k] - first) / duration - 0.5).collect();
         let (before, cycles) = match self.before {
             // Samples that show every swing are enough of what was before.
-            Start::Settled { period_samples: Some(period) } => {
+            Start::Settled { period_samples: Some(period), .. } => {
                 let cycles = cycles_before(&times_s, &data.u, period, thinned(data).iter().copied());
                 (Start::Rest { voltage_v: data.u[0] }, cycles)
             }
@@ -210,8 +210,8 @@ impl<'a> JointMember<'a> {
         match self.before {
             Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. } => Start::Rest { voltage_v },
             Start::AsIdentified => Start::Rest { voltage_v: self.facts.data.u[0] },
-            Start::Settled { period_samples: Some(_) } => Start::Rest { voltage_v: self.facts.data.u[0] },
-            Start::Settled { period_samples: None } => self.settled(),
+            Start::Settled { period_samples: Some(_), .. } => Start::Rest { voltage_v: self.facts.data.u[0] },
+            Start::Settled { period_samples: None, .. } => self.settled(),
         }
     }
 
@@ -228,8 +228,8 @@ impl<'a> JointMember<'a> {
                 let own = hysteresis.form().own_memory(memory, &hysteresis.weights());
                 Start::Remembering { voltage_v, memory: hysteresis.memory(own) }
             }
-            Start::Settled { period_samples: Some(period) } => Start::settled(period),
-            Start::Settled { period_samples: None } => self.settled(),
+            Start::Settled { period_samples: Some(period), .. } => Start::settled(period),
+            Start::Settled { period_samples: None, .. } => self.settled(),
         }
     }
 }

@@ -20,7 +20,8 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Creep, DynamicForm, Dynamics, Modes};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::model_file::{ModelFile, SignalUnits, polynomial_name};
-use hysteron_model::validate::{Scoring, mean_residual, score};
+use hysteron_model::record::range_of;
+use hysteron_model::validate::{Scoring, choose_start, mean_residual, score};
 use hysteron_optimize::{Algorithm, DeAbcOptions, LeastSquaresProblem, OptimizeError, Problem};
 use rayon::prelude::*;
 
@@ -231,9 +232,20 @@ fn simulated(
     roles: &[RecordRole],
     (options, stopped): (&Options, bool),
 ) -> Result<Vec<RecordFit>, IdentifyError> {
+    let range_v = members
+        .iter()
+        .map(|m| range_of(&m.facts.data.u))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let simulate = |(index, member): (usize, &JointMember<'_>)| {
         let mut data = member.facts.data.clone();
-        let start = member.start(&solution.hysteresis, solution.memory[index]);
+        let mut start = member.start(&solution.hysteresis, solution.memory[index]);
+        if let Some(cycle) = member.facts.first_of_several_cycles()
+            && !stopped
+        {
+            // As a validation of the same record would: the fit did without what was before it.
+            let first = data.cropped(0..cycle)?;
+            start = choose_start(model, &first, start, Some(range_v), &Scoring::default())?.0;
+        }
         let is_whole = !stopped || matches!(start, Start::Settled { .. });
         let samples = if is_whole { data.len() } else { member.facts.beginning(BEGINNING) };
         let part = data.cropped(0..samples)?;

@@ -187,7 +187,7 @@ fn choose(model: &Model, recordings: &[Recording]) -> Result<Vec<Start>, Identif
         if recording.start_is_known {
             return Ok(recording.start);
         }
-        match choose_start(model, &recording.data, recording.start, &Scoring::default()) {
+        match choose_start(model, &recording.data, recording.start, None, &Scoring::default()) {
             Ok((start, _)) => Ok(start),
             Err(ScoreError::Simulation(e)) => Err(e.into()),
             Err(e) => Err(e.into()),

@@ -105,7 +105,7 @@ impl Campaign<'_> {
             // What is left out says best what came before it: a memory fitted to the rest may rest on nothing.
             let fitted = starts.iter().find(|(r, _)| r == record).map(|(_, start)| *start);
             let preferred = fitted.unwrap_or_else(|| self.members[*record].fresh_start());
-            let (_, simulated) = choose_start(&model, &data, preferred, &Scoring::default())
+            let (_, simulated) = choose_start(&model, &data, preferred, None, &Scoring::default())
                 .map_err(|e| NoFit::Failed(e.to_string()))?;
             let scores = score(&data, &simulated, &Scoring::default())?;
             square += scores.rmse * scores.rmse * scores.samples as f64;

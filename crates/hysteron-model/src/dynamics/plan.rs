@@ -89,7 +89,7 @@ impl SimulationPlan {
             return Err(DynamicsError::TooFewSamples { need: 1, found: 0 });
         }
         let initial = match initial {
-            Start::Settled { period_samples: Some(period) } if period != samples => {
+            Start::Settled { period_samples: Some(period), .. } if period != samples => {
                 return Err(DynamicsError::Length { what: "period", expected: samples, found: period });
             }
             Start::Settled { .. } => Start::PERIODIC,

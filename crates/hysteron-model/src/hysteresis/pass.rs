@@ -17,7 +17,7 @@ pub(super) fn at_rest(start: Start<f64>, u: &[f64]) -> Result<Option<(f64, Optio
         Start::AsIdentified => Ok(Some((u.first().copied().unwrap_or(0.0), None))),
         Start::Rest { voltage_v } => Ok(Some((voltage_v, None))),
         Start::Remembering { voltage_v, memory } => Ok(Some((voltage_v, Some(memory)))),
-        Start::Settled { period_samples: Some(samples) } if samples != u.len() => {
+        Start::Settled { period_samples: Some(samples), .. } if samples != u.len() => {
             Err(HysteresisError::Period { samples: u.len(), period_samples: samples })
         }
         Start::Settled { .. } => Ok(None),

@@ -209,10 +209,12 @@ impl Model {
         let mut run = self.prepared(record)?;
         let expected = hammerstein_start(&body.data, record, &mut run.remarks);
         run.remark_range(self, &record.u);
-        let (chosen, y) = choose_start(&body.law, record, expected, scoring).map_err(|e| match e {
-            ScoreError::Simulation(e) => RunError::from(e),
-            e => e.into(),
-        })?;
+        let range_v = body.data.valid_range.as_ref().map(|range| (range.input.low, range.input.high));
+        let (chosen, y) =
+            choose_start(&body.law, record, expected, range_v, scoring).map_err(|e| match e {
+                ScoreError::Simulation(e) => RunError::from(e),
+                e => e.into(),
+            })?;
         if chosen != expected {
             run.remarks.push(Remark::StartChosen { chosen, expected });
         }
@@ -288,7 +290,7 @@ impl Model {
             agreed_unit(signal, own, found, &mut Vec::new())?;
         }
         let (period, settled_given) = match start {
-            Start::Settled { period_samples: Some(period_samples) } => {
+            Start::Settled { period_samples: Some(period_samples), .. } => {
                 let whole = record.len() / period_samples.max(1);
                 (Some(SteadyPeriod::mean(record, period_samples, 0, whole.max(1))?), true)
             }

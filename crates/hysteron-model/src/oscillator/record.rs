@@ -29,7 +29,7 @@ impl Oscillator {
             self.simulate(&drive, start, &mut y).map(|_| y)
         };
         let period_samples = match start {
-            Start::Settled { period_samples } => period_samples.unwrap_or(u.len()),
+            Start::Settled { period_samples, .. } => period_samples.unwrap_or(u.len()),
             Start::Remembering { .. } => return Err(SimulationError::Memory),
             Start::AsIdentified | Start::Rest { .. } => return open(Start::AsIdentified),
         };

@@ -27,7 +27,7 @@ pub(super) fn first_state(
             }
             Ok(Some(memory.into()))
         }
-        Start::Settled { period_samples: Some(samples) } if samples != drive.len() => {
+        Start::Settled { period_samples: Some(samples), .. } if samples != drive.len() => {
             Err(SimulationError::Period { samples: drive.len(), period_samples: samples })
         }
         Start::Settled { .. } => Ok(None),

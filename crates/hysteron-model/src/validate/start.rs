@@ -15,20 +15,30 @@ const BACK: f64 = 0.06;
 
 /// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off), settled on
 /// its own period where it repeats from the beginning or is one closed loop.
-pub fn possible_starts(record: &InputOutput) -> Vec<Start> {
+pub fn possible_starts(record: &InputOutput, range_v: Option<(f64, f64)>) -> Vec<Start> {
     let mut starts = Vec::new();
     if let Some(&first) = record.u.first() {
         starts.push(Start::Rest { voltage_v: first });
-        if first != 0.0 {
+        // Uneven stamps are those of a logger that ran before: nothing jumped from 0 V to the first sample.
+        if first != 0.0 && !matches!(record.time, TimeBase::NonUniform { .. }) {
             starts.push(Start::ZERO);
         }
     }
-    if let Some(period_samples) =
-        first_cycle(record).or_else(|| settled_period(record, find_periods(record).ok()))
-    {
+    if let Some(cycle) = first_cycle(record) {
+        starts.push(Start::Settled { period_samples: Some(cycle), virgin_at_v: wider(record, range_v) });
+    } else if let Some(period_samples) = settled_period(record, find_periods(record).ok()) {
         starts.push(Start::settled(period_samples));
     }
     starts
+}
+
+/// End of the range over which a device was driven before, where the record stays within it: what that left behind shows as a level
+/// until the record goes as far. The end farther from where it begins.
+fn wider(record: &InputOutput, range_v: Option<(f64, f64)>) -> Option<f64> {
+    let ((low, high), first) = (range_v?, *record.u.first()?);
+    let own = range_of(&record.u);
+    let farther = if high - first > first - low { high } else { low };
+    (farther > own.1 || farther < own.0).then_some(farther)
 }
 
 /// Samples of the first cycle of a drive on uneven stamps: those before it is back where it began, most of its range behind it.
@@ -93,7 +103,7 @@ fn closes(x: &[f64]) -> bool {
 /// the simulation from it. A record's initial state is unknown like its sensor's zero: this is its estimate, one choice
 /// of at most four, and the preferred one unless another is better by more than 1 %. Where the device rested at u(0) with a
 /// memory of earlier motion that explains the record better than all of them by more than 1 %, that start is taken, with the
-/// estimated memory z ([`Start::Remembering`]).
+/// estimated memory z ([`Start::Remembering`]). `range_v`: smallest and largest voltage of the records that the model comes from.
 ///
 /// # Errors
 /// [`ScoreError`] where the model cannot be simulated from the preferred start, or the record cannot be scored.
@@ -101,13 +111,14 @@ pub fn choose_start(
     model: &Model,
     record: &InputOutput,
     preferred: Start,
+    range_v: Option<(f64, f64)>,
     scoring: &Scoring,
 ) -> Result<(Start, Vec<f64>), ScoreError> {
     const BETTER: f64 = 0.99;
     let simulated = model.simulate(&record.u, &record.time, &preferred)?;
     let mut best = (score(record, &simulated, scoring)?.rmse, preferred, simulated);
     let given = best.0;
-    for start in possible_starts(record).into_iter().filter(|s| *s != preferred) {
+    for start in possible_starts(record, range_v).into_iter().filter(|s| *s != preferred) {
         // A start that cannot be simulated is not the one.
         let Ok(simulated) = model.simulate(&record.u, &record.time, &start) else { continue };
         let rmse = score(record, &simulated, scoring)?.rmse;
@@ -174,7 +185,8 @@ mod tests {
             let y = model().simulate(&u, None, &truth).unwrap();
             let record = InputOutput::new("run", TimeBase::uniform(100.0), u.clone(), y.clone()).unwrap();
             let preferred = Start::Rest { voltage_v: 3.0 };
-            let (start, simulated) = choose_start(&model(), &record, preferred, &Scoring::default()).unwrap();
+            let (start, simulated) =
+                choose_start(&model(), &record, preferred, None, &Scoring::default()).unwrap();
             assert_eq!(start, truth);
             assert_eq!(simulated, y);
         }
@@ -201,13 +213,13 @@ mod tests {
             let record = InputOutput::new("cut", TimeBase::uniform(1000.0), u[cut..].to_vec(), y).unwrap();
             let preferred = Start::Rest { voltage_v: 0.0 };
             let scoring = Scoring::default();
-            let (start, simulated) = choose_start(&model, &record, preferred, &scoring).unwrap();
+            let (start, simulated) = choose_start(&model, &record, preferred, None, &scoring).unwrap();
             let found = score(&record, &simulated, &scoring).unwrap();
             assert!(matches!(start, Start::Remembering { .. }), "{n}: {start:?}");
             assert!((found.rmse / own - 1.0).abs() < 0.01, "{n}: {} against {own}", found.rmse);
             assert_eq!(found.skipped_samples, 0);
             // Not so from any other start.
-            for other in possible_starts(&record) {
+            for other in possible_starts(&record, None) {
                 let simulated = model.simulate(&record.u, None, &other).unwrap();
                 assert!(score(&record, &simulated, &scoring).unwrap().rmse > 2.0 * own, "{n}: {other:?}");
             }
@@ -221,7 +233,7 @@ mod tests {
         let y = model().simulate(&u, None, &truth).unwrap();
         let record = InputOutput::new("run", TimeBase::uniform(100.0), u, y).unwrap();
         let preferred = Start::Rest { voltage_v: 3.0 };
-        match choose_start(&model(), &record, preferred, &Scoring::default()).unwrap().0 {
+        match choose_start(&model(), &record, preferred, None, &Scoring::default()).unwrap().0 {
             Start::Remembering { voltage_v, memory: Memory::Displacement(z) } => {
                 assert_eq!(voltage_v, 3.0);
                 assert!((z + 0.83).abs() < 1e-4, "{z}");
@@ -236,6 +248,9 @@ mod tests {
         let preferred = Start::Rest { voltage_v: -0.5 };
         let y = model().simulate(&u, None, &preferred).unwrap();
         let record = InputOutput::new("run", TimeBase::uniform(100.0), u, y).unwrap();
-        assert_eq!(choose_start(&model(), &record, preferred, &Scoring::default()).unwrap().0, preferred);
+        assert_eq!(
+            choose_start(&model(), &record, preferred, None, &Scoring::default()).unwrap().0,
+            preferred
+        );
     }
 }

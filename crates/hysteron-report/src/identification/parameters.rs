@@ -109,7 +109,7 @@ pub(super) fn rows(found: &Identification, file: &ModelFile) -> Vec<ParameterRow
             }
             // The memory is among the fitted parameters.
             Start::Remembering { .. } | Start::AsIdentified => continue,
-            Start::Settled { period_samples } => {
+            Start::Settled { period_samples, .. } => {
                 let samples = period_samples.unwrap_or(fit.data.len());
                 ("N", "period on which the device had settled", samples as f64, "samples".into())
             }

@@ -114,7 +114,7 @@ impl Arx {
             Start::ZERO => (0.0, 0.0),
             Start::AsIdentified => (first, self.dc_gain() * first),
             Start::Rest { voltage_v } => (voltage_v, self.dc_gain() * voltage_v),
-            Start::Settled { period_samples: Some(period) } if period != input.len() => {
+            Start::Settled { period_samples: Some(period), .. } if period != input.len() => {
                 return Err(DynamicsError::Length { what: "period", expected: input.len(), found: period });
             }
             Start::Settled { .. } => return self.steady_state(input, output),
