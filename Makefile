@@ -5,6 +5,7 @@ SHELL := /bin/bash
 .PHONY: FORCE help demo check test export-tools bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
+CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
 OUT := out
 HYSTERON := target/release/hysteron
 
@@ -26,12 +27,14 @@ check-components: check-toolchain
 $(HYSTERON): check-toolchain FORCE
 	cargo build --release --locked -p hysteron-cli
 
-demo: $(HYSTERON) ## build, identify the measured example record, print the scores, write model and report
+demo: $(HYSTERON) ## build, identify the measured example records, print the scores, write models and reports
 	@mkdir -p $(OUT)
 	$(HYSTERON) identify $(RECORD) -o $(OUT)/model.json --report $(OUT)/report.html
 	@echo
-	@echo "model   $(abspath $(OUT)/model.json)"
-	@echo "report  $(abspath $(OUT)/report.html)   (open it in a browser; it needs no network)"
+	$(HYSTERON) identify $(CYCLES) --continued --input u_V --output y_um -o $(OUT)/scanner.json --report $(OUT)/scanner.html
+	@echo
+	@echo "models   $(abspath $(OUT)/model.json), $(abspath $(OUT)/scanner.json)"
+	@echo "reports  $(abspath $(OUT)/report.html), $(abspath $(OUT)/scanner.html)   (open them in a browser; they need no network)"
 
 export-tools: ## install what the tests of exported source use: clang, ARM compiler and simulator, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
