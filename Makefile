@@ -73,6 +73,8 @@ figures: $(HYSTERON) ## the pictures of README and docs, made by the program
 	$(HYSTERON) identify $(RECORD) -o $(OUT)/model.json --figures $(OUT)/figures
 	cp $(OUT)/figures/figure-*-hysteresis-loop-*.svg docs/figures/hysteresis-loop.svg
 	cp $(OUT)/figures/figure-*-start-of-the-record-*.svg docs/figures/start-from-rest.svg
+	$(HYSTERON) identify $(CYCLES) --continued --input u_V --output y_um -o $(OUT)/scanner.json --figures $(OUT)/scanner
+	cp $(OUT)/scanner/figure-*-time-curves-cycle-1-300hz-03-csv.svg docs/figures/scanner.svg
 	cargo run --release --locked -p hysteron-report --example families -- docs/figures
 	cargo run --release --locked -p hysteron-report --example oscillator -- docs/figures/oscillator.svg
 	cargo run --release --locked -p hysteron-report --example creep -- docs/figures/creep.svg

@@ -177,3 +177,23 @@ fn the_page_has_scores_and_curves() {
     // Nothing is printed differently for it.
     assert_eq!(run.stdout, bench.run("validate model.json run.csv simulated_run.csv").stdout);
 }
+
+#[test]
+fn the_series_is_what_was_scored() {
+    let bench = Bench::new();
+    straight_line(&bench);
+    let alternating = |k: usize| if k.is_multiple_of(2) { 0.3 } else { -0.3 };
+    bench.write("run.csv", record("t_s,u_V,y_um", |k, u| 0.3 * u + 7.0 + alternating(k)));
+    let json = report(&bench.run("validate model.json run.csv --json -o scored.csv"));
+    let text = std::fs::read_to_string(bench.path("scored.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("t_s,u_V,y_um,y_model_um,residual_um"));
+    let residuals: Vec<f64> = lines.map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
+    let rmse = (residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64).sqrt();
+    assert_eq!(residuals.len(), 200);
+    assert!((rmse - json["records"][0]["rmse_um"].as_f64().unwrap()).abs() < 1e-9, "{rmse}");
+
+    let two = bench.run("validate model.json run.csv run.csv -o both.csv");
+    assert_eq!(two.exit_code, 2, "{two:?}");
+    assert!(two.stderr.contains("one record at a time") && !bench.path("both.csv").exists(), "{two:?}");
+}
