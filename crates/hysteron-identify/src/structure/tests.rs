@@ -104,8 +104,10 @@ fn what_is_finished_is_kept_when_stopped() {
     });
     let found = compare(&campaign(), Some(&list), &Options::default(), &seven).unwrap();
     assert!(found.interrupted);
-    assert_eq!(found.entries.len(), 1, "the second candidate was under way");
-    assert_eq!(found.ranking.unwrap().order, [0]);
+    // The second candidate was under way: another thread may finish its last fit before it sees the stop.
+    let kept = found.entries.len();
+    assert!((1..list.len()).contains(&kept), "{kept} candidates");
+    assert_eq!(found.ranking.unwrap().order.len(), kept);
 }
 
 #[test]

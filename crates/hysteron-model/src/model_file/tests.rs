@@ -119,6 +119,20 @@ fn a_covariance_leaves_out_what_is_not_known() {
 }
 
 #[test]
+fn a_covariance_that_rounding_spoiled_is_written_and_read() {
+    // Three parameters that cannot be told apart: the lowest eigenvalue of the correlation is about -1e-7, not 0.
+    let off = 1.0 - 1e-7;
+    let spoiled = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 1.0, 1.0, 1.0, off, 1.0, off, 1.0]);
+    assert!(spoiled.clone().symmetric_eigenvalues().min() < -1e-8);
+    let mut file = ModelFile::from_model(&article(), SignalUnits::default());
+    file.set_covariance(&["alpha", "delay", "linear"].map(String::from), &spoiled);
+    let read = read(&file.to_json().unwrap()).unwrap();
+    let (_, covariance) = read.covariance().unwrap();
+    let moved = (covariance - spoiled).abs().max();
+    assert!(moved < 1e-6, "{moved}");
+}
+
+#[test]
 fn a_correlation_that_is_none_is_refused() {
     use serde_json::json;
     let names = |list: &[&str]| Some(json!(list));
