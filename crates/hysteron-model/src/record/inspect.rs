@@ -133,8 +133,7 @@ impl Inspection {
     fn segments_in_words(&self, data: &InputOutput) -> Vec<String> {
         let unit = spaced(&data.u_unit);
         let whole = 0.5 * (self.input_range.1 - self.input_range.0);
-        let mut said =
-            vec![format!("{} segments at rates of their own, worked on as they are.", self.segments.len())];
+        let mut said = Vec::new();
         let waves: Vec<&Segment> = self.segments.iter().filter(|s| s.gain.is_some()).collect();
         if let Some((low, high)) = span_of(&self.segments) {
             let smallest = waves.iter().map(|s| s.amplitude).fold(f64::INFINITY, f64::min);
@@ -205,8 +204,13 @@ impl Inspection {
                 "There is no time column and no sample rate: a static fit is possible, dynamics are not. Give the sample rate if it is known."
                     .to_string(),
             ).with_advice(Advice::GiveSampleRate)),
-            // Of segments there is a table.
-            TimeBase::NonUniform { .. } if !self.segments.is_empty() => {}
+            TimeBase::NonUniform { .. } if !self.segments.is_empty() => {
+                let text = format!(
+                    "{} segments at rates of their own: a Hammerstein model is fitted to and simulated on them as they are; what needs one rate takes the record resampled.",
+                    self.segments.len()
+                );
+                findings.push(Finding::new(FindingKind::Verdict, "record", text).with_advice(Advice::Resample));
+            }
             TimeBase::NonUniform { .. } => findings.push(warning(format!(
                 "The time stamps are not uniform (longest distance {} times the median): a Hammerstein model is fitted to and simulated on them as they are; what needs one rate takes the record resampled, or the rate if the stamps are only written coarsely.",
                 self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}"))
