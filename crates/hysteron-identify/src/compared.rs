@@ -242,7 +242,7 @@ pub struct ComparisonSummary {
     pub samples: usize,
     /// So many independent ones they are worth.
     pub independent_samples: f64,
-    /// What was left out in turn.
+    /// Folds of the cross-validation.
     pub folds: Vec<FoldSummary>,
     /// Candidates in the order of the ranking.
     pub candidates: Vec<CandidateSummary>,
@@ -255,13 +255,13 @@ pub struct ComparisonSummary {
     pub interrupted: bool,
 }
 
-/// What is left out of a fit and scored.
+/// A fold: samples that a fit does without and that are scored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FoldSummary {
     /// Its name.
     pub left_out: String,
-    /// What it holds.
+    /// Amplitudes and frequencies in it.
     pub content: String,
     /// It consists of whole records.
     pub whole_records: bool,

@@ -417,7 +417,7 @@ pub struct FitSummary {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SearchSummary {
-    /// What was searched.
+    /// Step of the identification that it belongs to.
     pub step: String,
     /// Optimiser.
     pub optimizer: String,

@@ -297,17 +297,28 @@ fn with_prologue(times_s: &[f64], prologue: usize) -> Vec<f64> {
     if period == 0 {
         return times_s.to_vec();
     }
-    let (first, last) = (times_s[0], times_s[times_s.len() - 1]);
+    times_before(times_s, period, 0..period).chain(times_s.iter().copied()).collect()
+}
+
+/// Times of `rows` of a cycle of `period` samples, that a record begins with, in every cycle that ran before it
+/// ([`Start::Settled`]).
+#[doc(hidden)]
+pub fn times_before(
+    times_s: &[f64],
+    period: usize,
+    rows: impl Iterator<Item = usize> + Clone,
+) -> impl Iterator<Item = f64> {
+    let first = times_s.first().copied().unwrap_or(0.0);
+    let last = times_s.last().copied().unwrap_or(0.0);
     // Where the record ends with its period, the step to the next one is the mean of its steps.
     let period_s = times_s.get(period).map_or_else(
         || (last - first) * period as f64 / (times_s.len().max(2) - 1) as f64,
         |next| next - first,
     );
-    let of = |repetition: usize| {
+    (0..SETTLING_PERIODS).flat_map(move |repetition| {
         let back = (SETTLING_PERIODS - repetition) as f64 * period_s;
-        times_s.iter().take(period).map(move |time| time - back)
-    };
-    (0..SETTLING_PERIODS).flat_map(of).chain(times_s.iter().copied()).collect()
+        rows.clone().filter_map(move |k| Some(times_s.get(k)? - back))
+    })
 }
 
 /// `x` at the sample position `at`, linear between samples, constant beyond the ends.

@@ -18,35 +18,26 @@ pub fn describe(inspected: &Inspected) -> String {
         table.add_row([what.to_owned(), value]);
     };
     row("samples", found.samples.to_string());
+    let duration = found.duration_s.map_or(String::new(), |d| format!(" for {} s", rounded(d)));
     let time = match (&data.time, found.sample_rate_hz) {
         (TimeBase::Uniform { jitter_samples, .. }, Some(rate)) => {
-            let duration = found.duration_s.map_or(String::new(), |d| format!(" for {} s", rounded(d)));
             let jitter = match *jitter_samples {
                 j if j < NO_JITTER => "no jitter".to_owned(),
                 j => format!("jitter {} of a sample", significant(j, 2)),
             };
             format!("{} Hz{duration}, {jitter}", rounded(rate))
         }
-        (TimeBase::NonUniform { .. }, _) => {
-            let duration = found.duration_s.map_or(String::new(), |d| format!(" for {} s", rounded(d)));
-            match found.segments.len() {
-                0 => format!("irregular{duration}"),
-                segments => format!("{segments} segments of different rates{duration}"),
-            }
-        }
+        (TimeBase::NonUniform { .. }, _) => match found.segments.len() {
+            0 => format!("irregular{duration}"),
+            segments => format!("{segments} segments of different rates{duration}"),
+        },
         _ => "no time".into(),
     };
     row("sampling", time);
     row("input", signal(&data.input, &data.u_unit, found.input_range));
     row("output", signal(&data.output, &data.y_unit, found.output_range));
-    let hz = |f: f64| significant(f, 4);
-    let drive = match found.frequency_span_hz {
-        Some((low, high)) if low == high => format!("{}, {} Hz", found.kind.name(), hz(low)),
-        Some((low, high)) => format!("{}, {} to {} Hz", found.kind.name(), hz(low), hz(high)),
-        None => found.kind.name().into(),
-    };
     if found.segments.is_empty() {
-        row("drive", drive);
+        row("drive", drive(found.kind.name(), found.frequency_span_hz));
     }
     if let Some(shape) = &found.loop_shape {
         let unit = spaced(&data.y_unit);
@@ -82,12 +73,7 @@ fn segments(Inspected { data, found }: &Inspected) -> String {
         "answer",
     ]);
     for segment in &found.segments {
-        let hz = |f: f64| significant(f, 4);
-        let drive = match (segment.drive.low_hz, segment.drive.high_hz) {
-            (Some(low), Some(high)) if low == high => format!("{}, {} Hz", segment.drive.kind, hz(low)),
-            (Some(low), Some(high)) => format!("{}, {} to {} Hz", segment.drive.kind, hz(low), hz(high)),
-            _ => segment.drive.kind.clone(),
-        };
+        let drive = drive(&segment.drive.kind, segment.drive.low_hz.zip(segment.drive.high_hz));
         let answer = match (segment.gain, segment.phase_deg, segment.creep) {
             (Some(gain), Some(phase), _) => {
                 let per = ratio(&data.y_unit, &data.u_unit);
@@ -108,6 +94,16 @@ fn segments(Inspected { data, found }: &Inspected) -> String {
         ]);
     }
     table.to_string()
+}
+
+/// Kind and frequencies of a drive.
+fn drive(kind: &str, span_hz: Option<(f64, f64)>) -> String {
+    let hz = |f: f64| significant(f, 4);
+    match span_hz {
+        Some((low, high)) if low == high => format!("{kind}, {} Hz", hz(low)),
+        Some((low, high)) => format!("{kind}, {} to {} Hz", hz(low), hz(high)),
+        None => kind.to_owned(),
+    }
 }
 
 /// The unit of a gain, with a space before it.

@@ -133,7 +133,7 @@ pub struct ExplainedSummary {
     pub band_hz: (f64, f64),
     /// `relative` or `uncertainty`.
     pub weighting: String,
-    /// How the response was estimated, where it comes of records.
+    /// Estimate of the response, where it comes from records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub empirical: Option<EmpiricalSummary>,
     /// Structures that were fitted, the preferred one first.
@@ -160,7 +160,7 @@ pub struct StructureSummary {
     pub starts: usize,
     /// Those that ended in the best optimum.
     pub starts_in_best_optimum: usize,
-    /// What the numbers mean, in a sentence.
+    /// Meaning of the parameters, in a sentence.
     pub explanation: String,
     /// Its parameters.
     pub parameters: Vec<ResponseParameter>,

@@ -2,7 +2,7 @@
 
 use super::record::Clock;
 use hysteron_model::dynamics::{Knots, Scheme};
-use hysteron_model::hammerstein::{FINER, SETTLING_PERIODS, SimulationError, joins_means};
+use hysteron_model::hammerstein::{FINER, SETTLING_PERIODS, SimulationError, joins_means, times_before};
 use hysteron_model::hysteresis::{RecordEnds, polygon_of_means};
 use hysteron_model::record::{InterSample, Timing, even_times};
 
@@ -118,14 +118,9 @@ pub(super) fn cycles_before(
     period: usize,
     rows: impl Iterator<Item = usize> + Clone,
 ) -> (Vec<f64>, Vec<f64>) {
-    let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else { return Default::default() };
-    let period_s = times_s.get(period).unwrap_or(last) - first;
     let rows = rows.filter(|k| *k < period);
-    let before = (0..SETTLING_PERIODS).flat_map(|repetition| {
-        let back = (SETTLING_PERIODS - repetition) as f64 * period_s;
-        rows.clone().map(move |k| (times_s[k] - back, u[k]))
-    });
-    before.unzip()
+    let drive = (0..SETTLING_PERIODS).flat_map(|_| rows.clone().map(|k| u[k])).collect();
+    (times_before(times_s, period, rows).collect(), drive)
 }
 
 /// The drive on the grid that the hysteresis runs over (`None`: its own), and how its samples follow from that.
