@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use hysteron_io::{IoError, ReadOptions, read_drive, read_input_output, read_record, read_reference};
 use hysteron_model::record::{
-    ChannelChoice, InputOutput, Record, RecordError, Scale, Signal, beyond_dead_band, inspect,
+    ChannelChoice, Driven, InputOutput, Record, RecordError, Scale, Signal, beyond_dead_band, inspect,
 };
 use hysteron_model::{Advice, Finding};
 use rayon::prelude::*;
@@ -79,24 +79,27 @@ impl TimeFlags {
 }
 
 impl InputFlags {
-    /// Reads the input channel alone. Prints what was decided without being told.
+    /// Reads the input channel, and the output measured beside it where there is one. Prints what was decided without being told.
     ///
     /// # Errors
     /// If the file is not a readable record or the input cannot be decided.
-    pub fn read_drive(&self, path: &Path) -> Result<Signal, Failure> {
+    pub fn read_drive(&self, path: &Path) -> Result<Driven, Failure> {
         let options = ReadOptions { input: self.input.clone(), ..self.options() };
-        let read = || -> Result<Signal, Unreadable> {
+        let read = || -> Result<Driven, Unreadable> {
             if self.scales.is_empty() {
                 return Ok(read_drive(path, &options)?);
             }
             let record = self.scaled(read_record(path, &options)?)?;
-            Ok(record.drive(self.input.as_deref())?)
+            Ok(record.driven(self.input.as_deref())?)
         };
-        let mut drive = read().map_err(|e| e.at(path, "--input"))?;
+        let Driven { mut drive, mut measured } = read().map_err(|e| e.at(path, "--input"))?;
         let mut told: Vec<String> = drive.notes.iter().map(advice::text).collect();
         self.beyond_dead_band(&mut drive.samples, &mut told);
+        if let Some(measured) = &mut measured {
+            measured.u.clone_from(&drive.samples);
+        }
         notes(path, &told);
-        Ok(drive)
+        Ok(Driven { drive, measured })
     }
 
     /// Reads all channels, scaled.

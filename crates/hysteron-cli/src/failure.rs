@@ -52,6 +52,18 @@ impl Failure {
         }
     }
 
+    /// Whether the flags are wrong rather than the data.
+    pub fn is_usage(&self) -> bool {
+        self.exit_code == 2
+    }
+
+    /// Error and reason in one line.
+    pub fn in_a_line(&self) -> String {
+        self.because
+            .as_ref()
+            .map_or_else(|| self.error.clone(), |because| format!("{}: {because}", self.error))
+    }
+
     /// Exit code of the command.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(self.exit_code)

@@ -9,7 +9,7 @@ use hysteron_model::hammerstein::SimulationError;
 use hysteron_model::model::{
     Capability, Hammerstein, RunError, RunScore, Score, SignalRole, Signals, Simulation, Unsupported,
 };
-use hysteron_model::record::{InputOutput, Quantity, Run, Source, Timing, Unit};
+use hysteron_model::record::{Driven, InputOutput, Quantity, Run, Source, Timing, Unit};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Advice, Model, Start, hammerstein};
 
@@ -34,6 +34,11 @@ impl Loaded {
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let (model, source) = load_model_and_source(path).map_err(|e| cannot_read(path, e))?;
         Ok(Loaded { path: path.to_owned(), model, source })
+    }
+
+    /// Its file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// The model.
@@ -62,7 +67,7 @@ impl Loaded {
         })
     }
 
-    /// The inputs alone of the file at `path`, as the model takes them.
+    /// The inputs of the file at `path`, as the model takes them, with an output measured beside them in the model's unit.
     ///
     /// # Errors
     /// As [`Self::read_record`].
@@ -74,7 +79,13 @@ impl Loaded {
     ) -> Result<Signals, Failure> {
         Ok(match self.axes(axes, "")? {
             Some(names) => AxesFlags { outputs: Vec::new(), ..names }.read(path, columns)?.into(),
-            None => columns.read_drive(path)?.into(),
+            None => {
+                let Driven { drive, measured } = columns.read_drive(path)?;
+                let output = SignalRole::Output;
+                let agrees =
+                    |m: &InputOutput| self.model.agreed_unit(output, &m.y_unit, &mut Vec::new()).is_ok();
+                Driven { drive, measured: measured.filter(agrees) }.into()
+            }
         })
     }
 

@@ -8,7 +8,7 @@ use hysteron_identify::recalibrate::{
     Change, Prior, Recalibration, RecalibrationSummary, Recording, SIGNIFICANT, recalibrate,
 };
 use hysteron_model::model::{Capability, SignalRole};
-use hysteron_model::record::Unit;
+use hysteron_model::record::{InputOutput, Run, Unit};
 use hysteron_model::{Model, Start};
 use hysteron_report::number::{significant, with_std_error};
 use serde::Serialize;
@@ -29,7 +29,8 @@ use crate::start::StartFlags;
     old model is the prior: the covariance in its file says how well gain and delay are known with the rest held (without one, the \
     standard errors of `linear` and of the delay). A gain or delay that differs by more than 3 combined standard errors has changed, and is taken from \
     the records alone. The offset is that of the first record.\n\n\
-    Example: hysteron recalibrate model.json today.csv -o model-today.json"
+    Example: hysteron recalibrate model.json today.csv -o model-today.json\n\
+    Example: hysteron recalibrate model.json part1.csv part2.csv --continued -o model-today.json"
 )]
 pub struct Recalibrate {
     /// The model file
@@ -43,6 +44,10 @@ pub struct Recalibrate {
     /// Model file to write
     #[arg(short, long = "output-model", value_name = "NEW.json")]
     out: OutFile,
+
+    /// The records are consecutive parts of one run on one clock: memory and offset carry over
+    #[arg(long)]
+    continued: bool,
 
     /// Refuse records of which the recalibrated model explains less than this share, in %
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
@@ -63,8 +68,7 @@ impl Recalibrate {
     pub fn run(&self) -> Result<(), Failure> {
         output::check_file("the model", &self.out)?;
         let old = LoadedModel::read(&self.model, Capability::Recalibration)?;
-        let recordings =
-            self.records.iter().map(|path| self.recording(&old, path)).collect::<Result<Vec<_>, _>>()?;
+        let recordings = self.recordings(&old)?;
         let prior = Prior::of(old.body().data());
         let found = recalibrate(old.law(), prior, &recordings, self.least_fit).map_err(|e| explain(&e))?;
         let file = found.model_file(old.body().data(), old.source(), prior, &maker());
@@ -78,15 +82,36 @@ impl Recalibrate {
         Ok(())
     }
 
-    fn recording(&self, model: &LoadedModel, path: &Path) -> Result<Recording, Failure> {
-        let mut data = self.columns.read(path)?;
-        model.agreed_unit(path, SignalRole::Input, &data.u_unit)?;
-        data.y_unit = model.agreed_unit(path, SignalRole::Output, &data.y_unit)?;
-        let start = match self.start.start(path, &data.time)? {
-            Start::AsIdentified => model.expected_start(path, &data),
-            given => given,
+    /// The records, or the runs that they make, with what happened before each.
+    fn recordings(&self, model: &LoadedModel) -> Result<Vec<Recording>, Failure> {
+        let read = |path: &PathBuf| {
+            let mut data = self.columns.read(path)?;
+            model.agreed_unit(path, SignalRole::Input, &data.u_unit)?;
+            data.y_unit = model.agreed_unit(path, SignalRole::Output, &data.y_unit)?;
+            Ok(data)
         };
-        Ok(Recording { data, start, start_is_known: self.start.are_given() })
+        let records = self.records.iter().map(read).collect::<Result<Vec<InputOutput>, Failure>>()?;
+        let recording = |path: &Path, data: InputOutput, beginning: Option<InputOutput>| {
+            let start = match self.start.start(path, &data.time)? {
+                Start::AsIdentified => model.expected_start(path, beginning.as_ref().unwrap_or(&data)),
+                given => given,
+            };
+            Ok(Recording { data, start, start_is_known: self.start.are_given(), beginning })
+        };
+        if !self.continued {
+            return self
+                .records
+                .iter()
+                .zip(records)
+                .map(|(path, data)| recording(path, data, None))
+                .collect();
+        }
+        let runs = Run::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
+        let of_run = |run: Run| {
+            let beginning = run.beginning();
+            recording(&self.records[0], run.data, Some(beginning))
+        };
+        runs.into_iter().map(of_run).collect()
     }
 }
 
@@ -146,7 +171,14 @@ fn text(found: &Recalibration, model: &Model) -> String {
 /// Whether a number has changed, in a line.
 fn verdict(name: &str, change: &Change) -> String {
     let Some(times) = change.in_standard_errors() else {
-        return format!("verdict: the records do not determine the {name}; it is held at its value.\n");
+        return if change.value.to_bits() == change.old.to_bits() {
+            format!("verdict: {name}: the records do not determine it; it is held at its old value.\n")
+        } else {
+            format!(
+                "verdict: {name}: the records put it on the edge of what is searched, {}; it is held there, without a standard error.\n",
+                significant(change.value, 4)
+            )
+        };
     };
     let prior = match (change.old_std_error, change.measured_std_error) {
         (None, _) => {
@@ -181,5 +213,28 @@ fn explain(error: &IdentifyError) -> Failure {
              --least-fit 0 hands the model out all the same",
         ),
         error => failure.advised(error.advice()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_line_says_what_the_table_writes() {
+        let old = Change {
+            old: 1.0,
+            old_std_error: Some(0.01),
+            measured: 1.3,
+            measured_std_error: None,
+            value: 1.0,
+            std_error: Some(0.01),
+        };
+        assert!(verdict("gain", &old).contains("held at its old value"));
+        let edge =
+            verdict("delay", &Change { old: 0.002, measured: 0.0, value: 0.0, std_error: None, ..old });
+        assert!(edge.contains("edge") && !edge.contains("old value"), "{edge}");
+        let changed = Change { measured_std_error: Some(0.01), value: 1.3, ..old };
+        assert!(verdict("gain", &changed).contains("the device has changed"));
     }
 }

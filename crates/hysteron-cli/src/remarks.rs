@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use hysteron_model::model::Remark;
+use hysteron_model::model::{Remark, SignalRole};
 use hysteron_model::{Model, Start};
 use hysteron_numeric::display::short;
 
@@ -64,11 +64,12 @@ fn text(model: &Model, remark: &Remark) -> Option<String> {
             "the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples are not \
              scored (--skip 0 scores them)"
         ),
-        Remark::FastReference { fastest_hz, identified_hz } => format!(
-            "the reference swings at up to {} Hz, the model was identified up to {} Hz: beyond it extrapolates, and the predicted error \
-             says nothing of that",
+        Remark::Fast { signal, fastest_hz, identified_hz } => format!(
+            "the {} swings at up to {} Hz, the model was identified up to {} Hz: beyond that it extrapolates{}",
+            signal.name(),
             short(*fastest_hz),
-            short(*identified_hz)
+            short(*identified_hz),
+            if *signal == SignalRole::Reference { ", and the predicted error says nothing of that" } else { "" }
         ),
         _ => return None,
     })

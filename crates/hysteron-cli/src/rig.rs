@@ -7,7 +7,7 @@ use clap::Args;
 use hysteron_io::atomic_file::write_atomically_with;
 use hysteron_io::{IoError, load_json, save_json, write_csv_to};
 use hysteron_model::Advice;
-use hysteron_model::record::{Quantity, TimeBase};
+use hysteron_model::record::{Driven, Quantity, TimeBase};
 use hysteron_rig::excitation::Excitation;
 use hysteron_rig::{CampaignPlan, RigRun, Truth, measure, run_campaign};
 use serde::de::DeserializeOwned;
@@ -101,7 +101,7 @@ impl Rig {
     /// The drive in a file, as something to be played.
     fn drive(&self, path: &Path) -> Result<Excitation, Failure> {
         let failure = || Failure::new(format!("cannot play the drive {}", path.display()));
-        let drive = self.columns.read_drive(path)?;
+        let Driven { drive, .. } = self.columns.read_drive(path)?;
         let TimeBase::Uniform { sample_rate_hz, .. } = drive.time else {
             return Err(failure().because("it has no uniform sample rate").advised(Some(Advice::Resample)));
         };

@@ -92,92 +92,121 @@ pub fn residual_tests(score: &Score) -> Option<String> {
     ))
 }
 
-/// Records up to which the table has a column a record: it then fits a narrow terminal.
-const SIDE_BY_SIDE: usize = 3;
-
-/// The table for people: a column a record for a few records, a row a record for more and for several outputs.
+/// The table for people, a row a record.
 pub fn table(records: &[Score]) -> Table {
+    table_of_models(&records.iter().map(|score| ("", score)).collect::<Vec<_>>())
+}
+
+/// [`table`] of records with the names of the models that were scored on them; the models of a record stand below each other.
+pub fn table_of_models(scored: &[(&str, &Score)]) -> Table {
+    let records: Vec<&Score> = scored.iter().map(|(_, score)| *score).collect();
     if records.iter().any(|r| r.axes.is_some()) {
-        return axes_table(records);
+        return axes_table(scored);
     }
     let one_unit = records.windows(2).all(|pair| pair[0].unit == pair[1].unit);
     let unit = records.first().map(|r| r.unit.to_string()).filter(|unit| one_unit && !unit.is_empty());
-    let mut metrics: Vec<String> = shown()
-        .map(|d| match (d.unit, &unit) {
-            ("output", unit) => console::in_unit(d.name, unit.as_deref().unwrap_or("")),
-            ("1", _) => d.name.to_owned(),
-            (unit, _) => console::in_unit(d.name, unit),
-        })
-        .collect();
-    let mut values: Vec<Vec<String>> = records.iter().map(values).collect();
-    if !one_unit {
-        metrics.push("unit".to_owned());
-        values.iter_mut().zip(records).for_each(|(values, r)| values.push(r.unit.to_string()));
-    }
-    let names = names(records);
-    if records.len() > SIDE_BY_SIDE {
-        let header: Vec<&str> = std::iter::once("record").chain(metrics.iter().map(String::as_str)).collect();
-        let mut table = console::table(&header);
-        for (name, values) in names.into_iter().zip(values) {
-            table.add_row(std::iter::once(name.to_owned()).chain(values));
-        }
-        return table;
-    }
-    let header: Vec<&str> = std::iter::once("score").chain(names).collect();
-    let mut table = console::table(&header);
-    for (row, metric) in metrics.into_iter().enumerate() {
-        let cells = values.iter().map(|values| values[row].clone());
-        table.add_row(std::iter::once(metric).chain(cells));
+    let metrics = shown().map(|d| match (d.unit, &unit) {
+        ("output", unit) => console::in_unit(d.name, unit.as_deref().unwrap_or("")),
+        ("1", _) => d.name.to_owned(),
+        (unit, _) => console::in_unit(d.name, unit),
+    });
+    let several = several_models(scored);
+    let mut header = vec!["record".to_owned()];
+    header.extend(several.then(|| "model".to_owned()));
+    header.extend(metrics);
+    header.extend((!one_unit).then(|| "unit".to_owned()));
+    let mut table = console::table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    let names = short_names(records.iter().map(|r| r.record.clone()).collect());
+    for k in by_record(&records) {
+        let (model, score) = scored[k];
+        let mut row = vec![names[k].clone()];
+        row.extend(several.then(|| model.to_owned()));
+        row.extend(values(score));
+        row.extend((!one_unit).then(|| score.unit.to_string()));
+        table.add_row(row);
     }
     table
 }
 
+fn several_models(scored: &[(&str, &Score)]) -> bool {
+    scored.windows(2).any(|pair| pair[0].0 != pair[1].0)
+}
+
+/// Places of the scores, those of a record together, records in the order they first come.
+fn by_record(records: &[&Score]) -> Vec<usize> {
+    let first = |k: usize| records.iter().position(|r| r.record == records[k].record);
+    let mut places: Vec<usize> = (0..records.len()).collect();
+    places.sort_by_key(|&k| first(k));
+    places
+}
+
 /// A row a record of several outputs.
-fn axes_table(records: &[Score]) -> Table {
+fn axes_table(scored: &[(&str, &Score)]) -> Table {
+    let records: Vec<&Score> = scored.iter().map(|(_, score)| *score).collect();
+    let several = several_models(scored);
     let unit = records.first().map_or_else(String::new, |r| r.unit.to_string());
     let in_unit = |name: &str| console::in_unit(name, &unit);
-    let mut header = vec![
-        "record".to_owned(),
+    let mut header = vec!["record".to_owned()];
+    header.extend(several.then(|| "model".to_owned()));
+    header.extend([
         "level".to_owned(),
         in_unit("RMSE"),
         in_unit("of mean period"),
         in_unit("max error"),
         "fit [%]".to_owned(),
-    ];
+    ]);
     if let Some(axes) = records.first().and_then(|first| first.axes.as_ref()) {
         header.extend(axes.outputs.iter().map(|name| in_unit(&format!("RMSE {name}"))));
     }
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let mut table = console::table(&header);
     let number = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| significant(x, 4));
-    for r in records {
+    let names = short_names(records.iter().map(|r| r.record.clone()).collect());
+    for k in by_record(&records) {
+        let (model, r) = scored[k];
         let axes = r.axes.as_ref();
-        let name = Path::new(&r.record).file_name().and_then(|name| name.to_str());
-        let mut row = vec![
-            name.unwrap_or(&r.record).to_owned(),
+        let mut row = vec![names[k].clone()];
+        row.extend(several.then(|| model.to_owned()));
+        row.extend([
             number(axes.and_then(|a| a.level)),
             number(Some(r.rmse)),
             number(axes.and_then(|a| a.mean_period_rmse)),
             number(Some(r.max_abs_error)),
             number(r.fit_percent),
-        ];
+        ]);
         row.extend(r.outputs.iter().map(|s| number(Some(s.rmse))));
         table.add_row(row);
     }
     table
 }
 
-/// The score of a run from the start that the model file assumes, beside that of its table.
-pub fn without_estimated_start(score: &Score) -> String {
+/// The score from the start that the model file assumes, in a sentence; `None` where the record was simulated from it.
+pub fn without_estimated_start(score: &Score) -> Option<String> {
+    let without = score.without_estimated_start.as_ref()?;
+    Some(without_help(score, without.rmse, without.max_abs_error))
+}
+
+/// The same of a run, whose start its first record tells.
+pub fn run_without_estimated_start(without: &Score) -> String {
+    without_help(without, without.rmse, without.max_abs_error) + "\n"
+}
+
+fn without_help(score: &Score, rmse: f64, max_abs_error: f64) -> String {
     let unit = score.unit.to_string();
     format!(
-        "{}: from the start that the model file assumes, without the memory estimated from the first record: {} {}, {} {}.\n",
+        "{}: from the start that the model file assumes, without the one estimated from the record: {} {}, {} {}.",
         score.record,
         console::in_unit("RMSE", &unit),
-        significant(score.rmse, 4),
+        significant(rmse, 4),
         console::in_unit("max error", &unit),
-        significant(score.max_abs_error, 4),
+        significant(max_abs_error, 4),
     )
+}
+
+/// What the score says about device and range, in a sentence; `None` where the model file does not tell how its training scored.
+pub fn verdict(score: &Score) -> Option<String> {
+    let verdict = score.verdict.as_ref()?;
+    Some(format!("{}: {}: {}.", score.record, verdict.judgement.name(), verdict.why))
 }
 
 /// What the scores of several outputs mean.
@@ -185,14 +214,13 @@ pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation �
     --fixed-offset is given; of mean period: the same of the mean over the record's periods, in which noise counts less; level: rms \
     of the inputs.";
 
-/// File names where they tell the records apart, else the paths as given.
-fn names(records: &[Score]) -> Vec<&str> {
-    let short: Vec<&str> = records
-        .iter()
-        .map(|r| Path::new(&r.record).file_name().and_then(|name| name.to_str()).unwrap_or(&r.record))
-        .collect();
-    let distinct: HashSet<&str> = short.iter().copied().collect();
-    if distinct.len() == records.len() { short } else { records.iter().map(|r| r.record.as_str()).collect() }
+/// File names where they tell the paths apart, else the paths as given.
+pub fn short_names(paths: Vec<String>) -> Vec<String> {
+    let short =
+        paths.iter().map(|path| Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path));
+    let short: Vec<String> = short.map(str::to_owned).collect();
+    let count = |names: &[String]| names.iter().collect::<HashSet<_>>().len();
+    if count(&short) == count(&paths) { short } else { paths }
 }
 
 /// What the scores of the table mean, a line each.
@@ -227,14 +255,18 @@ mod tests {
     }
 
     #[test]
-    fn a_few_records_stand_side_by_side_and_many_in_rows() {
-        let text = table(&[scored("a/x.csv"), scored("b/y.csv")]).to_string();
-        assert!(text.starts_with("| score "), "{text}");
-        assert!(text.contains("RMSE [µm]") && text.contains("x.csv") && !text.contains("a/x.csv"), "{text}");
-        let many: Vec<Score> = ["p.csv", "q.csv", "r.csv", "s.csv"].iter().map(|p| scored(p)).collect();
-        let text = table(&many).to_string();
-        assert!(text.starts_with("| record "), "{text}");
-        assert_eq!(text.lines().count(), 6, "{text}");
+    fn a_record_has_a_row_whatever_their_number_and_the_models_of_a_record_stand_together() {
+        let (x, y) = (scored("a/x.csv"), scored("b/y.csv"));
+        let one = table(std::slice::from_ref(&x)).to_string();
+        let two = table(&[x.clone(), y.clone()]).to_string();
+        let (one, two): (Vec<_>, Vec<_>) = (one.lines().collect(), two.lines().collect());
+        assert_eq!((one[0], one.len(), two.len()), (two[0], 3, 4));
+        assert!(one[0].contains("RMSE [µm]") && one[2].starts_with("| x.csv "), "{one:?}");
+        let models = table_of_models(&[("m", &x), ("m", &y), ("n", &x), ("n", &y)]).to_string();
+        let begins: Vec<String> =
+            models.lines().skip(2).map(|line| line.split('|').take(3).collect::<Vec<_>>().join("")).collect();
+        assert!(begins[1].contains("x.csv") && begins[1].contains('n'), "{models}");
+        assert_eq!(begins.len(), 4);
     }
 
     #[test]
@@ -247,6 +279,6 @@ mod tests {
     fn records_of_different_units_name_them_in_a_row() {
         let text =
             table(&[scored("x.csv"), Score { unit: Unit::new("urad"), ..scored("y.csv") }]).to_string();
-        assert!(!text.contains("RMSE [µm]") && text.contains("| unit ") && text.contains("µrad"), "{text}");
+        assert!(!text.contains("RMSE [µm]") && text.contains(" unit ") && text.contains("µrad"), "{text}");
     }
 }

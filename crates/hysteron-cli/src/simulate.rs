@@ -1,12 +1,12 @@
 //! `hysteron simulate`: a model's output for a drive.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hysteron_identify::IdentifyError;
 use hysteron_io::write_csv;
 use hysteron_model::model::{Capability, Signals};
-use hysteron_model::record::{Channel, Record};
+use hysteron_model::record::Run;
 
 use crate::axes::AxesFlags;
 use crate::columns::InputFlags;
@@ -20,20 +20,26 @@ use crate::start::StartFlags;
 #[derive(Args)]
 #[command(
     after_help = "The file written holds the time (where the input has one), the drive and the model's output, \
-    in the model's units, e.g. t_s,u_V,y_um: a record that every other command reads.\n\n\
+    in the model's units, e.g. t_s,u_V,y_um: a record that every other command reads. An output measured in the input file is kept \
+    beside it as y_measured_um.\n\n\
     --band adds the ends of a 95 % band, e.g. y_low_um,y_high_um, from the errors in the model file: of the model's output about \
     its mean (a sensor has its own zero), or of a new measurement, which scatters about it as the records identified from did. \
     Both take the model class for true.\n\n\
-    Example: hysteron simulate model.json drive.csv -o simulated.csv --band measurement"
+    Example: hysteron simulate model.json drive.csv -o simulated.csv --band measurement\n\
+    Example: hysteron simulate model.json part1.csv part2.csv --continued -o run.csv"
 )]
 pub struct Simulate {
     /// The model file
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
 
-    /// File with the drive; other columns are not used
-    #[arg(value_name = "INPUT.csv")]
-    input_file: PathBuf,
+    /// File with the drive; several with --continued
+    #[arg(value_name = "INPUT.csv", required = true)]
+    input_files: Vec<PathBuf>,
+
+    /// The files are consecutive parts of one run on one clock: simulated at one go from the start of the first
+    #[arg(long)]
+    continued: bool,
 
     /// File to write
     #[arg(short, long = "out", value_name = "OUT.csv")]
@@ -69,39 +75,54 @@ impl Simulate {
             loaded.hammerstein(Capability::Bands)?;
         }
         let names = loaded.output_names(&self.axes)?;
-        let signals = loaded.read_drive(&self.input_file, &self.columns, &self.axes)?;
-        let found = loaded.simulate(&self.input_file, &signals, &self.start)?;
+        let (path, signals) = self.signals(&loaded)?;
+        let found = loaded.simulate(path, &signals, &self.start)?;
         let unit = &loaded.model().units().output;
-        let mut channels = inputs(&signals, found.input_unit.symbol());
-        let outputs = names.iter().zip(&found.outputs);
-        channels.extend(outputs.map(|(name, y)| Channel::new(name, unit, y.clone())));
+        let failure = || Failure::new(format!("cannot write the simulation to {}", self.out.display()));
+        let mut ends = None;
         if let (Some(of), Signals::Single(drive), Some(y)) = (self.band, &signals, found.outputs.first()) {
-            let band = loaded.band(&self.input_file, &drive.u, &drive.time, &found.start)?;
+            let band = loaded.band(path, &drive.u, &drive.time, &found.start)?;
             let half = match of {
                 BandArg::Model => band.of_output(),
                 BandArg::Measurement if band.noise > 0.0 => band.of_measurement(),
                 BandArg::Measurement => return Err(loaded.no_band(&IdentifyError::NoScores)),
             };
-            for (name, sign) in [("y_low", -1.0), ("y_high", 1.0)] {
-                let end = y.iter().zip(&half).map(|(y, h)| y + sign * h).collect();
-                channels.push(Channel::new(name, unit, end));
-            }
+            ends = Some([-1.0, 1.0].map(|sign| y.iter().zip(&half).map(|(y, h)| y + sign * h).collect()));
         }
-        let failure = || Failure::new(format!("cannot write the simulation to {}", self.out.display()));
-        let record = Record::new(&self.out.display().to_string(), signals.time().clone(), channels)
-            .map_err(|e| failure().because(e))?;
+        let record = found.to_record(&self.out.display().to_string(), &signals, &names, unit, ends);
+        let record = record.map_err(|e| failure().because(e))?;
         write_csv(&self.out, &record).map_err(|e| failure().because(e))?;
         console::message(&format!("wrote {} samples to {}", record.len(), self.out.display()));
         Ok(())
     }
-}
 
-/// The drive as it is written beside the outputs.
-fn inputs(signals: &Signals, unit: &str) -> Vec<Channel> {
-    match signals {
-        Signals::Single(drive) => vec![Channel::new("u", unit, drive.u.clone())],
-        Signals::Several(record) => {
-            record.inputs.iter().zip(&record.u).map(|(name, u)| Channel::new(name, unit, u.clone())).collect()
+    /// The drive of the file, or of the run that the files make; the path of the first.
+    fn signals(&self, loaded: &Loaded) -> Result<(&Path, Signals), Failure> {
+        let (Some(path), several) = (self.input_files.first(), self.input_files.len() > 1) else {
+            return Err(Failure::usage("no file with a drive is given"));
+        };
+        if !several {
+            return Ok((path, loaded.read_drive(path, &self.columns, &self.axes)?));
+        }
+        if !self.continued {
+            return Err(Failure::usage("several files are simulated as parts of one run alone")
+                .hint("add --continued, or simulate one file at a time"));
+        }
+        let mut parts = Vec::new();
+        for path in &self.input_files {
+            match loaded.read_drive(path, &self.columns, &self.axes)? {
+                Signals::Single(record) => parts.push(record),
+                Signals::Several(_) => {
+                    return Err(Failure::usage("--continued takes models of one input and one output"));
+                }
+            }
+        }
+        let runs = Run::of(&parts).map_err(|e| Failure::new("the files are no run").because(e))?;
+        match <[Run; 1]>::try_from(runs) {
+            Ok([run]) => Ok((path, Signals::Single(run.data))),
+            Err(runs) => Err(Failure::new(format!("the files are {} runs", runs.len()))
+                .because("a file begins before the one before it ends")
+                .hint("simulate each run by itself, its files in the order of their time")),
         }
     }
 }

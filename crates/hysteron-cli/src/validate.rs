@@ -23,13 +23,13 @@ use crate::result_flags::ResultFlags;
 use crate::scores;
 use crate::start::StartFlags;
 
-/// Score a model on records it may not have seen: simulation from the start of each record, not prediction.
+/// Score models on records they may not have seen: simulation from the start of each record, not prediction.
 #[derive(Args)]
 #[command(
     after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual is added to the \
-    simulation and printed as the offset.\n\n\
+    simulation and printed as the offset. A record that cannot be scored does not stop the others; the exit code then is 1.\n\n\
     Example: hysteron validate model.json run1.csv run2.csv --skip 0.5\n\
-    Example: hysteron validate model.json run1.csv --report validation.html\n\
+    Example: hysteron validate old.json new.json run1.csv --report validation.html\n\
     Example: hysteron validate model.json run1.csv -o scored.csv"
 )]
 pub struct Validate {
@@ -37,9 +37,9 @@ pub struct Validate {
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
 
-    /// The records
+    /// The records; model files (.json) among them are scored on the same records, side by side
     #[arg(value_name = "RECORD", required = true)]
-    records: Vec<PathBuf>,
+    files: Vec<PathBuf>,
 
     /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter period where a model
     /// without dynamics meets a drive that starts with a jump]
@@ -76,15 +76,69 @@ pub struct Validate {
     axes: AxesFlags,
 }
 
-#[derive(Serialize)]
-struct Report {
-    records: Vec<Score>,
+/// A model with what it scored.
+struct Scored {
+    loaded: Loaded,
+    /// What tables and pages show: each record, or each part of a run and the run.
+    shown: Vec<(Signals, Score)>,
+    /// Scores of runs, with `--continued`.
+    runs: Vec<RunScore>,
+    /// Records that could not be scored.
+    failed: Vec<Failed>,
 }
 
-/// Scores of several runs, as JSON.
+/// A record that could not be scored, with the reason.
 #[derive(Serialize)]
-struct Runs<'a> {
-    runs: &'a [RunScore],
+struct Failed {
+    record: String,
+    error: String,
+    #[serde(skip)]
+    failure: Failure,
+}
+
+/// What one model scored, as JSON.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Scores<'a> {
+    Records {
+        records: Vec<&'a Score>,
+        #[serde(skip_serializing_if = "<[_]>::is_empty")]
+        failed: &'a [Failed],
+    },
+    Run(&'a RunScore),
+    Runs {
+        runs: &'a [RunScore],
+    },
+}
+
+#[derive(Serialize)]
+struct ScoresOfModel<'a> {
+    model: String,
+    #[serde(flatten)]
+    scores: Scores<'a>,
+}
+
+#[derive(Serialize)]
+struct ScoresOfModels<'a> {
+    models: Vec<ScoresOfModel<'a>>,
+}
+
+impl Scored {
+    fn json(&self) -> Scores<'_> {
+        match self.runs.as_slice() {
+            [] => Scores::Records {
+                records: self.shown.iter().map(|(_, score)| score).collect(),
+                failed: &self.failed,
+            },
+            [only] => Scores::Run(only),
+            runs => Scores::Runs { runs },
+        }
+    }
+}
+
+/// Whether a file is a model rather than a record: no record is JSON.
+fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
 }
 
 impl Validate {
@@ -93,30 +147,76 @@ impl Validate {
         if let Some(out) = &self.out {
             output::check_file("the series", out)?;
         }
-        let loaded = Loaded::read(&self.model)?;
+        let (others, records): (Vec<&PathBuf>, Vec<&PathBuf>) =
+            self.files.iter().partition(|path| is_model(path));
+        if records.is_empty() {
+            return Err(Failure::usage("no record is given").hint("name the records behind the model files"));
+        }
+        let models = std::iter::once(&self.model).chain(others).map(|path| Loaded::read(path));
+        let models = models.collect::<Result<Vec<_>, Failure>>()?;
+        let scored = models.into_iter().map(|loaded| self.scored(loaded, &records));
+        let mut scored = scored.collect::<Result<Vec<_>, Failure>>()?;
+        if scored.iter().all(|s| s.shown.is_empty()) {
+            let first = scored.iter_mut().find_map(|s| s.failed.drain(..).next());
+            return Err(first.map_or_else(|| Failure::new("nothing was scored"), |failed| failed.failure));
+        }
+        self.result.write(|| {
+            let models: Vec<_> =
+                scored.iter().map(|s| (s.loaded.path(), s.loaded.model(), &s.shown[..])).collect();
+            page(&models, &maker())
+        })?;
+        self.write_series(&scored)?;
+        if self.result.json {
+            match scored.as_slice() {
+                [only] => console::json(&only.json())?,
+                several => {
+                    let of = |s: &'_ Scored| s.loaded.path().display().to_string();
+                    let models =
+                        several.iter().map(|s| ScoresOfModel { model: of(s), scores: s.json() }).collect();
+                    console::json(&ScoresOfModels { models })?;
+                }
+            }
+        } else {
+            console::result(&self.text(&scored))?;
+        }
+        let failed = scored.iter().map(|s| s.failed.len()).sum::<usize>();
+        let all = failed + scored.iter().map(|s| s.shown.len()).sum::<usize>();
+        match failed {
+            0 => Ok(()),
+            _ => Err(Failure::new(format!("{failed} of {all} could not be scored, see above"))),
+        }
+    }
+
+    /// Scores of a model. What is wrong with the flags or the model itself ends here.
+    fn scored(&self, loaded: Loaded, records: &[&PathBuf]) -> Result<Scored, Failure> {
         if self.band {
             loaded.hammerstein(Capability::Bands)?;
         }
         if self.continued {
-            return self.run_continued(&loaded);
+            return self.of_runs(loaded, records);
         }
-        let records = self.records.iter().map(|path| self.score(&loaded, path));
-        let records = records.collect::<Result<Vec<_>, Failure>>()?;
-        self.result.write(|| page(loaded.model(), &records, &maker()))?;
-        self.write_series(&records)?;
-        let records: Vec<Score> = records.into_iter().map(|(_, score)| score).collect();
-        if self.result.json {
-            console::json(&Report { records })
-        } else {
-            console::result(&self.text(&records))
+        let (mut shown, mut failed) = (Vec::new(), Vec::new());
+        for path in records {
+            match self.score(&loaded, path) {
+                Ok(scored) => shown.push(scored),
+                Err(failure) if failure.is_usage() => return Err(failure),
+                Err(failure) => {
+                    if records.len() > 1 {
+                        console::message(&failure.to_string());
+                    }
+                    let record = path.display().to_string();
+                    failed.push(Failed { record, error: failure.in_a_line(), failure });
+                }
+            }
         }
+        Ok(Scored { loaded, shown, runs: Vec::new(), failed })
     }
 
-    /// Scores of the records as parts of runs.
-    fn run_continued(&self, loaded: &Loaded) -> Result<(), Failure> {
+    /// Scores of the records as parts of runs: one that cannot be read leaves a hole in its run, so that nothing is scored.
+    fn of_runs(&self, loaded: Loaded, paths: &[&PathBuf]) -> Result<Scored, Failure> {
         loaded.hammerstein(Capability::Runs)?;
         let mut records = Vec::new();
-        for path in &self.records {
+        for path in paths {
             match loaded.read_record(path, &self.columns, &self.axes)? {
                 Signals::Single(record) => records.push(record),
                 Signals::Several(_) => {
@@ -124,38 +224,30 @@ impl Validate {
                 }
             }
         }
-        let runs = Run::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
-        let path = &self.records[0];
-        let scores = runs.iter().map(|run| {
+        let found = Run::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
+        let path = paths[0];
+        let (mut runs, mut shown) = (Vec::new(), Vec::new());
+        for run in found {
             let start = self.start.start(path, &run.data.time)?;
-            loaded.score_run(path, run, start, &self.scoring())
-        });
-        let scores = scores.collect::<Result<Vec<RunScore>, Failure>>()?;
-        let pairs =
-            runs.iter().zip(&scores).map(|(run, s)| (Signals::Single(run.data.clone()), s.whole.clone()));
-        let pairs: Vec<(Signals, Score)> = pairs.collect();
-        self.result.write(|| page(loaded.model(), &pairs, &maker()))?;
-        self.write_series(&pairs)?;
-        if self.result.json {
-            return match scores.as_slice() {
-                [only] => console::json(only),
-                several => console::json(&Runs { runs: several }),
-            };
+            let score = loaded.score_run(path, &run, start, &self.scoring())?;
+            let parts = run.parts.iter().zip(&score.records);
+            shown.extend(parts.map(|(part, score)| (Signals::Single(part.data.clone()), score.clone())));
+            shown.push((Signals::Single(run.data), score.whole.clone()));
+            runs.push(score);
         }
-        let shown: Vec<Score> =
-            scores.iter().flat_map(|s| s.records.iter().chain([&s.whole]).cloned()).collect();
-        let mut text = self.text(&shown);
-        for without in scores.iter().filter_map(|s| s.whole_without_estimated_start.as_ref()) {
-            text += &scores::without_estimated_start(without);
-        }
-        console::result(&text)
+        Ok(Scored { loaded, shown, runs, failed: Vec::new() })
     }
 
-    /// The samples that were scored, where a file for them was named.
-    fn write_series(&self, scored: &[(Signals, Score)]) -> Result<(), Failure> {
+    /// The samples that were scored, where a file for them was named: of one record or one run.
+    fn write_series(&self, scored: &[Scored]) -> Result<(), Failure> {
         let Some(out) = &self.out else { return Ok(()) };
-        let [(signals, score)] = scored else {
-            return Err(Failure::usage("-o takes one record, or one run (--continued)")
+        let one = match scored {
+            [Scored { shown, runs, .. }] if runs.len() == 1 => shown.last(),
+            [Scored { shown, .. }] if shown.len() == 1 => shown.first(),
+            _ => None,
+        };
+        let Some((signals, score)) = one else {
+            return Err(Failure::usage("-o takes one model and one record, or one run (--continued)")
                 .hint("validate one record at a time, each with its own -o"));
         };
         let failure = || Failure::new(format!("cannot write the series to {}", out.display()));
@@ -196,9 +288,15 @@ impl Validate {
         Ok(Score { band: Some(held), ..score })
     }
 
-    fn text(&self, records: &[Score]) -> String {
-        if records.iter().any(|r| r.axes.is_some()) {
-            return format!("{}\n\n{}\n", scores::table(records), scores::AXES_EXPLANATION);
+    fn text(&self, scored: &[Scored]) -> String {
+        let names =
+            scores::short_names(scored.iter().map(|s| s.loaded.path().display().to_string()).collect());
+        let named = scored.iter().zip(&names);
+        let rows: Vec<(&str, &Score)> =
+            named.flat_map(|(s, name)| s.shown.iter().map(|(_, score)| (name.as_str(), score))).collect();
+        let table = scores::table_of_models(&rows);
+        if rows.iter().any(|(_, score)| score.axes.is_some()) {
+            return format!("{table}\n\n{}\n", scores::AXES_EXPLANATION);
         }
         let offset = if self.fixed_offset {
             "The offset is the model's own (--fixed-offset)."
@@ -206,14 +304,18 @@ impl Validate {
             "The offset of each record's sensor was estimated from the record: the mean residual, added to the simulation."
         };
         let lines = |sentence: fn(&Score) -> Option<String>| {
-            records.iter().filter_map(sentence).map(|text| text + "\n").collect::<String>()
+            let line = |(model, score): &(&str, &Score)| {
+                let of = if scored.len() > 1 { format!("{model}: ") } else { String::new() };
+                sentence(score).map(|text| format!("{of}{text}\n"))
+            };
+            rows.iter().filter_map(line).collect::<String>()
         };
-        let (starts, residuals) = (lines(scores::estimated_start), lines(scores::residual_tests));
-        let bands = lines(scores::within_band);
-        format!(
-            "{}\n\n{offset}\n{starts}{bands}{residuals}\n{}",
-            scores::table(records),
-            scores::explanation()
-        )
+        let verdicts = lines(scores::verdict);
+        let starts = lines(scores::estimated_start) + &lines(scores::without_estimated_start);
+        let runs =
+            scored.iter().flat_map(|s| &s.runs).filter_map(|run| run.whole_without_estimated_start.as_ref());
+        let runs: String = runs.map(scores::run_without_estimated_start).collect();
+        let (bands, residuals) = (lines(scores::within_band), lines(scores::residual_tests));
+        format!("{table}\n\n{verdicts}{offset}\n{starts}{runs}{bands}{residuals}\n{}", scores::explanation())
     }
 }

@@ -94,7 +94,7 @@ pub(super) fn has_second_step(roles: &[RecordRole], options: &Options) -> bool {
 
 /// Lowest and highest frequency of the drives \[Hz\].
 pub(super) fn excited(facts: &[RecordFacts]) -> Option<(f64, f64)> {
-    let timed = facts.iter().filter(|f| f.data.sample_rate_hz().is_some());
+    let timed = facts.iter().filter(|f| f.data.sample_rate_hz().is_some() || f.swings.is_some());
     let low = timed.clone().map(|f| f.period_s().recip()).fold(f64::INFINITY, f64::min);
     let high = timed.map(RecordFacts::highest_frequency_hz).fold(0.0, f64::max);
     (low <= high).then_some((low, high))

@@ -70,8 +70,8 @@ impl Compared {
         maker: &Maker,
     ) -> Option<(Candidate, Result<Fit, IdentifyError>)> {
         let preferred = &self.comparison.entries[self.comparison.ranking.as_ref()?.preferred];
-        let options =
-            Options { start: preferred.model.clone(), ..preferred.candidate.options(&Options::default()) };
+        let options = Options { continued: self.comparison.continued, ..Options::default() };
+        let options = Options { start: preferred.model.clone(), ..preferred.candidate.options(&options) };
         let (records, task) = (FitRecords::Single(campaign.to_vec()), Task::Hammerstein(Box::new(options)));
         Some((preferred.candidate, fit(&records, &task, watch, None, maker)))
     }

@@ -183,7 +183,7 @@ impl<'a, 'w> Engine<'a, 'w> {
         let mut observer = Observed { engine: self, step, show };
         let outcome = minimize(problem, algorithm, &settings, &mut observer, resume)?;
         // A search after an interrupted one started from unfinished results: it is not worth keeping.
-        if !self.cancelled {
+        if !self.cancelled && problem.bounds().dimension() > 0 {
             self.done.insert(step.to_owned(), outcome.checkpoint.clone());
         }
         self.cancelled |= outcome.stopped == StopReason::Cancelled;

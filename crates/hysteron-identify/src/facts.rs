@@ -42,6 +42,11 @@ impl RecordFacts {
         Self { data, periods, shortest_swing, swings }
     }
 
+    /// The same with the first `samples` not valid.
+    pub(super) fn without_first(&self, samples: usize) -> Self {
+        Self { data: self.data.without_first(samples), ..self.clone() }
+    }
+
     /// Samples at the beginning that are enough to score: so many, or all of a record without two valid ones among them.
     pub(super) fn beginning(&self, most: usize) -> usize {
         let scored = self.scored(0);

@@ -58,13 +58,13 @@ pub(super) fn verdict(
     for p in result.parameters.iter().filter(of_device).filter(|p| !explained(&p.name)) {
         let Some(error) = p.std_error else {
             let (help, advice) = advisor.help(&[&p.name]);
-            say(
-                format!(
-                    "{} is not determined by these records: it ended on the edge of its range. {help}",
-                    p.name
-                ),
-                advice,
-            );
+            let place = covariance.names.iter().position(|name| *name == p.name);
+            let why = if place.is_some_and(|place| covariance.undetermined[place]) {
+                format!("its value, {}, is one of many that fit as well", short(p.value))
+            } else {
+                "it ended on the edge of its range".to_owned()
+            };
+            say(format!("{} is not determined by these records: {why}. {help}", p.name), advice);
             continue;
         };
         let share = error / advisor.scale(p);
@@ -207,6 +207,8 @@ struct Advisor<'a> {
     fastest_hz: f64,
     rate_hz: f64,
     range_v: f64,
+    /// Unit of the drive, with a space before it.
+    unit: String,
     longest_s: f64,
 }
 
@@ -220,6 +222,7 @@ impl<'a> Advisor<'a> {
             fastest_hz: most(&RecordFacts::highest_frequency_hz),
             rate_hz: most(&rate),
             range_v: most(&RecordFacts::range_v),
+            unit: facts.first().map_or_else(String::new, |f| f.data.u_unit.spaced()),
             longest_s: most(&|f| f.data.u.len() as f64 / rate(f).max(f64::MIN_POSITIVE)),
         }
     }
@@ -261,7 +264,7 @@ impl<'a> Advisor<'a> {
                 "a record that starts from a known state (after shrinking loops, or from a rest after them)"
                     .into()
             } else {
-                format!("slow loops over a wider range than {} V", short(self.range_v))
+                format!("slow loops over a wider range than {}{}", short(self.range_v), self.unit)
             });
         }
         if has(&|name| {
@@ -314,6 +317,7 @@ mod tests {
             names: names.iter().map(|n| (*n).to_owned()).collect(),
             values: vec![1.0; n],
             matrix,
+            undetermined: vec![false; n],
             condition_number: 10.0,
         }
     }

@@ -376,6 +376,7 @@ fn parameters(
             .map(|&n| if n == "lag" { "denominator[1].coefficient" } else { n }.into())
             .collect(),
         condition_number: correlations.first().map_or(f64::NAN, |c| c.condition_number),
+        undetermined: vec![false; x.len()],
         values: x,
         matrix,
     });

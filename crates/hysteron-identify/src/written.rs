@@ -24,7 +24,7 @@ fn model_file(found: &Identification, options: &Options, maker: &Maker) -> Model
     let input = units.input.clone();
     let mut file = ModelFile::from_model(&found.model, units);
     match &found.of_numbers {
-        Some(known) => file.set_covariance(&known.names, &known.matrix),
+        Some(known) => file.set_covariance(&known.names, &known.of_determined()),
         None => give_errors(&mut file, found),
     }
     if found.method == Method::Joint {

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use hysteron_model::Finding;
-use hysteron_model::record::{ChannelChoice, InputOutput, Record, RecordError, Signal};
+use hysteron_model::record::{ChannelChoice, Driven, InputOutput, Record, RecordError, Signal};
 
 use crate::assemble::{Assembled, assemble};
 use crate::columns::{Columns, Headings, Wanted};
@@ -89,8 +89,8 @@ pub fn read_input_output_bytes(
 ///
 /// # Errors
 /// As [`read_record`]; [`IoError::Record`] where the drive cannot be decided.
-pub fn read_drive(path: &Path, options: &ReadOptions) -> Result<Signal, IoError> {
-    read_alone(path, options, |record, chosen| record.drive(chosen.input.as_deref()))
+pub fn read_drive(path: &Path, options: &ReadOptions) -> Result<Driven, IoError> {
+    read_alone(path, options, |record, chosen| record.driven(chosen.input.as_deref()))
 }
 
 /// Reads a record and takes the reference alone: as the options name it, otherwise by the rules of [`Record::reference`].
@@ -101,11 +101,11 @@ pub fn read_reference(path: &Path, options: &ReadOptions) -> Result<Signal, IoEr
     read_alone(path, options, |record, chosen| record.reference(chosen.reference.as_deref()))
 }
 
-fn read_alone(
+fn read_alone<T>(
     path: &Path,
     options: &ReadOptions,
-    take: impl FnOnce(&Record, &Chosen) -> Result<Signal, RecordError>,
-) -> Result<Signal, IoError> {
+    take: impl FnOnce(&Record, &Chosen) -> Result<T, RecordError>,
+) -> Result<T, IoError> {
     let file = path.display().to_string();
     let Assembled { record, chosen, .. } = read(&file, open(path)?, options)?;
     take(&record, &chosen).map_err(|source| IoError::Record { file, source: Box::new(source) })

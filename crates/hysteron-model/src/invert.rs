@@ -145,8 +145,8 @@ pub enum InversionError {
     },
     /// No voltage gives the first value of the reference.
     #[error(
-        "the reference begins at {}, which no voltage from {} to {} holds: at rest these give {} to {}; begin the reference between \
-         them, or give the voltage at which the device rests",
+        "the reference begins at {}, which no input from {} to {} holds: at rest these give {} to {}; begin the reference between \
+         them, or give the input at which the device rests",
         short(*reference),
         short(*low),
         short(*high),
@@ -167,7 +167,7 @@ pub enum InversionError {
     },
     /// No voltage gives the first value of the reference, and the output falls somewhere in the range.
     #[error(
-        "the hysteresis has no inverse over the range from {} V to {} V: near {} V its output at rest falls as the voltage rises; give \
+        "the hysteresis has no inverse over the range from {} to {}: near the input {} its output at rest falls as the input rises; give \
          a smaller range",
         short(*low),
         short(*high),
@@ -196,7 +196,7 @@ pub enum InversionError {
     },
     /// A hysteretic displacement was given where the voltage at which the device was virgin is needed.
     #[error(
-        "one sample at a time the device begins where it was virgin: give that voltage, not its hysteretic displacement"
+        "one sample at a time the device begins where it was virgin: give that input, not its hysteretic displacement"
     )]
     Displacement,
     /// The model does not run sample by sample, or not from where the device rests.

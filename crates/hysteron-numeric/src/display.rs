@@ -11,7 +11,12 @@ const DIGITS: usize = 5;
 /// assert_eq!(short(-0.25), "-0.25");
 /// ```
 pub fn short(x: f64) -> String {
-    let rounded: f64 = format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x);
+    short_to(x, DIGITS)
+}
+
+/// [`short`] to another number of significant digits, at least one.
+pub fn short_to(x: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
     let size = rounded.abs();
     if rounded == 0.0 || (1e-4..1e7).contains(&size) || !size.is_finite() {
         // −0 is 0.
@@ -23,7 +28,7 @@ pub fn short(x: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::short;
+    use super::{short, short_to};
 
     #[test]
     fn digits_that_do_not_matter_are_dropped() {
@@ -44,5 +49,6 @@ mod tests {
         ] {
             assert_eq!(short(x), text);
         }
+        assert_eq!((short_to(1.23456, 3), short_to(98_765.0, 1)), ("1.23".to_owned(), "100000".to_owned()));
     }
 }

@@ -2,6 +2,8 @@
 
 /// Exponents of ten outside of which a number is written as m × 10ⁿ.
 const PLAIN: std::ops::RangeInclusive<i32> = -4..=6;
+/// An error of this many times the value leaves no digit of it.
+const LOST: f64 = 20.0;
 
 /// `value` with `digits` significant digits: `0.0123`, `12.3`, `5.26 × 10⁷`; `—` when it is not finite.
 ///
@@ -30,7 +32,7 @@ pub fn significant(value: f64, digits: usize) -> String {
 }
 
 /// `value` and its standard error, both to the digit that the error's two leading digits reach,
-/// and with the same power of ten.
+/// and with the same power of ten. A value lost in its error keeps three digits of its own.
 ///
 /// Without an error (or with one that is not positive and finite) the value has five significant digits and
 /// the error is an empty text.
@@ -45,6 +47,10 @@ pub fn with_std_error(value: f64, std_error: Option<f64>) -> (String, String) {
         Some(error) if error.is_finite() && error > 0.0 && value.is_finite() => error,
         _ => return (significant(value, 5), String::new()),
     };
+    // A value lost in its error is shown all the same.
+    if error > LOST * value.abs() && value != 0.0 {
+        return (significant(value, 3), significant(error, 2));
+    }
     let last = rounded_exponent(error, 2) - 1;
     // A value lost in its error has the error's power of ten.
     let top = if value == 0.0 { last + 1 } else { rounded_exponent(value, 17).max(last + 1) };
@@ -124,6 +130,7 @@ mod tests {
         assert_eq!(with_std_error(5.4955e9, Some(1.2e6)), ("5.4955 × 10⁹".into(), "0.0012 × 10⁹".into()));
         assert_eq!(with_std_error(0.0, Some(0.1)), ("0.00".into(), "0.10".into()));
         assert_eq!(with_std_error(0.0, Some(6.4e-5)), ("0.0 × 10⁻⁵".into(), "6.4 × 10⁻⁵".into()));
+        assert_eq!(with_std_error(19.087, Some(3e12)), ("19.1".into(), "3.0 × 10¹²".into()));
         assert_eq!(with_std_error(1.5, Some(f64::NAN)), ("1.5000".into(), String::new()));
     }
 }

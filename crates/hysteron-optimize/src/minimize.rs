@@ -25,6 +25,9 @@ pub fn minimize<P: LeastSquaresProblem>(
     observer: &mut dyn Observer,
     resume: Option<Checkpoint>,
 ) -> Result<Outcome, OptimizeError> {
+    if problem.bounds().ranges.is_empty() {
+        return evaluate_alone(problem, algorithm, settings, observer);
+    }
     let Algorithm::LeastSquares(options) = algorithm else {
         return minimize_cost(problem, algorithm, settings, observer, resume);
     };
@@ -101,6 +104,23 @@ fn initial_state(algorithm: &Algorithm, search: &mut Search<'_>) -> State {
         Algorithm::CmaEs(options) => State::Distribution(cma_es::Distribution::new(options, search)),
         Algorithm::LeastSquares(_) => State::NotStarted,
     }
+}
+
+/// The cost of a problem that leaves nothing to search for, because everything it determines enters linearly.
+fn evaluate_alone<P: Problem>(
+    problem: &P,
+    algorithm: &Algorithm,
+    settings: &Settings,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, OptimizeError> {
+    let mut evaluator = Evaluator::new(problem, settings.threads, observer.stop())?;
+    let bounds = problem.bounds();
+    let checkpoint = Checkpoint::new(problem.identity(), bounds, algorithm, settings);
+    drive(checkpoint, bounds, observer, &mut |checkpoint| {
+        let cost = evaluator.cost(&[]);
+        checkpoint.ledger.count(&[], cost);
+        Advance::Finished(StopReason::StartsDone)
+    })
 }
 
 /// Checks everything, and makes the checkpoint to start (or go on) from and the evaluator.

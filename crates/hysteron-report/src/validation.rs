@@ -1,5 +1,7 @@
 //! A model on records, as a page: scores, curves, residuals.
 
+use std::path::Path;
+
 use hysteron_model::Model;
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::model::{Score, Signals};
@@ -12,21 +14,31 @@ use crate::number::significant;
 use crate::page::{Block, Column, Page, Section, Table};
 use crate::record_curves::RecordCurves;
 
-/// The page of a validation: every record with its score; `maker`: who made it, and by which command.
-pub fn page(model: &Model, records: &[(Signals, Score)], maker: &Maker) -> Page {
-    let name = model.name().map_or_else(|| format!("a model of the kind {}", model.kind()), str::to_owned);
+/// The page of a validation: every record with its score, for each of the models with their files; `maker`: who made it, and by which
+/// command.
+pub fn page(models: &[(&Path, &Model, &[(Signals, Score)])], maker: &Maker) -> Page {
+    let name = match models {
+        [(_, model, _)] => {
+            model.name().map_or_else(|| format!("a model of the kind {}", model.kind()), str::to_owned)
+        }
+        _ => format!("{} models", models.len()),
+    };
     let scored = Section::new("Scores")
         .block(Block::paragraph(
             "The model was simulated in free run, from the start of each record: no measured output is used. Unless its own counts, the \
              offset of each sensor was estimated from the record.",
         ))
-        .block(scores(records));
-    let curves = records.iter().map(|(signals, score)| {
-        let figures = match signals {
-            Signals::Single(record) => single(record, score),
-            Signals::Several(record) => several(record, score),
-        };
-        Section::new(score.record.as_str()).blocks(figures)
+        .block(scores(models))
+        .blocks(verdicts(models));
+    let curves = models.iter().flat_map(|(path, _, records)| {
+        records.iter().map(move |(signals, score)| {
+            let figures = match signals {
+                Signals::Single(record) => single(record, score),
+                Signals::Several(record) => several(record, score),
+            };
+            let of = if models.len() > 1 { format!("{}: ", path.display()) } else { String::new() };
+            Section::new(format!("{of}{}", score.record)).blocks(figures)
+        })
     });
     let page = Page::new(format!("Validation of {name}")).section(scored);
     let mut page = curves.fold(page, Page::section);
@@ -36,9 +48,26 @@ pub fn page(model: &Model, records: &[(Signals, Score)], maker: &Maker) -> Page 
     page.footer_line(&maker.program)
 }
 
+/// What the scores say about device and range.
+fn verdicts(models: &[(&Path, &Model, &[(Signals, Score)])]) -> Option<Table> {
+    let columns =
+        [Column::text("model"), Column::text("record"), Column::text("verdict"), Column::text("why")];
+    let rows = models.iter().flat_map(|(path, _, records)| {
+        records.iter().filter_map(move |(_, score)| {
+            let verdict = score.verdict.as_ref()?;
+            let (model, record) = (path.display().to_string(), score.record.clone());
+            Some([model, record, verdict.judgement.name().to_owned(), verdict.why.clone()])
+        })
+    });
+    let mut rows = rows.peekable();
+    rows.peek()?;
+    Some(rows.fold(Table::new(columns), Table::row))
+}
+
 /// A row a record, or an output of it.
-fn scores(records: &[(Signals, Score)]) -> Table {
+fn scores(models: &[(&Path, &Model, &[(Signals, Score)])]) -> Table {
     let columns = [
+        Column::text("model"),
         Column::text("record"),
         Column::text("output"),
         Column::number("samples", ""),
@@ -49,19 +78,23 @@ fn scores(records: &[(Signals, Score)]) -> Table {
         Column::number("RMSE / stroke", "%"),
         Column::number("fit", "%"),
     ];
-    let rows = records.iter().flat_map(|(signals, score)| {
-        score.outputs.iter().enumerate().map(move |(m, scores)| row(signals, score, m, scores))
+    let rows = models.iter().flat_map(|(path, _, records)| {
+        records.iter().flat_map(move |(signals, score)| {
+            let row = move |(m, scores)| row(path, signals, score, m, scores);
+            score.outputs.iter().enumerate().map(row)
+        })
     });
     rows.fold(Table::new(columns), Table::row)
 }
 
-fn row(signals: &Signals, score: &Score, m: usize, scores: &Scores) -> [String; 9] {
+fn row(path: &Path, signals: &Signals, score: &Score, m: usize, scores: &Scores) -> [String; 10] {
     let output = match signals {
         Signals::Single(record) => record.output.clone(),
         Signals::Several(record) => record.outputs.get(m).cloned().unwrap_or_default(),
     };
     let percent = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| significant(x, 4));
     [
+        path.display().to_string(),
         score.record.clone(),
         output,
         scores.samples.to_string(),

@@ -38,6 +38,7 @@ use crate::result_flags::ResultFlags;
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
     Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o model.json\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --candidates fractional+creep --baselines\n\
+    Example: hysteron compare cycle_*.csv --continued --candidates integer1,integer1+kelvin-voigt+preisach-density\n\
     Example: hysteron compare loops.csv sweep.csv --candidates fractional+creep,fractional+creep+prandtl-ishlinskii,fractional+creep+dahl"
 )]
 pub struct Compare {
@@ -48,6 +49,10 @@ pub struct Compare {
     /// Structures to compare, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = candidate)]
     candidates: Vec<Candidate>,
+
+    /// The records are consecutive parts of one run on one clock: each part is left out in turn, memory and creep carry over
+    #[arg(long, conflicts_with = "baselines")]
+    continued: bool,
 
     /// Train black-box NARX models (polynomial, kernel, neural) on the same folds, to compare with
     #[arg(long)]
@@ -79,7 +84,8 @@ impl Compare {
         let stop = Interrupt::listen("what is finished is printed")?;
         let watch = progress::watch(&stop);
         let candidates = (!self.candidates.is_empty()).then_some(self.candidates.as_slice());
-        let comparison = compare(&campaign, candidates, &Options::default(), &watch);
+        let options = Options { continued: self.continued, ..Options::default() };
+        let comparison = compare(&campaign, candidates, &options, &watch);
         drop(watch);
         let comparison = comparison.map_err(|e| explain(&e))?;
         let baselines = match &comparison.ranking {

@@ -1,6 +1,6 @@
 //! What was found, for people.
 
-use hysteron_model::record::{TimeBase, Unit};
+use hysteron_model::record::{NoiseMethod, TimeBase, Unit};
 use hysteron_report::number::significant;
 
 use super::Inspected;
@@ -40,13 +40,18 @@ pub fn describe(inspected: &Inspected) -> String {
         row("drive", drive(found.kind.name(), found.frequency_span_hz));
     }
     if let Some(shape) = &found.loop_shape {
-        let unit = spaced(&data.y_unit);
-        row("stroke", significant(shape.stroke, 4) + &unit);
+        let unit = data.y_unit.spaced();
+        let settled = found.periods.is_some_and(|p| p.steady_start() > 0);
+        row(if settled { "stroke, settled" } else { "stroke" }, significant(shape.stroke, 4) + &unit);
         let opening = significant(shape.opening.abs(), 3) + &unit;
         row("loop opening", format!("{opening}, {} % of stroke", significant(shape.opening_percent, 3)));
     }
     if let Some(noise) = &found.noise_floor {
-        row("noise floor", format!("{}{} rms", significant(noise.rms, 3), spaced(&data.y_unit)));
+        let at_most = if noise.method == NoiseMethod::FourthDifferences { ", at most" } else { "" };
+        row(
+            &format!("noise floor{at_most}"),
+            format!("{}{} rms", significant(noise.rms, 3), data.y_unit.spaced()),
+        );
     }
     let mut text = format!("{table}\n");
     if !found.segments.is_empty() {
@@ -61,7 +66,7 @@ pub fn describe(inspected: &Inspected) -> String {
 
 /// One row a segment: when, at which rate, what the drive does and what the output answers.
 fn segments(Inspected { data, found }: &Inspected) -> String {
-    let (input, output) = (spaced(&data.u_unit), spaced(&data.y_unit));
+    let (input, output) = (data.u_unit.spaced(), data.y_unit.spaced());
     let mut table = console::table(&[
         "from [s]",
         "for [s]",
@@ -116,11 +121,7 @@ fn ratio(output: &Unit, input: &Unit) -> String {
 }
 
 fn signal(name: &str, unit: &Unit, (low, high): (f64, f64)) -> String {
-    format!("{name}: {} to {}{}", significant(low, 5), significant(high, 5), spaced(unit))
-}
-
-fn spaced(unit: &Unit) -> String {
-    if unit.symbol().is_empty() { String::new() } else { format!(" {unit}") }
+    format!("{name}: {} to {}{}", significant(low, 5), significant(high, 5), unit.spaced())
 }
 
 /// A number to nine significant digits, without trailing zeros.

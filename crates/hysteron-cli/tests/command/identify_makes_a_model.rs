@@ -212,6 +212,25 @@ fn uneven_time_is_fitted_statically_and_with_dynamics_as_it_is() {
     let scored = json(&bench.run("validate parts.json slow.csv fast.csv --continued --json"));
     let rmse = |score: &serde_json::Value| score["rmse_um"].as_f64().unwrap();
     assert!((rmse(&scored["whole"]) - rmse(&two["whole"])).abs() < 1e-3, "{scored}");
+    // Parts simulated at one go are the whole; what was measured stays beside it.
+    for (files, out) in [("slow.csv fast.csv --continued", "in_parts.csv"), ("both.csv", "whole.csv")] {
+        assert_eq!(bench.run(&format!("simulate parts.json {files} -o {out}")).exit_code, 0);
+    }
+    let written = |name: &str| {
+        let text = std::fs::read_to_string(bench.path(name)).unwrap();
+        let (header, rows) = text.split_once('\n').unwrap();
+        assert_eq!(header, "t_s,u_V,y_um,y_measured_um");
+        rows.lines().map(|row| row.split(',').nth(2).unwrap().parse().unwrap()).collect::<Vec<f64>>()
+    };
+    let (parts, whole) = (written("in_parts.csv"), written("whole.csv"));
+    assert_eq!((parts.len(), whole.len()), (1600, 1600));
+    assert!(parts.iter().zip(&whole).all(|(a, b)| (a - b).abs() < 1e-9));
+    assert_eq!(bench.run("simulate parts.json slow.csv fast.csv -o x.csv").exit_code, 2);
+    assert_eq!(bench.run("simulate parts.json fast.csv slow.csv --continued -o x.csv").exit_code, 1);
+    // Gain and delay of a device that has not changed, from the parts.
+    let again = json(&bench.run("recalibrate parts.json slow.csv fast.csv --continued -o again.json --json"));
+    assert!((again["gain"]["measured"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{again}");
+    assert!((again["delay"]["measured"].as_f64().unwrap() - 0.002).abs() < 2e-4, "{again}");
     assert_eq!(scored["records"].as_array().unwrap().len(), 2);
     // On their own they are two records, and the command says that they could be parts of one run.
     let apart = bench.run(&format!("identify slow.csv fast.csv -o apart.json {flags}"));

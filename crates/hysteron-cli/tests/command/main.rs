@@ -36,3 +36,4 @@ mod track_follows_in_closed_loop;
 mod tutorial_runs;
 mod usage_errors_exit_2;
 mod validate_scores_as_promised;
+mod written_files_are_plain;

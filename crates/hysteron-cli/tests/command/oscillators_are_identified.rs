@@ -102,7 +102,7 @@ fn a_record_becomes_a_file_that_predicts_another_record() {
         run.stderr
     );
     let header = std::fs::read_to_string(bench.path("out.csv")).unwrap();
-    assert!(header.starts_with("t_s,u_N,y_um\n"), "{}", &header[..40]);
+    assert!(header.starts_with("t_s,u_N,y_um,y_measured_um\n"), "{}", &header[..40]);
     let settled = bench.run("simulate oscillator.json train.csv -o out.csv --settled 2.048");
     assert_eq!(settled.exit_code, 0, "{}", settled.stderr);
 }

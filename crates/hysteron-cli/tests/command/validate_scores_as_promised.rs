@@ -197,3 +197,90 @@ fn the_series_is_what_was_scored() {
     assert_eq!(two.exit_code, 2, "{two:?}");
     assert!(two.stderr.contains("one record at a time") && !bench.path("both.csv").exists(), "{two:?}");
 }
+
+/// The stack of the example, its output times `gain` and its drive times `reach`.
+fn stack(gain: f64, reach: f64) -> String {
+    let example =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/piezo-p885-200hz/identification_1hz.csv");
+    let text = std::fs::read_to_string(example).unwrap();
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let header = lines.next().unwrap();
+    let rows = lines.map(|line| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        format!("{},{},{}\n", cells[0], reach * cells[1], gain * cells[2])
+    });
+    format!("{header}\n{}", rows.collect::<String>())
+}
+
+#[test]
+fn another_device_and_another_range_are_told() {
+    let bench = Bench::new();
+    for (name, gain, reach) in [("own", 1.0, 1.0), ("device", 1.3, 1.0), ("range", 1.0, 2.0)] {
+        bench.write(&format!("{name}.csv"), stack(gain, reach));
+    }
+    let run = bench.run("identify own.csv -o own.json");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    let json = report(&bench.run("validate own.json own.csv device.csv range.csv --json"));
+    let verdict = |k: usize| json["records"][k]["verdict"]["judgement"].as_str().unwrap().to_owned();
+    assert_eq!(verdict(0), "as-in-training");
+    assert_eq!(verdict(1), "another-device");
+    assert_eq!(verdict(2), "another-device-or-range");
+    let text = bench.run("validate own.json device.csv").stdout;
+    assert!(
+        text.contains("device.csv: another device: rms error") && text.contains("1.3 times as far"),
+        "{text}"
+    );
+}
+
+/// Slow drive tells no delay from the width of a loop: none is put into the model. A training record scores the same whoever scores it.
+#[test]
+fn a_slow_record_gives_a_model_without_delay_and_the_same_score_twice() {
+    let bench = Bench::new();
+    bench.write("own.csv", stack(1.0, 1.0));
+    let run = bench.run("identify own.csv --hysteresis prandtl-ishlinskii -o plays.json --json");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    assert_eq!(crate::bench::model_data(&bench.path("plays.json")).delay.value, 0.0);
+    let trained: Value = serde_json::from_str(&run.stdout).unwrap();
+    let scored = report(&bench.run("validate plays.json own.csv --json"));
+    for key in ["samples", "rmse_um", "max_abs_error_um"] {
+        let (trained, scored) = (&trained["records"][0][key], &scored["records"][0][key]);
+        let close = (trained.as_f64().unwrap() / scored.as_f64().unwrap() - 1.0).abs() < 1e-6;
+        assert!(close, "{key}: {trained} {scored}");
+    }
+}
+
+#[test]
+fn several_models_stand_side_by_side() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    std::fs::copy(bench.path("model.json"), bench.path("second.json")).unwrap();
+    let json = report(&bench.run("validate model.json second.json run.csv --json"));
+    let models = json["models"].as_array().unwrap();
+    assert_eq!(
+        (models[0]["model"].as_str(), models[1]["model"].as_str()),
+        (Some("model.json"), Some("second.json"))
+    );
+    assert_eq!(models[0]["records"], models[1]["records"]);
+    let run = bench.run("validate model.json second.json run.csv --report page.html");
+    assert!(run.stdout.contains("| model ") && run.stdout.contains("second.json"), "{run:?}");
+    let page = std::fs::read_to_string(bench.path("page.html")).unwrap();
+    assert!(page.contains("second.json: run.csv"));
+    assert_eq!(bench.run("validate model.json second.json").exit_code, 2);
+}
+
+#[test]
+fn a_record_that_cannot_be_scored_does_not_discard_the_others() {
+    let bench = Bench::new();
+    bench.write("run.csv", good_record());
+    bench.write("bad.csv", "t_s,u_V,y_um\n0,1,x\n");
+    let run = bench.run("validate model.json bad.csv run.csv --json");
+    assert_eq!(run.exit_code, 1, "{run:?}");
+    let json: Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(json["records"][0]["record"], "run.csv");
+    assert_eq!(json["failed"][0]["record"], "bad.csv");
+    assert!(run.stderr.contains("bad.csv") && run.stderr.contains("1 of 2"), "{}", run.stderr);
+    // The table has the same columns however many records there are.
+    let header = |arguments: &str| bench.run(arguments).stdout.lines().next().unwrap_or_default().to_owned();
+    let one = header("validate model.json run.csv");
+    assert_eq!(one, header("validate model.json run.csv run.csv run.csv run.csv run.csv"));
+}

@@ -10,7 +10,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
 use hysteron_model::hysteresis::{Hysteresis, HysteresisError, HysteresisForm, RecordEnds};
 use hysteron_model::record::{Timing, noise_floor, quantisation_step};
-use hysteron_model::validate::first_cycle;
+use hysteron_model::validate::{first_cycle, unfollowed_start};
 
 /// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a record, when it is
 /// reduced.
@@ -94,6 +94,14 @@ impl<'a> JointMember<'a> {
             _ => 1,
         };
         Ok(Self { facts, before, transients, noise, factor, rate_hz })
+    }
+
+    /// Samples at the beginning that a law without dynamics cannot follow.
+    pub(super) fn unfollowed(&self) -> usize {
+        match self.before {
+            Start::Rest { voltage_v } => unfollowed_start(&self.facts.data, &Start::Rest { voltage_v }),
+            _ => 0,
+        }
     }
 
     /// The same record, seen through `facts` with other samples valid.

@@ -34,6 +34,8 @@ const AGREEMENT: usize = 3;
 /// Starts with fitted dynamics, beside the best one as it is, before any other.
 const FIRST_STARTS: usize = 2;
 
+/// The delay's name among the parameters.
+const DELAY: &str = "delay";
 /// Samples at the beginning of a record that a stopped fit is scored on.
 const BEGINNING: usize = 10_000;
 
@@ -75,7 +77,21 @@ pub(in super::super) fn identify(
     check_demands(options, &form, facts.len())?;
     let members: Vec<JointMember<'_>> =
         facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
-    let options = &Options { scheme: Choice::Given(setup::scheme(options, &members)), ..options.clone() };
+    let is_static = form.parameters().is_empty();
+    let left_out: Vec<usize> = members.iter().map(|m| if is_static { m.unfollowed() } else { 0 }).collect();
+    let masked: Vec<RecordFacts> =
+        facts.iter().zip(&left_out).map(|(facts, &samples)| facts.without_first(samples)).collect();
+    let members: Vec<JointMember<'_>> =
+        members.iter().zip(&masked).map(|(m, facts)| m.masked(facts)).collect();
+    let facts = &masked[..];
+    let scheme = Choice::Given(setup::scheme(options, &members));
+    // Slow drive alone does not tell a delay from the width of the loop.
+    let shows_delay = !is_static
+        || roles.contains(&RecordRole::Dynamic)
+        || options.demands.names().any(|name| name == DELAY);
+    let delay_s =
+        if shows_delay || options.delay_s != Choice::Auto { options.delay_s } else { Choice::Given(0.0) };
+    let options = &Options { scheme, delay_s, ..options.clone() };
     let mut setup = JointSetup::new(&members, form, options).stopped_by(engine.stop());
     let reduced = members.iter().any(|member| member.factor > 1);
 
@@ -177,7 +193,12 @@ pub(in super::super) fn identify(
         creep: form.creep,
         delay_and_lag_from_start: false,
         creeps: Vec::new(),
-        left_out: Vec::new(),
+        left_out: left_out
+            .into_iter()
+            .zip(roles)
+            .filter(|(_, role)| **role == RecordRole::QuasiStatic)
+            .map(|(samples, _)| samples)
+            .collect(),
         smoothing: smoothed.map(|(_, smoothing)| smoothing),
     };
     if let Some(known) = &known {
@@ -282,6 +303,9 @@ fn search_globally(
     engine: &mut Engine<'_, '_>,
     show: Show<'_>,
 ) -> Result<Search, IdentifyError> {
+    if problem.bounds().dimension() == 0 {
+        return Ok(engine.fit_from("joint fit", problem, vec![Vec::new()], show)?);
+    }
     if let Some(algorithm) = &setup.options.algorithm {
         let mut search = engine.search("joint fit", problem, setup.guesses(problem)?, show)?;
         if algorithm.name() != "least-squares" && !engine.cancelled {
@@ -494,7 +518,7 @@ fn check_demands(options: &Options, form: &DynamicForm, records: usize) -> Resul
     known.extend(family.iter().map(String::as_str));
     known.push(OFFSET);
     if options.delay_s == Choice::Auto {
-        known.push("delay");
+        known.push(DELAY);
     }
     let form = form.parameters();
     known.extend(form.iter().map(|p| p.name));

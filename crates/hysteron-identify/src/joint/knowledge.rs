@@ -26,8 +26,13 @@ const MOST_USED: f64 = 0.75;
 /// Lags of the window as a multiple of the whitened residual's correlation time, and fewest.
 const WINDOW: f64 = 6.0;
 const FEWEST_LAGS: usize = 12;
-/// Condition number from which on a covariance would be rounding.
-const SINGULAR: f64 = 1e12;
+/// Combinations of parameters (of columns of unit length) with a singular value below this share of the largest are not determined:
+/// the inverse of the information would be rounding in them.
+const NOT_DETERMINED: f64 = 1e-7;
+/// Share of a parameter in such combinations that is rounding.
+const ROUNDING: f64 = 1e-12;
+/// Share of a deviation that an undetermined parameter must make up to leave its function undetermined.
+const NOTICED: f64 = 1e-3;
 /// Rows worked on at a time: all columns of so many stay in the processor's cache.
 const ROWS: usize = 1024;
 
@@ -38,15 +43,29 @@ pub struct Covariance {
     pub names: Vec<String>,
     /// Estimates.
     pub values: Vec<f64>,
-    /// Covariance matrix; zero rows and columns where a parameter is held, or stands on the edge of its range.
+    /// Covariance matrix; zero rows and columns where a parameter is held, or stands on the edge of its range. Of the combinations that
+    /// the records determine: those that they do not are left out.
     pub matrix: DMatrix<f64>,
+    /// Parameters that such a combination moves more than everything else does: their variance in `matrix` is a part of theirs.
+    pub undetermined: Vec<bool>,
     /// Ratio of the largest to the smallest singular value of the Jacobian with columns of unit length.
     pub condition_number: f64,
 }
 
 impl Covariance {
-    /// Standard error of parameter `index`.
+    /// Standard error of parameter `index`; `None` where it is held or not determined.
     pub fn std_error(&self, index: usize) -> Option<f64> {
+        self.deviation(index).filter(|_| !self.undetermined[index])
+    }
+
+    /// The matrix with zero rows and columns for what is not determined.
+    pub fn of_determined(&self) -> DMatrix<f64> {
+        let lost = |i: usize| self.undetermined[i];
+        self.matrix.map_with_location(|i, j, c| if lost(i) || lost(j) { 0.0 } else { c })
+    }
+
+    /// Root of its variance in the matrix, if there is one.
+    fn deviation(&self, index: usize) -> Option<f64> {
         let variance = self.matrix[(index, index)];
         (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
     }
@@ -66,7 +85,7 @@ impl Covariance {
         let mut at = self.values.clone();
         for j in 0..self.values.len() {
             // What is held does not move.
-            let Some(std_error) = self.std_error(j) else { continue };
+            let Some(std_error) = self.deviation(j) else { continue };
             let step = 1e-3 * std_error.max(1e-9 * self.values[j].abs());
             at[j] = self.values[j] + step;
             let taken_up = at[j] - self.values[j];
@@ -80,7 +99,13 @@ impl Covariance {
             }
         }
         let matrix = &jacobian * &self.matrix * jacobian.transpose();
-        Self { names, values, matrix, condition_number: self.condition_number }
+        let hangs_on = |i: usize, j: usize| {
+            let part = jacobian[(i, j)] * self.deviation(j).unwrap_or(0.0);
+            self.undetermined[j] && part.abs() > NOTICED * matrix[(i, i)].max(0.0).sqrt()
+        };
+        let undetermined =
+            (0..values.len()).map(|i| (0..self.values.len()).any(|j| hangs_on(i, j))).collect();
+        Self { names, values, matrix, undetermined, condition_number: self.condition_number }
     }
 }
 
@@ -140,13 +165,27 @@ pub(in super::super) fn knowledge_of(
         |matrix: DMatrix<f64>| matrix.map_with_location(|i, j, x| x / (free_norms[i] * free_norms[j]));
     // Of columns of unit length.
     let r = triangular(&free_columns).map_with_location(|_, j, x| x / free_norms[j]);
-    let singular = r.clone().svd(false, false).singular_values;
+    let svd = r.svd(false, true);
+    let (singular, directions) = (svd.singular_values, svd.v_t?);
     let condition_number = singular.max() / singular.min();
-    if condition_number.is_nan() || condition_number > SINGULAR {
+    if condition_number.is_nan() {
         return None;
     }
-    let inverse = r.try_inverse()?;
-    let bread = &inverse * inverse.transpose();
+    let (kept, lost): (Vec<usize>, Vec<usize>) =
+        (0..p).partition(|&k| singular[k] > NOT_DETERMINED * singular.max());
+    let scaled = DMatrix::from_fn(kept.len(), p, |k, j| directions[(kept[k], j)] / singular[kept[k]]);
+    let bread = scaled.transpose() * &scaled;
+    // What a lost combination adds to the variance of a parameter, by its singular value as far as rounding lets it be known.
+    let undetermined_free: Vec<bool> = (0..p)
+        .map(|j| {
+            let share: f64 = lost.iter().map(|&k| directions[(k, j)].powi(2)).sum();
+            let floor = f64::EPSILON * singular.max();
+            let adds: f64 = lost.iter().map(|&k| (directions[(k, j)] / singular[k].max(floor)).powi(2)).sum();
+            share > ROUNDING && adds > bread[(j, j)]
+        })
+        .collect();
+    let mut undetermined = vec![false; columns.len()];
+    free.iter().zip(&undetermined_free).for_each(|(&j, &lost)| undetermined[j] = lost);
     let meat = (0..problem.records().len())
         .into_par_iter()
         .map(|record| {
@@ -176,7 +215,7 @@ pub(in super::super) fn knowledge_of(
     let matrix = in_own_units(&bread * meat * &bread);
     let white = in_own_units(bread * variance);
     Some(Knowledge {
-        covariance: Covariance { names, values, matrix, condition_number },
+        covariance: Covariance { names, values, matrix, undetermined, condition_number },
         white,
         variance,
         linearisation,
@@ -337,5 +376,24 @@ mod tests {
         let (memory, white) = whitened(&e);
         assert!((memory - 0.8).abs() < 1e-12, "{memory}");
         assert!(white[0] == 1.0 && white[1..].iter().all(|x| x.abs() < 1e-12));
+    }
+
+    /// Of a, b and c, b is not determined: neither is what hangs on it, and the rest keeps its error.
+    #[test]
+    fn a_function_of_what_is_not_determined_is_not_determined() {
+        let known = Covariance {
+            names: ["a", "b", "c"].map(str::to_owned).to_vec(),
+            values: vec![1.0, 2.0, 3.0],
+            matrix: DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![0.01, 0.04, 0.09])),
+            undetermined: vec![false, true, false],
+            condition_number: 1e9,
+        };
+        assert_eq!((known.std_error(0), known.std_error(1)), (Some(0.1), None));
+        let names = ["a b", "2 c", "a"].map(str::to_owned).to_vec();
+        let found = known.transformed(names, |x| vec![x[0] * x[1], 2.0 * x[2], x[0]]);
+        assert_eq!(found.undetermined, [true, false, false]);
+        assert!((found.std_error(1).unwrap() - 0.6).abs() < 1e-6);
+        assert_eq!(found.of_determined()[(0, 0)], 0.0);
+        assert_eq!(found.correlation("s").names, ["2 c", "a"]);
     }
 }

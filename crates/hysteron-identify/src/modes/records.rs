@@ -5,7 +5,7 @@ use crate::IdentifyError;
 use crate::alike::same;
 use hysteron_model::axes::{AxesRecord, SteadyPeriod};
 use hysteron_model::hysteresis::RecordEnds;
-use hysteron_model::record::InterSample;
+use hysteron_model::record::{InterSample, Unit};
 
 /// Levels that differ by less than this share are one.
 const ONE_LEVEL: f64 = 0.05;
@@ -34,6 +34,8 @@ pub(super) struct Campaign {
     pub pieces: Vec<Piece>,
     /// Mean rms of each level, ascending \[V\].
     pub levels: Vec<f64>,
+    /// Unit of the inputs.
+    pub unit: Unit,
     pub inputs: usize,
     pub outputs: usize,
     pub rate: f64,
@@ -59,6 +61,7 @@ impl Campaign {
             pieces.push(Piece { period, fine, level: 0, weight: 0.0 });
         }
         let mut campaign = Self {
+            unit: first.u_unit.clone(),
             pieces,
             levels: Vec::new(),
             inputs: first.u.len(),

@@ -295,10 +295,11 @@ fn treatment(campaign: &Campaign, pairs: usize, modes: usize) -> Vec<String> {
         .map(|piece| {
             let p = &piece.period;
             format!(
-                "{}: {} inputs of {} V rms repeat every {} samples; the fit sees the mean of {} settled periods",
+                "{}: {} inputs of {}{} rms repeat every {} samples; the fit sees the mean of {} settled periods",
                 p.name,
                 p.inputs,
                 short(p.level),
+                campaign.unit.spaced(),
                 p.samples(),
                 p.averaged
             )
@@ -319,6 +320,7 @@ fn findings(
     scheduled: bool,
 ) -> Vec<Finding> {
     let mut all = Vec::new();
+    let unit = campaign.unit.spaced();
     if scheduled {
         let fall = |m: &ModeShift| 100.0 * (1.0 - m.high.frequency_hz / m.low.frequency_hz);
         let mut falls: Vec<f64> = modes.iter().map(fall).collect();
@@ -332,7 +334,7 @@ fn findings(
             FindingKind::Verdict,
             "levels",
             format!(
-                "from {} to {} V rms the resonances fall by {} % in the median of the modes ({} to {} %).",
+                "from {} to {}{unit} rms the resonances fall by {} % in the median of the modes ({} to {} %).",
                 short(model.level.lowest),
                 short(model.level.highest),
                 percent(median),
@@ -362,7 +364,7 @@ fn findings(
             FindingKind::Advice,
             "levels",
             format!(
-                "all records have one level, {} V rms: how the modes move with the amplitude is not known and left out. Add \
+                "all records have one level, {}{unit} rms: how the modes move with the amplitude is not known and left out. Add \
                  records at a third of it.",
                 short(model.level.highest)
             ),
@@ -381,7 +383,7 @@ fn findings(
             kind,
             "influence",
             format!(
-                "influence matrix at {} V rms: condition number {}{remark}.",
+                "influence matrix at {}{unit} rms: condition number {}{remark}.",
                 short(level.level),
                 short(condition)
             ),

@@ -20,6 +20,7 @@ impl Prior {
     /// errors alone: that of `linear`, relative, for the gain, and that of the delay.
     pub fn of(file: &ModelFile) -> Self {
         let known = |s: &f64| s.is_finite() && *s > 0.0;
+        let range_v = file.valid_range.as_ref().map(|range| (range.input.low, range.input.high));
         if let Some(held) = Directions::of(file) {
             let std_error = |at: Option<usize>| at.map(|i| held.prior[(i, i)].sqrt()).filter(known);
             let (gain, delay_s) = (std_error(held.gain), std_error(held.delay));
@@ -27,11 +28,12 @@ impl Prior {
                 (Some(i), Some(j), Some(a), Some(b)) => (held.prior[(i, j)] / (a * b)).clamp(-1.0, 1.0),
                 _ => 0.0,
             };
-            return Self { gain, delay_s, correlation };
+            return Self { gain, delay_s, correlation, range_v };
         }
         let linear = file.hysteresis.parameters.get("linear");
         let gain = linear.and_then(|q| Some((q.std_error? / q.value).abs()));
-        Self { gain: gain.filter(known), delay_s: file.delay.std_error.filter(known), correlation: 0.0 }
+        let delay_s = file.delay.std_error.filter(known);
+        Self { gain: gain.filter(known), delay_s, correlation: 0.0, range_v }
     }
 }
 

@@ -39,6 +39,8 @@ pub struct Recording {
     pub start: Start,
     /// The start is known: no other is tried.
     pub start_is_known: bool,
+    /// Beginning of a run of several records, which tells where it started; `None`: the whole record does.
+    pub beginning: Option<InputOutput>,
 }
 
 /// What the old model says of gain and delay.
@@ -50,6 +52,8 @@ pub struct Prior {
     pub delay_s: Option<f64>,
     /// Correlation of both, where both are known.
     pub correlation: f64,
+    /// Smallest and largest input that the model was identified with.
+    pub range_v: Option<(f64, f64)>,
 }
 
 /// A number of the model before and after.
@@ -100,9 +104,9 @@ pub struct RecalibratedRecord {
 pub struct Recalibration {
     /// The new model; its offset is that of the first record.
     pub model: Model,
-    /// Factor of the hysteresis block's output.
+    /// Factor of the hysteresis block's output; held at 1 where the records do not determine it.
     pub gain: Change,
-    /// Delay \[s\]; held at the old value where no record has a sample rate, or the records do not determine it.
+    /// Delay \[s\]; held at the old value where a record has no times, or the records do not determine it.
     pub delay: Change,
     /// Correlation of the new gain and delay.
     pub correlation: f64,
@@ -125,11 +129,11 @@ pub fn recalibrate(
         return Err(IdentifyError::NoRecords);
     }
     recordings.iter().try_for_each(|recording| check(&recording.data))?;
-    let mut starts = choose(model, recordings)?;
+    let mut starts = choose(model, prior, recordings)?;
     let before = scores(model, recordings, &starts)?;
     let mut found = fit(model, prior, recordings, &mut starts)?;
     for _ in 1..ROUNDS {
-        let mut again = choose(&found.model, recordings)?;
+        let mut again = choose(&found.model, prior, recordings)?;
         if same_kinds(&again, &starts) {
             break;
         }
@@ -182,12 +186,13 @@ fn check(data: &InputOutput) -> Result<(), IdentifyError> {
     Ok(())
 }
 
-fn choose(model: &Model, recordings: &[Recording]) -> Result<Vec<Start>, IdentifyError> {
+fn choose(model: &Model, prior: Prior, recordings: &[Recording]) -> Result<Vec<Start>, IdentifyError> {
     let one = |recording: &Recording| {
         if recording.start_is_known {
             return Ok(recording.start);
         }
-        match choose_start(model, &recording.data, recording.start, None, &Scoring::default()) {
+        let record = recording.beginning.as_ref().unwrap_or(&recording.data);
+        match choose_start(model, record, recording.start, prior.range_v, &Scoring::default()) {
             Ok((start, _)) => Ok(start),
             Err(ScoreError::Simulation(e)) => Err(e.into()),
             Err(e) => Err(e.into()),
@@ -228,7 +233,7 @@ fn fit(
     starts: &mut [Start],
 ) -> Result<Fitted, IdentifyError> {
     let facts: Vec<RecordFacts> = recordings.iter().map(|r| RecordFacts::new(r.data.clone())).collect();
-    let timed = recordings.iter().all(|r| r.data.sample_rate_hz().is_some());
+    let timed = facts.iter().all(|facts| facts.require_timing().is_ok());
     let longest_s = timed.then(|| longest(model, &facts));
     let mut problem = GainAndDelay::new(model, &facts, starts, longest_s, model.delay_s);
     let mut measured = minimum(&problem)?;
@@ -251,6 +256,9 @@ fn fit(
         std_error: at.and_then(|at| std_error(&covariance, at)),
     };
     let mut gain = change(Some(Names::GAIN), 1.0, prior.gain);
+    if covariance.is_none() {
+        (gain.value, gain.std_error) = (gain.old, gain.old_std_error);
+    }
     let mut delay = change(names.delay, model.delay_s, prior.delay_s);
     let mut x = measured.clone();
     if let Some(c) = &covariance {
@@ -289,8 +297,8 @@ fn fit(
 /// Longest delay searched \[s\]: twice the old one, ten samples, a tenth of the fastest period.
 fn longest(model: &Model, facts: &[RecordFacts]) -> f64 {
     let of = |facts: &RecordFacts| {
-        let samples = (0.2 * facts.shortest_swing as f64).max(10.0);
-        samples / facts.data.sample_rate_hz().unwrap_or(f64::INFINITY)
+        let period_s = facts.data.time.shortest_period_s(facts.data.len()).unwrap_or(0.0);
+        (0.1 / facts.highest_frequency_hz()).max(10.0 * period_s)
     };
     facts.iter().map(of).fold(2.0 * model.delay_s, f64::max)
 }

@@ -53,6 +53,7 @@ fn recording(device: &Model, rate: f64, start: Start, noise: Vec<f64>) -> Record
         data: InputOutput::new("short", TimeBase::uniform(rate), u, y).unwrap(),
         start: Start::Rest { voltage_v: 0.0 },
         start_is_known: false,
+        beginning: None,
     }
 }
 
@@ -65,7 +66,7 @@ fn assert_within_errors(found: &Change, truth: f64, loosest: f64) {
 #[test]
 fn a_changed_gain_and_delay_come_back_from_one_second() {
     let old = rig_like();
-    let prior = Prior { gain: Some(0.004), delay_s: Some(3e-6), correlation: 0.0 };
+    let prior = Prior { gain: Some(0.004), delay_s: Some(3e-6), correlation: 0.0, range_v: None };
     let starts = [
         Start::Rest { voltage_v: 0.0 },
         Start::Remembering { voltage_v: 2.0, memory: Memory::Displacement(-1.7) },
@@ -109,7 +110,7 @@ fn an_unchanged_device_stays_the_old_one() {
     let old = rig_like();
     let record = recording(&old, 5000.0, Start::Rest { voltage_v: 0.0 }, noise(5000, 5, 0.005));
     // Known better than the record can tell.
-    let prior = Prior { gain: Some(1e-6), delay_s: Some(1e-9), correlation: 0.3 };
+    let prior = Prior { gain: Some(1e-6), delay_s: Some(1e-9), correlation: 0.3, range_v: None };
     let found = recalibrate(&old, prior, std::slice::from_ref(&record), 75.0).unwrap();
     assert!(!found.gain.is_significant() && !found.delay.is_significant());
     assert!(
@@ -119,7 +120,7 @@ fn an_unchanged_device_stays_the_old_one() {
     );
     assert!((found.delay.value - 2e-4).abs() < 3e-9, "{:?}", found.delay);
     // Known worse: the record's own word stands.
-    let prior = Prior { gain: Some(0.5), delay_s: Some(1.0), correlation: 0.0 };
+    let prior = Prior { gain: Some(0.5), delay_s: Some(1.0), correlation: 0.0, range_v: None };
     let vague = recalibrate(&old, prior, &[record], 75.0).unwrap();
     assert!((vague.gain.value - vague.gain.measured).abs() < 1e-3 * vague.gain.std_error.unwrap());
 }
@@ -260,7 +261,10 @@ fn the_file_keeps_what_was_held_and_carries_the_errors() {
     let old = rig_like();
     let mut file = ModelFile::from_model(&old, SignalUnits::default());
     file.hysteresis.parameters.get_mut("linear").unwrap().std_error = Some(0.0676);
-    assert_eq!(Prior::of(&file), Prior { gain: Some(0.0676 / 6.76), delay_s: None, correlation: 0.0 });
+    assert_eq!(
+        Prior::of(&file),
+        Prior { gain: Some(0.0676 / 6.76), delay_s: None, correlation: 0.0, range_v: None }
+    );
     let record =
         recording(&changed(&old, 1.05, 0.0), 2000.0, Start::Rest { voltage_v: 0.0 }, noise(2000, 5, 0.005));
     let found = recalibrate(&old, Prior::of(&file), &[record], 75.0).unwrap();

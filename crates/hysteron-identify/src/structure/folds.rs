@@ -6,6 +6,7 @@ use super::super::RecordFacts;
 use super::content::{Content, near, same};
 use super::prospect;
 use crate::IdentifyError;
+use hysteron_model::record::{Run, RunPart};
 
 /// Groups of records from which on whole records are left out.
 const ENOUGH_RECORDS: usize = 3;
@@ -28,7 +29,7 @@ pub struct Fold {
 
 /// Plans the folds, or says why structures cannot be told apart.
 pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fold>, IdentifyError> {
-    let unit = facts[0].data.u_unit.symbol();
+    let unit = &facts[0].data.u_unit.to_string();
     let groups = groups(facts, contents);
     let name = |group: &[usize]| {
         let names: Vec<&str> = group.iter().map(|&r| facts[r].data.name.as_str()).collect();
@@ -67,6 +68,23 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
         });
     }
     Ok(folds)
+}
+
+/// Each part of a run of several: the drive of all parts is known, so that memory and creep carry over what is left out. `None` where
+/// there are fewer than two parts.
+pub(super) fn of_parts(runs: &[Run]) -> Option<Vec<Fold>> {
+    let of_run = |(index, run): (usize, &Run)| -> Vec<Fold> {
+        let fold = |part: &RunPart| Fold {
+            label: part.data.name.clone(),
+            content: Content::of(&RecordFacts::new(part.data.clone()))
+                .describe(&part.data.u_unit.to_string()),
+            held: vec![(index, vec![part.samples.clone()])],
+            whole: false,
+        };
+        run.parts.iter().map(fold).collect()
+    };
+    let folds: Vec<Fold> = runs.iter().enumerate().flat_map(of_run).collect();
+    (folds.len() > 1).then_some(folds)
 }
 
 /// Records of the same content together, in the order of the first of each.

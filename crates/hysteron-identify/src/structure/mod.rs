@@ -1,6 +1,6 @@
 //! Which structure do these records support? Candidates compared by the simulated error on data that they were not fitted to.
 //!
-//! [`compare`] leaves out one fold after the other ([`Fold`]: a record, or a part of one), fits every [`Candidate`] to the
+//! [`compare`] leaves out one fold after the other ([`Fold`]: a record, or a part of one or of a run), fits every [`Candidate`] to the
 //! rest, simulates what was left out (the model's own past output is fed back; the sensor's offset is estimated), and ranks
 //! by the mean error over the folds with the uncertainty of its differences ([`rank`]). Where the records are one experiment
 //! repeated, it refuses ([`IdentifyError::CannotRank`]) and says what to measure. [`prospects`] says before any fit what a
@@ -25,7 +25,7 @@ pub use neighbours::{Neighbour, Neighbours, neighbours};
 pub use prospect::{Prospect, Prospects, prospects};
 pub use ranking::{Ranking, Standing, rank};
 
-use super::campaign::usable;
+use super::campaign::{of_runs, runs, usable};
 use super::engine::Engine;
 use super::joint::JointMember;
 use super::options::{CampaignRecord, Options};
@@ -59,6 +59,8 @@ pub struct Comparison {
     pub samples: usize,
     /// What else limits the comparison, in plain words.
     pub notes: Vec<String>,
+    /// The records were taken as parts of runs.
+    pub continued: bool,
     /// It was stopped: candidates are missing.
     pub interrupted: bool,
 }
@@ -103,9 +105,14 @@ pub fn compare(
     watch: &Watch<'_>,
 ) -> Result<Comparison, IdentifyError> {
     options.validate()?;
-    let facts = usable(campaign)?;
+    let runs = if options.continued { runs(campaign)? } else { Vec::new() };
+    let joined = of_runs(campaign, &runs);
+    let facts = usable(if options.continued { &joined } else { campaign })?;
     let contents: Vec<Content> = facts.iter().map(Content::of).collect();
-    let folds = folds::plan(&facts, &contents)?;
+    let folds = match folds::of_parts(&runs) {
+        Some(folds) => folds,
+        None => folds::plan(&facts, &contents)?,
+    };
     let options = &Options { demands: Default::default(), algorithm: None, start: None, ..options.clone() };
     let settings = Settings { seed: options.seed, ..Settings::default() };
     let mut engine = Engine::new(None, settings, watch, Plan(&[]), None);
@@ -267,6 +274,7 @@ impl Run<'_, '_> {
         let samples: usize = records.clone().map(scored).sum();
         let noise = records.map(|i| scored(i) as f64 * self.campaign.members[i].noise.powi(2)).sum::<f64>();
         Comparison {
+            continued: self.campaign.options.continued,
             folds: self.folds,
             entries,
             ranking,

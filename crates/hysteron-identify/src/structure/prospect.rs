@@ -52,14 +52,15 @@ pub fn prospects(records: &[InputOutput]) -> Prospects {
     for record in records {
         let parts: Vec<RecordFacts> = record.in_moving_segments().into_iter().map(RecordFacts::new).collect();
         let own: Vec<Content> = parts.iter().map(Content::of).collect();
-        let words: Vec<String> = own.iter().map(|content| content.describe(record.u_unit.symbol())).collect();
+        let words: Vec<String> =
+            own.iter().map(|content| content.describe(&record.u_unit.to_string())).collect();
         described.push(words.join("; "));
         facts.extend(parts);
         contents.extend(own);
     }
     let statements = vec![
         amplitudes(&facts, &contents),
-        frequencies(&contents),
+        frequencies(&facts, &contents),
         resonance(&facts),
         delay(&facts),
         creep(&wholes),
@@ -70,7 +71,7 @@ pub fn prospects(records: &[InputOutput]) -> Prospects {
 
 /// The record that adds most to these.
 pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option<String> {
-    let unit = facts.first().map_or("", |f| f.data.u_unit.symbol());
+    let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
     let largest = largest_amplitude(contents);
     let (low, high) = band(contents);
     let from = if low > 0.0 { format!("{} Hz", brief(low)) } else { "a slow loop".to_owned() };
@@ -121,7 +122,7 @@ pub(super) fn band(contents: &[Content]) -> (f64, f64) {
 fn amplitudes(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
     let largest = largest_amplitude(contents);
     let smallest = contents.iter().map(|c| c.amplitude.0).fold(f64::INFINITY, f64::min);
-    let unit = facts.first().map_or("", |f| f.data.u_unit.symbol());
+    let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
     let (determined, text) = if !one_amplitude(contents) {
         let text = format!("loops of {} to {} {unit} amplitude", brief(smallest), brief(largest));
         (Some(true), text)
@@ -136,10 +137,13 @@ fn amplitudes(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
     Prospect { topic: "β, γ, n, polynomial".into(), determined, text }
 }
 
-fn frequencies(contents: &[Content]) -> Prospect {
+fn frequencies(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
     let (low, high) = band(contents);
     let (determined, text) = if high == 0.0 {
-        (Some(false), "no record has a frequency (or a sample rate)".to_owned())
+        let timed = facts.iter().any(|f| f.duration_s() > 0.0);
+        let text =
+            if timed { "no drive oscillates: ramps, steps or one loop" } else { "the records have no time" };
+        (Some(false), text.to_owned())
     } else if high >= FAST_OVER_SLOW * low {
         (Some(true), format!("{} to {} Hz", brief(low), brief(high)))
     } else {
@@ -278,6 +282,8 @@ fn creep(facts: &[RecordFacts]) -> Prospect {
             brief(longest)
         );
         (None, text)
+    } else if longest == 0.0 {
+        (Some(false), "the records have no time".to_owned())
     } else {
         (Some(false), format!("the longest record has {} s, and no level is held", brief(longest)))
     };

@@ -65,13 +65,13 @@ impl Display for Admissibility {
         match self {
             Self::Bounded { saturation_v } => write!(
                 f,
-                "bounded: the hysteretic part stays finite for every drive (it saturates at {} V times α)",
+                "bounded: the hysteretic part stays finite for every drive (it saturates at {} times α)",
                 short(*saturation_v)
             ),
             Self::BoundedFromRest { saturation_v, limit_v } => write!(
                 f,
                 "bounded from rest: the hysteretic part stays finite for every drive as long as it starts below \
-                 {} V times α (it saturates at {} V times α)",
+                 {} times α (it saturates at {} times α)",
                 short(*limit_v),
                 short(*saturation_v)
             ),
@@ -87,7 +87,7 @@ impl Display for Admissibility {
             Self::Hardening => write!(
                 f,
                 "not bounded (hardening): the hysteretic part grows ever faster with the drive; do not use the model \
-                 beyond the voltages it was identified on"
+                 beyond the inputs it was identified on"
             ),
         }
     }

@@ -41,7 +41,7 @@ pub enum HysteresisError {
     #[error("the memory that the record is to start with belongs to a hysteresis operator of another family")]
     Memory,
     /// The operator sees the rate, and the time between samples is not known.
-    #[error("this hysteresis depends on the rate of the voltage: it needs the time between samples")]
+    #[error("this hysteresis depends on the rate of its input: it needs the time between samples")]
     Interval,
     /// A steady state of a period that is not the drive.
     #[error(
@@ -107,7 +107,7 @@ pub enum HysteresisError {
         weights: usize,
     },
     /// Thresholds of plays must be finite, positive and increasing.
-    #[error("play threshold {index} (from 0) is {value} V: it must be finite and above {above} V")]
+    #[error("play threshold {index} (from 0) is {value}: it must be finite and above {above}")]
     Threshold {
         /// Number of the play, from 0.
         index: usize,
@@ -142,9 +142,7 @@ pub enum HysteresisError {
         index: usize,
     },
     /// The output leaves the range of the numbers.
-    #[error(
-        "the output is not finite at drive sample {index}: the drive is far beyond any voltage of an actuator"
-    )]
+    #[error("the output is not finite at drive sample {index}: the drive is far too large")]
     Overflow {
         /// Number of the sample, from 0.
         index: usize,
@@ -152,7 +150,7 @@ pub enum HysteresisError {
     /// The closed-form inverse exists for a linear polynomial only.
     #[error(
         "the polynomial is of degree {degree}: the inverse has a closed form for a linear polynomial only; invert move \
-         by move over the range of voltages needed"
+         by move over the range of inputs needed"
     )]
     NotLinear {
         /// Its degree.
@@ -160,8 +158,8 @@ pub enum HysteresisError {
     },
     /// A branch of a model with a linear polynomial does not increase.
     #[error(
-        "the model has no inverse: with its {plays} narrowest plays moving, the output changes by {slope} µm/V, which \
-         must be positive"
+        "the model has no inverse: with its {plays} narrowest plays moving, the output moves by {slope} times the input, \
+         which must be positive"
     )]
     PartialSlope {
         /// How many plays move, from the narrowest.
@@ -171,8 +169,8 @@ pub enum HysteresisError {
     },
     /// A branch of the model does not increase within the range of its inverse.
     #[error(
-        "the model has no inverse over this range: at {u} V a branch has the slope {slope} µm/V, which must be positive \
-         beyond rounding; choose a range without this voltage or a polynomial and weights that increase there"
+        "the model has no inverse over this range: at the input {u} a branch has the slope {slope}, which must be positive \
+         beyond rounding; choose a range without this input or a polynomial and weights that increase there"
     )]
     NotSteep {
         /// Voltage \[V\].
@@ -182,7 +180,7 @@ pub enum HysteresisError {
     },
     /// A range of voltages without inside.
     #[error(
-        "the range from {} V to {} V is empty or not finite: give its lower end first",
+        "the range from {} to {} is empty or not finite: give its lower end first",
         short(*low),
         short(*high)
     )]
@@ -194,7 +192,7 @@ pub enum HysteresisError {
     },
     /// A device that rests where its drive may not be.
     #[error(
-        "the device rests at {} V, outside of the range of its drive, {} V to {} V",
+        "the device rests at the input {}, outside of the range of its drive, {} to {}",
         short(*rest),
         short(*low),
         short(*high)
@@ -209,8 +207,8 @@ pub enum HysteresisError {
     },
     /// No voltage of the range gives the output.
     #[error(
-        "no voltage of the range gives the output {v} µm of sample {index}: from where the plays stand it gives {from} to \
-         {to} µm; ask for an output between these or allow a wider range"
+        "no input of the range gives the output {v} of sample {index}: from where the plays stand it gives {from} to \
+         {to}; ask for an output between these or allow a wider range"
     )]
     OutOfReach {
         /// Number of the sample, from 0.
@@ -223,7 +221,7 @@ pub enum HysteresisError {
         to: f64,
     },
     /// A largest step of the drive that leaves no room.
-    #[error("the largest change of the drive from one sample to the next is {step} V: it must be positive")]
+    #[error("the largest change of the drive from one sample to the next is {step}: it must be positive")]
     Step {
         /// The step \[V\].
         step: f64,
@@ -236,7 +234,7 @@ pub enum HysteresisError {
     },
     /// The output falls as the voltage rises.
     #[error(
-        "the hysteresis has no inverse: on the move to sample {index} the output falls near {} V as the voltage rises; keep the \
+        "the hysteresis has no inverse: on the move to sample {index} the output falls near the input {} as the input rises; keep the \
          drive away from there, or identify a family whose branches increase (plays with weights of one sign do)",
         short(*u)
     )]
@@ -279,7 +277,7 @@ pub enum HysteresisError {
     },
     /// Envelopes between which a generalised play has no place.
     #[error(
-        "at {u} V the right envelope lies {by} above the left one, more than twice the narrowest threshold {narrowest}: \
+        "at the input {u} the right envelope lies {by} above the left one, more than twice the narrowest threshold {narrowest}: \
          widen the thresholds or bring the envelopes together"
     )]
     Envelopes {
@@ -300,8 +298,8 @@ pub enum HysteresisError {
     },
     /// A first-order reversal curve that cannot be used.
     #[error(
-        "reversal curve {index} (from 0): it must begin at level {} (from 0), decrease in voltage at least to the first level, \
-         and hold one finite displacement a voltage",
+        "reversal curve {index} (from 0): it must begin at level {} (from 0), decrease in input at least to the first level, \
+         and hold one finite displacement an input",
         index + 1
     )]
     ReversalCurve {

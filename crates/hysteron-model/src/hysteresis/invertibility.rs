@@ -58,21 +58,17 @@ impl fmt::Display for Invertibility {
                 write!(f, "every move raises the output with the drive, whatever came before")
             }
             Self::Nowhere { at_v } => {
-                write!(f, "a branch does not rise with the drive at {} V", short(*at_v))
+                write!(f, "a branch does not rise with the drive at the input {}", short(*at_v))
             }
             Self::AlongDrives { least_slope } => {
                 write!(
                     f,
-                    "every move of the records raises the output, by {} µm/V or more",
+                    "every move of the records raises the output, by {} times the input or more",
                     short(*least_slope)
                 )
             }
             Self::FallsAlongDrives { least_slope } => {
-                write!(
-                    f,
-                    "a move of the records does not raise the output: slope {} µm/V",
-                    short(*least_slope)
-                )
+                write!(f, "a move of the records does not raise the output: slope {}", short(*least_slope))
             }
         }
     }

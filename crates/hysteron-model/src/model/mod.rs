@@ -11,6 +11,7 @@ mod remark;
 mod run;
 mod score;
 mod signals;
+mod verdict;
 
 pub use capability::{Capability, Unsupported};
 pub use checked_realisation::{CheckedRealisation, RealisationSummary, SectionSummary, Sweep};
@@ -20,6 +21,7 @@ pub use remark::Remark;
 pub use run::Simulation;
 pub use score::{AxesScore, BandScore, ErrorSummary, RememberingStart, RunScore, Score, ScoreSummary};
 pub use signals::Signals;
+pub use verdict::{Judgement, Verdict};
 
 use crate::axes::{CoupledHammerstein, ScheduledModes};
 use crate::hammerstein;
@@ -29,12 +31,10 @@ use crate::model_file::{
 };
 use crate::oscillator::Oscillator;
 use crate::realise::{RealiseError, RealiseOptions, realise};
-use crate::record::shortest_swing;
+use crate::record::TimeBase;
 
 /// Share of the lowest frequency of the records down to which a model that creeps for ever is realised.
 const CREEP_BELOW_RECORDS: f64 = 1e-3;
-/// Excess of a reference's frequency over the model's that is worth a remark.
-const FASTER: f64 = 1.1;
 
 /// An identified model.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,13 +79,14 @@ impl Hammerstein {
 
     /// What a user should know about the inverse for a reference.
     pub fn remarks_on_reference(&self, reference: &[f64], sample_rate_hz: f64) -> Vec<Remark> {
-        let valid = self.data.valid_range.as_ref().and_then(|range| range.frequency.as_ref());
-        let fastest_hz = sample_rate_hz / (2.0 * shortest_swing(reference) as f64);
-        valid
-            .filter(|valid| fastest_hz > FASTER * valid.high)
-            .map(|valid| Remark::FastReference { fastest_hz, identified_hz: valid.high })
-            .into_iter()
-            .collect()
+        let time = TimeBase::uniform(sample_rate_hz);
+        let fast = self.data.valid_range.as_ref().and_then(|valid| valid.exceeded_by(reference, &time));
+        let remark = fast.map(|(fastest_hz, identified_hz)| Remark::Fast {
+            signal: SignalRole::Reference,
+            fastest_hz,
+            identified_hz,
+        });
+        remark.into_iter().collect()
     }
 
     /// The same options; where the model creeps for ever and no lowest frequency is named, a thousandth of the lowest frequency of

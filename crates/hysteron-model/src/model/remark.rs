@@ -48,9 +48,11 @@ pub enum Remark {
         /// Number of samples.
         samples: usize,
     },
-    /// The reference swings faster than what the model was identified with: beyond that it extrapolates, and the predicted error
-    /// says nothing of that.
-    FastReference {
+    /// A drive or a reference swings faster than what the model was identified with: beyond that it extrapolates, and an error
+    /// predicted for it says nothing of that.
+    Fast {
+        /// Which signal.
+        signal: SignalRole,
         /// Highest frequency of its swings \[Hz\].
         fastest_hz: f64,
         /// Highest frequency identified \[Hz\].

@@ -1,17 +1,19 @@
 //! Simulation and scores of any kind of model.
 
+use super::verdict::{RANGE_SLACK, Verdict};
 use super::{AxesScore, Body, Model, Remark, RunError, RunScore, Score, SignalRole, Signals};
 use crate::axes::{AxesRecord, AxesScores, SteadyPeriod};
 use crate::dynamics::Dynamics;
 use crate::hammerstein;
 use crate::model_file::{ModelFile, OscillatorFile};
 use crate::oscillator::Oscillator;
-use crate::record::{InputOutput, InterSample, Run, RunPart, TimeBase, Unit, find_periods, range_of};
+use crate::record::{
+    Channel, InputOutput, InterSample, Record, RecordError, Run, RunPart, TimeBase, Unit, find_periods,
+    range_of,
+};
 use crate::start::Start;
 use crate::validate::{OffsetTreatment, ScoreError, Scores, Scoring, choose_start, score, unfollowed_start};
 
-/// Excess over the valid range, as a share of it, that is not worth a remark.
-const RANGE_SLACK: f64 = 0.01;
 /// A level beyond those identified by this share deserves a remark.
 const LEVEL_SLACK: f64 = 0.02;
 /// Fewest samples that say anything about a model: with two, and the offset estimated from them, any line fits.
@@ -41,6 +43,44 @@ impl Simulation {
     }
 }
 
+impl Simulation {
+    /// The inputs, the model's `outputs` in `unit` under these names, the ends of a `band` around one output (`y_low`, `y_high`), and
+    /// what was measured beside them (`y_measured`), with its mask.
+    ///
+    /// # Errors
+    /// [`RecordError`] where the signals are not those of the simulation.
+    pub fn to_record(
+        &self,
+        name: &str,
+        signals: &Signals,
+        outputs: &[String],
+        unit: &str,
+        band: Option<[Vec<f64>; 2]>,
+    ) -> Result<Record, RecordError> {
+        let input_unit = self.input_unit.symbol();
+        let mut channels = match signals {
+            Signals::Single(drive) => vec![Channel::new("u", input_unit, drive.u.clone())],
+            Signals::Several(record) => {
+                let inputs = record.inputs.iter().zip(&record.u);
+                inputs.map(|(name, u)| Channel::new(name, input_unit, u.clone())).collect()
+            }
+        };
+        channels
+            .extend(outputs.iter().zip(&self.outputs).map(|(name, y)| Channel::new(name, unit, y.clone())));
+        for (name, end) in ["y_low", "y_high"].into_iter().zip(band.into_iter().flatten()) {
+            channels.push(Channel::new(name, unit, end));
+        }
+        let mut valid = None;
+        if let Signals::Single(record) = signals
+            && !record.y.is_empty()
+        {
+            channels.push(Channel::new("y_measured", unit, record.y.clone()));
+            valid.clone_from(&record.valid);
+        }
+        Ok(Record { valid, ..Record::new(name, signals.time().clone(), channels)? })
+    }
+}
+
 impl Model {
     /// The model's output for a drive, in free run: no measured output is used. [`Start::AsIdentified`] takes the start that the
     /// model file assumes; a drive of several axes that repeats is in its steady state.
@@ -57,7 +97,7 @@ impl Model {
                     Start::PERIODIC => Start::settled(own_period(record).unwrap_or(record.len())),
                     given => given,
                 };
-                run.remark_range(self, &record.u);
+                run.remark_range(self, record);
                 let y = match self {
                     Self::Hammerstein(body) => body.law.simulate(&record.u, &record.time, &start)?,
                     Self::Oscillator(body) => oscillate(body, record, start)?,
@@ -100,7 +140,21 @@ impl Model {
             _ => return Err(self.takes_others()),
         };
         let unit = agreed_unit(SignalRole::Output, &self.units().output, &record.y_unit, &mut Vec::new())?;
-        Ok(Score::of_single(record, unit, scores, simulation))
+        let training = match self {
+            Self::Hammerstein(body) => &body.data.scores[..],
+            Self::Oscillator(body) => &body.data.scores[..],
+            Self::Modes(_) | Self::Branches(_) => &[],
+        };
+        let y = simulation.outputs.first().map_or(&[][..], Vec::as_slice);
+        let verdict = Verdict::of(training, self.valid_range(), record, y, &scores);
+        let estimated = matches!(simulation.start, Start::Remembering { .. });
+        let without_estimated_start = if start == Start::AsIdentified && estimated {
+            let expected = self.expected_start(record, &mut Vec::new());
+            self.score(signals, expected, scoring)?.outputs.into_iter().next().map(Box::new)
+        } else {
+            None
+        };
+        Ok(Score { verdict, without_estimated_start, ..Score::of_single(record, unit, scores, simulation) })
     }
 
     /// Scores of the model on a run of several records. [`Start::AsIdentified`]: from the start that explains the first record best,
@@ -208,7 +262,7 @@ impl Model {
     ) -> Result<Simulation, RunError> {
         let mut run = self.prepared(record)?;
         let expected = hammerstein_start(&body.data, record, &mut run.remarks);
-        run.remark_range(self, &record.u);
+        run.remark_range(self, record);
         let range_v = body.data.valid_range.as_ref().map(|range| (range.input.low, range.input.high));
         let (chosen, y) =
             choose_start(&body.law, record, expected, range_v, scoring).map_err(|e| match e {
@@ -229,7 +283,7 @@ impl Model {
         scoring: &Scoring,
     ) -> Result<Simulation, RunError> {
         let mut run = self.prepared(record)?;
-        run.remark_range(self, &record.u);
+        run.remark_range(self, record);
         let expected = own_start(&body.data, record).unwrap_or(Start::ZERO);
         let whole = Start::settled(record.len());
         let others = [Start::ZERO, whole].into_iter().filter(|start| *start != expected);
@@ -345,6 +399,8 @@ impl Model {
                 mean_period_rmse: scores.mean_period_rmse,
             }),
             band: None,
+            without_estimated_start: None,
+            verdict: None,
             simulation,
         })
     }
@@ -357,9 +413,12 @@ struct Prepared {
 }
 
 impl Prepared {
-    fn remark_range(&mut self, model: &Model, u: &[f64]) {
+    fn remark_range(&mut self, model: &Model, record: &InputOutput) {
         let Some(range) = model.valid_range() else { return };
-        let input = range_of(u);
+        if let Some((fastest_hz, identified_hz)) = range.exceeded_by(&record.u, &record.time) {
+            self.remarks.push(Remark::Fast { signal: SignalRole::Input, fastest_hz, identified_hz });
+        }
+        let input = range_of(&record.u);
         let identified = (range.input.low, range.input.high);
         let slack = RANGE_SLACK * (identified.1 - identified.0);
         if input.0 < identified.0 - slack || input.1 > identified.1 + slack {

@@ -4,7 +4,7 @@ use serde::de::{Deserializer, Error};
 use serde::ser::Serializer;
 use serde::{Deserialize, Serialize};
 
-use super::{Signals, Simulation};
+use super::{Signals, Simulation, Verdict};
 use crate::record::{Channel, InputOutput, Keyed, Record, RecordError, Unit};
 use crate::start::Memory;
 use crate::start::Start;
@@ -13,7 +13,8 @@ use crate::validate::Scores;
 /// How well a model describes a record.
 ///
 /// As JSON, quantities in the unit of the outputs have keys that end in it (`rmse_um`), and `unit` names it where it is not µm;
-/// `start` is there where a hysteresis memory was estimated. Several outputs: the figures are pooled over them, then `outputs` has
+/// `start` is there where a hysteresis memory was estimated, with the score from the model file's own start in
+/// `without_estimated_start`, `verdict` where the file holds scores of its training. Several outputs: the figures are pooled over them, then `outputs` has
 /// each of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
@@ -33,6 +34,10 @@ pub struct Score {
     pub axes: Option<AxesScore>,
     /// How the 95 % band of a new measurement holds the record, where it was asked for.
     pub band: Option<BandScore>,
+    /// Scores from the start that the model file assumes, where a hysteresis memory was estimated from the record.
+    pub without_estimated_start: Option<Box<Scores>>,
+    /// What the score says about device and range, where the model file tells how the training scored.
+    pub verdict: Option<Verdict>,
     /// The simulation that was scored.
     pub simulation: Simulation,
 }
@@ -83,6 +88,8 @@ impl Score {
             outputs: vec![scores],
             axes: None,
             band: None,
+            without_estimated_start: None,
+            verdict: None,
             simulation,
         }
     }
@@ -153,6 +160,10 @@ pub struct ScoreSummary {
     pub band: Option<BandScore>,
     /// Start with an estimated memory.
     pub start: Option<RememberingStart>,
+    /// Errors from the start that the model file assumes, where a memory was estimated from the record.
+    pub without_estimated_start: Option<ErrorSummary>,
+    /// What the score says about device and range.
+    pub verdict: Option<Verdict>,
     /// What a record of several axes has beside them, with the errors of each output.
     pub axes: Option<(AxesScore, Vec<ErrorSummary>)>,
 }
@@ -208,6 +219,8 @@ impl Score {
             errors: single.map_or(pooled, ErrorSummary::from),
             band: self.band,
             start: self.estimated_memory().map(|(voltage, memory)| RememberingStart::new(voltage, memory)),
+            without_estimated_start: self.without_estimated_start.as_deref().map(ErrorSummary::from),
+            verdict: self.verdict.clone(),
             axes: self.axes.clone().map(|axes| (axes, self.outputs.iter().map(ErrorSummary::from).collect())),
         }
     }
@@ -257,6 +270,12 @@ impl Serialize for ScoreSummary {
             if let Some(start) = &self.start {
                 told = told.with("start", start);
             }
+            if let Some(without) = self.without_estimated_start {
+                told = told.with("without_estimated_start", without.told(Keyed::default(), unit));
+            }
+            if let Some(verdict) = &self.verdict {
+                told = told.with("verdict", verdict);
+            }
             return told.serialize(serializer);
         };
         let named = axes.outputs.iter().zip(outputs);
@@ -281,6 +300,8 @@ impl<'de> Deserialize<'de> for ScoreSummary {
             let measurement = keyed.get_in_unit("band_of_measurement", &unit)?;
             Ok(BandScore { inside_percent, measurement, model: keyed.get_in_unit("band_of_model", &unit)? })
         });
+        let without = keyed.get::<Option<Keyed>, _>("without_estimated_start")?;
+        let without = without.map(|errors| ErrorSummary::read(&errors, &unit));
         let axes = keyed.get::<Option<Vec<Keyed>>, _>("outputs")?.map(|outputs| {
             let names = outputs.iter().map(|output| output.get("output"));
             let axes = AxesScore {
@@ -298,6 +319,8 @@ impl<'de> Deserialize<'de> for ScoreSummary {
             errors: ErrorSummary::read(&keyed, &unit)?,
             band: band.transpose()?,
             start: keyed.get("start")?,
+            without_estimated_start: without.transpose()?,
+            verdict: keyed.get("verdict")?,
             axes: axes.transpose()?,
             unit,
         })

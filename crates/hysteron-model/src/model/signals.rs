@@ -1,7 +1,7 @@
 //! What a model is run on.
 
 use crate::axes::AxesRecord;
-use crate::record::{InputOutput, Signal, TimeBase, Unit};
+use crate::record::{Driven, InputOutput, Signal, TimeBase, Unit};
 
 /// Inputs, and outputs where they were measured, as a model takes them.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +39,16 @@ impl From<InputOutput> for Signals {
 impl From<AxesRecord> for Signals {
     fn from(record: AxesRecord) -> Self {
         Self::Several(record)
+    }
+}
+
+impl From<Driven> for Signals {
+    /// The drive, with the measured output where there is one.
+    fn from(Driven { drive, measured }: Driven) -> Self {
+        match measured {
+            Some(record) => Self::Single(record),
+            None => drive.into(),
+        }
     }
 }
 

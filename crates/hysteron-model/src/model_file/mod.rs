@@ -64,7 +64,7 @@ use start::StartEntry;
 
 use crate::dynamics::Scheme;
 use crate::hysteresis::FamilyForm;
-use crate::record::{InterSample, Unit};
+use crate::record::{InterSample, Swings, TimeBase, Unit};
 
 /// Value of the key `format`.
 pub const FORMAT: &str = "hysteron-model";
@@ -331,6 +331,15 @@ impl ValidRange {
             frequency: excited_hz.map(|(low, high)| Interval { low, high, unit: "Hz".to_owned() }),
             rate: None,
         }
+    }
+
+    /// Highest frequency of the swings of a signal, where it is beyond those covered, and the highest covered \[Hz\].
+    pub fn exceeded_by(&self, signal: &[f64], time: &TimeBase) -> Option<(f64, f64)> {
+        /// Excess that is worth a remark.
+        const FASTER: f64 = 1.1;
+        let covered = self.frequency.as_ref()?.high;
+        let fastest = Swings::of(signal, time)?.fastest_hz;
+        (fastest > FASTER * covered).then_some((fastest, covered))
     }
 
     /// The same, with the largest rate of the input per second.

@@ -2,13 +2,13 @@
 
 use crate::Advice;
 use crate::finding::{Finding, FindingKind};
-use hysteron_numeric::display::short;
+use hysteron_numeric::display::{short, short_to};
 
 use super::turning_points::{median, range_of};
 use super::{
     Clipping, DelayFinding, ExcitationKind, InputOutput, LinearDrift, LoopSense, LoopShape, NoiseFloor,
-    NoiseMethod, Periods, Segment, StartUp, TimeBase, Unit, WaveShape, clipping, excitation_kind, find_delay,
-    find_periods, implausible_units, linear_drift, loop_shape, noise_floor, quantisation_step,
+    NoiseMethod, Periods, Quantity, Segment, StartUp, TimeBase, WaveShape, clipping, excitation_kind,
+    find_delay, find_periods, implausible_units, linear_drift, loop_shape, noise_floor, quantisation_step,
 };
 
 /// Everything [`inspect`] finds. Frequencies in Hz where there is a uniform time base, else `None`.
@@ -60,7 +60,7 @@ pub struct Inspection {
     pub findings: Vec<Finding>,
 }
 
-/// Inspects a record. Everything is computed on the record as it is; masked samples are left out of the output's range and clipping alone.
+/// Inspects a record. Masked samples are left out of the output's range, loop, noise floor and clipping.
 pub fn inspect(data: &InputOutput) -> Inspection {
     let rate = data.sample_rate_hz();
     let valid_output: Vec<f64> = match &data.valid {
@@ -73,6 +73,12 @@ pub fn inspect(data: &InputOutput) -> Inspection {
     );
     let (delay, noise_floor) =
         rayon::join(|| find_delay(data, &kind, periods.as_ref()), || noise_floor(data, periods.as_ref()));
+    // Steps of the converter hide what is smaller, and leave their own rounding.
+    let rounding = output_step.map_or(0.0, |step| step / 12f64.sqrt());
+    let noise_floor = noise_floor.map(|floor| {
+        let hidden = floor.rms < rounding;
+        if hidden { NoiseFloor { rms: rounding, method: NoiseMethod::Quantisation } } else { floor }
+    });
     let segments = data.segments();
     let settled = periods.map_or(0, |p| p.steady_start());
     let makes_loop = matches!(kind, ExcitationKind::Wave { .. } | ExcitationKind::Ramps { .. });
@@ -95,10 +101,7 @@ pub fn inspect(data: &InputOutput) -> Inspection {
         period_change_rms: periods.as_ref().and_then(|p| period_change(data, p)),
         noise_floor,
         drift: periods.as_ref().and_then(|p| linear_drift(data, Some(p)).ok()),
-        loop_shape: match (makes_loop, data.u.get(settled..), data.y.get(settled..)) {
-            (true, Some(u), Some(y)) => loop_shape(u, y),
-            _ => None,
-        },
+        loop_shape: if makes_loop { settled_loop(data, settled) } else { None },
         // A drive may rest where it likes; held for less than half a period it was cut off.
         input_clipping: kind
             .span()
@@ -131,7 +134,7 @@ const SHOWS_CREEP_S: f64 = 5.0;
 impl Inspection {
     /// Amplitudes, frequencies and rests of the drive over all segments.
     fn segments_in_words(&self, data: &InputOutput) -> Vec<String> {
-        let unit = spaced(&data.u_unit);
+        let unit = data.u_unit.spaced();
         let whole = 0.5 * (self.input_range.1 - self.input_range.0);
         let mut said = Vec::new();
         let waves: Vec<&Segment> = self.segments.iter().filter(|s| s.gain.is_some()).collect();
@@ -167,13 +170,13 @@ impl Inspection {
         let (u_low, u_high) = self.input_range;
         let (y_low, y_high) = self.output_range;
         let stroke = y_high - y_low;
-        let unit = spaced(&data.y_unit);
+        let unit = data.y_unit.spaced();
         if u_low == u_high {
             findings.push(warning(format!(
                 "The input `{}` is constant ({}{}): nothing can be identified. Was the drive connected, the right column chosen?",
                 data.input,
                 short(u_low),
-                spaced(&data.u_unit)
+                data.u_unit.spaced()
             )));
         }
         if y_low == y_high {
@@ -226,7 +229,10 @@ impl Inspection {
                     "The output turns twice as often as the input: a butterfly loop (polarisation reversal). No Bouc-Wen model of an actuator can follow it."
                         .to_string(),
                 ));
-            } else if shape.sense == Some(LoopSense::Clockwise) && shape.gain > 0.0 {
+            } else if shape.sense == Some(LoopSense::Clockwise)
+                && shape.gain > 0.0
+                && matches!(data.y_unit.base().0, Quantity::Length | Quantity::Angle)
+            {
                 findings.push(warning(format!(
                     "The loop runs clockwise: the output leads the input by {:.1} % of the stroke at mid-range. A piezo stack lags; are input and output swapped, or is the input measured behind the actuator?",
                     shape.opening_percent
@@ -260,7 +266,7 @@ impl Inspection {
 
     fn notes(&self, data: &InputOutput, findings: &mut Vec<Finding>) {
         let mut note = |text: String| findings.push(Finding::new(FindingKind::Verdict, "record", text));
-        let unit = spaced(&data.y_unit);
+        let unit = data.y_unit.spaced();
         let span = self.frequency_span_hz;
         let hz = |f: f64| format!("{f:.4} Hz");
         match (&self.kind, span) {
@@ -293,7 +299,8 @@ impl Inspection {
                 note(format!("The drive is held at {levels} levels, with jumps between them."))
             }
             (ExcitationKind::Ramps { reversals }, _) => note(format!(
-                "The drive runs slowly through a few strokes ({reversals} reversals): good for the static loop, silent on dynamics."
+                "The drive goes through a few strokes ({reversals} {}): good for the static loop, silent on dynamics.",
+                if *reversals == 1 { "reversal" } else { "reversals" }
             )),
             _ => {}
         }
@@ -315,17 +322,25 @@ impl Inspection {
             let how = match floor.method {
                 NoiseMethod::PeriodRepeats { pairs } => format!("from {pairs} pairs of periods"),
                 NoiseMethod::FourthDifferences => "from fourth differences, an upper bound".to_string(),
+                NoiseMethod::Quantisation => {
+                    "the rounding of the converter's steps, which hide it".to_string()
+                }
             };
-            note(format!("Noise floor of the output {:.4}{unit} rms ({how}).", floor.rms));
+            note(format!("Noise floor of the output {}{unit} rms ({how}).", short_to(floor.rms, 3)));
         }
         if let Some(shape) = &self.loop_shape {
+            let once = if shape.taken_to_repeat {
+                " It was run through once and is taken to repeat: a first loop out of rest would not."
+            } else {
+                ""
+            };
             let sense = match shape.sense {
                 Some(LoopSense::CounterClockwise) => "counter-clockwise",
                 Some(LoopSense::Clockwise) => "clockwise",
-                None => "closed",
+                None => "closed to 0.1 %",
             };
             note(format!(
-                "The loop is open by {:.3}{unit} at mid-range, {:.1} % of the {:.3}{unit} stroke, {sense}.",
+                "The loop is open by {:.3}{unit} at mid-range, {:.1} % of the {:.3}{unit} stroke, {sense}.{once}",
                 shape.opening.abs(),
                 shape.opening_percent,
                 shape.stroke
@@ -372,15 +387,18 @@ impl Inspection {
     }
 }
 
-/// Unit behind a number; nothing where there is none.
-fn spaced(unit: &Unit) -> String {
-    if unit.symbol().is_empty() { String::new() } else { format!(" {unit}") }
-}
-
 /// Lowest and highest frequency of the drives of segments \[Hz\].
 fn span_of(segments: &[Segment]) -> Option<(f64, f64)> {
     let all = segments.iter().filter_map(|s| s.drive.low_hz.zip(s.drive.high_hz));
     all.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// Loop of the valid samples from this one on.
+fn settled_loop(data: &InputOutput, from: usize) -> Option<LoopShape> {
+    let valid = |k: &usize| data.valid.as_ref().is_none_or(|mask| mask.get(*k) == Some(&true));
+    let (u, y): (Vec<f64>, Vec<f64>) =
+        (from..data.len()).filter(valid).filter_map(|k| Some((*data.u.get(k)?, *data.y.get(k)?))).unzip();
+    loop_shape(&u, &y)
 }
 
 fn largest_gap(time: &TimeBase) -> Option<f64> {
@@ -406,6 +424,7 @@ fn period_change(data: &InputOutput, periods: &Periods) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::Swings;
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 
@@ -459,6 +478,46 @@ mod tests {
         let found = inspect(&data);
         assert_eq!((found.sample_rate_hz, found.delay, found.frequency_span_hz), (None, None, None));
         assert!(found.findings[0].text.contains("Give the sample rate"));
+    }
+
+    /// A spike marked as not valid counts in nothing.
+    #[test]
+    fn masked_samples_are_in_neither_stroke_nor_opening_nor_noise() {
+        let clean = sine(|k| 10.0 * (TAU * k / 200.0 - 0.2).sin());
+        let mut spoiled = clean.clone();
+        let hit = [3, 450, 1333];
+        hit.iter().for_each(|&k| spoiled.y[k] = 1e4);
+        spoiled.valid = Some((0..2000).map(|k| !hit.contains(&k)).collect());
+        let (clean, found) = (inspect(&clean), inspect(&spoiled));
+        let (a, b) = (clean.loop_shape.unwrap(), found.loop_shape.unwrap());
+        assert!(
+            (b.stroke / a.stroke - 1.0).abs() < 1e-3 && (b.opening / a.opening - 1.0).abs() < 1e-3,
+            "{b:?}"
+        );
+        assert!(found.noise_floor.unwrap().rms < 1e-9 * a.stroke, "{:?}", found.noise_floor);
+        assert!((found.output_range.1 - 10.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn one_loop_is_taken_to_repeat_and_said_so() {
+        let wave = |k: u32, lag: f64| 5.0 - 5.0 * (TAU * f64::from(k) / 100.0 - lag).cos();
+        let (u, y) = (0..=100).map(|k| (wave(k, 0.0), wave(k, 0.2))).unzip();
+        let one = InputOutput::new("r", TimeBase::uniform(10_000.0), u, y).unwrap();
+        let text = words(&one);
+        assert!(
+            text.contains("run through once and is taken to repeat") && text.contains("(1 reversal)"),
+            "{text}"
+        );
+        assert!(!words(&sine(|k| (TAU * k / 200.0 - 0.2).sin())).contains("taken to repeat"));
+        // A single period of 100 Hz is no swing of 50 Hz.
+        assert_eq!(Swings::of(&one.u, &one.time).unwrap().fastest_hz.round(), 100.0);
+    }
+
+    #[test]
+    fn noise_below_the_converter_s_step_is_its_rounding() {
+        let text = words(&sine(|k| (20.0 * (TAU * k / 200.0 - 0.2).sin()).round()));
+        let rounding = 1.0 / 12f64.sqrt();
+        assert!(text.contains(&format!("Noise floor of the output {} ", short_to(rounding, 3))), "{text}");
     }
 
     proptest! {

@@ -197,6 +197,7 @@ impl Inspection {
                 match n.method {
                     NoiseMethod::PeriodRepeats { .. } => "period-repeats",
                     NoiseMethod::FourthDifferences => "fourth-differences",
+                    NoiseMethod::Quantisation => "quantisation",
                 }
                 .to_owned()
             }),

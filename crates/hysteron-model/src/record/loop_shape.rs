@@ -29,6 +29,8 @@ pub struct LoopShape {
     /// Whether the output turns about twice as often as the input: two minima a period, as a ferroelectric driven through
     /// polarisation reversal has.
     pub butterfly: bool,
+    /// The record holds one loop alone, which ends where it began and is taken to repeat.
+    pub taken_to_repeat: bool,
 }
 
 /// Shape of the loop of `y` over `u`. The opening is the mean over all passes through the middle of the input's range between
@@ -48,7 +50,8 @@ pub fn loop_shape(u: &[f64], y: &[f64]) -> Option<LoopShape> {
     if gap(u, span) && gap(y, stroke) && turning_points(u, 0.2 * span).len() < 6 {
         let (twice_u, twice_y) = (u.repeat(2), y.repeat(2));
         let butterfly = is_butterfly(&u.repeat(3), &y.repeat(3), span, stroke);
-        return shape_of(&twice_u, &twice_y, (low, high), stroke, butterfly);
+        let shape = shape_of(&twice_u, &twice_y, (low, high), stroke, butterfly)?;
+        return Some(LoopShape { taken_to_repeat: true, ..shape });
     }
     shape_of(u, y, (low, high), stroke, is_butterfly(u, y, span, stroke))
 }
@@ -110,6 +113,7 @@ fn shape_of(
         }),
         gain: (at(high) - at(low)) / span,
         butterfly,
+        taken_to_repeat: false,
     })
 }
 

@@ -73,7 +73,7 @@ pub use resample::low_pass;
 pub use runs::{Run, RunPart, follow_each_other};
 pub use scale::Scale;
 pub use segments::Segment;
-pub use selection::{ChannelChoice, Selection, Signal};
+pub use selection::{ChannelChoice, Driven, Selection, Signal};
 pub use sensor::{Clipping, clipping, quantisation_step};
 pub use start_up::{StartUp, fit_start_up};
 pub use swings::{Swings, oscillation_hz};

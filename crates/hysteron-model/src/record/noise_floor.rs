@@ -24,6 +24,8 @@ pub enum NoiseMethod {
     /// From fourth differences y_(k−2) − 4y_(k−1) + 6y_k − 4y_(k+1) + y_(k+2), median of the absolute value / 0.6745 / √70: an upper
     /// bound where the motion itself is rough within five samples.
     FourthDifferences,
+    /// Steps of the converter hide the noise: step / √12, the rounding that they leave.
+    Quantisation,
 }
 
 /// Estimates the noise floor of the output: from period repeats where two settled periods are there, else from fourth
@@ -33,20 +35,34 @@ pub fn noise_floor(data: &InputOutput, periods: Option<&Periods>) -> Option<Nois
         && periods.count >= periods.settling + 2
         && periods.period_samples >= 3.0
     {
+        let valid: Option<Vec<f64>> =
+            data.valid.as_ref().map(|mask| mask.iter().map(|&valid| f64::from(u8::from(valid))).collect());
         let (mut sum, mut freedom) = (0.0, 0.0);
         for m in periods.settling..periods.count - 1 {
-            let (a, b) = (periods.one(&data.y, m), periods.one(&data.y, m + 1));
-            let change: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
-            sum += squares_about_a_line(&change);
-            freedom += change.len() as f64 - 2.0;
+            let change: Vec<f64> =
+                periods.one(&data.y, m).iter().zip(periods.one(&data.y, m + 1)).map(|(a, b)| b - a).collect();
+            let both = valid.as_ref().map(|valid| (periods.one(valid, m), periods.one(valid, m + 1)));
+            // Between samples a mask of ones reads as one.
+            let is_valid =
+                |i: usize| both.as_ref().is_none_or(|(a, b)| (a[i] - 1.0).abs() + (b[i] - 1.0).abs() < 1e-9);
+            let kept: Vec<f64> = (0..change.len()).filter(|&i| is_valid(i)).map(|i| change[i]).collect();
+            sum += squares_about_a_line(&kept);
+            freedom += (kept.len() as f64 - 2.0).max(0.0);
+        }
+        if freedom == 0.0 {
+            return None;
         }
         return Some(NoiseFloor {
             rms: (sum / freedom / 2.0).sqrt(),
             method: NoiseMethod::PeriodRepeats { pairs: periods.count - 1 - periods.settling },
         });
     }
+    let whole = |k: usize| {
+        data.valid.as_ref().is_none_or(|mask| mask.get(k..k + 5).is_some_and(|m| m.iter().all(|v| *v)))
+    };
+    let windows = data.y.windows(5).enumerate().filter(|(k, _)| whole(*k));
     let differences: Vec<f64> =
-        data.y.windows(5).map(|w| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
+        windows.map(|(_, w)| (w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).abs()).collect();
     (!differences.is_empty()).then(|| NoiseFloor {
         rms: median(differences) / 0.674_489_750_196_081_7 / 70f64.sqrt(),
         method: NoiseMethod::FourthDifferences,

@@ -52,6 +52,10 @@ fn stroke(data: &InputOutput) -> Option<String> {
 
 fn voltage(data: &InputOutput) -> Option<String> {
     let (Quantity::Voltage, factor) = data.u_unit.base() else { return None };
+    // What moves nothing is no piezo actuator.
+    if !matches!(data.y_unit.base().0, Quantity::Length | Quantity::Angle) {
+        return None;
+    }
     let (low, high) = range_of(&data.u);
     let largest = factor * high.abs().max(low.abs());
     (largest > LARGEST_V && largest.is_finite()).then(|| {

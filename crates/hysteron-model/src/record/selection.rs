@@ -50,6 +50,15 @@ impl Signal {
     }
 }
 
+/// A drive to simulate, with what was measured beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Driven {
+    /// The drive.
+    pub drive: Signal,
+    /// The record of drive and measured output, where [`Record::select`] finds one.
+    pub measured: Option<InputOutput>,
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
     Input,
@@ -181,6 +190,17 @@ impl Record {
     /// As [`Record::select`] for the input, and [`Record::check`].
     pub fn drive(&self, input: Option<&str>) -> Result<Signal, RecordError> {
         self.alone(input, Role::Input)
+    }
+
+    /// [`Record::drive`] with the output measured beside it, if there is one.
+    ///
+    /// # Errors
+    /// As [`Record::drive`].
+    pub fn driven(&self, input: Option<&str>) -> Result<Driven, RecordError> {
+        let drive = self.drive(input)?;
+        let choice = ChannelChoice { input: input.map(str::to_owned), output: None };
+        let measured = self.input_output(&choice).ok().filter(|measured| measured.u == drive.samples);
+        Ok(Driven { drive, measured })
     }
 
     /// The reference alone (`--reference`): a channel named so, else the only one, else by the rules of [`Record::select`] with

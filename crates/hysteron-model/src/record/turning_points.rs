@@ -12,10 +12,14 @@ pub struct TurningPoint {
 }
 
 /// Shortest time between two reversals \[samples\] that are more than a tenth of the range apart, but for a tenth of them,
-/// which a start or an end may cut short; the whole length where there are no two reversals. At least 1.
+/// which a start or an end may cut short; with one reversal the longer way to or from it (half of a single period), without any the
+/// whole length. At least 1.
 pub fn shortest_swing(samples: &[f64]) -> usize {
     let (low, high) = range_of(samples);
     let turns = turning_points(samples, 0.1 * (high - low));
+    if let [only] = turns.as_slice() {
+        return only.index.max(samples.len() - 1 - only.index).max(1);
+    }
     let mut swings: Vec<usize> = turns.windows(2).map(|w| w[1].index - w[0].index).collect();
     swings.sort_unstable();
     swings.get(swings.len() / 10).copied().unwrap_or(samples.len()).max(1)

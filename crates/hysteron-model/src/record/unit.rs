@@ -35,6 +35,11 @@ impl Unit {
         &self.0
     }
 
+    /// The unit behind a number, with a space before it (` µm`); nothing where there is none.
+    pub fn spaced(&self) -> String {
+        if self.0.is_empty() { String::new() } else { format!(" {self}") }
+    }
+
     /// Whether a header's suffix may be read as this unit: one that [`Unit::base`] converts, another usual one, never converted (`A`, `mA`, `T`, `N`,
     /// `Hz`, `kg`, `inch`, …), or a quotient of two (`A_per_m`).
     pub fn is_known(&self) -> bool {
