@@ -36,6 +36,10 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::CutOtherwise => "another --from, --to, --where or --turns".to_owned(),
         Advice::GivePeriod => "--period S".to_owned(),
         Advice::NameDynamicRecord => "--dynamic FILE".to_owned(),
+        Advice::DriveRange => "--range LOW:HIGH".to_owned(),
+        Advice::DriveRate => "--slew PER_SECOND".to_owned(),
+        Advice::CreepThatEnds => "hysteron identify … --creep kelvin-voigt".to_owned(),
+        Advice::NarrowBand => "--band LOW:HIGH".to_owned(),
         Advice::OtherHysteresis => "--hysteresis FAMILY".to_owned(),
         Advice::FitJointly => "leave --method and --dynamics arx (oe, bj, srivc) out".to_owned(),
         Advice::NoDynamics => {

@@ -18,6 +18,7 @@ use hysteron_model::{Advice, Start};
 use hysteron_numeric::display::short;
 use hysteron_report::number::significant;
 
+use crate::advice;
 use crate::columns::ReferenceFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -189,7 +190,8 @@ impl Invert {
         })?;
         let band = self.band(&model, &found, sample_rate_hz);
         let units = &model.body().data().units;
-        let summary = InverseSummary::new(&reference.samples, &found, sample_rate_hz, band, units);
+        let findings = model.body().findings_on_drive(&found, range_v);
+        let summary = InverseSummary::new(&reference.samples, &found, sample_rate_hz, band, findings, units);
         self.write(reference.time, &reference.samples, &unit, &model.body().data().units.input, found)?;
         if self.json { console::json(&summary) } else { console::result(&text(&summary)) }
     }
@@ -297,5 +299,6 @@ fn text(s: &InverseSummary) -> String {
         )),
         _ => lines.push("The model is static: its inverse is exact at every frequency.".to_owned()),
     }
+    lines.extend(s.findings.iter().map(|finding| format!("warning: {}", advice::text(finding))));
     lines.join("\n") + "\n"
 }

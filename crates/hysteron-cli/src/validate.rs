@@ -8,7 +8,7 @@ use hysteron_io::write_record;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
 use hysteron_model::record::{InputOutput, Run};
 use hysteron_model::validate::{OffsetTreatment, Scoring};
-use hysteron_report::validation::page;
+use hysteron_report::validation::{Validated, page};
 use serde::Serialize;
 
 use crate::axes::AxesFlags;
@@ -161,8 +161,10 @@ impl Validate {
             return Err(first.map_or_else(|| Failure::new("nothing was scored"), |failed| failed.failure));
         }
         self.result.write(|| {
-            let models: Vec<_> =
-                scored.iter().map(|s| (s.loaded.path(), s.loaded.model(), &s.shown[..])).collect();
+            let models: Vec<_> = scored
+                .iter()
+                .map(|s| Validated { path: s.loaded.path(), model: s.loaded.model(), records: &s.shown })
+                .collect();
             page(&models, &maker())
         })?;
         self.write_series(&scored)?;

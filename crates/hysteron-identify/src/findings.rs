@@ -14,6 +14,7 @@ use hysteron_model::Advice;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
 use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
+use hysteron_model::model::FAR_FROM_REST;
 use hysteron_model::record::{
     LoopSense, follow_each_other, implausible_units, loop_shape, range_of, turning_points,
 };
@@ -27,8 +28,6 @@ const UNDETERMINED: f64 = 0.5;
 const STILL_IMPROVING: f64 = 0.01;
 /// Fewest last generations over which that is judged.
 const LAST_GENERATIONS: usize = 5;
-/// A gain at rest that differs from that of the slowest records by more than this factor is none that they have shown.
-const FAR_FROM_REST: f64 = 1.25;
 
 /// Appends a finding.
 pub(crate) fn say<'a>(

@@ -40,6 +40,14 @@ pub enum Advice {
     GivePeriod,
     /// Name the record that carries dynamics.
     NameDynamicRecord,
+    /// Give another range of the drive.
+    DriveRange,
+    /// Allow a higher rate of the drive.
+    DriveRate,
+    /// Identify the model with creep that ends.
+    CreepThatEnds,
+    /// Take points between two frequencies only.
+    NarrowBand,
     /// Take another hysteresis family.
     OtherHysteresis,
     /// Take the joint fit.

@@ -14,11 +14,21 @@ use crate::number::significant;
 use crate::page::{Block, Column, Page, Section, Table};
 use crate::record_curves::RecordCurves;
 
+/// A model with its file and the records that it was scored on.
+pub struct Validated<'a> {
+    /// Its file.
+    pub path: &'a Path,
+    /// The model.
+    pub model: &'a Model,
+    /// The records with their scores.
+    pub records: &'a [(Signals, Score)],
+}
+
 /// The page of a validation: every record with its score, for each of the models with their files; `maker`: who made it, and by which
 /// command.
-pub fn page(models: &[(&Path, &Model, &[(Signals, Score)])], maker: &Maker) -> Page {
+pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
     let name = match models {
-        [(_, model, _)] => {
+        [Validated { model, .. }] => {
             model.name().map_or_else(|| format!("a model of the kind {}", model.kind()), str::to_owned)
         }
         _ => format!("{} models", models.len()),
@@ -30,7 +40,7 @@ pub fn page(models: &[(&Path, &Model, &[(Signals, Score)])], maker: &Maker) -> P
         ))
         .block(scores(models))
         .blocks(verdicts(models));
-    let curves = models.iter().flat_map(|(path, _, records)| {
+    let curves = models.iter().flat_map(|Validated { path, records, .. }| {
         records.iter().map(move |(signals, score)| {
             let figures = match signals {
                 Signals::Single(record) => single(record, score),
@@ -49,10 +59,10 @@ pub fn page(models: &[(&Path, &Model, &[(Signals, Score)])], maker: &Maker) -> P
 }
 
 /// What the scores say about device and range.
-fn verdicts(models: &[(&Path, &Model, &[(Signals, Score)])]) -> Option<Table> {
+fn verdicts(models: &[Validated<'_>]) -> Option<Table> {
     let columns =
         [Column::text("model"), Column::text("record"), Column::text("verdict"), Column::text("why")];
-    let rows = models.iter().flat_map(|(path, _, records)| {
+    let rows = models.iter().flat_map(|Validated { path, records, .. }| {
         records.iter().filter_map(move |(_, score)| {
             let verdict = score.verdict.as_ref()?;
             let (model, record) = (path.display().to_string(), score.record.clone());
@@ -65,7 +75,7 @@ fn verdicts(models: &[(&Path, &Model, &[(Signals, Score)])]) -> Option<Table> {
 }
 
 /// A row a record, or an output of it.
-fn scores(models: &[(&Path, &Model, &[(Signals, Score)])]) -> Table {
+fn scores(models: &[Validated<'_>]) -> Table {
     let columns = [
         Column::text("model"),
         Column::text("record"),
@@ -78,7 +88,7 @@ fn scores(models: &[(&Path, &Model, &[(Signals, Score)])]) -> Table {
         Column::number("RMSE / stroke", "%"),
         Column::number("fit", "%"),
     ];
-    let rows = models.iter().flat_map(|(path, _, records)| {
+    let rows = models.iter().flat_map(|Validated { path, records, .. }| {
         records.iter().flat_map(move |(signals, score)| {
             let row = move |(m, scores)| row(path, signals, score, m, scores);
             score.outputs.iter().enumerate().map(row)

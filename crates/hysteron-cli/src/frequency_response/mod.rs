@@ -9,9 +9,10 @@ use hysteron_identify::IdentifyError;
 use hysteron_identify::frequency_response::empirical::{
     EmpiricalOptions, EmpiricalResponse, empirical_response,
 };
-use hysteron_identify::frequency_response::{Explained, Family, FrequencyResponse, Weighting, compare};
+use hysteron_identify::frequency_response::{Explained, Family, FrequencyResponse, POOR, Weighting, compare};
 use hysteron_io::{IoError, ResponseOptions, read_frequency_response, read_record};
 use hysteron_report::frequency_response::page;
+use hysteron_report::number::significant;
 
 use crate::advice;
 use crate::columns::ColumnFlags;
@@ -179,7 +180,17 @@ impl FrequencyResponseCommand {
         if let Some(unit) = &self.unit {
             response.unit.clone_from(unit);
         }
-        let Some((low, high)) = self.band else { return Ok(response) };
+        let above_noise = response.band_above_noise();
+        let Some((low, high)) = self.band.or(above_noise) else { return Ok(response) };
+        if self.band.is_none() {
+            let (lowest, highest) = response.range_hz();
+            console::note(&format!(
+                "outside of {} to {} Hz the points scatter by more than 30 % of their value: left out as noise (--band {lowest}:{highest} \
+                 takes them all)",
+                significant(low, 4),
+                significant(high, 4)
+            ));
+        }
         let whole = response.range_hz();
         let part = response.band(low, high);
         if part.is_empty() {
@@ -203,8 +214,16 @@ fn write_model(path: &Path, found: &Explained) -> Result<String, Failure> {
     } else {
         ""
     };
+    let error = significant(100.0 * written.relative_rms, 3);
+    if written.relative_rms > POOR {
+        console::warning(&format!(
+            "{} leaves {error} % rms: it does not describe the response",
+            written.name
+        ));
+    }
     Ok(format!(
-        "wrote {}: {}; the file format asks for a hysteresis block, which is v = u without hysteresis here.{start}",
+        "wrote {}: {}, which leaves {error} % rms; the file format asks for a hysteresis block, which is v = u without hysteresis \
+         here.{start}",
         path.display(),
         written.name
     ))

@@ -4,7 +4,7 @@ use hysteron_identify::frequency_response::Explained;
 use hysteron_report::frequency_response::{ABOUT_AIC, cells};
 use hysteron_report::number::with_std_error;
 
-use crate::console;
+use crate::{advice, console};
 
 const HEADER: [&str; 6] =
     ["structure", "formula", "parameters", "rms error [%]", "largest error [%]", "AIC above the best"];
@@ -29,6 +29,8 @@ pub fn text(found: &Explained) -> String {
             parameters.add_row([candidate.name.clone(), p.name.clone(), value, error, p.unit.clone()]);
         }
     }
+    let findings: String =
+        found.findings().iter().map(|f| format!("warning: {}\n", advice::text(f))).collect();
     let records = found.empirical.as_ref().map_or_else(String::new, |e| e.in_words() + "\n");
-    format!("{}\n{records}\n{table}\n\n{explanations}\n{parameters}\n\n{ABOUT_AIC}\n", found.what())
+    format!("{}\n{findings}{records}\n{table}\n\n{explanations}\n{parameters}\n\n{ABOUT_AIC}\n", found.what())
 }

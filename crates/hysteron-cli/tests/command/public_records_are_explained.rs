@@ -88,3 +88,56 @@ fn soft_actuator_is_said_to_be_described_poorly() {
         assert!(run.stdout.contains(&part), "{part} in {}", run.stdout);
     }
 }
+
+/// One sine and steps do not determine a fractional resonance: no number has an error bar that is rounding, no correlation leaves ±1.
+#[test]
+fn what_records_do_not_determine_has_no_error_bar() {
+    let Some(sine) = public("hasel-multifreq/sine_1p5Hz.csv") else { return };
+    let bench = Bench::new();
+    std::fs::copy(sine.with_file_name("steps.csv"), bench.path("steps.csv")).unwrap();
+    std::fs::copy(sine, bench.path("sine.csv")).unwrap();
+    let run = bench.run("identify sine.csv steps.csv --least-fit 0 -o hasel.json --json");
+    assert_eq!(run.exit_code, 0, "{}", run.stderr);
+    let told: Value = serde_json::from_str(&run.stdout).unwrap();
+    let mut undetermined = 0;
+    for p in told["parameters"].as_array().unwrap() {
+        let (value, error) = (p["value"].as_f64().unwrap(), p["std_error"].as_f64());
+        assert!(value.is_finite() && error.is_none_or(|error| error < 1e3 * value.abs()), "{p}");
+        undetermined += usize::from(error.is_none() && p["name"] == "natural_frequency");
+    }
+    assert_eq!(undetermined, 1, "{told}");
+    assert!(told["findings"].to_string().contains("is one of many that fit as well"), "{told}");
+    let file: Value =
+        serde_json::from_str(&std::fs::read_to_string(bench.path("hasel.json")).unwrap()).unwrap();
+    for row in file["correlation"]["matrix"].as_array().unwrap() {
+        assert!(row.as_array().unwrap().iter().all(|c| c.as_f64().unwrap().abs() <= 1.0), "{row}");
+    }
+}
+
+/// A third of the points of this response is noise: left out, and said.
+#[test]
+fn a_response_under_noise_is_fitted_where_it_says_something() {
+    let Some(file) = public("piezo-npxy100a-frf/frf_x_axis.csv") else { return };
+    let bench = Bench::new();
+    std::fs::copy(file, bench.path("frf.csv")).unwrap();
+    let of = |flags: &str| {
+        let run =
+            bench.run(&format!("frequency-response frf.csv --response stage --over ampV --json {flags}"));
+        assert_eq!(run.exit_code, 0, "{run:?}");
+        let told: Value = serde_json::from_str(&run.stdout).unwrap();
+        let errors: Vec<f64> = told["structures"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|s| s["name"].as_str().unwrap().contains("mode"))
+            .map(|s| s["rms_error_percent"].as_f64().unwrap())
+            .collect();
+        (errors, told["findings"].to_string(), run.stderr)
+    };
+    let (errors, _, stderr) = of("");
+    assert!(stderr.contains("left out as noise"), "{stderr}");
+    assert!(errors.windows(2).all(|two| two[1] <= two[0] * 1.001) && errors[0] < 9.0, "{errors:?}");
+    let (errors, findings, _) = of("--band 1:12194");
+    assert!(errors[0] > 30.0 && findings.contains("scatter by more than 30 %"), "{findings}");
+    assert!(findings.contains("none of these describes the response"), "{findings}");
+}

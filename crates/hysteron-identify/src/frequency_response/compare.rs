@@ -1,7 +1,7 @@
 //! The structures that answer a question, fitted and told apart.
 
 use super::explain::explain;
-use super::fit::fit_beside;
+use super::fit::{fit_beside, fit_containing};
 use super::{Core, FrequencyResponse, ResponseFit, Structure, Weighting, fit_structure};
 use crate::IdentifyError;
 
@@ -104,8 +104,12 @@ pub fn compare(
                 let best = modal(response, weighting, base.with_power_law(), modes)?;
                 let count = best.structure.core_count() / 2;
                 let plain = modal(response, weighting, base, Some(count))?;
-                let lossy = base.with_power_law().with_loss_angle();
-                let lossy = modal(response, weighting, lossy, Some(count))?;
+                let with_power_law = best.structure;
+                let best = fit_containing(response, &with_power_law, weighting, (best, &plain))?;
+                let with_loss = base.with_power_law().with_loss_angle();
+                let lossy = modal(response, weighting, with_loss, Some(count))?;
+                let with_loss = lossy.structure;
+                let lossy = fit_containing(response, &with_loss, weighting, (lossy, &best))?;
                 let plural = if count == 1 { "mode" } else { "modes" };
                 add(format!("{count} {plural}"), plain);
                 add(format!("{count} {plural}, power law"), best);
@@ -113,7 +117,12 @@ pub fn compare(
                 continue;
             }
         };
-        add(name.to_owned(), fit_structure(response, &structure, weighting)?);
+        let mut fit = fit_structure(response, &structure, weighting)?;
+        if structure == Structure::LOSS_ANGLE {
+            let contained = fit_structure(response, &Structure::POWER_LAW, weighting)?;
+            fit = fit_containing(response, &structure, weighting, (fit, &contained))?;
+        }
+        add(name.to_owned(), fit);
     }
     Ok(candidates)
 }

@@ -7,12 +7,16 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::{Maker, ModelFile, Provenance, SignalUnits};
 use hysteron_model::record::InterSample;
+use hysteron_model::{Advice, Finding, FindingKind};
 use hysteron_numeric::number::significant;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::empirical::{DetectionLines, EmpiricalResponse};
 use super::{Candidate, FrequencyResponse, Weighting};
 use crate::IdentifyError;
+
+/// Relative rms error from which on a structure is not handed out without a word.
+pub const POOR: f64 = 0.1;
 
 /// A measured response and the structures fitted to it.
 #[derive(Clone, Debug)]
@@ -32,6 +36,8 @@ pub struct WrittenStructure {
     pub file: ModelFile,
     /// Its name among the candidates.
     pub name: String,
+    /// √(mean |Ĝ/G − 1|²) that it leaves.
+    pub relative_rms: f64,
     /// Its gain at zero frequency is infinite (a power law).
     pub is_unbounded_at_rest: bool,
 }
@@ -46,10 +52,7 @@ impl Explained {
     pub fn what(&self) -> String {
         let response = &self.response;
         let (low, high) = response.range_hz();
-        let weights = match Weighting::of(response) {
-            Weighting::Relative => "each counted by its relative error",
-            Weighting::Uncertainty => "each counted by its uncertainty",
-        };
+        let weights = Weighting::of(response).in_words();
         format!(
             "{}: {} points from {} to {} Hz, {weights}.",
             response.name,
@@ -57,6 +60,29 @@ impl Explained {
             significant(low, 4),
             significant(high, 4)
         )
+    }
+
+    /// What should be read before a structure is used: noise in the band, an error above [`POOR`].
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        if let Some((low, high)) = self.response.band_above_noise() {
+            let text = format!(
+                "Outside of {} to {} Hz the points scatter by more than 30 % of their value: that is noise, and no structure describes it.",
+                significant(low, 4),
+                significant(high, 4)
+            );
+            findings.push(Finding::new(FindingKind::Warning, "noise", text).with_advice(Advice::NarrowBand));
+        }
+        let best = self.candidates.iter().min_by(|a, b| a.fit.relative_rms.total_cmp(&b.fit.relative_rms));
+        if let Some(best) = best.filter(|best| best.fit.relative_rms > POOR) {
+            let text = format!(
+                "The closest structure, {}, leaves {} % rms: none of these describes the response. Take a narrower band, or more modes.",
+                best.name,
+                significant(100.0 * best.fit.relative_rms, 3)
+            );
+            findings.push(Finding::new(FindingKind::Warning, "error", text).with_advice(Advice::NarrowBand));
+        }
+        findings
     }
 
     /// The model file of the structure of the lowest AIC that one can hold; behind a hysteresis block without hysteresis.
@@ -74,7 +100,12 @@ impl Explained {
                     let dynamics =
                         if tf.is_integer_order() { Dynamics::Integer(tf) } else { Dynamics::Fractional(tf) };
                     let file = self.file(dynamics, delay_s, candidate, maker)?;
-                    return Ok(WrittenStructure { file, name: candidate.name.clone(), is_unbounded_at_rest });
+                    return Ok(WrittenStructure {
+                        file,
+                        name: candidate.name.clone(),
+                        relative_rms: candidate.fit.relative_rms,
+                        is_unbounded_at_rest,
+                    });
                 }
                 Err(reason) => refused = refused.or(Some(reason)),
             }
@@ -131,8 +162,11 @@ pub struct ExplainedSummary {
     pub points: usize,
     /// Its lowest and highest frequency \[Hz\].
     pub band_hz: (f64, f64),
-    /// `relative` or `uncertainty`.
+    /// `relative`, `scatter` or `uncertainty`.
     pub weighting: String,
+    /// What should be read before a structure is used.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
     /// Estimate of the response, where it comes from records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub empirical: Option<EmpiricalSummary>,
@@ -220,10 +254,8 @@ impl Explained {
             unit: response.unit.clone(),
             points: response.len(),
             band_hz: response.range_hz(),
-            weighting: match Weighting::of(response) {
-                Weighting::Relative => "relative".to_owned(),
-                Weighting::Uncertainty => "uncertainty".to_owned(),
-            },
+            weighting: Weighting::of(response).name().to_owned(),
+            findings: self.findings(),
             empirical: self.empirical.as_ref().map(empirical_summary),
             structures: self.candidates.iter().map(structure).collect(),
         }

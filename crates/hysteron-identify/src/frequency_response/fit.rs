@@ -8,6 +8,7 @@ use super::problem::ResponseProblem;
 use super::start::{one_mode_more, starts};
 use super::{Core, FrequencyResponse, Structure};
 use crate::IdentifyError;
+use hysteron_model::record::NOISY;
 use hysteron_numeric::Complex64;
 use hysteron_optimize::{
     Algorithm, Bounds, LeastSquaresOptions, OptimizeError, Outcome, Problem, Settings, Unobserved, minimize,
@@ -25,14 +26,40 @@ pub enum Weighting {
     /// The measured value: every point counts by its relative error, which to first order is the difference of the
     /// complex logarithms.
     Relative,
+    /// The measured value and the scatter of its neighbours ([`FrequencyResponse::scatter`]): √(|G|² + (s/0.3)²), so that noise
+    /// counts for little.
+    Scatter,
     /// The standard deviation of the point; as `Relative` where the response has none.
     Uncertainty,
 }
 
 impl Weighting {
-    /// By the uncertainty where there is one.
+    /// By the uncertainty where there is one, by the scatter where more than 5 % of the points are noise.
     pub fn of(response: &FrequencyResponse) -> Self {
-        if response.std_dev.is_some() { Self::Uncertainty } else { Self::Relative }
+        if response.std_dev.is_some() {
+            return Self::Uncertainty;
+        }
+        let points = response.scatter().into_iter().zip(&response.values);
+        let noisy = points.filter(|(s, g)| *s > NOISY * g.norm()).count();
+        if 20 * noisy > response.len() { Self::Scatter } else { Self::Relative }
+    }
+
+    /// As JSON names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Relative => "relative",
+            Self::Scatter => "scatter",
+            Self::Uncertainty => "uncertainty",
+        }
+    }
+
+    /// How a point counts, in words.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Relative => "each counted by its relative error",
+            Self::Scatter => "each counted by its relative error, and less where its neighbours scatter",
+            Self::Uncertainty => "each counted by its uncertainty",
+        }
     }
 }
 
@@ -107,6 +134,27 @@ pub fn fit_structure(
         }
         _ => fit_beside(response, structure, weighting, None),
     }
+}
+
+/// [`fit_structure`] of a structure that contains a fitted one: started also from that, so that it never fits worse.
+pub(super) fn fit_containing(
+    response: &FrequencyResponse,
+    structure: &Structure,
+    weighting: Weighting,
+    (fitted, contained): (ResponseFit, &ResponseFit),
+) -> Result<ResponseFit, IdentifyError> {
+    if fitted.square <= contained.square {
+        return Ok(fitted);
+    }
+    let problem = ResponseProblem::new(response, *structure, weighting)?;
+    // A factor that the simpler one does not have is one there.
+    let start =
+        problem.bounds().ranges.iter().map(|range| contained.value(&range.name).clamp(range.low, range.high));
+    let outcome = polish(&problem, vec![start.collect()])?;
+    let mut best = outcome.best;
+    sort_pairs(structure, &mut best);
+    let again = result(response, &problem, weighting, &best, (fitted.starts + 1, 1));
+    Ok(if again.square < fitted.square { again } else { fitted })
 }
 
 /// [`fit_structure`], started also from a fit of the same factors with one mode less.

@@ -35,8 +35,8 @@ mod transfer;
 
 pub use compare::{Candidate, Family, compare, has_dynamics, has_resonance};
 pub use explained::{
-    DetectionSummary, EmpiricalSummary, Explained, ExplainedSummary, ResponseParameter, StructureSummary,
-    WrittenStructure,
+    DetectionSummary, EmpiricalSummary, Explained, ExplainedSummary, POOR, ResponseParameter,
+    StructureSummary, WrittenStructure,
 };
 pub use fit::{FittedParameter, ResponseFit, Weighting, fit_structure};
 pub use hysteron_model::record::{FrequencyResponse, unwrapped_phase_deg};

@@ -9,6 +9,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use super::projection::{Projection, dot};
 use super::{FrequencyResponse, Structure, Weighting};
 use crate::IdentifyError;
+use hysteron_model::record::NOISY;
 use hysteron_numeric::Complex64;
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, root_mean_square};
 
@@ -113,7 +114,7 @@ fn add_products(columns: &[f64], rows: usize, coefficients: &[f64], out: &mut [f
     }
 }
 
-/// 1/G_i, or √2/σ_i so that real and imaginary part of a residual have variance 1.
+/// 1/G_i, less where neighbours scatter, or √2/σ_i so that real and imaginary part of a residual have variance 1.
 fn weights(response: &FrequencyResponse, weighting: Weighting) -> Result<Vec<Complex64>, IdentifyError> {
     match (weighting, &response.std_dev) {
         (Weighting::Uncertainty, Some(std_dev)) => {
@@ -121,6 +122,10 @@ fn weights(response: &FrequencyResponse, weighting: Weighting) -> Result<Vec<Com
         }
         _ => match response.values.iter().position(|g| *g == Complex64::ZERO) {
             Some(index) => Err(response.bad_value(index, "something an error can be relative to").into()),
+            None if weighting == Weighting::Scatter => {
+                let points = response.values.iter().zip(response.scatter());
+                Ok(points.map(|(g, s)| g.inv() / (s / (NOISY * g.norm())).hypot(1.0)).collect())
+            }
             None => Ok(response.values.iter().map(|g| g.inv()).collect()),
         },
     }

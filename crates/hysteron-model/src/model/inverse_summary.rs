@@ -3,6 +3,7 @@
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::Finding;
 use crate::invert::InverseDrive;
 use crate::model_file::SignalUnits;
 use crate::record::{Keyed, key_in, range_of};
@@ -40,6 +41,8 @@ pub struct InverseSummary {
     pub predicted_rms_percent_of_stroke: f64,
     /// Half of the 95 % band of the model's output at its widest; `None` where the file holds no correlation.
     pub band: Option<f64>,
+    /// What keeps the drive from following, and what to do about it.
+    pub findings: Vec<Finding>,
     /// Symbol of the unit of the input.
     pub input_unit: String,
     /// Symbol of the unit of the output.
@@ -53,6 +56,7 @@ impl InverseSummary {
         found: &InverseDrive,
         sample_rate_hz: f64,
         band: Option<f64>,
+        findings: Vec<Finding>,
         units: &SignalUnits,
     ) -> Self {
         let (drive_low, drive_high) = range_of(&found.drive);
@@ -80,6 +84,7 @@ impl InverseSummary {
             predicted_max_error: errors().fold(0.0, f64::max),
             predicted_rms_percent_of_stroke: 100.0 * rms / (high - low).max(f64::MIN_POSITIVE),
             band,
+            findings,
             input_unit: units.input.clone(),
             output_unit: units.output.clone(),
         }
@@ -89,7 +94,7 @@ impl InverseSummary {
 impl Serialize for InverseSummary {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (input, output) = (self.input_unit.as_str(), self.output_unit.as_str());
-        Keyed::default()
+        let told = Keyed::default()
             .with("samples", self.samples)
             .with("sample_rate_hz", self.sample_rate_hz)
             .in_unit("rest", input, self.rest)
@@ -104,8 +109,9 @@ impl Serialize for InverseSummary {
             .in_unit("predicted_rms_error", output, self.predicted_rms_error)
             .in_unit("predicted_max_error", output, self.predicted_max_error)
             .with("predicted_rms_percent_of_stroke", self.predicted_rms_percent_of_stroke)
-            .in_unit("band", output, self.band)
-            .serialize(serializer)
+            .in_unit("band", output, self.band);
+        let told = if self.findings.is_empty() { told } else { told.with("findings", &self.findings) };
+        told.serialize(serializer)
     }
 }
 
@@ -131,6 +137,7 @@ impl<'de> Deserialize<'de> for InverseSummary {
             predicted_max_error: keyed.get_in_unit("predicted_max_error", output)?,
             predicted_rms_percent_of_stroke: keyed.get("predicted_rms_percent_of_stroke")?,
             band: keyed.get_in_unit("band", output)?,
+            findings: keyed.get::<Option<_>, _>("findings")?.unwrap_or_default(),
             input_unit: input.to_owned(),
             output_unit: output.to_owned(),
         })

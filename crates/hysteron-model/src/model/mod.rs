@@ -6,6 +6,7 @@
 mod capability;
 mod checked_realisation;
 mod error;
+mod inverse_findings;
 mod inverse_summary;
 mod remark;
 mod run;
@@ -16,6 +17,8 @@ mod verdict;
 pub use capability::{Capability, Unsupported};
 pub use checked_realisation::{CheckedRealisation, RealisationSummary, SectionSummary, Sweep};
 pub use error::{RunError, SignalRole};
+#[doc(hidden)]
+pub use inverse_findings::FAR_FROM_REST;
 pub use inverse_summary::InverseSummary;
 pub use remark::Remark;
 pub use run::Simulation;

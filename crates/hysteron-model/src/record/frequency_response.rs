@@ -1,8 +1,17 @@
 //! A measured frequency response.
 
 use super::Source;
+use super::turning_points::median;
 use crate::record::RecordError;
 use hysteron_numeric::Complex64;
+use nalgebra::Matrix4x3;
+
+/// Fewest points of which a scatter is told.
+const FEWEST_POINTS: usize = 12;
+/// Points whose scatter is taken together.
+const NEIGHBOURS: usize = 11;
+/// A point that scatters by more than this share of its value is noise.
+pub const NOISY: f64 = 0.3;
 
 /// A complex frequency response G(2πi f) at measured frequencies, with its uncertainty where it is known.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,6 +123,59 @@ impl FrequencyResponse {
         }
     }
 
+    /// How far each point lies off its neighbours: |error| of a local quadratic in ln f through the two points on either side, over what
+    /// noise of unit deviation would give, the median of eleven such (of a Rayleigh distribution, whose median is √(ln 2) σ). An estimate
+    /// of the noise where the response is smooth over a few points; larger at a resonance that only few points show.
+    pub fn scatter(&self) -> Vec<f64> {
+        let x: Vec<f64> = self.frequency_hz.iter().map(|f| f.ln()).collect();
+        let n = self.len();
+        if n < FEWEST_POINTS {
+            return vec![0.0; n];
+        }
+        let mut off: Vec<f64> = (2..n - 2)
+            .map(|i| {
+                let neighbours = [i - 2, i - 1, i + 1, i + 2];
+                let at = Matrix4x3::from_fn(|row, power| (x[neighbours[row]] - x[i]).powi(power as i32));
+                // The value at x_i is the constant of the polynomial: the first row of the pseudo-inverse.
+                let Ok(inverse) = at.pseudo_inverse(1e-12) else { return 0.0 };
+                let weights = inverse.row(0);
+                let value: Complex64 = weights.iter().zip(neighbours).map(|(w, k)| self.values[k] * *w).sum();
+                (self.values[i] - value).norm() / (1.0 + weights.norm_squared()).sqrt()
+            })
+            .collect();
+        off.splice(0..0, [off[0]; 2]);
+        off.extend([off[off.len() - 1]; 2]);
+        let reach = NEIGHBOURS / 2;
+        let middle = |i: usize| median(off[i.saturating_sub(reach)..(i + reach + 1).min(n)].to_vec());
+        (0..n).map(|i| middle(i) / 2f64.ln().sqrt()).collect()
+    }
+
+    /// The points that say more than noise: without those at either end that scatter by more than 30 % of their value. `None` where
+    /// that leaves out nothing, where the uncertainty is known, or where nothing is left.
+    pub fn band_above_noise(&self) -> Option<(f64, f64)> {
+        if self.std_dev.is_some() {
+            return None;
+        }
+        let clear: Vec<bool> =
+            self.scatter().iter().zip(&self.values).map(|(s, g)| *s <= NOISY * g.norm()).collect();
+        // An end is noise up to the last noisy point before as many clear ones as are taken together.
+        let end = |flags: &mut dyn Iterator<Item = bool>| {
+            let (mut run, mut cut) = (0, 0);
+            for (k, clear) in flags.enumerate() {
+                (run, cut) = if clear { (run + 1, cut) } else { (0, k + 1) };
+                if run == NEIGHBOURS {
+                    break;
+                }
+            }
+            cut
+        };
+        let first = end(&mut clear.iter().copied());
+        let last = self.len() - end(&mut clear.iter().rev().copied());
+        let left = last.saturating_sub(first);
+        (left >= FEWEST_POINTS && left < self.len())
+            .then(|| (self.frequency_hz[first], self.frequency_hz[last - 1]))
+    }
+
     /// This response over another at the same frequencies, e.g. stage over amplifier voltage from two responses to one
     /// command. Independent uncertainties are combined to first order; where only one is known it is taken alone.
     ///
@@ -177,6 +239,7 @@ pub fn unwrapped_phase_deg(values: &[Complex64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
 
     fn response(f: &[f64]) -> Result<FrequencyResponse, RecordError> {
         FrequencyResponse::new("g", f.to_vec(), f.iter().map(|&f| Complex64::new(f, -1.0)).collect())
@@ -220,5 +283,27 @@ mod tests {
         for (k, phase) in unwrapped_phase_deg(&values).iter().enumerate() {
             assert!((phase + (0.9 * k as f64).to_degrees()).abs() < 1e-9);
         }
+    }
+
+    /// A first-order lag of 100 Hz under noise of 0.01: the scatter is that noise, and beyond some kilohertz there is nothing else.
+    #[test]
+    fn scatter_is_the_noise_and_the_band_ends_where_it_drowns_the_response() {
+        let mut rng = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(3);
+        let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
+        let frequency_hz: Vec<f64> = (0..300).map(|k| 10f64.powf(f64::from(k) / 60.0)).collect();
+        let value = |f: &f64| Complex64::ONE / Complex64::new(1.0, f / 100.0);
+        let sigma = 0.01 / 2f64.sqrt();
+        let noisy = |f: &f64| value(f) + Complex64::new(sigma * normal(), sigma * normal());
+        let values = frequency_hz.iter().map(noisy).collect();
+        let response = FrequencyResponse::new("lag", frequency_hz.clone(), values).unwrap();
+        let scatter = response.scatter();
+        let mean = scatter.iter().sum::<f64>() / 300.0;
+        assert!((mean / 0.01 - 1.0).abs() < 0.1, "{mean}");
+        let (low, high) = response.band_above_noise().unwrap();
+        // 0.01 is 30 % of the magnitude at 3 kHz.
+        assert!(low == 1.0 && (1500.0..6000.0).contains(&high), "{low} {high}");
+        let clean =
+            FrequencyResponse::new("lag", frequency_hz.clone(), frequency_hz.iter().map(value).collect());
+        assert_eq!(clean.unwrap().band_above_noise(), None);
     }
 }

@@ -53,6 +53,8 @@ pub use delay::{
 pub use detrend::Trend;
 pub use error::RecordError;
 pub use excitation_kind::{ExcitationKind, WaveShape, excitation_kind};
+#[doc(hidden)]
+pub use frequency_response::NOISY;
 pub use frequency_response::{FrequencyResponse, unwrapped_phase_deg};
 pub use gaps::Gap;
 pub use inspect::{Inspection, inspect};

@@ -79,3 +79,26 @@ fn the_number_of_modes_is_found() {
     }
     assert!(fit.relative_rms < 1.1e-3 && fit.value("exponent").abs() < 1e-3);
 }
+
+/// A structure that contains another never fits worse, noise or not.
+#[test]
+fn nested_structures_fit_in_order() {
+    for seed in 0..4 {
+        let frequency_hz: Vec<f64> = (0..160).map(|k| 10f64.powf(f64::from(k) / 50.0)).collect();
+        let noise = |k: usize| {
+            let turn = (k * k * (2 * seed + 7)) as f64 * 0.61;
+            Complex64::new(turn.cos(), turn.sin()) * 0.05
+        };
+        let value = |(k, f): (usize, &f64)| {
+            let mode = |f0: f64, damping: f64| {
+                Complex64::ONE / Complex64::new(1.0 - (f / f0).powi(2), 2.0 * damping * f / f0)
+            };
+            (mode(310.0, 0.02) + mode(700.0, 0.01) * 0.3) * f.powf(-0.04) * (Complex64::ONE + noise(k))
+        };
+        let values = frequency_hz.iter().enumerate().map(value).collect();
+        let response = FrequencyResponse::new("two modes", frequency_hz.clone(), values).unwrap();
+        let found = compare(&response, Weighting::Relative, &[Family::Modes], None).unwrap();
+        let squares: Vec<f64> = found.iter().map(|c| c.fit.square).collect();
+        assert!(squares.windows(2).all(|two| two[1] <= two[0] * (1.0 + 1e-9)), "{seed}: {squares:?}");
+    }
+}
