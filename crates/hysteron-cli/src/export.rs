@@ -144,6 +144,9 @@ impl Export {
         let files =
             self.files(&subject, inverse.as_ref(), runtime.as_deref()).map_err(|e| self.cannot(&e))?;
         write_folder(&self.out_dir, &files).map_err(|e| self.cannot(&e))?;
+        if let Some(range) = loaded.model().valid_range() {
+            console::note(&range.in_words());
+        }
         let summary = ExportSummary::new(&self.out_dir, &subject, &files);
         if self.json {
             return console::json(&summary);

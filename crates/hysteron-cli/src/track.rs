@@ -24,6 +24,7 @@ use crate::maker::maker;
 use crate::model::LoadedModel;
 use crate::numbers::{not_negative, number, positive, whole};
 use crate::output::{self, OutFile};
+use crate::remarks;
 use crate::result_flags::ResultFlags;
 use crate::rig::read_or_default;
 
@@ -147,6 +148,10 @@ impl Track {
         let model = LoadedModel::read(&self.model, Capability::Tracking)?;
         let reference = self.columns.read(&self.reference_file)?;
         let unit = model.agreed_unit(&self.reference_file, SignalRole::Reference, &reference.unit)?;
+        if let TimeBase::Uniform { sample_rate_hz, .. } = reference.time {
+            let told = model.body().remarks_on_reference(&reference.samples, sample_rate_hz);
+            remarks::tell(&self.reference_file, model.model(), &told);
+        }
         let name = self.reference_file.display().to_string();
         let reference = Signal { name, unit, ..reference };
         let truth: Truth = read_or_default(self.truth.as_deref(), "truth")?;

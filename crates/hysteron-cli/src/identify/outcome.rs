@@ -37,6 +37,9 @@ pub fn text(fit: &Fit) -> String {
     for finding in &fit.findings {
         text += &format!("{}: {}\n", finding.kind.name(), advice::text(finding));
     }
+    if let Some(range) = fit.model.valid_range() {
+        text += &format!("range: {}\n", range.in_words());
+    }
     for line in &fit.treatment {
         text += &format!("data: {line}\n");
     }

@@ -220,6 +220,25 @@ fn another_device_and_another_range_are_told() {
     }
     let run = bench.run("identify own.csv -o own.json");
     assert_eq!(run.exit_code, 0, "{run:?}");
+    let range =
+        "The model holds for an input from 0 to 3.6 V, its swings at 1 Hz: beyond that it extrapolates.";
+    assert!(run.stdout.contains(range), "{}", run.stdout);
+    let export = bench.run("export own.json --to c -o source --sample-rate 1000");
+    assert!(export.exit_code == 0 && export.stderr.contains(range), "{export:?}");
+    // Ten times as fast.
+    let fast: String = stack(1.0, 1.0)
+        .lines()
+        .map(|line| match line.split_once(',') {
+            Some((t, rest)) => t.parse::<f64>().map_or(line.to_owned(), |t| format!("{},{rest}", t / 10.0)),
+            None => line.to_owned(),
+        } + "\n")
+        .collect();
+    bench.write("fast.csv", fast);
+    let run = bench.run("validate own.json fast.csv");
+    assert!(
+        run.stderr.contains("the input swings at up to 10 Hz, the model was identified up to 1 Hz"),
+        "{run:?}"
+    );
     let json = report(&bench.run("validate own.json own.csv device.csv range.csv --json"));
     let verdict = |k: usize| json["records"][k]["verdict"]["judgement"].as_str().unwrap().to_owned();
     assert_eq!(verdict(0), "as-in-training");

@@ -65,6 +65,7 @@ use start::StartEntry;
 use crate::dynamics::Scheme;
 use crate::hysteresis::FamilyForm;
 use crate::record::{InterSample, Swings, TimeBase, Unit};
+use hysteron_numeric::display::{short, short_to};
 
 /// Value of the key `format`.
 pub const FORMAT: &str = "hysteron-model";
@@ -331,6 +332,23 @@ impl ValidRange {
             frequency: excited_hz.map(|(low, high)| Interval { low, high, unit: "Hz".to_owned() }),
             rate: None,
         }
+    }
+
+    /// The range in a sentence.
+    pub fn in_words(&self) -> String {
+        let unit = if self.input.unit == "1" { String::new() } else { Unit::new(&self.input.unit).spaced() };
+        let frequency = match &self.frequency {
+            Some(f) if f.low < f.high => {
+                format!(", its swings from {} to {} Hz", short_to(f.low, 3), short_to(f.high, 3))
+            }
+            Some(f) => format!(", its swings at {} Hz", short_to(f.high, 3)),
+            None => "; the records say nothing of frequency".to_owned(),
+        };
+        format!(
+            "The model holds for an input from {} to {}{unit}{frequency}: beyond that it extrapolates.",
+            short(self.input.low),
+            short(self.input.high)
+        )
     }
 
     /// Highest frequency of the swings of a signal, where it is beyond those covered, and the highest covered \[Hz\].
