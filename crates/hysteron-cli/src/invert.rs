@@ -7,6 +7,7 @@ use hysteron_io::write_csv;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
+use hysteron_model::hysteresis::HysteresisError;
 use hysteron_model::invert::{
     BANDWIDTH_SHARE, ERROR_AT_BANDWIDTH, InverseDrive, InverseOptions, InversionError, LastRun,
 };
@@ -161,15 +162,28 @@ impl Invert {
         };
         let found = found.map_err(|e| {
             let failure = failure().because(&e);
+            let input = Unit::new(&model.body().data().units.input).spaced();
             match e {
+                InversionError::Hysteresis(HysteresisError::RestOutside { rest, low, high }) => failure.because(format!(
+                    "the device rests at {}{input}, outside of the range of its drive, {}{input} to {}{input}",
+                    short(rest),
+                    short(low),
+                    short(high)
+                )),
+                InversionError::Falls { low, high, near, .. } => failure.because(format!(
+                    "the hysteresis has no inverse over the range from {}{input} to {}{input}: near {}{input} its output at rest falls as \
+                     the drive rises; give a smaller range",
+                    short(low),
+                    short(high),
+                    short(near)
+                )),
                 InversionError::Begins { reference, low, high, from, to } => failure.because(format!(
-                    "the reference begins at {} {unit}, which no voltage from {} to {} {input} holds: at rest these give {} to {} {unit}",
+                    "the reference begins at {} {unit}, which no voltage from {} to {}{input} holds: at rest these give {} to {} {unit}",
                     short(reference),
                     short(low),
                     short(high),
                     short(from),
                     short(to),
-                    input = Unit::new(&model.body().data().units.input),
                 )).hint(
                     "change the reference's offset, widen --range, or say where the device rests with --rest-voltage VOLTS",
                 ),

@@ -1,13 +1,13 @@
 //! Structure by default where the records say more than the usual one can carry.
 //!
 //! Where small oscillations lie beside wide moves, the small loops of a Bouc–Wen model do not close: a small oscillation moves its
-//! level for as long as it lasts. An operator that remembers reversals has no such drift, and what goes on between milliseconds and
-//! seconds is creep, told from the loops by their frequency. Few cycles determine few weights: free ones are spent on the levels that
-//! single cycles leave, and miss those of the next ones; a density of four numbers over the plane of relays cannot. `hysteron-study
-//! afm` compares the families on such a device.
+//! level for as long as it lasts. Plays, which remember reversals, have no such drift, and what goes on between milliseconds and
+//! seconds is creep, told from the loops by their frequency. Few cycles determine few weights: those of a plane are spent on the levels
+//! that single cycles leave, and miss those of the next ones; a dozen plays, drawn together by as much as cycles left out in turn ask
+//! for, do not. `hysteron-study afm` compares the families on such a device.
 
 use hysteron_model::dynamics::Creep;
-use hysteron_model::hysteresis::{FamilyForm, HysteresisForm};
+use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::span;
 
 use super::facts::RecordFacts;
@@ -15,6 +15,8 @@ use super::options::{Choice, DynamicsChoice, Method, Options};
 
 /// Oscillations of less than this share of the range of the drive are small.
 const SMALL: f64 = 0.1;
+/// Plays.
+const PLAYS: usize = 12;
 /// Elements of the creep, and degree of the polynomial: higher ones are wrong where later drives go a little farther.
 const ELEMENTS: usize = 3;
 const DEGREE: usize = 3;
@@ -37,15 +39,15 @@ pub(super) fn resolved(facts: &[RecordFacts], options: &Options) -> Options {
     if given || options.method != Method::Joint || beside_wide_moves(facts).is_none() {
         return family(options.family());
     }
-    let plane = family(HysteresisForm::Family(FamilyForm::PreisachDensity));
+    let plays = family(HysteresisForm::PrandtlIshlinskii { plays: PLAYS });
     let degree = match options.degree {
         Choice::Auto => Choice::Given(DEGREE),
         given => given,
     };
-    let plane = Options { degree, ..plane };
+    let plays = Options { degree, ..plays };
     if options.dynamics != DynamicsChoice::Auto || options.creep != Creep::None {
-        return plane;
+        return plays;
     }
     let creep = Creep::KelvinVoigt { elements: ELEMENTS };
-    Options { dynamics: DynamicsChoice::Integer, order: 1, creep, ..plane }
+    Options { dynamics: DynamicsChoice::Integer, order: 1, creep, ..plays }
 }

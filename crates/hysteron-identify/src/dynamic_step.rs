@@ -100,7 +100,7 @@ fn dynamic_records(
                 scored,
                 o.rate_hz,
                 options.scheme(),
-                options.inter_sample,
+                options.inter_sample(),
                 held.is_some(),
             )?)
         })

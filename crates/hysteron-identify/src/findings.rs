@@ -170,6 +170,9 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             verdict(&result.model.hysteresis, &drives, span, &unit),
         );
     }
+    if let Some(between) = &result.structure.between {
+        between.say(&mut findings);
+    }
     if let Some(smoothing) = result.structure.smoothing {
         say(&mut findings, FindingKind::Verdict, "weights", drawn_together(smoothing));
     }

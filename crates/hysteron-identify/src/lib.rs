@@ -54,8 +54,8 @@ pub use fit::{
 };
 pub use hysteron_model::{Finding, FindingKind};
 pub use joint::{
-    Covariance, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty, PredictionBand,
-    Smoothing,
+    Covariance, InterSampleChoice, Interval, IntervalMethod, JointObjective, JointScratch, OutputUncertainty,
+    PredictionBand, Smoothing,
 };
 pub use layout::Demands;
 pub use options::{

@@ -49,7 +49,7 @@ impl LinearStep {
             .map(|(input, output, valid)| ArxRecord { input, output, valid: Some(valid) })
             .collect();
         if options.dynamics == DynamicsChoice::Srivc {
-            let between = match options.inter_sample {
+            let between = match options.inter_sample() {
                 InterSample::Hold => InterSample::Hold,
                 InterSample::Linear | InterSample::BandLimited => InterSample::Linear,
             };

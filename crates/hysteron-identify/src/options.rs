@@ -221,7 +221,7 @@ pub enum Choice<T> {
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
-    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; a Preisach density where
+    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; twelve plays where
     /// small oscillations lie beside wide moves in a record on uneven stamps, then with [`DynamicsChoice::Auto`] and [`Creep::None`] a
     /// lag and Kelvin–Voigt creep.
     pub hysteresis: Choice<HysteresisForm>,
@@ -262,8 +262,9 @@ pub struct Options {
     /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start smoothly, whose
     /// estimates do not depend on the sample rate, else `tustin`.
     pub scheme: Choice<Scheme>,
-    /// What the drive does between its samples.
-    pub inter_sample: InterSample,
+    /// What the drive does between its samples. `Auto`: in a joint fit with dynamics what the records tell, where they can
+    /// ([`InterSampleChoice`](super::InterSampleChoice)); else `linear`.
+    pub inter_sample: Choice<InterSample>,
     /// Least fit \[%\] for which a model is handed out at all.
     pub least_fit_percent: f64,
 }
@@ -289,7 +290,7 @@ impl Default for Options {
             demands: Demands::default(),
             start: None,
             scheme: Choice::Auto,
-            inter_sample: InterSample::Linear,
+            inter_sample: Choice::Auto,
             least_fit_percent: 75.0,
         }
     }
@@ -299,6 +300,14 @@ impl Default for Options {
 pub const HIGHEST_DEGREE: usize = 9;
 
 impl Options {
+    /// The rule between samples: that given, else the one that is tried first.
+    pub(super) fn inter_sample(&self) -> InterSample {
+        match self.inter_sample {
+            Choice::Given(rule) => rule,
+            Choice::Auto => InterSample::Linear,
+        }
+    }
+
     /// The family given, else Bouc–Wen.
     pub fn family(&self) -> HysteresisForm {
         match self.hysteresis {

@@ -1,7 +1,7 @@
 //! What an identification hands out.
 
 use super::engine::Search;
-use super::joint::{Covariance, Interval, OutputUncertainty, PredictionBand, Smoothing};
+use super::joint::{Covariance, InterSampleChoice, Interval, OutputUncertainty, PredictionBand, Smoothing};
 use super::options::{Method, RecordRole};
 use super::searches::Searches;
 use hysteron_model::Finding;
@@ -209,4 +209,6 @@ pub struct StructureChoice {
     pub left_out: Vec<usize>,
     /// How the weights of a plane were drawn together.
     pub smoothing: Option<Smoothing>,
+    /// How the rule between samples was chosen, where the records could tell.
+    pub between: Option<InterSampleChoice>,
 }

@@ -22,7 +22,7 @@ pub(super) fn shown(
         offset: 0.0,
         delay_s,
         scheme: options.scheme(),
-        inter_sample: options.inter_sample,
+        inter_sample: options.inter_sample(),
         sample_rate_hz: first.data.sample_rate_hz(),
     };
     let units = SignalUnits::of(&first.data.u_unit, &first.data.y_unit);

@@ -99,6 +99,7 @@ pub(super) fn identify(
     }
     let structure = StructureChoice {
         smoothing: None,
+        between: None,
         degrees: step1.degrees.clone(),
         degree: step1.solution.hysteresis.polynomial.len(),
         creep: Creep::None,
@@ -246,7 +247,7 @@ fn assemble(
             (Step2::Linear(step), Choice::Auto) => step.scheme(),
             _ => options.scheme(),
         },
-        inter_sample: options.inter_sample,
+        inter_sample: options.inter_sample(),
         sample_rate_hz: if matches!(step2, Step2::None) { rate(static_records) } else { rate(dynamic) },
     }
 }

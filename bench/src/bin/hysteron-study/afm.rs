@@ -90,13 +90,13 @@ pub fn study(number: usize) -> Outcome<()> {
     let kelvin_voigt = Creep::KelvinVoigt { elements: 3 };
     let candidates = [
         ("bouc-wen", kelvin_voigt),
-        ("prandtl-ishlinskii", kelvin_voigt),
         ("dead-zone-plays", kelvin_voigt),
         ("krasnoselskii-pokrovskii", kelvin_voigt),
-        ("preisach-density", Creep::None),
-        ("preisach-density", Creep::Logarithmic),
-        ("preisach-density", Creep::Fractional),
         ("preisach-density", kelvin_voigt),
+        ("prandtl-ishlinskii", Creep::None),
+        ("prandtl-ishlinskii", Creep::Logarithmic),
+        ("prandtl-ishlinskii", Creep::Fractional),
+        ("prandtl-ishlinskii", kelvin_voigt),
     ];
     for (name, creep) in candidates {
         let hysteresis = Choice::Given(named(name).ok_or("no such family")?);

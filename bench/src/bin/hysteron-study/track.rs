@@ -145,7 +145,7 @@ pub fn study(seed: usize) -> Outcome<()> {
     let fit = |hysteresis| -> Outcome<Model> {
         let options = Options {
             hysteresis: Choice::Given(hysteresis),
-            inter_sample: InterSample::Hold,
+            inter_sample: Choice::Given(InterSample::Hold),
             ..Options::default()
         };
         Ok(identify(&records, &options, &Watch::silent(), None)?.model)

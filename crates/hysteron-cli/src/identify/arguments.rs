@@ -1,7 +1,9 @@
 //! Values of the flags.
 
 use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use hysteron_identify::Choice;
+use hysteron_model::record::InterSample;
 
 use crate::numbers::number;
 
@@ -36,6 +38,15 @@ pub(super) fn degree(text: &str) -> Result<ChoiceArg<usize>, String> {
     }
     let degree = text.parse().map_err(|_| "expected a whole number or auto".to_owned())?;
     Ok(ChoiceArg(Choice::Given(degree)))
+}
+
+/// A rule between samples, or auto.
+pub(super) fn inter_sample() -> impl TypedValueParser<Value = ChoiceArg<InterSample>> {
+    let auto = PossibleValue::new("auto").help("What the records tell, where they can; else linear");
+    let rules = InterSample::ALL.map(|rule| PossibleValue::new(rule.name()).help(rule.summary()));
+    let possible: Vec<PossibleValue> = std::iter::once(auto).chain(rules).collect();
+    PossibleValuesParser::new(possible)
+        .map(|name: String| ChoiceArg(name.parse().map_or(Choice::Auto, Choice::Given)))
 }
 
 pub(super) fn exponent(text: &str) -> Result<ChoiceArg<f64>, String> {

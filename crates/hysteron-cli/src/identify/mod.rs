@@ -25,7 +25,7 @@ use hysteron_report::page::Page;
 use hysteron_report::write_figures;
 
 use self::arguments::{
-    ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, name_range, name_value,
+    ChoiceArg, OptimizerArg, StructureArg, degree, delay, exponent, inter_sample, name_range, name_value,
 };
 use self::failure::explain;
 use self::modes_flags::ModesFlags;
@@ -92,7 +92,7 @@ pub struct Identify {
     #[arg(long, value_enum)]
     structure: Option<StructureArg>,
 
-    /// Hysteresis block [default: bouc-wen; preisach-density where small oscillations lie beside wide moves in a record on
+    /// Hysteresis block [default: bouc-wen; prandtl-ishlinskii where small oscillations lie beside wide moves in a record on
     /// uneven stamps]
     #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary))]
     hysteresis: Option<HysteresisForm>,
@@ -189,10 +189,10 @@ pub struct Identify {
     #[arg(long, value_parser = one_of(Scheme::ALL, Scheme::name, Scheme::summary))]
     scheme: Option<Scheme>,
 
-    /// What the drive does between its samples: hold for a converter without filter that shares the recorder's clock
-    /// [default: linear; band-limited for an oscillator]
-    #[arg(long, value_parser = one_of(InterSample::ALL, InterSample::name, InterSample::summary))]
-    inter_sample: Option<InterSample>,
+    /// What the drive does between its samples: auto, or hold for a converter without filter that shares the recorder's clock, linear,
+    /// band-limited [default: auto: what the records tell, else linear; band-limited for an oscillator]
+    #[arg(long, value_name = "RULE", value_parser = inter_sample())]
+    inter_sample: Option<ChoiceArg<InterSample>>,
 
     /// Hand out the model even if it explains less than this share of a record's variation, in %
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]

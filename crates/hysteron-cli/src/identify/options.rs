@@ -3,7 +3,6 @@
 use hysteron_identify::{Choice, Demands, DynamicsChoice, Options};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_model::record::InterSample;
 use hysteron_optimize::{
     AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions,
 };
@@ -34,7 +33,7 @@ impl Identify {
             demands: Demands { fixed: self.fix.clone(), bounded: self.bound.clone() },
             start: None,
             scheme: self.scheme.map_or(Choice::Auto, Choice::Given),
-            inter_sample: self.inter_sample.unwrap_or(InterSample::Linear),
+            inter_sample: self.inter_sample.map_or(Choice::Auto, |rule| rule.0),
             least_fit_percent: self.least_fit,
         })
     }

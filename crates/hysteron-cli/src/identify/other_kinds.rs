@@ -100,7 +100,10 @@ impl Identify {
         }
         Ok(Options {
             initial: self.initial,
-            inter_sample: self.inter_sample.unwrap_or(InterSample::BandLimited),
+            inter_sample: match self.inter_sample.map(|rule| rule.0) {
+                Some(Choice::Given(rule)) => rule,
+                _ => InterSample::BandLimited,
+            },
             fixed,
             start: None,
             steps: None,

@@ -230,7 +230,7 @@ fn uneven_time_is_fitted_statically_and_with_dynamics_as_it_is() {
     // Gain and delay of a device that has not changed, from the parts.
     let again = json(&bench.run("recalibrate parts.json slow.csv fast.csv --continued -o again.json --json"));
     assert!((again["gain"]["measured"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{again}");
-    assert!((again["delay"]["measured"].as_f64().unwrap() - 0.002).abs() < 2e-4, "{again}");
+    assert!((again["delay_s"]["measured"].as_f64().unwrap() - 0.002).abs() < 2e-4, "{again}");
     assert_eq!(scored["records"].as_array().unwrap().len(), 2);
     // On their own they are two records, and the command says that they could be parts of one run.
     let apart = bench.run(&format!("identify slow.csv fast.csv -o apart.json {flags}"));

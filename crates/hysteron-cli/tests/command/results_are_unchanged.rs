@@ -162,8 +162,13 @@ fn scores(told: &Value) -> Vec<[f64; 2]> {
 /// The columns of the model's output, `rows[k][output]`.
 fn output(csv: &str) -> Vec<Vec<f64>> {
     let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
-    let first = lines.next().unwrap().split(',').position(|name| name.starts_with('y')).unwrap();
-    lines.map(|line| line.split(',').skip(first).map(|y| y.parse().unwrap()).collect()).collect()
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let is_output = |name: &str| name.starts_with('y') && !name.starts_with("y_measured");
+    let of = |line: &str| -> Vec<f64> {
+        let cells = names.iter().zip(line.split(','));
+        cells.filter(|(name, _)| is_output(name)).map(|(_, y)| y.parse().unwrap()).collect()
+    };
+    lines.map(of).collect()
 }
 
 /// The rows on record of so many.

@@ -137,7 +137,7 @@ impl<'a> JointMember<'a> {
         }
         let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let TimedDrive { fine, thinning, clock } =
-            TimedDrive::new(&data.u, timing, scheme, options.inter_sample, ends)?;
+            TimedDrive::new(&data.u, timing, scheme, options.inter_sample(), ends)?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&data.u),
             thinning,
@@ -152,7 +152,7 @@ impl<'a> JointMember<'a> {
             degree,
             clock,
             scheme,
-            sampling: Sampling { reconstruction: options.inter_sample, ..Sampling::of(scheme) },
+            sampling: Sampling { reconstruction: options.inter_sample(), ..Sampling::of(scheme) },
         })?)
     }
 
@@ -194,7 +194,7 @@ impl<'a> JointMember<'a> {
         let drive = pick(&data.u);
         let scheme = options.scheme();
         let TimedDrive { fine, thinning, clock } =
-            TimedDrive::on_stamps(cycles, (&pick(&times_s), &drive), scheme, options.inter_sample)?;
+            TimedDrive::on_stamps(cycles, (&pick(&times_s), &drive), scheme, options.inter_sample())?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&drive),
             thinning,
@@ -209,7 +209,7 @@ impl<'a> JointMember<'a> {
             degree,
             clock,
             scheme,
-            sampling: Sampling { reconstruction: options.inter_sample, ..Sampling::of(scheme) },
+            sampling: Sampling { reconstruction: options.inter_sample(), ..Sampling::of(scheme) },
         })?)
     }
 

@@ -7,6 +7,7 @@ use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE, OFFSET};
 use super::super::uncertainty::correlation_time;
 use super::super::{IdentifyError, RecordFacts, findings};
 use super::band::{self, OutputUncertainty};
+use super::between;
 use super::campaign::JointMember;
 use super::intervals::intervals;
 use super::knowledge::{self, Covariance};
@@ -50,7 +51,8 @@ pub(in super::super) const PLAN: Plan = Plan(&[
     ("joint fit, polished", 0.02),
     ("joint fit with creep", 0.05),
     ("degree", 0.08),
-    (ALL_SAMPLES, 0.10),
+    (ALL_SAMPLES, 0.05),
+    ("between samples", 0.05),
     (ERRORS, 0.10),
 ]);
 /// Stages of a joint fit by a population method.
@@ -115,9 +117,9 @@ pub(in super::super) fn identify(
     if options.degree == Choice::Auto && !engine.is_stopped() {
         (degree, best) = choose_degree(&setup, reduced, &search, &mut engine, &mut degrees)?;
     }
-    let small = if reduced { Some(setup.problem(degree, true)?) } else { None };
-    let at_small = best.clone();
-    let polished = if engine.is_stopped() {
+    let mut small = if reduced { Some(setup.problem(degree, true)?) } else { None };
+    let mut at_small = best.clone();
+    let mut polished = if engine.is_stopped() {
         None
     } else {
         let whole = setup.problem(degree, false)?;
@@ -132,6 +134,30 @@ pub(in super::super) fn identify(
         };
         cost.is_finite().then_some((whole, x, cost))
     };
+    let others = between::others(&setup, options);
+    let mut options = options;
+    let mut told_between = None;
+    if let Some((whole, x, cost)) = &polished {
+        let independent = information(whole, x);
+        let fitted = (whole, &x[..], *cost);
+        if let Some((choice, better)) =
+            between::compared(&setup, &others, fitted, (degree, independent), &mut engine)?
+        {
+            told_between = Some(choice);
+            if let Some(better) = better {
+                options = &others[better.index];
+                if reduced {
+                    let thinned = setup.anew(options).problem(degree, true)?;
+                    let fit = engine.quick_fit(ALL_SAMPLES, &thinned, vec![better.x.clone()]);
+                    if let Some(fit) = engine.unless_stopped(fit)? {
+                        at_small = fit.outcome.best;
+                    }
+                    small = Some(thinned);
+                }
+                polished = Some((better.problem, better.x, better.cost));
+            }
+        }
+    }
     let (problem, x, mut reduction) = if let Some((whole, x, cost)) = polished {
         (search.outcome.cost, search.outcome.best) = (cost, x.clone());
         let samples = whole.residual_count();
@@ -180,7 +206,7 @@ pub(in super::super) fn identify(
         }
         let samples: f64 = fits.iter().map(|fit| fit.scores.samples as f64).sum();
         let square: f64 = fits.iter().map(|fit| fit.scores.samples as f64 * fit.scores.rmse.powi(2)).sum();
-        let schemes = (options.scheme(), options.inter_sample);
+        let schemes = (options.scheme(), options.inter_sample());
         OutputUncertainty::new(&problem, &form, &x, known, schemes, (square / samples).sqrt())
     });
     let covariance = own.map(|own| parameters::in_article_symbols(own, &problem, &solution));
@@ -200,6 +226,7 @@ pub(in super::super) fn identify(
             .map(|(samples, _)| samples)
             .collect(),
         smoothing: smoothed.map(|(_, smoothing)| smoothing),
+        between: told_between,
     };
     if let Some(known) = &known {
         let found = match (&small, &known_small) {
@@ -499,7 +526,7 @@ pub(in super::super) fn assemble(
         offset: options.demands.fixed(OFFSET).unwrap_or(0.0),
         delay_s: solution.delay_s,
         scheme: options.scheme(),
-        inter_sample: options.inter_sample,
+        inter_sample: options.inter_sample(),
         sample_rate_hz: Some(fastest),
     })
 }

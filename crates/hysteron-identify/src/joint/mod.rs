@@ -1,6 +1,7 @@
 //! The joint fit: all records, both blocks, delay, offsets and initial states at once.
 
 mod band;
+mod between;
 mod campaign;
 mod drive;
 mod family;
@@ -22,6 +23,7 @@ mod tests;
 mod weighting;
 
 pub use band::{OutputUncertainty, PredictionBand};
+pub use between::InterSampleChoice;
 pub(super) use campaign::{JointMember, UNKNOWN_PAST};
 pub(super) use fit::{PLAN, POPULATION_PLAN, assemble, identify};
 pub use intervals::{Interval, IntervalMethod};

@@ -76,6 +76,25 @@ impl<'a> JointSetup<'a> {
         Self { stop: stop.clone(), ..self }
     }
 
+    /// The options.
+    pub(super) fn options(&self) -> &'a Options {
+        self.options
+    }
+
+    /// The same records prepared anew, under other options.
+    pub(super) fn anew<'b>(&self, options: &'b Options) -> JointSetup<'b>
+    where
+        'a: 'b,
+    {
+        JointSetup::new(self.members, self.form, options).stopped_by(&self.stop)
+    }
+
+    /// Whether a law with dynamics sees its fastest drive with fewer than so many samples a cycle, at one rate.
+    pub(super) fn samples_coarsely(&self, samples: f64) -> bool {
+        let even = self.members.iter().all(|m| m.facts.data.sample_rate_hz().is_some());
+        !self.form.parameters().is_empty() && even && self.rate_hz < samples * self.fastest_hz
+    }
+
     /// The same records with another form of the dynamics, or other parameters held.
     pub(super) fn with<'b>(&self, form: DynamicForm, options: &'b Options) -> JointSetup<'b>
     where

@@ -1,0 +1,123 @@
+//! What the drive does between its samples, told by the records where it shows.
+
+use super::super::engine::Engine;
+use super::super::options::{Choice, Options};
+use super::super::{Finding, FindingKind, IdentifyError};
+use super::problem::JointProblem;
+use super::setup::JointSetup;
+use crate::findings::say;
+use hysteron_model::record::InterSample;
+use hysteron_numeric::display::short_to;
+use hysteron_optimize::LeastSquaresProblem;
+
+/// Fewest samples a cycle of the fastest drive for which the rules are one: (ω Δt)²/12 is 3e-4 of the drive there.
+const FINE: f64 = 100.0;
+/// Twice the logarithm of a likelihood ratio from which on the evidence is very strong (Kass and Raftery 1995,
+/// doi:10.1080/01621459.1995.10476572).
+const VERY_STRONG: f64 = 10.0;
+
+/// How the rule between samples was chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InterSampleChoice {
+    /// The rule taken.
+    pub rule: InterSample,
+    /// 2 ln of the likelihood ratio of the closest rule over each of the others, over the independent samples.
+    pub over: Vec<(InterSample, f64)>,
+    /// The closest rule, which is taken where the evidence is very strong.
+    pub closest: InterSample,
+}
+
+impl InterSampleChoice {
+    /// Evidence over the next best rule.
+    pub fn evidence(&self) -> f64 {
+        self.over.iter().map(|(_, evidence)| *evidence).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether the records tell.
+    pub fn is_told(&self) -> bool {
+        self.evidence() > VERY_STRONG
+    }
+
+    /// What was chosen, and how sure that is.
+    pub(in super::super) fn say(&self, findings: &mut Vec<Finding>) {
+        let others: Vec<String> = self
+            .over
+            .iter()
+            .map(|(rule, evidence)| format!("{} over {rule}", short_to(*evidence, 2)))
+            .collect();
+        let evidence = format!(
+            "2 ln of the likelihood ratio of {}: {}; 10 is very strong",
+            self.closest,
+            others.join(", ")
+        );
+        if self.is_told() {
+            let text =
+                format!("Between its samples the drive is {}, as the records tell ({evidence}).", self.rule);
+            say(findings, FindingKind::Verdict, "between samples", text);
+        } else {
+            let text = format!(
+                "The records do not tell what the drive does between its samples ({evidence}): {} is assumed. A delay depends on it by up to \
+                 half a sample.",
+                self.rule
+            );
+            say(findings, FindingKind::Advice, "between samples", text);
+        }
+    }
+}
+
+/// A fit under one of the other rules.
+pub(super) struct Better {
+    /// Its options' place.
+    pub(super) index: usize,
+    pub(super) problem: JointProblem,
+    pub(super) x: Vec<f64>,
+    pub(super) cost: f64,
+}
+
+/// The options under the other rules; none where the rule is given, or the records cannot tell because they are sampled finely or
+/// on uneven stamps.
+pub(super) fn others(setup: &JointSetup<'_>, options: &Options) -> Vec<Options> {
+    if options.inter_sample != Choice::Auto || !setup.samples_coarsely(FINE) {
+        return Vec::new();
+    }
+    let own = options.inter_sample();
+    let other = |rule: InterSample| Options { inter_sample: Choice::Given(rule), ..options.clone() };
+    InterSample::ALL.into_iter().filter(|rule| *rule != own).map(other).collect()
+}
+
+/// The fit `x` of the whole records compared with those under the `others`, each from there: what the records tell, and the better fit.
+/// `independent`: samples that the residuals are worth. `None` where the fit was stopped.
+pub(super) fn compared<'a>(
+    setup: &JointSetup<'a>,
+    others: &'a [Options],
+    (problem, x, cost): (&JointProblem, &[f64], f64),
+    (degree, independent): (usize, f64),
+    engine: &mut Engine<'_, '_>,
+) -> Result<Option<(InterSampleChoice, Option<Better>)>, IdentifyError> {
+    if others.is_empty() || problem.residual_count() == 0 {
+        return Ok(None);
+    }
+    let own = setup.options().inter_sample();
+    let mut costs = vec![(own, cost)];
+    let mut best: Option<Better> = None;
+    for (index, options) in others.iter().enumerate() {
+        let rule = options.inter_sample();
+        let problem = setup.anew(options).problem(degree, false)?;
+        let fit = engine.quick_fit(&format!("between samples: {rule}"), &problem, vec![x.to_vec()]);
+        let Some(fit) = engine.unless_stopped(fit)?.filter(|_| !engine.is_stopped()) else { return Ok(None) };
+        costs.push((rule, fit.outcome.cost));
+        if fit.outcome.cost < best.as_ref().map_or(cost, |best| best.cost) {
+            best = Some(Better { index, problem, x: fit.outcome.best, cost: fit.outcome.cost });
+        }
+    }
+    let least = costs.iter().map(|(_, cost)| *cost).fold(f64::INFINITY, f64::min);
+    let closest = costs.iter().find(|(_, cost)| *cost == least).map_or(own, |(rule, _)| *rule);
+    let evidence = |cost: f64| 2.0 * independent * (cost / least).ln();
+    let over = costs.iter().filter(|(rule, _)| *rule != closest).map(|&(rule, cost)| (rule, evidence(cost)));
+    let mut choice = InterSampleChoice { rule: own, over: over.collect(), closest };
+    if !choice.is_told() {
+        return Ok(Some((choice, None)));
+    }
+    choice.rule = closest;
+    Ok(Some((choice, best)))
+}
