@@ -92,17 +92,40 @@ pub fn residual_tests(score: &Score) -> Option<String> {
     ))
 }
 
-/// The table for people, a row a record.
+/// Records up to which the table of a fit has a column a record: it then fits a narrow terminal.
+const SIDE_BY_SIDE: usize = 3;
+
+/// The table of a fit for people: a column a record for a few records, a row a record for more and for several outputs.
 pub fn table(records: &[Score]) -> Table {
-    table_of_models(&records.iter().map(|score| ("", score)).collect::<Vec<_>>())
+    let scored: Vec<(&str, &Score)> = records.iter().map(|score| ("", score)).collect();
+    let (header, rows) = cells(&scored);
+    if records.len() > SIDE_BY_SIDE || records.iter().any(|r| r.axes.is_some()) {
+        return table_of_models(&scored);
+    }
+    let names = rows.iter().filter_map(|row| row.first().map(String::as_str));
+    let mut table = console::table(&std::iter::once("score").chain(names).collect::<Vec<_>>());
+    for (metric, name) in header.iter().enumerate().skip(1) {
+        table.add_row(std::iter::once(name.clone()).chain(rows.iter().map(|row| row[metric].clone())));
+    }
+    table
 }
 
-/// [`table`] of records with the names of the models that were scored on them; the models of a record stand below each other.
+/// A row a record, whatever their number, with the names of the models that were scored on them; the models of a record stand below each other.
 pub fn table_of_models(scored: &[(&str, &Score)]) -> Table {
-    let records: Vec<&Score> = scored.iter().map(|(_, score)| *score).collect();
-    if records.iter().any(|r| r.axes.is_some()) {
+    if scored.iter().any(|(_, score)| score.axes.is_some()) {
         return axes_table(scored);
     }
+    let (header, rows) = cells(scored);
+    let mut table = console::table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    rows.into_iter().for_each(|row| {
+        table.add_row(row);
+    });
+    table
+}
+
+/// Names of the columns, and a row a record: its name, its model where there are several, its scores.
+fn cells(scored: &[(&str, &Score)]) -> (Vec<String>, Vec<Vec<String>>) {
+    let records: Vec<&Score> = scored.iter().map(|(_, score)| *score).collect();
     let one_unit = records.windows(2).all(|pair| pair[0].unit == pair[1].unit);
     let unit = records.first().map(|r| r.unit.to_string()).filter(|unit| one_unit && !unit.is_empty());
     let metrics = shown().map(|d| match (d.unit, &unit) {
@@ -115,17 +138,17 @@ pub fn table_of_models(scored: &[(&str, &Score)]) -> Table {
     header.extend(several.then(|| "model".to_owned()));
     header.extend(metrics);
     header.extend((!one_unit).then(|| "unit".to_owned()));
-    let mut table = console::table(&header.iter().map(String::as_str).collect::<Vec<_>>());
     let names = short_names(records.iter().map(|r| r.record.clone()).collect());
-    for k in by_record(&records) {
+    let row = |k: usize| {
         let (model, score) = scored[k];
         let mut row = vec![names[k].clone()];
         row.extend(several.then(|| model.to_owned()));
         row.extend(values(score));
         row.extend((!one_unit).then(|| score.unit.to_string()));
-        table.add_row(row);
-    }
-    table
+        row
+    };
+    let rows = by_record(&records).into_iter().map(row).collect();
+    (header, rows)
 }
 
 fn several_models(scored: &[(&str, &Score)]) -> bool {
@@ -257,8 +280,8 @@ mod tests {
     #[test]
     fn a_record_has_a_row_whatever_their_number_and_the_models_of_a_record_stand_together() {
         let (x, y) = (scored("a/x.csv"), scored("b/y.csv"));
-        let one = table(std::slice::from_ref(&x)).to_string();
-        let two = table(&[x.clone(), y.clone()]).to_string();
+        let one = table_of_models(&[("", &x)]).to_string();
+        let two = table_of_models(&[("", &x), ("", &y)]).to_string();
         let (one, two): (Vec<_>, Vec<_>) = (one.lines().collect(), two.lines().collect());
         assert_eq!((one[0], one.len(), two.len()), (two[0], 3, 4));
         assert!(one[0].contains("RMSE [µm]") && one[2].starts_with("| x.csv "), "{one:?}");
@@ -267,6 +290,17 @@ mod tests {
             models.lines().skip(2).map(|line| line.split('|').take(3).collect::<Vec<_>>().join("")).collect();
         assert!(begins[1].contains("x.csv") && begins[1].contains('n'), "{models}");
         assert_eq!(begins.len(), 4);
+    }
+
+    #[test]
+    fn a_few_records_of_a_fit_stand_side_by_side_and_many_in_rows() {
+        let text = table(&[scored("a/x.csv"), scored("b/y.csv")]).to_string();
+        assert!(text.starts_with("| score "), "{text}");
+        assert!(text.contains("RMSE [µm]") && text.contains("x.csv") && !text.contains("a/x.csv"), "{text}");
+        let many: Vec<Score> = ["p.csv", "q.csv", "r.csv", "s.csv"].iter().map(|p| scored(p)).collect();
+        let text = table(&many).to_string();
+        assert!(text.starts_with("| record "), "{text}");
+        assert_eq!(text.lines().count(), 6, "{text}");
     }
 
     #[test]

@@ -44,6 +44,8 @@ fn report(text: &str) -> Page {
         score_definitions: vec![t()],
         preparation: vec![t()],
         records: vec![RecordCurves {
+            segments: Vec::new(),
+            gain_unit: String::new(),
             name: t(),
             role: t(),
             time_s: ramp.clone(),
