@@ -70,6 +70,8 @@ fn curves(name: String, time_s: Vec<f64>, u: Vec<f64>, measured: Vec<f64>) -> Re
     let residual: Vec<f64> = measured.iter().zip(&model).map(|(y, model)| y - model).collect();
     let scored = vec![true; residual.len()];
     RecordCurves {
+        segments: Vec::new(),
+        gain_unit: String::new(),
         name,
         role: "fitted".into(),
         time_s,
