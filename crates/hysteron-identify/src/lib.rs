@@ -126,12 +126,25 @@ fn identify_records(
         Some(algorithm) if algorithm.name() != "least-squares" => joint::POPULATION_PLAN,
         _ => joint::PLAN,
     };
-    let engine = Engine::new(options.algorithm.as_ref(), settings, watch, plan, resume);
+    let engine = Engine::new(options.algorithm.as_ref(), settings.clone(), watch, plan, resume);
     if !joint && options.creep != Creep::None {
         return Err(IdentifyError::CreepTakesJointFit);
     }
     if joint && campaign::has_second_step(&roles, options) {
-        joint::identify(&facts, &roles, options, engine)
+        let found = joint::identify(&facts, &roles, options, engine)?;
+        if options.dynamics != DynamicsChoice::Auto || found.cancelled || !beyond_the_records(&found) {
+            return Ok(found);
+        }
+        let without = Options { dynamics: DynamicsChoice::None, ..options.clone() };
+        let engine = Engine::new(options.algorithm.as_ref(), settings, watch, plan, None);
+        let mut other = joint::identify(&facts, &roles, &without, engine)?;
+        if other.cancelled || pooled_rmse(&other) > AS_GOOD * pooled_rmse(&found) {
+            return Ok(found);
+        }
+        let text = "A resonance would lie beyond what these records show, and the loops are met as well without: there is none in the model. \
+                    Add a sweep that comes near it.";
+        other.findings.push(Finding::new(FindingKind::Advice, "resonance", text));
+        Ok(other)
     } else if options.family() != HysteresisForm::BoucWen || options.creep != Creep::None {
         if !joint {
             return Err(IdentifyError::FamilyTakesJointFit);
@@ -145,6 +158,24 @@ fn identify_records(
     } else {
         two_step::identify(&facts, &roles, options, engine)
     }
+}
+
+/// A fit whose rms error is at most so many times that of a richer one is as good.
+const AS_GOOD: f64 = 1.05;
+
+/// Whether the resonance of a fit ended at the upper end of where it was sought: beyond the fastest drive, where nothing shows it.
+fn beyond_the_records(found: &Identification) -> bool {
+    let ranges = found.bounds.iter().flat_map(|bounds| &bounds.ranges);
+    let mut ranges = ranges.filter(|range| range.name == "natural_frequency");
+    let value = found.parameters.iter().find(|p| p.name == "natural_frequency").map(|p| p.value);
+    ranges.next().zip(value).is_some_and(|(range, value)| range.to_unit(value) >= 1.0 - 1e-9)
+}
+
+/// Rms error over all records.
+fn pooled_rmse(found: &Identification) -> f64 {
+    let samples: f64 = found.records.iter().map(|r| r.scores.samples as f64).sum();
+    let square: f64 = found.records.iter().map(|r| r.scores.samples as f64 * r.scores.rmse.powi(2)).sum();
+    (square / samples).sqrt()
 }
 
 /// Demands on the offset and on n.

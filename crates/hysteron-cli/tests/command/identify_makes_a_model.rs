@@ -227,6 +227,13 @@ fn uneven_time_is_fitted_statically_and_with_dynamics_as_it_is() {
     assert!(parts.iter().zip(&whole).all(|(a, b)| (a - b).abs() < 1e-9));
     assert_eq!(bench.run("simulate parts.json slow.csv fast.csv -o x.csv").exit_code, 2);
     assert_eq!(bench.run("simulate parts.json fast.csv slow.csv --continued -o x.csv").exit_code, 1);
+    // Each part is left out in turn, memory carries over.
+    let compared = "compare slow.csv fast.csv --continued --candidates none,integer1 --json -o best.json";
+    let compared = json(&bench.run(compared));
+    let left_out: Vec<_> =
+        compared["folds"].as_array().unwrap().iter().map(|f| f["left_out"].clone()).collect();
+    assert_eq!(left_out, ["slow.csv", "fast.csv"], "{compared}");
+    assert!(bench.path("best.json").exists());
     // Gain and delay of a device that has not changed, from the parts.
     let again = json(&bench.run("recalibrate parts.json slow.csv fast.csv --continued -o again.json --json"));
     assert!((again["gain"]["measured"].as_f64().unwrap() - 1.0).abs() < 1e-3, "{again}");

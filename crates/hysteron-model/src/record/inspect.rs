@@ -7,8 +7,9 @@ use hysteron_numeric::display::{short, short_to};
 use super::turning_points::{median, range_of};
 use super::{
     Clipping, DelayFinding, ExcitationKind, InputOutput, LinearDrift, LoopSense, LoopShape, NoiseFloor,
-    NoiseMethod, Periods, Quantity, Segment, StartUp, TimeBase, WaveShape, clipping, excitation_kind,
+    NoiseMethod, Periods, Quantity, Segment, Servo, StartUp, TimeBase, WaveShape, clipping, excitation_kind,
     find_delay, find_periods, implausible_units, linear_drift, loop_shape, noise_floor, quantisation_step,
+    servo,
 };
 
 /// Everything [`inspect`] finds. Frequencies in Hz where there is a uniform time base, else `None`.
@@ -238,6 +239,14 @@ impl Inspection {
                     shape.opening_percent
                 )));
             }
+        }
+        if let Some(Servo { output, input }) = servo(data) {
+            findings.push(warning(format!(
+                "The output moves along straight lines (to {} % of a move), the drive does not ({} %): this was taken under servo. The drive carries \
+                 the hysteresis and answers the sensor, so that a model of the stage from it is one of the closed loop; record it open loop.",
+                short_to(100.0 * output, 2),
+                short_to(100.0 * input, 2)
+            )));
         }
         if let Some(step) = self.output_step
             && step > 1e-3 * stroke
