@@ -9,9 +9,7 @@
 
 use crate::Memory;
 use crate::dynamics::delay::delay_in_place;
-use crate::dynamics::{
-    Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace, TransferFunction,
-};
+use crate::dynamics::{Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace};
 use crate::dynamics_error::check_length;
 use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means};
 use crate::record::{InterSample, Timing, even_times};
@@ -150,16 +148,20 @@ impl Model {
         self.hysteresis.simulate_every(DriveGrid::from(1), &knots.drive_v, origin, &mut v)?;
         let rest = self.hysteresis.at_rest(rest_voltage_v, memory);
         v.iter_mut().for_each(|v| *v -= rest);
-        let unit = TransferFunction::unit();
+        let scored = times_s.get(prologue..).unwrap_or_default().to_vec();
+        if self.dynamics == Dynamics::None {
+            let hold = self.inter_sample == InterSample::Hold;
+            let mut y = delayed(&knots.times_s, &v, &scored, self.delay_s, hold);
+            y.iter_mut().for_each(|y| *y += rest + self.offset);
+            return Ok(y);
+        }
         let g = match &self.dynamics {
-            Dynamics::None => &unit,
             Dynamics::Integer(g) | Dynamics::Fractional(g) => g,
-            Dynamics::Arx(_) => return Err(SimulationError::NoSampleRate),
+            Dynamics::None | Dynamics::Arx(_) => return Err(SimulationError::NoSampleRate),
         };
         if self.dynamics != Dynamics::None && self.scheme.parameters_belong_to_sample_rate() {
             return Err(SimulationError::NoSampleRate);
         }
-        let scored = times_s.get(prologue..).unwrap_or_default().to_vec();
         let plan = StampedPlan::new(knots.times_s, scored, self.inter_sample == InterSample::Hold)?;
         let mut response = plan.empty_response();
         plan.response(g, None, self.delay_s, &mut response)?;
@@ -327,4 +329,23 @@ fn between(x: &[f64], at: f64) -> f64 {
     let next = (k + 1).min(x.len().saturating_sub(1));
     let fraction = (at - k as f64).clamp(0.0, 1.0);
     (1.0 - fraction) * x.get(k).copied().unwrap_or(0.0) + fraction * x.get(next).copied().unwrap_or(0.0)
+}
+
+/// The signal `v` at its knots, read at the times `wanted` less a delay: held or on straight lines, 0 before the first knot.
+fn delayed(knots_s: &[f64], v: &[f64], wanted_s: &[f64], delay_s: f64, hold: bool) -> Vec<f64> {
+    let mut at = 0;
+    let read = |time: &f64| {
+        let time = time - delay_s;
+        while knots_s.get(at + 1).is_some_and(|next| *next <= time) {
+            at += 1;
+        }
+        match (knots_s.get(at), v.get(at), knots_s.get(at + 1), v.get(at + 1)) {
+            (Some(&from), Some(_), ..) if time < from => 0.0,
+            (Some(&from), Some(&a), Some(&to), Some(&b)) if !hold => {
+                a + (b - a) * (time - from) / (to - from)
+            }
+            (_, a, ..) => a.copied().unwrap_or(0.0),
+        }
+    };
+    wanted_s.iter().map(read).collect()
 }

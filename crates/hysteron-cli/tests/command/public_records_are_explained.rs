@@ -141,3 +141,18 @@ fn a_response_under_noise_is_fitted_where_it_says_something() {
     assert!(errors[0] > 30.0 && findings.contains("scatter by more than 30 %"), "{findings}");
     assert!(findings.contains("none of these describes the response"), "{findings}");
 }
+
+/// Stages under servo: the output is straight, the drive carries the hysteresis. Open-loop records are not taken for such.
+#[test]
+fn a_record_under_servo_is_recognised() {
+    let closed = "piezo-afm-cellhesion-100um/jpk00842_2016-06-15_50um_hold5s.csv";
+    let open = "piezo-afm-z15um/ramps_0p2s_01.csv";
+    for (file, servo) in [(closed, true), (open, false)] {
+        let Some(file) = public(file) else { return };
+        let bench = Bench::new();
+        std::fs::copy(file, bench.path("record.csv")).unwrap();
+        let run = bench.run("inspect record.csv --input u_V --output y_um");
+        assert_eq!(run.exit_code, 0, "{run:?}");
+        assert_eq!(run.stdout.contains("taken under servo"), servo, "{}", run.stdout);
+    }
+}

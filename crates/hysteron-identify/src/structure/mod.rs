@@ -30,7 +30,7 @@ use super::engine::Engine;
 use super::joint::JointMember;
 use super::options::{CampaignRecord, Options};
 use super::watch::Plan;
-use super::{Event, IdentifyError, Watch};
+use super::{Event, IdentifyError, RecordFacts, Watch};
 use fit::{Campaign, Named, NoFit, Training, WholeFit};
 use hysteron_model::hammerstein::Model;
 use hysteron_optimize::Settings;
@@ -125,7 +125,10 @@ pub fn compare(
         Some(candidates) => run.add(candidates),
         None => run.search(),
     }
-    let notes = folds::limits(&contents, &run.folds);
+    // Amplitudes and frequencies are those of the parts of even sampling.
+    let parts = facts.iter().flat_map(|facts| facts.data.in_moving_segments());
+    let seen: Vec<Content> = parts.map(|part| Content::of(&RecordFacts::new(part))).collect();
+    let notes = folds::limits(&seen, &run.folds);
     Ok(run.comparison(notes))
 }
 

@@ -27,11 +27,6 @@ impl TransferFunction {
         Ok(tf)
     }
 
-    /// G = 1.
-    pub fn unit() -> Self {
-        Self { numerator: vec![Term::new(1.0, 0.0)], denominator: vec![Term::new(1.0, 0.0)] }
-    }
-
     /// The article's identified stage, Eq. 13: 5.2589e6 / (s^2.0384 + 3081 s^1.0523 + 5.4955e6).
     pub fn article_eq13() -> Self {
         Self {
