@@ -89,6 +89,32 @@ impl Loaded {
         })
     }
 
+    /// [`Self::read_record`] of a part of a run.
+    ///
+    /// # Errors
+    /// As there; if the model is of several inputs and outputs.
+    pub fn read_part(
+        &self,
+        path: &Path,
+        columns: &ColumnFlags,
+        axes: &AxesFlags,
+    ) -> Result<InputOutput, Failure> {
+        part_of_run(self.read_record(path, columns, axes)?)
+    }
+
+    /// [`Self::read_drive`] of a part of a run.
+    ///
+    /// # Errors
+    /// As [`Self::read_part`].
+    pub fn read_driven_part(
+        &self,
+        path: &Path,
+        columns: &InputFlags,
+        axes: &AxesFlags,
+    ) -> Result<InputOutput, Failure> {
+        part_of_run(self.read_drive(path, columns, axes)?)
+    }
+
     /// Names of the outputs as they are written: those given, else the model's own.
     ///
     /// # Errors
@@ -316,6 +342,14 @@ impl Loaded {
                 per = found.symbol()
             ),
         })
+    }
+}
+
+/// Runs have one input and one output.
+fn part_of_run(signals: Signals) -> Result<InputOutput, Failure> {
+    match signals {
+        Signals::Single(record) => Ok(record),
+        Signals::Several(_) => Err(Failure::usage("--continued takes models of one input and one output")),
     }
 }
 

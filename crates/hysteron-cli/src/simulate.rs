@@ -108,15 +108,8 @@ impl Simulate {
             return Err(Failure::usage("several files are simulated as parts of one run alone")
                 .hint("add --continued, or simulate one file at a time"));
         }
-        let mut parts = Vec::new();
-        for path in &self.input_files {
-            match loaded.read_drive(path, &self.columns, &self.axes)? {
-                Signals::Single(record) => parts.push(record),
-                Signals::Several(_) => {
-                    return Err(Failure::usage("--continued takes models of one input and one output"));
-                }
-            }
-        }
+        let part = |path: &PathBuf| loaded.read_driven_part(path, &self.columns, &self.axes);
+        let parts = self.input_files.iter().map(part).collect::<Result<Vec<_>, Failure>>()?;
         let runs = Run::of(&parts).map_err(|e| Failure::new("the files are no run").because(e))?;
         match <[Run; 1]>::try_from(runs) {
             Ok([run]) => Ok((path, Signals::Single(run.data))),

@@ -217,15 +217,8 @@ impl Validate {
     /// Scores of the records as parts of runs: one that cannot be read leaves a hole in its run, so that nothing is scored.
     fn of_runs(&self, loaded: Loaded, paths: &[&PathBuf]) -> Result<Scored, Failure> {
         loaded.hammerstein(Capability::Runs)?;
-        let mut records = Vec::new();
-        for path in paths {
-            match loaded.read_record(path, &self.columns, &self.axes)? {
-                Signals::Single(record) => records.push(record),
-                Signals::Several(_) => {
-                    return Err(Failure::usage("--continued takes models of one input and one output"));
-                }
-            }
-        }
+        let part = |path: &&PathBuf| loaded.read_part(path, &self.columns, &self.axes);
+        let records = paths.iter().map(part).collect::<Result<Vec<_>, Failure>>()?;
         let found = Run::of(&records).map_err(|e| Failure::new("the records are no runs").because(e))?;
         let path = paths[0];
         let (mut runs, mut shown) = (Vec::new(), Vec::new());

@@ -1,7 +1,5 @@
 //! What the fit says about the device and what the records leave open, in plain words.
 
-use std::f64::consts::TAU;
-
 use super::defaults::beside_wide_moves;
 use super::engine::Search;
 use super::facts::amplitudes;
@@ -18,7 +16,6 @@ use hysteron_model::model::FAR_FROM_REST;
 use hysteron_model::record::{
     LoopSense, follow_each_other, implausible_units, loop_shape, range_of, turning_points,
 };
-use hysteron_numeric::Complex64;
 use hysteron_numeric::display::short;
 use hysteron_optimize::StopReason;
 
@@ -94,8 +91,7 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
 
 /// A gain at rest that is not what the slowest of the records have.
 fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> {
-    let slow = g.response_at(Complex64::new(0.0, TAU * lowest_hz)).norm();
-    let over = g.dc_gain() / slow;
+    let over = g.dc_gain_over(lowest_hz);
     (over.is_finite() && over.max(1.0 / over) > FAR_FROM_REST).then(|| {
         format!(
             "At rest the model's gain is {} times that at {} Hz, the lowest frequency of these records: it is extrapolated there. Do not use it for slower motion or levels \
@@ -525,6 +521,7 @@ mod tests {
     use super::*;
     use hysteron_model::dynamics::Term;
     use hysteron_model::hysteresis::{BoucWen, Family, FamilyForm};
+    use std::f64::consts::TAU;
 
     #[test]
     fn a_gain_at_rest_that_no_record_has_shown_is_said() {

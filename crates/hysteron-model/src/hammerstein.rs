@@ -149,17 +149,17 @@ impl Model {
         let rest = self.hysteresis.at_rest(rest_voltage_v, memory);
         v.iter_mut().for_each(|v| *v -= rest);
         let scored = times_s.get(prologue..).unwrap_or_default().to_vec();
-        if self.dynamics == Dynamics::None {
-            let hold = self.inter_sample == InterSample::Hold;
-            let mut y = delayed(&knots.times_s, &v, &scored, self.delay_s, hold);
-            y.iter_mut().for_each(|y| *y += rest + self.offset);
-            return Ok(y);
-        }
         let g = match &self.dynamics {
+            Dynamics::None => {
+                let hold = self.inter_sample == InterSample::Hold;
+                let mut y = delayed(&knots.times_s, &v, &scored, self.delay_s, hold);
+                y.iter_mut().for_each(|y| *y += rest + self.offset);
+                return Ok(y);
+            }
+            Dynamics::Arx(_) => return Err(SimulationError::NoSampleRate),
             Dynamics::Integer(g) | Dynamics::Fractional(g) => g,
-            Dynamics::None | Dynamics::Arx(_) => return Err(SimulationError::NoSampleRate),
         };
-        if self.dynamics != Dynamics::None && self.scheme.parameters_belong_to_sample_rate() {
+        if self.scheme.parameters_belong_to_sample_rate() {
             return Err(SimulationError::NoSampleRate);
         }
         let plan = StampedPlan::new(knots.times_s, scored, self.inter_sample == InterSample::Hold)?;

@@ -185,15 +185,14 @@ impl RecordCurves {
         }
         let hz = |s: &Segment| s.drive.high_hz.unwrap_or(f64::NAN);
         sines.sort_by(|a, b| hz(&a.0).total_cmp(&hz(&b.0)));
-        let curve = |label: &str, of: &dyn Fn(&(Segment, Segment)) -> Segment| FrequencyResponseCurve {
+        let curve = |label: &str, of: fn(&(Segment, Segment)) -> &Segment| FrequencyResponseCurve {
             label: label.to_owned(),
             frequency_hz: sines.iter().map(|pair| hz(&pair.0)).collect(),
             magnitude: sines.iter().map(|pair| of(pair).gain.unwrap_or(f64::NAN)).collect(),
             phase_deg: sines.iter().map(|pair| of(pair).phase_deg.unwrap_or(f64::NAN)).collect(),
             as_points: true,
         };
-        let curves =
-            [curve("measured", &|(own, _)| own.clone()), curve("model", &|(_, model)| model.clone())];
+        let curves = [curve("measured", |pair| &pair.0), curve("model", |pair| &pair.1)];
         let rests = self.segments.iter().filter_map(|(own, model)| Some((own, own.creep?, model.creep?)));
         let rests: Vec<String> = rests
             .map(|(own, measured, model)| {

@@ -104,12 +104,10 @@ pub fn compare(
                 let best = modal(response, weighting, base.with_power_law(), modes)?;
                 let count = best.structure.core_count() / 2;
                 let plain = modal(response, weighting, base, Some(count))?;
-                let with_power_law = best.structure;
-                let best = fit_containing(response, &with_power_law, weighting, (best, &plain))?;
-                let with_loss = base.with_power_law().with_loss_angle();
-                let lossy = modal(response, weighting, with_loss, Some(count))?;
-                let with_loss = lossy.structure;
-                let lossy = fit_containing(response, &with_loss, weighting, (lossy, &best))?;
+                let best = fit_containing(response, weighting, (best, &plain))?;
+                let lossy = base.with_power_law().with_loss_angle();
+                let lossy = modal(response, weighting, lossy, Some(count))?;
+                let lossy = fit_containing(response, weighting, (lossy, &best))?;
                 let plural = if count == 1 { "mode" } else { "modes" };
                 add(format!("{count} {plural}"), plain);
                 add(format!("{count} {plural}, power law"), best);
@@ -120,7 +118,7 @@ pub fn compare(
         let mut fit = fit_structure(response, &structure, weighting)?;
         if structure == Structure::LOSS_ANGLE {
             let contained = fit_structure(response, &Structure::POWER_LAW, weighting)?;
-            fit = fit_containing(response, &structure, weighting, (fit, &contained))?;
+            fit = fit_containing(response, weighting, (fit, &contained))?;
         }
         add(name.to_owned(), fit);
     }

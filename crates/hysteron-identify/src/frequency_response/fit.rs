@@ -139,20 +139,20 @@ pub fn fit_structure(
 /// [`fit_structure`] of a structure that contains a fitted one: started also from that, so that it never fits worse.
 pub(super) fn fit_containing(
     response: &FrequencyResponse,
-    structure: &Structure,
     weighting: Weighting,
     (fitted, contained): (ResponseFit, &ResponseFit),
 ) -> Result<ResponseFit, IdentifyError> {
     if fitted.square <= contained.square {
         return Ok(fitted);
     }
-    let problem = ResponseProblem::new(response, *structure, weighting)?;
+    let structure = fitted.structure;
+    let problem = ResponseProblem::new(response, structure, weighting)?;
     // A factor that the simpler one does not have is one there.
     let start =
         problem.bounds().ranges.iter().map(|range| contained.value(&range.name).clamp(range.low, range.high));
     let outcome = polish(&problem, vec![start.collect()])?;
     let mut best = outcome.best;
-    sort_pairs(structure, &mut best);
+    sort_pairs(&structure, &mut best);
     let again = result(response, &problem, weighting, &best, (fitted.starts + 1, 1));
     Ok(if again.square < fitted.square { again } else { fitted })
 }

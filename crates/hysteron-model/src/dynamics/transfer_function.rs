@@ -98,6 +98,11 @@ impl TransferFunction {
         limit(b, a, b.order < a.order, b.order > a.order)
     }
 
+    /// G(0) over |G(2πi f)| at a frequency \[Hz\].
+    pub fn dc_gain_over(&self, frequency_hz: f64) -> f64 {
+        self.dc_gain() / self.response_at(Complex64::new(0.0, TAU * frequency_hz)).norm()
+    }
+
     /// G(∞) along the positive real axis: 0, finite or infinite, by the highest terms.
     pub fn high_frequency_gain(&self) -> f64 {
         let (b, a) = (highest(&self.numerator), highest(&self.denominator));

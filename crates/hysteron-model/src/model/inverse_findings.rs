@@ -1,13 +1,10 @@
 //! Why a drive does not do what was asked of it, and what to do about it.
 
-use std::f64::consts::TAU;
-
 use super::Hammerstein;
 use crate::dynamics::Dynamics;
 use crate::invert::InverseDrive;
 use crate::record::Unit;
 use crate::{Advice, Finding, FindingKind};
-use hysteron_numeric::Complex64;
 use hysteron_numeric::display::{short, short_to};
 
 /// A gain at rest that differs by more than this factor from that of the slowest record is extrapolated.
@@ -19,8 +16,7 @@ impl Hammerstein {
     pub fn gain_at_rest(&self) -> Option<(f64, f64)> {
         let (Dynamics::Integer(g) | Dynamics::Fractional(g)) = &self.law().dynamics else { return None };
         let lowest_hz = self.data().valid_range.as_ref()?.frequency.as_ref()?.low;
-        let slow = g.response_at(Complex64::new(0.0, TAU * lowest_hz)).norm();
-        let over = (g.dc_gain() / slow).abs();
+        let over = g.dc_gain_over(lowest_hz).abs();
         (over > 0.0 && !over.is_nan()).then_some((over, lowest_hz))
     }
 
