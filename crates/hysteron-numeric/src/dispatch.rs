@@ -6,9 +6,11 @@
 #![allow(unsafe_code)]
 
 use super::Complex64;
+use super::complex_exponential::exponentials_less_one_kernel;
 use super::elementary::{exp, sin_cos};
 use super::feedback_tangent::{FeedbackTangent, Forcing, Lanes, TangentState, feedback_tangent_kernel};
 use super::relaxation::{Relaxations, relaxations_kernel, relaxations_with_slopes_kernel};
+use super::relaxation_bank::{BankWeights, Line, RelaxationBank, bank_advance_kernel, bank_read_kernel};
 use super::series::{SeriesPanel, series_evaluate_kernel, series_power_kernel, series_product_kernel};
 
 /// Instruction set a kernel runs with. Results do not depend on it.
@@ -182,6 +184,21 @@ dispatched! {
     /// [`Relaxations::compute`] with slopes.
     relaxations_with_slopes => relaxations_with_slopes_kernel(
         up: f64, down: f64, count: usize, row: &mut Relaxations)
+}
+
+dispatched! {
+    /// [`RelaxationBank::advance`].
+    bank_advance => bank_advance_kernel(bank: &mut RelaxationBank, line: Line)
+}
+
+dispatched! {
+    /// [`RelaxationBank::read`].
+    bank_read => bank_read_kernel(bank: &mut RelaxationBank, line: Line, weights: &BankWeights) -> f64
+}
+
+dispatched! {
+    /// [`super::exponentials_less_one`] where no angle is too large.
+    exponentials_less_one => exponentials_less_one_kernel(pole: Complex64, times: &[f64], re: &mut [f64], im: &mut [f64])
 }
 
 dispatched! {

@@ -52,6 +52,20 @@ const COS: [f64; 6] = [
 /// eˣ, the argument limited to \[−708, 709\] (no subnormal or infinite result); NaN stays NaN.
 #[inline(always)]
 pub(super) fn exp(x: f64) -> f64 {
+    let (scale, m) = exp_parts(x);
+    (1.0 + m) * scale
+}
+
+/// eˣ − 1 with all its digits near 0, the argument limited as by [`exp`].
+#[inline(always)]
+pub(super) fn exp_m1(x: f64) -> f64 {
+    let (scale, m) = exp_parts(x);
+    scale * m + (scale - 1.0)
+}
+
+/// (2ⁿ, m) with eˣ = 2ⁿ (1 + m).
+#[inline(always)]
+fn exp_parts(x: f64) -> (f64, f64) {
     let x = if x < -708.0 { -708.0 } else { x };
     let x = if x > 709.0 { 709.0 } else { x };
     let shifted = x * std::f64::consts::LOG2_E + ROUND;
@@ -63,9 +77,8 @@ pub(super) fn exp(x: f64) -> f64 {
     let low = (EXP[9] + EXP[8] * r) + (EXP[7] + EXP[6] * r) * r2;
     let high = (EXP[5] + EXP[4] * r) + (EXP[3] + EXP[2] * r) * r2 + (EXP[1] + EXP[0] * r) * r4;
     let p = low + high * r4;
-    let m = 1.0 + (r + r2 * p);
     let scale = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
-    m * scale
+    (scale, r + r2 * p)
 }
 
 /// (sin x, cos x) for |x| ≤ 1e5; meaningless beyond.

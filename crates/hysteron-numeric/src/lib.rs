@@ -3,6 +3,7 @@
 //! Everything here is arithmetic without physics. The kernels give the same bits whichever instruction
 //! set runs them (no fused multiply-add); the FFTs do not promise that across processors.
 
+mod complex_exponential;
 pub mod convolution;
 mod dispatch;
 pub mod display;
@@ -13,10 +14,12 @@ mod inner_product;
 mod non_negative;
 pub mod number;
 mod relaxation;
+mod relaxation_bank;
 mod series;
 mod stop;
 mod triangular;
 
+pub use complex_exponential::exponentials_less_one;
 pub use dispatch::{
     InstructionSet, accumulate_power, accumulate_tangent, filter_every, half_turns, multiply,
     multiply_quotient, quotient_parts, quotient_tangent, rotate, rotate_and_add, scale,
@@ -25,6 +28,7 @@ pub use feedback_tangent::{FeedbackTangent, Forcing, LANES, Lanes, TangentState,
 pub use inner_product::{dot, root_mean_square};
 pub use non_negative::non_negative_least_squares;
 pub use relaxation::Relaxations;
+pub use relaxation_bank::{BankWeights, Line, RelaxationBank};
 pub use rustfft::num_complex::Complex;
 pub use series::SeriesPanel;
 pub use stop::Stop;

@@ -39,7 +39,7 @@ pub enum PlanWorkspace {
     /// Of a uniform record.
     Uniform(Workspace),
     /// Of time stamps.
-    Stamped(StampedWorkspace),
+    Stamped(Box<StampedWorkspace>),
 }
 
 const FOREIGN: DynamicsError = DynamicsError::Length { what: "plan", expected: 1, found: 0 };
@@ -57,7 +57,7 @@ impl RecordPlan {
     pub fn workspace(&self) -> PlanWorkspace {
         match self {
             Self::Uniform(plan) => PlanWorkspace::Uniform(plan.workspace()),
-            Self::Stamped(_) => PlanWorkspace::Stamped(StampedWorkspace::default()),
+            Self::Stamped(_) => PlanWorkspace::Stamped(Box::default()),
         }
     }
 

@@ -9,21 +9,25 @@
 //! Error: below 1e-6 of the range against [`super::SimulationPlan`] on a fine common grid (`tests/stamps.rs`).
 
 mod knots;
+#[cfg(test)]
+mod oracle;
+mod readout;
 mod relaxation_fit;
+mod resonances;
 mod resonant_poles;
 
 use super::{DynamicsError, Linearised, Stability, TransferFunction, stability};
 use crate::dynamics_error::{check_finite, check_length};
-use hysteron_numeric::Complex64;
+use hysteron_numeric::{BankWeights, Complex64, InstructionSet, Line, RelaxationBank};
 pub use knots::Knots;
-use relaxation_fit::{RelaxationFit, Weights};
+use readout::Readout;
+use relaxation_fit::RelaxationFit;
+use resonances::Resonances;
 use resonant_poles::ResonantPole;
 
 /// Derivatives of the terms of a transfer function, where they are asked for.
 type Tangents<'a> = Option<&'a Linearised>;
 
-/// Steps whose lengths differ by less than this share are taken to be equal: what rounding makes of equal ones.
-const EQUAL: f64 = 1e-8;
 /// Share of the steps that may be shorter than the one that sets the fastest rate.
 const SHORT_STEPS: f64 = 0.01;
 
@@ -41,6 +45,9 @@ pub struct StampedPlan {
 pub struct StampedResponse {
     /// Knot before each output, and the time since then \[s\]; `None` before the first knot.
     places: Vec<Option<(usize, f64)>>,
+    /// −p of the real poles \[rad/s\].
+    own_rates: Vec<f64>,
+    /// The other poles.
     poles: Vec<Complex64>,
     value: Readout,
     /// One for each parameter, then that of the delay.
@@ -50,22 +57,10 @@ pub struct StampedResponse {
 /// Buffers of one thread.
 #[derive(Clone, Debug, Default)]
 pub struct StampedWorkspace {
-    states: States,
-    step: Step,
-    reading: Reading,
-}
-
-/// An output as a linear function of the states and of the input.
-#[derive(Clone, Debug, Default)]
-struct Readout {
-    relaxations: Vec<f64>,
-    /// Factors of x, the response of 1/(s − p), and of ∂x/∂p; the real part of the sum counts.
-    resonances: Vec<(Complex64, Complex64)>,
-    /// Factor of the input.
-    input: f64,
-    /// Factor of its slope.
-    slope: f64,
-    is_zero: bool,
+    /// At the rates of the fit, and at those of real poles.
+    banks: [RelaxationBank; 2],
+    weights: [BankWeights; 2],
+    resonances: Resonances,
 }
 
 impl StampedPlan {
@@ -101,6 +96,7 @@ impl StampedPlan {
     pub fn empty_response(&self) -> StampedResponse {
         StampedResponse {
             places: Vec::new(),
+            own_rates: Vec::new(),
             poles: Vec::new(),
             value: Readout::default(),
             tangents: Vec::new(),
@@ -133,7 +129,7 @@ impl StampedPlan {
         let resonances = ResonantPole::of(tf, linearised)?;
         let (value, tangents) = self.fit.weights(tf, linearised, &resonances)?;
         self.locate(delay_s, &mut response.places);
-        response.poles = resonances.iter().map(|pole| pole.place).collect();
+        (response.own_rates, response.poles) = readout::places(&resonances);
         response.value = Readout::of_value(value, &resonances);
         response.tangents.clear();
         if let Some(linearised) = linearised {
@@ -142,7 +138,8 @@ impl StampedPlan {
                 readout.is_zero = linearised.is_still(which);
                 readout
             }));
-            response.tangents.push(response.value.delayed(&self.fit.rates, &response.poles));
+            let delayed = response.value.delayed(&self.fit.rates, &response.own_rates, &response.poles);
+            response.tangents.push(delayed);
         }
         Ok(())
     }
@@ -209,31 +206,50 @@ impl StampedPlan {
         check_length("output", output.len(), self.samples())?;
         check_length("response", response.places.len(), self.samples())?;
         check_finite("input", input)?;
-        let StampedWorkspace { states, step, reading } = workspace;
-        states.reset(self.fit.rates.len(), response.poles.len());
-        // The poles may be others than last time.
-        (step.is_set, reading.is_set) = (false, false);
-        let slope_behind = |knot: usize| match (input.get(knot + 1), self.knots_s.get(knot + 1)) {
-            (Some(next), Some(until)) if !self.held && *until > self.knots_s[knot] => {
-                (next - input[knot]) / (until - self.knots_s[knot])
-            }
+        let StampedWorkspace { banks, weights, resonances } = workspace;
+        readout.weigh(weights);
+        for ((bank, rates), weights) in
+            banks.iter_mut().zip([&self.fit.rates, &response.own_rates]).zip(&*weights)
+        {
+            bank.reset(if weights.is_zero() { &[] } else { rates }, weights);
+        }
+        resonances.reset(&response.poles, readout);
+        let set = InstructionSet::detected();
+        let length_s = |knot: usize| match (self.knots_s.get(knot), self.knots_s.get(knot + 1)) {
+            (Some(from), Some(to)) => to - from,
             _ => 0.0,
         };
-        let (mut at, mut slope) = (0, slope_behind(0));
+        let line = |knot: usize| {
+            let length_s = length_s(knot);
+            let slope = match input.get(knot + 1) {
+                Some(next) if !self.held && length_s > 0.0 => (next - input[knot]) / length_s,
+                _ => 0.0,
+            };
+            Line { from: input[knot], slope, length_s }
+        };
+        let since_s = |output: usize| response.places.get(output).copied().flatten().map_or(0.0, |(_, s)| s);
+        let (mut at, mut along) = (0, line(0));
         let mut finite = true;
-        for (place, out) in response.places.iter().zip(output) {
+        for (index, (place, out)) in response.places.iter().zip(output).enumerate() {
             let Some((knot, since)) = *place else {
                 *out = 0.0;
                 continue;
             };
             while at < knot {
-                step.set(self.knots_s[at + 1] - self.knots_s[at], &self.fit.rates, &response.poles);
-                states.advance(step, input[at], slope);
+                if along.length_s > 0.0 {
+                    banks.iter_mut().for_each(|bank| bank.advance(set, along));
+                    resonances.advance(set, along, at, length_s);
+                }
                 at += 1;
-                slope = slope_behind(at);
+                along = line(at);
             }
-            reading.set(since, &self.fit.rates, &response.poles, readout);
-            *out = states.read(reading, input[at], slope);
+            let part = Line { length_s: since, ..along };
+            let banked: f64 = banks.iter_mut().zip(&*weights).map(|(bank, w)| bank.read(set, part, w)).sum();
+            let resonant = resonances.read(set, part, readout, index, since_s);
+            *out = banked
+                + resonant
+                + readout.input * (part.from + part.slope * since)
+                + readout.slope * part.slope;
             finite &= out.is_finite();
         }
         if finite { Ok(()) } else { Err(DynamicsError::OutputNotFinite) }
@@ -244,194 +260,5 @@ impl StampedResponse {
     /// Whether derivative `which` is zero everywhere (or not there).
     pub fn tangent_is_zero(&self, which: usize) -> bool {
         self.tangents.get(which).is_none_or(|tangent| tangent.is_zero)
-    }
-}
-
-impl Readout {
-    fn of_value(weights: Weights, resonances: &[ResonantPole]) -> Self {
-        let of = |pole: &ResonantPole| (2.0 * pole.residue, Complex64::ZERO);
-        let Weights { relaxations, direct } = weights;
-        let resonances = resonances.iter().map(of).collect();
-        Self { relaxations, resonances, input: direct, slope: 0.0, is_zero: false }
-    }
-
-    fn of_tangent(weights: Weights, resonances: &[ResonantPole], which: usize) -> Self {
-        let of = |pole: &ResonantPole| {
-            let (place, residue) = pole.tangents[which];
-            (2.0 * residue, 2.0 * pole.residue * place)
-        };
-        let Weights { relaxations, direct } = weights;
-        let resonances = resonances.iter().map(of).collect();
-        Self { relaxations, resonances, input: direct, slope: 0.0, is_zero: false }
-    }
-
-    /// Derivative in the delay: less the rate of the output, which follows from λ (u − ξ) and p x + u.
-    fn delayed(&self, rates: &[f64], poles: &[Complex64]) -> Self {
-        let relaxations: Vec<f64> =
-            self.relaxations.iter().zip(rates).map(|(weight, rate)| weight * rate).collect();
-        let resonances = self.resonances.iter().zip(poles);
-        let residues: f64 = self.resonances.iter().map(|(residue, _)| residue.re).sum();
-        Self {
-            input: -relaxations.iter().sum::<f64>() - residues,
-            slope: -self.input,
-            resonances: resonances.map(|((residue, _), pole)| (-residue * pole, Complex64::ZERO)).collect(),
-            relaxations,
-            is_zero: false,
-        }
-    }
-}
-
-/// Of the response of 1/(s − p) after a time t from x, to the input u + u' t: x e^(pt) + u first + u' second; then the same of the
-/// derivative in p.
-#[derive(Clone, Copy, Debug, Default)]
-struct Stretch {
-    decay: Complex64,
-    first: Complex64,
-    second: Complex64,
-    first_tangent: Complex64,
-    second_tangent: Complex64,
-}
-
-impl Stretch {
-    fn new(pole: Complex64, time: f64) -> Self {
-        let x = pole * time;
-        let decay = x.exp();
-        // φₖ(x) = Σ xʲ/(j + k)!, first = t φ₁, second = t² φ₂, and t dφₖ/dx in p.
-        let [phi1, phi2, slope1, slope2] = if x.norm() < 0.5 {
-            phi_series(x)
-        } else {
-            let phi1 = (decay - 1.0) / x;
-            let phi2 = (phi1 - 1.0) / x;
-            let slope1 = (decay - phi1) / x;
-            [phi1, phi2, slope1, (slope1 - phi2) / x]
-        };
-        Self {
-            decay,
-            first: phi1 * time,
-            second: phi2 * time * time,
-            first_tangent: slope1 * time * time,
-            second_tangent: slope2 * time * time * time,
-        }
-    }
-}
-
-/// φ₁, φ₂ and their derivatives for |x| < 0.5; what is left out is below 0.5¹⁶/17!.
-fn phi_series(x: Complex64) -> [Complex64; 4] {
-    let mut sums = [Complex64::ZERO; 4];
-    let mut power = Complex64::ONE;
-    let mut factorial = 1.0;
-    for j in 0..16 {
-        factorial *= f64::from((j + 1).max(1));
-        let (first, second) = (1.0 / factorial, 1.0 / (factorial * f64::from(j + 2)));
-        sums[0] += power * first;
-        sums[1] += power * second;
-        // Of the next term, whose derivative has this power.
-        let next = f64::from(j + 1) / f64::from(j + 2);
-        sums[2] += power * (first * next);
-        sums[3] += power * (second * f64::from(j + 1) / f64::from(j + 3));
-        power *= x;
-    }
-    sums
-}
-
-/// States of all relaxations and resonances.
-#[derive(Clone, Debug, Default)]
-struct States {
-    /// ξ of ξ' = λ (u − ξ).
-    relaxations: Vec<f64>,
-    /// x of x' = p x + u, and ∂x/∂p.
-    resonances: Vec<(Complex64, Complex64)>,
-}
-
-/// What a step of one length does to the states.
-#[derive(Clone, Debug, Default)]
-struct Step {
-    is_set: bool,
-    length_s: f64,
-    /// 1 − e^(−λt), and t − (1 − e^(−λt))/λ for the slope.
-    gains: Vec<f64>,
-    slopes: Vec<f64>,
-    stretches: Vec<Stretch>,
-}
-
-/// An output a time after a knot, as a function of the states and the input there.
-#[derive(Clone, Debug, Default)]
-struct Reading {
-    is_set: bool,
-    since_s: f64,
-    relaxations: Vec<f64>,
-    resonances: Vec<(Complex64, Complex64)>,
-    input: f64,
-    slope: f64,
-}
-
-impl States {
-    fn reset(&mut self, relaxations: usize, resonances: usize) {
-        self.relaxations.clear();
-        self.relaxations.resize(relaxations, 0.0);
-        self.resonances.clear();
-        self.resonances.resize(resonances, (Complex64::ZERO, Complex64::ZERO));
-    }
-
-    fn advance(&mut self, step: &Step, input: f64, slope: f64) {
-        let gains = step.gains.iter().zip(&step.slopes);
-        for (state, (gain, rise)) in self.relaxations.iter_mut().zip(gains) {
-            *state += gain * (input - *state) + rise * slope;
-        }
-        for ((x, tangent), stretch) in self.resonances.iter_mut().zip(&step.stretches) {
-            *tangent = stretch.decay * (*tangent + *x * step.length_s)
-                + stretch.first_tangent * input
-                + stretch.second_tangent * slope;
-            *x = stretch.decay * *x + stretch.first * input + stretch.second * slope;
-        }
-    }
-
-    fn read(&self, reading: &Reading, input: f64, slope: f64) -> f64 {
-        let resonances = self.resonances.iter().zip(&reading.resonances);
-        let resonant: f64 =
-            resonances.map(|((x, tangent), (of_x, of_tangent))| (x * of_x + tangent * of_tangent).re).sum();
-        hysteron_numeric::dot(&self.relaxations, &reading.relaxations)
-            + resonant
-            + reading.input * input
-            + reading.slope * slope
-    }
-}
-
-impl Step {
-    fn set(&mut self, length_s: f64, rates: &[f64], poles: &[Complex64]) {
-        if self.is_set && (length_s - self.length_s).abs() <= EQUAL * self.length_s {
-            return;
-        }
-        (self.is_set, self.length_s) = (true, length_s);
-        self.gains.clear();
-        self.gains.extend(rates.iter().map(|rate| -(-rate * length_s).exp_m1()));
-        self.slopes.clear();
-        self.slopes.extend(self.gains.iter().zip(rates).map(|(gain, rate)| length_s - gain / rate));
-        self.stretches.clear();
-        self.stretches.extend(poles.iter().map(|&pole| Stretch::new(pole, length_s)));
-    }
-}
-
-impl Reading {
-    fn set(&mut self, since_s: f64, rates: &[f64], poles: &[Complex64], readout: &Readout) {
-        if self.is_set && (since_s - self.since_s).abs() <= EQUAL * self.since_s {
-            return;
-        }
-        (self.is_set, self.since_s) = (true, since_s);
-        self.relaxations.clear();
-        (self.input, self.slope) = (readout.input, readout.slope + readout.input * since_s);
-        for (weight, rate) in readout.relaxations.iter().zip(rates) {
-            let gain = -(-rate * since_s).exp_m1();
-            self.relaxations.push(weight * (1.0 - gain));
-            self.input += weight * gain;
-            self.slope += weight * (since_s - gain / rate);
-        }
-        self.resonances.clear();
-        for (&(of_x, of_tangent), &pole) in readout.resonances.iter().zip(poles) {
-            let stretch = Stretch::new(pole, since_s);
-            self.resonances.push(((of_x + of_tangent * since_s) * stretch.decay, of_tangent * stretch.decay));
-            self.input += (of_x * stretch.first + of_tangent * stretch.first_tangent).re;
-            self.slope += (of_x * stretch.second + of_tangent * stretch.second_tangent).re;
-        }
     }
 }

@@ -20,6 +20,8 @@ const FREQUENCIES: (f64, f64) = (0.1, 4.0 * PI);
 const PER_DECADE: usize = 16;
 /// Singular values below this share of the largest are left out: they buy accuracy with weights that cancel.
 const SMALLEST: f64 = 1e-11;
+/// What is constant to this share of the largest response needs no relaxations: resonances and real poles describe all else.
+const CONSTANT: f64 = 1e-12;
 /// Largest error of the response over the fit, as a share of the largest response.
 const ACCURACY: f64 = 1e-5;
 
@@ -79,6 +81,7 @@ impl RelaxationFit {
         let mut tangents = vec![DVector::zeros(2 * rows); parameters];
         let put = |to: &mut DVector<f64>, row: usize, z: Complex64| (to[row], to[rows + row]) = (z.re, z.im);
         let mut largest: f64 = 0.0;
+        let mut largest_tangents = vec![0.0_f64; parameters];
         for (row, &omega) in self.omegas.iter().enumerate() {
             let s = Complex64::new(0.0, omega);
             let log = Complex64::new(omega.ln(), 0.5 * PI);
@@ -105,7 +108,9 @@ impl RelaxationFit {
                 let above = moved(&tf.numerator, &|term| nth(linearised.numerator_term(term)));
                 let below = moved(&tf.denominator, &|term| nth(linearised.denominator_term(term)));
                 let paired: Complex64 = resonances.iter().map(|pole| pole.response_tangent(s, which)).sum();
-                put(tangent, row, (above - g * below) / denominator - paired);
+                let whole = (above - g * below) / denominator;
+                largest_tangents[which] = largest_tangents[which].max(whole.norm());
+                put(tangent, row, whole - paired);
             }
         }
         let fitted = &self.inverse * &value;
@@ -114,8 +119,20 @@ impl RelaxationFit {
         if error.is_nan() || error > ACCURACY * largest {
             return Err(DynamicsError::OutputNotFinite);
         }
-        let tangents = tangents.iter().map(|tangent| self.split(&(&self.inverse * tangent))).collect();
-        Ok((self.split(&fitted), tangents))
+        let tangents = tangents.iter().zip(largest_tangents).map(|(tangent, largest)| {
+            self.constant(tangent, largest).unwrap_or_else(|| self.split(&(&self.inverse * tangent)))
+        });
+        let tangents = tangents.collect();
+        Ok((self.constant(&value, largest).unwrap_or_else(|| self.split(&fitted)), tangents))
+    }
+
+    /// No relaxations, where a response is the same real number at every frequency.
+    fn constant(&self, response: &DVector<f64>, largest: f64) -> Option<Weights> {
+        let rows = self.omegas.len();
+        let direct = response.rows(0, rows).mean();
+        let expected = |row: usize| if row < rows { direct } else { 0.0 };
+        let left = response.iter().enumerate().map(|(row, x)| (x - expected(row)).abs()).fold(0.0, f64::max);
+        (left <= CONSTANT * largest).then(|| Weights { relaxations: vec![0.0; self.rates.len()], direct })
     }
 
     fn split(&self, solution: &DVector<f64>) -> Weights {
