@@ -160,7 +160,7 @@ fn added_up(subject: &Subject, voltages: &[f64]) -> Result<f64, ExportError> {
     let linear = &subject.realisation.dynamics;
     let mut v = vec![0.0; voltages.len()];
     let rest = voltages.first().copied().unwrap_or(0.0);
-    let grid = DriveGrid { factor: 1, interval_s: Some(1.0 / subject.realisation.sample_rate_hz) };
+    let grid = DriveGrid::new(Some(subject.realisation.sample_rate_hz), 1, 1);
     model
         .hysteresis
         .simulate_every(grid, voltages, Start::Rest { voltage_v: rest }, &mut v)

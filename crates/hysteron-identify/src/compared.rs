@@ -6,6 +6,7 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{Invertibility, TimedDrive};
 use hysteron_model::model_file::Maker;
 use hysteron_model::realise::{Cost, RealiseOptions, side_by_side};
+use hysteron_model::record::Timing;
 use hysteron_numeric::number::significant;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -209,7 +210,7 @@ fn costs(
     let options = RealiseOptions { lowest_frequency_hz, ..RealiseOptions::default() };
     let mut costs = side_by_side(&fitted, sample_rate_hz, &options, drive, ROUNDS, now).into_iter();
     let drives: Vec<TimedDrive<'_>> =
-        campaign.iter().map(|r| (r.data.u.as_slice(), rate(r).map(|rate| 1.0 / rate))).collect();
+        campaign.iter().map(|r| (r.data.u.as_slice(), Timing::from(&r.data.time))).collect();
     models
         .into_iter()
         .map(|model| {

@@ -14,7 +14,7 @@ use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability}
 use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
 use hysteron_model::model::FAR_FROM_REST;
 use hysteron_model::record::{
-    LoopSense, follow_each_other, implausible_units, loop_shape, range_of, turning_points,
+    LoopSense, Timing, follow_each_other, implausible_units, loop_shape, range_of, turning_points,
 };
 use hysteron_numeric::display::short;
 use hysteron_optimize::StopReason;
@@ -154,11 +154,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         let spans = result.records.iter().map(|fit| range_of(&fit.data.u));
         let span = spans.fold((f64::MAX, f64::MIN), |(low, high), (l, h)| (low.min(l), high.max(h)));
         let unit = facts.first().map_or_else(String::new, |f| f.data.u_unit.to_string());
-        let drives: Vec<TimedDrive<'_>> = result
-            .records
-            .iter()
-            .map(|fit| (fit.data.u.as_slice(), fit.data.sample_rate_hz().map(|rate| 1.0 / rate)))
-            .collect();
+        let drives: Vec<TimedDrive<'_>> =
+            result.records.iter().map(|fit| (fit.data.u.as_slice(), Timing::from(&fit.data.time))).collect();
         say(
             &mut findings,
             FindingKind::Verdict,
@@ -542,11 +539,11 @@ mod tests {
         let drive: Vec<f64> = (0..400).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.05).cos()).collect();
         let of = |form, linear, shape, weights| {
             let model = Family::new(vec![linear], form, shape, weights).unwrap();
-            verdict(&Hysteresis::Family(model), &[(&drive, Some(1e-3))], (0.0, 10.0), "V")
+            verdict(&Hysteresis::Family(model), &[(&drive, Timing::Rate(1e3))], (0.0, 10.0), "V")
         };
         let of_bouc_wen = |linear| {
             let model = BoucWen::new(vec![linear], 1.0, 0.6, 0.2, 1.0).unwrap();
-            verdict(&Hysteresis::BoucWen(model), &[(&drive, None)], (0.0, 10.0), "V")
+            verdict(&Hysteresis::BoucWen(model), &[(&drive, Timing::Unknown)], (0.0, 10.0), "V")
         };
         // 2β/(β + γ) = 1.5: above a slope of 1.5 α every move raises the output, below it a saturated loop falls at its turn.
         assert!(of_bouc_wen(1.51).contains("so that it has an inverse"), "{}", of_bouc_wen(1.51));

@@ -9,7 +9,7 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{Family, FamilyForm, Hysteresis, HysteresisForm};
-use hysteron_model::record::{ChannelChoice, InputOutput, InterSample, TimeBase};
+use hysteron_model::record::{ChannelChoice, InputOutput, InterSample, TimeBase, Timing};
 use hysteron_model::validate::{Scoring, choose_start, score};
 use hysteron_rig::{CampaignPlan, CampaignRun, Mode, Plant, PlayStack, Role, Truth, run_campaign};
 
@@ -115,6 +115,45 @@ fn plays_that_widen_with_the_rate_come_back() {
     let found = fitted(&truth, 0.005);
     within_errors(&found, &truth, &["rate_gain", "weight_1", "weight_2", "weight_3", "weight_4"]);
     assert!(unseen(&found, &truth) < 0.001, "{}", unseen(&found, &truth));
+}
+
+#[test]
+fn plays_that_widen_with_the_rate_come_back_from_uneven_stamps() {
+    let form = FamilyForm::RateDependentPlays { plays: 4 };
+    let truth = device(form, &[2.1], &[5.0, 2.1e-4], &[0.35, 0.1, 0.22, 0.14]);
+    // No step is like another, by up to 40 % of it; the second record has a pause in it.
+    let record = |name: &str, fast_hz: f64, seconds: f64, pause_s: f64, seed: u64| {
+        let count = (seconds * RATE_HZ) as usize;
+        let times_s: Vec<f64> = noise(seed, count)
+            .iter()
+            .enumerate()
+            .map(|(k, e)| {
+                let pause = if k < count / 2 { 0.0 } else { pause_s };
+                pause + (k as f64 + 0.2 * e.clamp(-1.0, 1.0)) / RATE_HZ
+            })
+            .collect();
+        let u: Vec<f64> = times_s
+            .iter()
+            .map(|t| {
+                let t = t * std::f64::consts::TAU;
+                5.0 - 5.0 * (0.6 + 0.4 * (0.8 * t).cos()) * (fast_hz * t).cos()
+            })
+            .collect();
+        let mut y = truth.simulate(&u, Timing::Stamps(&times_s), &Start::Rest { voltage_v: u[0] }).unwrap();
+        y.iter_mut().zip(noise(seed + 7, count)).for_each(|(y, e)| *y += 0.005 * e);
+        let data = InputOutput::new(name, TimeBase::NonUniform { times_s }, u, y).unwrap();
+        CampaignRecord { data, role: Some(RecordRole::Dynamic) }
+    };
+    let campaign = [record("slow", 3.0, 1.0, 0.0, 1), record("fast", 60.0, 0.8, 0.113, 2)];
+    let options = Options {
+        hysteresis: Choice::Given(truth.hysteresis.form()),
+        dynamics: DynamicsChoice::Integer,
+        degree: Choice::Given(1),
+        ..Options::default()
+    };
+    let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
+    within_errors(&found, &truth, &["rate_gain", "weight_1", "weight_2", "weight_3", "weight_4"]);
+    assert!(unseen(&found, &truth) < 0.002, "{}", unseen(&found, &truth));
 }
 
 #[test]

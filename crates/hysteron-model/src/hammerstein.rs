@@ -9,9 +9,11 @@
 
 use crate::Memory;
 use crate::dynamics::delay::delay_in_place;
-use crate::dynamics::{Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace};
+use crate::dynamics::{
+    Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace, knot_follows,
+};
 use crate::dynamics_error::check_length;
-use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means};
+use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means, rates_on};
 use crate::record::{InterSample, Timing, even_times};
 pub use crate::simulation_error::SimulationError;
 use crate::start::Start;
@@ -91,7 +93,7 @@ impl Model {
             return self.simulate_on_stamps(u, times_s, start);
         }
         let sample_rate_hz = timing.sample_rate_hz();
-        let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, sample_rate_hz, start)?;
+        let (mut v, prologue, rest) = self.simulate_hysteresis_extended(u, timing, start)?;
         self.check_sample_rate(sample_rate_hz)?;
         if let (Some(rate), Dynamics::None | Dynamics::Arx(_)) = (sample_rate_hz, &self.dynamics) {
             delay_in_place(&mut v, self.delay_s * rate, rest);
@@ -142,10 +144,15 @@ impl Model {
         check_length("time stamps", times_s.len(), u.len())?;
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
         let times_s = with_prologue(&even_times(times_s), prologue);
-        let knots = Knots::new(&times_s, &extended, self.inter_sample);
+        let knots = Knots::new(&times_s, &extended, self.inter_sample, self.hysteresis.form().sees_rate());
         let (memory, origin) = self.origin(start, rest_voltage_v)?;
         let mut v = vec![0.0; knots.drive_v.len()];
-        self.hysteresis.simulate_every(DriveGrid::from(1), &knots.drive_v, origin, &mut v)?;
+        self.hysteresis.simulate_every(
+            DriveGrid::of_rates(&knots.rates, 1),
+            &knots.drive_v,
+            origin,
+            &mut v,
+        )?;
         let rest = self.hysteresis.at_rest(rest_voltage_v, memory);
         v.iter_mut().for_each(|v| *v -= rest);
         let scored = times_s.get(prologue..).unwrap_or_default().to_vec();
@@ -192,17 +199,18 @@ impl Model {
         })
     }
 
-    /// Output v of the static block \[µm\], before delay and dynamics. The sample rate is needed for hysteresis that depends on it.
+    /// Output v of the static block \[µm\], before delay and dynamics. When the samples were taken is asked for by hysteresis that sees the
+    /// rate.
     ///
     /// # Errors
     /// [`SimulationError::Hysteresis`], [`SimulationError::Period`].
     pub fn simulate_hysteresis(
         &self,
         u: &[f64],
-        sample_rate_hz: Option<f64>,
+        timing: Timing<'_>,
         start: &Start,
     ) -> Result<Vec<f64>, SimulationError> {
-        let (mut v, prologue, _) = self.simulate_hysteresis_extended(u, sample_rate_hz, start)?;
+        let (mut v, prologue, _) = self.simulate_hysteresis_extended(u, timing, start)?;
         v.drain(..prologue);
         Ok(v)
     }
@@ -210,11 +218,19 @@ impl Model {
     fn simulate_hysteresis_extended(
         &self,
         u: &[f64],
-        sample_rate_hz: Option<f64>,
+        timing: Timing<'_>,
         start: &Start,
     ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
-        let grid = |finer, factor| DriveGrid::new(sample_rate_hz, finer, factor);
+        let grid = |finer, factor| DriveGrid::new(timing.sample_rate_hz(), finer, factor);
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
+        // On stamps every move has a rate of its own; between samples time goes on evenly.
+        let times_s = match timing {
+            Timing::Stamps(times_s) => {
+                check_length("time stamps", times_s.len(), u.len())?;
+                Some(with_prologue(&even_times(times_s), prologue))
+            }
+            Timing::Unknown | Timing::Rate(_) => None,
+        };
         let mut v = vec![0.0; extended.len()];
         let operator = &self.hysteresis;
         let (memory, origin) = self.origin(start, rest_voltage_v)?;
@@ -226,9 +242,13 @@ impl Model {
             polygon_of_means(&fine, &mut v);
         } else if self.inter_sample == InterSample::BandLimited && extended.len() > 1 {
             let fine = self.inter_sample.upsample(&extended, FINER, RecordEnds::Open)?;
-            operator.simulate_every(grid(FINER, FINER), &fine, origin, &mut v)?;
+            let rates = times_s.map(|times_s| rates_on(&finer(&times_s, FINER), &fine));
+            let grid = DriveGrid { rates: rates.as_deref(), ..grid(FINER, FINER) };
+            operator.simulate_every(grid, &fine, origin, &mut v)?;
         } else {
-            operator.simulate_every(grid(1, 1), &extended, origin, &mut v)?;
+            let rates = times_s.map(|times_s| rates_on(&times_s, &extended));
+            let grid = DriveGrid { rates: rates.as_deref(), ..grid(1, 1) };
+            operator.simulate_every(grid, &extended, origin, &mut v)?;
         }
         Ok((v, prologue, operator.at_rest(rest_voltage_v, memory)))
     }
@@ -302,6 +322,15 @@ fn with_prologue(times_s: &[f64], prologue: usize) -> Vec<f64> {
     times_before(times_s, period, 0..period).chain(times_s.iter().copied()).collect()
 }
 
+/// Times with so many steps in the place of each, of equal length.
+fn finer(times_s: &[f64], factor: usize) -> Vec<f64> {
+    let between = times_s.windows(2).flat_map(|two| {
+        let [from, to] = [two[0], two[1]];
+        (0..factor).map(move |j| from + (to - from) * (j as f64 / factor as f64))
+    });
+    between.chain(times_s.last().copied()).collect()
+}
+
 /// Times of `rows` of a cycle of `period` samples, that a record begins with, in every cycle that ran before it
 /// ([`Start::Settled`]).
 #[doc(hidden)]
@@ -336,12 +365,12 @@ fn delayed(knots_s: &[f64], v: &[f64], wanted_s: &[f64], delay_s: f64, hold: boo
     let mut at = 0;
     let read = |time: &f64| {
         let time = time - delay_s;
-        while knots_s.get(at + 1).is_some_and(|next| *next <= time) {
+        while knot_follows(knots_s, at, time) {
             at += 1;
         }
         match (knots_s.get(at), v.get(at), knots_s.get(at + 1), v.get(at + 1)) {
             (Some(&from), Some(_), ..) if time < from => 0.0,
-            (Some(&from), Some(&a), Some(&to), Some(&b)) if !hold => {
+            (Some(&from), Some(&a), Some(&to), Some(&b)) if !hold && to > from => {
                 a + (b - a) * (time - from) / (to - from)
             }
             (_, a, ..) => a.copied().unwrap_or(0.0),

@@ -8,7 +8,7 @@ use super::record::{Ingredients, JointRecord};
 use super::weighting::{Weighting, by_swing, thinned};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
-use hysteron_model::hysteresis::{Hysteresis, HysteresisError, HysteresisForm, RecordEnds};
+use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
 use hysteron_model::record::{Timing, noise_floor, quantisation_step};
 use hysteron_model::validate::{first_cycle, unfollowed_start};
 
@@ -49,10 +49,6 @@ impl<'a> JointMember<'a> {
     ) -> Result<Self, IdentifyError> {
         let (timing, rate_hz) = facts.require_timing()?;
         let uneven = matches!(timing, Timing::Stamps(_));
-        let sees_rate = matches!(options.family(), HysteresisForm::Family(form) if form.depends_on_rate());
-        if uneven && sees_rate {
-            return Err(IdentifyError::Hysteresis(HysteresisError::Interval));
-        }
         let first = facts.data.u[0];
         let remembering = Start::Remembering { voltage_v: first, memory: () };
         let (before, transients) = match options.initial {
@@ -89,6 +85,8 @@ impl<'a> JointMember<'a> {
         let noise = floor.max(step).max(LEAST_NOISE * facts.stroke());
         let whole = facts.scored(0).len() == facts.data.y.len();
         let factor = match timing {
+            // Between samples that are left out the drive goes at rates of its own.
+            Timing::Stamps(_) if options.family().sees_rate() => 1,
             Timing::Stamps(_) => facts.data.len() / thinned(&facts.data).len().max(1),
             _ if whole => reduction(facts, before),
             _ => 1,
@@ -137,7 +135,7 @@ impl<'a> JointMember<'a> {
         }
         let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let TimedDrive { fine, thinning, clock } =
-            TimedDrive::new(&data.u, timing, scheme, options.inter_sample(), ends)?;
+            TimedDrive::new((&data.u, ends), timing, scheme, options.inter_sample(), false)?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&data.u),
             thinning,
@@ -165,6 +163,7 @@ impl<'a> JointMember<'a> {
         options: &Options,
     ) -> Result<JointRecord, IdentifyError> {
         let data = &self.facts.data;
+        let sees_rate = options.family().sees_rate();
         let kept = if thin { thinned(data) } else { (0..data.len()).collect() };
         let pick = |x: &[f64]| -> Vec<f64> { kept.iter().map(|&k| x[k]).collect() };
         let times_s = data.time.times_s(data.len()).unwrap_or_default();
@@ -184,17 +183,23 @@ impl<'a> JointMember<'a> {
         let duration = self.facts.duration_s();
         let drift = || kept.iter().map(|&k| (times_s[k] - first) / duration - 0.5).collect();
         let (before, cycles) = match self.before {
-            // Samples that show every swing are enough of what was before.
+            // Samples that show every swing are enough of what was before, but where rates count.
             Start::Settled { period_samples: Some(period), .. } => {
-                let cycles = cycles_before(&times_s, &data.u, period, thinned(data).iter().copied());
+                let rows = if sees_rate { (0..data.len()).collect() } else { thinned(data) };
+                let cycles = cycles_before(&times_s, &data.u, period, rows.iter().copied());
                 (Start::Rest { voltage_v: data.u[0] }, cycles)
             }
             other => (other, Default::default()),
         };
         let drive = pick(&data.u);
         let scheme = options.scheme();
-        let TimedDrive { fine, thinning, clock } =
-            TimedDrive::on_stamps(cycles, (&pick(&times_s), &drive), scheme, options.inter_sample())?;
+        let TimedDrive { fine, thinning, clock } = TimedDrive::on_stamps(
+            cycles,
+            (&pick(&times_s), &drive),
+            scheme,
+            options.inter_sample(),
+            sees_rate,
+        )?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&drive),
             thinning,

@@ -70,28 +70,30 @@ impl TimedDrive {
         (times_s, u): (&[f64], &[f64]),
         scheme: Scheme,
         inter_sample: InterSample,
+        sees_rate: bool,
     ) -> Result<Self, SimulationError> {
         let (mut knots_s, mut drive) = before;
         let count = knots_s.len();
         knots_s.extend_from_slice(times_s);
         drive.extend_from_slice(u);
-        let mut timed = Self::new(&drive, Timing::Stamps(&knots_s), scheme, inter_sample, RecordEnds::Open)?;
+        let timing = Timing::Stamps(&knots_s);
+        let mut timed = Self::new((&drive, RecordEnds::Open), timing, scheme, inter_sample, sees_rate)?;
         if let Clock::Stamps { outputs_s, .. } = &mut timed.clock {
             outputs_s.drain(..count);
         }
         Ok(timed)
     }
 
-    /// The drive `u` sampled as `timing` says.
+    /// The drive `u` sampled as `timing` says; `sees_rate`: for hysteresis that does.
     ///
     /// # Errors
     /// [`SimulationError::NoSampleRate`] where that is unknown; a drive that cannot be interpolated.
     pub(super) fn new(
-        u: &[f64],
+        (u, ends): (&[f64], RecordEnds),
         timing: Timing<'_>,
         scheme: Scheme,
         inter_sample: InterSample,
-        ends: RecordEnds,
+        sees_rate: bool,
     ) -> Result<Self, SimulationError> {
         match timing {
             Timing::Unknown => Err(SimulationError::NoSampleRate),
@@ -101,9 +103,10 @@ impl TimedDrive {
             }
             Timing::Stamps(times_s) => {
                 let outputs_s = even_times(times_s);
-                let Knots { times_s: knots_s, drive_v } = Knots::new(&outputs_s, u, inter_sample);
+                let Knots { times_s: knots_s, drive_v, rates } =
+                    Knots::new(&outputs_s, u, inter_sample, sees_rate);
                 let held = inter_sample == InterSample::Hold;
-                let clock = Clock::Stamps { knots_s, outputs_s, held };
+                let clock = Clock::Stamps { knots_s, rates, outputs_s, held };
                 Ok(Self { fine: Some(drive_v), thinning: Thinning::Pick(1), clock })
             }
         }

@@ -32,7 +32,9 @@ pub(in super::super) struct JointRecord {
     /// Drive on the grid that the hysteresis runs over \[V\].
     drive: Vec<f64>,
     /// How its samples lie in time.
-    grid: DriveGrid,
+    grid: DriveGrid<'static>,
+    /// Rate of the way to each sample of the drive \[V/s\], where these are not an equal time apart.
+    rates: Option<Vec<f64>>,
     thinning: Thinning,
     reduction: Option<Reduction>,
     /// What happened before the first sample; an unknown memory at rest at u(0) is a parameter of the fit.
@@ -224,7 +226,8 @@ impl JointRecord {
             return true;
         }
         *of = None;
-        if form.run(shape, self.grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
+        let grid = DriveGrid { rates: self.rates.as_deref(), ..self.grid };
+        if form.run(shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;
         }
         let share = inputs.len().div_ceil(lanes.len().max(1)).max(1);

@@ -3,7 +3,7 @@ use hysteron_model::Memory;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::{ModelFile, SignalUnits};
-use hysteron_model::record::{InterSample, TimeBase};
+use hysteron_model::record::{InterSample, TimeBase, Timing};
 use std::f64::consts::TAU;
 
 /// As the joint fit finds it on the simulated bench: stack, 338 Hz resonance, 0.2 ms delay.
@@ -223,8 +223,8 @@ fn a_scaled_block_has_a_scaled_output_for_every_exponent() {
         let one = Model { hysteresis: block.clone(), dynamics: Dynamics::None, delay_s: 0.0, ..rig_like() };
         let more = Model { hysteresis: block.scaled(1.37).unwrap(), ..one.clone() };
         let start = Start::Rest { voltage_v: 0.0 };
-        let v = one.simulate_hysteresis(&drive(500.0), None, &start).unwrap();
-        let scaled = more.simulate_hysteresis(&drive(500.0), None, &start).unwrap();
+        let v = one.simulate_hysteresis(&drive(500.0), Timing::Unknown, &start).unwrap();
+        let scaled = more.simulate_hysteresis(&drive(500.0), Timing::Unknown, &start).unwrap();
         for (v, s) in v.iter().zip(scaled) {
             assert!((s - 1.37 * v).abs() < 1e-9 * 80.0, "{n}: {s} {v}");
         }

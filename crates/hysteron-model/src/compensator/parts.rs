@@ -5,6 +5,7 @@ use hysteron_rt::{Compensator, LANES, Law, Limits, Real};
 use super::{Compensation, InversionError};
 use crate::hysteresis::{Hysteresis, HysteresisError};
 use crate::realise::{Realisation, RealiseError, RuntimeParts};
+use crate::record::Timing;
 
 /// Turns of the drive, of shrinking size, along which a hysteresis without an exact condition is tried.
 const TURNS: usize = 40;
@@ -105,6 +106,7 @@ fn invertible(hysteresis: &Hysteresis, [low, high]: [f64; 2], interval_s: f64) -
             0.5 * (low + high) + 0.5 * (high - low) * size * (2.0 * along - 1.0)
         })
         .collect();
-    let found = hysteresis.invertibility(&[(&loops, Some(interval_s))]).map_err(RealiseError::from)?;
+    let found =
+        hysteresis.invertibility(&[(&loops, Timing::Rate(1.0 / interval_s))]).map_err(RealiseError::from)?;
     if found.is_invertible() { Ok(()) } else { Err(InversionError::NotInvertible(found)) }
 }

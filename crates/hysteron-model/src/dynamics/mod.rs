@@ -57,6 +57,8 @@ pub use record_plan::{PlanInput, PlanResponse, PlanWorkspace, RecordPlan};
 pub use response::{Response, Sampling};
 pub use second_order::SecondOrder;
 pub use stability::{Stability, stability};
+#[doc(hidden)]
+pub use stamped::knot_follows;
 pub use stamped::{Knots, StampedPlan, StampedResponse, StampedWorkspace};
 pub use transfer_function::TransferFunction;
 

@@ -2,24 +2,58 @@
 
 /// Grid of a drive, which may be finer than that of what an operator puts out for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DriveGrid {
+pub struct DriveGrid<'a> {
     /// Every so many samples of the drive one is put out.
     pub factor: usize,
-    /// Seconds from one sample of the drive to the next; `None` where their order alone is known, which is enough for every operator
-    /// but those whose memory depends on the rate.
+    /// Seconds from one sample of the drive to the next; `None` where they are not known, or not equal.
     pub interval_s: Option<f64>,
+    /// |du/dt| \[V/s\] of the move to each sample of the drive, as many as it has, where its samples are not an equal time apart
+    /// ([`rates_on`]). An operator whose memory depends on the rate asks for this or for the interval; for every other one the order
+    /// of the samples is enough.
+    pub rates: Option<&'a [f64]>,
 }
 
-impl DriveGrid {
+impl DriveGrid<'_> {
     /// Of a record at this rate \[Hz\], as far as it is known, `finer` times as fine, of which every `factor`-th sample is put out.
     pub fn new(sample_rate_hz: Option<f64>, finer: usize, factor: usize) -> Self {
-        Self { factor, interval_s: sample_rate_hz.map(|rate| 1.0 / (rate * finer as f64)) }
+        let interval_s = sample_rate_hz.map(|rate| 1.0 / (rate * finer as f64));
+        Self { factor, interval_s, rates: None }
+    }
+}
+
+impl<'a> DriveGrid<'a> {
+    /// Of a drive with these rates ([`Self::rates`]), of which every `factor`-th sample is put out.
+    pub fn of_rates(rates: &'a [f64], factor: usize) -> Self {
+        Self { factor, interval_s: None, rates: Some(rates) }
     }
 }
 
 /// Every so many samples, whose order alone is known.
-impl From<usize> for DriveGrid {
+impl From<usize> for DriveGrid<'_> {
     fn from(factor: usize) -> Self {
-        Self { factor, interval_s: None }
+        Self { factor, interval_s: None, rates: None }
+    }
+}
+
+/// |du/dt| \[V/s\] of the straight line to each sample of the drive `u` \[V\] at `times_s` \[s\] from the one before; 0 for the first,
+/// which a device at rest comes to without rate, and for a jump in no time.
+pub fn rates_on(times_s: &[f64], u: &[f64]) -> Vec<f64> {
+    let moves = times_s.windows(2).zip(u.windows(2));
+    let rates = moves.map(|(times, u)| {
+        let (time_s, move_v) = (times[1] - times[0], u[1] - u[0]);
+        if time_s > 0.0 { (move_v / time_s).abs() } else { 0.0 }
+    });
+    u.first().map(|_| 0.0).into_iter().chain(rates).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_by_hand() {
+        let (times_s, u) = ([0.0, 0.5, 0.5, 2.5], [1.0, 2.0, 5.0, 4.0]);
+        assert_eq!(rates_on(&times_s, &u), [0.0, 2.0, 0.0, 0.5]);
+        assert!(rates_on(&[], &[]).is_empty());
     }
 }

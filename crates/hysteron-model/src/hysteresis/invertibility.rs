@@ -4,8 +4,9 @@ use std::fmt;
 
 use super::{
     Admissibility, BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii,
-    polynomial,
+    polynomial, rates_on,
 };
+use crate::record::Timing;
 use crate::start::Start;
 use hysteron_numeric::display::short;
 
@@ -74,8 +75,17 @@ impl fmt::Display for Invertibility {
     }
 }
 
-/// Voltages \[V\] and the seconds between them, where these are known.
-pub type TimedDrive<'a> = (&'a [f64], Option<f64>);
+/// Voltages \[V\] and when they are sampled.
+pub type TimedDrive<'a> = (&'a [f64], Timing<'a>);
+
+/// Least time from one sample to the next \[s\], where it is known.
+fn least_interval_s(timing: Timing<'_>) -> Option<f64> {
+    match timing {
+        Timing::Unknown => None,
+        Timing::Rate(sample_rate_hz) => Some(1.0 / sample_rate_hz),
+        Timing::Stamps(times_s) => times_s.windows(2).map(|two| two[1] - two[0]).reduce(f64::min),
+    }
+}
 
 impl Hysteresis {
     /// Whether the operator can be inverted over the voltages of `drives` \[V\]: by the exact condition of its family where that decides,
@@ -99,8 +109,9 @@ impl Hysteresis {
         if !(low < high && (high - low).is_finite()) {
             return Err(HysteresisError::Range { low, high });
         }
-        let least = |least: Option<f64>, interval: &Option<f64>| Some(least?.min((*interval)?));
-        let interval_s = drives.iter().map(|(_, interval)| interval).fold(Some(f64::INFINITY), least);
+        let least =
+            |least: Option<f64>, (_, timing): &TimedDrive<'_>| Some(least?.min(least_interval_s(*timing)?));
+        let interval_s = drives.iter().fold(Some(f64::INFINITY), least);
         match self.by_condition([low, high], interval_s) {
             Some(answer) => Ok(answer),
             None => self.along(drives, SHORTEST_MOVE * (high - low)),
@@ -120,10 +131,14 @@ impl Hysteresis {
 
     fn along(&self, drives: &[TimedDrive<'_>], shortest: f64) -> Result<Invertibility, HysteresisError> {
         let mut least_slope = f64::INFINITY;
-        for &(drive, interval_s) in drives {
+        for &(drive, timing) in drives {
             let Some(&rest) = drive.first() else { continue };
             let mut v = vec![0.0; drive.len()];
-            let grid = DriveGrid { factor: 1, interval_s };
+            let rates = match timing {
+                Timing::Stamps(times_s) => Some(rates_on(times_s, drive)),
+                Timing::Unknown | Timing::Rate(_) => None,
+            };
+            let grid = DriveGrid { rates: rates.as_deref(), ..DriveGrid::new(timing.sample_rate_hz(), 1, 1) };
             self.simulate_every(grid, drive, Start::Rest { voltage_v: rest }, &mut v)?;
             // From turn to turn of what moves at all, so that noise on a held drive is no branch.
             let mut from = (rest, v.first().copied().unwrap_or(0.0));
@@ -202,7 +217,7 @@ mod tests {
     #[test]
     fn bouc_wen_by_its_bound_and_by_its_drive() {
         let drive = drive();
-        let of = |model: Hysteresis| model.invertibility(&[(&drive, None)]).unwrap();
+        let of = |model: Hysteresis| model.invertibility(&[(&drive, Timing::Unknown)]).unwrap();
         // 2β/(β + γ) = 1.5: a slope of 1.5 α is the limit. Just above it every history is safe.
         assert_eq!(of(bouc_wen(1.51, 1.0)), Invertibility::Everywhere);
         // Below it a loop that saturates falls behind its turn: dz/du there is 1.5 α.
@@ -210,7 +225,7 @@ mod tests {
         assert!((-0.25..-0.1).contains(&least_slope), "{least_slope}");
         // A drive that does not saturate does not find the fall.
         let short: Vec<f64> = drive.iter().map(|u| 0.02 * u).collect();
-        let on_short = bouc_wen(1.3, 1.0).invertibility(&[(&short, None)]).unwrap();
+        let on_short = bouc_wen(1.3, 1.0).invertibility(&[(&short, Timing::Unknown)]).unwrap();
         assert!(matches!(on_short, Invertibility::AlongDrives { .. }), "{on_short}");
         // α < 0 adds to the slope.
         assert_eq!(of(bouc_wen(0.1, -1.0)), Invertibility::Everywhere);
@@ -221,7 +236,7 @@ mod tests {
         let drive = drive();
         let of = |weights: Vec<f64>| {
             let model = PrandtlIshlinskii::new(vec![1.0], vec![0.5, 1.5], weights).unwrap();
-            Hysteresis::PrandtlIshlinskii(model).invertibility(&[(&drive, None)]).unwrap()
+            Hysteresis::PrandtlIshlinskii(model).invertibility(&[(&drive, Timing::Unknown)]).unwrap()
         };
         assert_eq!(of(vec![-0.5, -0.4]), Invertibility::Everywhere);
         assert!(matches!(of(vec![-0.5, -0.6]), Invertibility::Nowhere { .. }));
@@ -233,7 +248,7 @@ mod tests {
         let of = |form: FamilyForm, shape: &[f64], weight: f64| {
             let weights = vec![weight; form.columns()];
             let model = Family::new(vec![1.0], form, shape.to_vec(), weights).unwrap();
-            Hysteresis::Family(model).invertibility(&[(&drive, None)]).unwrap()
+            Hysteresis::Family(model).invertibility(&[(&drive, Timing::Unknown)]).unwrap()
         };
         let plays = FamilyForm::OneSidedPlays { plays: 3 };
         assert_eq!(of(plays, &[5.3], 0.2), Invertibility::Everywhere);
@@ -248,7 +263,7 @@ mod tests {
         let of = |linear: f64| {
             let form = FamilyForm::MaxwellSlip { elements: 2 };
             let model = Family::new(vec![linear], form, vec![3.0], vec![0.5, 0.4]).unwrap();
-            Hysteresis::Family(model).invertibility(&[(&drive, None)]).unwrap()
+            Hysteresis::Family(model).invertibility(&[(&drive, Timing::Unknown)]).unwrap()
         };
         // Stiffnesses 0.5 and 0.4 that give way: l' + 0.9 at a turn, l' once all slip.
         assert_eq!(of(0.1), Invertibility::Everywhere);
@@ -261,7 +276,7 @@ mod tests {
         let of = |linear: f64, rate_gain: f64| {
             let form = FamilyForm::RateDependentPlays { plays: 2 };
             let model = Family::new(vec![linear], form, vec![3.0, rate_gain], vec![0.3, 0.2]).unwrap();
-            Hysteresis::Family(model).invertibility(&[(&drive, Some(1e-3))]).unwrap()
+            Hysteresis::Family(model).invertibility(&[(&drive, Timing::Rate(1e3))]).unwrap()
         };
         assert_eq!(of(0.1, 9e-4), Invertibility::Everywhere);
         // λ/T = 1.4: 0.5 · 0.4 back.
@@ -272,7 +287,7 @@ mod tests {
     #[test]
     fn a_drive_that_does_not_move_decides_nothing() {
         let constant = [2.0; 5];
-        let error = bouc_wen(1.0, 0.5).invertibility(&[(&constant, None)]);
+        let error = bouc_wen(1.0, 0.5).invertibility(&[(&constant, Timing::Unknown)]);
         assert!(matches!(error, Err(HysteresisError::Range { .. })));
     }
 }

@@ -54,7 +54,7 @@ pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities};
 pub use dahl::Dahl;
 pub use dead_zone_plays::DeadZonePlays;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
-pub use drive_grid::DriveGrid;
+pub use drive_grid::{DriveGrid, rates_on};
 pub use duhem::Duhem;
 pub use error::HysteresisError;
 pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};
@@ -117,9 +117,9 @@ impl Hysteresis {
     ///
     /// # Errors
     /// As the model's own `simulate`.
-    pub fn simulate_every(
+    pub fn simulate_every<'a>(
         &self,
-        grid: impl Into<DriveGrid>,
+        grid: impl Into<DriveGrid<'a>>,
         u: &[f64],
         start: Start<f64>,
         out: &mut [f64],

@@ -38,20 +38,22 @@ pub struct RateDependentPrandtlIshlinskii {
 /// [`RateDependentPrandtlIshlinskii`].
 ///
 /// Shape: `scale`, 1 for the thresholds as they are; `rate_gain` λ ≥ 0 \[s\]. The rate is that of the straight line between two
-/// samples; the first move of a device at rest has none. A virgin play stands at its voltage.
+/// samples; the first move of a device at rest has none. A virgin play stands at its voltage. Where samples are not an equal time
+/// apart, their rates are given with the drive ([`super::DriveGrid::rates`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateDependentPlays {
     /// Half-widths at rest \[V\], positive and increasing.
     pub thresholds: Vec<f64>,
-    /// Time from one sample to the next \[s\].
+    /// Time from one sample to the next \[s\], where the rates are not given.
     pub interval_s: f64,
 }
 
-/// Where plays stand, and the voltage of the sample before, if there was one.
+/// Where plays stand, the voltage of the sample before, if there was one, and the rate of the next move \[V/s\], where it is told.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateDependentPlayStates<S> {
     plays: PlayStates<S>,
     before: Option<f64>,
+    rate: Option<f64>,
 }
 
 impl ColumnKernel for RateDependentPlays {
@@ -75,7 +77,7 @@ impl ColumnKernel for RateDependentPlays {
     }
 
     fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> RateDependentPlayStates<S> {
-        RateDependentPlayStates { plays: PlayStates::at(self.thresholds.len(), u), before: None }
+        RateDependentPlayStates { plays: PlayStates::at(self.thresholds.len(), u), before: None, rate: None }
     }
 
     fn advance<S: Scalar<Real = f64>>(
@@ -84,7 +86,9 @@ impl ColumnKernel for RateDependentPlays {
         state: &mut RateDependentPlayStates<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        let rate = state.before.replace(u).map_or(0.0, |before| (u - before).abs() / self.interval_s);
+        let told = state.rate.take();
+        let own = state.before.replace(u).map_or(0.0, |before| (u - before).abs() / self.interval_s);
+        let rate = told.unwrap_or(own);
         let [scale, wider] = [parameter(shape, 0), parameter(shape, 1).scale(rate)];
         for (play, &threshold) in state.plays.plays.iter_mut().zip(&self.thresholds) {
             let r = scale.scale(threshold) + wider;
@@ -95,6 +99,10 @@ impl ColumnKernel for RateDependentPlays {
 
     fn preceded<S: Scalar<Real = f64>>(state: &mut RateDependentPlayStates<S>, by: Option<f64>) {
         state.before = by;
+    }
+
+    fn paced<S: Scalar<Real = f64>>(state: &mut RateDependentPlayStates<S>, rate: f64) {
+        state.rate = Some(rate);
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &RateDependentPlayStates<S>, out: &mut [S]) {

@@ -65,7 +65,7 @@ fn a_family_that_sees_the_rate_asks_for_the_time() {
     assert!(matches!(FamilyStream::new(&model, None), Err(HysteresisError::Interval)));
     // r = 1 and 2 V; at 10 V/s the first is 2 V wide and the second 3 V.
     let mut v = [0.0; 5];
-    let grid = DriveGrid { factor: 1, interval_s: Some(0.1) };
+    let grid = DriveGrid::new(Some(10.0), 1, 1);
     model.simulate_every(grid, &[0.0, 1.0, 2.0, 3.0, 3.0], origin, &mut v).unwrap();
     assert_eq!(v, [0.0, 1.0, 2.0, 3.5, 4.2]);
 }

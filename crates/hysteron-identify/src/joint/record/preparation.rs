@@ -14,7 +14,13 @@ pub(crate) enum Clock {
     /// At this rate \[Hz\].
     Rate(f64),
     /// At these times \[s\]; the drive is given at knots of its own and is held between them or goes along straight lines.
-    Stamps { knots_s: Vec<f64>, outputs_s: Vec<f64>, held: bool },
+    Stamps {
+        knots_s: Vec<f64>,
+        /// Rate of the drive on the way to each knot \[V/s\].
+        rates: Vec<f64>,
+        outputs_s: Vec<f64>,
+        held: bool,
+    },
 }
 
 /// What a joint record is made from, all of it at the record's own rate.
@@ -86,15 +92,16 @@ impl JointRecord {
 
         let initial = if periodic { Start::PERIODIC } else { Start::ZERO };
         let (finer, every) = (parts.thinning.finer(), parts.thinning.every());
-        let (plan, grid) = match parts.clock {
+        let (plan, grid, rates) = match parts.clock {
             Clock::Rate(own_hz) => {
                 let rate_hz = own_hz / parts.factor as f64;
                 let plan = SimulationPlan::new(samples, rate_hz, parts.scheme, initial)?;
                 let plan = plan.of_thinned_inputs(parts.factor);
-                (RecordPlan::Uniform(Box::new(plan)), DriveGrid::new(Some(own_hz), finer, every))
+                (RecordPlan::Uniform(Box::new(plan)), DriveGrid::new(Some(own_hz), finer, every), None)
             }
-            Clock::Stamps { knots_s, outputs_s, held } => {
-                (RecordPlan::Stamped(StampedPlan::new(knots_s, outputs_s, held)?), DriveGrid::from(every))
+            Clock::Stamps { knots_s, rates, outputs_s, held } => {
+                let plan = StampedPlan::new(knots_s, outputs_s, held)?;
+                (RecordPlan::Stamped(plan), DriveGrid::from(every), Some(rates))
             }
         };
         let rest_v = rest_voltage(parts.before, parts.drive);
@@ -114,6 +121,7 @@ impl JointRecord {
         Ok(Self {
             drive: parts.drive.to_vec(),
             grid,
+            rates,
             thinning: parts.thinning,
             before: parts.before,
             cycles: parts.cycles,

@@ -5,40 +5,85 @@ use crate::record::InterSample;
 /// Largest move between knots, as a share of the range of the drive: between them the output of the hysteresis is taken to go
 /// along a straight line, which leaves out less than an eighth of its curvature over the move.
 const LARGEST_MOVE: f64 = 1.0 / 400.0;
+/// The same for hysteresis that sees the rate: where the drive speeds up, all its plays stand still together, and go on together.
+const LARGEST_MOVE_AT_A_RATE: f64 = 1.0 / 1000.0;
 /// Most knots that one step is divided into.
 const MOST_PARTS: f64 = 1000.0;
 
 /// Times and values of a drive, as close as the hysteresis asks for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Knots {
-    /// Times \[s\], increasing.
+    /// Times \[s\], not decreasing.
     pub times_s: Vec<f64>,
     /// Drive there \[V\].
     pub drive_v: Vec<f64>,
+    /// |du/dt| \[V/s\] of the way to each knot, 0 for the first.
+    pub rates: Vec<f64>,
 }
 
 impl Knots {
     /// Knots of the drive `u` sampled at `times_s`: its samples and, on straight lines, as many between them as large moves ask for
     /// (a held drive jumps). A band-limited drive is not known from uneven samples: it counts as straight lines.
-    pub fn new(times_s: &[f64], u: &[f64], rule: InterSample) -> Self {
+    ///
+    /// `sees_rate`: for hysteresis that does. Where the drive slows down at a sample, a second knot at its time stands for the moment
+    /// behind it, when the plays are narrower already and have pushed what they hold: the output jumps there.
+    pub fn new(times_s: &[f64], u: &[f64], rule: InterSample, sees_rate: bool) -> Self {
         let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
-        let largest = LARGEST_MOVE * (high - low);
-        let mut knots = Self { times_s: Vec::with_capacity(u.len()), drive_v: Vec::with_capacity(u.len()) };
-        for (k, (&time, &voltage)) in times_s.iter().zip(u).enumerate() {
-            if let (Some(before), Some(&from)) =
-                (k.checked_sub(1).and_then(|k| times_s.get(k)), u.get(k.max(1) - 1))
-                && rule != InterSample::Hold
-            {
+        let largest = if sees_rate { LARGEST_MOVE_AT_A_RATE } else { LARGEST_MOVE } * (high - low);
+        let mut knots = Self::default();
+        if let (Some(&time), Some(&voltage)) = (times_s.first(), u.first()) {
+            knots.push(time, voltage, 0.0);
+        }
+        let mut rate_before = 0.0;
+        for (times, u) in times_s.windows(2).zip(u.windows(2)) {
+            let ([before, time], [from, voltage]) = ([times[0], times[1]], [u[0], u[1]]);
+            // A jump in no time has no rate.
+            let rate = if time > before { ((voltage - from) / (time - before)).abs() } else { 0.0 };
+            if rule != InterSample::Hold {
+                if sees_rate && rate < rate_before {
+                    knots.push(before, from, rate);
+                }
                 let parts = ((voltage - from).abs() / largest).ceil().clamp(1.0, MOST_PARTS);
                 for part in 1..parts as usize {
                     let share = part as f64 / parts;
-                    knots.times_s.push(before + share * (time - before));
-                    knots.drive_v.push(from + share * (voltage - from));
+                    knots.push(before + share * (time - before), from + share * (voltage - from), rate);
                 }
             }
-            knots.times_s.push(time);
-            knots.drive_v.push(voltage);
+            knots.push(time, voltage, rate);
+            rate_before = rate;
         }
         knots
+    }
+
+    fn push(&mut self, time_s: f64, drive_v: f64, rate: f64) {
+        self.times_s.push(time_s);
+        self.drive_v.push(drive_v);
+        self.rates.push(rate);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_knot_stands_where_the_drive_slows_down() {
+        let (times_s, u) = ([0.0, 1.0, 3.0, 4.0], [0.0, 1e-3, 1.9e-3, 1.0]);
+        let plain = Knots::new(&times_s, &u, InterSample::Linear, false);
+        let seen = Knots::new(&times_s, &u, InterSample::Linear, true);
+        assert_eq!(seen.times_s[..4], [0.0, 1.0, 1.0, 3.0]);
+        assert_eq!(seen.drive_v[..4], [0.0, 1e-3, 1e-3, 1.9e-3]);
+        let expected = [0.0, 1e-3, 4.5e-4, 4.5e-4];
+        assert!(seen.rates.iter().zip(expected).all(|(rate, expected)| (rate - expected).abs() < 1e-15));
+        assert!(seen.rates[4..].iter().all(|rate| (rate - 0.9981).abs() < 1e-15));
+        assert_eq!((plain.times_s.len(), seen.times_s.len()), (4 + 399, 4 + 1 + 998));
+        // A held drive jumps; it has no corners.
+        assert_eq!(Knots::new(&times_s, &u, InterSample::Hold, true).times_s, times_s);
+    }
+
+    #[test]
+    fn a_drive_that_stands_still_has_its_samples_as_knots() {
+        let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, true);
+        assert_eq!((knots.times_s, knots.rates), (vec![0.0, 1.0, 2.0], vec![0.0; 3]));
     }
 }

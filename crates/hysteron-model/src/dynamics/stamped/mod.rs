@@ -64,8 +64,8 @@ pub struct StampedWorkspace {
 }
 
 impl StampedPlan {
-    /// A plan for an input given at `knots_s` (held between them, or on straight lines) and an output at `outputs_s` \[s\], both
-    /// increasing. Before its first knot the input is 0.
+    /// A plan for an input given at `knots_s` (held between them, or on straight lines) and an output at `outputs_s` \[s\], increasing.
+    /// Before its first knot the input is 0. Two knots at one time are a jump, before which an output of that time is read.
     ///
     /// # Errors
     /// [`DynamicsError::TooFewSamples`] below two knots or for a single time.
@@ -150,7 +150,7 @@ impl StampedPlan {
         let mut knot = 0;
         places.extend(self.outputs_s.iter().map(|output_s| {
             let time = output_s - delay_s;
-            while self.knots_s.get(knot + 1).is_some_and(|next| *next <= time) {
+            while knot_follows(&self.knots_s, knot, time) {
                 knot += 1;
             }
             let since = time - self.knots_s.get(knot)?;
@@ -253,6 +253,15 @@ impl StampedPlan {
             finite &= out.is_finite();
         }
         if finite { Ok(()) } else { Err(DynamicsError::OutputNotFinite) }
+    }
+}
+
+/// Whether the knot behind this one is what a time is read from: up to a jump at that time, not behind it.
+#[doc(hidden)]
+pub fn knot_follows(knots_s: &[f64], knot: usize, time_s: f64) -> bool {
+    match (knots_s.get(knot), knots_s.get(knot + 1)) {
+        (Some(this), Some(next)) => *next < time_s || (*next == time_s && next > this),
+        _ => false,
     }
 }
 

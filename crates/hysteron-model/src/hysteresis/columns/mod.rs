@@ -13,7 +13,7 @@ pub(super) use pass::{differentiate, simulate};
 
 use hysteron_rt::Scalar;
 
-use super::HysteresisError;
+use super::{DriveGrid, HysteresisError};
 use crate::start::Start;
 
 /// The operators of one family: fixed structure in the type, shape θ beside it.
@@ -74,6 +74,11 @@ pub trait ColumnKernel {
         let _ = (state, by);
     }
 
+    /// Tells a memory that sees the rate how fast the next move is, |du/dt| \[V/s\]; nothing moves.
+    fn paced<S: Scalar<Real = f64>>(state: &mut Self::State<S>, rate: f64) {
+        let _ = (state, rate);
+    }
+
     /// [`Self::advance`] and [`Self::read`].
     ///
     /// # Errors
@@ -90,18 +95,19 @@ pub trait ColumnKernel {
         Ok(())
     }
 
-    /// The columns for the voltages `u` \[V\] given on a time base finer by `factor`, one after the other into `out`: value
+    /// The columns for the voltages `u` \[V\] given on a time base finer by the factor of a grid, one after the other into `out`: value
     /// k of column j is `out[j * n + k]` and belongs to `u[k * factor]`, n = ⌈len u / factor⌉. Returns the state at the
-    /// last sample of u. Allocates a state and a row of K numbers, nothing a sample.
+    /// last sample of u. Of the grid, factor and rates count: an interval is the kernel's own. Allocates a state and a row of K
+    /// numbers, nothing a sample.
     ///
     /// # Errors
     /// [`HysteresisError::ShapeCount`] and as [`Self::check`]; [`HysteresisError::Factor`]; [`HysteresisError::Lengths`];
     /// [`HysteresisError::Drive`] where u is not finite; [`HysteresisError::NotSettled`] for a periodic start;
     /// [`HysteresisError::Overflow`] where a column is not finite; and as [`Self::advance`], with the sample.
-    fn simulate_every(
+    fn simulate_every<'a>(
         &self,
         shape: &[f64],
-        factor: usize,
+        grid: impl Into<DriveGrid<'a>>,
         u: &[f64],
         start: Start<f64>,
         out: &mut [f64],
@@ -109,25 +115,25 @@ pub trait ColumnKernel {
     where
         Self: Sized,
     {
-        simulate(self, shape, factor, u, start, None, out)
+        simulate(self, shape, grid.into(), u, start, None, out)
     }
 
     /// As [`Self::simulate_every`] from a known `state`, which ends at the last sample of u.
     ///
     /// # Errors
     /// As [`Self::simulate_every`]; `state` is then void.
-    fn continue_every(
+    fn continue_every<'a>(
         &self,
         shape: &[f64],
         state: &mut Self::State<f64>,
-        factor: usize,
+        grid: impl Into<DriveGrid<'a>>,
         u: &[f64],
         out: &mut [f64],
     ) -> Result<(), HysteresisError>
     where
         Self: Sized,
     {
-        pass::continue_from(self, shape, state, factor, u, out)
+        pass::continue_from(self, shape, state, grid.into(), u, out)
     }
 
     /// As [`Self::simulate_every`], with the derivatives of every column with respect to θ and the start. Those of a
@@ -136,10 +142,10 @@ pub trait ColumnKernel {
     /// # Errors
     /// As [`Self::simulate_every`]; [`HysteresisError::NotContracting`] where a steady state does not determine its
     /// derivatives.
-    fn simulate_with_sensitivities(
+    fn simulate_with_sensitivities<'a>(
         &self,
         shape: &[f64],
-        factor: usize,
+        grid: impl Into<DriveGrid<'a>>,
         u: &[f64],
         start: Start<f64>,
         out: &mut ColumnSensitivities,
@@ -152,17 +158,17 @@ pub trait ColumnKernel {
 /// the one with respect to the start. A literal, so that no kernel is compiled for other counts than its own.
 macro_rules! simulate_with_sensitivities {
     ($($parameters:literal)|+) => {
-        fn simulate_with_sensitivities(
+        fn simulate_with_sensitivities<'a>(
             &self,
             shape: &[f64],
-            factor: usize,
+            grid: impl Into<$crate::hysteresis::DriveGrid<'a>>,
             u: &[f64],
             start: $crate::start::Start<f64>,
             out: &mut $crate::hysteresis::ColumnSensitivities,
         ) -> Result<(), $crate::hysteresis::HysteresisError> {
             use $crate::hysteresis::columns::differentiate;
             match shape.len() {
-                $($parameters => differentiate::<{ $parameters + 1 }, _>(self, shape, factor, u, start, out),)+
+                $($parameters => differentiate::<{ $parameters + 1 }, _>(self, shape, grid.into(), u, start, out),)+
                 given => Err($crate::hysteresis::HysteresisError::ShapeCount {
                     expected: self.shape_names().len(),
                     found: given,

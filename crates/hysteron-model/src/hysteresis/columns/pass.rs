@@ -3,8 +3,8 @@
 use hysteron_numeric::Stop;
 use hysteron_rt::{Dual, Scalar};
 
-use super::super::HysteresisError;
 use super::super::pass::{Every, at_rest};
+use super::super::{DriveGrid, HysteresisError};
 use super::ColumnKernel;
 use crate::start::Start;
 
@@ -34,6 +34,21 @@ const LOOK: usize = 1 << 12;
 /// Periods simulated at most to find a steady state.
 const PERIODS: usize = 200;
 
+/// A drive, and the rate of the move to each sample where it is given ([`DriveGrid::rates`]).
+type Paced<'a> = (&'a [f64], Option<&'a [f64]>);
+
+/// Tells the state how fast the move to sample `index` is.
+#[inline(always)]
+fn pace<K: ColumnKernel, S: Scalar<Real = f64>>(
+    state: &mut K::State<S>,
+    rates: Option<&[f64]>,
+    index: usize,
+) {
+    if let Some(&rate) = rates.and_then(|rates| rates.get(index)) {
+        K::paced(state, rate);
+    }
+}
+
 /// Looks at the stop at every [`LOOK`]th sample.
 #[inline(always)]
 fn look(stop: Option<&Stop>, index: usize) -> Result<(), HysteresisError> {
@@ -47,7 +62,7 @@ fn look(stop: Option<&Stop>, index: usize) -> Result<(), HysteresisError> {
 fn check<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
-    factor: usize,
+    grid: DriveGrid<'_>,
     u: &[f64],
 ) -> Result<usize, HysteresisError> {
     let expected = kernel.shape_names().len();
@@ -55,12 +70,18 @@ fn check<K: ColumnKernel>(
         return Err(HysteresisError::ShapeCount { expected, found: shape.len() });
     }
     kernel.check(shape)?;
-    if factor == 0 {
+    if grid.factor == 0 {
         return Err(HysteresisError::Factor);
+    }
+    if let Some(rates) = grid.rates {
+        check_length(u.len(), rates.len())?;
+        if let Some(index) = rates.iter().position(|rate| !rate.is_finite()) {
+            return Err(HysteresisError::Drive { index });
+        }
     }
     match u.iter().position(|u| !u.is_finite()) {
         Some(index) => Err(HysteresisError::Drive { index }),
-        None => Ok(u.len().div_ceil(factor)),
+        None => Ok(u.len().div_ceil(grid.factor)),
     }
 }
 
@@ -91,13 +112,13 @@ fn virgin_voltage(u: &[f64], at_rest: Option<(f64, Option<f64>)>) -> Result<f64,
 pub(in crate::hysteresis) fn simulate<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
-    factor: usize,
+    grid: DriveGrid<'_>,
     u: &[f64],
     start: Start<f64>,
     stop: Option<&Stop>,
     out: &mut [f64],
 ) -> Result<K::State<f64>, HysteresisError> {
-    let samples = check(kernel, shape, factor, u)?;
+    let samples = check(kernel, shape, grid, u)?;
     check_length(samples * kernel.columns(), out.len())?;
     let at_rest = at_rest(start, u)?;
     let mut state = kernel.virgin(shape, virgin_voltage(u, at_rest)?);
@@ -106,10 +127,10 @@ pub(in crate::hysteresis) fn simulate<K: ColumnKernel>(
         Some((rest, Some(_))) => kernel.advance(shape, &mut state, rest)?,
         None => {
             K::preceded(&mut state, u.last().copied());
-            settle(kernel, shape, u, &mut state)?;
+            settle(kernel, shape, (u, grid.rates), &mut state)?;
         }
     }
-    write(kernel, shape, &mut state, (Every::new(factor)?, stop), u, out)?;
+    write(kernel, shape, &mut state, (Every::new(grid.factor)?, stop), (u, grid.rates), out)?;
     Ok(state)
 }
 
@@ -117,13 +138,13 @@ pub(super) fn continue_from<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
     state: &mut K::State<f64>,
-    factor: usize,
+    grid: DriveGrid<'_>,
     u: &[f64],
     out: &mut [f64],
 ) -> Result<(), HysteresisError> {
-    let samples = check(kernel, shape, factor, u)?;
+    let samples = check(kernel, shape, grid, u)?;
     check_length(samples * kernel.columns(), out.len())?;
-    write(kernel, shape, state, (Every::new(factor)?, None), u, out)
+    write(kernel, shape, state, (Every::new(grid.factor)?, None), (u, grid.rates), out)
 }
 
 fn write<K: ColumnKernel>(
@@ -131,7 +152,7 @@ fn write<K: ColumnKernel>(
     shape: &[f64],
     state: &mut K::State<f64>,
     (mut every, stop): (Every, Option<&Stop>),
-    u: &[f64],
+    (u, rates): Paced<'_>,
     out: &mut [f64],
 ) -> Result<(), HysteresisError> {
     let mut row = vec![0.0; kernel.columns()];
@@ -139,6 +160,7 @@ fn write<K: ColumnKernel>(
     let mut at = 0;
     for (index, &u) in u.iter().enumerate() {
         look(stop, index)?;
+        pace::<K, f64>(state, rates, index);
         kernel.advance(shape, state, u).map_err(|error| error.at_sample(index))?;
         if every.take() {
             kernel.read(shape, state, &mut row);
@@ -159,10 +181,11 @@ fn run<K: ColumnKernel, S: Scalar<Real = f64>>(
     kernel: &K,
     shape: &[S],
     state: &mut K::State<S>,
-    u: &[f64],
+    (u, rates): Paced<'_>,
     mut seen: impl FnMut(&[S]),
 ) -> Result<(), HysteresisError> {
     for (index, &u) in u.iter().enumerate() {
+        pace::<K, S>(state, rates, index);
         kernel.advance(shape, state, u).map_err(|error| error.at_sample(index))?;
         seen(K::relaxing(state));
     }
@@ -184,13 +207,13 @@ struct Search {
 fn settle<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
-    u: &[f64],
+    drive: Paced<'_>,
     state: &mut K::State<f64>,
 ) -> Result<(), HysteresisError> {
-    run(kernel, shape, state, u, |_| {})?;
+    run(kernel, shape, state, drive, |_| {})?;
     let mut searches: Vec<Search> =
         K::relaxing(state).iter().map(|&at| Search { at, before: None, size: 0.0 }).collect();
-    if searches.is_empty() || u.is_empty() {
+    if searches.is_empty() || drive.0.is_empty() {
         return Ok(());
     }
     let mut worst = f64::INFINITY;
@@ -199,7 +222,7 @@ fn settle<K: ColumnKernel>(
             *number = search.at;
             search.size = search.at.abs();
         }
-        run(kernel, shape, state, u, |numbers| {
+        run(kernel, shape, state, drive, |numbers| {
             for (search, number) in searches.iter_mut().zip(numbers) {
                 search.size = search.size.max(number.abs());
             }
@@ -232,12 +255,13 @@ fn settle<K: ColumnKernel>(
 pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
-    factor: usize,
+    grid: DriveGrid<'_>,
     u: &[f64],
     start: Start<f64>,
     out: &mut ColumnSensitivities,
 ) -> Result<(), HysteresisError> {
-    let samples = check(kernel, shape, factor, u)?;
+    let samples = check(kernel, shape, grid, u)?;
+    let drive = (u, grid.rates);
     let columns = kernel.columns();
     out.resize(shape.len(), samples * columns);
     let duals: [Dual<f64, P>; P] = std::array::from_fn(|index| match shape.get(index) {
@@ -258,20 +282,21 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     }
     if at_rest.is_none() {
         K::preceded(&mut state, u.last().copied());
-        run(kernel, duals, &mut state, u, |_| {})?;
+        run(kernel, duals, &mut state, drive, |_| {})?;
         if !K::relaxing(&mut state).is_empty() {
             let mut settled = kernel.virgin(shape, voltage);
-            settle(kernel, shape, u, &mut settled)?;
-            close_period(kernel, duals, &mut state, u, K::relaxing(&mut settled))?;
+            settle(kernel, shape, drive, &mut settled)?;
+            close_period(kernel, duals, &mut state, drive, K::relaxing(&mut settled))?;
         }
     } else {
         kernel.read(duals, &state, &mut row);
     }
     out.put_rest(&row, shape.len());
-    let mut every = Every::new(factor)?;
+    let mut every = Every::new(grid.factor)?;
     let mut at = 0;
     for (index, &u) in u.iter().enumerate() {
         look(out.stop.as_ref(), index)?;
+        pace::<K, _>(&mut state, grid.rates, index);
         kernel.advance(duals, &mut state, u).map_err(|error| error.at_sample(index))?;
         for number in K::relaxing(&mut state) {
             *number = number.without_vanished(0);
@@ -296,18 +321,18 @@ fn close_period<const P: usize, K: ColumnKernel>(
     kernel: &K,
     duals: &[Dual<f64, P>],
     state: &mut K::State<Dual<f64, P>>,
-    u: &[f64],
+    drive: Paced<'_>,
     settled: &[f64],
 ) -> Result<(), HysteresisError> {
     let own = duals.len();
     for (number, &value) in K::relaxing(state).iter_mut().zip(settled) {
         *number = Dual::variable(value, own);
     }
-    run(kernel, duals, state, u, |_| {})?;
+    run(kernel, duals, state, drive, |_| {})?;
     for (number, &value) in K::relaxing(state).iter_mut().zip(settled) {
         let slope = number.partials.get(own).copied().unwrap_or(f64::NAN);
         let left = 1.0 - slope;
-        if left.is_nan() || left <= f64::EPSILON * u.len() as f64 {
+        if left.is_nan() || left <= f64::EPSILON * drive.0.len() as f64 {
             return Err(HysteresisError::NotContracting { slope });
         }
         let mut partials = number.partials.map(|p| p / left);

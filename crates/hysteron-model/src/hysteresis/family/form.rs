@@ -420,22 +420,23 @@ impl FamilyForm {
     /// # Errors
     /// [`HysteresisError`]: a shape that the family has not, a drive that is not finite, a state that runs away, a time between
     /// samples that is not known where the family asks for it.
-    pub fn run(
+    pub fn run<'a>(
         self,
         shape: &[f64],
-        grid: impl Into<DriveGrid>,
+        grid: impl Into<DriveGrid<'a>>,
         u: &[f64],
         start: Start<f64>,
         wanted: Option<&[bool]>,
         out: &mut Columns,
     ) -> Result<(), HysteresisError> {
-        let DriveGrid { factor, interval_s } = grid.into();
+        let grid = grid.into();
         self.check(shape)?;
-        let interval_s = self.interval(interval_s)?;
+        // Where the rates are given, the interval does not matter.
+        let interval_s = self.interval(grid.interval_s.or(grid.rates.map(|_| 1.0)))?;
         with_kernel!(self, shape, interval_s, |kernel, fixed| run::run(
             &kernel,
             (shape, fixed),
-            factor,
+            grid,
             u,
             start,
             wanted,

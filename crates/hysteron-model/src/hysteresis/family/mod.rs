@@ -79,9 +79,9 @@ impl Family {
     /// # Errors
     /// As [`Self::validate`]; [`HysteresisError::Lengths`]; as [`FamilyForm::run`]; [`HysteresisError::Overflow`] where v is
     /// not finite.
-    pub fn simulate_every(
+    pub fn simulate_every<'a>(
         &self,
-        grid: impl Into<DriveGrid>,
+        grid: impl Into<DriveGrid<'a>>,
         u: &[f64],
         start: Start<f64>,
         out: &mut [f64],
@@ -116,7 +116,7 @@ impl Family {
         let mut columns = Columns::default();
         let start = Start::Rest { voltage_v: virgin };
         // The one move is without rate, whatever the time.
-        let grid = DriveGrid { factor: 1, interval_s: Some(1.0) };
+        let grid = DriveGrid::new(Some(1.0), 1, 1);
         match self.form.run(&self.shape, grid, &[rest], start, None, &mut columns) {
             Ok(()) => {
                 let sum: f64 = columns

@@ -1,21 +1,22 @@
 //! A kernel run into the columns of a fit.
 
-use super::super::HysteresisError;
 use super::super::columns::{ColumnKernel, simulate};
 use super::super::outputs::Columns;
 use super::super::pass::at_rest;
+use super::super::{DriveGrid, HysteresisError};
 use crate::start::Start;
 
 /// The first `fixed` numbers of `shape` are the kernel's structure, which no derivative is taken of.
 pub(super) fn run<K: ColumnKernel>(
     kernel: &K,
     (shape, fixed): (&[f64], usize),
-    factor: usize,
+    grid: DriveGrid<'_>,
     u: &[f64],
     start: Start<f64>,
     wanted: Option<&[bool]>,
     out: &mut Columns,
 ) -> Result<(), HysteresisError> {
+    let factor = grid.factor;
     if factor == 0 {
         return Err(HysteresisError::Factor);
     }
@@ -35,7 +36,7 @@ pub(super) fn run<K: ColumnKernel>(
     };
     if wanted.is_some() && (free || !pairs.is_empty()) {
         all.stop.clone_from(&out.stop);
-        kernel.simulate_with_sensitivities(own, factor, u, start, &mut all)?;
+        kernel.simulate_with_sensitivities(own, grid, u, start, &mut all)?;
         for partial in &mut out.partials {
             let index = partial.shape - fixed;
             column(&all.d_shape[index], partial.column, &mut partial.values);
@@ -50,7 +51,7 @@ pub(super) fn run<K: ColumnKernel>(
         }
     } else {
         all.columns.resize(samples * count, 0.0);
-        simulate(kernel, own, factor, u, start, out.stop.as_ref(), &mut all.columns)?;
+        simulate(kernel, own, grid, u, start, out.stop.as_ref(), &mut all.columns)?;
         match at_rest(start, u)? {
             Some((rest, None)) => kernel.read(own, &kernel.virgin(own, rest), &mut out.rest),
             Some((rest, Some(virgin))) => {

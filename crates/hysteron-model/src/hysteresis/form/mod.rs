@@ -223,10 +223,10 @@ impl HysteresisForm {
     ///
     /// # Errors
     /// What the family refuses: [`HysteresisError`].
-    pub fn run(
+    pub fn run<'a>(
         self,
         shape: &[f64],
-        grid: impl Into<DriveGrid>,
+        grid: impl Into<DriveGrid<'a>>,
         u: &[f64],
         start: Start<f64>,
         wanted: Option<&[bool]>,
@@ -239,6 +239,11 @@ impl HysteresisForm {
             Self::PrandtlIshlinskii { .. } => plays::run(shape, factor, u, start, wanted, out),
             Self::Family(form) => form.run(shape, grid, u, start, wanted, out),
         }
+    }
+
+    /// Whether its memory depends on how fast the voltage moves ([`FamilyForm::depends_on_rate`]).
+    pub fn sees_rate(self) -> bool {
+        matches!(self, Self::Family(form) if form.depends_on_rate())
     }
 
     /// The operator with these numbers.

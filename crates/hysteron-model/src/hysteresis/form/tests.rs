@@ -16,8 +16,8 @@ fn drive() -> Vec<f64> {
 /// Seconds between samples of the drive.
 const INTERVAL_S: f64 = 0.05;
 
-fn every(factor: usize) -> DriveGrid {
-    DriveGrid { factor, interval_s: Some(INTERVAL_S) }
+fn every(factor: usize) -> DriveGrid<'static> {
+    DriveGrid { factor, interval_s: Some(INTERVAL_S), rates: None }
 }
 
 fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
