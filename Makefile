@@ -63,7 +63,7 @@ bench: check-toolchain ## speed, side by side with the peers, which this install
 	bench/instructions.sh
 	bench/run.sh
 
-STUDIES := optimum full-size seeds parameters rates blocks track coverage afm
+STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm
 study: check-toolchain ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)
 	cargo build --release --locked -p hysteron-bench --bin hysteron-study
 	@for study in $(STUDIES); do echo "== $$study"; target/release/hysteron-study $$study $(if $(QUICK),2); done

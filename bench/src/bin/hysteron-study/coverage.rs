@@ -18,7 +18,7 @@ use crate::campaign::{NOISE_UM, from_truth, nested_loops, play, sweep};
 use crate::device::Device;
 
 /// Quantile of the normal distribution that leaves 2.5 % above it.
-const NORMAL_975: f64 = 1.959_963_984_540_054;
+pub const NORMAL_975: f64 = 1.959_963_984_540_054;
 
 /// Coefficient c in e_k = c e_{k−1} + √(1 − c²) · white.
 const NOISES: [(&str, f64); 2] = [("white", 0.0), ("coloured, autoregressive 0.9", 0.9)];

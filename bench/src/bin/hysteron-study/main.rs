@@ -6,6 +6,7 @@ mod blocks;
 mod campaign;
 mod coverage;
 mod device;
+mod information;
 mod optimum;
 mod parameters;
 mod rates;
@@ -28,7 +29,7 @@ struct Study {
     run: fn(usize) -> Outcome<()>,
 }
 
-const STUDIES: [Study; 9] = [
+const STUDIES: [Study; 10] = [
     Study { name: "optimum", counts: "random devices", usual: 200, least: 1, run: optimum::study },
     Study { name: "full-size", counts: "random devices", usual: 5, least: 1, run: optimum::full_size },
     Study { name: "seeds", counts: "seeds of the search", usual: 200, least: 1, run: seeds::study },
@@ -37,6 +38,7 @@ const STUDIES: [Study; 9] = [
     Study { name: "blocks", counts: "noise seed", usual: 1, least: 0, run: blocks::study },
     Study { name: "track", counts: "noise seed", usual: 1, least: 0, run: track::study },
     Study { name: "coverage", counts: "campaigns", usual: 1000, least: 2, run: coverage::study },
+    Study { name: "information", counts: "benches", usual: 200, least: 3, run: information::study },
     Study { name: "afm", counts: "cycles left out in turn", usual: 8, least: 1, run: afm::study },
 ];
 
