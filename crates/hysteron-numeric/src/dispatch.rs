@@ -193,7 +193,8 @@ dispatched! {
 
 dispatched! {
     /// [`RelaxationBank::read`].
-    bank_read => bank_read_kernel(bank: &mut RelaxationBank, line: Line, weights: &BankWeights) -> f64
+    bank_read => bank_read_kernel(
+        bank: &mut RelaxationBank, line: Line, weights: &[BankWeights], sums: &mut [f64])
 }
 
 dispatched! {

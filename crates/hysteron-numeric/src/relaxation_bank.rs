@@ -36,6 +36,8 @@ pub struct RelaxationBank {
     derivatives: Vec<[f64; LANES]>,
     step: Gains,
     reading: Gains,
+    /// States and derivatives a line further, where they are read.
+    ahead: [Vec<[f64; LANES]>; 2],
 }
 
 /// gₖ of one length, kept for the next one of that length.
@@ -95,21 +97,29 @@ impl BankWeights {
     pub fn is_zero(&self) -> bool {
         self.is_zero
     }
+
+    /// Whether the derivatives count.
+    pub fn asks_for_derivatives(&self) -> bool {
+        !self.derivatives.is_empty()
+    }
 }
 
 impl RelaxationBank {
-    /// Takes these rates λₖ > 0 \[rad/s\], best in ascending order, and the states 0, with the derivatives that `weights` ask for.
-    /// Keeps its buffers.
-    pub fn reset(&mut self, rates: &[f64], weights: &BankWeights) {
+    /// Takes these rates λₖ > 0 \[rad/s\], best in ascending order, and the states 0, with their derivatives where asked for. Keeps
+    /// its buffers.
+    pub fn reset(&mut self, rates: &[f64], with_derivatives: bool) {
         in_lanes(rates.iter().copied(), &mut self.rates);
         self.fastest.clear();
         self.fastest.extend(self.rates.iter().map(|rates| rates.iter().copied().fold(0.0, f64::max)));
         in_lanes(rates.iter().map(|rate| 1.0 / rate), &mut self.times);
         in_lanes(rates.iter().map(|_| 0.0), &mut self.states);
         self.derivatives.clear();
-        if !weights.derivatives.is_empty() {
+        if with_derivatives {
             self.derivatives.clone_from(&self.states);
         }
+        let [states, derivatives] = &mut self.ahead;
+        states.clone_from(&self.states);
+        derivatives.clone_from(&self.derivatives);
         for gains in [&mut self.step, &mut self.reading] {
             gains.length_s = f64::NAN;
             gains.of.clone_from(&self.states);
@@ -121,9 +131,9 @@ impl RelaxationBank {
         bank_advance(set, self, line);
     }
 
-    /// Sum over the states at the end of a line of the input; the states stay where they are.
-    pub fn read(&mut self, set: InstructionSet, line: Line, weights: &BankWeights) -> f64 {
-        bank_read(set, self, line, weights)
+    /// One sum over the states at the end of a line of the input for each of `weights`, added to `sums`; the states stay where they are.
+    pub fn read(&mut self, set: InstructionSet, line: Line, weights: &[BankWeights], sums: &mut [f64]) {
+        bank_read(set, self, line, weights, sums);
     }
 }
 
@@ -153,30 +163,43 @@ pub(super) fn bank_advance_kernel(bank: &mut RelaxationBank, line: Line) {
 }
 
 #[inline(always)]
-pub(super) fn bank_read_kernel(bank: &mut RelaxationBank, line: Line, weights: &BankWeights) -> f64 {
-    let mut sums = [0.0; LANES];
-    if line.length_s == 0.0 {
-        let of_states = bank.states.iter().zip(&weights.states);
-        for (states, weights) in of_states.chain(bank.derivatives.iter().zip(&weights.derivatives)) {
-            for ((sum, state), weight) in sums.iter_mut().zip(states).zip(weights) {
-                *sum += weight * state;
+pub(super) fn bank_read_kernel(
+    bank: &mut RelaxationBank,
+    line: Line,
+    weights: &[BankWeights],
+    sums: &mut [f64],
+) {
+    let [states, derivatives] = if line.length_s == 0.0 {
+        [&bank.states, &bank.derivatives]
+    } else {
+        bank.reading.set((&bank.rates, &bank.fastest), line.length_s);
+        let [states, derivatives] = &mut bank.ahead;
+        let rows = bank.states.iter().zip(&bank.reading.of).zip(&bank.times);
+        for (((from, g), times), to) in rows.clone().zip(&mut *states) {
+            for i in 0..LANES {
+                to[i] = at_end(from[i], g[i], times[i], line);
             }
         }
-        return total(sums);
-    }
-    bank.reading.set((&bank.rates, &bank.fastest), line.length_s);
-    let rows = bank.states.iter().zip(&bank.reading.of).zip(&bank.times);
-    for (((states, g), times), weights) in rows.clone().zip(&weights.states) {
-        for i in 0..LANES {
-            sums[i] += weights[i] * at_end(states[i], g[i], times[i], line);
+        for ((((from, g), times), slopes), to) in rows.zip(&bank.derivatives).zip(&mut *derivatives) {
+            for i in 0..LANES {
+                to[i] = derivative_at_end(slopes[i], from[i], g[i], times[i], line);
+            }
         }
-    }
-    for ((((states, g), times), slopes), weights) in rows.zip(&bank.derivatives).zip(&weights.derivatives) {
-        for i in 0..LANES {
-            sums[i] += weights[i] * derivative_at_end(slopes[i], states[i], g[i], times[i], line);
+        [&*states, &*derivatives]
+    };
+    for (weights, sum) in weights.iter().zip(sums) {
+        if weights.is_zero {
+            continue;
         }
+        let mut parts = [0.0; LANES];
+        let of_states = states.iter().zip(&weights.states);
+        for (states, weights) in of_states.chain(derivatives.iter().zip(&weights.derivatives)) {
+            for i in 0..LANES {
+                parts[i] += weights[i] * states[i];
+            }
+        }
+        *sum += total(parts);
     }
-    total(sums)
 }
 
 /// ξ at the end of a line.
@@ -264,6 +287,12 @@ mod tests {
         weights
     }
 
+    fn read(bank: &mut RelaxationBank, set: InstructionSet, line: Line, weights: BankWeights) -> f64 {
+        let mut sums = [0.0];
+        bank.read(set, line, &[weights], &mut sums);
+        sums[0]
+    }
+
     /// Without what fills the first row up.
     fn now(states: &[[f64; LANES]]) -> &[f64] {
         let states = states.as_flattened();
@@ -277,9 +306,9 @@ mod tests {
         let mut same: Option<Vec<f64>> = None;
         for set in InstructionSet::available() {
             let mut bank = RelaxationBank::default();
-            bank.reset(&rates, &picked(count, 0, true));
+            bank.reset(&rates, true);
             let mut states = vec![(0.0, 0.0); count];
-            let mut found = Vec::new();
+            let mut all = Vec::new();
             for k in 0..3000_i32 {
                 let wave = (1.7 * f64::from(k)).sin();
                 // Lengths over seven decades, some of them repeated.
@@ -290,14 +319,14 @@ mod tests {
                     let part = Line { length_s: 0.3 * length_s, ..line };
                     oracle(&rates, &mut ahead, part);
                     for (which, (expected, derivative)) in ahead.iter().enumerate() {
-                        let read = bank.read(set, part, &picked(count, which, false));
-                        assert!((read - expected).abs() < 1e-13, "{k} {which}: {read} {expected}");
-                        let read = bank.read(set, part, &picked(count, which, true));
-                        let error = rates[which] * (read - derivative).abs();
-                        assert!(error < 1e-12, "{k} {which}: {read} {derivative}");
-                        let read =
-                            bank.read(set, Line { length_s: 0.0, ..line }, &picked(count, which, false));
-                        assert_eq!(read, now(&bank.states)[which]);
+                        let found = read(&mut bank, set, part, picked(count, which, false));
+                        assert!((found - expected).abs() < 1e-13, "{k} {which}: {found} {expected}");
+                        let found = read(&mut bank, set, part, picked(count, which, true));
+                        let error = rates[which] * (found - derivative).abs();
+                        assert!(error < 1e-12, "{k} {which}: {found} {derivative}");
+                        let still = Line { length_s: 0.0, ..line };
+                        let found = read(&mut bank, set, still, picked(count, which, false));
+                        assert_eq!(found, now(&bank.states)[which]);
                     }
                 }
                 bank.advance(set, line);
@@ -308,11 +337,11 @@ mod tests {
                     let error = rate * (a_slope - b_slope).abs();
                     assert!(error < 1e-12, "{k} {rate} {length_s:e}: {a_slope} {b_slope}");
                 }
-                found.extend_from_slice(bank.states.as_flattened());
-                found.extend_from_slice(bank.derivatives.as_flattened());
+                all.extend_from_slice(bank.states.as_flattened());
+                all.extend_from_slice(bank.derivatives.as_flattened());
             }
-            assert!(same.as_ref().is_none_or(|same| *same == found), "{set:?} rounds differently");
-            same = Some(found);
+            assert!(same.as_ref().is_none_or(|same| *same == all), "{set:?} rounds differently");
+            same = Some(all);
         }
     }
 
@@ -330,7 +359,7 @@ mod tests {
     #[test]
     fn a_line_of_no_length_changes_nothing() {
         let mut bank = RelaxationBank::default();
-        bank.reset(&rates(), &BankWeights::default());
+        bank.reset(&rates(), false);
         let set = InstructionSet::detected();
         bank.advance(set, Line { from: 1.0, slope: 2.0, length_s: 0.5 });
         let before = bank.states.clone();

@@ -207,6 +207,31 @@ impl RecordPlan {
             _ => Err(FOREIGN),
         }
     }
+
+    /// [`Self::apply_tangent`] of several derivatives, one output beside each: on stamps in one pass.
+    ///
+    /// # Errors
+    /// As [`Self::apply_tangent`].
+    pub fn apply_tangents(
+        &self,
+        response: &PlanResponse,
+        wanted: &mut [(usize, &mut [f64])],
+        input: &PlanInput,
+        workspace: &mut PlanWorkspace,
+    ) -> Result<(), DynamicsError> {
+        if let (
+            Self::Stamped(plan),
+            PlanResponse::Stamped(response),
+            PlanInput::Knots(input),
+            PlanWorkspace::Stamped(workspace),
+        ) = (self, response, input, &mut *workspace)
+        {
+            return plan.apply_tangents(response, wanted, input, workspace);
+        }
+        wanted
+            .iter_mut()
+            .try_for_each(|(which, output)| self.apply_tangent(response, *which, input, workspace, output))
+    }
 }
 
 impl PlanInput {

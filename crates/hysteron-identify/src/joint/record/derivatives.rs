@@ -22,6 +22,12 @@ pub(crate) enum Direction {
     Dynamics(usize),
 }
 
+/// A direction, where there is one, and the derivative along it.
+type Wanted<'a> = (Option<Direction>, &'a mut [f64]);
+
+/// Tangent numbers of the response, and the derivatives along them.
+type Together<'a> = Vec<(usize, &'a mut [f64])>;
+
 /// What is known of a candidate when its derivatives are worked out.
 struct Known<'a> {
     hysteresis: &'a Columns,
@@ -64,17 +70,17 @@ impl JointRecord {
     /// ∂(Σ cᵢ Φᵢ + Σ w_j Ψ_j)/∂direction at fixed coefficients, weighted and without local columns, into the slice beside each
     /// direction; zero where there is no direction or no derivative. After [`Self::respond`] with derivatives and
     /// [`Self::combine`].
-    pub(crate) fn differentiate(
-        &self,
-        wanted: Vec<(Option<Direction>, &mut [f64])>,
-        weights: &[f64],
-        ws: &mut RecordWorkspace,
-    ) {
+    pub(crate) fn differentiate(&self, wanted: Vec<Wanted<'_>>, weights: &[f64], ws: &mut RecordWorkspace) {
         let (known, lanes) = ws.split();
-        // Dealt out one by one, since some take three times as long as others.
-        let deal = Mutex::new(wanted.into_iter());
+        let (dynamics, others) = self.dealt(wanted);
+        // Dealt out one by one, since some take three times as long as others; what is made together first.
+        let deal = Mutex::new(dynamics.into_iter());
+        let singly = Mutex::new(others.into_iter());
         lanes.par_iter_mut().for_each(|lane| {
-            while let Some((direction, out)) = deal.lock().ok().and_then(|mut deal| deal.next()) {
+            while let Some(wanted) = deal.lock().ok().and_then(|mut deal| deal.next()) {
+                self.derivatives_of_dynamics(wanted, &known, lane);
+            }
+            while let Some((direction, out)) = singly.lock().ok().and_then(|mut deal| deal.next()) {
                 let written = !is_stopped(known.hysteresis)
                     && direction.is_some_and(|d| self.derivative(d, weights, &known, lane, out));
                 if !written {
@@ -82,6 +88,35 @@ impl JointRecord {
                 }
             }
         });
+    }
+
+    /// What is worked out together, and what one by one: on stamps all derivatives along the dynamics take one pass.
+    fn dealt<'a>(&self, wanted: Vec<Wanted<'a>>) -> (Option<Together<'a>>, Vec<Wanted<'a>>) {
+        if !self.is_on_stamps() {
+            return (None, wanted);
+        }
+        let (mut together, mut others) = (Vec::new(), Vec::new());
+        for (direction, out) in wanted {
+            match direction {
+                Some(Direction::Dynamics(which)) => together.push((which, out)),
+                _ => others.push((direction, out)),
+            }
+        }
+        ((!together.is_empty()).then_some(together), others)
+    }
+
+    /// The derivatives along the dynamics, in one pass; zero where they cannot be worked out.
+    fn derivatives_of_dynamics(&self, mut wanted: Together<'_>, known: &Known<'_>, lane: &mut Lane) {
+        let written = !is_stopped(known.hysteresis)
+            && self.plan.apply_tangents(known.response, &mut wanted, known.total, &mut lane.plan).is_ok();
+        for (_, out) in wanted {
+            if written {
+                self.end(out);
+                self.finish(known, out);
+            } else {
+                out.fill(0.0);
+            }
+        }
     }
 
     /// The derivative in one direction. `false` where it cannot be worked out.

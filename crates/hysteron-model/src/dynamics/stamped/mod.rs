@@ -59,8 +59,10 @@ pub struct StampedResponse {
 pub struct StampedWorkspace {
     /// At the rates of the fit, and at those of real poles.
     banks: [RelaxationBank; 2],
-    weights: [BankWeights; 2],
+    /// Of each output that is read.
+    weights: [Vec<BankWeights>; 2],
     resonances: Resonances,
+    sums: Vec<f64>,
 }
 
 impl StampedPlan {
@@ -169,7 +171,7 @@ impl StampedPlan {
         workspace: &mut StampedWorkspace,
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
-        self.read(response, &response.value, input, workspace, output)
+        self.read(response, &[&response.value], input, workspace, &mut [output])
     }
 
     /// As [`Self::apply`] for derivative `which` of the response: a parameter's, or the delay's, which is the last.
@@ -184,36 +186,66 @@ impl StampedPlan {
         workspace: &mut StampedWorkspace,
         output: &mut [f64],
     ) -> Result<(), DynamicsError> {
+        self.apply_tangents(response, &mut [(which, output)], input, workspace)
+    }
+
+    /// [`Self::apply_tangent`] of several derivatives in one pass: one output beside each.
+    ///
+    /// # Errors
+    /// As [`Self::apply_tangent`].
+    pub fn apply_tangents(
+        &self,
+        response: &StampedResponse,
+        wanted: &mut [(usize, &mut [f64])],
+        input: &[f64],
+        workspace: &mut StampedWorkspace,
+    ) -> Result<(), DynamicsError> {
         let found = response.tangents.len();
-        let readout = response.tangents.get(which).ok_or(DynamicsError::NoTangent { which, found })?;
-        if readout.is_zero {
-            check_length("output", output.len(), self.samples())?;
-            output.fill(0.0);
+        let (mut readouts, mut outputs) = (Vec::new(), Vec::new());
+        for (which, output) in wanted {
+            let which = *which;
+            let readout = response.tangents.get(which).ok_or(DynamicsError::NoTangent { which, found })?;
+            if readout.is_zero {
+                check_length("output", output.len(), self.samples())?;
+                output.fill(0.0);
+            } else {
+                readouts.push(readout);
+                outputs.push(&mut **output);
+            }
+        }
+        if readouts.is_empty() {
             return Ok(());
         }
-        self.read(response, readout, input, workspace, output)
+        self.read(response, &readouts, input, workspace, &mut outputs)
     }
 
     fn read(
         &self,
         response: &StampedResponse,
-        readout: &Readout,
+        readouts: &[&Readout],
         input: &[f64],
         workspace: &mut StampedWorkspace,
-        output: &mut [f64],
+        outputs: &mut [&mut [f64]],
     ) -> Result<(), DynamicsError> {
         check_length("input", input.len(), self.knots())?;
-        check_length("output", output.len(), self.samples())?;
+        for output in &*outputs {
+            check_length("output", output.len(), self.samples())?;
+        }
         check_length("response", response.places.len(), self.samples())?;
         check_finite("input", input)?;
-        let StampedWorkspace { banks, weights, resonances } = workspace;
-        readout.weigh(weights);
-        for ((bank, rates), weights) in
-            banks.iter_mut().zip([&self.fit.rates, &response.own_rates]).zip(&*weights)
-        {
-            bank.reset(if weights.is_zero() { &[] } else { rates }, weights);
+        let StampedWorkspace { banks, weights, resonances, sums } = workspace;
+        sums.resize(readouts.len(), 0.0);
+        weights.iter_mut().for_each(|weights| weights.resize_with(readouts.len(), BankWeights::default));
+        let [fitted, own] = &mut *weights;
+        for ((readout, fitted), own) in readouts.iter().zip(fitted).zip(own) {
+            readout.weigh(fitted, own);
         }
-        resonances.reset(&response.poles, readout);
+        let rates = [&self.fit.rates, &response.own_rates];
+        for ((bank, rates), weights) in banks.iter_mut().zip(rates).zip(&*weights) {
+            let rates = if weights.iter().all(BankWeights::is_zero) { &[] } else { &rates[..] };
+            bank.reset(rates, weights.iter().any(BankWeights::asks_for_derivatives));
+        }
+        resonances.reset(&response.poles, readouts);
         let set = InstructionSet::detected();
         let length_s = |knot: usize| match (self.knots_s.get(knot), self.knots_s.get(knot + 1)) {
             (Some(from), Some(to)) => to - from,
@@ -230,9 +262,9 @@ impl StampedPlan {
         let since_s = |output: usize| response.places.get(output).copied().flatten().map_or(0.0, |(_, s)| s);
         let (mut at, mut along) = (0, line(0));
         let mut finite = true;
-        for (index, (place, out)) in response.places.iter().zip(output).enumerate() {
+        for (index, place) in response.places.iter().enumerate() {
             let Some((knot, since)) = *place else {
-                *out = 0.0;
+                outputs.iter_mut().for_each(|output| output[index] = 0.0);
                 continue;
             };
             while at < knot {
@@ -244,13 +276,18 @@ impl StampedPlan {
                 along = line(at);
             }
             let part = Line { length_s: since, ..along };
-            let banked: f64 = banks.iter_mut().zip(&*weights).map(|(bank, w)| bank.read(set, part, w)).sum();
-            let resonant = resonances.read(set, part, readout, index, since_s);
-            *out = banked
-                + resonant
-                + readout.input * (part.from + part.slope * since)
-                + readout.slope * part.slope;
-            finite &= out.is_finite();
+            let input = part.from + part.slope * since;
+            for (sum, readout) in sums.iter_mut().zip(readouts) {
+                *sum = readout.input * input + readout.slope * part.slope;
+            }
+            for (bank, weights) in banks.iter_mut().zip(&*weights) {
+                bank.read(set, part, weights, sums);
+            }
+            resonances.read(set, part, readouts, (index, since_s), sums);
+            for (output, sum) in outputs.iter_mut().zip(&*sums) {
+                output[index] = *sum;
+                finite &= sum.is_finite();
+            }
         }
         if finite { Ok(()) } else { Err(DynamicsError::OutputNotFinite) }
     }

@@ -135,6 +135,10 @@ fn worst(form: DynamicForm, p: &[f64], delay_s: f64, held: bool) -> f64 {
     let mut response = plan.empty_response();
     plan.response(&linearised.transfer_function, Some(&linearised), delay_s, &mut response).unwrap();
     let (mut workspace, mut found) = (StampedWorkspace::default(), vec![0.0; plan.samples()]);
+    let mut together = vec![vec![0.0; plan.samples()]; response.tangents.len()];
+    let mut wanted: Vec<(usize, &mut [f64])> =
+        together.iter_mut().map(Vec::as_mut_slice).enumerate().collect();
+    plan.apply_tangents(&response, &mut wanted, &input, &mut workspace).unwrap();
     let mut worst: f64 = 0.0;
     for which in 0..=response.tangents.len() {
         let readout = match which.checked_sub(1) {
@@ -144,6 +148,7 @@ fn worst(form: DynamicForm, p: &[f64], delay_s: f64, held: bool) -> f64 {
             }
             Some(which) => {
                 plan.apply_tangent(&response, which, &input, &mut workspace, &mut found).unwrap();
+                assert_eq!(found, together[which]);
                 &response.tangents[which]
             }
         };

@@ -87,8 +87,8 @@ impl Readout {
         }
     }
 
-    /// The weights as the two banks of relaxations take them.
-    pub fn weigh(&self, [fitted, own]: &mut [BankWeights; 2]) {
+    /// The weights as the banks of relaxations take them, at the rates of the fit and at those of real poles.
+    pub fn weigh(&self, fitted: &mut BankWeights, own: &mut BankWeights) {
         fitted.set(self.relaxations.iter().copied(), std::iter::empty());
         own.set(self.own.iter().map(|(weight, _)| *weight), self.own.iter().map(|(_, moved)| *moved));
     }

@@ -16,6 +16,8 @@ pub(super) struct Resonances {
     inverses: Vec<Complex64>,
     states: Vec<(Complex64, Complex64)>,
     with_derivatives: bool,
+    /// A line further, where they are read.
+    ahead: Vec<(Complex64, Complex64)>,
     steps: Exponentials,
     readings: Exponentials,
 }
@@ -64,15 +66,16 @@ impl Exponentials {
 }
 
 impl Resonances {
-    /// At rest at 0, with the derivatives that `readout` asks for.
-    pub fn reset(&mut self, poles: &[Complex64], readout: &Readout) {
+    /// At rest at 0, with the derivatives that one of `readouts` asks for.
+    pub fn reset(&mut self, poles: &[Complex64], readouts: &[&Readout]) {
         self.poles.clear();
         self.poles.extend_from_slice(poles);
         self.inverses.clear();
         self.inverses.extend(poles.iter().map(|pole| pole.inv()));
         self.states.clear();
         self.states.resize(poles.len(), (Complex64::ZERO, Complex64::ZERO));
-        self.with_derivatives = readout.resonances.iter().any(|(_, moved)| *moved != Complex64::ZERO);
+        let mut factors = readouts.iter().flat_map(|readout| &readout.resonances);
+        self.with_derivatives = factors.any(|(_, moved)| *moved != Complex64::ZERO);
         // The poles may be others than last time.
         self.steps.lengths_s.clear();
         self.readings.lengths_s.clear();
@@ -95,33 +98,31 @@ impl Resonances {
         }
     }
 
-    /// Their share of the `index`-th output, at the end of a line of the input; the states stay where they are.
+    /// Adds their share of the output of this number to the sum of each readout, at the end of a line of the input; the states stay
+    /// where they are.
     pub fn read(
         &mut self,
         set: InstructionSet,
         line: Line,
-        readout: &Readout,
-        index: usize,
-        since_s: impl Fn(usize) -> f64,
-    ) -> f64 {
-        let mut sum = 0.0;
-        if line.length_s == 0.0 {
-            for ((x, moved), (of_x, of_moved)) in self.states.iter().zip(&readout.resonances) {
-                sum += (x * of_x + moved * of_moved).re;
-            }
-            return sum;
-        }
+        readouts: &[&Readout],
+        (index, since_s): (usize, impl Fn(usize) -> f64),
+        sums: &mut [f64],
+    ) {
         if self.poles.is_empty() {
-            return sum;
+            return;
         }
-        let place = self.readings.place(set, &self.poles, index, since_s);
-        let rows = self.states.iter().zip(&self.inverses).zip(&readout.resonances).enumerate();
-        for (pole, ((state, inverse), (of_x, of_moved))) in rows {
-            let m = self.readings.of(pole, place);
-            let (x, moved) = at_end(*state, *inverse, m, line, self.with_derivatives);
-            sum += (x * of_x + moved * of_moved).re;
+        self.ahead.clone_from(&self.states);
+        if line.length_s > 0.0 {
+            let place = self.readings.place(set, &self.poles, index, since_s);
+            for (pole, (state, inverse)) in self.ahead.iter_mut().zip(&self.inverses).enumerate() {
+                *state = at_end(*state, *inverse, self.readings.of(pole, place), line, self.with_derivatives);
+            }
         }
-        sum
+        for (readout, sum) in readouts.iter().zip(sums) {
+            for ((x, moved), (of_x, of_moved)) in self.ahead.iter().zip(&readout.resonances) {
+                *sum += (x * of_x + moved * of_moved).re;
+            }
+        }
     }
 }
 
