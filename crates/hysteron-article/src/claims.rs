@@ -5,15 +5,15 @@ use super::models::{ModelKind, ModelStudy};
 use super::optimizers::OptimizerStudy;
 use super::plan::{SLOW_HZ, TABLE3_HZ};
 use super::printed::{Errors, TABLE_3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A claim of the article and what came out here.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
     /// The claim, in short.
     pub claim: String,
     /// Where it stands.
-    pub place: &'static str,
+    pub place: String,
     /// The printed evidence.
     pub printed: String,
     /// What came out here.
@@ -23,7 +23,7 @@ pub struct Claim {
 }
 
 /// Whether a claim holds on the simulated bench.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// In every case looked at.
@@ -72,7 +72,7 @@ fn slow_loops(loops: &LoopStudy) -> Claim {
     let list: Vec<String> = distances.iter().map(|(f, d)| format!("{f} Hz {d:.2} %")).collect();
     Claim {
         claim: "Below 5 Hz the loop hardly changes".into(),
-        place: "§4.2",
+        place: "§4.2".into(),
         printed: "no number".into(),
         here: format!(
             "largest distance from the 1 Hz loop, of stroke: {} (counted as hardly: below {HARDLY_PERCENT} %)",
@@ -111,21 +111,21 @@ fn optimizer_claims(study: &OptimizerStudy) -> Vec<Claim> {
     vec![
         Claim {
             claim: "DE-ABC ends with a better fitness than DE and than ABC".into(),
-            place: "§4.2, Table 1",
+            place: "§4.2, Table 1".into(),
             printed: "0.0120 against 0.0247 and 0.0144".into(),
             here: format!("median {de_abc:.5} µm against {de:.5} and {abc:.5}"),
             verdict: Verdict::of(&[better(de_abc, de), better(de_abc, abc)]),
         },
         Claim {
             claim: "ABC ends with a better fitness than DE".into(),
-            place: "Table 1",
+            place: "Table 1".into(),
             printed: "0.0144 against 0.0247".into(),
             here: format!("median {abc:.5} µm against {de:.5}"),
             verdict: Verdict::of(&[better(abc, de)]),
         },
         Claim {
             claim: "DE-ABC converges faster than DE and than ABC".into(),
-            place: "§4.2, Fig. 6",
+            place: "§4.2, Fig. 6".into(),
             printed: "a figure".into(),
             here: format!(
                 "evaluations to come within 1 % of the best fit: DE-ABC {}, DE {}, ABC {}",
@@ -140,7 +140,7 @@ fn optimizer_claims(study: &OptimizerStudy) -> Vec<Claim> {
         },
         Claim {
             claim: "The chaotic scout makes it converge faster or better".into(),
-            place: "abstract, §3",
+            place: "abstract, §3".into(),
             printed: "no comparison without it".into(),
             here: ["DE-ABC", "DE-ABC, early scout", "DE-ABC, no scout"].map(scout).join("; "),
             verdict: Verdict::of(&[helps("DE-ABC"), helps("DE-ABC, early scout")]),
@@ -182,7 +182,7 @@ fn model_claims(study: &ModelStudy) -> Vec<Claim> {
     vec![
         Claim {
             claim: "The error of the classic Bouc–Wen model grows with frequency".into(),
-            place: "§4.4",
+            place: "§4.4".into(),
             printed: "RMSE 0.1127, 0.1095, 0.1411, 0.2698: it falls from 10 to 20 Hz".into(),
             here: format!(
                 "RMSE {} µm",
@@ -192,7 +192,7 @@ fn model_claims(study: &ModelStudy) -> Vec<Claim> {
         },
         Claim {
             claim: "Integer-order dynamics are better than none".into(),
-            place: "Table 3",
+            place: "Table 3".into(),
             printed: format!(
                 "RMSE ratio integer / classic {} {order}",
                 printed_ratios(|r| (r.integer, r.classic))
@@ -206,7 +206,7 @@ fn model_claims(study: &ModelStudy) -> Vec<Claim> {
         },
         Claim {
             claim: "Fractional dynamics are better than integer-order ones at every frequency".into(),
-            place: "Table 3",
+            place: "Table 3".into(),
             printed: format!(
                 "RMSE ratio fractional / integer {} {order}",
                 printed_ratios(|r| (r.fractional, r.integer))
@@ -220,14 +220,14 @@ fn model_claims(study: &ModelStudy) -> Vec<Claim> {
         },
         Claim {
             claim: "The error of the fractional model hardly depends on frequency".into(),
-            place: "Table 3, §5",
+            place: "Table 3, §5".into(),
             printed: format!("largest RMSE / smallest {flat_printed:.2}"),
             here: format!("{flat_here:.2} (counted as hardly: below {FAR})"),
             verdict: Verdict::of(&[flat_here < FAR]),
         },
         Claim {
             claim: "ARX is far inferior to fractional dynamics".into(),
-            place: "§1",
+            place: "§1".into(),
             printed: "no number".into(),
             here: format!(
                 "RMSE ratio ARX / fractional {} {order}; with the mean error taken off {} (counted as far: at least {FAR})",

@@ -7,11 +7,11 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{Scheme, SimulationPlan, Term, TransferFunction};
 use hysteron_model::hysteresis::BoucWen;
 use hysteron_optimize::root_mean_square;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Checks of the printed numbers against each other.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contradictions {
     /// Eq. 13 behind the loop of Table 2, driven over 0–10 V.
     pub behind_the_loop: Vec<BehindTheLoop>,
@@ -34,7 +34,7 @@ pub struct Contradictions {
 }
 
 /// A static model on the plant Eq. 13 behind Table 2: what its error must be, and what is printed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BehindTheLoop {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,

@@ -36,15 +36,15 @@ pub use optimizers::{Contender, OptimizerStudy, quantile};
 pub use plan::Plan;
 pub use recovery::{RecoveredBlocks, Recovery, RecoveryCase};
 pub use static_block::{StaticParameters, StaticStudy};
-pub use summary::Summary;
+pub use summary::{StaticRow, Summary, Table1Row};
 
 use hysteron_identify::Watch;
 use measurements::Measurements;
 use progress::Stages;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Everything that was computed.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reproduction {
     /// What was asked for.
     pub plan: Plan,

@@ -3,17 +3,17 @@
 use super::ArticleError;
 use super::measurements::Measurements;
 use hysteron_model::record::InputOutput;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Loops of the bench against frequency.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoopStudy {
     /// One loop a frequency, the slowest first.
     pub loops: Vec<LoopAt>,
 }
 
 /// The last period of a sine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoopAt {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,

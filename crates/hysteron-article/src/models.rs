@@ -15,10 +15,10 @@ use hysteron_model::dynamics::{Dynamics, TransferFunction};
 use hysteron_model::hammerstein::Model;
 use hysteron_model::record::InputOutput;
 use hysteron_model::validate::{OffsetTreatment, Scoring, score};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A model of the comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModelKind {
     /// Bouc–Wen with a linear input function, no dynamics; DE-ABC.
@@ -111,7 +111,7 @@ impl ModelKind {
 pub type Eq13 = TransferFunction13;
 
 /// An identified model and its errors.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelFit {
     /// Which model.
     pub kind: ModelKind,
@@ -132,7 +132,7 @@ pub struct ModelFit {
 }
 
 /// Errors of a model on one sine.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SineScore {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
@@ -147,7 +147,7 @@ pub struct SineScore {
 }
 
 /// The last two periods of a sine: Figures 8–11.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SineCurves {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
@@ -162,7 +162,7 @@ pub struct SineCurves {
 }
 
 /// Eq. 13, Table 3 and Figures 8–11.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelStudy {
     /// The models in the order of [`ModelKind::ALL`].
     pub models: Vec<ModelFit>,

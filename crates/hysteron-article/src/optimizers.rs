@@ -11,11 +11,11 @@ use hysteron_optimize::{
     Scout, Settings, Unobserved, minimize, minimize_cost,
 };
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Runs of several optimisers on one problem at equal numbers of generations.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OptimizerStudy {
     /// Samples of the record that is fitted.
     pub samples: usize,
@@ -30,7 +30,7 @@ pub struct OptimizerStudy {
 }
 
 /// One algorithm with its runs.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contender {
     /// Short name.
     pub name: String,

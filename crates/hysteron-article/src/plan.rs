@@ -3,10 +3,10 @@
 use super::ArticleError;
 use hysteron_rig::CampaignPlan;
 use hysteron_rig::excitation::SweepLaw;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How the reproduction is run; the default is the full one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Seed of the bench's noise and of every search.
     pub seed: u64,

@@ -2,13 +2,13 @@
 //!
 //! *Rate-Dependent Modeling of Piezoelectric Actuators for Nano Manipulation Based on Fractional Hammerstein Model.*
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Table 1 (§4.2): best fitness after 150 generations, by algorithm, in the order of the table.
 pub const TABLE_1: [(&str, f64); 3] = [("DE", 0.0247), ("ABC", 0.0144), ("DE-ABC", 0.0120)];
 
 /// Table 2 (§4.3): parameters of the improved Bouc–Wen block, Eq. 1, and its errors.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table2 {
     /// x, factor of u² \[µm/V²\].
     pub x: f64,
@@ -31,7 +31,7 @@ pub const TABLE_2: Table2 =
     Table2 { x: 0.0031, y: 2.0000, alpha: -1.2039, beta: 0.1111, gamma: 0.0024, re: 0.0208, rmse: 0.0120 };
 
 /// Eq. 13 (§4.3): G(s) = b / (s^α₂ + c₁ s^α₁ + c₀).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TransferFunction13 {
     /// b.
     pub b: f64,
@@ -50,7 +50,7 @@ pub const EQ_13: TransferFunction13 =
     TransferFunction13 { b: 5.2589e6, alpha2: 2.0384, c1: 3081.0, alpha1: 1.0523, c0: 5.4955e6 };
 
 /// Errors of one model at one frequency, Table 3.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Max error \[µm\].
     pub max_um: f64,
@@ -59,7 +59,7 @@ pub struct Errors {
 }
 
 /// A row block of Table 3.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table3Row {
     /// Frequency \[Hz\].
     pub frequency_hz: f64,
@@ -114,7 +114,7 @@ pub const SEARCH_BOX: ([f64; 5], [f64; 5]) = ([2.0, 0.0, 1.0, 1.0, 0.0], [1.0, -
 
 /// What an earlier, independent prototype of this project found for the bias of the two-step way on noise-free data of
 /// Table 2 and Eq. 13 (not the article's numbers).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrototypeBias {
     /// x, relative \[%\].
     pub x_percent: f64,

@@ -16,10 +16,10 @@ use hysteron_model::dynamics::{Dynamics, Scheme};
 use hysteron_rig::excitation::SweepLaw;
 use hysteron_rig::{CampaignPlan, CampaignRun, Plant, PowerTerm, RigRun, Role, Truth, run_campaign};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What the two-step way makes of the article's own plant.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recovery {
     /// The truth: Table 2.
     pub static_truth: StaticParameters,
@@ -30,7 +30,7 @@ pub struct Recovery {
 }
 
 /// Under which reading of the article the blocks are recovered.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecoveryCase {
     /// The 1 Hz loop is that of the static block alone; otherwise the whole plant's.
     pub blocks_apart: bool,
@@ -41,13 +41,13 @@ pub struct RecoveryCase {
     /// Law of the sweep: linear (else logarithmic).
     pub linear_sweep: bool,
     /// Scheme by which the dynamic block is simulated in the fit.
-    pub scheme: &'static str,
+    pub scheme: Scheme,
     /// The reading under which the prototype's figures come out.
     pub prototype: bool,
 }
 
 /// What came back.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RecoveredBlocks {
     /// Reading.
     pub case: RecoveryCase,
@@ -92,10 +92,10 @@ impl RecoveryCase {
             offset_estimated: false,
             loop_periods: 3,
             linear_sweep: true,
-            scheme: Scheme::Tustin.name(),
+            scheme: Scheme::Tustin,
             prototype: false,
         };
-        let gl = Scheme::GrunwaldLetnikov.name();
+        let gl = Scheme::GrunwaldLetnikov;
         let together = Self { blocks_apart: false, ..apart };
         vec![
             apart,
@@ -134,11 +134,7 @@ impl RecoveryCase {
         let article = article_options(plan);
         let options = Options {
             algorithm: None,
-            scheme: Choice::Given(if self.scheme == Scheme::Tustin.name() {
-                Scheme::Tustin
-            } else {
-                Scheme::GrunwaldLetnikov
-            }),
+            scheme: Choice::Given(self.scheme),
             demands: if self.offset_estimated { Demands::default() } else { article.demands.clone() },
             ..article
         };

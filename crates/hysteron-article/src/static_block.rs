@@ -5,7 +5,7 @@ use super::{ArticleError, Plan};
 use hysteron_identify::{Choice, Demands, DynamicsChoice, Identification, Method, Options};
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_optimize::{Algorithm, DeAbcOptions};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The article's way to identify: quadratic (improved) Bouc–Wen with n = 1 and no offset (Eq. 1 has none), no delay, DE-ABC.
 pub(super) fn article_options(plan: &Plan) -> Options {
@@ -26,7 +26,7 @@ pub(super) fn article_options(plan: &Plan) -> Options {
 }
 
 /// Parameters of Eq. 1 in the article's symbols.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StaticParameters {
     /// x, factor of u² \[µm/V²\].
     pub x: f64,
@@ -63,7 +63,7 @@ impl StaticParameters {
 }
 
 /// Table 2 and Figure 7.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StaticStudy {
     /// What DE-ABC found.
     pub parameters: StaticParameters,

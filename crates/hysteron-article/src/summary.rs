@@ -1,64 +1,80 @@
-//! The reproduction for programs, without the curves.
+//! The reproduction without its curves.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::optimizers::Contender;
 use crate::{Claim, Contradictions, ModelFit, Plan, Recovery, Reproduction, StaticParameters};
 
 /// Tables and verdicts of a [`Reproduction`].
-#[derive(Clone, Debug, Serialize)]
-pub struct Summary<'a> {
-    plan: &'a Plan,
-    claims: &'a [Claim],
-    table_1: Vec<Table1Row<'a>>,
-    table_2: Table2<'a>,
-    table_3: &'a [ModelFit],
-    contradictions: &'a Contradictions,
-    recovery: &'a Recovery,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// What was asked for.
+    pub plan: Plan,
+    /// The article's claims, judged.
+    pub claims: Vec<Claim>,
+    /// Table 1, one row an optimiser.
+    pub table_1: Vec<Table1Row>,
+    /// Table 2.
+    pub table_2: StaticRow,
+    /// Table 3, one row a model.
+    pub table_3: Vec<ModelFit>,
+    /// What the printed numbers imply about each other.
+    pub contradictions: Contradictions,
+    /// Table 2 and Eq. 13 as the truth.
+    pub recovery: Recovery,
 }
 
 /// An optimiser of Table 1.
-#[derive(Clone, Debug, Serialize)]
-struct Table1Row<'a> {
-    algorithm: &'a str,
-    printed: Option<f64>,
-    median_rmse_um: f64,
-    quartiles_um: (f64, f64),
-    success_percent: f64,
-    evaluations_to_1_percent: Option<f64>,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Table1Row {
+    /// Short name.
+    pub algorithm: String,
+    /// The article's best fitness, where Table 1 has it.
+    pub printed: Option<f64>,
+    /// Median over the runs of the best RMSE \[µm\].
+    pub median_rmse_um: f64,
+    /// Lower and upper quartile.
+    pub quartiles_um: (f64, f64),
+    /// Runs within 1 % of the best reachable RMSE \[%\].
+    pub success_percent: f64,
+    /// Median number of evaluations to come there; `None` where fewer than half do.
+    pub evaluations_to_1_percent: Option<f64>,
 }
 
 /// The static block of Table 2.
-#[derive(Clone, Debug, Serialize)]
-struct Table2<'a> {
-    parameters: &'a StaticParameters,
-    re: f64,
-    rmse_um: f64,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StaticRow {
+    /// What DE-ABC found.
+    pub parameters: StaticParameters,
+    /// Relative error.
+    pub re: f64,
+    /// RMSE on the 1 Hz loop \[µm\].
+    pub rmse_um: f64,
 }
 
 impl Reproduction {
-    /// The result for programs: everything but the curves.
-    pub fn summary(&self) -> Summary<'_> {
+    /// Everything but the curves.
+    pub fn summary(&self) -> Summary {
         Summary {
-            plan: &self.plan,
-            claims: &self.claims,
+            plan: self.plan.clone(),
+            claims: self.claims.clone(),
             table_1: self.optimizers.contenders.iter().map(Table1Row::new).collect(),
-            table_2: Table2 {
-                parameters: &self.static_block.parameters,
+            table_2: StaticRow {
+                parameters: self.static_block.parameters,
                 re: self.static_block.re,
                 rmse_um: self.static_block.rmse_um,
             },
-            table_3: &self.models.models,
-            contradictions: &self.contradictions,
-            recovery: &self.recovery,
+            table_3: self.models.models.clone(),
+            contradictions: self.contradictions.clone(),
+            recovery: self.recovery.clone(),
         }
     }
 }
 
-impl<'a> Table1Row<'a> {
-    fn new(c: &'a Contender) -> Self {
+impl Table1Row {
+    fn new(c: &Contender) -> Self {
         Self {
-            algorithm: &c.name,
+            algorithm: c.name.clone(),
             printed: c.printed,
             median_rmse_um: c.median_um,
             quartiles_um: c.quartiles_um,

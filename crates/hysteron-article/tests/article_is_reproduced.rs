@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use hysteron_article::{ArticleError, ModelKind, Plan, Reproduction, printed, reproduce};
+use hysteron_article::{ArticleError, ModelKind, Plan, Reproduction, Summary, printed, reproduce};
 use hysteron_identify::{Event, Watch};
+use hysteron_model::dynamics::Scheme;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, OnceLock};
 
@@ -64,7 +65,7 @@ fn dynamics_matter_at_100_hz_and_loops_open() {
 #[test]
 fn each_block_comes_back_from_its_own_data_and_the_two_step_way_is_biased() {
     let cases = &found().recovery.cases;
-    let apart = cases.iter().find(|c| c.case.blocks_apart && c.case.scheme == "tustin").unwrap();
+    let apart = cases.iter().find(|c| c.case.blocks_apart && c.case.scheme == Scheme::Tustin).unwrap();
     assert!(apart.static_bias_percent().iter().all(|b| b.abs() < 1e-4), "{:?}", apart.static_bias_percent());
     assert!(apart.order_bias().iter().all(|b| b.abs() < 0.01), "{:?}", apart.order_bias());
     let together = cases.iter().find(|c| c.case.prototype).unwrap();
@@ -72,6 +73,14 @@ fn each_block_comes_back_from_its_own_data_and_the_two_step_way_is_biased() {
     for (found, expected) in together.static_bias_percent().iter().zip([39.2, -4.9, -3.9, -4.3]) {
         assert!((found - expected).abs() < 0.1, "{found} {expected}");
     }
+}
+
+#[test]
+fn what_was_found_comes_back_from_json() {
+    let text = serde_json::to_string(found()).unwrap();
+    assert_eq!(serde_json::from_str::<Reproduction>(&text).unwrap(), *found());
+    let text = serde_json::to_string(&found().summary()).unwrap();
+    assert_eq!(serde_json::from_str::<Summary>(&text).unwrap(), found().summary());
 }
 
 #[test]

@@ -50,11 +50,11 @@ pub struct Article {
 
 /// What `--json` prints: everything but the curves, which are in article.json.
 #[derive(Serialize)]
-struct Outcome<'a> {
+struct Outcome {
     page: String,
     files: Vec<String>,
     #[serde(flatten)]
-    found: Summary<'a>,
+    found: Summary,
 }
 
 impl Article {

@@ -19,7 +19,8 @@ use serde::{Deserialize, Serialize};
 
 use super::OptimizeError;
 use super::algorithm::{check_option, check_population};
-use super::ledger::{Scratch, Search, infinite_as_null};
+use super::infinite_as_null;
+use super::ledger::{Scratch, Search};
 use super::stream::Stream;
 
 /// A population is doubled this often at most.

@@ -1,6 +1,7 @@
 //! What the two bee colonies share: food sources, their acceptance, roulette and exhaustion.
 
-use super::ledger::{Scratch, Search, infinite_as_null};
+use super::infinite_as_null;
+use super::ledger::{Scratch, Search};
 use super::points::Points;
 use super::stream::Stream;
 use serde::{Deserialize, Serialize};

@@ -120,10 +120,10 @@ pub struct StartResult {
     /// Where it ended, in the problem's own units.
     pub best: Vec<f64>,
     /// Cost there; +∞ (`null` in JSON) where the start could not be simulated.
-    #[serde(with = "super::ledger::infinite_as_null::one")]
+    #[serde(with = "super::infinite_as_null::one")]
     pub cost: f64,
     /// Cost at the start.
-    #[serde(with = "super::ledger::infinite_as_null::one")]
+    #[serde(with = "super::infinite_as_null::one")]
     pub initial_cost: f64,
     /// Iterations.
     pub iterations: usize,

@@ -2,7 +2,7 @@
 
 use super::points::Points;
 use super::stream::Stream;
-use super::{Bounds, Settings, evaluate::Evaluate};
+use super::{Bounds, Settings, evaluate::Evaluate, infinite_as_null};
 use serde::{Deserialize, Serialize};
 
 /// Best cost after a generation.
@@ -155,35 +155,5 @@ impl Search<'_> {
         self.evaluate(&mut evaluated, &mut costs);
         costs.resize(count, f64::INFINITY);
         (points, costs)
-    }
-}
-
-/// JSON has no infinity: +∞ is written as `null`.
-pub(super) mod infinite_as_null {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub(crate) mod one {
-        use super::*;
-
-        pub(crate) fn serialize<S: Serializer>(x: &f64, s: S) -> Result<S::Ok, S::Error> {
-            x.is_finite().then_some(*x).serialize(s)
-        }
-
-        pub(crate) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
-            Ok(Option::<f64>::deserialize(d)?.unwrap_or(f64::INFINITY))
-        }
-    }
-
-    pub(crate) mod many {
-        use super::*;
-
-        pub(crate) fn serialize<S: Serializer>(xs: &[f64], s: S) -> Result<S::Ok, S::Error> {
-            s.collect_seq(xs.iter().map(|x| x.is_finite().then_some(*x)))
-        }
-
-        pub(crate) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<f64>, D::Error> {
-            let xs = Vec::<Option<f64>>::deserialize(d)?;
-            Ok(xs.into_iter().map(|x| x.unwrap_or(f64::INFINITY)).collect())
-        }
     }
 }

@@ -57,6 +57,7 @@ mod de;
 mod de_abc;
 mod error;
 mod evaluate;
+pub mod infinite_as_null;
 mod jacobian;
 mod least_squares;
 mod ledger;

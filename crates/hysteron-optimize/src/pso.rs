@@ -6,7 +6,8 @@
 
 use super::OptimizeError;
 use super::algorithm::{check_option, check_population};
-use super::ledger::{Scratch, Search, infinite_as_null};
+use super::infinite_as_null;
+use super::ledger::{Scratch, Search};
 use super::points::Points;
 use serde::{Deserialize, Serialize};
 

@@ -11,6 +11,7 @@ use hysteron_identify::{
 use hysteron_model::model::{InverseSummary, RealisationSummary};
 use hysteron_model::model_file::Maker;
 use hysteron_model::record::{InputOutput, TimeBase};
+use hysteron_model::tracking::TrackingSummary;
 use hysteron_optimize::Outcome;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -52,6 +53,9 @@ fn summaries_come_back() {
     );
     is_kept::<InverseSummary>(
         r#"{"samples":9,"sample_rate_hz":100.0,"rest_V":null,"drive_low_V":0.0,"drive_high_V":9.0,"fastest_drive_V_per_s":90.0,"samples_at_range":0,"samples_at_slew":1,"bandwidth_hz":30.0,"error_at_bandwidth":0.01,"noise_gain":2.0,"predicted_rms_error_urad":0.1,"predicted_max_error_urad":0.2,"predicted_rms_percent_of_stroke":1.0,"band_urad":null}"#,
+    );
+    is_kept::<TrackingSummary>(
+        r#"{"simulated":true,"plant":"rig","samples":200,"sample_rate_hz":1000.0,"scored_from_s":0.1,"scored_to_s":0.2,"range_V":[0.0,10.0],"slew_V_per_s":null,"sines":{"level_um":5.0,"amplitude_um":2.5,"lowest_hz":1.0,"highest_hz":100.0},"controllers":[{"controller":"causal-lms","rms_um":0.1,"max_um":0.2,"mean_um":-0.1,"rms_percent_of_stroke":1.0,"max_percent_of_stroke":null,"runs_away":false,"drive_low_V":0.5,"drive_high_V":9.5,"samples_at_range":1,"samples_at_slew":2,"minus_3_db_formula_hz":50.0,"minus_3_db_played_hz":null,"one_percent_error_formula_hz":5.0,"one_percent_error_played_hz":5.5,"bandwidths_differ":true,"sines":[{"frequency_hz":1.0,"error_percent_of_stroke":0.5,"gain":1.0,"phase_deg":-0.25,"samples_held_back":0}],"law":"30/s","gain_margin":null,"phase_margin_deg":60.0,"modulus_margin":0.5,"crossover_hz":4.5,"adaptation":{"weights":8,"stride_samples":2,"step":0.01,"step_limit":0.1,"step_limit_at_hz":0.0,"step_margin":10.0,"phase_error_deg":12.5,"phase_error_at_hz":80.0,"phase_margin_deg":77.5,"best_weights_rms_percent_of_stroke":0.9}}],"reach":[{"amplitude_um":0.5,"drive_amplitude_V":0.25,"highest_hz":500.0}]}"#,
     );
     is_kept::<RealisationSummary>(
         r#"{"sample_rate_hz":10000.0,"accuracy":0.001,"states":1,"delay_samples":0,"taps":[0.1],"sections":[{"kind":"real","rate_rad_per_s":10.0,"gain":[0.9,0.0],"weight":[0.1,0.0]}],"rest_gain":1.0,"offset":0.0,"moves_half_way":false,"band_hz":[0.1,1000.0],"frequency_error":0.0005,"reference_gain":1.0,"weights_over_gain":1.2,"batch_difference_largest":0.001,"batch_difference_rms":0.0002,"range":10.0,"output_unit":"um","nanoseconds_per_sample":20.0}"#,

@@ -2,11 +2,11 @@
 
 use super::competitor::GENERATION;
 use super::{Competitor, Quartiles, StudyOptions, StudyProblem, quartiles};
-use hysteron_optimize::{Improvement, Outcome, StopReason};
-use serde::Serialize;
+use hysteron_optimize::{Improvement, Outcome, StopReason, infinite_as_null};
+use serde::{Deserialize, Serialize};
 
 /// Everything a study found. JSON writes +∞ as `null`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Study {
     /// What was asked for.
     pub options: StudyOptions,
@@ -15,7 +15,7 @@ pub struct Study {
 }
 
 /// One table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProblemResult {
     /// Which problem.
     pub problem: StudyProblem,
@@ -36,7 +36,7 @@ pub struct ProblemResult {
 }
 
 /// One sought parameter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
     /// Name.
     pub name: String,
@@ -51,13 +51,14 @@ pub struct Parameter {
 }
 
 /// One row: all runs of a competitor.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Who.
     pub competitor: Competitor,
     /// Its name.
     pub name: String,
     /// Median over the runs of the best RMSE at the end \[µm\].
+    #[serde(with = "infinite_as_null::one")]
     pub median_best_rmse: f64,
     /// Share of runs that came within 1 % of the best reachable RMSE \[%\].
     pub success_percent: f64,
@@ -77,24 +78,28 @@ pub struct Row {
 
 /// Best RMSE so far against evaluations, over the runs, every 50 evaluations (a generation of the population
 /// methods). A run that has ended stays at its last value.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     /// Evaluations.
     pub evaluations: Vec<usize>,
     /// First quartile \[µm\].
+    #[serde(with = "infinite_as_null::many")]
     pub lower: Vec<f64>,
     /// Median \[µm\].
+    #[serde(with = "infinite_as_null::many")]
     pub median: Vec<f64>,
     /// Third quartile \[µm\].
+    #[serde(with = "infinite_as_null::many")]
     pub upper: Vec<f64>,
 }
 
 /// One run.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// Seed.
     pub seed: u64,
     /// Best RMSE \[µm\].
+    #[serde(with = "infinite_as_null::one")]
     pub best_rmse: f64,
     /// Parameters there.
     pub best: Vec<f64>,

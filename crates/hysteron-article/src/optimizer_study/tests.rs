@@ -62,6 +62,10 @@ fn study_does_not_depend_on_the_number_of_threads() {
     };
     let one = run(1);
     assert_eq!(one, run(3));
+    // From its JSON comes the same, but for the threads, which are no part of the result.
+    let mut read: Study = serde_json::from_str(&serde_json::to_string(&one).unwrap()).unwrap();
+    read.options.threads = one.options.threads;
+    assert_eq!(read, one);
     assert_eq!((one.problems.len(), one.problems[0].rows.len()), (2, Competitor::ALL.len()));
     let curve = &one.problems[0].rows[0].curve;
     assert_eq!(curve.evaluations, [50, 100, 150, 200]);

@@ -66,7 +66,7 @@ fn claims(found: &Reproduction) -> CsvTable {
     for c in &found.claims {
         csv.row(&[
             c.claim.clone(),
-            c.place.into(),
+            c.place.clone(),
             c.printed.clone(),
             c.here.clone(),
             c.verdict.word().into(),
@@ -266,7 +266,7 @@ fn recovery(found: &Reproduction) -> CsvTable {
             if c.case.offset_estimated { "estimated" } else { "zero" }.to_owned(),
             c.case.loop_periods.to_string(),
             if c.case.linear_sweep { "linear" } else { "logarithmic" }.to_owned(),
-            c.case.scheme.to_owned(),
+            c.case.scheme.name().to_owned(),
         ];
         add(words, &c.static_block, &c.dynamic_block, [c.loop_rmse_um, c.sweep_rmse_um]);
     }

@@ -51,7 +51,7 @@ fn claims(claims: &[Claim]) -> Table {
         table.rows.push(Row {
             cells: vec![
                 Cell::new(&c.claim),
-                Cell::quiet(c.place),
+                Cell::quiet(&c.place),
                 Cell::quiet(&c.printed),
                 Cell::new(&c.here),
                 Cell::strong(word),

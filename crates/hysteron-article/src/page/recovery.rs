@@ -50,7 +50,7 @@ fn readings(cases: &[RecoveredBlocks]) -> Table {
             if offset_estimated { "estimated" } else { "zero" }.to_owned(),
             loop_periods.to_string(),
             if linear_sweep { "linear" } else { "logarithmic" }.to_owned(),
-            scheme.to_owned(),
+            scheme.name().to_owned(),
             rmse(found.loop_rmse_um),
             rmse(found.sweep_rmse_um),
         ];

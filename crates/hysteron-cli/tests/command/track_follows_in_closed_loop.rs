@@ -8,6 +8,7 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_model::model_file::SignalUnits;
 use hysteron_model::record::InterSample;
+use hysteron_model::tracking::TrackingSummary;
 use serde_json::Value;
 
 /// About the default bench: its size, its first mode, its delay.
@@ -60,6 +61,8 @@ fn every_controller_is_played_and_the_files_are_written() {
     );
     assert_eq!(run.exit_code, 0, "{run:?}");
     let made: Value = serde_json::from_str(&run.stdout).unwrap();
+    let read: TrackingSummary = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(serde_json::to_value(read).unwrap(), made);
     assert_eq!((&made["simulated"], &made["plant"]), (&Value::from(true), &Value::from("rig")));
     assert_eq!(made["controllers"].as_array().unwrap().len(), 14);
     for row in made["controllers"].as_array().unwrap() {

@@ -19,6 +19,14 @@ impl Keyed {
         self
     }
 
+    /// The same with every entry of an object; nothing is added by what is not one.
+    #[must_use]
+    pub fn with_all(mut self, object: &impl Serialize) -> Self {
+        let entries = to_raw_value(object).and_then(|text| serde_json::from_str::<Self>(text.get()));
+        self.0.extend(entries.unwrap_or_default().0);
+        self
+    }
+
     /// The same with an entry in a unit, by its symbol.
     #[must_use]
     pub fn in_unit(self, key: &str, symbol: &str, value: impl Serialize) -> Self {
@@ -32,6 +40,14 @@ impl Keyed {
     pub fn get<T: DeserializeOwned, E: serde::de::Error>(&self, key: &str) -> Result<T, E> {
         let text = self.0.iter().find(|(own, _)| own == key).map_or("null", |(_, value)| value.get());
         serde_json::from_str(text).map_err(|error| E::custom(format_args!("{key}: {error}")))
+    }
+
+    /// An object of those entries that it has a name for.
+    ///
+    /// # Errors
+    /// An entry is missing or its value is of another type.
+    pub fn get_all<T: DeserializeOwned, E: serde::de::Error>(&self) -> Result<T, E> {
+        to_raw_value(self).and_then(|text| serde_json::from_str(text.get())).map_err(E::custom)
     }
 
     /// Value of an entry in a unit, by its symbol.

@@ -23,7 +23,7 @@ use run::Rehearsal;
 pub use controller::{Controller, ControllerFamily, ReferenceKnowledge};
 pub use options::TrackOptions;
 pub use run::{Adaptation, ControllerRun, differ};
-pub use summary::law;
+pub use summary::{AdaptationSummary, ControllerSummary, LoopAnswer, SineSummary, TrackingSummary, law};
 
 /// Shares of the stroke in the table of amplitudes.
 const AMPLITUDES: [f64; 5] = [0.05, 0.1, 0.25, 0.5, 1.0];
