@@ -8,7 +8,7 @@ use crate::{Claim, Contradictions, ModelFit, Plan, Recovery, Reproduction, Stati
 /// Tables and verdicts of a [`Reproduction`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// What was asked for.
+    /// Seed, runs and records of the reproduction.
     pub plan: Plan,
     /// The article's claims, judged.
     pub claims: Vec<Claim>,
@@ -18,7 +18,7 @@ pub struct Summary {
     pub table_2: StaticRow,
     /// Table 3, one row a model.
     pub table_3: Vec<ModelFit>,
-    /// What the printed numbers imply about each other.
+    /// Checks of the printed numbers against each other.
     pub contradictions: Contradictions,
     /// Table 2 and Eq. 13 as the truth.
     pub recovery: Recovery,
@@ -44,7 +44,7 @@ pub struct Table1Row {
 /// The static block of Table 2.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StaticRow {
-    /// What DE-ABC found.
+    /// Parameters of the best fit by DE-ABC.
     pub parameters: StaticParameters,
     /// Relative error.
     pub re: f64,

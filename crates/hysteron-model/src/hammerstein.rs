@@ -13,8 +13,8 @@ use crate::dynamics::{
     Dynamics, Knots, Sampling, Scheme, SimulationPlan, StampedPlan, StampedWorkspace, knot_follows,
 };
 use crate::dynamics_error::check_length;
-use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means, rates_on};
-use crate::record::{InterSample, Timing, even_times};
+use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means};
+use crate::record::{InterSample, Timing, even_times, rates_on};
 pub use crate::simulation_error::SimulationError;
 use crate::start::Start;
 use std::borrow::Cow;
@@ -199,8 +199,8 @@ impl Model {
         })
     }
 
-    /// Output v of the static block \[µm\], before delay and dynamics. When the samples were taken is asked for by hysteresis that sees the
-    /// rate.
+    /// Output v of the static block \[µm\], before delay and dynamics. Hysteresis that sees the rate asks when the samples
+    /// were taken.
     ///
     /// # Errors
     /// [`SimulationError::Hysteresis`], [`SimulationError::Period`].
@@ -223,7 +223,7 @@ impl Model {
     ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
         let grid = |finer, factor| DriveGrid::new(timing.sample_rate_hz(), finer, factor);
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
-        // On stamps every move has a rate of its own; between samples time goes on evenly.
+        // On stamps every move has a rate of its own.
         let times_s = match timing {
             Timing::Stamps(times_s) => {
                 check_length("time stamps", times_s.len(), u.len())?;
@@ -242,7 +242,9 @@ impl Model {
             polygon_of_means(&fine, &mut v);
         } else if self.inter_sample == InterSample::BandLimited && extended.len() > 1 {
             let fine = self.inter_sample.upsample(&extended, FINER, RecordEnds::Open)?;
-            let rates = times_s.map(|times_s| rates_on(&finer(&times_s, FINER), &fine));
+            // Between samples time goes on evenly.
+            let even = |times_s: Vec<f64>| InterSample::Linear.upsample(&times_s, FINER, RecordEnds::Open);
+            let rates = times_s.map(even).transpose()?.map(|times_s| rates_on(&times_s, &fine));
             let grid = DriveGrid { rates: rates.as_deref(), ..grid(FINER, FINER) };
             operator.simulate_every(grid, &fine, origin, &mut v)?;
         } else {
@@ -320,15 +322,6 @@ fn with_prologue(times_s: &[f64], prologue: usize) -> Vec<f64> {
         return times_s.to_vec();
     }
     times_before(times_s, period, 0..period).chain(times_s.iter().copied()).collect()
-}
-
-/// Times with so many steps in the place of each, of equal length.
-fn finer(times_s: &[f64], factor: usize) -> Vec<f64> {
-    let between = times_s.windows(2).flat_map(|two| {
-        let [from, to] = [two[0], two[1]];
-        (0..factor).map(move |j| from + (to - from) * (j as f64 / factor as f64))
-    });
-    between.chain(times_s.last().copied()).collect()
 }
 
 /// Times of `rows` of a cycle of `period` samples, that a record begins with, in every cycle that ran before it

@@ -11,10 +11,8 @@ use hysteron_model::dynamics::{
     StampedPlan, StampedWorkspace,
 };
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{
-    Columns, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisForm, rates_on,
-};
-use hysteron_model::record::Timing;
+use hysteron_model::hysteresis::{Columns, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisForm};
+use hysteron_model::record::{Timing, rates_on};
 
 /// Rate of the common grid \[Hz\].
 const FINE_HZ: f64 = 320_000.0;

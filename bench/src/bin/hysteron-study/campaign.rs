@@ -22,10 +22,10 @@ pub fn slow_loop(rate_hz: f64) -> Outcome<Excitation> {
     drive(rate_hz, Waveform::Sine { frequency_hz: 1.0, periods: 3.0 })
 }
 
-/// Loops of four amplitudes at 4 Hz.
-pub fn nested_loops(rate_hz: f64) -> Outcome<Excitation> {
+/// Loops of four amplitudes.
+pub fn nested_loops(rate_hz: f64, frequency_hz: f64) -> Outcome<Excitation> {
     let amplitudes = vec![1.0, 0.75, 0.5, 0.25];
-    drive(rate_hz, Waveform::NestedLoops { frequency_hz: 4.0, amplitudes, periods_each: 1 })
+    drive(rate_hz, Waveform::NestedLoops { frequency_hz, amplitudes, periods_each: 1 })
 }
 
 /// A sweep.

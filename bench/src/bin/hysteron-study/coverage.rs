@@ -25,7 +25,7 @@ const NOISES: [(&str, f64); 2] = [("white", 0.0), ("coloured, autoregressive 0.9
 
 /// The records without noise.
 fn true_records(device: &Device) -> Outcome<Vec<CampaignRecord>> {
-    let drives = [nested_loops(1_000.0)?, sweep(5_000.0, 5.0, 200.0, 1.5)?];
+    let drives = [nested_loops(1_000.0, 4.0)?, sweep(5_000.0, 5.0, 200.0, 1.5)?];
     let mut records = play(&device.bench(0.0)?, &drives, 0)?;
     for (record, (name, role)) in
         records.iter_mut().zip([("loop", RecordRole::QuasiStatic), ("sweep", RecordRole::Dynamic)])

@@ -7,17 +7,17 @@ use std::io::{Write, stdout};
 
 use hysteron_identify::{Choice, Identification, Options, Watch, identify};
 use hysteron_model::dynamics::Creep;
-use hysteron_rig::excitation::{Excitation, Waveform};
+use hysteron_rig::excitation::Excitation;
 use hysteron_rig::{Plant, PowerTerm, Truth};
 use rayon::prelude::*;
 
 use crate::Outcome;
-use crate::campaign::{NOISE_UM, drive, play, sweep};
+use crate::campaign::{NOISE_UM, nested_loops, play, sweep};
 use crate::coverage::NORMAL_975;
 use crate::device::Device;
 use crate::table;
 
-/// What the records of a bench lack.
+/// Information that is missing from the records of a bench.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Lacking {
     Delay,
@@ -37,15 +37,13 @@ impl Lacking {
     }
 
     fn drives(self, device: &Device) -> Outcome<Vec<Excitation>> {
-        let loops = |rate_hz: f64, frequency_hz: f64| {
-            let amplitudes = vec![1.0, 0.75, 0.5, 0.25];
-            drive(rate_hz, Waveform::NestedLoops { frequency_hz, amplitudes, periods_each: 1 })
-        };
         let natural_hz = device.dynamics.natural_frequency_hz;
         Ok(match self {
-            Self::Delay => vec![loops(100.0, 0.2)?],
-            Self::Resonance => vec![loops(1_000.0, 4.0)?, sweep(5_000.0, 1.0, natural_hz / 15.0, 1.5)?],
-            Self::Creep => vec![loops(1_000.0, 4.0)?, sweep(20_000.0, 5.0, 1.5 * natural_hz, 1.0)?],
+            Self::Delay => vec![nested_loops(100.0, 0.2)?],
+            Self::Resonance => {
+                vec![nested_loops(1_000.0, 4.0)?, sweep(5_000.0, 1.0, natural_hz / 15.0, 1.5)?]
+            }
+            Self::Creep => vec![nested_loops(1_000.0, 4.0)?, sweep(20_000.0, 5.0, 1.5 * natural_hz, 1.0)?],
         })
     }
 }
@@ -68,7 +66,7 @@ fn with_creep(mut truth: Truth) -> Truth {
     truth
 }
 
-/// What was reported of one number.
+/// Estimate of one number against its truth.
 struct Said {
     name: String,
     /// Whether the interval holds the truth, and (estimate − truth)/standard error; `None`: not determined.

@@ -85,7 +85,7 @@ impl Trial {
 }
 
 pub fn study(campaigns: usize) -> Outcome<()> {
-    let drives = [nested_loops(5_000.0)?, sweep(10_000.0, 1.0, 200.0, 2.5)?];
+    let drives = [nested_loops(5_000.0, 4.0)?, sweep(10_000.0, 1.0, 200.0, 2.5)?];
     let unseen = random_reference(10_000.0, 2.0, 1)?;
     let mut rows = Vec::new();
     for (name, device) in devices()? {

@@ -50,7 +50,7 @@ fn all(device: &Device, campaigns: usize, scheme: Scheme) -> Outcome<Vec<Vec<Vec
         .iter()
         .enumerate()
         .map(|(index, &rate_hz)| {
-            let drives = [nested_loops(rate_hz)?, sweep(rate_hz, 1.0, 100.0, 4.0)?];
+            let drives = [nested_loops(rate_hz, 4.0)?, sweep(rate_hz, 1.0, 100.0, 4.0)?];
             (0..campaigns)
                 .into_par_iter()
                 .map(|campaign| {

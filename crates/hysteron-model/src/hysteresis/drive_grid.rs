@@ -8,7 +8,7 @@ pub struct DriveGrid<'a> {
     /// Seconds from one sample of the drive to the next; `None` where they are not known, or not equal.
     pub interval_s: Option<f64>,
     /// |du/dt| \[V/s\] of the move to each sample of the drive, as many as it has, where its samples are not an equal time apart
-    /// ([`rates_on`]). An operator whose memory depends on the rate asks for this or for the interval; for every other one the order
+    /// ([`crate::record::rates_on`]). An operator whose memory depends on the rate asks for this or for the interval; for every other one the order
     /// of the samples is enough.
     pub rates: Option<&'a [f64]>,
 }
@@ -32,28 +32,5 @@ impl<'a> DriveGrid<'a> {
 impl From<usize> for DriveGrid<'_> {
     fn from(factor: usize) -> Self {
         Self { factor, interval_s: None, rates: None }
-    }
-}
-
-/// |du/dt| \[V/s\] of the straight line to each sample of the drive `u` \[V\] at `times_s` \[s\] from the one before; 0 for the first,
-/// which a device at rest comes to without rate, and for a jump in no time.
-pub fn rates_on(times_s: &[f64], u: &[f64]) -> Vec<f64> {
-    let moves = times_s.windows(2).zip(u.windows(2));
-    let rates = moves.map(|(times, u)| {
-        let (time_s, move_v) = (times[1] - times[0], u[1] - u[0]);
-        if time_s > 0.0 { (move_v / time_s).abs() } else { 0.0 }
-    });
-    u.first().map(|_| 0.0).into_iter().chain(rates).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rates_by_hand() {
-        let (times_s, u) = ([0.0, 0.5, 0.5, 2.5], [1.0, 2.0, 5.0, 4.0]);
-        assert_eq!(rates_on(&times_s, &u), [0.0, 2.0, 0.0, 0.5]);
-        assert!(rates_on(&[], &[]).is_empty());
     }
 }

@@ -4,9 +4,9 @@ use std::fmt;
 
 use super::{
     Admissibility, BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii,
-    polynomial, rates_on,
+    polynomial,
 };
-use crate::record::Timing;
+use crate::record::{Timing, rates_on};
 use crate::start::Start;
 use hysteron_numeric::display::short;
 

@@ -54,7 +54,7 @@ pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities};
 pub use dahl::Dahl;
 pub use dead_zone_plays::DeadZonePlays;
 pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
-pub use drive_grid::{DriveGrid, rates_on};
+pub use drive_grid::DriveGrid;
 pub use duhem::Duhem;
 pub use error::HysteresisError;
 pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};

@@ -30,6 +30,7 @@ mod periods;
 mod pieces;
 mod plausibility;
 mod prepare;
+mod rates;
 mod resample;
 mod runs;
 mod scale;
@@ -72,6 +73,7 @@ pub use pieces::{GAP_PERIODS, Piece, even_times};
 pub use plausibility::implausible_units;
 pub use prepare::{ColumnRange, Prepare, Prepared, PreparedSummary, Step};
 #[doc(hidden)]
+pub use rates::rates_on;
 pub use resample::low_pass;
 pub use runs::{Run, RunPart, follow_each_other};
 pub use scale::Scale;

@@ -90,7 +90,7 @@ impl JointRecord {
         });
     }
 
-    /// What is worked out together, and what one by one: on stamps all derivatives along the dynamics take one pass.
+    /// Derivatives along the dynamics, which take one pass together on stamps, and those that are worked out one by one.
     fn dealt<'a>(&self, wanted: Vec<Wanted<'a>>) -> (Option<Together<'a>>, Vec<Wanted<'a>>) {
         if !self.is_on_stamps() {
             return (None, wanted);

@@ -1,6 +1,6 @@
 //! Where a drive on time stamps is followed.
 
-use crate::record::InterSample;
+use crate::record::{InterSample, rates_on};
 
 /// Largest move between knots, as a share of the range of the drive: between them the output of the hysteresis is taken to go
 /// along a straight line, which leaves out less than an eighth of its curvature over the move.
@@ -34,11 +34,10 @@ impl Knots {
         if let (Some(&time), Some(&voltage)) = (times_s.first(), u.first()) {
             knots.push(time, voltage, 0.0);
         }
-        let mut rate_before = 0.0;
-        for (times, u) in times_s.windows(2).zip(u.windows(2)) {
+        let rates = rates_on(times_s, u);
+        for ((times, u), rates) in times_s.windows(2).zip(u.windows(2)).zip(rates.windows(2)) {
             let ([before, time], [from, voltage]) = ([times[0], times[1]], [u[0], u[1]]);
-            // A jump in no time has no rate.
-            let rate = if time > before { ((voltage - from) / (time - before)).abs() } else { 0.0 };
+            let [rate_before, rate] = [rates[0], rates[1]];
             if rule != InterSample::Hold {
                 if sees_rate && rate < rate_before {
                     knots.push(before, from, rate);
@@ -50,7 +49,6 @@ impl Knots {
                 }
             }
             knots.push(time, voltage, rate);
-            rate_before = rate;
         }
         knots
     }
