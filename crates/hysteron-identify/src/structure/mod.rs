@@ -218,6 +218,8 @@ impl Run<'_, '_> {
         let whole = match self.campaign.fit(candidate, &lent) {
             Ok(whole) => whole,
             Err(NoFit::Stopped) => return None,
+            // Stopped before its first step, a fit ends in an error, which says nothing about the candidate.
+            Err(NoFit::Failed(_)) if self.watch.is_stopped() => return None,
             Err(NoFit::Failed(why)) => {
                 entry.failures.push(format!("all records: {why}"));
                 self.step(self.folds.len() + 1, candidate);
@@ -232,6 +234,7 @@ impl Run<'_, '_> {
             match error {
                 Ok(error) => entry.fold_rmse[index] = Some(error),
                 Err(NoFit::Stopped) => return None,
+                Err(NoFit::Failed(_)) if self.watch.is_stopped() => return None,
                 Err(NoFit::Failed(why)) => {
                     entry.failures.push(format!("without {}: {why}", self.folds[index].label));
                 }

@@ -270,7 +270,7 @@ impl Record {
             TimeBase::Unknown => TimeBase::Unknown,
             time => {
                 let times_s = kept.iter().filter_map(|&k| time.time_s(k)).collect();
-                TimeBase::from_times(&self.name, times_s)?
+                TimeBase::of_part(&self.name, times_s)?
             }
         };
         Ok(part)

@@ -170,7 +170,7 @@ mod tests {
         /// The parts of a cut record, joined, are the record: to the last bit on a grid, and with the very stamps off it.
         #[test]
         fn parts_joined_are_the_record(
-            steps in prop::collection::vec(1e-3..1.0f64, 3..60),
+            steps in prop::collection::vec(0.02..1.0f64, 3..60),
             at in 0.0..1.0f64,
             rate in prop::option::of(0.1..1e5f64),
             masked in any::<bool>(),

@@ -7,6 +7,8 @@ use super::{RecordError, TimeBase};
 /// A tenth of a sample is what a stamp rounded to a fifth of the period makes. A missing sample moves its neighbours by about
 /// half a period and is never accepted.
 pub const UNIFORM_TOLERANCE_SAMPLES: f64 = 0.1;
+/// The same for a part of a record whose stamps are uneven as a whole.
+const PART_TOLERANCE_SAMPLES: f64 = 0.01;
 
 /// A sample rate given beside a time column may differ from the column's mean rate by this fraction.
 pub const GIVEN_RATE_TOLERANCE: f64 = 0.005;
@@ -32,11 +34,24 @@ impl TimeBase {
     /// [`RecordError::TooShort`] below two stamps, [`RecordError::NotFinite`], [`RecordError::TimeDecreases`],
     /// [`RecordError::TimeStandsStill`].
     pub fn from_times(record: &str, times_s: Vec<f64>) -> Result<Self, RecordError> {
+        Self::from_times_within(UNIFORM_TOLERANCE_SAMPLES, record, times_s)
+    }
+
+    /// Time base of a part of uneven stamps: a grid where the part is one but for the rounding of stamps,
+    /// [`PART_TOLERANCE_SAMPLES`]; else the very stamps, which a few neighbours that lie nearly evenly by chance keep as well.
+    ///
+    /// # Errors
+    /// As [`TimeBase::from_times`].
+    pub(super) fn of_part(record: &str, times_s: Vec<f64>) -> Result<Self, RecordError> {
+        Self::from_times_within(PART_TOLERANCE_SAMPLES, record, times_s)
+    }
+
+    fn from_times_within(tolerance: f64, record: &str, times_s: Vec<f64>) -> Result<Self, RecordError> {
         let n = times_s.len();
         check_times(record, &times_s)?;
         let grid = Grid::fit(&times_s);
         let jitter = grid.largest_deviation(&times_s);
-        if jitter > UNIFORM_TOLERANCE_SAMPLES {
+        if jitter > tolerance {
             return Ok(TimeBase::NonUniform { times_s });
         }
         let drift_allowed = (0.1 * jitter).max(1e-6);
