@@ -138,7 +138,7 @@ fn identify_records(
         let without = Options { dynamics: DynamicsChoice::None, ..options.clone() };
         let engine = Engine::new(options.algorithm.as_ref(), settings, watch, plan, None);
         let mut other = joint::identify(&facts, &roles, &without, engine)?;
-        if other.cancelled || pooled_rmse(&other) > AS_GOOD * pooled_rmse(&found) {
+        if other.cancelled || !as_good(&other, &found) {
             return Ok(found);
         }
         let text = "A resonance would lie beyond what these records show, and the loops are met as well without: there is none in the model. \
@@ -160,9 +160,6 @@ fn identify_records(
     }
 }
 
-/// A fit whose rms error is at most so many times that of a richer one is as good.
-const AS_GOOD: f64 = 1.05;
-
 /// Whether the resonance of a fit ended at the upper end of where it was sought: beyond the fastest drive, where nothing shows it.
 fn beyond_the_records(found: &Identification) -> bool {
     let ranges = found.bounds.iter().flat_map(|bounds| &bounds.ranges);
@@ -171,11 +168,25 @@ fn beyond_the_records(found: &Identification) -> bool {
     ranges.next().zip(value).is_some_and(|(range, value)| range.to_unit(value) >= 1.0 - 1e-9)
 }
 
-/// Rms error over all records.
-fn pooled_rmse(found: &Identification) -> f64 {
-    let samples: f64 = found.records.iter().map(|r| r.scores.samples as f64).sum();
-    let square: f64 = found.records.iter().map(|r| r.scores.samples as f64 * r.scores.rmse.powi(2)).sum();
-    (square / samples).sqrt()
+/// Whether a fit with fewer parameters is as good by the Bayesian information criterion, n ln Σ e² + p ln n, with the independent
+/// samples n of the richer fit's residual: of a model outside the class of the device they are few.
+fn as_good(fewer: &Identification, richer: &Identification) -> bool {
+    let residual = |fit: &RecordFit| -> Vec<f64> {
+        let modelled = fit.simulated.iter().map(|y| y + fit.scores.offset);
+        let left = fit.data.y.iter().zip(modelled).map(|(measured, modelled)| measured - modelled);
+        let scored = |k: usize| fit.data.valid.as_deref().is_none_or(|valid| valid.get(k) == Some(&true));
+        left.enumerate().filter(|(k, e)| scored(*k) && e.is_finite()).map(|(_, e)| e).collect()
+    };
+    let of = |found: &Identification| -> (f64, f64) {
+        let residuals = found.records.iter().map(residual);
+        let sums =
+            residuals.map(|e| (e.iter().map(|e| e * e).sum::<f64>(), e.len() as f64 / correlation_time(&e)));
+        sums.fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1))
+    };
+    let (square, independent) = of(richer);
+    let searched = |found: &Identification| found.parameters.iter().filter(|p| !p.held).count() as f64;
+    let saved = (searched(richer) - searched(fewer)) * independent.max(2.0).ln();
+    independent * (of(fewer).0 / square.max(f64::MIN_POSITIVE)).ln() <= saved
 }
 
 /// Demands on the offset and on n.

@@ -280,6 +280,27 @@ impl StaticProblem {
     }
 }
 
+impl StaticProblem {
+    /// Derivatives of the residuals at `x` along a lag of everything \[µm/s\], a column: the velocity of the model's output, by the
+    /// chord over both neighbouring samples. `None` for records without a rate.
+    pub(super) fn along_a_lag(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let solution = self.solve(x)?;
+        let mut columns = Vec::with_capacity(self.target.len());
+        for (record, nuisance) in self.records.iter().zip(&self.nuisance) {
+            let rate_hz = record.sample_rate_hz?;
+            let y = simulate(record, &solution)?;
+            let velocity = |&k: &usize| {
+                let (before, after) = (k.saturating_sub(1), (k + 1).min(y.len() - 1));
+                (y[after] - y[before]) * rate_hz / (after - before).max(1) as f64
+            };
+            let mut column: Vec<f64> = record.scored.iter().map(velocity).collect();
+            nuisance.project(&mut column);
+            columns.extend(column);
+        }
+        Some(columns)
+    }
+}
+
 /// Output of `record` by the solution, without offset and creep.
 pub(super) fn simulate(record: &StaticRecord, solution: &StaticSolution) -> Option<Vec<f64>> {
     let mut v = vec![0.0; record.input.len()];

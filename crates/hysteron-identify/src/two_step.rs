@@ -295,7 +295,10 @@ fn parameters(
     options: &Options,
 ) -> Result<Known, IdentifyError> {
     let (problem, x) = static_step::in_article_symbols(step1, static_records, options)?;
-    let covariance1 = covariance(&problem, &x);
+    // Slow drive does not tell a lag from the width of the loop: it is left out of the model, but not of the errors.
+    let no_lag = matches!(step2, Step2::None) && !step1.shift_searched && options.delay_s == Choice::Auto;
+    let left_out = if no_lag { problem.along_a_lag(&x) } else { None };
+    let covariance1 = covariance(&problem, &x, left_out.as_deref());
     let names: Vec<&str> = problem.bounds().ranges.iter().map(|r| r.name.as_str()).collect();
     let error1 = |name: &str| {
         let index = names.iter().position(|n| *n == name)?;
@@ -320,7 +323,7 @@ fn parameters(
     match step2 {
         Step2::Order(step) => {
             let (problem, x) = dynamic_step::all_searched(step, outputs, options)?;
-            let covariance2 = covariance(&problem, &x);
+            let covariance2 = covariance(&problem, &x, None);
             let error2 =
                 |f: &dyn Fn(&[f64]) -> f64| covariance2.as_ref().and_then(|c| standard_error(c, &x, f));
             let form = step.solution.form;

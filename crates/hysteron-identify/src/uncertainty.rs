@@ -12,8 +12,14 @@ use nalgebra::{DMatrix, DVector};
 /// Central difference step, as a share of the parameter's search range.
 const STEP: f64 = 1e-6;
 
-/// Covariance of the search vector at `x`; `None` where the data do not determine every parameter.
-pub(super) fn covariance<P: LeastSquaresProblem>(problem: &P, x: &[f64]) -> Option<DMatrix<f64>> {
+/// Covariance of the search vector at `x`; `None` where the data do not determine every parameter. With `left_out`, the derivatives
+/// of the residuals along something that the model does without: how far its best value would move the parameters, and that value's own
+/// error, count as an error of theirs.
+pub(super) fn covariance<P: LeastSquaresProblem>(
+    problem: &P,
+    x: &[f64],
+    left_out: Option<&[f64]>,
+) -> Option<DMatrix<f64>> {
     let (rows, parameters) = (problem.residual_count(), x.len());
     if parameters == 0 || rows <= parameters {
         return None;
@@ -41,7 +47,25 @@ pub(super) fn covariance<P: LeastSquaresProblem>(problem: &P, x: &[f64]) -> Opti
             jacobian[(i, j)] = (u - d) / (2.0 * step);
         }
     }
-    covariance_of(jacobian, &residual)
+    let within = covariance_of(jacobian.clone(), &residual)?;
+    let Some(left_out) = left_out else { return Some(within) };
+    let along = DVector::from_column_slice(left_out);
+    // Columns scaled to unit length: their units differ by many decades.
+    let norms = DVector::from_iterator(parameters, jacobian.column_iter().map(|c| c.norm()));
+    for (mut column, norm) in jacobian.column_iter_mut().zip(&norms) {
+        column /= *norm;
+    }
+    let moved_by_one = jacobian.clone().svd(true, true).solve(&along, 0.0).ok()?;
+    let own = &along - &jacobian * &moved_by_one;
+    let information = own.norm_squared();
+    let variance = residual.iter().map(|e| e * e).sum::<f64>() / (rows - parameters) as f64;
+    let best = own.dot(&DVector::from_column_slice(&residual)) / information;
+    let square = best * best + variance * correlation_time(&residual) / information;
+    if !square.is_finite() {
+        return Some(within);
+    }
+    let moved = moved_by_one.component_div(&norms);
+    Some(within + &moved * moved.transpose() * square)
 }
 
 /// Covariance of parameters with the Jacobian and the residual given; `None` where the data do not determine every one.
@@ -193,7 +217,7 @@ mod tests {
         let bounds =
             Bounds { ranges: vec![Range::linear("a", -10.0, 10.0), Range::linear("b", -10.0, 10.0)] };
         let line = Line { t: t.clone(), y, bounds };
-        let c = covariance(&line, &[2.0, 3.0]).unwrap();
+        let c = covariance(&line, &[2.0, 3.0], None).unwrap();
         let s2 = 100.0 / 98.0;
         let mean = 49.5;
         let sxx: f64 = t.iter().map(|t| (t - mean) * (t - mean)).sum();
@@ -221,6 +245,33 @@ mod tests {
         let bounds =
             Bounds { ranges: vec![Range::linear("a", -10.0, 10.0), Range::linear("b", -10.0, 10.0)] };
         let line = Line { t: vec![0.0; 10], y: vec![1.0; 10], bounds };
-        assert!(covariance(&line, &[1.0, 0.0]).is_none());
+        assert!(covariance(&line, &[1.0, 0.0], None).is_none());
+    }
+
+    /// y = 2 + 3 t + ½ t² met by a line: the variance of its slope grows by the square of what the parabola moves it by, with the
+    /// variance of the parabola's own coefficient, both by textbook formulas for t = −5 … 5, where t² is orthogonal to t.
+    #[test]
+    fn what_is_left_out_counts_as_far_as_it_moves_the_parameters() {
+        let t: Vec<f64> = (-5..=5).map(f64::from).collect();
+        let noise = |k: usize| if k.is_multiple_of(2) { 0.1 } else { -0.1 };
+        let y = t.iter().enumerate().map(|(k, t)| 2.0 + 3.0 * t + 0.5 * t * t + noise(k)).collect();
+        let bounds =
+            Bounds { ranges: vec![Range::linear("a", -10.0, 20.0), Range::linear("b", -10.0, 10.0)] };
+        let line = Line { t: t.clone(), y, bounds };
+        let mean = line.y.iter().sum::<f64>() / 11.0;
+        let slope = t.iter().zip(&line.y).map(|(t, y)| t * y).sum::<f64>() / 110.0;
+        let within = covariance(&line, &[mean, slope], None).unwrap();
+        // Along −½ t² of the residual a + b t − y.
+        let along: Vec<f64> = t.iter().map(|t| -t * t).collect();
+        let beside = covariance(&line, &[mean, slope], Some(&along)).unwrap();
+        let (s1, s2) = (t.iter().map(|t| t * t).sum::<f64>(), t.iter().map(|t| t.powi(4)).sum::<f64>());
+        let own = s2 - s1 * s1 / 11.0;
+        let residual: Vec<f64> = t.iter().zip(&line.y).map(|(t, y)| mean + slope * t - y).collect();
+        let coefficient = t.iter().zip(&residual).map(|(t, e)| -(t * t - s1 / 11.0) * e).sum::<f64>() / own;
+        let noise = residual.iter().map(|e| e * e).sum::<f64>() / 9.0 * correlation_time(&residual) / own;
+        let expected = within[(0, 0)] + (s1 / 11.0).powi(2) * (coefficient.powi(2) + noise);
+        assert!((coefficient - 0.5).abs() < 0.01, "{coefficient}");
+        assert!((beside[(0, 0)] / expected - 1.0).abs() < 1e-6, "{} {expected}", beside[(0, 0)]);
+        assert!((beside[(1, 1)] / within[(1, 1)] - 1.0).abs() < 1e-9);
     }
 }

@@ -43,7 +43,7 @@ impl Lacking {
             Self::Resonance => {
                 vec![nested_loops(1_000.0, 4.0)?, sweep(5_000.0, 1.0, natural_hz / 15.0, 1.5)?]
             }
-            Self::Creep => vec![nested_loops(1_000.0, 4.0)?, sweep(20_000.0, 5.0, 1.5 * natural_hz, 1.0)?],
+            Self::Creep => vec![nested_loops(5_000.0, 4.0)?, sweep(50_000.0, 5.0, 1.5 * natural_hz, 1.0)?],
         })
     }
 }

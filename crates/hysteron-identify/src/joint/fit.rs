@@ -91,8 +91,8 @@ pub(in super::super) fn identify(
     let shows_delay = !is_static
         || roles.contains(&RecordRole::Dynamic)
         || options.demands.names().any(|name| name == DELAY);
-    let delay_s =
-        if shows_delay || options.delay_s != Choice::Auto { options.delay_s } else { Choice::Given(0.0) };
+    let asked_delay = options.delay_s;
+    let delay_s = if shows_delay || asked_delay != Choice::Auto { asked_delay } else { Choice::Given(0.0) };
     let options = &Options { scheme, delay_s, ..options.clone() };
     let mut setup = JointSetup::new(&members, form, options).stopped_by(engine.stop());
     let reduced = members.iter().any(|member| member.factor > 1);
@@ -103,7 +103,18 @@ pub(in super::super) fn identify(
     };
     let mut problem = setup.problem(first_degree, reduced)?.finishing();
     let grown = |x: &[f64]| shown(&problem, x, &setup);
-    let mut search = search_globally(&problem, &setup, &mut engine, Some(&grown))?;
+    let mut search = search_globally((&problem, reduced), &setup, &mut engine, Some(&grown))?;
+    if let Some(longer) =
+        setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
+    {
+        setup = longer;
+        problem = setup.problem(first_degree, reduced)?.finishing();
+        let grown = |x: &[f64]| shown(&problem, x, &setup);
+        let mut wider = search_globally((&problem, reduced), &setup, &mut engine, Some(&grown))?;
+        let from_edge = vec![search.outcome.best.clone()];
+        take_better(&mut wider, engine.quick_fit("joint fit", &problem, from_edge)?);
+        search = wider;
+    }
     if options.dynamics == DynamicsChoice::Auto && options.creep == Creep::None {
         let creeping = setup.with(DynamicForm { creep: Creep::Fractional, ..form }, options);
         if let Some(better) = try_creep(&problem, &search, &creeping, first_degree, reduced, &mut engine)? {
@@ -168,6 +179,16 @@ pub(in super::super) fn identify(
         degree = first_degree;
         (problem, search.outcome.best.clone(), None)
     };
+    let (problem, x, small, at_small) = if shows_delay || asked_delay != Choice::Auto {
+        (problem, x, small, at_small)
+    } else {
+        let asked = Options { delay_s: Choice::Auto, ..options.clone() };
+        let setup = setup.with(form, &asked);
+        let (problem, x) = with_no_delay(&setup, degree, false, &x)?;
+        let small = small.map(|_| with_no_delay(&setup, degree, true, &at_small)).transpose()?;
+        let (small, at_small) = small.map_or((None, at_small), |(small, x)| (Some(small), x));
+        (problem, x, small, at_small)
+    };
     let certain = engine.enter(ERRORS);
     let smoothed = if certain { smoothed(&problem, &x) } else { None };
     let (linearisation, known_small) = rayon::join(
@@ -191,10 +212,24 @@ pub(in super::super) fn identify(
         || linearisation.and_then(|linearisation| knowledge::knowledge_of(&problem, &x, linearisation)),
     );
     let mut fits = fits?;
-    let known = known.filter(|_| !engine.is_stopped());
+    let mut known = known.filter(|_| !engine.is_stopped());
     if !engine.cancelled {
         findings::require_fit(&fits, facts, options)?;
     }
+    let found = match (&mut known, &small, &known_small) {
+        // The likelihood of weights that are drawn together is not that of the records.
+        (Some(_), ..) if smoothed.is_some() => Vec::new(),
+        (Some(known), Some(small), Some(at_small)) => {
+            intervals(small, at_small, &mut known.covariance, engine.stop())
+        }
+        (Some(known), None, _) => {
+            let mut covariance = known.covariance.clone();
+            let found = intervals(&problem, known, &mut covariance, engine.stop());
+            known.covariance = covariance;
+            found
+        }
+        _ => Vec::new(),
+    };
     let own = known.as_ref().map(|known| &known.covariance);
     if let (Some(reduction), Some(own)) = (&mut reduction, own) {
         reduction.moved = moved(own, &x, &at_small);
@@ -229,20 +264,13 @@ pub(in super::super) fn identify(
         between: told_between,
     };
     if let Some(known) = &known {
-        let found = match (&small, &known_small) {
-            // The likelihood of weights that are drawn together is not that of the records.
-            _ if structure.smoothing.is_some() => Vec::new(),
-            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance, engine.stop()),
-            (Some(_), None) => Vec::new(),
-            (None, _) => intervals(&problem, known, &known.covariance, engine.stop()),
-        };
         parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
     }
     let mut identification = Identification {
         method: Method::Joint,
         model,
         parameters,
-        correlations: covariance.iter().map(|c| c.correlation("joint fit")).collect(),
+        correlations: covariance.iter().filter_map(|c| c.correlation("joint fit")).collect(),
         bounds: vec![problem.bounds().clone()],
         searches: vec![search],
         records: fits,
@@ -260,6 +288,21 @@ pub(in super::super) fn identify(
     };
     findings::write(facts, options, &mut identification);
     Ok(identification)
+}
+
+/// The problem in which a delay is free, at the point `x` of one without a delay: what slow drive does not tell is left out of the
+/// model, but not of the errors.
+fn with_no_delay(
+    setup: &JointSetup<'_>,
+    degree: usize,
+    reduced: bool,
+    x: &[f64],
+) -> Result<(JointProblem, Vec<f64>), IdentifyError> {
+    let problem = setup.problem(degree, reduced)?;
+    let place = problem.bounds().ranges.iter().position(|range| range.name == DELAY);
+    let mut x = x.to_vec();
+    x.insert(place.map_or(x.len(), |place| place.min(x.len())), 0.0);
+    Ok((problem, x))
 }
 
 /// The model at a point of the search as it would be handed out, without errors and scores.
@@ -325,7 +368,7 @@ fn simulated(
 /// A few good starts; where they disagree all others, and where these disagree a population search on a twentieth of its
 /// usual budget, polished.
 fn search_globally(
-    problem: &JointProblem,
+    (problem, reduced): (&JointProblem, bool),
     setup: &JointSetup<'_>,
     engine: &mut Engine<'_, '_>,
     show: Show<'_>,
@@ -349,6 +392,14 @@ fn search_globally(
     };
     if agreeing(&search) >= AGREEMENT || engine.cancelled {
         return Ok(search);
+    }
+    if setup.form.creep != Creep::None && setup.options.start.is_none() {
+        // Creep is small: the optimum without it lies near that with it.
+        let without = setup.with(DynamicForm { creep: Creep::None, ..setup.form }, setup.options);
+        let plain = without.problem(problem.degree(), reduced)?;
+        let found = search_from_places(&plain, &without, engine, None)?;
+        let starts = from_plain(&plain, &found.outcome.best, problem, &setup.guesses(problem)?);
+        take_better(&mut search, engine.quick_fit("joint fit with creep", problem, starts)?);
     }
     let population = Algorithm::DeAbc(DeAbcOptions::default());
     let generations = (setup.options.generations / 20).max(5);
@@ -409,14 +460,7 @@ fn try_creep(
     }
     let problem = setup.problem(degree, reduced)?;
     let mut guesses = setup.guesses(&problem)?;
-    let place = |name: &str| plain.bounds().ranges.iter().position(|range| range.name == name);
-    let from_plain = problem
-        .bounds()
-        .ranges
-        .iter()
-        .zip(&guesses[0])
-        .map(|(range, &guess)| place(&range.name).map_or(guess, |at| found.outcome.best[at]));
-    guesses.push(from_plain.collect());
+    guesses.extend(from_plain(plain, &found.outcome.best, &problem, &guesses[..1]));
     let search = engine.quick_fit("joint fit with creep", &problem, guesses);
     let Some(search) = engine.unless_stopped(search)?.filter(|_| !engine.is_stopped()) else {
         return Ok(None);
@@ -425,6 +469,21 @@ fn try_creep(
     let gain = 2.0 * information * (found.outcome.cost / search.outcome.cost).ln();
     let parameters = problem.bounds().dimension() - plain.bounds().dimension();
     Ok((gain > BIC_FALL + parameters as f64 * information.ln()).then_some((problem, search)))
+}
+
+/// The guesses for a problem with more parameters, with those of a fit with fewer in their place.
+fn from_plain(
+    plain: &JointProblem,
+    best: &[f64],
+    problem: &JointProblem,
+    guesses: &[Vec<f64>],
+) -> Vec<Vec<f64>> {
+    let place = |name: &str| plain.bounds().ranges.iter().position(|range| range.name == name);
+    let moved = |guess: &Vec<f64>| {
+        let ranges = problem.bounds().ranges.iter().zip(guess);
+        ranges.map(|(range, &guess)| place(&range.name).map_or(guess, |at| best[at])).collect()
+    };
+    guesses.iter().map(moved).collect()
 }
 
 /// Number of independent samples that the residuals at `x` are worth.

@@ -44,7 +44,7 @@ pub enum IntervalMethod {
     Profile,
     /// 1.96 standard errors of the logarithm, for a positive coefficient that depends on others as a power.
     Logarithmic,
-    /// 1.96 standard errors to each side, not checked: the record is too long, or the profile ends nowhere.
+    /// 1.96 standard errors to each side, not checked: the record is too long, or the fit was stopped.
     Unchecked,
 }
 
@@ -73,24 +73,26 @@ impl Interval {
 }
 
 /// Intervals of everything that `whole` has a standard error of, in its order and symbols (unit-α). The shape of the sum of
-/// squares is taken from `problem`, which may be the reduced one, at its own optimum `known`. What `stop` cuts short stays unchecked.
+/// squares is taken from `problem`, which may be the reduced one, at its own optimum `known`. What `stop` cuts short stays unchecked;
+/// a parameter whose profile ends nowhere is not determined, and marked so in `whole`.
 pub(in super::super) fn intervals(
     problem: &JointProblem,
     known: &Knowledge,
-    whole: &Covariance,
+    whole: &mut Covariance,
     stop: &Stop,
 ) -> Vec<Option<Interval>> {
-    let unchecked = |j: usize| {
-        let error = whole.std_error(j)?;
-        Some(Interval::symmetric(whole.values[j], error, IntervalMethod::Unchecked))
+    let errors: Vec<Option<f64>> = (0..whole.values.len()).map(|j| whole.std_error(j)).collect();
+    let unchecked = |(error, &value): (&Option<f64>, &f64)| {
+        error.map(|error| Interval::symmetric(value, error, IntervalMethod::Unchecked))
     };
-    let mut found: Vec<Option<Interval>> = (0..whole.values.len()).map(unchecked).collect();
+    let mut found: Vec<Option<Interval>> = errors.iter().zip(&whole.values).map(unchecked).collect();
     // Weights that end at zero are no parameters: where thinned and whole records differ in these, shapes do not carry over.
     if known.covariance.names != whole.names {
         return found;
     }
     let at = &known.covariance.values;
-    let free: Vec<usize> = (0..at.len()).filter(|&j| known.covariance.std_error(j).is_some()).collect();
+    // Those on the edge of their range may come away from it.
+    let free: Vec<usize> = (0..at.len()).filter(|&j| known.covariance.matrix[(j, j)] > 0.0).collect();
     let square = known.linearisation.residuals.iter().map(|r| r * r).sum();
     let optimum = Optimum { at, square, free: &free };
     let directions: Vec<Vec<f64>> = (0..at.len())
@@ -142,7 +144,7 @@ pub(in super::super) fn intervals(
     let profiles: Vec<Option<Interval>> = curved
         .par_iter()
         .map(|&(_, j)| {
-            let (profiled, error) = (profiled(j)?, whole.std_error(j)?);
+            let (profiled, error) = (profiled(j)?, errors[j]?);
             let end = |side| profiled.end(&mut whole_fit(), &optimum, side, NORMAL_975);
             let (low, high) = rayon::join(|| end(-1.0), || end(1.0));
             // From the reduced records' own optimum and errors to those of all samples.
@@ -151,7 +153,8 @@ pub(in super::super) fn intervals(
         })
         .collect();
     for (&(_, j), profile) in curved.iter().zip(profiles) {
-        found[j] = profile.or(found[j]);
+        found[j] = profile;
+        whole.undetermined[j] |= profile.is_none();
     }
     found
 }
@@ -273,7 +276,8 @@ mod tests {
         let error = known.covariance.std_error(0).unwrap();
         assert!((error / variance.sqrt() - 1.0).abs() < 0.15, "{error} {}", variance.sqrt());
 
-        let [Some(interval)] = intervals(&problem, &known, &known.covariance, &Stop::new())[..] else {
+        let [Some(interval)] = intervals(&problem, &known, &mut known.covariance.clone(), &Stop::new())[..]
+        else {
             panic!()
         };
         assert_eq!(interval.method, IntervalMethod::Quadratic);

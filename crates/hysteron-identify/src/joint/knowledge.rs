@@ -15,7 +15,7 @@ use super::record::JointRecord;
 use hysteron_numeric::fft::{RealFft, fast_length};
 use hysteron_numeric::{Complex64, dot, triangular};
 use hysteron_optimize::{LeastSquaresProblem, Problem};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -43,10 +43,12 @@ pub struct Covariance {
     pub names: Vec<String>,
     /// Estimates.
     pub values: Vec<f64>,
-    /// Covariance matrix; zero rows and columns where a parameter is held, or stands on the edge of its range. Of the combinations that
-    /// the records determine: those that they do not are left out.
+    /// Covariance matrix; zero rows and columns where a parameter is held. Of the combinations that the records determine: those that
+    /// they do not are left out. The edge of a range of the search is no knowledge: what stands on it counts as free here, and how far
+    /// everything would move without the edge counts as an error.
     pub matrix: DMatrix<f64>,
-    /// Parameters that such a combination moves more than everything else does: their variance in `matrix` is a part of theirs.
+    /// Parameters that such a combination moves more than everything else does, whose variance in `matrix` is a part of theirs, and
+    /// those on the edge of their range.
     pub undetermined: Vec<bool>,
     /// Ratio of the largest to the smallest singular value of the Jacobian with columns of unit length.
     pub condition_number: f64,
@@ -70,11 +72,12 @@ impl Covariance {
         (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
     }
 
-    /// Correlation of the parameters that the records determine.
-    pub(in super::super) fn correlation(&self, step: &str) -> Correlation {
+    /// Correlation of the parameters that the records determine, if there are any.
+    pub(in super::super) fn correlation(&self, step: &str) -> Option<Correlation> {
         let known: Vec<usize> = (0..self.names.len()).filter(|&i| self.std_error(i).is_some()).collect();
         let names = known.iter().map(|&i| self.names[i].clone()).collect();
-        correlation(step, names, &self.matrix.select_rows(&known).select_columns(&known))
+        let of_known = || self.matrix.select_rows(&known).select_columns(&known);
+        (!known.is_empty()).then(|| correlation(step, names, &of_known()))
     }
 
     /// Covariance of functions f of the parameters, J C Jᵀ with J by central differences of f, whose steps are a small part
@@ -110,7 +113,7 @@ impl Covariance {
 }
 
 /// What is known at an optimum, in the fit's own (unit-α) symbols: first the eliminated coefficients, then the searched
-/// numbers. Parameters on a bound count as held.
+/// numbers.
 #[derive(Debug)]
 pub(in super::super) struct Knowledge {
     /// Robust to coloured residuals.
@@ -152,8 +155,7 @@ pub(in super::super) fn knowledge_of(
         .collect();
     let columns: Vec<&[f64]> = linear.chunks_exact(rows).chain(searched.chunks_exact(rows)).collect();
     let norms: Vec<f64> = columns.par_iter().map(|c| dot(c, c).sqrt()).collect();
-    let free: Vec<usize> =
-        (0..columns.len()).filter(|&j| !on_bound[j] && norms[j] > 0.0 && norms[j].is_finite()).collect();
+    let free: Vec<usize> = (0..columns.len()).filter(|&j| norms[j] > 0.0 && norms[j].is_finite()).collect();
     let local: usize = problem.records().iter().map(JointRecord::local_columns).sum();
     if free.is_empty() || problem.valid() <= free.len() + local {
         return None;
@@ -184,8 +186,8 @@ pub(in super::super) fn knowledge_of(
             share > ROUNDING && adds > bread[(j, j)]
         })
         .collect();
-    let mut undetermined = vec![false; columns.len()];
-    free.iter().zip(&undetermined_free).for_each(|(&j, &lost)| undetermined[j] = lost);
+    let mut undetermined = on_bound.clone();
+    free.iter().zip(&undetermined_free).for_each(|(&j, &lost)| undetermined[j] |= lost);
     let meat = (0..problem.records().len())
         .into_par_iter()
         .map(|record| {
@@ -212,7 +214,11 @@ pub(in super::super) fn knowledge_of(
         }
         matrix
     };
-    let matrix = in_own_units(&bread * meat * &bread);
+    // How far all of them would move if those on the edge were free to: an error of the estimate beside that of the noise.
+    let held_back = free.iter().zip(&free_columns).zip(&free_norms);
+    let pull = held_back.map(|((&j, c), norm)| if on_bound[j] { dot(c, residuals) / norm } else { 0.0 });
+    let moved = &bread * DVector::from_iterator(p, pull);
+    let matrix = in_own_units(&bread * meat * &bread + &moved * moved.transpose());
     let white = in_own_units(bread * variance);
     Some(Knowledge {
         covariance: Covariance { names, values, matrix, undetermined, condition_number },
@@ -384,7 +390,7 @@ mod tests {
         let known = Covariance {
             names: ["a", "b", "c"].map(str::to_owned).to_vec(),
             values: vec![1.0, 2.0, 3.0],
-            matrix: DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![0.01, 0.04, 0.09])),
+            matrix: DMatrix::from_diagonal(&DVector::from_vec(vec![0.01, 0.04, 0.09])),
             undetermined: vec![false, true, false],
             condition_number: 1e9,
         };
@@ -394,6 +400,6 @@ mod tests {
         assert_eq!(found.undetermined, [true, false, false]);
         assert!((found.std_error(1).unwrap() - 0.6).abs() < 1e-6);
         assert_eq!(found.of_determined()[(0, 0)], 0.0);
-        assert_eq!(found.correlation("s").names, ["2 c", "a"]);
+        assert_eq!(found.correlation("s").unwrap().names, ["2 c", "a"]);
     }
 }

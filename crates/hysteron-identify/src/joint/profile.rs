@@ -11,12 +11,16 @@ use hysteron_numeric::dot;
 
 /// Values of z within this of the wanted one will do.
 const Z_TOLERANCE: f64 = 0.01;
-/// Most linearisations for one end of an interval.
-const MOST_STEPS: usize = 16;
-/// Most halvings of a step that leads up.
-const MOST_HALVINGS: usize = 6;
-/// Farthest step of the value at a time, in standard errors.
+/// Most linearisations for one end of an interval, and for one point of it.
+const MOST_STEPS: usize = 60;
+const MOST_TO_SETTLE: usize = 15;
+/// Most dampings of a step that leads up, the least of them, and what each is eased by where the step leads down.
+const MOST_ATTEMPTS: usize = 10;
+const LEAST_DAMPING: f64 = 1e-4;
+const EASIER: f64 = 0.2;
+/// Farthest and nearest step of the value at a time, in standard errors.
 const FARTHEST: f64 = 1.5;
+const NEAREST: f64 = 1e-3;
 
 /// A least-squares fit in all of its parameters, linear ones among them.
 pub(in super::super) trait Fit {
@@ -77,7 +81,7 @@ impl Profiled<'_> {
     }
 
     /// The value on this side (±1) at which z = ± `wanted`, or the end of the parameter's range; `None` where it is not
-    /// found.
+    /// found. The valley is followed outwards, in shorter steps where it bends.
     pub(in super::super) fn end(
         &self,
         fit: &mut impl Fit,
@@ -87,55 +91,114 @@ impl Profiled<'_> {
     ) -> Option<f64> {
         let (low, high) = fit.range(self.parameter);
         let bound = if side > 0.0 { high } else { low };
-        let mut at = optimum.at.to_vec();
-        self.go_to(fit, optimum, &mut at, optimum.at[self.parameter] + side * wanted * self.std_error);
-        let mut floor = 0.0;
-        for _ in 0..MOST_STEPS {
-            let value = at[self.parameter];
-            let (residuals, columns) = fit.linearise(&at)?;
-            let rest = Rest::solve(fit, self.parameter, optimum.free, &at, residuals, &columns);
-            // The others are not at their best yet: what is left to gain must not count in z.
-            if rest.gain > 2.0 * Z_TOLERANCE * wanted * self.unit {
-                at = rest.step(fit, &at)?;
+        let mut from =
+            Point { at: optimum.at.to_vec(), z: 0.0, rate: 0.0, direction: self.direction.to_vec() };
+        let (farthest, nearest) = (FARTHEST * self.std_error, NEAREST * self.std_error);
+        let mut length = wanted * self.std_error;
+        let mut left = MOST_STEPS;
+        while left > 0 && length > nearest {
+            let value = from.at[self.parameter];
+            let next = (value + side * length).clamp(low, high);
+            let Some(to) =
+                self.settled(fit, optimum, from.moved(self.parameter, next, fit), wanted, &mut left)
+            else {
+                length *= 0.5;
+                continue;
+            };
+            if (to.z - wanted).abs() <= Z_TOLERANCE {
+                return Some(next);
+            }
+            if to.z > wanted {
+                let share = (wanted - from.z) / (to.z - from.z);
+                length = (next - value).abs() * share.clamp(0.05, 0.95);
                 continue;
             }
-            let z = self.root(rest.square, optimum);
-            if (z - wanted).abs() <= Z_TOLERANCE {
-                return Some(value);
-            }
-            if value == bound && z < wanted {
+            if next == bound {
                 return Some(bound);
             }
-            // dz/dv from dS/dv = −2 Jᵀr, at the best of the others.
-            let rate = side * -rest.gradient / (z * self.unit);
-            if !(rate > 0.0 && rate.is_finite()) {
-                return None;
-            }
-            let farthest = FARTHEST * self.std_error;
-            let step = ((wanted - z) / rate).clamp(-farthest, farthest);
-            if z < wanted {
-                floor = (value - optimum.at[self.parameter]).abs().max(floor);
-            }
-            let distance = ((value - optimum.at[self.parameter]).abs() + step).max(floor);
-            let next = (optimum.at[self.parameter] + side * distance).clamp(low, high);
-            for (to, (d, tangent)) in rest.free.iter().zip(rest.change.iter().zip(&rest.tangent)) {
-                let (low, high) = fit.range(*to);
-                at[*to] = (at[*to] + d + tangent * (next - value)).clamp(low, high);
-            }
-            at[self.parameter] = next;
+            // A valley that goes down again is followed on to where it rises.
+            let asked = (wanted - to.z) / (side * to.rate);
+            length = if asked > 0.0 { asked.clamp(2.0 * nearest, farthest) } else { farthest };
+            from = to;
         }
         None
     }
 
-    /// Moves along the valley to `value`, within all ranges.
-    fn go_to(&self, fit: &impl Fit, optimum: &Optimum<'_>, at: &mut [f64], value: f64) {
-        let (low, high) = fit.range(self.parameter);
-        let moved = value.clamp(low, high) - optimum.at[self.parameter];
-        for &j in optimum.free {
-            let (low, high) = fit.range(j);
-            at[j] = (optimum.at[j] + moved * self.direction[j]).clamp(low, high);
+    /// The others at their best, by damped Gauss–Newton steps (Levenberg–Marquardt) from `at`; `None` where they are not found.
+    fn settled(
+        &self,
+        fit: &mut impl Fit,
+        optimum: &Optimum<'_>,
+        mut at: Vec<f64>,
+        wanted: f64,
+        left: &mut usize,
+    ) -> Option<Point> {
+        let mut damping = 0.0;
+        for _ in 0..MOST_TO_SETTLE {
+            *left = left.checked_sub(1)?;
+            let (residuals, columns) = fit.linearise(&at)?;
+            let solve = |fit: &_, damping| {
+                Rest::solve(fit, self.parameter, optimum.free, (&at, damping), &residuals, &columns)
+            };
+            let rest = solve(fit, 0.0);
+            // What is left to gain must not count in z.
+            if rest.gain <= 2.0 * Z_TOLERANCE * wanted * self.unit {
+                let z = self.root(rest.square, optimum);
+                let mut direction = vec![0.0; at.len()];
+                direction[self.parameter] = 1.0;
+                for (&j, (tangent, change)) in rest.free.iter().zip(rest.tangent.iter().zip(&rest.change)) {
+                    let (low, high) = fit.range(j);
+                    direction[j] = *tangent;
+                    at[j] = (at[j] + change).clamp(low, high);
+                }
+                // dz/dv from dS/dv = −2 Jᵀr, at the best of the others.
+                return Some(Point { at, z, rate: -rest.gradient / (z * self.unit), direction });
+            }
+            let mut better = None;
+            for attempt in 0..MOST_ATTEMPTS {
+                let to = if damping > 0.0 {
+                    solve(fit, damping).stepped(fit, &at)
+                } else {
+                    rest.stepped(fit, &at)
+                };
+                if fit.square(&to).is_some_and(|square| square < rest.before) {
+                    better = Some(to);
+                    damping *= if attempt == 0 { EASIER } else { 1.0 };
+                    break;
+                }
+                damping = (damping / EASIER).max(LEAST_DAMPING);
+            }
+            at = better?;
+            if damping < LEAST_DAMPING {
+                damping = 0.0;
+            }
         }
-        at[self.parameter] = value.clamp(low, high);
+        None
+    }
+}
+
+/// A point of the valley: the parameter at a value, the others at their best.
+struct Point {
+    at: Vec<f64>,
+    z: f64,
+    /// dz/dv.
+    rate: f64,
+    /// How all parameters move with the profiled one.
+    direction: Vec<f64>,
+}
+
+impl Point {
+    /// Along the valley to where the parameter is `value`, within all ranges.
+    fn moved(&self, parameter: usize, value: f64, fit: &impl Fit) -> Vec<f64> {
+        let by = value - self.at[parameter];
+        let to = |(j, (p, d)): (usize, (&f64, &f64))| {
+            let (low, high) = fit.range(j);
+            // What is held may stand outside.
+            if *d == 0.0 { *p } else { (p + by * d).clamp(low, high) }
+        };
+        let mut at: Vec<f64> = self.at.iter().zip(&self.direction).enumerate().map(to).collect();
+        at[parameter] = value;
+        at
     }
 }
 
@@ -160,51 +223,50 @@ impl Rest {
         fit: &impl Fit,
         parameter: usize,
         free: &[usize],
-        at: &[f64],
-        mut residuals: Vec<f64>,
+        (at, damping): (&[f64], f64),
+        residuals: &[f64],
         columns: &[f64],
     ) -> Self {
         let rows = residuals.len();
         let column = |j: usize| &columns[j * rows..(j + 1) * rows];
-        let before = dot(&residuals, &residuals);
+        let before = dot(residuals, residuals);
         // Those that their range holds back stay where they are.
         let free: Vec<usize> = free
             .iter()
             .copied()
             .filter(|&j| {
                 let (low, high) = fit.range(j);
-                let uphill = dot(column(j), &residuals);
+                let uphill = dot(column(j), residuals);
                 j != parameter && !(at[j] <= low && uphill < 0.0 || at[j] >= high && uphill > 0.0)
             })
             .collect();
-        let mut basis = Projection::new(rows, free.len());
-        for &j in &free {
-            basis.push(|q| q.copy_from_slice(column(j)));
+        // Damping is a row more for each of them, in units of its column.
+        let with_rows = |x: &[f64]| x.iter().copied().chain(free.iter().map(|_| 0.0)).collect::<Vec<f64>>();
+        let mut basis = Projection::new(rows + free.len(), free.len());
+        for (row, &j) in free.iter().enumerate() {
+            basis.push(|q| {
+                q[..rows].copy_from_slice(column(j));
+                q[rows..].fill(0.0);
+                q[rows + row] = damping * dot(column(j), column(j)).sqrt();
+            });
         }
+        let (mut residuals, own) = (with_rows(residuals), with_rows(column(parameter)));
         let change = basis.coefficients(&residuals);
-        let own = column(parameter);
-        let tangent = basis.coefficients(own).into_iter().map(|t| -t).collect();
+        let tangent = basis.coefficients(&own).into_iter().map(|t| -t).collect();
         basis.project(&mut residuals);
         let square = dot(&residuals, &residuals);
-        let gradient = dot(own, &residuals);
+        let gradient = dot(&own, &residuals);
         Self { free, change, tangent, before, gain: before - square, square, gradient }
     }
 
-    /// The point after the step, shortened until it leads down.
-    fn step(&self, fit: &mut impl Fit, at: &[f64]) -> Option<Vec<f64>> {
-        let mut share = 1.0;
-        for _ in 0..MOST_HALVINGS {
-            let mut to = at.to_vec();
-            for (&j, change) in self.free.iter().zip(&self.change) {
-                let (low, high) = fit.range(j);
-                to[j] = (at[j] + share * change).clamp(low, high);
-            }
-            if fit.square(&to).is_some_and(|square| square < self.before) {
-                return Some(to);
-            }
-            share *= 0.5;
+    /// The point after the step, within all ranges.
+    fn stepped(&self, fit: &impl Fit, at: &[f64]) -> Vec<f64> {
+        let mut to = at.to_vec();
+        for (&j, change) in self.free.iter().zip(&self.change) {
+            let (low, high) = fit.range(j);
+            to[j] = (at[j] + change).clamp(low, high);
         }
-        None
+        to
     }
 }
 

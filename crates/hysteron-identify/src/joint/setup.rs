@@ -13,10 +13,13 @@ use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicForm, Modes, Scheme};
 use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::polynomial_name;
-use hysteron_optimize::{Bounds, Range, Stop};
+use hysteron_optimize::{Bounds, Problem, Range, Stop};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Longest delay sought where a fit ended at the longest of the first search, as a share of the fastest period in the data.
+const FAR_DELAY_PERIODS: f64 = 1.6;
 
 /// Everything that a joint problem of any degree is made from.
 #[derive(Clone)]
@@ -28,6 +31,8 @@ pub(in super::super) struct JointSetup<'a> {
     pub(in super::super) options: &'a Options,
     pub(in super::super) fastest_hz: f64,
     pub(in super::super) rate_hz: f64,
+    /// Longest delay sought \[s\].
+    longest_delay_s: f64,
     /// Whole and reduced records, prepared when first needed.
     prepared: Arc<[Mutex<Option<Prepared>>; 2]>,
     /// Found when first needed.
@@ -57,13 +62,16 @@ impl<'a> JointSetup<'a> {
         options: &'a Options,
     ) -> Self {
         let facts: Vec<&RecordFacts> = members.iter().map(|member| member.facts).collect();
+        let fastest_hz = facts.iter().map(|f| f.highest_frequency_hz()).fold(0.0, f64::max);
+        let rate_hz = members.iter().map(|m| m.rate_hz).fold(0.0, f64::max);
         Self {
             scales: Scales::of(&facts),
             hysteresis: options.family(),
             form,
             options,
-            fastest_hz: facts.iter().map(|f| f.highest_frequency_hz()).fold(0.0, f64::max),
-            rate_hz: members.iter().map(|m| m.rate_hz).fold(0.0, f64::max),
+            fastest_hz,
+            rate_hz,
+            longest_delay_s: (LONGEST_DELAY_SAMPLES / rate_hz).max(LONGEST_DELAY_PERIODS / fastest_hz),
             members,
             prepared: Arc::default(),
             resonances: Arc::default(),
@@ -86,7 +94,21 @@ impl<'a> JointSetup<'a> {
     where
         'a: 'b,
     {
-        JointSetup::new(self.members, self.form, options).stopped_by(&self.stop)
+        let longest_delay_s = self.longest_delay_s;
+        JointSetup {
+            longest_delay_s,
+            ..JointSetup::new(self.members, self.form, options).stopped_by(&self.stop)
+        }
+    }
+
+    /// The same with longer delays, where a fit ended at the longest of those sought; `None` where it did not.
+    pub(super) fn with_longer_delays(&self, problem: &JointProblem, x: &[f64]) -> Option<JointSetup<'a>> {
+        let asked = self.options.demands.names().any(|name| name == "delay");
+        let mut ranges = problem.bounds().ranges.iter().zip(x);
+        let at_end = ranges.any(|(range, &x)| range.name == "delay" && range.to_unit(x) >= 1.0 - 1e-6);
+        let longer = FAR_DELAY_PERIODS / self.fastest_hz;
+        let widen = at_end && !asked && longer > self.longest_delay_s;
+        widen.then(|| JointSetup { longest_delay_s: longer, ..self.clone() })
     }
 
     /// Whether a law with dynamics sees its fastest drive with fewer than so many samples a cycle, at one rate.
@@ -170,10 +192,9 @@ impl<'a> JointSetup<'a> {
             .iter()
             .map(|parameter| space.searched(self.range(parameter.name)))
             .collect();
-        let longest = (LONGEST_DELAY_SAMPLES / self.rate_hz).max(LONGEST_DELAY_PERIODS / self.fastest_hz);
         let delay = match self.options.delay_s {
             Choice::Given(delay) => Role::Fixed(delay),
-            Choice::Auto => space.searched(Range::linear("delay", 0.0, longest)),
+            Choice::Auto => space.searched(Range::linear("delay", 0.0, self.longest_delay_s)),
         };
         let memory = self
             .members

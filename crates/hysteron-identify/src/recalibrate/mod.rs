@@ -237,13 +237,13 @@ fn fit(
     let longest_s = timed.then(|| longest(model, &facts));
     let mut problem = GainAndDelay::new(model, &facts, starts, longest_s, model.delay_s);
     let mut measured = minimum(&problem)?;
-    let mut covariance = uncertainty::covariance(&problem, &measured);
+    let mut covariance = uncertainty::covariance(&problem, &measured, None);
     // A delay on the edge of its range stays there; one that the records do not determine stays the old one.
     let edge = problem.names.delay.map(|at| measured[at]).filter(|&delay| problem.is_edge_of_delay(delay));
     if problem.names.delay.is_some() && (edge.is_some() || covariance.is_none()) {
         problem = GainAndDelay::new(model, &facts, starts, None, edge.unwrap_or(model.delay_s));
         measured = minimum(&problem)?;
-        covariance = uncertainty::covariance(&problem, &measured);
+        covariance = uncertainty::covariance(&problem, &measured, None);
     }
     let names = &problem.names;
     let std_error = |c: &Option<DMatrix<f64>>, at: usize| c.as_ref().map(|c| c[(at, at)].sqrt());
