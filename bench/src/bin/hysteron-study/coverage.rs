@@ -1,20 +1,18 @@
 //! Do the 95 % intervals of a joint fit hold the truth in 95 of 100 campaigns, for every parameter?
 //!
-//! The true records, a slow loop of nested amplitudes and a sweep, come from the simulated bench once, in continuous time
-//! and through an ideal sensor; each campaign adds its own noise to them, white or coloured, and is identified from the
-//! true parameters on: the study is of the intervals, not of the search.
+//! The true records, a slow loop of nested amplitudes and a sweep, come from the simulated bench once for each kind of drive
+//! (held between samples, straight, band-limited), in continuous time and through an ideal sensor; each campaign adds its
+//! own noise to them, white or coloured, and is identified from the true parameters on, the rule between samples from the
+//! records: the study is of the intervals, not of the search.
 
-use std::f64::consts::TAU;
 use std::io::{Write, stdout};
 
 use hysteron_identify::{CampaignRecord, Choice, Identification, Options, RecordRole, Watch, identify};
-use rand::Rng;
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::SeedableRng;
+use hysteron_model::record::InterSample;
 use rayon::prelude::*;
 
 use crate::Outcome;
-use crate::campaign::{NOISE_UM, from_truth, nested_loops, play, sweep};
+use crate::campaign::{NOISE_UM, from_truth, nested_loops, sweep, true_record, with_noise};
 use crate::device::Device;
 
 /// Quantile of the normal distribution that leaves 2.5 % above it.
@@ -23,37 +21,17 @@ pub const NORMAL_975: f64 = 1.959_963_984_540_054;
 /// Coefficient c in e_k = c e_{k−1} + √(1 − c²) · white.
 const NOISES: [(&str, f64); 2] = [("white", 0.0), ("coloured, autoregressive 0.9", 0.9)];
 
-/// The records without noise.
-fn true_records(device: &Device) -> Outcome<Vec<CampaignRecord>> {
-    let drives = [nested_loops(1_000.0, 4.0)?, sweep(5_000.0, 5.0, 200.0, 1.5)?];
-    let mut records = play(&device.bench(0.0)?, &drives, 0)?;
-    for (record, (name, role)) in
-        records.iter_mut().zip([("loop", RecordRole::QuasiStatic), ("sweep", RecordRole::Dynamic)])
+/// The records without noise, under a drive that does between its samples what `rule` says.
+fn true_records(device: &Device, rule: InterSample) -> Outcome<Vec<CampaignRecord>> {
+    let mut quasi_static = true_record(device, rule, 1_000.0, |rate_hz| nested_loops(rate_hz, 4.0))?;
+    let mut dynamic = true_record(device, rule, 5_000.0, |rate_hz| sweep(rate_hz, 5.0, 200.0, 1.5))?;
+    for (record, name, role) in
+        [(&mut quasi_static, "loop", RecordRole::QuasiStatic), (&mut dynamic, "sweep", RecordRole::Dynamic)]
     {
         record.data.name = name.to_owned();
         record.role = Some(role);
     }
-    Ok(records)
-}
-
-/// Standard normal number (Box and Muller 1958, doi:10.1214/aoms/1177706645).
-fn normal(rng: &mut Xoshiro256PlusPlus) -> f64 {
-    const UNIT: f64 = 1.0 / (1u64 << 53) as f64;
-    let radius = (((rng.next_u64() >> 11) + 1) as f64 * UNIT).ln() * -2.0;
-    radius.sqrt() * ((rng.next_u64() >> 11) as f64 * UNIT * TAU).cos()
-}
-
-fn with_noise(records: &[CampaignRecord], memory: f64, seed: u64) -> Vec<CampaignRecord> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut records = records.to_vec();
-    for record in &mut records {
-        let mut noise = normal(&mut rng);
-        for y in &mut record.data.y {
-            *y += NOISE_UM * noise;
-            noise = memory * noise + (1.0 - memory * memory).sqrt() * normal(&mut rng);
-        }
-    }
-    records
+    Ok(vec![quasi_static, dynamic])
 }
 
 /// What one campaign said of one parameter.
@@ -76,41 +54,44 @@ fn judge(found: &Identification, name: &str, truth: f64) -> Option<Said> {
     })
 }
 
-pub fn study(campaigns: usize) -> Outcome<()> {
-    let device = Device::article()?;
-    let values = device.values()?;
-    // The exponent is not searched here.
-    let values: Vec<_> = values.into_iter().filter(|(name, _)| name != "n").collect();
-    let records = true_records(&device)?;
-    let options = Options { degree: Choice::Given(2), ..from_truth(&device)? };
-    let ideal = identify(&records, &options, &Watch::silent(), None)?;
-    for record in &ideal.records {
-        writeln!(
-            stdout(),
-            "Without noise the model differs from record '{}' by {:.5} µm (rms).",
-            record.data.name,
-            record.scores.rmse
-        )?;
-    }
-    writeln!(stdout())?;
-    for (number, (noise, memory)) in NOISES.into_iter().enumerate() {
-        let found: Vec<Vec<Option<Said>>> = (0..campaigns)
+/// Campaigns under one kind of drive and one kind of noise.
+struct Series {
+    /// Each campaign's word on each parameter.
+    said: Vec<Vec<Option<Said>>>,
+    /// Campaigns whose rule between samples was found.
+    recognised: usize,
+}
+
+impl Series {
+    fn run(
+        records: &[CampaignRecord],
+        rule: InterSample,
+        (memory, seed): (f64, u64),
+        campaigns: usize,
+        (options, values): (&Options, &[(String, f64)]),
+    ) -> Outcome<Self> {
+        let found: Vec<(Vec<Option<Said>>, bool)> = (0..campaigns)
             .into_par_iter()
             .map(|campaign| {
-                let seed = (2 + number as u64) << 32 | campaign as u64;
-                let found = identify(&with_noise(&records, memory, seed), &options, &Watch::silent(), None)?;
-                Ok(values.iter().map(|(name, truth)| judge(&found, name, *truth)).collect())
+                let records = with_noise(records, memory, seed << 32 | campaign as u64);
+                let found = identify(&records, options, &Watch::silent(), None)?;
+                let said = values.iter().map(|(name, truth)| judge(&found, name, *truth)).collect();
+                Ok((said, found.model.inter_sample == rule))
             })
             .collect::<Outcome<_>>()?;
+        let recognised = found.iter().filter(|(_, recognised)| *recognised).count();
+        Ok(Self { said: found.into_iter().map(|(said, _)| said).collect(), recognised })
+    }
+
+    fn print(&self, values: &[(String, f64)]) -> Outcome<()> {
         let mut out = stdout().lock();
-        writeln!(out, "{campaigns} campaigns, noise of {NOISE_UM} µm, {noise}")?;
         writeln!(
             out,
             "{:<18} {:>9} {:>9} {:>9} {:>8} {:>9} {:>9}",
             "parameter", "interval", "1.96 s.e.", "mean err.", "its sd", "profiled", "without"
         )?;
         for (index, (name, _)) in values.iter().enumerate() {
-            let said: Vec<Said> = found.iter().filter_map(|campaign| campaign[index]).collect();
+            let said: Vec<Said> = self.said.iter().filter_map(|campaign| campaign[index]).collect();
             let count = said.len().max(1) as f64;
             let share =
                 |of: &dyn Fn(&Said) -> bool| 100.0 * said.iter().filter(|s| of(s)).count() as f64 / count;
@@ -123,10 +104,41 @@ pub fn study(campaigns: usize) -> Outcome<()> {
                 share(&|s| s.error.abs() <= NORMAL_975),
                 square.sqrt(),
                 share(&|s| s.profiled),
-                campaigns - said.len(),
+                self.said.len() - said.len(),
             )?;
         }
-        writeln!(out)?;
+        Ok(writeln!(out)?)
+    }
+}
+
+pub fn study(campaigns: usize) -> Outcome<()> {
+    let device = Device::article()?;
+    let values = device.values()?;
+    // The exponent is not searched here.
+    let values: Vec<_> = values.into_iter().filter(|(name, _)| name != "n").collect();
+    let options = Options { degree: Choice::Given(2), ..from_truth(&device)? };
+    for (kind, rule) in InterSample::ALL.into_iter().enumerate() {
+        let records = true_records(&device, rule)?;
+        let ideal = identify(&records, &options, &Watch::silent(), None)?;
+        for record in &ideal.records {
+            writeln!(
+                stdout(),
+                "Drive {rule}: without noise the model differs from record '{}' by {:.5} µm (rms).",
+                record.data.name,
+                record.scores.rmse
+            )?;
+        }
+        writeln!(stdout())?;
+        for (number, (noise, memory)) in NOISES.into_iter().enumerate() {
+            let seed = (2 + NOISES.len() * kind + number) as u64;
+            let series = Series::run(&records, rule, (memory, seed), campaigns, (&options, &values))?;
+            writeln!(
+                stdout(),
+                "{campaigns} campaigns, drive {rule} (recognised in {}), noise of {NOISE_UM} µm, {noise}",
+                series.recognised
+            )?;
+            series.print(&values)?;
+        }
     }
     Ok(())
 }

@@ -1,14 +1,16 @@
-//! Do the estimates depend on the sample rate? One device in continuous time, recorded at several rates and identified
-//! by the default scheme and by `grunwald-letnikov`.
+//! Do the estimates depend on the sample rate? One device in continuous time, recorded at several rates under drives that
+//! are held between samples, straight or band-limited, and identified by the default scheme, the rule between samples from
+//! the records; under straight drives by `grunwald-letnikov` too.
 
 use std::io::{Write, stdout};
 
 use hysteron_identify::{CampaignRecord, Choice, Options, Watch, identify};
 use hysteron_model::dynamics::Scheme;
+use hysteron_model::record::InterSample;
 use rayon::prelude::*;
 
 use crate::Outcome;
-use crate::campaign::{NOISE_UM, cold, nested_loops, play, sweep};
+use crate::campaign::{cold, nested_loops, sweep, true_record, with_noise};
 use crate::device::Device;
 use crate::table;
 
@@ -29,34 +31,44 @@ const NAMES: [&str; 10] = [
 /// An estimate with its standard error.
 type Estimate = (f64, f64);
 
-/// The estimates of [`NAMES`] from a campaign.
-fn estimates(records: &[CampaignRecord], scheme: Scheme) -> Outcome<Vec<Estimate>> {
+/// What one campaign came to.
+struct Found {
+    /// Those of [`NAMES`].
+    estimates: Vec<Estimate>,
+    /// Rule between samples.
+    rule: InterSample,
+}
+
+fn identified(records: &[CampaignRecord], scheme: Scheme) -> Outcome<Found> {
     let options = Options { scheme: Choice::Given(scheme), degree: Choice::Given(2), ..cold() };
     let found = identify(records, &options, &Watch::silent(), None)?;
-    NAMES
+    let estimates = NAMES
         .iter()
         .map(|name| {
             let p = found.parameters.iter().find(|p| p.name == *name);
             let estimate = p.and_then(|p| Some((p.value, p.std_error?)));
             estimate.ok_or_else(|| format!("{name} was not determined").into())
         })
-        .collect()
+        .collect::<Outcome<_>>()?;
+    Ok(Found { estimates, rule: found.model.inter_sample })
 }
 
 /// `campaigns` of each rate, those of a rate beside each other.
-fn all(device: &Device, campaigns: usize, scheme: Scheme) -> Outcome<Vec<Vec<Vec<Estimate>>>> {
-    let truth = device.bench(NOISE_UM)?;
+fn all(device: &Device, rule: InterSample, campaigns: usize, scheme: Scheme) -> Outcome<Vec<Vec<Found>>> {
     RATES_HZ
         .iter()
         .enumerate()
         .map(|(index, &rate_hz)| {
-            let drives = [nested_loops(rate_hz, 4.0)?, sweep(rate_hz, 1.0, 100.0, 4.0)?];
+            let records = [
+                true_record(device, rule, rate_hz, |rate_hz| nested_loops(rate_hz, 4.0))?,
+                true_record(device, rule, rate_hz, |rate_hz| sweep(rate_hz, 1.0, 100.0, 4.0))?,
+            ];
             (0..campaigns)
                 .into_par_iter()
                 .map(|campaign| {
                     // Noise of its own for every rate.
-                    let records = play(&truth, &drives, (campaign * RATES_HZ.len() + index) as u64)?;
-                    estimates(&records, scheme)
+                    let seed = campaign * RATES_HZ.len() + index;
+                    identified(&with_noise(&records, 0.0, seed as u64), scheme)
                 })
                 .collect()
         })
@@ -64,7 +76,7 @@ fn all(device: &Device, campaigns: usize, scheme: Scheme) -> Outcome<Vec<Vec<Vec
 }
 
 /// Values of the first campaign of each rate, and the mean error of all.
-fn print(device: &Device, found: &[Vec<Vec<Estimate>>]) -> Outcome<()> {
+fn print(device: &Device, rule: InterSample, found: &[Vec<Found>]) -> Outcome<()> {
     let truth = device.values()?;
     let mut values = Vec::new();
     let mut biases = Vec::new();
@@ -73,10 +85,11 @@ fn print(device: &Device, found: &[Vec<Vec<Estimate>>]) -> Outcome<()> {
         let mut value = vec![(*name).to_owned(), number(*truth)];
         let mut bias = vec![(*name).to_owned()];
         for campaigns in found {
-            let (first, error) = campaigns[0][index];
+            let (first, error) = campaigns[0].estimates[index];
             value.push(with_error(first, error));
             let of = |f: &dyn Fn(&Estimate) -> f64| -> f64 {
-                campaigns.iter().map(|campaign| f(&campaign[index])).sum::<f64>() / campaigns.len() as f64
+                campaigns.iter().map(|campaign| f(&campaign.estimates[index])).sum::<f64>()
+                    / campaigns.len() as f64
             };
             let (mean, error) = (of(&|e| e.0 - truth), of(&|e| e.1));
             bias.push(format!("{:+.2} ({:+.3} %)", mean / error, 100.0 * mean / truth));
@@ -84,13 +97,19 @@ fn print(device: &Device, found: &[Vec<Vec<Estimate>>]) -> Outcome<()> {
         // Largest distance of two rates.
         let pairs = found.iter().enumerate().flat_map(|(i, a)| found[..i].iter().map(move |b| (a, b)));
         let apart = pairs.map(|(a, b)| {
-            let ((a, ea), (b, eb)) = (a[0][index], b[0][index]);
+            let ((a, ea), (b, eb)) = (a[0].estimates[index], b[0].estimates[index]);
             (a - b).abs() / ea.hypot(eb)
         });
         value.push(format!("{:.1}", apart.fold(0.0, f64::max)));
         values.push(value);
         biases.push(bias);
     }
+    let mut recognised = vec!["rule recognised".to_owned()];
+    recognised.extend(found.iter().map(|campaigns| {
+        let count = campaigns.iter().filter(|campaign| campaign.rule == rule).count();
+        format!("{count} of {}", campaigns.len())
+    }));
+    biases.push(recognised);
     let rates: Vec<String> = RATES_HZ.iter().map(|rate| format!("{} kHz", rate / 1e3)).collect();
     let rates = rates.iter().map(String::as_str);
     let header: Vec<&str> =
@@ -117,16 +136,17 @@ fn with_error(value: f64, error: f64) -> String {
 
 pub fn study(campaigns: usize) -> Outcome<()> {
     let device = Device::article()?;
-    for scheme in [Scheme::BandLimited, Scheme::GrunwaldLetnikov] {
-        // What a scheme is off by does not need many campaigns to show.
-        let campaigns = if scheme == Scheme::BandLimited { campaigns } else { campaigns.min(4) };
-        let found = all(&device, campaigns, scheme)?;
+    let default = InterSample::ALL.map(|rule| (Scheme::BandLimited, rule, campaigns));
+    // What a scheme is off by does not need many campaigns to show.
+    let other = (Scheme::GrunwaldLetnikov, InterSample::Linear, campaigns.min(4));
+    for (scheme, rule, campaigns) in default.into_iter().chain([other]) {
+        let found = all(&device, rule, campaigns, scheme)?;
         writeln!(
             stdout(),
-            "Scheme `{}`, {campaigns} campaigns a rate; values of the first.\n",
+            "Scheme `{}`, drive {rule}, {campaigns} campaigns a rate; values of the first.\n",
             scheme.name()
         )?;
-        print(&device, &found)?;
+        print(&device, rule, &found)?;
     }
     Ok(())
 }
