@@ -71,6 +71,7 @@ fn curves(name: String, time_s: Vec<f64>, u: Vec<f64>, measured: Vec<f64>) -> Re
     let scored = vec![true; residual.len()];
     RecordCurves {
         segments: Vec::new(),
+        sines: Vec::new(),
         gain_unit: String::new(),
         name,
         role: "fitted".into(),

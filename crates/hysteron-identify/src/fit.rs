@@ -13,8 +13,8 @@ use crate::modes::{self, ModesIdentification};
 use crate::oscillator;
 use crate::structure::{Neighbours, neighbours};
 use crate::{
-    CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, RecordFit, Searches, Watch,
-    identify,
+    CampaignRecord, Finding, Identification, IdentifyError, Interval, Options, RecordFit, RecordSines,
+    Searches, Watch, identify,
 };
 
 /// A kind of model and what is asked of its identification.
@@ -395,6 +395,9 @@ pub struct FitSummary {
     /// Its delay.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delay: Option<Quantity>,
+    /// Gain and phase at the sines of the records of a Hammerstein model that hold segments of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sines: Vec<RecordSines>,
     /// Searches that were run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub searches: Option<Vec<SearchSummary>>,
@@ -485,6 +488,12 @@ impl Fit {
                 summary.hysteresis = Some(file.hysteresis.clone());
                 summary.dynamics = Some(file.dynamics.clone());
                 summary.delay = Some(file.delay.clone());
+                let with_sines = found.records.iter().filter(|record| !record.sines.is_empty());
+                let sines = |record: &RecordFit| RecordSines {
+                    record: record.data.name.clone(),
+                    sines: record.sines.clone(),
+                };
+                summary.sines = with_sines.map(sines).collect();
                 let searches = found.searches.iter();
                 let searches = searches.map(|s| SearchSummary::new(&s.step, s.algorithm, &s.outcome));
                 summary.searches = Some(searches.collect());

@@ -4,6 +4,7 @@ use super::engine::Search;
 use super::joint::{Covariance, InterSampleChoice, Interval, OutputUncertainty, PredictionBand, Smoothing};
 use super::options::{Method, RecordRole};
 use super::searches::Searches;
+use super::sines::SineResponse;
 use hysteron_model::Finding;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
@@ -13,6 +14,7 @@ use hysteron_model::model_file::{HysteresisKind, ModelFile, typographic};
 use hysteron_model::record::{InputOutput, Run, RunPart, Unit};
 use hysteron_model::validate::{OffsetTreatment, ScoreError, Scores, Scoring, score};
 use hysteron_optimize::Bounds;
+use std::ops::Range;
 
 /// An identified model and everything a report needs about it.
 #[derive(Clone, Debug)]
@@ -159,6 +161,8 @@ pub struct RecordFit {
     pub simulated: Vec<f64>,
     /// How well the parameters determine the simulated output; a joint fit only.
     pub band: Option<PredictionBand>,
+    /// Gain and phase at its sines, where it holds segments of them; the model's with errors in a joint fit.
+    pub sines: Vec<SineResponse>,
 }
 
 impl RecordFit {
@@ -173,6 +177,7 @@ impl RecordFit {
                 start: if index == 0 { self.start } else { Start::AsIdentified },
                 scores: score(&part.data, &simulated, &fixed)?,
                 band: self.band.as_ref().map(|band| band.part(part.samples.clone())),
+                sines: sines_in(&self.sines, &part.samples),
                 data: part.data.clone(),
                 simulated,
             })
@@ -190,6 +195,16 @@ impl RecordFit {
     pub(super) fn fit_percent(&self) -> f64 {
         self.scores.fit_percent.unwrap_or(0.0)
     }
+}
+
+/// Those that lie within a part of the record, counted from its first sample.
+fn sines_in(sines: &[SineResponse], part: &Range<usize>) -> Vec<SineResponse> {
+    let within = |sine: &&SineResponse| part.start <= sine.samples.start && sine.samples.end <= part.end;
+    let moved = |sine: &SineResponse| SineResponse {
+        samples: sine.samples.start - part.start..sine.samples.end - part.start,
+        ..sine.clone()
+    };
+    sines.iter().filter(within).map(moved).collect()
 }
 
 /// How the structure was chosen.

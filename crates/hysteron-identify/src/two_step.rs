@@ -7,6 +7,7 @@ use super::engine::{Engine, Search};
 use super::linear_step::LinearStep;
 use super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::result::{Correlation, Identification, Parameter, RecordFit, StructureChoice};
+use super::sines::SineResponse;
 use super::static_step::{self, OFFSET, StaticStep};
 use super::uncertainty::{correlation, covariance, standard_error};
 use super::watch::Plan;
@@ -86,6 +87,7 @@ pub(super) fn identify(
             static_records.iter().position(|s| std::ptr::eq(*s, facts)).map_or(0, |i| step1.left_out[i]);
         let scores = score(&facts.data.without_first(left_out), &simulated, &Scoring::default())?;
         fits.push(RecordFit {
+            sines: SineResponse::of_record(&facts.data, &simulated),
             data: facts.data.clone(),
             role: if follow || *role == RecordRole::QuasiStatic { *role } else { RecordRole::QuasiStatic },
             start,

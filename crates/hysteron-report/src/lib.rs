@@ -28,6 +28,7 @@ pub mod model;
 pub mod page;
 pub mod record_curves;
 pub mod records;
+mod sines;
 pub mod starts;
 pub mod tracking;
 pub mod validation;

@@ -1,10 +1,11 @@
 //! One record with the model's simulation of it: loop, time curves with their bands, residual.
 
 use crate::figure::{
-    Axis, Colour, Dash, Figure, FrequencyResponseCurve, Panel, Series, Style, correlogram,
-    frequency_response, measured_and_model, residual,
+    Axis, Colour, Dash, Figure, Panel, Series, Style, correlogram, measured_and_model, residual,
 };
 use crate::number::significant;
+use crate::sines;
+use hysteron_identify::SineResponse;
 use hysteron_model::record::{InputOutput, Quantity, Segment, Unit};
 use hysteron_model::validate::{Correlogram, residual_input_correlation, residual_whiteness};
 
@@ -39,6 +40,8 @@ pub struct RecordCurves {
     pub input_correlation: Option<Correlogram>,
     /// Oscillations and rests of a record in segments: measured, and of the model.
     pub segments: Vec<(Segment, Segment)>,
+    /// Gain and phase at its oscillations.
+    pub sines: Vec<SineResponse>,
     /// Unit of a gain.
     pub gain_unit: String,
 }
@@ -70,6 +73,7 @@ impl RecordCurves {
         };
         Self {
             segments,
+            sines: SineResponse::of_record(data, &model),
             gain_unit,
             name: name.clone(),
             role: String::new(),
@@ -178,36 +182,15 @@ impl RecordCurves {
     /// Gain and phase at the oscillations of a record in segments, measured and model, and how the output creeps at its rests; `None`
     /// for a record with fewer than two oscillations.
     pub fn segments_figure(&self) -> Option<Figure> {
-        let mut sines: Vec<&(Segment, Segment)> =
-            self.segments.iter().filter(|(own, model)| own.gain.and(model.gain).is_some()).collect();
-        if sines.len() < 2 {
-            return None;
-        }
-        let hz = |s: &Segment| s.drive.high_hz.unwrap_or(f64::NAN);
-        sines.sort_by(|a, b| hz(&a.0).total_cmp(&hz(&b.0)));
-        let curve = |label: &str, of: fn(&(Segment, Segment)) -> &Segment| FrequencyResponseCurve {
-            label: label.to_owned(),
-            frequency_hz: sines.iter().map(|pair| hz(&pair.0)).collect(),
-            magnitude: sines.iter().map(|pair| of(pair).gain.unwrap_or(f64::NAN)).collect(),
-            phase_deg: sines.iter().map(|pair| of(pair).phase_deg.unwrap_or(f64::NAN)).collect(),
-            as_points: true,
-        };
-        let curves = [curve("measured", |pair| &pair.0), curve("model", |pair| &pair.1)];
+        let figure = sines::figure(&self.name, &self.gain_unit, &self.sines)?;
         let rests = self.segments.iter().filter_map(|(own, model)| Some((own, own.creep?, model.creep?)));
-        let rests: Vec<String> = rests
-            .map(|(own, measured, model)| {
-                let (measured, model) = (significant(measured, 3), significant(model, 3));
-                let (unit, at) = (&self.output.1, significant(own.start_s, 4));
-                format!("At rest from {at} s on the output creeps by {measured} {unit}, the model's by {model} {unit}.")
-            })
-            .collect();
-        let title = format!("Gain and phase at the oscillations: {}", self.name);
-        Some(frequency_response(title, &self.gain_unit, &curves).captioned(format!(
-            "Fundamental of the output over that of the input in every oscillating segment of record {}, measured and in the free run of the \
-             model. {}",
-            self.name,
-            rests.join(" ")
-        )))
+        let rests = rests.map(|(own, measured, model)| {
+            let (measured, model) = (significant(measured, 3), significant(model, 3));
+            let (unit, at) = (&self.output.1, significant(own.start_s, 4));
+            format!(" At rest from {at} s on the output creeps by {measured} {unit}, the model's by {model} {unit}.")
+        });
+        let caption = format!("{}{}", figure.caption, rests.collect::<String>());
+        Some(figure.captioned(caption))
     }
 
     /// Samples at which the input rises through the middle of its range, after having been below a tenth
@@ -329,9 +312,9 @@ mod tests {
         (data.u_unit, data.y_unit) = (Unit::new("V"), Unit::new("um"));
         let curves = RecordCurves::new(&data, &model, 0.0, 0);
         let figure = curves.segments_figure().unwrap();
-        let magnitude = &figure.panels[0].series;
-        assert_eq!((magnitude.len(), magnitude[0].x.len()), (2, 2));
-        for (measured, model) in magnitude[0].y.iter().zip(&magnitude[1].y) {
+        let of = |label: &str| figure.panels[0].series.iter().find(|s| s.label == label).unwrap();
+        assert_eq!(of("measured").x.len(), 2);
+        for (measured, model) in of("measured").y.iter().zip(&of("model").y) {
             assert!(
                 (measured - 0.2).abs() < 1e-3 && (model / measured - 1.05).abs() < 1e-6,
                 "{measured} {model}"

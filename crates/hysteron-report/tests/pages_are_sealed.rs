@@ -45,6 +45,7 @@ fn report(text: &str) -> Page {
         preparation: vec![t()],
         records: vec![RecordCurves {
             segments: Vec::new(),
+            sines: Vec::new(),
             gain_unit: String::new(),
             name: t(),
             role: t(),

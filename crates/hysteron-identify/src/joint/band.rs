@@ -8,8 +8,10 @@ use std::ops::Range;
 
 use super::super::IdentifyError;
 use super::super::layout::Role;
+use super::super::normal::NORMAL_975;
+use super::super::result::RecordFit;
+use super::super::sines::{self, SineResponse};
 use super::drive::{TimedDrive, cycles_before};
-use super::intervals::NORMAL_975;
 use super::knowledge::{Covariance, Knowledge};
 use super::problem::{JointLayout, JointProblem};
 use super::record::{Ingredients, JointRecord};
@@ -207,33 +209,39 @@ impl OutputUncertainty {
     }
 }
 
-/// Bands of the records identified from, out of the linearisation that the covariance came from; `noise` of each.
-pub(super) fn of_records(problem: &JointProblem, known: &Knowledge, noise: &[f64]) -> Vec<PredictionBand> {
+/// Gives the records identified from their bands, and the errors of the model at their sines, out of the linearisation that the
+/// covariance came from.
+pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [RecordFit]) {
     let at = &known.linearisation;
     let Covariance { matrix, .. } = &known.covariance;
     let total = at.residuals.len();
-    (problem.records().iter().enumerate().zip(noise))
-        .map(|((index, record), &noise)| {
-            let rows = problem.rows(index);
-            let own = [&at.linear, &at.searched].map(|columns| {
-                let mut own: Vec<f64> =
-                    columns.chunks_exact(total).flat_map(|column| &column[rows.clone()]).copied().collect();
-                own.chunks_exact_mut(rows.len()).for_each(|column| record.unweigh(column));
-                own
-            });
-            let mut std_dev = deviations(&[&own[0], &own[1]], rows.len(), 0..rows.len(), matrix);
-            // Where a sample does not count, the one before stands for it.
-            let counts = |(_, weight): &(&mut f64, &f64)| **weight > 0.0;
-            let mut last = std_dev.iter_mut().zip(record.weights()).find(counts).map_or(0.0, |(sd, _)| *sd);
-            for (sd, weight) in std_dev.iter_mut().zip(record.weights()) {
-                if *weight > 0.0 {
-                    last = *sd;
-                }
-                *sd = last;
+    for ((index, record), fit) in problem.records().iter().enumerate().zip(fits) {
+        let rows = problem.rows(index);
+        let own = [&at.linear, &at.searched].map(|columns| {
+            let mut own: Vec<f64> =
+                columns.chunks_exact(total).flat_map(|column| &column[rows.clone()]).copied().collect();
+            own.chunks_exact_mut(rows.len()).for_each(|column| record.unweigh(column));
+            own
+        });
+        let mut std_dev = deviations(&[&own[0], &own[1]], rows.len(), 0..rows.len(), matrix);
+        // Where a sample does not count, the one before stands for it.
+        let counts = |(_, weight): &(&mut f64, &f64)| **weight > 0.0;
+        let mut last = std_dev.iter_mut().zip(record.weights()).find(counts).map_or(0.0, |(sd, _)| *sd);
+        for (sd, weight) in std_dev.iter_mut().zip(record.weights()) {
+            if *weight > 0.0 {
+                last = *sd;
             }
-            PredictionBand { std_dev, noise }
-        })
-        .collect()
+            *sd = last;
+        }
+        fit.band = Some(PredictionBand { std_dev, noise: fit.scores.rmse });
+        let columns: Vec<&[f64]> = own.iter().flat_map(|block| block.chunks_exact(rows.len())).collect();
+        // Derivatives are known where samples count.
+        let counts = |sine: &&mut SineResponse| {
+            record.weights().get(sine.samples.clone()).is_some_and(|weights| weights.iter().all(|w| *w > 0.0))
+        };
+        let sines = fit.sines.iter_mut().filter(counts);
+        sines::give_errors(sines, &fit.data, &fit.simulated, (&columns, matrix));
+    }
 }
 
 /// √(J C Jᵀ) row by row over `rows` of a Jacobian whose columns, `total` long, follow one another in `blocks`.

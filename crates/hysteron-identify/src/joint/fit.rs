@@ -3,6 +3,7 @@
 use super::super::engine::{Engine, Search, Show};
 use super::super::options::{Choice, DynamicsChoice, Method, Options, RecordRole};
 use super::super::result::{Identification, RecordFit, Reduction, StructureChoice};
+use super::super::sines::SineResponse;
 use super::super::static_step::{BIC_FALL, HIGHEST_AUTOMATIC_DEGREE, OFFSET};
 use super::super::uncertainty::correlation_time;
 use super::super::{IdentifyError, RecordFacts, findings};
@@ -234,11 +235,8 @@ pub(in super::super) fn identify(
     if let (Some(reduction), Some(own)) = (&mut reduction, own) {
         reduction.moved = moved(own, &x, &at_small);
     }
-    let noise: Vec<f64> = fits.iter().map(|fit| fit.scores.rmse).collect();
     let output_uncertainty = known.as_ref().map(|known| {
-        for (fit, band) in fits.iter_mut().zip(band::of_records(&problem, known, &noise)) {
-            fit.band = Some(band);
-        }
+        band::give(&problem, known, &mut fits);
         let samples: f64 = fits.iter().map(|fit| fit.scores.samples as f64).sum();
         let square: f64 = fits.iter().map(|fit| fit.scores.samples as f64 * fit.scores.rmse.powi(2)).sum();
         let schemes = (options.scheme(), options.inter_sample());
@@ -359,7 +357,8 @@ fn simulated(
         .zip(roles)
         .map(|((data, start, simulated), role)| {
             let scores = score(&data, &simulated, &Scoring::default())?;
-            Ok(RecordFit { data, role: *role, start, scores, simulated, band: None })
+            let sines = SineResponse::of_record(&data, &simulated);
+            Ok(RecordFit { data, role: *role, start, scores, simulated, band: None, sines })
         })
         .collect();
     fits.into_iter().collect()

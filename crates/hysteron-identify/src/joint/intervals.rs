@@ -2,6 +2,7 @@
 //! profile likelihood where it is not.
 
 use super::super::layout::Role;
+use super::super::normal::NORMAL_975;
 use super::knowledge::{Covariance, Knowledge};
 use super::problem::{JointProblem, JointWorkspace};
 use super::profile::{Fit, Optimum, Profiled};
@@ -10,8 +11,6 @@ use hysteron_optimize::{LeastSquaresProblem, Problem};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Quantile of the normal distribution that leaves 2.5 % above it.
-pub(in super::super) const NORMAL_975: f64 = 1.959_963_984_540_054;
 /// Where the straight valley is looked at, in standard errors, and the departure of z from there that asks for a profile.
 const LOOK_AT: f64 = 2.0;
 const DEPARTURE: f64 = 0.1;

@@ -23,6 +23,12 @@ const LEVEL: f64 = 0.02;
 /// Rest at a level that is a segment of its own: so many samples and such a share of those at one rate, at least.
 const REST_SAMPLES: usize = 40;
 const REST_SHARE: f64 = 0.2;
+/// Frequencies on either side of a sine at which its scatter is sought, in lines of the whole periods, and fewest of them.
+const NEIGHBOURS: usize = 6;
+const FEWEST_NEIGHBOURS: usize = 2;
+/// Lines from which on the window leaves nothing of a sine, and little of a drift beside its straight line.
+const SINE_LINES: f64 = 2.0;
+const DRIFT_LINES: f64 = 3.0;
 
 /// A stretch of even sampling and one regime of the drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,6 +51,13 @@ pub struct Segment {
     pub gain: Option<f64>,
     /// Phase there \[°\].
     pub phase_deg: Option<f64>,
+    /// Standard error of the gain by what the output does beside the sine, at neighbouring frequencies
+    /// \[output unit per input unit\]; `None` where harmonics and drift leave too few of them.
+    #[serde(default)]
+    pub gain_std_error: Option<f64>,
+    /// Standard error of the phase, likewise \[°\].
+    #[serde(default)]
+    pub phase_std_error_deg: Option<f64>,
     /// Change of the output while the drive is held, in the unit of the output.
     pub creep: Option<f64>,
 }
@@ -113,6 +126,15 @@ impl InputOutput {
     }
 }
 
+impl Segment {
+    /// Output over input at this segment's sine, of the input `u` and an output `y` of the whole record: linear in `y`. `None` where the
+    /// segment is not a sine or wave.
+    pub fn response(&self, u: &[f64], y: &[f64]) -> Option<Complex<f64>> {
+        let frequency = self.gain.and(self.drive.high_hz)? / self.sample_rate_hz;
+        response(u.get(self.samples.clone())?, y.get(self.samples.clone())?, frequency)
+    }
+}
+
 /// Calls `found` with the longest stretch over which `u` stays within a range of `most`, for each end of such a stretch.
 fn rests(u: &[f64], most: f64, mut found: impl FnMut(Range<usize>)) {
     // Places of the largest values so far, each larger than those after it, and of the smallest.
@@ -171,24 +193,59 @@ fn regimes(u: &[f64], samples: Range<usize>, most: f64) -> Vec<Range<usize>> {
     found
 }
 
-/// Output over input at a frequency (per sample), over whole periods under a Hann window, which suppresses creep and drift.
-fn response(part: &InputOutput, frequency: f64) -> Option<Complex<f64>> {
-    let periods = (part.len() as f64 * frequency).floor();
-    let samples = (periods / frequency).round();
-    let count = samples as usize;
-    if periods < 3.0 || count > part.len() {
+/// Samples of the whole periods of a frequency (per sample), at least three of them.
+fn whole_periods(samples: usize, frequency: f64) -> Option<usize> {
+    let periods = (samples as f64 * frequency).floor();
+    let count = (periods / frequency).round() as usize;
+    (periods >= 3.0 && count <= samples).then_some(count)
+}
+
+/// Component of all of `x` about its mean at a frequency (per sample) under a Hann window, which suppresses creep and drift.
+fn component(x: &[f64], frequency: f64) -> Complex<f64> {
+    let samples = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / samples;
+    let weighted = x.iter().enumerate().map(|(k, x)| {
+        let window = 1.0 - (TAU * (k as f64 + 0.5) / samples).cos();
+        Complex::from_polar((x - mean) * window, -TAU * frequency * k as f64)
+    });
+    weighted.sum()
+}
+
+/// Output over input at a frequency (per sample), over whole periods.
+fn response(u: &[f64], y: &[f64], frequency: f64) -> Option<Complex<f64>> {
+    let count = whole_periods(u.len().min(y.len()), frequency)?;
+    let ratio = component(&y[..count], frequency) / component(&u[..count], frequency);
+    ratio.norm().is_finite().then_some(ratio)
+}
+
+/// Whole periods less the straight line from the mean of their first half to that of their second.
+fn without_drift(y: &[f64], frequency: f64) -> Vec<f64> {
+    let half = ((0.5 * y.len() as f64 * frequency).floor() / frequency).round().max(1.0) as usize;
+    let mean = |y: &[f64]| y.iter().sum::<f64>() / y.len() as f64;
+    let rest = y.len() - half;
+    let slope = (mean(&y[rest..]) - mean(&y[..half])) / rest as f64;
+    y.iter().enumerate().map(|(k, y)| y - slope * k as f64).collect()
+}
+
+/// Standard error of the real and of the imaginary part of a `response`: what the output does beside it at neighbouring
+/// frequencies, where the window leaves nothing of the sine, away from drift and harmonics.
+fn response_error(u: &[f64], y: &[f64], frequency: f64, response: Complex<f64>) -> Option<f64> {
+    let count = whole_periods(u.len().min(y.len()), frequency)?;
+    let (u, y) = (&u[..count], without_drift(&y[..count], frequency));
+    let line = 1.0 / count as f64;
+    let clear = |f: &f64| {
+        let harmonic = (f / frequency).round().max(1.0) * frequency;
+        (DRIFT_LINES - 0.5) * line < *f && *f < 0.5 && (f - harmonic).abs() > (SINE_LINES - 0.5) * line
+    };
+    let beside = (2..=NEIGHBOURS).flat_map(|m| [-(m as f64), m as f64]).map(|m| frequency + m * line);
+    let left = |f: f64| component(&y, f) - response * component(u, f);
+    let powers: Vec<f64> = beside.filter(clear).map(|f| left(f).norm_sqr()).collect();
+    if powers.len() < FEWEST_NEIGHBOURS {
         return None;
     }
-    let component = |x: &[f64]| {
-        let mean = x[..count].iter().sum::<f64>() / samples;
-        let weighted = x[..count].iter().enumerate().map(|(k, x)| {
-            let window = 1.0 - (TAU * (k as f64 + 0.5) / samples).cos();
-            Complex::from_polar((x - mean) * window, -TAU * frequency * k as f64)
-        });
-        weighted.sum::<Complex<f64>>()
-    };
-    let ratio = component(&part.y) / component(&part.u);
-    ratio.norm().is_finite().then_some(ratio)
+    let mean = powers.iter().sum::<f64>() / powers.len() as f64;
+    let error = (0.5 * mean).sqrt() / component(u, frequency).norm();
+    error.is_finite().then_some(error)
 }
 
 fn segment(part: &InputOutput, samples: Range<usize>, range: f64) -> Option<Segment> {
@@ -198,10 +255,12 @@ fn segment(part: &InputOutput, samples: Range<usize>, range: f64) -> Option<Segm
     let held = high - low <= HELD * range;
     let kind = if held { ExcitationKind::Constant } else { excitation_kind(&part.u) };
     let hz = kind.span().map(|(low, high)| (low * sample_rate_hz, high * sample_rate_hz));
-    let response = match kind {
-        ExcitationKind::Wave { frequency, .. } => response(part, frequency),
+    let found = match kind {
+        ExcitationKind::Wave { frequency, .. } => response(&part.u, &part.y, frequency)
+            .map(|found| (found, response_error(&part.u, &part.y, frequency, found))),
         _ => None,
     };
+    let (response, error) = found.map_or((None, None), |(response, error)| (Some(response), error));
     let ends = ((END * part.len() as f64) as usize).max(1);
     let mean = |y: &[f64]| y.iter().sum::<f64>() / y.len() as f64;
     let creep = || mean(&part.y[part.len() - ends..]) - mean(&part.y[..ends]);
@@ -219,6 +278,8 @@ fn segment(part: &InputOutput, samples: Range<usize>, range: f64) -> Option<Segm
         amplitude: 0.5 * (high - low),
         gain: response.map(|r| r.norm()),
         phase_deg: response.map(|r| r.arg().to_degrees()),
+        gain_std_error: error,
+        phase_std_error_deg: response.zip(error).map(|(r, error)| (error / r.norm()).to_degrees()),
         creep: held.then(creep),
     })
 }
@@ -268,10 +329,47 @@ mod tests {
         assert!((sine.drive.high_hz.unwrap() - 200.0).abs() < 0.01, "{sine:?}");
         assert!((sine.gain.unwrap() - 0.1).abs() < 2e-4, "{sine:?}");
         assert!((sine.phase_deg.unwrap() + 30.0).abs() < 0.1, "{sine:?}");
+        let again = sine.response(&record.u, &record.y).unwrap();
+        assert!((again.norm() - sine.gain.unwrap()).abs() < 1e-9, "{again}");
         assert!(sine.samples.len().abs_diff(1000) < 60, "{sine:?}");
         assert_eq!(record.in_moving_segments().len(), 3);
         // The sine stays within a few hundredths of the range: creep goes on through it.
         assert!(record.longest_hold_s() > 12.0, "{}", record.longest_hold_s());
+    }
+
+    #[test]
+    fn the_error_of_a_response_is_its_scatter() {
+        // 8 cycles of 50 samples, creep, a second harmonic, and noise that remembers half of itself.
+        let (frequency, samples) = (0.02, 400);
+        let u: Vec<f64> = (0..samples).map(|k| (TAU * frequency * f64::from(k)).sin()).collect();
+        let clean = |k: usize| {
+            let phase = TAU * frequency * k as f64;
+            0.2 * (phase - 0.3).sin() + 0.01 * (2.0 * phase).sin() + 0.02 * (1.0 + 0.02 * k as f64).ln()
+        };
+        let mut state = 1u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let (mut found, mut said) = (Vec::new(), Vec::new());
+        for _ in 0..400 {
+            let mut noise = 0.0;
+            let y: Vec<f64> = (0..u.len())
+                .map(|k| {
+                    noise = 0.5 * noise + 0.01 * uniform();
+                    clean(k) + noise
+                })
+                .collect();
+            let h = response(&u, &y, frequency).unwrap();
+            found.push(h.norm());
+            said.push(response_error(&u, &y, frequency, h).unwrap());
+        }
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+        let (centre, squares) = (mean(&found), said.iter().map(|s| s * s).collect::<Vec<_>>());
+        let scatter = mean(&found.iter().map(|g| (g - centre).powi(2)).collect::<Vec<_>>()).sqrt();
+        let ratio = mean(&squares).sqrt() / scatter;
+        assert!((0.9..1.1).contains(&ratio), "{ratio}");
+        assert!((centre - 0.2).abs() < 1e-3, "{centre}");
     }
 
     #[test]

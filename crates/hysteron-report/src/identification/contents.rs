@@ -324,7 +324,8 @@ fn band(fit: &RecordFit, file: &ModelFile) -> Option<BandWidths> {
 
 fn curves(fit: &RecordFit, left_out: usize, file: &ModelFile) -> RecordCurves {
     let curves = RecordCurves::new(&fit.data, &fit.simulated, fit.scores.offset, left_out);
-    RecordCurves { role: role_name(fit.role).to_owned(), band: band(fit, file), ..curves }
+    let sines = fit.sines.clone();
+    RecordCurves { role: role_name(fit.role).to_owned(), band: band(fit, file), sines, ..curves }
 }
 
 fn response(found: &Identification) -> Option<FrequencyResponseCurve> {

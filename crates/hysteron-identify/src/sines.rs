@@ -1,0 +1,124 @@
+//! Gain and phase at the sines of a record in segments, measured and of the model, with their errors.
+//!
+//! Both are H = Y/U, components of the output and of the drive at the sine under one window. Y is linear in the output, so that
+//! the derivatives of the model's H are those of its output, put through the same window; with the covariance of the parameters they
+//! give the error of |H| and arg H.
+
+use std::ops::Range;
+
+use hysteron_model::record::{InputOutput, Segment};
+use hysteron_numeric::Complex64;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
+
+use crate::normal::NORMAL_975;
+
+/// Gain and phase with their standard errors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GainPhase {
+    /// Gain \[output unit per input unit\].
+    pub gain: f64,
+    /// Its standard error in the same unit, where it is known.
+    pub gain_std_error: Option<f64>,
+    /// Phase \[°\].
+    pub phase_deg: f64,
+    /// Its standard error \[°\], where it is known.
+    pub phase_std_error_deg: Option<f64>,
+}
+
+impl GainPhase {
+    /// Of a segment by itself; `None` where it is not a sine or wave.
+    fn of_segment(segment: &Segment) -> Option<Self> {
+        Some(Self {
+            gain: segment.gain?,
+            gain_std_error: segment.gain_std_error,
+            phase_deg: segment.phase_deg?,
+            phase_std_error_deg: segment.phase_std_error_deg,
+        })
+    }
+
+    /// Without errors.
+    fn of_ratio(ratio: Complex64) -> Self {
+        let (gain, phase_deg) = (ratio.norm(), ratio.arg().to_degrees());
+        Self { gain, gain_std_error: None, phase_deg, phase_std_error_deg: None }
+    }
+
+    /// Half the width of the 95 % interval of the gain \[output unit per input unit\].
+    pub fn gain_95(&self) -> Option<f64> {
+        self.gain_std_error.map(|error| NORMAL_975 * error)
+    }
+
+    /// Half the width of the 95 % interval of the phase \[°\].
+    pub fn phase_95_deg(&self) -> Option<f64> {
+        self.phase_std_error_deg.map(|error| NORMAL_975 * error)
+    }
+}
+
+/// Gain and phase at one sine of a record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SineResponse {
+    /// Samples of the record.
+    pub samples: Range<usize>,
+    /// Frequency \[Hz\].
+    pub frequency_hz: f64,
+    /// Measured; its error is the scatter of the output about the sine.
+    pub measured: GainPhase,
+    /// Of the model's free run; its error follows from those of the parameters.
+    pub model: GainPhase,
+}
+
+/// The sines of one record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordSines {
+    /// Name of the record.
+    pub record: String,
+    /// Its sines, in the order of time.
+    pub sines: Vec<SineResponse>,
+}
+
+impl SineResponse {
+    /// Those of a record and of the model's output for it, without the model's errors; none of a record on even samples.
+    pub fn of_record(data: &InputOutput, simulated: &[f64]) -> Vec<Self> {
+        let one = |segment: Segment| {
+            Some(Self {
+                measured: GainPhase::of_segment(&segment)?,
+                model: GainPhase::of_ratio(segment.response(&data.u, simulated)?),
+                frequency_hz: segment.drive.high_hz?,
+                samples: segment.samples,
+            })
+        };
+        data.segments().into_iter().filter_map(one).collect()
+    }
+}
+
+/// Gives `sines` the errors of the model. `columns`: derivatives of the output of the record in the parameters with this
+/// covariance.
+pub(crate) fn give_errors<'a>(
+    sines: impl Iterator<Item = &'a mut SineResponse>,
+    data: &InputOutput,
+    simulated: &[f64],
+    (columns, covariance): (&[&[f64]], &DMatrix<f64>),
+) {
+    let segments = data.segments();
+    for sine in sines {
+        let Some(segment) = segments.iter().find(|s| s.samples == sine.samples) else { continue };
+        let Some(ratio) = segment.response(&data.u, simulated) else { continue };
+        // d ln H: the relative change of the gain, and the change of the phase in rad.
+        let relative: Option<Vec<Complex64>> =
+            columns.iter().map(|column| Some(segment.response(&data.u, column)? / ratio)).collect();
+        let Some(relative) = relative else { continue };
+        let std_error = |part: fn(&Complex64) -> f64| {
+            let part: Vec<f64> = relative.iter().map(part).collect();
+            let variance: f64 = (0..part.len())
+                .flat_map(|i| (0..part.len()).map(move |j| (i, j)))
+                .map(|(i, j)| part[i] * covariance[(i, j)] * part[j])
+                .sum();
+            variance.max(0.0).sqrt()
+        };
+        sine.model.gain_std_error = Some(sine.model.gain * std_error(|d| d.re));
+        sine.model.phase_std_error_deg = Some(std_error(|d| d.im).to_degrees());
+    }
+}
