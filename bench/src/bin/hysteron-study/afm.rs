@@ -1,6 +1,7 @@
 //! An atomic force microscope's scanner (`piezo-afm-z15um`, measured): 13 s cycles of ramps of 3 µm, rests with creep and sines of
 //! 10 nm at six frequencies, each segment at a rate of its own. Cycles are left out in turn, and later cycles are run freely after
-//! a fit of the earlier ones: families of hysteresis and kinds of creep, and the gain and phase at the sines.
+//! a fit of the earlier ones: families of hysteresis and kinds of creep, and the gain and phase at the sines. Another set, a year
+//! later, is of ramps of 0.2 s alone.
 
 use std::env;
 use std::io::{Write, stdout};
@@ -19,13 +20,13 @@ use hysteron_model::{Model, Start};
 use crate::Outcome;
 use crate::table;
 
-/// Cycles of the run that are at hand.
+/// Cycles of each run that are at hand.
 const CYCLES: usize = 8;
 
-/// The cycles, where the public data are.
-fn cycles() -> Outcome<Option<Vec<InputOutput>>> {
+/// The cycles of a set, where the public data are.
+fn cycles(set: &str) -> Outcome<Option<Vec<InputOutput>>> {
     let folder = env::var_os("HYSTERON_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
-    let path = |cycle: usize| folder.join(format!("piezo-afm-z15um/cycle_1_300hz_{cycle:02}.csv"));
+    let path = |cycle: usize| folder.join(format!("piezo-afm-z15um/{set}_{cycle:02}.csv"));
     if !path(0).is_file() {
         writeln!(stdout(), "skipped: no file {}; set HYSTERON_DATA to the public data", path(0).display())?;
         return Ok(None);
@@ -70,7 +71,9 @@ fn simulated(record: &InputOutput, simulation: &Simulation) -> InputOutput {
 
 /// Trains on the first cycles, then runs freely over the others; `number` of the cycles are left out in turn.
 pub fn study(number: usize) -> Outcome<()> {
-    let Some(cycles) = cycles()? else { return Ok(()) };
+    let (Some(cycles), Some(ramps)) = (cycles("cycle_1_300hz")?, cycles("ramps_0p2s")?) else {
+        return Ok(());
+    };
     let usual = Options::default();
     writeln!(
         stdout(),
@@ -83,6 +86,19 @@ pub fn study(number: usize) -> Outcome<()> {
         rows.push(vec![format!("00 to 0{}", first - 1), format!("0{first} to 07"), rms, max]);
     }
     table::print(&["trained on", "free run over", "rms [%]", "max [%]"], &rows)?;
+
+    writeln!(
+        stdout(),
+        "Both sets in one model, trained on 00 to 05 of each, free run over 06 and 07 of each\n"
+    )?;
+    let model = identified(&[&cycles[..6], &ramps[..6]].concat(), &usual)?;
+    let row = |(name, set): (&str, &[InputOutput])| {
+        let [rms, max] = errors(&free_run(&model, &set[6..])?);
+        Ok(vec![name.to_owned(), rms, max])
+    };
+    let sets = [("ramps, rests and sines", &cycles[..]), ("ramps of 0.2 s", &ramps[..])];
+    let rows = sets.into_iter().map(row).collect::<Outcome<Vec<_>>>()?;
+    table::print(&["set", "rms [%]", "max [%]"], &rows)?;
 
     writeln!(stdout(), "Families and kinds of creep, trained on 00 to 05, free run over 06 and 07\n")?;
     let mut rows = Vec::new();

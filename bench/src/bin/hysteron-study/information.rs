@@ -41,7 +41,7 @@ impl Lacking {
         Ok(match self {
             Self::Delay => vec![nested_loops(100.0, 0.2)?],
             Self::Resonance => {
-                vec![nested_loops(1_000.0, 4.0)?, sweep(5_000.0, 1.0, natural_hz / 15.0, 1.5)?]
+                vec![nested_loops(5_000.0, 4.0)?, sweep(5_000.0, 1.0, natural_hz / 15.0, 1.5)?]
             }
             Self::Creep => vec![nested_loops(5_000.0, 4.0)?, sweep(50_000.0, 5.0, 1.5 * natural_hz, 1.0)?],
         })

@@ -213,24 +213,10 @@ pub(in super::super) fn identify(
         || linearisation.and_then(|linearisation| knowledge::knowledge_of(&problem, &x, linearisation)),
     );
     let mut fits = fits?;
-    let mut known = known.filter(|_| !engine.is_stopped());
+    let known = known.filter(|_| !engine.is_stopped());
     if !engine.cancelled {
         findings::require_fit(&fits, facts, options)?;
     }
-    let found = match (&mut known, &small, &known_small) {
-        // The likelihood of weights that are drawn together is not that of the records.
-        (Some(_), ..) if smoothed.is_some() => Vec::new(),
-        (Some(known), Some(small), Some(at_small)) => {
-            intervals(small, at_small, &mut known.covariance, engine.stop())
-        }
-        (Some(known), None, _) => {
-            let mut covariance = known.covariance.clone();
-            let found = intervals(&problem, known, &mut covariance, engine.stop());
-            known.covariance = covariance;
-            found
-        }
-        _ => Vec::new(),
-    };
     let own = known.as_ref().map(|known| &known.covariance);
     if let (Some(reduction), Some(own)) = (&mut reduction, own) {
         reduction.moved = moved(own, &x, &at_small);
@@ -262,6 +248,13 @@ pub(in super::super) fn identify(
         between: told_between,
     };
     if let Some(known) = &known {
+        let found = match (&small, &known_small) {
+            // The likelihood of weights that are drawn together is not that of the records.
+            _ if structure.smoothing.is_some() => Vec::new(),
+            (Some(small), Some(at_small)) => intervals(small, at_small, &known.covariance, engine.stop()),
+            (Some(_), None) => Vec::new(),
+            (None, _) => intervals(&problem, known, &known.covariance, engine.stop()),
+        };
         parameters::give_intervals(&mut parameters, &known.covariance.names, &found, &solution);
     }
     let mut identification = Identification {

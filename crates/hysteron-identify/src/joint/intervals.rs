@@ -43,7 +43,7 @@ pub enum IntervalMethod {
     Profile,
     /// 1.96 standard errors of the logarithm, for a positive coefficient that depends on others as a power.
     Logarithmic,
-    /// 1.96 standard errors to each side, not checked: the record is too long, or the fit was stopped.
+    /// 1.96 standard errors to each side, not checked: the record is too long, or the profile ends nowhere.
     Unchecked,
 }
 
@@ -72,12 +72,11 @@ impl Interval {
 }
 
 /// Intervals of everything that `whole` has a standard error of, in its order and symbols (unit-α). The shape of the sum of
-/// squares is taken from `problem`, which may be the reduced one, at its own optimum `known`. What `stop` cuts short stays unchecked;
-/// a parameter whose profile ends nowhere is not determined, and marked so in `whole`.
+/// squares is taken from `problem`, which may be the reduced one, at its own optimum `known`. What `stop` cuts short stays unchecked.
 pub(in super::super) fn intervals(
     problem: &JointProblem,
     known: &Knowledge,
-    whole: &mut Covariance,
+    whole: &Covariance,
     stop: &Stop,
 ) -> Vec<Option<Interval>> {
     let errors: Vec<Option<f64>> = (0..whole.values.len()).map(|j| whole.std_error(j)).collect();
@@ -152,8 +151,7 @@ pub(in super::super) fn intervals(
         })
         .collect();
     for (&(_, j), profile) in curved.iter().zip(profiles) {
-        found[j] = profile;
-        whole.undetermined[j] |= profile.is_none();
+        found[j] = profile.or(found[j]);
     }
     found
 }
@@ -275,8 +273,7 @@ mod tests {
         let error = known.covariance.std_error(0).unwrap();
         assert!((error / variance.sqrt() - 1.0).abs() < 0.15, "{error} {}", variance.sqrt());
 
-        let [Some(interval)] = intervals(&problem, &known, &mut known.covariance.clone(), &Stop::new())[..]
-        else {
+        let [Some(interval)] = intervals(&problem, &known, &known.covariance, &Stop::new())[..] else {
             panic!()
         };
         assert_eq!(interval.method, IntervalMethod::Quadratic);

@@ -89,7 +89,10 @@ impl Covariance {
         for j in 0..self.values.len() {
             // What is held does not move.
             let Some(std_error) = self.deviation(j) else { continue };
-            let step = 1e-3 * std_error.max(1e-9 * self.values[j].abs());
+            let size = self.values[j].abs();
+            // An error that is larger than its value says no more than that: f need not exist so far away.
+            let within = if size > 0.0 { std_error.min(size) } else { std_error };
+            let step = 1e-3 * within.max(1e-9 * size);
             at[j] = self.values[j] + step;
             let taken_up = at[j] - self.values[j];
             let up = f(&at);

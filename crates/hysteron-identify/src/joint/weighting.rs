@@ -90,10 +90,11 @@ impl Weighting {
 }
 
 /// Weights of a record in pieces: `largest` for moves over the whole `stroke`, more for small oscillations, by the error that is
-/// expected of them beside the `noise`.
+/// expected of them beside the `noise`, and all of these alike, whatever their number of samples.
 pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64) -> Weighting {
     let mut weighting = Weighting::from(vec![largest; data.len()]);
     let expected = |swing: f64| noise.hypot(MISFIT * swing);
+    let mut small = Vec::new();
     for (piece, samples) in oscillations(data) {
         let Some(samples) = samples else { continue };
         let count = (piece.samples.len() as f64 / samples).floor().max(1.0) as usize;
@@ -105,10 +106,15 @@ pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64
         let mut swings: Vec<f64> = periods.iter().map(|rows| span(&data.y[rows.clone()])).collect();
         swings.sort_by(f64::total_cmp);
         let gain = expected(stroke) / expected(swings[count / 2]);
-        if gain < SEVERAL {
-            continue;
+        if gain >= SEVERAL {
+            small.push((piece.samples, periods, gain));
         }
-        weighting.weight[piece.samples.clone()].iter_mut().for_each(|weight| *weight *= gain);
+    }
+    // What is known of them is a gain and a phase each, however many samples it took.
+    let most = small.iter().map(|(rows, ..)| rows.len()).max().unwrap_or(1);
+    for (rows, periods, gain) in small {
+        let gain = gain * (most as f64 / rows.len() as f64).sqrt();
+        weighting.weight[rows].iter_mut().for_each(|weight| *weight *= gain);
         weighting.periods.extend(periods.into_iter().map(|rows| Level { rows, share: 1.0 / gain }));
     }
     weighting
