@@ -5,6 +5,8 @@
 //!
 //! - `simulate`: forward transform of the input, G, inverse transform;
 //! - `candidate`: input transformed before, as a population search does;
+//! - `response`, `linearise`: the frequency response of a fractional resonance with delay, and with its derivatives applied to three
+//!   inputs, as a joint fit does; of drives that are band-limited, straight and held between their samples;
 //! - `fft`: the inverse real FFT of the same length alone;
 //! - `causal`, `recursion`: the O(N log² N) and O(N²) recursions, where they take a bearable time.
 
@@ -14,7 +16,10 @@ use hysteron_model::Start;
 use std::hint::black_box;
 use std::time::Instant;
 
-use hysteron_model::dynamics::{Scheme, SimulationPlan, TransferFunction, stability};
+use hysteron_model::dynamics::{
+    Creep, DynamicForm, InterSample, Linearised, Modes, Sampling, Scheme, SimulationPlan, TransferFunction,
+    stability,
+};
 use hysteron_model::fractional::{simulate_causal, simulate_recursion};
 use hysteron_numeric::fft::RealFft;
 use hysteron_numeric::{InstructionSet, accumulate_power};
@@ -71,6 +76,43 @@ fn simulation(samples: usize, repetitions: usize) {
     report("fft", samples, length, ms);
 }
 
+fn responses(samples: usize, repetitions: usize) {
+    let form = DynamicForm { modes: Modes::Fractional, creep: Creep::None };
+    let p = [373.0, 0.62, 1.94, 1.05];
+    let tf = form.transfer_function(&p).unwrap();
+    let mut linearised = Linearised::new();
+    form.linearise(&p, &mut linearised).unwrap();
+    let plan = SimulationPlan::new(samples, FS, Scheme::BandLimited, Start::ZERO).unwrap();
+    let length = plan.transform_length();
+    let input = plan.transform(&sweep(samples)).unwrap();
+    let (mut workspace, mut output) = (plan.workspace(), vec![0.0; samples]);
+    let mut response = plan.empty_response(p.len());
+    for rule in [InterSample::BandLimited, InterSample::Linear, InterSample::Hold] {
+        let sampling = Sampling { delay: InterSample::BandLimited, reconstruction: rule };
+        let ms = shortest_ms(repetitions, || {
+            plan.response(black_box(&tf), 1.3 / FS, sampling, &mut response).unwrap();
+        });
+        report(&format!("response {rule}"), samples, length, ms);
+        let ms = shortest_ms(repetitions, || {
+            plan.response(black_box(&tf), 1.3 / FS, sampling, &mut response).unwrap();
+            for _ in 0..3 {
+                plan.apply(&response, &input, &mut workspace, &mut output).unwrap();
+            }
+        });
+        report(&format!("response and three inputs {rule}"), samples, length, ms);
+        let ms = shortest_ms(repetitions, || {
+            plan.response_with_tangents(black_box(&linearised), 1.3 / FS, sampling, &mut response).unwrap();
+            for _ in 0..3 {
+                plan.apply(&response, &input, &mut workspace, &mut output).unwrap();
+                for which in 0..=p.len() {
+                    plan.apply_tangent(&response, which, &input, &mut workspace, &mut output).unwrap();
+                }
+            }
+        });
+        report(&format!("linearise {rule}"), samples, length, ms);
+    }
+}
+
 fn oracles(samples: usize, plain: bool) {
     let tf = TransferFunction::article_eq13();
     let input = sweep(samples);
@@ -104,6 +146,9 @@ fn main() {
         [(1_000, 500), (10_000, 200), (100_000, 60), (1_000_000, 8), (10_000_000, 2)]
     {
         simulation(samples, repetitions);
+    }
+    for (samples, repetitions) in [(1_000, 500), (10_000, 200), (100_000, 30)] {
+        responses(samples, repetitions);
     }
     let tf = TransferFunction::article_eq13();
     report(

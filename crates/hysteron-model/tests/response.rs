@@ -230,8 +230,10 @@ fn check_tangents(plan: &SimulationPlan, form: DynamicForm, p: &[f64], delay_s: 
         };
         let expected = difference(at, x, h);
         let worst = expected.iter().zip(&found).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        // A staircase that nothing smooths only rounds with the delay.
+        let rounding = if name == "delay" { ROUNDING / h } else { 0.0 };
         assert!(
-            worst <= 1e-7 * largest(&expected),
+            worst <= 1e-7 * largest(&expected) + rounding,
             "{form:?} {name} {}: {worst:e} {:e}",
             plan.scheme(),
             largest(&expected)
@@ -317,7 +319,7 @@ fn creep_after_a_step_is_a_power_law() {
     }
 }
 
-/// A first-order lag driven by a staircase or a polygon has a closed form; what is missing are the images.
+/// A first-order lag driven by a staircase or a polygon has a closed form.
 #[test]
 fn reconstruction_of_the_input_between_samples() {
     let lag = |periods: f64| {
@@ -332,7 +334,7 @@ fn reconstruction_of_the_input_between_samples() {
         let found = apply(&plan, tf, 0.0, Sampling { reconstruction, ..EXACT }, &input);
         found[..samples as usize - 300].to_vec()
     };
-    for (periods, held_limit, straight_limit) in [(2.0, 1e-3, 2e-6), (20.0, 1e-4, 2e-7)] {
+    for periods in [2.0, 20.0] {
         let (lag_s, tf) = lag(periods);
         let a = (-1.0 / (lag_s * FS)).exp();
         let (mut held, mut straight) = (vec![0.0], vec![0.0]);
@@ -344,12 +346,11 @@ fn reconstruction_of_the_input_between_samples() {
             straight.push(pair[1] - slope * lag_s + a * (y - pair[0] + slope * lag_s));
         }
         let band_limited = run(&tf, InterSample::BandLimited);
-        let with = [(InterSample::Hold, &held, held_limit), (InterSample::Linear, &straight, straight_limit)];
-        for (rule, exact, limit) in with {
+        for (rule, exact) in [(InterSample::Hold, &held), (InterSample::Linear, &straight)] {
             let exact = &exact[..band_limited.len()];
             let (found, without) = (error(&run(&tf, rule), exact), error(&band_limited, exact));
             println!("lag of {periods} samples, {rule}: {found:.1e}, without {without:.1e}");
-            assert!(found < limit && found < 0.1 * without, "{rule}: {found:e} {without:e}");
+            assert!(found < 1e-10 && without > 1e-5, "{rule}: {found:e} {without:e}");
         }
     }
 }

@@ -28,6 +28,7 @@ pub mod delay;
 mod form;
 mod form_parameter;
 mod frequencies;
+mod images;
 mod inverse;
 mod linearised;
 mod plan;

@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 
 use super::blocks::{BLOCK, Exponential, Polynomial, frequencies};
 use super::frequencies::Frequencies;
+use super::shift::Reconstruction;
 use super::sums::{self, Candidate};
 use super::{DynamicsError, Scheme, Stability, Term, TransferFunction, stability};
 use crate::dynamics_error::{check_finite, check_length, check_sample_rate};
@@ -14,6 +15,9 @@ use hysteron_numeric::{Complex64, InstructionSet, half_turns, multiply_quotient}
 
 /// r^L. Aliasing contributes r^L, rounding ε·r^−N; at L = 2N both stay below 1e-10 of the response.
 const ALIASING: f64 = 1e-10;
+
+/// Largest logarithm of a term of a polynomial, whose square must stay in range.
+pub(super) const LARGEST: f64 = 345.0;
 
 /// Shortest transform: in a record of a few samples the response may still grow past them, and what is aliased
 /// would be large against what is seen.
@@ -48,9 +52,9 @@ pub struct SimulationPlan {
     growth: Exponential,
     /// ln |s| and arg s along |z| = 1, made when a stability verdict first needs them.
     unit_circle: OnceLock<(Vec<f64>, Vec<f64>)>,
-    /// Factors of a held and of a straight reconstruction, made when first needed.
-    pub(super) held: OnceLock<Vec<Complex64>>,
-    pub(super) straight: OnceLock<Vec<Complex64>>,
+    /// Factors and images of a held and of a straight reconstruction, made when first needed.
+    pub(super) held: OnceLock<Reconstruction>,
+    pub(super) straight: OnceLock<Reconstruction>,
     /// Sample period of the drive, in sample periods of the plan.
     pub(super) drive_period: f64,
     pub(super) set: InstructionSet,
@@ -286,7 +290,7 @@ impl SimulationPlan {
         let (top, bottom, shift) = (self.frequencies.top, self.bottom(), sums::shift(tf));
         let largest = |order: f64| order * if order < 0.0 { bottom } else { top };
         let size = |term: &Term| term.coefficient.abs().ln() + largest(term.order - shift);
-        if tf.numerator.iter().chain(&tf.denominator).any(|term| size(term) > 345.0) {
+        if tf.numerator.iter().chain(&tf.denominator).any(|term| size(term) > LARGEST) {
             return Err(DynamicsError::OutputNotFinite);
         }
         if self.scheme == Scheme::Tustin {

@@ -9,6 +9,7 @@
 //! G is taken at the s of the plan's scheme, δ(z)/h. The delay and the signal between its samples are taken at the true
 //! s, z = e^(−sh), so they do not depend on the scheme.
 
+use super::images::SUMS;
 use super::tangent::Tangent;
 use super::{DynamicsError, InputSpectrum, Linearised, Scheme, SimulationPlan, TransferFunction, Workspace};
 use crate::dynamics_error::check_length;
@@ -23,10 +24,10 @@ pub struct Sampling {
     /// for the first samples. `Linear` is what [`super::delay::delay_linear`] does; `Hold` a delay by whole samples,
     /// rounded up, with derivative zero.
     pub delay: InterSample,
-    /// What the input of the dynamics does between its samples, under the scheme `BandLimited`; the other schemes
-    /// have a rule of their own and do not look at it. `Hold` and `Linear` keep the part of the staircase or polygon
-    /// below half the sample rate and leave out its images above, of which a low-pass G passes little
-    /// (`tests/response.rs`).
+    /// What the input of the dynamics does between its samples, under the scheme `BandLimited`; the other
+    /// schemes have a rule of their own and do not look at it. The staircase of `Hold` and the polygon of
+    /// `Linear` reach above half the sample rate, and what G passes of their images there is in the samples
+    /// of the output, delayed by e^(−sτ) at the s of each image (`tests/driven_between_samples.rs`).
     pub reconstruction: InterSample,
 }
 
@@ -50,6 +51,8 @@ pub struct Response {
     pub(super) tangents: Vec<Tangent>,
     /// Whether the tangents belong to the values.
     pub(super) differentiated: bool,
+    /// Images of the values.
+    pub(super) images: Box<[Complex64; SUMS]>,
 }
 
 impl Response {
@@ -69,11 +72,12 @@ impl SimulationPlan {
     pub fn empty_response(&self, parameters: usize) -> Response {
         let bins = vec![Complex64::ZERO; self.bins()];
         let tangents = vec![Tangent::new(bins.len()); parameters + 1];
-        Response { values: bins, tangents, differentiated: false }
+        Response { values: bins, tangents, differentiated: false, images: Box::new([Complex64::ZERO; SUMS]) }
     }
 
-    /// The frequency response of `tf` with a delay \[s\]. Allocates nothing, but for a table that a plan makes once
-    /// when first asked for a reconstruction by `Hold` or `Linear`.
+    /// The frequency response of `tf` with a delay \[s\]. Allocates nothing, but for tables that a plan makes
+    /// once when first asked for a reconstruction by `Hold` or `Linear`, or for a resonance above half the
+    /// sample rate.
     ///
     /// # Errors
     /// As [`SimulationPlan::simulate_spectrum`]; [`DynamicsError::Parameter`] for a delay that is negative or not

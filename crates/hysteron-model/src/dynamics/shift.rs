@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::blocks::BLOCK;
 use super::delay::shift as delay_in_samples;
+use super::images::Images;
 use super::{DynamicsError, Sampling, Scheme, SimulationPlan};
 use crate::record::InterSample;
 use hysteron_numeric::{Complex64, InstructionSet, rotate, rotate_and_add};
@@ -84,8 +85,17 @@ pub(super) struct InputFactor<'a> {
     damping: f64,
     step: f64,
     sample_rate_hz: f64,
-    reconstruction: Option<&'a [Complex64]>,
+    reconstruction: Option<&'a Reconstruction>,
+    /// Delay in sample periods of the drive, where it is taken at the s of every image.
+    turns: Option<f64>,
     set: InstructionSet,
+}
+
+/// What a plan knows of inputs that are held, or go along straight lines, between their samples.
+#[derive(Debug)]
+pub(super) struct Reconstruction {
+    table: Vec<Complex64>,
+    pub(super) images: Images,
 }
 
 impl<'a> InputFactor<'a> {
@@ -112,16 +122,35 @@ impl<'a> InputFactor<'a> {
             _ => None,
         };
         let reconstruction = reconstruction.map(|table| {
-            let make = || reconstruction_table(sampling.reconstruction, damping, length, plan.drive_period);
-            table.get_or_init(make).as_slice()
+            let rule = sampling.reconstruction;
+            table.get_or_init(|| Reconstruction {
+                table: reconstruction_table(rule, damping, length, plan.drive_period),
+                images: Images::new(plan, if rule == InterSample::Hold { 1 } else { 2 }),
+            })
         });
+        let turns = (rule == InterSample::BandLimited).then_some(samples / plan.drive_period);
         let (step, sample_rate_hz, set) = (TAU / length as f64, plan.sample_rate_hz, plan.set);
-        Ok(Self { rule, shift, next, fraction, damping, step, sample_rate_hz, reconstruction, set })
+        Ok(Self { rule, shift, next, fraction, damping, step, sample_rate_hz, reconstruction, turns, set })
     }
 
     /// Whether a small change of the delay changes anything.
     pub(super) fn depends_on_delay(&self) -> bool {
         self.rule != InterSample::Hold
+    }
+
+    /// Images of the input.
+    pub(super) fn images(&self) -> Option<&'a Images> {
+        self.reconstruction.map(|reconstruction| &reconstruction.images)
+    }
+
+    /// Whether the delay is taken at the s of every image: then its derivative there is another.
+    pub(super) fn turns_images(&self) -> bool {
+        self.turns.is_some()
+    }
+
+    /// Delay in sample periods of the drive, as the images see it.
+    pub(super) fn turns(&self) -> f64 {
+        self.turns.unwrap_or(0.0)
     }
 
     /// E of the bins from `first` on, at most [`BLOCK`] of them.
@@ -155,7 +184,7 @@ impl<'a> InputFactor<'a> {
     }
 
     fn reconstruct(&self, first: usize, out: &mut [Complex64]) {
-        if let Some(table) = self.reconstruction {
+        if let Some(Reconstruction { table, .. }) = self.reconstruction {
             for (out, factor) in out.iter_mut().zip(&table[first..]) {
                 *out *= factor;
             }
@@ -163,9 +192,9 @@ impl<'a> InputFactor<'a> {
     }
 }
 
-/// What a signal does between its samples, as a factor on the spectrum of the samples:
-/// (1 − e^(−sh))/(sh) held, ((e^(sh/2) − e^(−sh/2))/(sh))² on straight lines. First image only: what a staircase or
-/// a polygon holds above half the sample rate is left out. `period`: h in sample periods of the plan.
+/// What a signal does between its samples, as a factor on the spectrum of the samples: (1 − e^(−sh))/(sh)
+/// held, ((e^(sh/2) − e^(−sh/2))/(sh))² on straight lines; what a staircase or a polygon holds above half the
+/// sample rate are its [`Images`]. `period`: h in sample periods of the plan.
 fn reconstruction_table(rule: InterSample, damping: f64, length: usize, period: f64) -> Vec<Complex64> {
     let at = |bin: usize| {
         let theta = if 2 * bin == length { PI } else { TAU * bin as f64 / length as f64 };

@@ -319,6 +319,16 @@ impl Candidate<'_> {
         }
     }
 
+    /// Derivative of an order in parameter `which`, 0 where no term has it.
+    pub(super) fn order_tangent(&self, order: f64, which: usize) -> f64 {
+        let of = |part: Part| {
+            let i = part.terms(self.tf).iter().position(|t| t.order == order && t.coefficient != 0.0)?;
+            let tangent = part.tangents(self.linearised, i).get(which)?;
+            Some(tangent.weighted_order / part.terms(self.tf).get(i)?.coefficient)
+        };
+        of(Part::Numerator).or_else(|| of(Part::Denominator)).unwrap_or(0.0)
+    }
+
     /// Derivatives of G at the ends s = 0 and s = ∞ in parameter `which`, their orders held.
     pub(super) fn end_tangents(&self, which: usize) -> (f64, f64) {
         (self.limit_tangent(lowest_index, which), self.limit_tangent(highest_index, which))

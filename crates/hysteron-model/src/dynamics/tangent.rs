@@ -1,6 +1,7 @@
 //! Values and derivatives of a candidate's response, block by block of frequencies.
 
 use super::blocks::BLOCK;
+use super::images::{ImageWeights, Images, SUMS};
 use super::shift::InputFactor;
 use super::sums::{Block, Candidate, Polynomials};
 use super::{DynamicsError, Linearised, Response, Sampling, SimulationPlan, TransferFunction};
@@ -13,12 +14,21 @@ pub(super) struct Tangent {
     pub(super) bins: Vec<Complex64>,
     /// Zero at every frequency; the bins are then not written.
     pub(super) zero: bool,
-    polynomials: Box<Polynomials>,
+    pub(super) polynomials: Box<Polynomials>,
+    /// Its images, and its value at infinite frequency.
+    pub(super) images: Box<[Complex64; SUMS]>,
+    pub(super) gain: f64,
 }
 
 impl Tangent {
     pub(super) fn new(bins: usize) -> Self {
-        Self { bins: vec![Complex64::ZERO; bins], zero: true, polynomials: Box::new(Polynomials::ZERO) }
+        Self {
+            bins: vec![Complex64::ZERO; bins],
+            zero: true,
+            polynomials: Box::new(Polynomials::ZERO),
+            images: Box::new([Complex64::ZERO; SUMS]),
+            gain: 0.0,
+        }
     }
 
     /// Derivatives of numerator and denominator, unless they are zero.
@@ -42,13 +52,19 @@ impl SimulationPlan {
         let factor = InputFactor::new(self, delay_s, sampling)?;
         response.differentiated = false;
         let candidate = Candidate { tf, linearised, set: self.set };
-        let Response { values, tangents, .. } = response;
+        let Response { values, tangents, images: value_images, .. } = response;
         let Some((delay, parameters)) = tangents.split_last_mut() else { return Ok(()) };
         let parameters = if linearised.is_some() { parameters } else { &mut [] };
         for (which, tangent) in parameters.iter_mut().enumerate() {
             tangent.zero = linearised.is_none_or(|linearised| linearised.is_still(which));
         }
         delay.zero = linearised.is_none() || !factor.depends_on_delay();
+        let images = factor.images().and_then(|images| Some((images, images.weights(tf, factor.turns())?)));
+        let with_nearest = images.as_ref().is_none_or(|(images, weights)| {
+            let own_slope = !delay.zero && factor.turns_images();
+            let delay = if own_slope { &mut delay.images[..] } else { &mut [] };
+            images.sum(candidate, weights, &mut value_images[..], parameters, delay)
+        });
         let (mut e, mut slope) = ([Complex64::ZERO; BLOCK], [Complex64::ZERO; BLOCK]);
         let (mut g, mut w) = (Block::ZERO, Block::ZERO);
         candidate.over(&self.frequencies, parameters, |bins, sums, parameters| {
@@ -57,10 +73,11 @@ impl SimulationPlan {
             let (n, d) = (sums.numerator.first(count), sums.denominator.first(count));
             let out = &mut values[bins.clone()];
             if linearised.is_none() {
-                return multiply_quotient(self.set, n, d, &e[..count], out);
+                multiply_quotient(self.set, n, d, &e[..count], out);
+            } else {
+                let (value, weight) = (g.first_mut(count), w.first_mut(count));
+                quotient_parts(self.set, n, d, &e[..count], value, weight, out);
             }
-            let (value, weight) = (g.first_mut(count), w.first_mut(count));
-            quotient_parts(self.set, n, d, &e[..count], value, weight, out);
             for tangent in parameters.iter_mut().filter(|tangent| !tangent.zero) {
                 let Polynomials { numerator, denominator, .. } = &*tangent.polynomials;
                 let (dn, dd) = (numerator.first(count), denominator.first(count));
@@ -69,12 +86,78 @@ impl SimulationPlan {
             }
             if !delay.zero {
                 factor.differentiate(bins.start, &e[..count], &mut slope[..count]);
-                multiply_quotient(self.set, n, d, &slope[..count], &mut delay.bins[bins]);
+                multiply_quotient(self.set, n, d, &slope[..count], &mut delay.bins[bins.clone()]);
+            }
+            let Some((images, _)) = &images else { return };
+            images.raise(bins.start, false, &mut e[..count]);
+            images.add(self.set, &value_images[..], bins.start, &e[..count], &mut values[bins.clone()]);
+            for tangent in parameters.iter_mut().filter(|tangent| !tangent.zero) {
+                images.add(
+                    self.set,
+                    &tangent.images[..],
+                    bins.start,
+                    &e[..count],
+                    &mut tangent.bins[bins.clone()],
+                );
+            }
+            if !delay.zero {
+                let own_slope = factor.turns_images();
+                let sums = if own_slope { &delay.images[..] } else { &value_images[..] };
+                images.raise(bins.start, own_slope, &mut slope[..count]);
+                images.add(self.set, sums, bins.start, &slope[..count], &mut delay.bins[bins]);
             }
         });
+        if let Some((images, weights)) = images.filter(|_| !with_nearest) {
+            self.add_nearest(candidate, &factor, (images, &weights), values, parameters, delay);
+        }
         self.response_ends(candidate, &factor, values, parameters, delay);
         response.differentiated = linearised.is_some();
         Ok(())
+    }
+
+    /// Adds the nearest images, worked out at every frequency.
+    fn add_nearest(
+        &self,
+        candidate: Candidate<'_>,
+        factor: &InputFactor<'_>,
+        (images, weights): (&Images, &ImageWeights),
+        values: &mut [Complex64],
+        parameters: &mut [Tangent],
+        delay: &mut Tangent,
+    ) {
+        let [mut e, mut slope, mut out] = [[Complex64::ZERO; BLOCK]; 3];
+        let (mut g, mut w) = (Block::ZERO, Block::ZERO);
+        let add = |more: &[Complex64], bins: &mut [Complex64]| {
+            bins.iter_mut().zip(more).for_each(|(bin, more)| *bin += more);
+        };
+        for (image, frequencies) in images.nearest() {
+            candidate.over(frequencies, parameters, |bins, sums, parameters| {
+                let count = bins.len();
+                factor.write(bins.start, &mut e[..count]);
+                if !delay.zero {
+                    factor.differentiate(bins.start, &e[..count], &mut slope[..count]);
+                    images.weigh(image, weights, (bins.start, factor.turns_images()), &mut slope[..count]);
+                }
+                images.weigh(image, weights, (bins.start, false), &mut e[..count]);
+                let (n, d) = (sums.numerator.first(count), sums.denominator.first(count));
+                let (value, weight) = (g.first_mut(count), w.first_mut(count));
+                quotient_parts(self.set, n, d, &e[..count], value, weight, &mut out[..count]);
+                without(weights.gain(), &e[..count], &mut out);
+                add(&out[..count], &mut values[bins.clone()]);
+                for tangent in parameters.iter_mut().filter(|tangent| !tangent.zero) {
+                    let Polynomials { numerator, denominator, .. } = &*tangent.polynomials;
+                    let (dn, dd) = (numerator.first(count), denominator.first(count));
+                    quotient_tangent(self.set, dn, dd, g.first(count), w.first(count), &mut out[..count]);
+                    without(tangent.gain, &e[..count], &mut out);
+                    add(&out[..count], &mut tangent.bins[bins.clone()]);
+                }
+                if !delay.zero {
+                    multiply_quotient(self.set, n, d, &slope[..count], &mut out[..count]);
+                    without(weights.gain(), &slope[..count], &mut out);
+                    add(&out[..count], &mut delay.bins[bins]);
+                }
+            });
+        }
     }
 
     /// The first and last frequencies, where s may be 0 or ∞.
@@ -102,5 +185,12 @@ impl SimulationPlan {
             self.settle_ends(&mut tangent.bins, dc * e[0].re, top * e[1].re);
         }
         self.settle_ends(&mut delay.bins, dc * slope[0].re, top * slope[1].re);
+    }
+}
+
+/// Takes `gain` · `factors` off.
+fn without(gain: f64, factors: &[Complex64], out: &mut [Complex64]) {
+    if gain != 0.0 {
+        out.iter_mut().zip(factors).for_each(|(out, factor)| *out -= factor * gain);
     }
 }
