@@ -10,11 +10,12 @@ use super::{Finding, FindingKind};
 use super::{IdentifyError, RecordFacts, identifiability};
 use hysteron_model::Advice;
 use hysteron_model::Start;
-use hysteron_model::dynamics::{Dynamics, Stability, TransferFunction, stability};
+use hysteron_model::dynamics::{Dynamics, Scheme, Stability, TransferFunction, stability};
 use hysteron_model::hysteresis::{Hysteresis, Invertibility, TimedDrive};
 use hysteron_model::model::FAR_FROM_REST;
 use hysteron_model::record::{
-    LoopSense, Timing, follow_each_other, implausible_units, loop_shape, range_of, turning_points,
+    InterSample, LoopSense, Timing, follow_each_other, implausible_units, loop_shape, range_of,
+    turning_points,
 };
 use hysteron_numeric::display::short;
 use hysteron_optimize::StopReason;
@@ -87,6 +88,31 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
             unit(&facts.data.u_unit)
         )
     }
+}
+
+/// A delay that holds for straight lines between samples, where nothing says that the drive goes along them and a held one would
+/// make a difference above its standard error.
+fn delay_of_a_held_drive(
+    facts: &[RecordFacts],
+    options: &Options,
+    result: &Identification,
+) -> Option<String> {
+    let assumed = result.model.inter_sample;
+    let asked = options.inter_sample != Choice::Auto || result.cancelled;
+    let looks = result.method == Method::Joint && result.model.scheme == Scheme::BandLimited;
+    if asked || !looks || assumed == InterSample::Hold {
+        return None;
+    }
+    let delay = result.parameters.iter().find(|p| p.name == "delay")?;
+    let rates = facts.iter().map(|f| f.data.sample_rate_hz()).collect::<Option<Vec<f64>>>()?;
+    let half_s = 0.5 / rates.into_iter().fold(0.0, f64::max);
+    (half_s > delay.std_error? && half_s.is_finite()).then(|| {
+        format!(
+            "What the drive does between its samples was not asked: records sampled this finely do not tell. Their rule is taken to be              {assumed}. If each sample is held until the next, the delay of {} s is {} s too long, half a sample: `--inter-sample hold`              says so.",
+            short(delay.value),
+            short(half_s)
+        )
+    })
 }
 
 /// A gain at rest that is not what the slowest of the records have.
@@ -165,6 +191,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     }
     if let Some(between) = &result.structure.between {
         between.say(&mut findings);
+    } else if let Some(text) = delay_of_a_held_drive(facts, options, result) {
+        say(&mut findings, FindingKind::Advice, "between samples", text);
     }
     if let Some(smoothing) = result.structure.smoothing {
         say(&mut findings, FindingKind::Verdict, "weights", drawn_together(smoothing));

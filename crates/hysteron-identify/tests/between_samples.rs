@@ -89,3 +89,24 @@ fn the_rule_is_told_and_the_delay_is_right() {
         assert!(told.kind == FindingKind::Verdict && told.text.contains(rule.name()), "{told:?}");
     }
 }
+
+#[test]
+fn a_delay_that_would_be_shorter_for_a_held_drive_is_said() {
+    let loops = |t: f64| 5.0 * (1.0 - (TAU * t).cos()) * (1.0 - 0.2 * t);
+    // 125 samples a cycle.
+    let sines = |t: f64| 4.0 * (1.0 - (TAU * 8.0 * t).cos()) * (1.0 - 0.3 * t);
+    let campaign = [record("loops", InterSample::Hold, loops), record("sines", InterSample::Hold, sines)];
+    let found = |inter_sample| {
+        let options = Options {
+            dynamics: DynamicsChoice::Integer,
+            n: Choice::Given(1.0),
+            inter_sample,
+            ..Options::default()
+        };
+        identify(&campaign, &options, &Watch::silent(), None).unwrap()
+    };
+    let said = |inter_sample| found(inter_sample).findings.into_iter().find(|f| f.topic == "between samples");
+    let advice = said(Choice::Auto).unwrap();
+    assert!(advice.kind == FindingKind::Advice && advice.text.contains("0.0005 s too long"), "{advice:?}");
+    assert_eq!(said(Choice::Given(InterSample::Linear)), None);
+}
