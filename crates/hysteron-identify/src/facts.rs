@@ -139,7 +139,7 @@ impl RecordFacts {
 
     /// Indices of the samples that are valid and not among the first `left_out`.
     pub(super) fn scored(&self, left_out: usize) -> Vec<usize> {
-        let valid = |k: usize| self.data.valid.as_ref().is_none_or(|mask| mask[k]);
+        let valid = |k: usize| self.data.is_valid(k);
         (left_out..self.data.y.len()).filter(|&k| valid(k)).collect()
     }
 

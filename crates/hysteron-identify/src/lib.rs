@@ -177,7 +177,7 @@ fn as_good(fewer: &Identification, richer: &Identification) -> bool {
     let residual = |fit: &RecordFit| -> Vec<f64> {
         let modelled = fit.simulated.iter().map(|y| y + fit.scores.offset);
         let left = fit.data.y.iter().zip(modelled).map(|(measured, modelled)| measured - modelled);
-        let scored = |k: usize| fit.data.valid.as_deref().is_none_or(|valid| valid.get(k) == Some(&true));
+        let scored = |k: usize| fit.data.is_valid(k);
         left.enumerate().filter(|(k, e)| scored(*k) && e.is_finite()).map(|(_, e)| e).collect()
     };
     let of = |found: &Identification| -> (f64, f64) {

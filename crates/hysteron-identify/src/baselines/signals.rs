@@ -89,7 +89,7 @@ impl Units {
         let stride = self.stride(record)?;
         let u: Vec<f64> = record.u.iter().map(|&u| self.input.normalised(u)).collect();
         let direction = directions(&u, 2.0 * TURN);
-        let is_valid = |k: usize| record.valid.as_ref().is_none_or(|valid| valid[k]);
+        let is_valid = |k: usize| record.is_valid(k);
         let phase = |p: usize| {
             let at = || (p..u.len()).step_by(stride);
             Series {

@@ -72,7 +72,7 @@ impl PredictionBand {
                 (0..scored.len()).take_while(|&k| since(k).is_some_and(|s| s < skip_s)).count()
             }
         };
-        let valid = |k: &usize| scored.valid.as_ref().is_none_or(|mask| mask.get(*k) == Some(&true));
+        let valid = |k: &usize| scored.is_valid(*k);
         let all: Vec<usize> = (skipped..scored.len()).filter(valid).collect();
         let inside = all.iter().filter(|&&k| (scored.y[k] - simulated[k] - offset).abs() <= half[k]).count();
         BandScore {

@@ -127,7 +127,7 @@ impl<const N: usize> Adapter<N> {
         };
         let mut alarmed = false;
         for (index, (row, &y)) in regressors.rows().zip(&record.y).enumerate() {
-            let valid = record.valid.as_ref().is_none_or(|mask| mask.get(index) == Some(&true));
+            let valid = record.is_valid(index);
             if valid {
                 let adapted =
                     self.step(&row, y).map_err(|cause| IdentifyError::OnlineSample { index, cause })?;

@@ -169,7 +169,7 @@ struct Task<'a> {
 impl Task<'_> {
     /// The record with only one of `every` samples valid: the others are predicted.
     fn learnt_from(&self, every: usize) -> InputOutput {
-        let is_valid = |k: usize| self.data.valid.as_ref().is_none_or(|valid| valid[k]);
+        let is_valid = |k: usize| self.data.is_valid(k);
         let mask = (0..self.data.len()).map(|k| k.is_multiple_of(every) && is_valid(k)).collect();
         InputOutput { valid: Some(mask), ..self.data.clone() }
     }

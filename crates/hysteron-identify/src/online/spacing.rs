@@ -23,7 +23,7 @@ impl<const N: usize> Regressors<N> {
         if expected != found {
             return Err(IdentifyError::CorrectionLengths { expected, found });
         }
-        let is_valid = |k: usize| record.valid.as_ref().is_none_or(|valid| valid.get(k) == Some(&true));
+        let is_valid = |k: usize| record.is_valid(k);
         let rows: Vec<_> = self
             .rows()
             .zip(&record.y)

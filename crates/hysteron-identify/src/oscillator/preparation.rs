@@ -82,7 +82,7 @@ fn repeating(periods: Option<Periods>) -> Option<(usize, usize, usize)> {
 
 /// The mean over the settled periods: for a steady state under white noise it holds all that they know.
 fn mean_period(data: &InputOutput, rate: f64, samples: usize, settling: usize, count: usize) -> Piece {
-    let valid = |k: usize| data.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let valid = |k: usize| data.is_valid(k);
     let mut piece = Piece {
         name: data.name.clone(),
         u: data.u.iter().take(samples).copied().collect(),

@@ -172,7 +172,7 @@ pub fn recalibrate(
 }
 
 fn check(data: &InputOutput) -> Result<(), IdentifyError> {
-    let valid = |k: usize| data.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let valid = |k: usize| data.is_valid(k);
     let found = (0..data.len()).filter(|&k| valid(k)).count();
     if found < FEWEST_SAMPLES {
         return Err(IdentifyError::TooFewSamples { record: data.name.clone(), need: FEWEST_SAMPLES, found });

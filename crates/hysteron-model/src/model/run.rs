@@ -503,7 +503,7 @@ fn oscillate(
 /// A score says nothing of one or two samples, nor where nothing moves: a sensor that stood still, or a drive that did (unless
 /// the model, started elsewhere, still moves towards it).
 fn check_meaningful(record: &InputOutput, simulated: &[f64]) -> Result<(), RunError> {
-    let valid = |k: usize| record.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let valid = |k: usize| record.is_valid(k);
     let range = |x: &[f64]| {
         let scored = x.iter().enumerate().filter(|(k, _)| valid(*k)).map(|(_, x)| *x);
         scored.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))

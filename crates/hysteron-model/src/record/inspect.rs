@@ -404,7 +404,7 @@ fn span_of(segments: &[Segment]) -> Option<(f64, f64)> {
 
 /// Loop of the valid samples from this one on.
 fn settled_loop(data: &InputOutput, from: usize) -> Option<LoopShape> {
-    let valid = |k: &usize| data.valid.as_ref().is_none_or(|mask| mask.get(*k) == Some(&true));
+    let valid = |k: &usize| data.is_valid(*k);
     let (u, y): (Vec<f64>, Vec<f64>) =
         (from..data.len()).filter(valid).filter_map(|k| Some((*data.u.get(k)?, *data.y.get(k)?))).unzip();
     loop_shape(&u, &y)

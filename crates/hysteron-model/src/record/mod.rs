@@ -289,6 +289,11 @@ impl InputOutput {
         self.source.as_ref().map_or(&self.name, |s| &s.path)
     }
 
+    /// Whether sample `k` is valid; nothing beyond the mask is.
+    pub fn is_valid(&self, k: usize) -> bool {
+        self.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true))
+    }
+
     /// The record with its first `samples` samples masked as not valid.
     pub fn without_first(&self, samples: usize) -> Self {
         let mut masked = self.clone();

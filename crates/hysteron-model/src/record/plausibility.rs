@@ -32,7 +32,7 @@ fn stroke(data: &InputOutput) -> Option<String> {
         Quantity::Angle => (STROKE_URAD, &ANGLES),
         _ => return None,
     };
-    let valid = |k: usize| data.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let valid = |k: usize| data.is_valid(k);
     let output: Vec<f64> = data.y.iter().enumerate().filter(|(k, _)| valid(*k)).map(|(_, y)| *y).collect();
     let (low, high) = range_of(&output);
     let stroke = factor * (high - low);

@@ -26,7 +26,7 @@ pub struct Servo {
 /// The straightness of the moves of a record whose output is driven along straight lines by a drive that is bent; `None` for others, and
 /// for records without time or wide moves.
 pub fn servo(data: &InputOutput) -> Option<Servo> {
-    let valid = |k: usize| data.valid.as_ref().is_none_or(|mask| mask.get(k) == Some(&true));
+    let valid = |k: usize| data.is_valid(k);
     let kept: Vec<usize> = (0..data.len()).filter(|&k| valid(k)).collect();
     let pick = |x: &[f64]| kept.iter().filter_map(|&k| x.get(k).copied()).collect::<Vec<f64>>();
     let (u, y) = (pick(&data.u), pick(&data.y));
