@@ -55,31 +55,32 @@ pub(super) fn verdict(
         );
     }
     let explained = |name: &str| straight && ["alpha", "beta", "gamma", "linear"].contains(&name);
+    let mut unknown: Vec<(&str, String)> = Vec::new();
     for p in result.parameters.iter().filter(of_device).filter(|p| !explained(&p.name)) {
-        let Some(error) = p.std_error else {
-            let (help, advice) = advisor.help(&[&p.name]);
-            let place = covariance.names.iter().position(|name| *name == p.name);
-            let why = if place.is_some_and(|place| covariance.undetermined[place]) {
-                format!("its value, {}, is one of many that fit as well", short(p.value))
-            } else {
-                "it ended on the edge of its range".to_owned()
-            };
-            say(format!("{} is not determined by these records: {why}. {help}", p.name), advice);
-            continue;
+        let place = covariance.names.iter().position(|name| *name == p.name);
+        let why = match p.std_error {
+            Some(error) if error / advisor.scale(p) > UNDETERMINED => {
+                format!("({} ± {})", short(p.value), short(error))
+            }
+            Some(_) => continue,
+            None if !on_edge(result, p) && place.is_some_and(|place| covariance.undetermined[place]) => {
+                format!("({} is one of many that fit as well)", short(p.value))
+            }
+            None => "(on the edge of its range)".to_owned(),
         };
-        let share = error / advisor.scale(p);
-        if share > UNDETERMINED {
-            let (help, advice) = advisor.help(&[&p.name]);
-            say(
-                format!(
-                    "{} is not determined by these records ({} ± {}). {help}",
-                    p.name,
-                    short(p.value),
-                    short(error)
-                ),
-                advice,
-            );
-        }
+        unknown.push((&p.name, why));
+    }
+    let help_for = |(name, _): &(&str, String)| advisor.help(&[name]).0;
+    for alike in unknown.chunk_by(|a, b| help_for(a) == help_for(b)) {
+        let names: Vec<&str> = alike.iter().map(|(name, _)| *name).collect();
+        let told: Vec<String> = alike.iter().map(|(name, why)| format!("{name} {why}")).collect();
+        let told: Vec<&str> = told.iter().map(String::as_str).collect();
+        let (help, advice) = advisor.help(&names);
+        let text = match alike {
+            [(name, why)] => format!("{name} is not determined by these records {why}. {help}"),
+            _ => format!("{} are not determined by these records. {help}", listed(&told)),
+        };
+        say(text, advice);
     }
     for group in inseparable(covariance) {
         let names: Vec<&str> = group.names.iter().map(String::as_str).collect();
@@ -117,6 +118,12 @@ pub(super) fn verdict(
         });
     }
     findings
+}
+
+/// Whether the search ended with the parameter on an edge of its range.
+fn on_edge(result: &Identification, p: &Parameter) -> bool {
+    let mut ranges = result.bounds.iter().flat_map(|bounds| &bounds.ranges);
+    ranges.any(|range| range.name == p.name && !(1e-9..=1.0 - 1e-9).contains(&range.to_unit(p.value)))
 }
 
 /// Whether every loop is so small beside the saturation of the operator that only its first bend shows.
@@ -282,7 +289,8 @@ impl<'a> Advisor<'a> {
         if help.is_empty() {
             let name = names.first().copied().unwrap_or("NAME");
             let hold = Advice::Hold { parameter: Some(name.to_owned()) };
-            return ("Add loops of other amplitudes, or hold it where it is known.".to_owned(), Some(hold));
+            let what = if names.len() > 1 { "some of them where they are" } else { "it where it is" };
+            return (format!("Add loops of other amplitudes, or hold {what} known."), Some(hold));
         }
         (format!("Add {}.", help.join(", and ")), None)
     }
