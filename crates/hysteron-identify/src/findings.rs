@@ -108,7 +108,9 @@ fn delay_of_a_held_drive(
     let half_s = 0.5 / rates.into_iter().fold(0.0, f64::max);
     (half_s > delay.std_error? && half_s.is_finite()).then(|| {
         format!(
-            "What the drive does between its samples was not asked: records sampled this finely do not tell. Their rule is taken to be              {assumed}. If each sample is held until the next, the delay of {} s is {} s too long, half a sample: `--inter-sample hold`              says so.",
+            "What the drive does between its samples was not asked: records sampled this finely do not tell. Their rule is taken to \
+             be {assumed}. If each sample is held until the next, the delay of {} s is {} s too long, half a sample: `--inter-sample \
+             hold` says so.",
             short(delay.value),
             short(half_s)
         )

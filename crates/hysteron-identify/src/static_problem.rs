@@ -278,9 +278,7 @@ impl StaticProblem {
         }
         Some(solution)
     }
-}
 
-impl StaticProblem {
     /// Derivatives of the residuals at `x` along a lag of everything \[µm/s\], a column: the velocity of the model's output, by the
     /// chord over both neighbouring samples. `None` for records without a rate.
     pub(super) fn along_a_lag(&self, x: &[f64]) -> Option<Vec<f64>> {
