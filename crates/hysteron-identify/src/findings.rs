@@ -109,8 +109,8 @@ fn delay_of_a_held_drive(
     (half_s > delay.std_error? && half_s.is_finite()).then(|| {
         format!(
             "What the drive does between its samples was not asked: records sampled this finely do not tell. Their rule is taken to \
-             be {assumed}. If each sample is held until the next, the delay of {} s is {} s too long, half a sample: `--inter-sample \
-             hold` says so.",
+             be {assumed}. If each sample is held until the next, the delay of {} s is {} s too long, half a sample. \
+             Give the rule where it is known.",
             short(delay.value),
             short(half_s)
         )

@@ -123,7 +123,7 @@ pub(super) fn verdict(
 /// Whether the search ended with the parameter on an edge of its range.
 fn on_edge(result: &Identification, p: &Parameter) -> bool {
     let mut ranges = result.bounds.iter().flat_map(|bounds| &bounds.ranges);
-    ranges.any(|range| range.name == p.name && !(1e-9..=1.0 - 1e-9).contains(&range.to_unit(p.value)))
+    ranges.any(|range| range.name == p.name && range.is_end(p.value))
 }
 
 /// Whether every loop is so small beside the saturation of the operator that only its first bend shows.

@@ -58,6 +58,11 @@ impl Range {
         if t > 0.0 { t.min(1.0) } else { 0.0 }
     }
 
+    /// Whether the parameter value `x` is one of the ends, to 1e-9 of the range.
+    pub fn is_end(&self, x: f64) -> bool {
+        !(1e-9..=1.0 - 1e-9).contains(&self.to_unit(x))
+    }
+
     /// dx/dt of [`Self::from_unit`] where it takes the value `x`.
     pub fn slope(&self, x: f64) -> f64 {
         if self.logarithmic { x * (self.high / self.low).ln() } else { self.high - self.low }

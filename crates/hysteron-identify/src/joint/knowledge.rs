@@ -151,10 +151,7 @@ pub(in super::super) fn knowledge_of(
     let on_bound: Vec<bool> = eliminated
         .iter()
         .map(|_| false)
-        .chain(problem.bounds().ranges.iter().zip(x).map(|(range, &x)| {
-            let t = range.to_unit(x);
-            t <= 1e-9 || t >= 1.0 - 1e-9
-        }))
+        .chain(problem.bounds().ranges.iter().zip(x).map(|(range, &x)| range.is_end(x)))
         .collect();
     let columns: Vec<&[f64]> = linear.chunks_exact(rows).chain(searched.chunks_exact(rows)).collect();
     let norms: Vec<f64> = columns.par_iter().map(|c| dot(c, c).sqrt()).collect();
