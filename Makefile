@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo check test export-tools bench study article figures clean check-toolchain check-components
+.PHONY: FORCE help demo check test test-python python-tools export-tools bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -36,6 +36,23 @@ demo: $(HYSTERON) ## build, identify the measured example records, print the sco
 	@echo "models   $(abspath $(OUT)/model.json), $(abspath $(OUT)/scanner.json)"
 	@echo "reports  $(abspath $(OUT)/report.html), $(abspath $(OUT)/scanner.html)   (open them in a browser; they need no network)"
 
+# An environment with the package and what its tests run with, made anew where the list of these changes.
+PYTHON := target/python
+python-tools: check-toolchain
+	@command -v python3 >/dev/null || { echo "error: python3 is not installed"; \
+	  echo "  try: your system's package, e.g. 'apt-get install python3 python3-venv'"; exit 1; }
+	@cmp -s python/requirements-test.txt $(PYTHON)/installed.txt || { \
+	  rm -rf $(PYTHON) && python3 -m venv $(PYTHON) && \
+	  $(PYTHON)/bin/pip install --quiet --disable-pip-version-check -r python/requirements-test.txt && \
+	  cp python/requirements-test.txt $(PYTHON)/installed.txt; }
+
+test-python: python-tools ## the Python package: built beside the command, linted, type-checked, tested
+	cargo build --locked -p hysteron-cli
+	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
+	$(PYTHON)/bin/ruff check python && $(PYTHON)/bin/ruff format --check python
+	$(PYTHON)/bin/mypy && $(PYTHON)/bin/python -m mypy.stubtest hysteron_models._native
+	MPLBACKEND=agg $(PYTHON)/bin/python -m pytest
+
 export-tools: ## install what the tests of exported source use: clang, ARM compiler and simulator, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
 
@@ -52,6 +69,7 @@ test: check ## everything: check, documentation, no_std proof, integration tests
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	crates/hysteron-rt/proof/run.sh
 	cargo test --workspace --exclude hysteron-export --locked --test '*'
+	$(MAKE) test-python
 	$(MAKE) export-tools
 	cargo test -p hysteron-export --locked --test '*'
 

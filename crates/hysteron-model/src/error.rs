@@ -1,5 +1,6 @@
 //! What can go wrong in this crate, of whatever part: a caller that only tells crates apart takes [`Error`].
 
+use crate::Advice;
 use crate::axes::AxesError;
 use crate::control::ControlError;
 use crate::dynamics::DynamicsError;
@@ -56,4 +57,15 @@ pub enum Error {
     /// [`Unsupported`].
     #[error(transparent)]
     Unsupported(#[from] Unsupported),
+}
+
+impl Error {
+    /// Remedy, where there is one that the user can choose.
+    pub fn advice(&self) -> Option<Advice> {
+        match self {
+            Self::Record(e) => e.advice(),
+            Self::Axes(e) => e.advice(),
+            _ => None,
+        }
+    }
 }

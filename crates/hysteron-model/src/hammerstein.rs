@@ -17,6 +17,7 @@ use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means};
 use crate::record::{InterSample, Timing, even_times, rates_on};
 pub use crate::simulation_error::SimulationError;
 use crate::start::Start;
+use hysteron_numeric::Complex64;
 use std::borrow::Cow;
 
 /// A Hammerstein model: all that is needed to predict a displacement from a drive voltage.
@@ -75,6 +76,26 @@ pub fn extend<'a>(start: &Start, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize,
 }
 
 impl Model {
+    /// Response of the dynamic block with its delay at frequencies \[Hz\]: G(iω) e^(−iωτ); a static model is its delay.
+    ///
+    /// # Errors
+    /// [`SimulationError::NoSampleRate`] for an ARX block without its rate.
+    pub fn frequency_response(&self, frequency_hz: &[f64]) -> Result<Vec<Complex64>, SimulationError> {
+        Ok(match &self.dynamics {
+            Dynamics::None => {
+                let turned = |f: &f64| Complex64::from_polar(1.0, -std::f64::consts::TAU * f * self.delay_s);
+                frequency_hz.iter().map(turned).collect()
+            }
+            Dynamics::Integer(g) | Dynamics::Fractional(g) => {
+                g.frequency_response(frequency_hz, self.delay_s)
+            }
+            Dynamics::Arx(arx) => {
+                let rate = self.sample_rate_hz.ok_or(SimulationError::NoSampleRate)?;
+                arx.frequency_response(frequency_hz, rate)?
+            }
+        })
+    }
+
     /// Simulates the model (infinite horizon: no measured output is used) over the drive `u` \[V\].
     ///
     /// # Errors

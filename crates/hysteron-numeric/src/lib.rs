@@ -12,6 +12,7 @@ mod feedback_tangent;
 pub mod fft;
 mod inner_product;
 mod non_negative;
+pub mod normal;
 pub mod number;
 mod relaxation;
 mod relaxation_bank;

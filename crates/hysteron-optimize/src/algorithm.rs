@@ -6,6 +6,16 @@ use super::{
 };
 use serde::{Deserialize, Serialize};
 
+/// A name that no [`Algorithm`] has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no optimiser is called `{name}`: expected one of {known}")]
+pub struct UnknownAlgorithm {
+    /// The name given.
+    pub name: String,
+    /// The names there are.
+    pub known: String,
+}
+
 /// An algorithm with its options.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -35,6 +45,31 @@ impl Algorithm {
             Self::CmaEs(_) => "cma-es",
             Self::LeastSquares(_) => "least-squares",
         }
+    }
+
+    /// The algorithm of this name, with its own options but for the `population` (of least squares: the number of starts).
+    ///
+    /// # Errors
+    /// [`UnknownAlgorithm`].
+    pub fn called(name: &str, population: Option<usize>) -> Result<Self, UnknownAlgorithm> {
+        let or = |default: usize| population.unwrap_or(default);
+        let all = [
+            Self::DeAbc(DeAbcOptions {
+                population: or(DeAbcOptions::default().population),
+                ..Default::default()
+            }),
+            Self::Abc(AbcOptions { population: or(AbcOptions::default().population), ..Default::default() }),
+            Self::De(DeOptions { population: or(DeOptions::default().population), ..Default::default() }),
+            Self::Pso(PsoOptions { population: or(PsoOptions::default().population), ..Default::default() }),
+            Self::CmaEs(CmaEsOptions { population, ..Default::default() }),
+            Self::LeastSquares(LeastSquaresOptions {
+                starts: or(LeastSquaresOptions::default().starts),
+                ..Default::default()
+            }),
+        ];
+        let known = all.each_ref().map(Self::name);
+        let unknown = || UnknownAlgorithm { name: name.to_owned(), known: known.join(", ") };
+        all.into_iter().find(|one| one.name() == name).ok_or_else(unknown)
     }
 
     pub(super) fn validate(&self) -> Result<(), OptimizeError> {

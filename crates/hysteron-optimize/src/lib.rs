@@ -73,7 +73,7 @@ mod starts;
 mod stream;
 
 pub use abc::AbcOptions;
-pub use algorithm::Algorithm;
+pub use algorithm::{Algorithm, UnknownAlgorithm};
 pub use bounds::{Bounds, Range};
 pub use checkpoint::Checkpoint;
 pub use cma_es::CmaEsOptions;

@@ -1,11 +1,11 @@
 //! What the flags ask of the library.
 
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use hysteron_identify::{Choice, Demands, DynamicsChoice, Options};
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
-use hysteron_optimize::{
-    AbcOptions, Algorithm, CmaEsOptions, DeAbcOptions, DeOptions, LeastSquaresOptions, PsoOptions,
-};
+use hysteron_optimize::Algorithm;
 
 use super::Identify;
 use super::arguments::OptimizerArg;
@@ -23,7 +23,7 @@ impl Identify {
             continued: self.continued,
             drift: self.drift,
             dynamics: self.dynamics.unwrap_or(DynamicsChoice::Auto),
-            algorithm: self.algorithm(),
+            algorithm: self.algorithm()?,
             generations: self.generations.unwrap_or(Options::default().generations),
             seed: self.seed,
             threads: self.threads,
@@ -55,37 +55,12 @@ impl Identify {
         })
     }
 
-    fn algorithm(&self) -> Option<Algorithm> {
-        let population = |default: usize| self.population.unwrap_or(default);
-        match self.optimizer {
-            OptimizerArg::Auto => None,
-            OptimizerArg::DeAbc => {
-                let options = DeAbcOptions::default();
-                Some(Algorithm::DeAbc(DeAbcOptions { population: population(options.population), ..options }))
-            }
-            OptimizerArg::Abc => {
-                let options = AbcOptions::default();
-                Some(Algorithm::Abc(AbcOptions { population: population(options.population), ..options }))
-            }
-            OptimizerArg::De => {
-                let options = DeOptions::default();
-                Some(Algorithm::De(DeOptions { population: population(options.population), ..options }))
-            }
-            OptimizerArg::Pso => {
-                let options = PsoOptions::default();
-                Some(Algorithm::Pso(PsoOptions { population: population(options.population), ..options }))
-            }
-            OptimizerArg::CmaEs => {
-                let options = CmaEsOptions::default();
-                Some(Algorithm::CmaEs(CmaEsOptions { population: self.population, ..options }))
-            }
-            OptimizerArg::LeastSquares => {
-                let options = LeastSquaresOptions::default();
-                Some(Algorithm::LeastSquares(LeastSquaresOptions {
-                    starts: population(options.starts),
-                    ..options
-                }))
-            }
+    fn algorithm(&self) -> Result<Option<Algorithm>, Failure> {
+        let name = self.optimizer.to_possible_value();
+        let name = name.as_ref().map_or("", PossibleValue::get_name);
+        if self.optimizer == OptimizerArg::Auto {
+            return Ok(None);
         }
+        Algorithm::called(name, self.population).map(Some).map_err(|e| Failure::usage(e.to_string()))
     }
 }

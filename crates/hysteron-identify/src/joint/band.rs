@@ -20,6 +20,7 @@ use hysteron_model::dynamics::{DynamicForm, Sampling, Scheme};
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
 use hysteron_model::model::{BandScore, Remark, Score};
 use hysteron_model::record::{InputOutput, InterSample, Timing};
+use hysteron_numeric::normal::quantile;
 use hysteron_optimize::{Bounds, Problem};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -50,6 +51,24 @@ impl PredictionBand {
     /// Half the width of the band that holds a measurement with 95 % at each sample \[output unit\].
     pub fn of_measurement(&self) -> Vec<f64> {
         self.std_dev.iter().map(|sd| NORMAL_975 * sd.hypot(self.noise)).collect()
+    }
+
+    /// Half the width of the band that holds a measurement with a probability of `level` at each sample \[output unit\], and of that which
+    /// holds the model's true output.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Option`] for a level that is not between 0 and 1.
+    pub fn at_level(&self, level: f64) -> Result<[Vec<f64>; 2], IdentifyError> {
+        if !(level > 0.0 && level < 1.0) {
+            return Err(IdentifyError::Option {
+                option: "band",
+                value: level,
+                wanted: "a level between 0 and 1",
+            });
+        }
+        let width = quantile(0.5 + 0.5 * level);
+        let of = |noise: f64| self.std_dev.iter().map(|sd| width * sd.hypot(noise)).collect();
+        Ok([of(self.noise), of(0.0)])
     }
 
     /// How the band of a measurement holds a record that was scored, `skip_s` of it left out at the start.

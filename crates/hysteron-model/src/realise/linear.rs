@@ -48,6 +48,19 @@ pub struct LinearRealisation {
     pub band_hz: (f64, f64),
 }
 
+/// Matrices of a discrete state space of one input and one output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateSpace {
+    /// A, row by row.
+    pub a: Vec<f64>,
+    /// B.
+    pub b: Vec<f64>,
+    /// C.
+    pub c: Vec<f64>,
+    /// D.
+    pub d: f64,
+}
+
 impl LinearRealisation {
     /// States: numbers that are multiplied by a pole.
     pub fn states(&self) -> usize {
@@ -64,6 +77,45 @@ impl LinearRealisation {
         let taps: f64 = self.taps.iter().map(|tap| tap.abs()).sum();
         let sections: f64 = self.sections.iter().map(|s| s.weight.norm()).sum();
         (taps + sections) / self.reference_gain
+    }
+
+    /// The same as x⁺ = A x + B w, v = C x + D w of one input and one output: a register of the past inputs that delay and taps reach,
+    /// then the sections, real and imaginary part of a pair.
+    pub fn state_space(&self) -> StateSpace {
+        let depth = self.delay_samples + self.taps.len();
+        let n = depth + self.states();
+        let mut space = StateSpace { a: vec![0.0; n * n], b: vec![0.0; n], c: vec![0.0; n], d: 0.0 };
+        let put = |row: &mut [f64], d: &mut f64, back: usize, gain: f64| match back {
+            0 => *d += gain,
+            back => row[back - 1] += gain,
+        };
+        for (j, tap) in self.taps.iter().enumerate() {
+            put(&mut space.c, &mut space.d, self.delay_samples + j, *tap);
+        }
+        for k in 0..depth {
+            let row = &mut space.a[k * n..(k + 1) * n];
+            put(row, &mut space.b[k], k, 1.0);
+        }
+        let mut first = depth;
+        for section in &self.sections {
+            let (kept, count) = (1.0 - section.gain, section.states());
+            // ξ⁺ = (1 − g) ξ + g w(k − depth), and v = Re(c ξ⁺).
+            let rotation = [[kept.re, -kept.im], [kept.im, kept.re]];
+            let entry = [section.gain.re, section.gain.im];
+            let read = [section.weight.re, -section.weight.im];
+            for (i, kept_row) in rotation.iter().enumerate().take(count) {
+                let kept_row = &kept_row[..count];
+                let row = &mut space.a[(first + i) * n..(first + i + 1) * n];
+                row[first..first + count].copy_from_slice(kept_row);
+                put(row, &mut space.b[first + i], depth, entry[i]);
+                for (c, kept) in space.c[first..].iter_mut().zip(kept_row) {
+                    *c += read[i] * kept;
+                }
+                put(&mut space.c, &mut space.d, depth, read[i] * entry[i]);
+            }
+            first += count;
+        }
+        space
     }
 
     /// Response at a frequency \[Hz\] at the sample rate it was made for.

@@ -18,7 +18,7 @@ mod verify;
 
 pub use cost::{Cost, side_by_side};
 pub use error::RealiseError;
-pub use linear::LinearRealisation;
+pub use linear::{LinearRealisation, StateSpace};
 pub use operator::OperatorCoefficients;
 pub use sections::Section;
 pub(crate) use stream::LinearParts;

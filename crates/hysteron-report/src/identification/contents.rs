@@ -335,13 +335,10 @@ fn response(found: &Identification) -> Option<FrequencyResponseCurve> {
     let frequency_hz: Vec<f64> = (0..RESPONSE_POINTS)
         .map(|k| low * (high / low).powf(k as f64 / (RESPONSE_POINTS - 1) as f64))
         .collect();
-    let values = match &found.model.dynamics {
-        Dynamics::None => return None,
-        Dynamics::Integer(g) | Dynamics::Fractional(g) => {
-            g.frequency_response(&frequency_hz, found.model.delay_s)
-        }
-        Dynamics::Arx(arx) => arx.frequency_response(&frequency_hz, rate).ok()?,
-    };
+    if found.model.dynamics == Dynamics::None {
+        return None;
+    }
+    let values = found.model.frequency_response(&frequency_hz).ok()?;
     let mut phase_deg: Vec<f64> = Vec::with_capacity(values.len());
     for value in &values {
         let phase = value.arg().to_degrees();

@@ -85,6 +85,7 @@ pub enum Waveform {
     /// u = low + range·(1 − cos φ(t))/2 with instantaneous frequency φ'/2π going from `start_hz` to `end_hz`.
     Sweep {
         /// How the frequency goes.
+        #[serde(default)]
         law: SweepLaw,
         /// Frequency at the start \[Hz\].
         start_hz: f64,

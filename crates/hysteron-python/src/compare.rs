@@ -1,0 +1,58 @@
+//! Comparison of structures.
+
+use std::time::Instant;
+
+use hysteron_identify::structure::{Candidate, compare as compare_structures};
+use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options};
+use hysteron_model::record::ChannelChoice;
+use pyo3::prelude::*;
+
+use crate::errors::{option, raised, to_json};
+use crate::model::{Model, maker};
+use crate::record::Record;
+use crate::work;
+
+/// Structures by their simulated error on data that they were not fitted to: the comparison as JSON, its page, the model of the preferred
+/// structure, and the exception that stopped it, if any.
+#[pyfunction]
+#[pyo3(signature = (records, candidates=Vec::new(), continued=false, input=None, output=None, threads=None, progress=None))]
+#[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]
+pub fn compare(
+    py: Python<'_>,
+    records: Vec<PyRef<'_, Record>>,
+    candidates: Vec<String>,
+    continued: bool,
+    input: Option<String>,
+    output: Option<String>,
+    threads: Option<usize>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<(String, String, Option<Model>, Option<PyErr>)> {
+    let choice = ChannelChoice { input, output };
+    let data = records.iter().map(|record| record.inner.input_output(&choice));
+    let campaign = data.map(|data| data.map(|data| CampaignRecord { data, role: None }));
+    let campaign = campaign.collect::<Result<Vec<_>, _>>().map_err(raised)?;
+    let candidates = candidates.iter().map(|name| name.parse::<Candidate>());
+    let candidates = candidates.collect::<Result<Vec<_>, _>>().map_err(option)?;
+    let options = Options { continued, threads, ..Options::default() };
+    let begun = Instant::now();
+    let work = |watch: &hysteron_identify::Watch<'_>| {
+        let given = (!candidates.is_empty()).then_some(candidates.as_slice());
+        let comparison = compare_structures(&campaign, given, &options, watch)?;
+        let found = Compared::new(comparison, &campaign, Vec::new(), &move || begun.elapsed());
+        let preferred = match watch.is_stopped() {
+            true => None,
+            false => found.identify_preferred(&campaign, watch, &maker()),
+        };
+        let model = preferred.map(|(_, fit)| fit).transpose()?.map(|fit| fit.model);
+        Ok::<_, IdentifyError>((found, model))
+    };
+    let (found, raised_in_between) = work::watched(py, threads, progress.as_ref(), work)?;
+    match (found, raised_in_between) {
+        (Ok((found, model)), raised) => {
+            let page = hysteron_report::comparison::page(&found, &maker()).to_html();
+            Ok((to_json(&found)?, page, model.map(Model::from), raised))
+        }
+        (Err(_), Some(raised)) => Err(raised),
+        (Err(e), None) => Err(raised(e)),
+    }
+}

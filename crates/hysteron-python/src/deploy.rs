@@ -1,0 +1,127 @@
+//! A model at a controller's rate: its response, its realisation, its source.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use hysteron_export::{
+    Inverse, Precision, Runtime, Subject, c_files, fmu_files, inverse_files, inverse_fmu_files, rust_files,
+    write_folder,
+};
+use hysteron_model::compensator::Compensation;
+use hysteron_model::model::{Capability, CheckedRealisation};
+use hysteron_model::realise::{RealiseOptions, realise};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
+use pyo3::prelude::*;
+use serde::Deserialize;
+
+use crate::errors::{from_json, option, raised, to_json};
+use crate::inverse::Inverting;
+use crate::model::Model;
+use crate::signals::{Samples, samples};
+use crate::work;
+
+/// A result as JSON, and matrices.
+type Matrices<'py> = (String, Vec<Bound<'py, PyArray2<f64>>>);
+
+#[pymethods]
+impl Model {
+    /// Response of the dynamic block with its delay at frequencies [Hz]: real and imaginary part.
+    fn frequency_response<'py>(
+        &self,
+        py: Python<'py>,
+        frequency_hz: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<(Samples<'py>, Samples<'py>)> {
+        let body = self.core().hammerstein(Capability::Simulation).map_err(raised)?;
+        let values = body.law().frequency_response(&samples(&frequency_hz)?).map_err(raised)?;
+        Ok((
+            PyArray1::from_iter(py, values.iter().map(|value| value.re)),
+            PyArray1::from_iter(py, values.iter().map(|value| value.im)),
+        ))
+    }
+
+    /// The dynamic block at a sample rate [Hz] as sections, and as the matrices A, B, C, D of a state space of one input and output.
+    #[pyo3(signature = (sample_rate_hz, accuracy=1e-5, lowest_frequency_hz=None))]
+    fn realise<'py>(
+        &self,
+        py: Python<'py>,
+        sample_rate_hz: f64,
+        accuracy: f64,
+        lowest_frequency_hz: Option<f64>,
+    ) -> PyResult<Matrices<'py>> {
+        let body = self.core().hammerstein(Capability::Realisation).map_err(raised)?;
+        let options = RealiseOptions { accuracy, lowest_frequency_hz };
+        let options = body.realise_options(sample_rate_hz, options);
+        let begun = Instant::now();
+        let found = work::run(py, || {
+            let realisation = realise(body.law(), sample_rate_hz, &options)?;
+            CheckedRealisation::new(realisation, body.data(), accuracy, &move || begun.elapsed())
+        })?;
+        let found = found.map_err(raised)?;
+        let space = found.realisation.dynamics.state_space();
+        let n = space.b.len();
+        let rows = |flat: &[f64], columns: usize| -> Vec<Vec<f64>> {
+            flat.chunks(columns.max(1)).map(<[f64]>::to_vec).collect()
+        };
+        let matrices = [rows(&space.a, n), rows(&space.b, 1), rows(&space.c, n), vec![vec![space.d]]];
+        let matrices = matrices.iter().map(|matrix| PyArray2::from_vec2(py, matrix));
+        Ok((to_json(&found)?, matrices.collect::<Result<_, _>>()?))
+    }
+
+    /// Source for a controller, written into a folder: names of the files.
+    fn export(&self, py: Python<'_>, folder: PathBuf, options: &str) -> PyResult<Vec<String>> {
+        let asked: Exporting = from_json(options)?;
+        let body = self.core().hammerstein(Capability::Export).map_err(raised)?;
+        let unknown = "the model was identified from records without a sample rate: give the controller's";
+        let rate = asked.sample_rate_hz.or(body.data().sample_rate_hz).ok_or_else(|| option(unknown))?;
+        let realise_options = body.realise_options(rate, asked.inverting.realise());
+        let range = if asked.inverse { Some(self.range(asked.inverting.range)?) } else { None };
+        let compensator =
+            asked.inverting.compensator(self, rate, asked.inverting.predict_to_hz.map(|_| 0))?;
+        let files = work::run(py, || {
+            let realisation = realise(body.law(), rate, &realise_options)?;
+            let accuracy = asked.inverting.accuracy;
+            let subject = Subject::new(&asked.name, asked.float, body.data(), realisation, accuracy)?;
+            let slew = asked.inverting.slew_per_s.unwrap_or(f64::INFINITY);
+            let inverse = range.map(|range| {
+                let compensation = Compensation::new(body.law(), rate, &compensator)?;
+                Inverse::new(&subject, compensation, range, slew)
+            });
+            let inverse = inverse.transpose()?;
+            let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+            let mut files = match asked.to {
+                Form::C => c_files(&subject)?,
+                Form::Rust => rust_files(&subject, inverse.as_ref(), Runtime::Registry)?,
+                Form::Fmu => fmu_files(&subject, &compiler)?,
+            };
+            match (asked.to, &inverse) {
+                (Form::C, Some(inverse)) => files.extend(inverse_files(inverse)?),
+                (Form::Fmu, Some(inverse)) => files.extend(inverse_fmu_files(inverse, &compiler)?),
+                _ => {}
+            }
+            write_folder(&folder, &files)?;
+            Ok::<_, hysteron_export::ExportError>(files)
+        })?;
+        let files = files.map_err(raised)?;
+        Ok(files.into_iter().map(|file| file.name).collect())
+    }
+}
+
+/// What is said of an export.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Exporting {
+    to: Form,
+    sample_rate_hz: Option<f64>,
+    float: Precision,
+    name: String,
+    inverse: bool,
+    inverting: Inverting,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Form {
+    C,
+    Rust,
+    Fmu,
+}

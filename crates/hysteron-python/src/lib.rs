@@ -1,0 +1,46 @@
+//! Native part of the Python package `hysteron_models`: records, fits, models and controllers as Python objects.
+//!
+//! Arrays cross as NumPy arrays, options and results as the JSON of the library's own types. Numbers are worked out with the
+//! interpreter released; what words, defaults and plots a user meets is Python's (`python/hysteron_models`).
+
+mod compare;
+mod controller;
+mod deploy;
+mod errors;
+mod excite;
+mod fit;
+mod inverse;
+mod model;
+mod record;
+mod signals;
+mod task;
+mod work;
+
+use pyo3::prelude::*;
+
+/// Gives memory that was used back to the next search, where the system's allocator would have it cleared anew.
+#[global_allocator]
+static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::compare::compare;
+    #[pymodule_export]
+    use super::controller::Controller;
+    #[pymodule_export]
+    use super::excite::excite;
+    #[pymodule_export]
+    use super::fit::{Fit, choices, identify};
+    #[pymodule_export]
+    use super::model::Model;
+    #[pymodule_export]
+    use super::record::{Record, inspect, prepare, read, write};
+
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

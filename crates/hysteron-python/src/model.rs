@@ -1,0 +1,330 @@
+//! A model of any kind: loaded, simulated, scored, recalibrated.
+
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use hysteron_identify::PredictionBand;
+use hysteron_identify::recalibrate::{Prior, Recording, recalibrate};
+use hysteron_io::{load_model, save_model, sha256};
+use hysteron_model::axes::AxesRecord;
+use hysteron_model::model::{Capability, Remark, Score, SignalRole, Signals};
+use hysteron_model::model_file::{Maker, timestamp};
+use hysteron_model::record::{ChannelChoice, Driven, InputOutput, Record as CoreRecord, Run, Source};
+use hysteron_model::validate::Scoring;
+use hysteron_model::{Model as Core, Start};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::errors::{from_json, option, raised, to_json};
+use crate::record::Record;
+use crate::signals::Samples;
+use crate::work;
+
+/// An identified model.
+#[pyclass(frozen, module = "hysteron_models._native")]
+pub struct Model {
+    inner: Core,
+    /// Path of the file that it came from.
+    path: Option<PathBuf>,
+}
+
+impl From<Core> for Model {
+    fn from(inner: Core) -> Self {
+        Self { inner, path: None }
+    }
+}
+
+/// This package, now.
+pub fn maker() -> Maker {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
+    Maker {
+        program: concat!("hysteron_models ", env!("CARGO_PKG_VERSION")).to_owned(),
+        created: Some(timestamp(seconds)),
+        command: None,
+    }
+}
+
+impl Model {
+    pub fn core(&self) -> &Core {
+        &self.inner
+    }
+
+    /// The channels of a record that the model takes, outputs too where they were measured.
+    fn signals(&self, record: &CoreRecord, input: Option<&str>) -> PyResult<Signals> {
+        let Some((inputs, outputs)) = self.inner.channels() else {
+            let driven = record.driven(input).map_err(raised)?;
+            let own = |measured: &InputOutput| {
+                let unit = &measured.y_unit;
+                self.inner.agreed_unit(SignalRole::Output, unit, &mut Vec::new()).is_ok()
+            };
+            let measured = driven.measured.filter(own);
+            return Ok(Driven { drive: driven.drive, measured }.into());
+        };
+        let axes = AxesRecord::new(record, inputs, outputs).or_else(|_| AxesRecord::new(record, inputs, &[]));
+        Ok(axes.map_err(raised)?.into())
+    }
+
+    fn scored(&self, record: &CoreRecord, choice: &ChannelChoice) -> PyResult<Signals> {
+        Ok(match self.inner.channels() {
+            Some((inputs, outputs)) => AxesRecord::new(record, inputs, outputs).map_err(raised)?.into(),
+            None => record.input_output(choice).map_err(raised)?.into(),
+        })
+    }
+}
+
+/// Start from JSON, `None`: as the model was identified.
+fn start(json: Option<&str>) -> PyResult<Start> {
+    json.map_or(Ok(Start::AsIdentified), from_json)
+}
+
+/// Outputs of a simulation: an array each, standard deviation and noise of a band, the start in words, and remarks.
+type Simulated<'py> = (Vec<Samples<'py>>, Option<HalfWidths<'py>>, String, Vec<String>);
+
+/// Half the width of the band of a measurement and of that of the model's output, at each sample.
+type HalfWidths<'py> = (Samples<'py>, Samples<'py>);
+
+/// Unit, RMSE, largest error, fit in %, samples, and the offset of each output.
+pub type Figures = (String, f64, f64, Option<f64>, usize, Vec<f64>);
+
+/// Figures of a score.
+pub fn figures(score: &Score) -> Figures {
+    let unit = score.unit.symbol().to_owned();
+    let samples = score.outputs.first().map_or(0, |output| output.samples);
+    let offsets = score.outputs.iter().map(|output| output.offset).collect();
+    (unit, score.rmse, score.max_abs_error, score.fit_percent, samples, offsets)
+}
+
+/// A score: its JSON, figures, the start in words, and the record of its samples.
+type Scored = (String, Figures, String, Record);
+
+#[pymethods]
+impl Model {
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let inner = work::run(py, || load_model(&path))?.map_err(raised)?;
+        Ok(Self { inner, path: Some(path) })
+    }
+
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        work::run(py, || save_model(&path, &self.inner))?.map_err(raised)
+    }
+
+    /// Of the text of a model file.
+    #[staticmethod]
+    fn from_json(json: &str) -> PyResult<Self> {
+        Ok(Core::from_json(json.as_bytes()).map_err(raised)?.into())
+    }
+
+    /// Text of the model file.
+    fn to_json(&self) -> PyResult<String> {
+        self.inner.to_json().map_err(raised)
+    }
+
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.inner.kind().name()
+    }
+
+    #[getter]
+    fn name(&self) -> Option<&str> {
+        self.inner.name()
+    }
+
+    /// Units of input and output.
+    #[getter]
+    fn units(&self) -> (String, String) {
+        let units = self.inner.units();
+        (units.input.clone(), units.output.clone())
+    }
+
+    /// Names of inputs and outputs of a model of several axes.
+    #[getter]
+    fn channels(&self) -> Option<(Vec<String>, Vec<String>)> {
+        self.inner.channels().map(|(inputs, outputs)| (inputs.to_vec(), outputs.to_vec()))
+    }
+
+    #[getter]
+    fn sample_rate_hz(&self) -> Option<f64> {
+        self.inner.sample_rate_hz()
+    }
+
+    /// What the records of the identification covered, in words.
+    #[getter]
+    fn valid_range(&self) -> Option<String> {
+        self.inner.valid_range().map(|range| range.in_words())
+    }
+
+    /// Least and largest drive of the identification.
+    #[getter]
+    fn drive_range(&self) -> Option<(f64, f64)> {
+        let body = self.inner.hammerstein(Capability::Inversion).ok()?;
+        body.drive_range().map(|[low, high]| (low, high))
+    }
+
+    /// The output for the drive of a record, in free run.
+    #[pyo3(signature = (record, input=None, from_start=None, band=None))]
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        record: &Record,
+        input: Option<String>,
+        from_start: Option<&str>,
+        band: Option<f64>,
+    ) -> PyResult<Simulated<'py>> {
+        let signals = self.signals(&record.inner, input.as_deref())?;
+        let from = start(from_start)?;
+        let found = work::run(py, || self.inner.simulate(&signals, from))?.map_err(raised)?;
+        let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
+        let (input, output) = self.units();
+        let outputs = found.outputs.iter().map(|y| PyArray1::from_slice(py, y)).collect();
+        Ok((outputs, band, found.start.in_words(&input, &output), remarks(&found.remarks)))
+    }
+
+    /// Score on a record, from the start that explains it best unless one is given.
+    #[pyo3(signature = (record, scoring, input=None, output=None, from_start=None))]
+    fn score(
+        &self,
+        py: Python<'_>,
+        record: &Record,
+        scoring: &str,
+        input: Option<String>,
+        output: Option<String>,
+        from_start: Option<&str>,
+    ) -> PyResult<Scored> {
+        let scoring: Scoring = from_json(scoring)?;
+        let signals = self.scored(&record.inner, &ChannelChoice { input, output })?;
+        let from = start(from_start)?;
+        let score = work::run(py, || self.inner.score(&signals, from, &scoring))?.map_err(raised)?;
+        Ok((
+            to_json(&score)?,
+            figures(&score),
+            self.in_words(&score),
+            score.series(&signals).map_err(raised)?.into(),
+        ))
+    }
+
+    /// [`Self::score`] with what is left of a new measurement: the output with its offset, the band and the start in words.
+    #[pyo3(signature = (record, input=None, output=None, from_start=None, band=None))]
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        record: &Record,
+        input: Option<String>,
+        output: Option<String>,
+        from_start: Option<&str>,
+        band: Option<f64>,
+    ) -> PyResult<(Simulated<'py>, Vec<f64>)> {
+        let signals = self.scored(&record.inner, &ChannelChoice { input, output })?;
+        let from = start(from_start)?;
+        let score: Score =
+            work::run(py, || self.inner.score(&signals, from, &Scoring::default()))?.map_err(raised)?;
+        let offsets: Vec<f64> = score.outputs.iter().map(|output| output.offset).collect();
+        let found = &score.simulation;
+        let with_offset = found.outputs.iter().zip(&offsets);
+        let outputs = with_offset.map(|(y, offset)| PyArray1::from_iter(py, y.iter().map(|y| y + offset)));
+        let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
+        let (input, output) = self.units();
+        let words = found.start.in_words(&input, &output);
+        Ok(((outputs.collect(), band, words, remarks(&found.remarks)), offsets))
+    }
+
+    /// Scores on consecutive records of one run, as JSON, with the samples of each run.
+    #[pyo3(signature = (records, scoring, input=None, output=None))]
+    fn score_continued(
+        &self,
+        py: Python<'_>,
+        records: Vec<PyRef<'_, Record>>,
+        scoring: &str,
+        input: Option<String>,
+        output: Option<String>,
+    ) -> PyResult<Vec<Scored>> {
+        self.inner.hammerstein(Capability::Runs).map_err(raised)?;
+        let scoring: Scoring = from_json(scoring)?;
+        let choice = ChannelChoice { input, output };
+        let data = records.iter().map(|record| record.inner.input_output(&choice));
+        let data = data.collect::<Result<Vec<_>, _>>().map_err(raised)?;
+        let runs = Run::of(&data).map_err(raised)?;
+        let score = |run: Run| {
+            let score = work::run(py, || self.inner.score_run(&run, Start::AsIdentified, &scoring))?;
+            let score = score.map_err(raised)?;
+            let (json, whole) = (to_json(&score)?, &score.whole);
+            let series = whole.series(&Signals::Single(run.data)).map_err(raised)?;
+            Ok((json, figures(whole), self.in_words(whole), series.into()))
+        };
+        runs.into_iter().map(score).collect()
+    }
+
+    /// Gain, delay and offset anew from short records, the rest held: the new model, and what was found as JSON.
+    #[pyo3(signature = (records, input=None, output=None, continued=false, least_fit_percent=75.0))]
+    fn recalibrate(
+        &self,
+        py: Python<'_>,
+        records: Vec<PyRef<'_, Record>>,
+        input: Option<String>,
+        output: Option<String>,
+        continued: bool,
+        least_fit_percent: f64,
+    ) -> PyResult<(Self, String)> {
+        let body = self.inner.hammerstein(Capability::Recalibration).map_err(raised)?;
+        let choice = ChannelChoice { input, output };
+        let of = |record: &PyRef<'_, Record>| {
+            let mut data = record.inner.input_output(&choice).map_err(raised)?;
+            let told = &mut Vec::new();
+            self.inner.agreed_unit(SignalRole::Input, &data.u_unit, told).map_err(raised)?;
+            data.y_unit = self.inner.agreed_unit(SignalRole::Output, &data.y_unit, told).map_err(raised)?;
+            Ok(data)
+        };
+        let data = records.iter().map(of).collect::<PyResult<Vec<_>>>()?;
+        let recording = |data: InputOutput, beginning: Option<_>| {
+            let start = self.inner.expected_start(beginning.as_ref().unwrap_or(&data), &mut Vec::new());
+            Recording { data, start, start_is_known: false, beginning }
+        };
+        let recordings: Vec<Recording> = if continued {
+            let runs = Run::of(&data).map_err(raised)?;
+            let of_run = |run: Run| {
+                let beginning = run.beginning();
+                recording(run.data, Some(beginning))
+            };
+            runs.into_iter().map(of_run).collect()
+        } else {
+            data.into_iter().map(|data| recording(data, None)).collect()
+        };
+        let prior = Prior::of(body.data());
+        let found = work::run(py, || recalibrate(body.law(), prior, &recordings, least_fit_percent))?;
+        let found = found.map_err(raised)?;
+        let text = self.to_json()?;
+        let path = self.path.as_deref().unwrap_or(Path::new("")).display().to_string();
+        let source = Source { path, sha256: sha256(text.as_bytes()) };
+        let file = found.model_file(body.data(), &source, prior, &maker());
+        let summary = to_json(&found.summary(&file))?;
+        let model = Core::try_from(file).map_err(raised)?;
+        Ok((model.into(), summary))
+    }
+}
+
+impl Model {
+    fn band<'py>(
+        &self,
+        py: Python<'py>,
+        signals: &Signals,
+        start: &Start,
+        level: f64,
+    ) -> PyResult<HalfWidths<'py>> {
+        let body = self.inner.hammerstein(Capability::Bands).map_err(raised)?;
+        let Signals::Single(drive) = signals else {
+            return Err(option("a band is of a model of one input and one output"));
+        };
+        let band = work::run(py, || PredictionBand::of_file(body.data(), &drive.u, &drive.time, start))?;
+        let [measurement, model] = band.map_err(raised)?.at_level(level).map_err(raised)?;
+        Ok((PyArray1::from_vec(py, measurement), PyArray1::from_vec(py, model)))
+    }
+
+    fn in_words(&self, score: &Score) -> String {
+        let units = self.inner.units();
+        score.simulation.start.in_words(&units.input, &units.output)
+    }
+}
+
+fn remarks(remarks: &[Remark]) -> Vec<String> {
+    remarks.iter().map(|remark| format!("{remark:?}")).collect()
+}

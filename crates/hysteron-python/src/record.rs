@@ -1,0 +1,191 @@
+//! Records: read, made of arrays, written, prepared, inspected.
+
+use std::path::PathBuf;
+
+use hysteron::{ReadOptions, Rename};
+use hysteron_identify::structure::prospects;
+use hysteron_model::record::{Channel, ChannelChoice, Cut, Prepare, TimeBase, Turns};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::errors::{from_json, option, raised, to_json};
+use crate::signals::{samples, times};
+use crate::work;
+
+/// Named channels with units on a time base.
+#[pyclass(frozen, module = "hysteron_models._native")]
+pub struct Record {
+    pub inner: hysteron::Record,
+}
+
+impl From<hysteron::Record> for Record {
+    fn from(inner: hysteron::Record) -> Self {
+        Self { inner }
+    }
+}
+
+#[pymethods]
+impl Record {
+    /// Of channels `(name, unit, samples)` at a sample rate [Hz] from `start_s` on, at times [s], or without any.
+    #[new]
+    #[pyo3(signature = (name, channels, sample_rate_hz=None, start_s=0.0, times_s=None, valid=None))]
+    fn new(
+        name: &str,
+        channels: Vec<(String, String, PyReadonlyArray1<'_, f64>)>,
+        sample_rate_hz: Option<f64>,
+        start_s: f64,
+        times_s: Option<PyReadonlyArray1<'_, f64>>,
+        valid: Option<PyReadonlyArray1<'_, bool>>,
+    ) -> PyResult<Self> {
+        let times_s = times_s.as_ref().map(samples).transpose()?;
+        let time = match (sample_rate_hz, times_s) {
+            (None, None) => TimeBase::Unknown,
+            (Some(sample_rate_hz), None) => {
+                TimeBase::Uniform { start_s, sample_rate_hz, jitter_samples: 0.0 }
+            }
+            (None, Some(times_s)) => TimeBase::from_times(name, times_s).map_err(raised)?,
+            (Some(rate), Some(times_s)) => {
+                TimeBase::from_times_at_rate(name, &times_s, rate).map_err(raised)?
+            }
+        };
+        let channel = |(name, unit, values): (String, String, PyReadonlyArray1<'_, f64>)| {
+            Ok(Channel::new(&name, &unit, samples(&values)?))
+        };
+        let channels = channels.into_iter().map(channel).collect::<PyResult<Vec<_>>>()?;
+        let valid = valid.map(|mask| mask.as_slice().map(<[bool]>::to_vec)).transpose()?;
+        let inner =
+            hysteron::Record { valid, ..hysteron::Record::new(name, time, channels).map_err(raised)? };
+        inner.check().map_err(raised)?;
+        Ok(Self { inner })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.inner.name
+    }
+
+    /// Path of the file that it was read from.
+    #[getter]
+    fn path(&self) -> Option<&str> {
+        self.inner.source.as_ref().map(|source| source.path.as_str())
+    }
+
+    fn __len__(&self) -> usize {
+        self.inner.len()
+    }
+
+    /// `(name, unit)` of every channel.
+    #[getter]
+    fn channels(&self) -> Vec<(String, String)> {
+        self.inner.channels.iter().map(|c| (c.name.clone(), c.unit.symbol().to_owned())).collect()
+    }
+
+    /// Samples of a channel.
+    fn samples<'py>(&self, py: Python<'py>, channel: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        match self.inner.channels.get(channel) {
+            Some(channel) => Ok(PyArray1::from_slice(py, &channel.samples)),
+            None => Err(option(format!("there is no channel {channel}"))),
+        }
+    }
+
+    /// Sample rate [Hz] where there is one.
+    #[getter]
+    fn sample_rate_hz(&self) -> Option<f64> {
+        match self.inner.time {
+            TimeBase::Uniform { sample_rate_hz, .. } => Some(sample_rate_hz),
+            TimeBase::NonUniform { .. } | TimeBase::Unknown => None,
+        }
+    }
+
+    /// Times [s] where they are known.
+    fn times<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        times(&self.inner.time, self.inner.len()).map(|times| PyArray1::from_vec(py, times))
+    }
+
+    /// Which samples are valid, where some are not.
+    fn valid<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<bool>>> {
+        self.inner.valid.as_ref().map(|mask| PyArray1::from_slice(py, mask))
+    }
+
+    /// Numbers of the channels that are input and output.
+    #[pyo3(signature = (input=None, output=None))]
+    fn select(&self, input: Option<String>, output: Option<String>) -> PyResult<(usize, usize)> {
+        let found = self.inner.select(&ChannelChoice { input, output }).map_err(raised)?;
+        Ok((found.input, found.output))
+    }
+}
+
+/// What Python says about files, beside [`ReadOptions`].
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Reading {
+    #[serde(default)]
+    options: ReadOptions,
+    /// `OLD=NEW`.
+    #[serde(default)]
+    rename: Vec<String>,
+    /// `segment=2..7`.
+    #[serde(default)]
+    conditions: Vec<String>,
+    /// `FIRST:LAST`.
+    turns: Option<String>,
+}
+
+impl Reading {
+    fn options(self) -> PyResult<ReadOptions> {
+        let conditions = self.conditions.iter().map(|text| text.parse()).collect::<Result<_, _>>();
+        let turns = self.turns.map(|text| text.parse::<Turns>()).transpose().map_err(option)?;
+        let rename = self.rename.iter().map(|text| text.parse::<Rename>()).collect::<Result<_, _>>();
+        let cut = Cut { conditions: conditions.map_err(option)?, turns, ..self.options.cut };
+        Ok(ReadOptions { rename: rename.map_err(option)?, cut, ..self.options })
+    }
+}
+
+/// Records of files of any format.
+#[pyfunction]
+pub fn read(py: Python<'_>, paths: Vec<PathBuf>, options: &str) -> PyResult<Vec<Record>> {
+    let options = from_json::<Reading>(options)?.options()?;
+    let records = work::run(py, || hysteron::read_with(paths, &options))?;
+    Ok(records.map_err(raised)?.into_iter().map(Record::from).collect())
+}
+
+/// Writes a record, by the extension of the file.
+#[pyfunction]
+pub fn write(py: Python<'_>, path: PathBuf, record: &Record) -> PyResult<()> {
+    work::run(py, || hysteron::write(&path, &record.inner))?.map_err(raised)
+}
+
+/// One record of several: joined, scaled, detrended, resampled; and what was done, as JSON.
+#[pyfunction]
+pub fn prepare(py: Python<'_>, records: Vec<PyRef<'_, Record>>, options: &str) -> PyResult<(Record, String)> {
+    let prepare: Prepare = from_json(options)?;
+    let records: Vec<_> = records.iter().map(|record| record.inner.clone()).collect();
+    let prepared = work::run(py, || prepare.run(&records))?.map_err(raised)?;
+    let summary = to_json(&prepared.summary())?;
+    Ok((prepared.record.into(), summary))
+}
+
+/// What is in records, and what a model can learn from all of them, as JSON.
+#[pyfunction]
+#[pyo3(signature = (records, input=None, output=None))]
+pub fn inspect(
+    py: Python<'_>,
+    records: Vec<PyRef<'_, Record>>,
+    input: Option<String>,
+    output: Option<String>,
+) -> PyResult<String> {
+    #[derive(Serialize)]
+    struct Inspected {
+        records: Vec<hysteron_model::record::InspectionSummary>,
+        campaign: hysteron_identify::structure::Prospects,
+    }
+    let choice = ChannelChoice { input, output };
+    let data = records.iter().map(|record| record.inner.input_output(&choice));
+    let data = data.collect::<Result<Vec<_>, _>>().map_err(raised)?;
+    let found = work::run(py, || Inspected {
+        records: data.iter().map(|data| hysteron_model::record::inspect(data).summary(data)).collect(),
+        campaign: prospects(&data),
+    })?;
+    to_json(&found)
+}

@@ -1,0 +1,87 @@
+"""Models of piezo actuators from measured records: hysteresis followed by fractional-order dynamics.
+
+Read records, fit a model, know how right it is, run its inverse::
+
+    import hysteron_models as hy
+
+    loop, sweep = hy.read(["loop.csv", "sweep.csv"])
+    stage = hy.Hammerstein(hysteresis="bouc-wen", dynamics="fractional").fit([loop, sweep], progress=True)
+    print(stage.summary())
+    prediction = stage.predict(hy.read("unseen.csv"), band=0.95)
+    drive = stage.invert(reference, fs=10_000, limits=(0, 100)).u
+    controller = stage.controller(10_000, limits=(0, 100))
+
+Everything is worked out by the library that the command ``hysteron`` runs: same numbers, model files and options.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from . import scorers
+from ._errors import (
+    ExportError,
+    FileError,
+    HysteronError,
+    IdentifyError,
+    MissingPackage,
+    ModelError,
+    OptionError,
+)
+from ._native import __version__
+from .comparison import Comparison, choices, compare
+from .estimators import Branches, Estimator, Hammerstein, Modes, Oscillator
+from .excitation import excite
+from .model import Controller, Model, load
+from .record import Inspection, Record, inspect, prepare, read, write
+from .results import Finding, FrequencyResponse, Inversion, Prediction, Realisation, Score, Tracking
+
+if TYPE_CHECKING:
+    from . import plots
+
+__all__ = [
+    "Branches",
+    "Comparison",
+    "Controller",
+    "Estimator",
+    "ExportError",
+    "FileError",
+    "Finding",
+    "FrequencyResponse",
+    "Hammerstein",
+    "HysteronError",
+    "IdentifyError",
+    "Inspection",
+    "Inversion",
+    "MissingPackage",
+    "Model",
+    "ModelError",
+    "Modes",
+    "OptionError",
+    "Oscillator",
+    "Prediction",
+    "Realisation",
+    "Record",
+    "Score",
+    "Tracking",
+    "__version__",
+    "choices",
+    "compare",
+    "excite",
+    "inspect",
+    "load",
+    "plots",
+    "prepare",
+    "read",
+    "scorers",
+    "write",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Plots are imported when first asked for: they need matplotlib."""
+    if name == "plots":
+        import importlib
+
+        return importlib.import_module(".plots", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,489 @@
+"""Models: predicted, simulated, scored, inverted, tracked, exported."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._errors import OptionError
+from .record import Array, PathLike, Record, as_samples
+from .results import Finding, FrequencyResponse, Inversion, Prediction, Realisation, Score, Tracking
+
+__all__ = ["Controller", "Model", "load"]
+
+
+class Controller:
+    """The inverse of a model, sample by sample: reference in, drive out.
+
+    Made by :meth:`Model.controller`; it belongs to the thread that made it.
+    """
+
+    def __init__(self, native: _native.Controller) -> None:
+        self._native = native
+
+    def step(self, reference: float) -> float:
+        """Drive for the newest sample of the reference."""
+        return self._native.step(reference)
+
+    def run(self, reference: ArrayLike) -> Array:
+        """Drives for samples of the reference, one after the other; memory stays for the next call."""
+        return self._native.run(as_samples(reference, "reference"))
+
+    def rest_at(self, voltage: float) -> float:
+        """Forget everything and rest at a voltage; the displacement there."""
+        return self._native.rest_at(voltage)
+
+    @property
+    def displacement(self) -> float:
+        """Displacement that the model expects for the last drive."""
+        return self._native.displacement
+
+    @property
+    def preview(self) -> int:
+        """Samples by which the reference is to be handed in ahead."""
+        return self._native.preview
+
+    @property
+    def fs(self) -> float:
+        """Sample rate [Hz]."""
+        return self._native.sample_rate_hz
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and largest drive."""
+        return self._native.range
+
+
+def _start(rest: float | None, settled: int | None) -> str | None:
+    if rest is not None and settled is not None:
+        raise OptionError("rest and settled exclude each other", code="start")
+    if rest is not None:
+        return json.dumps({"kind": "rest", "voltage_v": rest})
+    if settled is not None:
+        return json.dumps({"kind": "settled", "period_samples": settled})
+    return None
+
+
+def _inverting(
+    limits: tuple[float, float] | None,
+    slew: float | None,
+    bandwidth: float | None,
+    preview: int | None,
+    predict_to: float | None,
+    **more: Any,
+) -> dict[str, Any]:
+    options = {
+        "range": None if limits is None else list(limits),
+        "slew_per_s": slew,
+        "bandwidth_hz": bandwidth,
+        "preview": preview,
+        "predict_to_hz": predict_to,
+        **more,
+    }
+    return {key: value for key, value in options.items() if value is not None}
+
+
+class Model:
+    """An identified model of any kind. Read by :func:`load`, made by an estimator; pickles and copies."""
+
+    def __init__(self, native: _native.Model) -> None:
+        self._native = native
+
+    def save(self, path: PathLike) -> None:
+        """Write the model file, that every command of ``hysteron`` reads; an existing file is replaced in one step."""
+        self._native.save(path)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _of_json, (self._native.to_json(),)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Model) and self._native.to_json() == other._native.to_json()
+
+    def __hash__(self) -> int:
+        return hash(self._native.to_json())
+
+    def __repr__(self) -> str:
+        name = f" {self.name}" if self.name else ""
+        return f"<Model{name}: {self.kind}; {self.valid_range or 'range not known'}>"
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The model file, with every number, unit and standard error."""
+        found: dict[str, Any] = json.loads(self._native.to_json())
+        return found
+
+    @property
+    def kind(self) -> str:
+        """``hammerstein``, ``oscillator``, ``modes`` or ``branches``."""
+        return self._native.kind
+
+    @property
+    def name(self) -> str | None:
+        """Name of the device or the experiment."""
+        return self._native.name
+
+    @property
+    def units(self) -> tuple[str, str]:
+        """Units of input and output."""
+        return self._native.units
+
+    @property
+    def fs(self) -> float | None:
+        """Sample rate of the identification [Hz]."""
+        return self._native.sample_rate_hz
+
+    @property
+    def valid_range(self) -> str | None:
+        """What the records of the identification covered; outside of it the model extrapolates."""
+        return self._native.valid_range
+
+    @property
+    def drive_range(self) -> tuple[float, float] | None:
+        """Least and largest drive of the identification."""
+        return self._native.drive_range
+
+    def predict(
+        self,
+        record: Record,
+        *,
+        band: float | None = None,
+        band_of: Literal["measurement", "output"] = "measurement",
+        rest: float | None = None,
+        settled: int | None = None,
+    ) -> Prediction:
+        """Predict what a sensor reads: free run from the start that explains the record best, with its sensor's zero.
+
+        A record without an output is simulated from the start that the model assumes, with the model's own offset.
+
+        Args:
+            record: drive, and the measured output if there is one.
+            band: level of a band around the output, e.g. 0.95.
+            band_of: band of a new measurement, or of the model's output.
+            rest: the device rested at this drive before the record.
+            settled: the record repeats with this number of samples and had been running for long.
+        """
+        if not self._is_measured(record):
+            return self.simulate(record, band=band, band_of=band_of, rest=rest, settled=settled)
+        (outputs, widths, start, remarks), offsets = self._native.predict(
+            record._native, record._input, record._output, _start(rest, settled), band
+        )
+        measured = None if self._native.channels else self._in_unit_of_model(record)
+        return self._prediction(record, outputs, widths, start, remarks, band, band_of, offsets[0], measured)
+
+    def simulate(
+        self,
+        drive: Record,
+        *,
+        band: float | None = None,
+        band_of: Literal["measurement", "output"] = "output",
+        rest: float | None = None,
+        settled: int | None = None,
+    ) -> Prediction:
+        """Simulate the output for a drive, from the start that the model assumes, as ``hysteron simulate`` does."""
+        outputs, widths, start, remarks = self._native.simulate(
+            drive._native, drive._input, _start(rest, settled), band
+        )
+        return self._prediction(drive, outputs, widths, start, remarks, band, band_of, 0.0, None)
+
+    def _is_measured(self, record: Record) -> bool:
+        channels = self._native.channels
+        if channels is None:
+            return len(record.channels) > 1
+        return all(output in record.channels for output in channels[1])
+
+    def _in_unit_of_model(self, record: Record) -> Array | None:
+        # Lengths are in µm and angles in µrad in a model, whatever the column's unit.
+        return record.y if record.units[1] == self.units[1] else None
+
+    def _prediction(
+        self,
+        record: Record,
+        outputs: list[Array],
+        widths: tuple[Array, Array] | None,
+        start: str,
+        remarks: list[str],
+        level: float | None,
+        band_of: str,
+        offset: float,
+        measured: Array | None,
+    ) -> Prediction:
+        if band_of not in ("measurement", "output"):
+            raise OptionError('band_of: expected "measurement" or "output"', code="band")
+        y = outputs[0] if len(outputs) == 1 else np.column_stack(outputs)
+        half = None if widths is None else widths[0 if band_of == "measurement" else 1]
+        return Prediction(
+            t=record.t,
+            y=y,
+            lower=None if half is None else y - half,
+            upper=None if half is None else y + half,
+            unit=self.units[1],
+            start=start,
+            offset=offset,
+            measured=measured,
+            level=level,
+            remarks=tuple(remarks),
+            name=record.name,
+        )
+
+    def scores(
+        self,
+        record: Record | Sequence[Record],
+        *,
+        continued: bool = False,
+        skip: float | None = None,
+        fixed_offset: bool = False,
+        rest: float | None = None,
+        settled: int | None = None,
+    ) -> Score | list[Score]:
+        """Score the model on records as ``hysteron validate`` does: free run, from the start that explains each best.
+
+        Args:
+            record: one record, or several.
+            continued: the records are consecutive parts of one run on one clock; one score a run.
+            skip: seconds at the start that are not scored.
+            fixed_offset: compare with the model's own offset instead of the zero of each sensor.
+            rest: the device rested at this drive before the record.
+            settled: the record repeats with this number of samples.
+        """
+        scoring = json.dumps({"skip_s": skip, "offset": "fixed" if fixed_offset else "estimated"})
+        if continued:
+            given = [record] if isinstance(record, Record) else list(record)
+            first = given[0] if given else None
+            runs = self._native.score_continued(
+                [one._native for one in given],
+                scoring,
+                first._input if first else None,
+                first._output if first else None,
+            )
+            found = [
+                Score._of(given[0].name, figures, start, Record._of(series), json.loads(text))
+                for text, figures, start, series in runs
+            ]
+            return found[0] if len(found) == 1 else found
+        if not isinstance(record, Record):
+            several = [
+                self.scores(one, skip=skip, fixed_offset=fixed_offset, rest=rest, settled=settled)
+                for one in record
+            ]
+            return [one for one in several if isinstance(one, Score)]
+        text, figures, start, series = self._native.score(
+            record._native, scoring, record._input, record._output, _start(rest, settled)
+        )
+        return Score._of(record.name, figures, start, Record._of(series, "u", "y"), json.loads(text))
+
+    def invert(
+        self,
+        reference: ArrayLike | Record,
+        *,
+        fs: float | None = None,
+        limits: tuple[float, float] | None = None,
+        slew: float | None = None,
+        bandwidth: float | None = None,
+        preview: int | None = None,
+        predict_to: float | None = None,
+        periodic: bool = False,
+        rest: float | None = None,
+        virgin: float | None = None,
+        last: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> Inversion:
+        """Find the drive that makes the output follow a reference, in the unit of the output.
+
+        Args:
+            reference: samples, or a record with one channel.
+            fs: sample rate [Hz] of the reference, which is the controller's.
+            limits: least and largest drive; the range of the identification if not given.
+            slew: largest rate of the drive, per second.
+            bandwidth: frequency up to which the inverse follows [Hz]; a twentieth of the sample rate if not given.
+            preview: samples known ahead; the whole reference is known if neither this nor ``predict_to`` is given.
+            predict_to: what is not known is predicted as a random motion of frequencies up to this [Hz].
+            periodic: the reference repeats.
+            rest: the device rests at this drive before.
+            virgin: drive at which it was without hysteresis memory.
+            last: drive and measured output of the last run of the same reference, to learn from.
+        """
+        if isinstance(reference, Record):
+            fs = fs or reference.fs
+            reference = reference._native.samples(0)
+        rate = fs or self.fs
+        if rate is None:
+            raise OptionError("the reference has no sample rate: give it with fs=…", code="no-sample-rate")
+        samples = as_samples(reference, "reference")
+        learnt = None if last is None else (as_samples(last[0], "last[0]"), as_samples(last[1], "last[1]"))
+        options = _inverting(
+            limits,
+            slew,
+            bandwidth,
+            preview,
+            predict_to,
+            periodic=periodic,
+            rest_voltage=rest,
+            virgin_voltage=virgin,
+        )
+        drive, predicted, text = self._native.invert(samples, rate, json.dumps(options), learnt)
+        summary = json.loads(text)
+        return Inversion(
+            t=np.arange(len(samples)) / rate,
+            u=drive,
+            predicted=predicted,
+            reference=samples,
+            summary=summary,
+            findings=tuple(Finding._of(f) for f in summary.get("findings", [])),
+        )
+
+    def controller(
+        self,
+        fs: float,
+        *,
+        limits: tuple[float, float] | None = None,
+        slew: float | None = None,
+        bandwidth: float | None = None,
+        preview: int | None = None,
+        predict_to: float | None = None,
+    ) -> Controller:
+        """Make a controller at its rate [Hz]: reference in, drive out; arguments as of :meth:`invert`."""
+        options = _inverting(limits, slew, bandwidth, preview, predict_to)
+        return Controller(self._native.controller(fs, json.dumps(options)))
+
+    def track(
+        self,
+        reference: ArrayLike,
+        fs: float,
+        *,
+        plant: Literal["rig", "model"] = "rig",
+        controllers: Sequence[str] = (),
+        limits: tuple[float, float] | None = None,
+        slew: float | None = None,
+        bandwidth: float | None = None,
+        preview: int | None = None,
+        predict_to: float | None = None,
+        truth: dict[str, Any] | None = None,
+        seed: int = 0,
+        skip: float | None = None,
+    ) -> Tracking:
+        """Follow a reference in closed loop, on the simulated bench or on the model itself.
+
+        Args:
+            reference: samples, in the unit of the output.
+            fs: rate of the controller [Hz].
+            plant: ``"rig"``, the simulated bench, or ``"model"``, the model without noise.
+            controllers: names of controllers; all, if none is given.
+            limits: least and largest drive.
+            slew: largest rate of the drive, per second.
+            bandwidth: frequency up to which the inverse follows [Hz].
+            preview: samples known ahead.
+            predict_to: highest frequency that is predicted [Hz].
+            truth: true parameters of the simulated bench.
+            seed: seed of its noise.
+            skip: seconds at the beginning that are not scored.
+        """
+        options: dict[str, Any] = {
+            "controllers": list(controllers),
+            "preview": preview,
+            "predict_to_hz": predict_to,
+            "bandwidth_hz": bandwidth,
+            "range": None if limits is None else list(limits),
+            "slew_per_s": slew,
+            "skip_s": skip,
+        }
+        options = {key: value for key, value in options.items() if value is not None}
+        samples = as_samples(reference, "reference")
+        text, page, runs = self._native.track(
+            samples, fs, json.dumps(options), plant, None if truth is None else json.dumps(truth), seed
+        )
+        return Tracking(
+            t=np.arange(len(samples)) / fs,
+            reference=samples,
+            drives={name: drive for name, drive, _ in runs},
+            displacements={name: displacement for name, _, displacement in runs},
+            summary=json.loads(text),
+            _page=page,
+        )
+
+    def frequency_response(self, frequency_hz: ArrayLike | None = None) -> FrequencyResponse:
+        """Response of the dynamic block with its delay at frequencies [Hz]; 200 of them if none are given."""
+        if frequency_hz is None:
+            highest = 0.5 * (self.fs or 2e3)
+            frequency_hz = np.geomspace(1e-4 * highest, highest, 200)
+        frequencies = as_samples(frequency_hz, "frequency_hz")
+        real, imaginary = self._native.frequency_response(frequencies)
+        return FrequencyResponse(frequencies, real + 1j * imaginary)
+
+    def realise(
+        self, fs: float, *, accuracy: float = 1e-5, lowest_frequency: float | None = None
+    ) -> Realisation:
+        """Realise the dynamic block at a rate [Hz], as a controller runs it and as a state space."""
+        text, (a, b, c, d) = self._native.realise(fs, accuracy, lowest_frequency)
+        return Realisation(a.reshape(b.shape[0], b.shape[0]), b, c, d, fs, json.loads(text))
+
+    def export(
+        self,
+        folder: PathLike,
+        to: Literal["c", "rust", "fmu"] = "c",
+        *,
+        fs: float | None = None,
+        float_type: Literal["f32", "f64"] = "f64",
+        name: str = "model",
+        inverse: bool = False,
+        limits: tuple[float, float] | None = None,
+        slew: float | None = None,
+        bandwidth: float | None = None,
+        preview: int | None = None,
+        predict_to: float | None = None,
+    ) -> list[str]:
+        """Write the model, and its inverse if asked for, as source for a controller; names of the files.
+
+        Args:
+            folder: folder to write to; made where there is none.
+            to: C99, a ``no_std`` crate of Rust, or an FMU.
+            fs: the controller's rate [Hz]; that of the identification if not given.
+            float_type: number type of the source.
+            name: beginning of every name in it.
+            inverse: write the inverse, too; the other arguments are those of :meth:`invert`.
+            limits: least and largest drive.
+            slew: largest rate of the drive, per second.
+            bandwidth: frequency up to which the inverse follows [Hz].
+            preview: samples of the reference known ahead.
+            predict_to: highest frequency that is predicted [Hz].
+        """
+        options = {
+            "to": to,
+            "sample_rate_hz": fs,
+            "float": float_type,
+            "name": name,
+            "inverse": inverse,
+            "inverting": _inverting(limits, slew, bandwidth, preview, predict_to),
+        }
+        return self._native.export(folder, json.dumps(options))
+
+    def recalibrate(
+        self, records: Record | Sequence[Record], *, continued: bool = False, least_fit: float = 75.0
+    ) -> tuple[Model, dict[str, Any]]:
+        """Find gain, delay and offset anew from short records, the rest held.
+
+        Returns:
+            The new model, and what was found, as ``hysteron recalibrate --json`` prints it.
+        """
+        given = [records] if isinstance(records, Record) else list(records)
+        first = given[0] if given else None
+        native, text = self._native.recalibrate(
+            [record._native for record in given],
+            first._input if first else None,
+            first._output if first else None,
+            continued,
+            least_fit,
+        )
+        return Model(native), json.loads(text)
+
+
+def _of_json(text: str) -> Model:
+    return Model(_native.Model.from_json(text))
+
+
+def load(path: PathLike) -> Model:
+    """Read a model file of any kind and version."""
+    return Model(_native.Model.load(path))

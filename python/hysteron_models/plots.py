@@ -1,0 +1,258 @@
+"""Plots of records, fits and models by matplotlib, in the look of the reports; each takes and returns axes.
+
+Colours are those of Okabe and Ito, told apart with any colour vision; lines differ in dash as well where two cross.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._errors import OptionError, missing
+
+try:
+    import matplotlib as mpl
+    import matplotlib.pyplot as plt
+except ImportError:
+    raise missing("matplotlib", "plot", "a plot") from None
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .comparison import Comparison
+    from .estimators import Estimator
+    from .record import Array, Record
+    from .results import FrequencyResponse, Prediction, Score
+
+__all__ = [
+    "bode",
+    "comparison",
+    "convergence",
+    "coverage",
+    "loop",
+    "residual_correlation",
+    "residuals",
+    "style",
+    "time",
+]
+
+INK, BLUE, VERMILLION, GREEN = "#1b1f23", "#0072b2", "#d55e00", "#009e73"
+GREY = "#9aa3ab"
+#: Samples beyond which a line is thinned by keeping the least and the largest of each stretch.
+MOST_POINTS = 20_000
+
+_STYLE: dict[str, Any] = {
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e3e6e9",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.titlesize": "medium",
+    "axes.titlelocation": "left",
+    "legend.frameon": False,
+    "legend.fontsize": "small",
+    "lines.linewidth": 1.2,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "figure.constrained_layout.use": True,
+    "figure.figsize": (6.4, 4.0),
+    "savefig.dpi": 200,
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Draw within this block in the look of the reports."""
+    with mpl.rc_context(_STYLE):
+        yield
+
+
+def _axes(ax: Axes | None) -> Axes:
+    if ax is not None:
+        return ax
+    with style():
+        made: Axes = plt.subplots()[1]
+    return made
+
+
+def _unit(symbol: str) -> str:
+    shown = {"um": "µm", "urad": "µrad", "us": "µs", "": "–"}.get(symbol, symbol)
+    return shown.replace("um/", "µm/")
+
+
+def _thin(x: Array, y: Array) -> tuple[Array, Array]:
+    """Keep the least and the largest of each stretch, in their order, so that no peak is lost."""
+    stretch = int(np.ceil(2 * len(x) / MOST_POINTS))
+    if stretch <= 1:
+        return x, y
+    whole = len(x) // stretch * stretch
+    blocks = y[:whole].reshape(-1, stretch)
+    ends = np.sort(np.column_stack([blocks.argmin(axis=1), blocks.argmax(axis=1)]), axis=1)
+    kept = (ends + stretch * np.arange(len(blocks))[:, None]).reshape(-1)
+    kept = np.append(kept, np.arange(whole, len(x)))
+    return x[kept], y[kept]
+
+
+def loop(record: Record, prediction: Prediction | None = None, ax: Axes | None = None, **line: Any) -> Axes:
+    """Draw the hysteresis loop, output over input; with a prediction, the model's over the measured one."""
+    ax = _axes(ax)
+    drive, unit = record.units
+    ax.plot(record.u, record.y, **{"color": BLUE, "label": "measured", **line})
+    if prediction is not None:
+        ax.plot(record.u, prediction.y, color=VERMILLION, ls="--", label="model")
+        ax.legend()
+    ax.set(xlabel=f"input [{_unit(drive)}]", ylabel=f"output [{_unit(unit)}]", title=record.name)
+    return ax
+
+
+def time(prediction: Prediction, ax: Axes | None = None) -> Axes:
+    """Draw a prediction over time, with what was measured and its band."""
+    ax = _axes(ax)
+    if prediction.measured is not None:
+        ax.plot(*_thin(prediction.t, prediction.measured), color=BLUE, label="measured")
+    if prediction.y.ndim == 2:
+        for k, y in enumerate(prediction.y.T):
+            ax.plot(*_thin(prediction.t, y), label=f"output {k + 1}")
+    else:
+        ax.plot(*_thin(prediction.t, prediction.y), color=VERMILLION, ls="--", label="model")
+    if prediction.lower is not None and prediction.upper is not None:
+        level = "" if prediction.level is None else f"{100 * prediction.level:g} % "
+        every = max(1, len(prediction.t) // MOST_POINTS)
+        ax.fill_between(
+            prediction.t[::every],
+            prediction.lower[::every],
+            prediction.upper[::every],
+            color=VERMILLION,
+            alpha=0.2,
+            lw=0,
+            label=f"{level}band",
+        )
+    ax.set(xlabel="time [s]", ylabel=f"output [{_unit(prediction.unit)}]", title=prediction.name)
+    ax.legend()
+    return ax
+
+
+def _residual(score: Score) -> tuple[Array, Array]:
+    if score.series is None:
+        raise OptionError("scores of a fit hold no samples: score the record with model.scores(record)")
+    return score.series.t, score.series["residual"]
+
+
+def residuals(score: Score, ax: Axes | None = None) -> Axes:
+    """Draw what the model leaves of a record over time: measured less model."""
+    ax = _axes(ax)
+    t, residual = _residual(score)
+    ax.axhline(0.0, color=GREY, lw=0.8)
+    ax.plot(*_thin(t, residual), color=GREEN)
+    title = f"{score.record}: RMSE {score.rmse:.3g} {_unit(score.unit)}"
+    ax.set(xlabel="time [s]", ylabel=f"residual [{_unit(score.unit)}]", title=title)
+    return ax
+
+
+def residual_correlation(score: Score, lags: int = 50, ax: Axes | None = None) -> Axes:
+    """Draw the autocorrelation of the residual, with the 95 % limits of white noise."""
+    ax = _axes(ax)
+    _, residual = _residual(score)
+    e = residual - residual.mean()
+    n = len(e)
+    spectrum = np.abs(np.fft.rfft(e, 2 * n)) ** 2
+    correlation = np.fft.irfft(spectrum)[: lags + 1]
+    correlation = correlation / correlation[0] if correlation[0] > 0 else correlation
+    limit = 1.96 / np.sqrt(n)
+    ax.axhspan(-limit, limit, color=GREY, alpha=0.3, lw=0, label="95 % of white noise")
+    ax.vlines(np.arange(lags + 1), 0.0, correlation, color=GREEN, lw=1.5)
+    ax.axhline(0.0, color=GREY, lw=0.8)
+    ax.set(xlabel="lag [samples]", ylabel="autocorrelation of the residual", title=score.record)
+    ax.legend()
+    return ax
+
+
+def bode(
+    response: FrequencyResponse, axes: Sequence[Axes] | None = None, label: str = "dynamic block"
+) -> Sequence[Axes]:
+    """Draw magnitude and phase over frequency; ``axes``: two of them."""
+    if axes is None:
+        with style():
+            _, made = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.2))
+        axes = list(made)
+    if len(axes) != 2:
+        raise OptionError("axes: a Bode plot has two, magnitude and phase")
+    magnitude, phase = axes
+    magnitude.loglog(response.frequency_hz, response.magnitude, color=BLUE, label=label)
+    phase.semilogx(response.frequency_hz, response.phase_deg, color=BLUE, label=label)
+    magnitude.set(ylabel="magnitude [–]", title="Frequency response")
+    phase.set(xlabel="frequency [Hz]", ylabel="phase [°]")
+    magnitude.legend()
+    return axes
+
+
+def convergence(history: Sequence[tuple[str, float, float | None]], ax: Axes | None = None) -> Axes:
+    """Draw the best cost over the share of the work done, from what ``fit(…, progress=…)`` was told.
+
+    Collect it with ``history = []`` and ``fit(records, progress=lambda *told: history.append(told))``.
+    """
+    ax = _axes(ax)
+    told = [(fraction, cost) for _, fraction, cost in history if cost is not None]
+    if not told:
+        raise OptionError("the fit told no cost: it was over before it could")
+    share, cost = np.array(told).T
+    ax.semilogy(100 * share, cost, color=BLUE, marker=".", drawstyle="steps-post")
+    ax.set(xlabel="work done [%]", ylabel="best RMSE", title="Convergence")
+    return ax
+
+
+def comparison(found: Comparison, ax: Axes | None = None) -> Axes:
+    """Draw the error of every structure on records it was not fitted to, the best first."""
+    rows = [row for row in found.result["candidates"] if _error(row) is not None]
+    rows.sort(key=lambda row: _error(row) or 0.0)
+    if ax is None:
+        with style():
+            _, ax = plt.subplots(figsize=(6.4, 0.6 + 0.32 * len(rows)))
+    names = [str(row["candidate"]) for row in rows]
+    colours = [VERMILLION if name == found.preferred else BLUE for name in names]
+    ax.barh(names, [_error(row) or 0.0 for row in rows], color=colours)
+    ax.invert_yaxis()
+    ax.set_xscale("log")
+    ax.set(xlabel="RMSE on records not fitted to", title="Structures (preferred: other colour)")
+    return ax
+
+
+def _error(row: dict[str, Any]) -> float | None:
+    found = [value for key, value in row.items() if key.startswith("rmse") and isinstance(value, float)]
+    return found[0] if found else None
+
+
+def coverage(
+    estimator: Estimator,
+    records: Record | Sequence[Record],
+    levels: Sequence[float] = (0.5, 0.68, 0.8, 0.9, 0.95, 0.99),
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the share of samples within the band of a measurement over its level; on the diagonal bands hold."""
+    from .record import Record
+
+    ax = _axes(ax)
+    given = [records] if isinstance(records, Record) else list(records)
+    for k, record in enumerate(given):
+        shares = []
+        for level in levels:
+            predicted = estimator.predict(record, band=level)
+            assert not isinstance(predicted, list)
+            measured, lower, upper = predicted.measured, predicted.lower, predicted.upper
+            if measured is None or lower is None or upper is None:
+                raise OptionError(f"{record.name} has no measured output in the model's unit")
+            inside = (lower <= measured) & (measured <= upper)
+            shares.append(100 * float(inside[record.valid].mean()))
+        ax.plot([100 * level for level in levels], shares, marker="o", label=record.name, color=f"C{k}")
+    ax.plot([0, 100], [0, 100], color=GREY, ls=":", label="bands hold")
+    low = 100 * min(levels) - 10
+    ax.set(xlabel="level of the band [%]", ylabel="samples within [%]", xlim=(low, 101), ylim=(low, 101))
+    ax.set_title("Coverage")
+    ax.legend()
+    return ax
