@@ -31,9 +31,10 @@ from ._errors import (
 from ._native import __version__
 from .comparison import Comparison, choices, compare
 from .estimators import Branches, Estimator, Hammerstein, Modes, Oscillator
-from .excitation import excite
+from .excitation import excite, simulate_bench
 from .model import Controller, Model, load
 from .record import Inspection, Record, inspect, prepare, read, write
+from .response import ExplainedResponse, frequency_response
 from .results import Finding, FrequencyResponse, Inversion, Prediction, Realisation, Score, Tracking
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ __all__ = [
     "Comparison",
     "Controller",
     "Estimator",
+    "ExplainedResponse",
     "ExportError",
     "FileError",
     "Finding",
@@ -68,12 +70,14 @@ __all__ = [
     "choices",
     "compare",
     "excite",
+    "frequency_response",
     "inspect",
     "load",
     "plots",
     "prepare",
     "read",
     "scorers",
+    "simulate_bench",
     "write",
 ]
 

@@ -12,6 +12,8 @@ _REMEDIES = {
     "resample": "resample it with hy.prepare(record, fs=…), or give fs=… where the stamps are only badly written",
     "continue-run": "take the records as parts of one run with continued=True",
     "cut-otherwise": "keep another part: start=…, stop=…, where=…, turns=…",
+    "give-start": "rest=… or settled=… say otherwise",
+    "score-all": "skip=0 scores them",
     "give-period": "give the length of a period with period=…",
     "name-dynamic-record": "add a record that carries dynamics",
     "drive-range": "give another range of the drive with limits=(low, high)",
@@ -39,6 +41,12 @@ def in_arguments(advice: dict[str, Any]) -> str:
     if do == "hold":
         return f'hold it: fixed={{"{advice.get("parameter") or "name"}": value}}'
     return _REMEDIES.get(do, "")
+
+
+def with_arguments(text: str, advice: str | None) -> str:
+    """Say a statement with what to do about it."""
+    hint = in_arguments(json.loads(advice)) if advice else ""
+    return f"{text} ({hint})" if hint else text
 
 
 class HysteronError(Exception):

@@ -9,7 +9,7 @@ _Array = NDArray[np.float64]
 _Path = str | PathLike[str]
 _Progress = Callable[[str, float, float | None], object]
 _Figures = tuple[str, float, float, float | None, int, list[float]]
-_Simulated = tuple[list[_Array], tuple[_Array, _Array] | None, str, list[str]]
+_Simulated = tuple[list[_Array], tuple[_Array, _Array] | None, str, list[tuple[str, str | None]]]
 _Scored = tuple[str, _Figures, str, Record]
 
 __all__ = [
@@ -21,8 +21,10 @@ __all__ = [
     "choices",
     "compare",
     "excite",
+    "explain_response",
     "identify",
     "inspect",
+    "play",
     "prepare",
     "read",
     "write",
@@ -138,6 +140,9 @@ class Model:
         self, sample_rate_hz: float, accuracy: float = 1e-5, lowest_frequency_hz: float | None = None
     ) -> tuple[str, list[_Array]]: ...
     def export(self, folder: _Path, options: str) -> list[str]: ...
+    def adapt(
+        self, record: Record, options: str, input: str | None = None, output: str | None = None
+    ) -> tuple[str, Model | None]: ...
     def recalibrate(
         self,
         records: list[Record],
@@ -187,3 +192,18 @@ def compare(
     progress: _Progress | None = None,
 ) -> tuple[str, str, Model | None, BaseException | None]: ...
 def excite(options: str) -> tuple[Record, str]: ...
+def play(
+    drive: Record, truth: str | None = None, seed: int = 0, stream: int = 0, with_truth: bool = False
+) -> tuple[Record, str]: ...
+def explain_response(
+    records: list[Record],
+    path: _Path | None = None,
+    options: str = "{}",
+    structures: list[str] = ...,
+    modes: int | None = None,
+    band: tuple[float, float] | None = None,
+    input: str | None = None,
+    output: str | None = None,
+    response: str | None = None,
+    over: str | None = None,
+) -> tuple[_Array, _Array, _Array, str, str, Model | None]: ...

@@ -1,4 +1,4 @@
-"""Drive waveforms for an identification campaign."""
+"""Drive waveforms for an identification campaign, and a simulated bench that plays them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from . import _native
 from .record import Record
 
-__all__ = ["excite"]
+__all__ = ["excite", "simulate_bench"]
 
 
 def excite(
@@ -51,3 +51,26 @@ def excite(
     }
     native, _ = _native.excite(json.dumps({"spec": spec, "limits": amplifier}))
     return Record._of(native)
+
+
+def simulate_bench(
+    drive: Record,
+    *,
+    truth: dict[str, Any] | None = None,
+    seed: int = 0,
+    stream: int = 0,
+    with_truth: bool = False,
+) -> Record:
+    """Play a drive on the simulated bench: what a sensor would record. Everything is simulated.
+
+    Args:
+        drive: a record with one channel, uniformly sampled.
+        truth: true parameters, as ``hysteron rig`` writes them; those of the bench if not given.
+        seed: seed of the sensor's noise.
+        stream: number of the record in its campaign: records of one seed and unlike streams have unlike noise.
+        with_truth: add what no sensor shows, the true displacement and the output of the hysteresis.
+    """
+    native, _ = _native.play(
+        drive._native, None if truth is None else json.dumps(truth), seed, stream, with_truth
+    )
+    return Record._of(native, "u", "y")

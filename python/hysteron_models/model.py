@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._errors import OptionError
+from ._errors import OptionError, with_arguments
 from .record import Array, PathLike, Record, as_samples
 from .results import Finding, FrequencyResponse, Inversion, Prediction, Realisation, Score, Tracking
 
@@ -206,7 +206,7 @@ class Model:
         outputs: list[Array],
         widths: tuple[Array, Array] | None,
         start: str,
-        remarks: list[str],
+        remarks: list[tuple[str, str | None]],
         level: float | None,
         band_of: str,
         offset: float,
@@ -226,7 +226,7 @@ class Model:
             offset=offset,
             measured=measured,
             level=level,
-            remarks=tuple(remarks),
+            remarks=tuple(with_arguments(*remark) for remark in remarks),
             name=record.name,
         )
 
@@ -459,6 +459,49 @@ class Model:
             "inverting": _inverting(limits, slew, bandwidth, preview, predict_to),
         }
         return self._native.export(folder, json.dumps(options))
+
+    def adapt(
+        self,
+        record: Record,
+        *,
+        terms: Sequence[str] = ("offset", "gain"),
+        method: Literal["rls", "nlms"] = "rls",
+        memory: float | None = None,
+        step: float = 0.05,
+        noise: float | None = None,
+        every: int | None = None,
+        run_length: float = 1e6,
+        reopen: bool = False,
+    ) -> tuple[Model | None, dict[str, Any]]:
+        """Correct the model over a record, sample by sample, as a controller would.
+
+        Args:
+            record: drive and measured output, uniformly sampled.
+            terms: coefficients that may move: ``offset``, ``gain``, ``power=N``, ``creep=SECONDS``.
+            method: recursive least squares, or normalised least mean squares.
+            memory: memory of ``"rls"`` [s]; a fifth of the record if not given.
+            step: share of every error that ``"nlms"`` takes.
+            noise: standard deviation of a residual where the model fits.
+            every: learn from one of so many samples.
+            run_length: mean number of samples to a false alarm.
+            reopen: after an alarm the coefficients are as uncertain as at the start.
+
+        Returns:
+            The corrected model (``None`` with a term of creep, which a model has no place for), and what was found, as
+            ``hysteron adapt --json`` prints it.
+        """
+        options = {
+            "method": {"least-squares": {"memory_s": memory}}
+            if method == "rls"
+            else {"gradient": {"step": step}},
+            "terms": list(terms),
+            "noise": noise,
+            "every": every,
+            "run_length": run_length,
+            "reopen": reopen,
+        }
+        text, native = self._native.adapt(record._native, json.dumps(options), record._input, record._output)
+        return None if native is None else Model(native), json.loads(text)
 
     def recalibrate(
         self, records: Record | Sequence[Record], *, continued: bool = False, least_fit: float = 75.0

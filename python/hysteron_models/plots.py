@@ -5,9 +5,11 @@ Colours are those of Okabe and Ito, told apart with any colour vision; lines dif
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from functools import wraps
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from ._errors import OptionError, missing
 try:
     import matplotlib as mpl
     import matplotlib.pyplot as plt
+    from cycler import cycler
 except ImportError:
     raise missing("matplotlib", "plot", "a plot") from None
 
@@ -41,10 +44,12 @@ __all__ = [
 
 INK, BLUE, VERMILLION, GREEN = "#1b1f23", "#0072b2", "#d55e00", "#009e73"
 GREY = "#9aa3ab"
+_CYCLE = [BLUE, VERMILLION, GREEN, "#e69f00", "#cc79a7", "#56b4e9"]
 #: Samples beyond which a line is thinned by keeping the least and the largest of each stretch.
 MOST_POINTS = 20_000
 
 _STYLE: dict[str, Any] = {
+    "axes.prop_cycle": cycler(color=_CYCLE),
     "axes.edgecolor": GREY,
     "axes.labelcolor": INK,
     "axes.spines.top": False,
@@ -73,11 +78,25 @@ def style() -> Iterator[None]:
         yield
 
 
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def _styled(draw: Callable[P, T]) -> Callable[P, T]:
+    """Draw in the look of the reports whatever the user's own settings are."""
+
+    @wraps(draw)
+    def drawn(*args: P.args, **kwargs: P.kwargs) -> T:
+        with style():
+            return draw(*args, **kwargs)
+
+    return drawn
+
+
 def _axes(ax: Axes | None) -> Axes:
     if ax is not None:
         return ax
-    with style():
-        made: Axes = plt.subplots()[1]
+    made: Axes = plt.subplots()[1]
     return made
 
 
@@ -99,6 +118,7 @@ def _thin(x: Array, y: Array) -> tuple[Array, Array]:
     return x[kept], y[kept]
 
 
+@_styled
 def loop(record: Record, prediction: Prediction | None = None, ax: Axes | None = None, **line: Any) -> Axes:
     """Draw the hysteresis loop, output over input; with a prediction, the model's over the measured one."""
     ax = _axes(ax)
@@ -111,6 +131,7 @@ def loop(record: Record, prediction: Prediction | None = None, ax: Axes | None =
     return ax
 
 
+@_styled
 def time(prediction: Prediction, ax: Axes | None = None) -> Axes:
     """Draw a prediction over time, with what was measured and its band."""
     ax = _axes(ax)
@@ -144,6 +165,7 @@ def _residual(score: Score) -> tuple[Array, Array]:
     return score.series.t, score.series["residual"]
 
 
+@_styled
 def residuals(score: Score, ax: Axes | None = None) -> Axes:
     """Draw what the model leaves of a record over time: measured less model."""
     ax = _axes(ax)
@@ -155,6 +177,7 @@ def residuals(score: Score, ax: Axes | None = None) -> Axes:
     return ax
 
 
+@_styled
 def residual_correlation(score: Score, lags: int = 50, ax: Axes | None = None) -> Axes:
     """Draw the autocorrelation of the residual, with the 95 % limits of white noise."""
     ax = _axes(ax)
@@ -173,13 +196,13 @@ def residual_correlation(score: Score, lags: int = 50, ax: Axes | None = None) -
     return ax
 
 
+@_styled
 def bode(
     response: FrequencyResponse, axes: Sequence[Axes] | None = None, label: str = "dynamic block"
 ) -> Sequence[Axes]:
     """Draw magnitude and phase over frequency; ``axes``: two of them."""
     if axes is None:
-        with style():
-            _, made = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.2))
+        _, made = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.2))
         axes = list(made)
     if len(axes) != 2:
         raise OptionError("axes: a Bode plot has two, magnitude and phase")
@@ -192,42 +215,47 @@ def bode(
     return axes
 
 
+@_styled
 def convergence(history: Sequence[tuple[str, float, float | None]], ax: Axes | None = None) -> Axes:
     """Draw the best cost over the share of the work done, from what ``fit(…, progress=…)`` was told.
 
     Collect it with ``history = []`` and ``fit(records, progress=lambda *told: history.append(told))``.
     """
     ax = _axes(ax)
-    told = [(fraction, cost) for _, fraction, cost in history if cost is not None]
+    told = [(stage, fraction, cost) for stage, fraction, cost in history if cost is not None]
     if not told:
         raise OptionError("the fit told no cost: it was over before it could")
-    share, cost = np.array(told).T
-    ax.semilogy(100 * share, cost, color=BLUE, marker=".", drawstyle="steps-post")
+    # Each stage has a cost of its own.
+    for stage, events in groupby(told, key=lambda event: event[0]):
+        share, cost = np.array([event[1:] for event in events], dtype=float).T
+        ax.semilogy(100 * share, cost, marker=".", drawstyle="steps-post", label=stage)
+    if len(ax.lines) <= 6:
+        ax.legend()
     ax.set(xlabel="work done [%]", ylabel="best RMSE", title="Convergence")
     return ax
 
 
+@_styled
 def comparison(found: Comparison, ax: Axes | None = None) -> Axes:
     """Draw the error of every structure on records it was not fitted to, the best first."""
-    rows = [row for row in found.result["candidates"] if _error(row) is not None]
-    rows.sort(key=lambda row: _error(row) or 0.0)
+    rows = sorted(
+        (row for row in found.result["candidates"] if row["error"] is not None), key=lambda row: row["error"]
+    )
     if ax is None:
-        with style():
-            _, ax = plt.subplots(figsize=(6.4, 0.6 + 0.32 * len(rows)))
-    names = [str(row["candidate"]) for row in rows]
+        _, ax = plt.subplots(figsize=(6.4, 1.0 + 0.32 * len(rows)))
+    names = [str(row["name"]) for row in rows]
     colours = [VERMILLION if name == found.preferred else BLUE for name in names]
-    ax.barh(names, [_error(row) or 0.0 for row in rows], color=colours)
+    deviations = [row["error_std_error"] or 0.0 for row in rows]
+    ax.barh(names, [row["error"] for row in rows], xerr=deviations, color=colours, ecolor=INK, capsize=2)
+    ax.axvline(found.result["noise_floor"], color=GREY, ls=":", label="noise floor")
     ax.invert_yaxis()
-    ax.set_xscale("log")
-    ax.set(xlabel="RMSE on records not fitted to", title="Structures (preferred: other colour)")
+    ax.set(xlabel=f"RMSE on records not fitted to [{found.result['output_unit']}]")
+    ax.set_title(f"Structures, preferred: {found.preferred}")
+    ax.legend()
     return ax
 
 
-def _error(row: dict[str, Any]) -> float | None:
-    found = [value for key, value in row.items() if key.startswith("rmse") and isinstance(value, float)]
-    return found[0] if found else None
-
-
+@_styled
 def coverage(
     estimator: Estimator,
     records: Record | Sequence[Record],
@@ -249,7 +277,13 @@ def coverage(
                 raise OptionError(f"{record.name} has no measured output in the model's unit")
             inside = (lower <= measured) & (measured <= upper)
             shares.append(100 * float(inside[record.valid].mean()))
-        ax.plot([100 * level for level in levels], shares, marker="o", label=record.name, color=f"C{k}")
+        ax.plot(
+            [100 * level for level in levels],
+            shares,
+            marker="o",
+            label=record.name,
+            color=_CYCLE[k % len(_CYCLE)],
+        )
     ax.plot([0, 100], [0, 100], color=GREY, ls=":", label="bands hold")
     low = 100 * min(levels) - 10
     ax.set(xlabel="level of the band [%]", ylabel="samples within [%]", xlim=(low, 101), ylim=(low, 101))

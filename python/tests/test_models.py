@@ -205,3 +205,26 @@ def test_the_interpreter_goes_on_during_a_fit(loops: hy.Record) -> None:
     done.set()
     thread.join()
     assert counted[0] > 50 * elapsed
+
+
+def test_a_drifted_device_is_followed(stage: hy.Hammerstein, unseen: hy.Record) -> None:
+    drifted = hy.Record(unseen.u, 1.05 * unseen.y, fs=unseen.fs)
+    model, found = stage.model_.adapt(drifted, noise=0.05)
+    assert model is not None and found["fits"] in (True, False)
+    gain = next(c for c in found["coefficients"] if c["term"] == "gain")
+    assert gain["after"] == pytest.approx(1.05, abs=0.01)
+    without, _ = stage.model_.adapt(drifted, noise=0.05, terms=["gain", "creep=0.5"])
+    assert without is None
+
+
+def test_the_bench_plays_a_multisine_whose_response_is_explained() -> None:
+    drive = hy.excite(
+        "multisine", fs=2000, high=10, period_s=1.0, periods=4, low_hz=1.0, high_hz=200.0, seed=3
+    )
+    record = hy.simulate_bench(drive, seed=1)
+    assert len(record) == len(drive) and record.units == ("V", "um")
+    found = hy.frequency_response(record, structures=["fractional", "integer"])
+    assert len(found.measured.frequency_hz) > 50 and found.model is not None
+    assert {row["name"].split()[0] for row in found.result["structures"]}
+    with pytest.raises(hy.OptionError, match="expected one of fractional"):
+        hy.frequency_response(record, structures=["poles"])

@@ -34,6 +34,9 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         }
         Advice::ContinueRun => "--continued".to_owned(),
         Advice::CutOtherwise => "another --from, --to, --where or --turns".to_owned(),
+        Advice::GiveStart { at_voltage: true } => "--rest-voltage or --settled say otherwise".to_owned(),
+        Advice::GiveStart { at_voltage: false } => "--settled says otherwise".to_owned(),
+        Advice::ScoreAll => "--skip 0 scores them".to_owned(),
         Advice::GivePeriod => "--period S".to_owned(),
         Advice::NameDynamicRecord => "--dynamic FILE".to_owned(),
         Advice::DriveRange => "--range LOW:HIGH".to_owned(),
@@ -69,8 +72,13 @@ fn flag_of(role: ColumnRole) -> &'static str {
 
 /// A finding's statement, with the flags that follow its advice.
 pub fn text(finding: &Finding) -> String {
-    match &finding.advice {
-        Some(advice) => format!("{} ({})", finding.text, in_flags(advice)),
-        None => finding.text.clone(),
+    with_flags(&finding.text, finding.advice.as_ref())
+}
+
+/// A statement, with the flags that follow its advice.
+pub fn with_flags(text: &str, advice: Option<&Advice>) -> String {
+    match advice {
+        Some(advice) => format!("{text} ({})", in_flags(advice)),
+        None => text.to_owned(),
     }
 }

@@ -36,6 +36,13 @@ pub enum Advice {
     ContinueRun,
     /// Keep another part of the record.
     CutOtherwise,
+    /// Say what the device did before the record.
+    GiveStart {
+        /// Whether it may have rested at a voltage.
+        at_voltage: bool,
+    },
+    /// Score the beginning of the record, too.
+    ScoreAll,
     /// Give the length of a period.
     GivePeriod,
     /// Name the record that carries dynamics.

@@ -12,6 +12,7 @@ mod fit;
 mod inverse;
 mod model;
 mod record;
+mod respond;
 mod signals;
 mod task;
 mod work;
@@ -29,13 +30,15 @@ mod _native {
     #[pymodule_export]
     use super::controller::Controller;
     #[pymodule_export]
-    use super::excite::excite;
+    use super::excite::{excite, play};
     #[pymodule_export]
     use super::fit::{Fit, choices, identify};
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]
     use super::record::{Record, inspect, prepare, read, write};
+    #[pymodule_export]
+    use super::respond::explain_response;
 
     use super::*;
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use hysteron_identify::PredictionBand;
+use hysteron_identify::online::{FollowMethod, FollowOptions, Followed, Term, known_noise};
 use hysteron_identify::recalibrate::{Prior, Recording, recalibrate};
 use hysteron_io::{load_model, save_model, sha256};
 use hysteron_model::axes::AxesRecord;
@@ -14,6 +15,7 @@ use hysteron_model::validate::Scoring;
 use hysteron_model::{Model as Core, Start};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use serde::Deserialize;
 
 use crate::errors::{from_json, option, raised, to_json};
 use crate::record::Record;
@@ -78,7 +80,7 @@ fn start(json: Option<&str>) -> PyResult<Start> {
 }
 
 /// Outputs of a simulation: an array each, standard deviation and noise of a band, the start in words, and remarks.
-type Simulated<'py> = (Vec<Samples<'py>>, Option<HalfWidths<'py>>, String, Vec<String>);
+type Simulated<'py> = (Vec<Samples<'py>>, Option<HalfWidths<'py>>, String, Vec<(String, Option<String>)>);
 
 /// Half the width of the band of a measurement and of that of the model's output, at each sample.
 type HalfWidths<'py> = (Samples<'py>, Samples<'py>);
@@ -177,7 +179,7 @@ impl Model {
         let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
         let (input, output) = self.units();
         let outputs = found.outputs.iter().map(|y| PyArray1::from_slice(py, y)).collect();
-        Ok((outputs, band, found.start.in_words(&input, &output), remarks(&found.remarks)))
+        Ok((outputs, band, found.start.in_words(&input, &output), self.remarks(&found.remarks)?))
     }
 
     /// Score on a record, from the start that explains it best unless one is given.
@@ -225,7 +227,7 @@ impl Model {
         let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
         let (input, output) = self.units();
         let words = found.start.in_words(&input, &output);
-        Ok(((outputs.collect(), band, words, remarks(&found.remarks)), offsets))
+        Ok(((outputs.collect(), band, words, self.remarks(&found.remarks)?), offsets))
     }
 
     /// Scores on consecutive records of one run, as JSON, with the samples of each run.
@@ -252,6 +254,47 @@ impl Model {
             Ok((json, figures(whole), self.in_words(whole), series.into()))
         };
         runs.into_iter().map(score).collect()
+    }
+
+    /// Corrected over a record, sample by sample: what was found as JSON, and the new model, of terms that a model file holds.
+    #[pyo3(signature = (record, options, input=None, output=None))]
+    fn adapt(
+        &self,
+        py: Python<'_>,
+        record: &Record,
+        options: &str,
+        input: Option<String>,
+        output: Option<String>,
+    ) -> PyResult<(String, Option<Self>)> {
+        let asked: Adapting = from_json(options)?;
+        let body = self.inner.hammerstein(Capability::Adaptation).map_err(raised)?;
+        let mut data = record.inner.input_output(&ChannelChoice { input, output }).map_err(raised)?;
+        let told = &mut Vec::new();
+        self.inner.agreed_unit(SignalRole::Input, &data.u_unit, told).map_err(raised)?;
+        data.y_unit = self.inner.agreed_unit(SignalRole::Output, &data.y_unit, told).map_err(raised)?;
+        let unknown = "the size of a residual where the model fits is not known: give it with noise=…";
+        let noise = asked.noise.or_else(|| known_noise(body.data(), &data)).ok_or_else(|| option(unknown))?;
+        let terms = asked.terms.iter().map(|term| term.parse::<Term>()).collect::<Result<_, _>>();
+        let options = FollowOptions {
+            method: asked.method,
+            terms: terms.map_err(option)?,
+            noise,
+            every: asked.every,
+            run_length: asked.run_length,
+            reopen: asked.reopen,
+        };
+        let found = work::run(py, || {
+            let signals = data.clone().into();
+            let score = self.inner.score(&signals, Start::AsIdentified, &Scoring::default())?;
+            let start = score.simulation.start;
+            Ok::<_, hysteron::Error>(Followed::over(&data, body.law(), &start, &options)?)
+        })?;
+        let found = found.map_err(raised)?;
+        let holds = !options.terms.iter().any(|term| matches!(term, Term::Creep { .. }));
+        let source = self.source()?;
+        let file = holds.then(|| found.model_file(&data, &options, (body.data(), &source), &maker()).ok());
+        let model = file.flatten().map(|file| Core::try_from(file).map_err(raised)).transpose()?;
+        Ok((to_json(&found.summary(&data, &options))?, model.map(Self::from)))
     }
 
     /// Gain, delay and offset anew from short records, the rest held: the new model, and what was found as JSON.
@@ -292,10 +335,7 @@ impl Model {
         let prior = Prior::of(body.data());
         let found = work::run(py, || recalibrate(body.law(), prior, &recordings, least_fit_percent))?;
         let found = found.map_err(raised)?;
-        let text = self.to_json()?;
-        let path = self.path.as_deref().unwrap_or(Path::new("")).display().to_string();
-        let source = Source { path, sha256: sha256(text.as_bytes()) };
-        let file = found.model_file(body.data(), &source, prior, &maker());
+        let file = found.model_file(body.data(), &self.source()?, prior, &maker());
         let summary = to_json(&found.summary(&file))?;
         let model = Core::try_from(file).map_err(raised)?;
         Ok((model.into(), summary))
@@ -319,12 +359,35 @@ impl Model {
         Ok((PyArray1::from_vec(py, measurement), PyArray1::from_vec(py, model)))
     }
 
+    /// Where the model came from, for one that is made of it.
+    fn source(&self) -> PyResult<Source> {
+        let path = self.path.as_deref().unwrap_or(Path::new("")).display().to_string();
+        Ok(Source { path, sha256: sha256(self.to_json()?.as_bytes()) })
+    }
+
+    /// Remarks with their advice as JSON.
+    fn remarks(&self, remarks: &[Remark]) -> PyResult<Vec<(String, Option<String>)>> {
+        let told = |remark: &Remark| {
+            let (text, advice) = remark.in_words(&self.inner);
+            Ok((text, advice.as_ref().map(to_json).transpose()?))
+        };
+        remarks.iter().map(told).collect()
+    }
+
     fn in_words(&self, score: &Score) -> String {
         let units = self.inner.units();
         score.simulation.start.in_words(&units.input, &units.output)
     }
 }
 
-fn remarks(remarks: &[Remark]) -> Vec<String> {
-    remarks.iter().map(|remark| format!("{remark:?}")).collect()
+/// What is said of a correction over a record.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Adapting {
+    method: FollowMethod,
+    terms: Vec<String>,
+    noise: Option<f64>,
+    every: Option<usize>,
+    run_length: f64,
+    reopen: bool,
 }

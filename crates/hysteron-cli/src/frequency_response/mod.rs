@@ -4,7 +4,7 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use hysteron_identify::IdentifyError;
 use hysteron_identify::frequency_response::empirical::{
     EmpiricalOptions, EmpiricalResponse, empirical_response,
@@ -15,6 +15,7 @@ use hysteron_report::frequency_response::page;
 use hysteron_report::number::significant;
 
 use crate::advice;
+use crate::choices::one_of;
 use crate::columns::ColumnFlags;
 use crate::console;
 use crate::failure::Failure;
@@ -37,9 +38,9 @@ pub struct FrequencyResponseCommand {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 
-    /// Structure to fit (repeatable); auto: those that answer what lies behind this response
-    #[arg(long = "structure", value_enum, default_values_t = [StructureArg::Auto])]
-    structures: Vec<StructureArg>,
+    /// Structure to fit (repeatable) [default: those that answer what lies behind this response]
+    #[arg(long = "structure", value_parser = one_of(Family::ALL, Family::name, Family::summary))]
+    structures: Vec<Family>,
 
     /// Number of modes [default: as many as the response supports]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
@@ -80,22 +81,6 @@ pub struct FrequencyResponseCommand {
     columns: ColumnFlags,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum StructureArg {
-    /// What tells apart the structures of this response
-    Auto,
-    /// b/(s^α₂ + c₁ s^α₁ + c₀) with delay, or a fractional lag where the phase hardly turns
-    Fractional,
-    /// Poles and zeros, as many parameters as the fractional one
-    Integer,
-    /// K s^−μ
-    PowerLaw,
-    /// K s^−μ with a constant extra phase, as hysteresis leaves it
-    LossAngle,
-    /// Resonances times a power law, with delay
-    Modes,
-}
-
 impl FrequencyResponseCommand {
     pub fn run(&self) -> Result<(), Failure> {
         if let Some(path) = &self.out {
@@ -118,18 +103,13 @@ impl FrequencyResponseCommand {
     }
 
     fn families(&self, response: &FrequencyResponse) -> Vec<Family> {
-        let of = |arg: &StructureArg| match arg {
-            StructureArg::Auto => Family::for_response(response),
-            StructureArg::Fractional => vec![Family::Fractional],
-            StructureArg::Integer => vec![Family::Integer],
-            StructureArg::PowerLaw => vec![Family::PowerLaw],
-            StructureArg::LossAngle => vec![Family::LossAngle],
-            StructureArg::Modes => vec![Family::Modes],
-        };
+        if self.structures.is_empty() {
+            return Family::for_response(response);
+        }
         let mut families: Vec<Family> = Vec::new();
-        for family in self.structures.iter().flat_map(of) {
-            if !families.contains(&family) {
-                families.push(family);
+        for family in &self.structures {
+            if !families.contains(family) {
+                families.push(*family);
             }
         }
         families

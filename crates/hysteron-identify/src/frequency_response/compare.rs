@@ -41,6 +41,34 @@ pub enum Family {
 }
 
 impl Family {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::Fractional, Self::Integer, Self::PowerLaw, Self::LossAngle, Self::Modes];
+
+    /// Name to choose it by.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fractional => "fractional",
+            Self::Integer => "integer",
+            Self::PowerLaw => "power-law",
+            Self::LossAngle => "loss-angle",
+            Self::Modes => "modes",
+        }
+    }
+
+    /// What it is, in a line.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Fractional => {
+                "b/(s^α₂ + c₁ s^α₁ + c₀) with delay, or a fractional lag where the phase hardly turns"
+            }
+            Self::Integer => "Poles and zeros, as many parameters as the fractional one",
+            Self::PowerLaw => "K s^−μ",
+            Self::LossAngle => "K s^−μ with a constant extra phase, as hysteresis leaves it",
+            Self::Modes => "Resonances times a power law, with delay",
+        }
+    }
+
     /// What tells apart the structures of this response: modes where it has a resonance, else those of a smooth response.
     pub fn for_response(response: &FrequencyResponse) -> Vec<Self> {
         if has_resonance(response) {

@@ -1,10 +1,13 @@
 //! What a user should know about a simulation.
 
-use super::SignalRole;
+use hysteron_numeric::display::short;
+
+use super::{Model, SignalRole};
+use crate::Advice;
 use crate::record::Unit;
 use crate::start::Start;
 
-/// What was decided without being told, or deserves attention; each front end words it.
+/// What was decided without being told, or deserves attention.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Remark {
@@ -58,4 +61,79 @@ pub enum Remark {
         /// Highest frequency identified \[Hz\].
         identified_hz: f64,
     },
+}
+
+impl Remark {
+    /// In words, about a record that `model` ran on, with what says otherwise.
+    pub fn in_words(&self, model: &Model) -> (String, Option<Advice>) {
+        let units = model.units();
+        let start = Some(Advice::GiveStart { at_voltage: model.rests_at_a_voltage() });
+        match self {
+            Self::UnitAssumed { signal, unit } => {
+                (format!("the {} has no unit; taken to be in {unit}, the model's", signal.name()), None)
+            }
+            Self::Extrapolates { input, identified, unit } => (
+                format!(
+                    "the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
+                    short(input.0),
+                    short(input.1),
+                    short(identified.0),
+                    short(identified.1),
+                ),
+                None,
+            ),
+            Self::LevelExtrapolates { level, identified, unit } => (
+                format!(
+                    "the inputs have {} {unit} rms, the model was identified from {} to {} {unit}: it extrapolates, with the \
+                     modes of the nearest level",
+                    short(*level),
+                    short(identified.0),
+                    short(identified.1),
+                ),
+                None,
+            ),
+            Self::DoesNotRepeat if model.channels().is_some() => (
+                "this drive does not repeat and is taken to start at rest, its inputs held before".to_owned(),
+                start,
+            ),
+            Self::DoesNotRepeat => (
+                format!(
+                    "the model was identified on settled periodic records; this drive does not repeat and is taken to start at \
+                     rest{}",
+                    if model.rests_at_a_voltage() { " at its first sample" } else { "" }
+                ),
+                start,
+            ),
+            Self::StartChosen { chosen, expected } => {
+                let words = |from: &Start| match from {
+                    Start::Settled { .. } => from.in_words(&units.input, &units.output),
+                    _ if model.rests_at_a_voltage() => from.in_words(&units.input, &units.output),
+                    _ => "from rest".to_owned(),
+                };
+                let (chosen, expected) = (words(chosen), words(expected));
+                (format!("simulated {chosen}, which explains it better than {expected}"), start)
+            }
+            Self::LeftOut { samples } => (
+                format!(
+                    "the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples \
+                     are not scored"
+                ),
+                Some(Advice::ScoreAll),
+            ),
+            Self::Fast { signal, fastest_hz, identified_hz } => (
+                format!(
+                    "the {} swings at up to {} Hz, the model was identified up to {} Hz: beyond that it extrapolates{}",
+                    signal.name(),
+                    short(*fastest_hz),
+                    short(*identified_hz),
+                    if *signal == SignalRole::Reference {
+                        ", and the predicted error says nothing of that"
+                    } else {
+                        ""
+                    }
+                ),
+                None,
+            ),
+        }
+    }
 }
