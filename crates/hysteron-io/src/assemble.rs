@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hysteron_model::record::{Channel, Record, RecordError, Source, TimeBase};
 
-use crate::columns::{Columns, Heading};
+use crate::columns::{Columns, Rate};
 use crate::place::{Part, Place, shown};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Role, Roles};
@@ -25,7 +25,7 @@ pub(crate) struct Assembled {
 /// Makes a checked record of a file's columns, renamed and cut as the options say.
 pub(crate) fn assemble(mut columns: Columns, options: &ReadOptions) -> Result<Assembled, IoError> {
     columns.headings = renamed(&columns.headings, &options.rename)?;
-    let Roles { roles, chosen, cut, texts } = Roles::new(&columns.headings, options)?;
+    let Roles { roles, names, chosen, cut, texts } = Roles::new(&columns.headings, options)?;
     let file_samples = check_lengths(&columns, &roles)?;
     let file = columns.headings.file.clone();
     let name =
@@ -46,28 +46,30 @@ pub(crate) fn assemble(mut columns: Columns, options: &ReadOptions) -> Result<As
             Role::Time(factor) => times = Some(in_seconds(samples, *factor)),
             Role::Mask => valid = Some(samples.iter().map(|&v| v == 1.0).collect()),
             Role::Channel => {
-                let Heading { name, unit, .. } = columns.headings.columns[index].clone();
-                channels.push(Channel { name, unit, samples });
+                let unit = columns.headings.columns[index].unit.clone();
+                channels.push(Channel { name: names[index].clone(), unit, samples });
                 sources.push(index);
             }
             Role::Texts | Role::Skipped => {}
         }
     }
-    let sample_rate_hz = columns.sample_rate_hz.take();
+    let rate = columns.rate.take();
     let time = match (times, options.sample_rate_hz) {
         (Some(times), Some(rate)) => TimeBase::from_times_at_rate(&name, &times, rate).map_err(failed)?,
         (Some(times), None) => {
-            if let Some((array, rate)) = sample_rate_hz
+            if let Some(rate) = rate
                 && let Err(contradiction @ RecordError::RateContradictsTime { .. }) =
-                    TimeBase::from_times_at_rate(&name, &times, rate)
+                    TimeBase::from_times_at_rate(&name, &times, rate.hz)
             {
-                let place = Place::new(&file, Part::Array(array.into()));
+                let place = Place::new(&file, Part::Array(rate.path.into()));
                 return Err(IoError::RateContradictsTime { place, source: Box::new(contradiction) });
             }
             TimeBase::from_times(&name, times).map_err(failed)?
         }
         (None, Some(rate)) => TimeBase::uniform(rate),
-        (None, None) => sample_rate_hz.map_or(TimeBase::Unknown, |(_, rate)| TimeBase::uniform(rate)),
+        (None, None) => rate.map_or(TimeBase::Unknown, |Rate { hz: sample_rate_hz, start_s, .. }| {
+            TimeBase::Uniform { start_s, sample_rate_hz, jitter_samples: 0.0 }
+        }),
     };
     let source = Some(Source { path: file.clone(), sha256: std::mem::take(&mut columns.sha256) });
     let mut record = Record { name, time, channels, valid, source };

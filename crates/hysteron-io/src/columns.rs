@@ -1,18 +1,42 @@
 //! Named columns of numbers: what every reader gives.
 
-use hysteron_model::record::{Unit, split_header};
+use hysteron_model::record::{Unit, header_of, split_header};
 
 use crate::IoError;
 use crate::options::MAX_COLUMNS;
 use crate::place::{Part, Place};
 
+/// Characters between the components of a path.
+pub(crate) const SEPARATORS: [char; 3] = ['.', '/', '!'];
+
 /// Header of one column, taken apart.
 #[derive(Clone, Debug)]
 pub(crate) struct Heading {
-    /// As written in the file.
+    /// As written in the file; of an array, its whole path.
     pub header: String,
     pub name: String,
     pub unit: Unit,
+    /// In a file of named arrays, the one that the column is or stands in.
+    pub array: Option<ArrayHeading>,
+}
+
+/// What a file of named arrays says about one of them, or about a column of it.
+#[derive(Clone, Debug)]
+pub(crate) struct ArrayHeading {
+    /// Bytes of the header in front of its last component.
+    pub group_bytes: usize,
+    pub shape: Vec<usize>,
+    /// Number of samples; `None` where it is no column, by its shape.
+    pub length: Option<usize>,
+    pub kind: Kind,
+}
+
+/// What an array holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Numbers,
+    /// Something that is not read as numbers: its name.
+    Other(String),
 }
 
 /// Headers of a file's columns, in its order.
@@ -34,10 +58,20 @@ pub(crate) struct Columns {
     pub texts: Vec<Vec<String>>,
     /// Lines that the samples stand in; none for a binary file.
     pub lines: SampleLines,
-    /// Sample rate \[Hz\] that the file gives, and the name it gives it by.
-    pub sample_rate_hz: Option<(String, f64)>,
+    /// Sample rate that the file gives.
+    pub rate: Option<Rate>,
     /// SHA-256 of the file's bytes.
     pub sha256: String,
+}
+
+/// Sample rate that a file gives.
+#[derive(Clone, Debug)]
+pub(crate) struct Rate {
+    /// The array that gives it.
+    pub path: String,
+    pub hz: f64,
+    /// Time of the first sample \[s\].
+    pub start_s: f64,
 }
 
 /// What of a column is read.
@@ -81,7 +115,7 @@ impl Headings {
                     second: i + 1,
                 });
             }
-            headings.columns.push(Heading { header, name, unit });
+            headings.columns.push(Heading { header, name, unit, array: None });
         }
         Ok(headings)
     }
@@ -99,6 +133,45 @@ impl Headings {
     /// The headers, for messages.
     pub fn list(&self) -> String {
         list(&self.columns)
+    }
+}
+
+impl Heading {
+    /// The path in front of the last component, with its separator; empty outside of a group.
+    pub fn group(&self) -> &str {
+        self.array.as_ref().and_then(|array| self.header.get(..array.group_bytes)).unwrap_or_default()
+    }
+
+    /// Whether a file of named arrays holds something here that is no column of numbers.
+    pub fn is_unreadable(&self) -> bool {
+        self.array.as_ref().is_some_and(|array| array.length.is_none() || array.kind != Kind::Numbers)
+    }
+
+    /// Whether `asked` is the column's header or name, with or without its unit.
+    pub fn is_called(&self, asked: &str, fold: &dyn Fn(&str) -> String) -> bool {
+        self.spellings().iter().any(|text| fold(text) == asked)
+    }
+
+    /// Whether `asked` is the last components of the column's path.
+    pub fn ends_in(&self, asked: &str, fold: &dyn Fn(&str) -> String) -> bool {
+        let group = fold(self.group());
+        let ends = |text: &String| {
+            let text = fold(text);
+            let last = text.get(group.len()..).unwrap_or(&text);
+            asked.ends_with(last)
+                && text.strip_suffix(asked).is_some_and(|before| before.ends_with(SEPARATORS))
+        };
+        !asked.is_empty() && !group.is_empty() && self.spellings().iter().any(ends)
+    }
+
+    /// Header, and name with and without unit; of an array behind its group.
+    fn spellings(&self) -> [String; 3] {
+        let group = self.group();
+        [
+            self.header.clone(),
+            format!("{group}{}", self.name),
+            format!("{group}{}", header_of(&self.name, &self.unit)),
+        ]
     }
 }
 
@@ -163,6 +236,43 @@ impl SampleLines {
 
 /// Headers for messages.
 pub(crate) fn list<'a>(columns: impl IntoIterator<Item = &'a Heading>) -> String {
-    let headers = columns.into_iter().map(|c| c.header.as_str()).filter(|header| !header.is_empty());
-    headers.map(|header| format!("`{header}`")).collect::<Vec<_>>().join(", ")
+    let headers = columns.into_iter().filter(|column| !column.header.is_empty());
+    listed(headers.map(|column| format!("`{}`", column.header)))
+}
+
+/// What a file of named arrays holds, for messages: path, shape, unit.
+pub(crate) fn list_arrays<'a>(columns: impl IntoIterator<Item = &'a Heading>) -> String {
+    listed(columns.into_iter().map(|column| {
+        let unit = match column.unit.symbol() {
+            "" => String::new(),
+            symbol => format!(" in {symbol}"),
+        };
+        let Some(array) = &column.array else { return format!("`{}`", column.header) };
+        let kind = match &array.kind {
+            Kind::Numbers => String::new(),
+            Kind::Other(kind) => format!(", {kind}"),
+        };
+        format!("`{}` ({}{kind}){unit}", column.header, shape_text(&array.shape))
+    }))
+}
+
+/// A shape as messages show it: `100×1`.
+pub(crate) fn shape_text(shape: &[usize]) -> String {
+    if shape.is_empty() {
+        return "one value".to_owned();
+    }
+    shape.iter().map(usize::to_string).collect::<Vec<_>>().join("×")
+}
+
+/// Most columns that a message lists.
+const MOST_LISTED: usize = 24;
+
+fn listed(items: impl Iterator<Item = String>) -> String {
+    let mut items: Vec<String> = items.collect();
+    if items.len() > MOST_LISTED + 1 {
+        let left_out = items.len() - MOST_LISTED;
+        items.truncate(MOST_LISTED);
+        items.push(format!("and {left_out} more"));
+    }
+    items.join(", ")
 }

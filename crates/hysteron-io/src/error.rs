@@ -141,6 +141,18 @@ pub enum IoError {
         /// The number found.
         value: f64,
     },
+    /// Sample rates in the file that differ.
+    #[error("{place}: {hz} Hz, but {other_hz} Hz by `{other}`; give the sample rate that holds")]
+    ChooseRate {
+        /// Where one of them stands.
+        place: Place,
+        /// That rate \[Hz\].
+        hz: f64,
+        /// The array that gives another one.
+        other: String,
+        /// The other rate \[Hz\].
+        other_hz: f64,
+    },
     /// A sample rate in the file that its time column contradicts.
     #[error("{place}: {source}")]
     RateContradictsTime {
@@ -254,6 +266,16 @@ pub enum IoError {
         role: ColumnRole,
         /// The columns it could be.
         candidates: String,
+    },
+    /// Arrays that make no single record as long as none are chosen.
+    #[error("{place}: {problem}; the file holds {held}")]
+    ChooseArrays {
+        /// Where it stands.
+        place: Place,
+        /// What is the matter.
+        problem: String,
+        /// The arrays, with shape and unit.
+        held: String,
     },
     /// A chosen time column that is not in a unit of time.
     #[error("{place}: column `{name}` cannot be the time, it is in {unit}; expected s, ms, us, ns or min")]
@@ -585,9 +607,11 @@ impl IoError {
             Self::NoSuchColumn { role, .. } | Self::AmbiguousColumn { role, .. } => column(*role),
             Self::NotTime { .. } => column(ColumnRole::Time),
             Self::ChooseResponse { divisor, .. } => Some(Advice::ChooseResponse { divisor: *divisor }),
-            Self::LengthMismatch { .. } | Self::ArrayType { .. } | Self::ArrayShape { .. } => {
-                Some(Advice::ChooseColumns)
-            }
+            Self::LengthMismatch { .. }
+            | Self::ArrayType { .. }
+            | Self::ArrayShape { .. }
+            | Self::ChooseArrays { .. } => Some(Advice::ChooseColumns),
+            Self::ChooseRate { .. } => Some(Advice::GiveSampleRate),
             Self::NotANumber { .. } | Self::TooManyValues { .. } => Some(Advice::ChooseColumns),
             Self::Record { source, .. } => source.advice(),
             _ => None,

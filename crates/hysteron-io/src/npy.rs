@@ -54,13 +54,15 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
         .collect();
     let texts = vec![Vec::new(); headings.columns.len()];
     let lines = SampleLines::default();
-    Ok(Columns { headings, values, texts, lines, sample_rate_hz: None, sha256: sha256(&bytes) })
+    Ok(Columns { headings, values, texts, lines, rate: None, sha256: sha256(&bytes) })
 }
 
 /// What the header of an array says.
 pub(crate) struct Array {
     pub values: Type,
     shape: Vec<u64>,
+    /// Whether the first index runs fastest (`fortran_order`).
+    pub is_column_major: bool,
     /// Bytes of one element.
     element_bytes: usize,
 }
@@ -174,7 +176,8 @@ impl Array {
             (Literal::List(fields), None) => Type::Fields(Field::all(fields)?),
             _ => return None,
         };
-        Some(Array { values, shape, element_bytes })
+        let is_column_major = entry("fortran_order") == Some(&Literal::True);
+        Some(Array { values, shape, is_column_major, element_bytes })
     }
 
     /// Number of elements.
@@ -193,18 +196,9 @@ impl Array {
         if lengths.len() == 1 { format!("({},)", lengths[0]) } else { format!("({})", lengths.join(", ")) }
     }
 
-    /// The type of its numbers, where the array is a column (or one number).
-    pub fn as_column(&self, place: &Place) -> Result<Number, IoError> {
-        let dtype = match &self.values {
-            Type::Number(number) if self.is_vector() || self.shape.is_empty() => return Ok(*number),
-            Type::Number(_) => {
-                let found = self.shape_text();
-                return Err(IoError::ArrayShape { place: place.clone(), found });
-            }
-            Type::Fields(_) => "structure",
-            Type::Other(dtype) => dtype,
-        };
-        Err(IoError::ArrayType { place: place.clone(), found: shown(dtype.as_bytes()) })
+    /// The shape; lengths that no memory holds as the largest one.
+    pub fn shape(&self) -> Vec<usize> {
+        self.shape.iter().map(|&n| usize::try_from(n).unwrap_or(usize::MAX)).collect()
     }
 
     /// Reads the values behind the header: one list for each of the numbers that stand at these offsets of an element. An error
@@ -355,7 +349,8 @@ impl Number {
 enum Literal {
     Text(String),
     Integer(u64),
-    /// True, False, None: of no interest here.
+    True,
+    /// False or None.
     Word,
     /// A list or a tuple.
     List(Vec<Literal>),

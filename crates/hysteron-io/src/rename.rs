@@ -7,7 +7,7 @@ use hysteron_model::record::split_header;
 use serde::{Deserialize, Serialize};
 
 use crate::IoError;
-use crate::columns::{Heading, Headings};
+use crate::columns::{ArrayHeading, Heading, Headings};
 use crate::roles::chosen;
 
 /// New name of a column, parsed from `OLD=NEW`, e.g. `Voltage=u` or `ch1=u_V`.
@@ -56,11 +56,14 @@ pub(crate) fn renamed(headings: &Headings, renames: &[Rename]) -> Result<Heading
         let unit = if unit.symbol().is_empty() { old.unit.clone() } else { unit };
         let header = hysteron_model::record::header_of(&name, &unit);
         if let Some(column) = new.columns.get_mut(index) {
-            *column = Heading { header, name, unit };
+            // A new name is a path of one component.
+            let array = column.array.take().map(|array| ArrayHeading { group_bytes: 0, ..array });
+            *column = Heading { header, name, unit, array };
         }
     }
     for (second, column) in new.columns.iter().enumerate() {
-        let same = |c: &Heading| c.name == column.name && c.unit == column.unit;
+        let same =
+            |c: &Heading| c.name == column.name && c.unit == column.unit && c.group() == column.group();
         if let Some(first) = new.columns.iter().take(second).position(same) {
             return Err(IoError::DuplicateColumn {
                 place: headings.place(),

@@ -1,9 +1,12 @@
 //! What each column of a record is, decided by its header and by what the caller chose.
 
+use std::collections::HashMap;
+
 use hysteron_model::advice::ColumnRole;
 use hysteron_model::record::{Admitted, Condition, Cut, Quantity, header_of};
 
-use crate::columns::{Heading, Headings, Wanted, list};
+use crate::columns::{Heading, Headings, Wanted, list_arrays};
+use crate::one_record::{no_channels, set_apart};
 use crate::place::{Part, Place};
 use crate::{IoError, ReadOptions};
 
@@ -33,6 +36,8 @@ pub(crate) struct Chosen {
 pub(crate) struct Roles {
     /// One a column.
     pub roles: Vec<Role>,
+    /// Name in the record, one a column: with its path where another channel has the same name.
+    pub names: Vec<String>,
     pub chosen: Chosen,
     /// What is cut out, its columns by their headers; without the conditions on texts.
     pub cut: Cut,
@@ -48,18 +53,20 @@ impl Roles {
         let output = chosen(headings, options.output.as_deref(), ColumnRole::Output)?;
         let reference = chosen(headings, options.reference.as_deref(), ColumnRole::Reference)?;
         let taken = [input, output, reference];
-        let time = time_column(headings, options.time.as_deref(), taken)?;
+        let left_out = options.leave_out.iter().map(|name| chosen(headings, Some(name), ColumnRole::LeftOut));
+        let left_out = left_out.collect::<Result<Vec<_>, _>>()?;
+        let asked_time = chosen(headings, options.time.as_deref(), ColumnRole::Time)?;
+        let conditions = Conditions::new(headings, &options.cut)?;
+        let apart = set_apart(headings, &[input, output, reference, asked_time], &left_out)?;
+        let time = time_column(headings, asked_time, |i| !taken.contains(&Some(i)) && !apart[i])?;
         if time.is_none()
             && taken.iter().all(Option::is_none)
-            && let Some(column) = columns.iter().find(|c| is_spectral(c))
+            && let Some((_, column)) = columns.iter().enumerate().find(|(i, c)| !apart[*i] && is_spectral(c))
         {
             let column = column.header.clone();
             return Err(IoError::FrequencyResponse { place: headings.place(), column });
         }
-        let left_out = options.leave_out.iter().map(|name| chosen(headings, Some(name), ColumnRole::LeftOut));
-        let left_out = left_out.collect::<Result<Vec<_>, _>>()?;
         let only_chosen = input.is_some() && output.is_some();
-        let conditions = Conditions::new(headings, &options.cut)?;
         let role = |(i, column): (usize, &Heading)| {
             if taken.contains(&Some(i)) {
                 Role::Channel
@@ -70,11 +77,13 @@ impl Roles {
                     (Quantity::Time, factor) => factor,
                     _ => 1.0,
                 })
+            } else if apart[i] && !conditions.reads(i) {
+                Role::Skipped
             } else if column.name.eq_ignore_ascii_case("valid") {
                 Role::Mask
-            } else if conditions.texts.iter().any(|(text, _)| *text == i) {
+            } else if conditions.holds_text(i) {
                 Role::Texts
-            } else if (only_chosen && !conditions.read.contains(&i)) || column.header.is_empty() {
+            } else if (only_chosen && !conditions.reads(i)) || column.header.is_empty() {
                 Role::Skipped
             } else {
                 Role::Channel
@@ -82,23 +91,14 @@ impl Roles {
         };
         let roles: Vec<Role> = columns.iter().enumerate().map(role).collect();
         if !roles.contains(&Role::Channel) {
-            return Err(IoError::NoChannels { place: headings.place(), found: headings.list() });
+            return Err(no_channels(headings));
         }
-        let header_at =
-            |i: Option<usize>| i.and_then(|i| columns.get(i)).map(|c| header_of(&c.name, &c.unit));
-        let [input, output, reference] = taken.map(header_at);
-        let Conditions { mut cut, texts, .. } = conditions;
-        if let Some(turns) = &mut cut.turns {
-            turns.column = turns.column.take().or_else(|| input.clone());
-        }
-        let (texts, in_channels): (Vec<_>, Vec<_>) =
-            texts.into_iter().partition(|(column, _)| roles.get(*column) == Some(&Role::Texts));
-        // The record says that a channel of numbers is no column of texts.
-        cut.conditions.extend(in_channels.into_iter().map(|(column, text)| Condition {
-            column: header_at(Some(column)).unwrap_or_default(),
-            is: Admitted::Text(text),
-        }));
-        Ok(Roles { roles, chosen: Chosen { input, output, reference }, cut, texts })
+        let names = channel_names(columns, &roles);
+        let header =
+            |i: usize| columns.get(i).zip(names.get(i)).map(|(column, name)| header_of(name, &column.unit));
+        let [input, output, reference] = taken.map(|i| i.and_then(header));
+        let (cut, texts) = conditions.of_record(options.cut.clone(), &roles, &input, header);
+        Ok(Roles { roles, names, chosen: Chosen { input, output, reference }, cut, texts })
     }
 
     /// What a reader has to read of each column.
@@ -112,47 +112,87 @@ impl Roles {
     }
 }
 
-/// Columns that a cut looks at.
+/// Columns that a cut looks at, by their numbers.
 struct Conditions {
-    /// The cut, its columns by their headers, without the conditions on texts.
-    cut: Cut,
-    /// Columns that it needs as numbers.
-    read: Vec<usize>,
-    /// Columns that are to hold a text, and the text.
-    texts: Vec<(usize, String)>,
+    /// One a condition.
+    columns: Vec<usize>,
+    /// Whether the condition asks for a text; one a condition.
+    texts: Vec<Option<String>>,
+    /// The column whose turns are counted, where it is named.
+    turns: Option<usize>,
 }
 
 impl Conditions {
     fn new(headings: &Headings, cut: &Cut) -> Result<Self, IoError> {
-        let mut found = Conditions { cut: cut.clone(), read: Vec::new(), texts: Vec::new() };
-        found.cut.conditions.clear();
         let position = |asked: &str, role| chosen(headings, Some(asked), role).map(Option::unwrap_or_default);
-        let header =
-            |i: usize| headings.columns.get(i).map(|c| header_of(&c.name, &c.unit)).unwrap_or_default();
+        let (mut columns, mut texts) = (Vec::new(), Vec::new());
         for condition in &cut.conditions {
             let column = position(&condition.column, ColumnRole::Condition)?;
-            match &condition.is {
+            let text = match &condition.is {
                 Admitted::Text(text) if headings.line.is_none() => {
                     let array = Part::Array(headings.header(column).into());
                     let place = Place::new(&headings.file, array);
                     return Err(IoError::TextCondition { place, text: text.clone() });
                 }
-                Admitted::Text(text) => found.texts.push((column, text.clone())),
-                is => {
-                    found.read.push(column);
-                    found.cut.conditions.push(Condition { column: header(column), is: is.clone() });
-                }
+                Admitted::Text(text) => Some(text.clone()),
+                _ => None,
+            };
+            columns.push(column);
+            texts.push(text);
+        }
+        let turns = cut.turns.as_ref().and_then(|turns| turns.column.as_deref());
+        let turns = turns.map(|asked| position(asked, ColumnRole::Input)).transpose()?;
+        Ok(Conditions { columns, texts, turns })
+    }
+
+    /// Whether a column is needed as numbers.
+    fn reads(&self, column: usize) -> bool {
+        let mut of_numbers = self.columns.iter().zip(&self.texts).filter(|(_, text)| text.is_none());
+        self.turns == Some(column) || of_numbers.any(|(own, _)| *own == column)
+    }
+
+    /// Whether a column is to hold a text.
+    fn holds_text(&self, column: usize) -> bool {
+        self.columns.iter().zip(&self.texts).any(|(own, text)| *own == column && text.is_some())
+    }
+
+    /// The cut with the columns' headers in the record, and apart from it the conditions on columns of texts.
+    fn of_record(
+        self,
+        mut cut: Cut,
+        roles: &[Role],
+        input: &Option<String>,
+        header: impl Fn(usize) -> Option<String>,
+    ) -> (Cut, Vec<(usize, String)>) {
+        let mut of_texts = Vec::new();
+        let conditions = std::mem::take(&mut cut.conditions);
+        for ((condition, column), text) in conditions.into_iter().zip(self.columns).zip(self.texts) {
+            match text.filter(|_| roles.get(column) == Some(&Role::Texts)) {
+                Some(text) => of_texts.push((column, text)),
+                // The record says that a channel of numbers is no column of texts.
+                None => cut
+                    .conditions
+                    .push(Condition { column: header(column).unwrap_or_default(), is: condition.is }),
             }
         }
-        if let Some(turns) = &mut found.cut.turns
-            && let Some(asked) = &turns.column
-        {
-            let column = position(asked, ColumnRole::Input)?;
-            found.read.push(column);
-            turns.column = Some(header(column));
+        if let Some(turns) = &mut cut.turns {
+            turns.column = self.turns.and_then(header).or_else(|| input.clone());
         }
-        Ok(found)
+        (cut, of_texts)
     }
+}
+
+/// Names of a record's channels. In a file of named arrays the path tells channels of one name apart.
+fn channel_names(columns: &[Heading], roles: &[Role]) -> Vec<String> {
+    let mut uses: HashMap<&str, usize> = HashMap::new();
+    for (column, _) in columns.iter().zip(roles).filter(|(_, role)| **role == Role::Channel) {
+        *uses.entry(&column.name).or_default() += 1;
+    }
+    let name = |(column, role): (&Heading, &Role)| {
+        let twice = *role == Role::Channel && uses.get(column.name.as_str()).is_some_and(|&uses| uses > 1);
+        if twice { format!("{}{}", column.group(), column.name) } else { column.name.clone() }
+    };
+    columns.iter().zip(roles).map(name).collect()
 }
 
 /// The column chosen for a role: by header or bare name exactly, else ignoring case, else by number from 1.
@@ -163,21 +203,16 @@ pub(crate) fn chosen(
 ) -> Result<Option<usize>, IoError> {
     let columns = &headings.columns;
     let Some(asked) = asked.map(str::trim) else { return Ok(None) };
-    let same = |fold: &dyn Fn(&str) -> String| -> Vec<usize> {
-        let asked = fold(asked);
-        (0..columns.len())
-            .filter(|&i| {
-                let c = &columns[i];
-                !c.header.is_empty()
-                    && [c.header.as_str(), c.name.as_str(), header_of(&c.name, &c.unit).as_str()]
-                        .iter()
-                        .any(|text| fold(text) == asked)
-            })
-            .collect()
-    };
-    let mut found = same(&str::to_string);
-    if found.is_empty() {
-        found = same(&str::to_lowercase);
+    let mut found = Vec::new();
+    let folds: [&dyn Fn(&str) -> String; 2] = [&str::to_string, &str::to_lowercase];
+    for fold in folds {
+        let wanted = fold(asked);
+        for is_meant in [Heading::is_called, Heading::ends_in] {
+            if found.is_empty() {
+                let named = columns.iter().enumerate().filter(|(_, column)| !column.header.is_empty());
+                found = named.filter(|(_, c)| is_meant(c, &wanted, fold)).map(|(i, _)| i).collect();
+            }
+        }
     }
     if found.is_empty()
         && let Ok(number) = asked.parse::<usize>()
@@ -197,14 +232,15 @@ pub(crate) fn chosen(
     }
 }
 
+/// The time column: the one asked for, else one by name or unit among those that are free.
 fn time_column(
     headings: &Headings,
-    asked: Option<&str>,
-    taken: [Option<usize>; 3],
+    asked: Option<usize>,
+    is_free: impl Fn(usize) -> bool,
 ) -> Result<Option<usize>, IoError> {
     let columns = &headings.columns;
-    let free = |i: &usize| !taken.contains(&Some(*i));
-    if let Some(index) = chosen(headings, asked, ColumnRole::Time)? {
+    let free = |i: &usize| is_free(*i);
+    if let Some(index) = asked {
         let column = &columns[index];
         if !column.unit.symbol().is_empty() && column.unit.base().0 != Quantity::Time {
             return Err(IoError::NotTime {
@@ -245,7 +281,7 @@ fn ambiguous(headings: &Headings, several: &[usize], asked: &str, role: ColumnRo
         place: headings.place(),
         asked: asked.to_string(),
         role,
-        candidates: list(candidates),
+        candidates: list_arrays(candidates),
     }
 }
 

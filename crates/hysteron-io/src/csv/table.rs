@@ -236,6 +236,6 @@ impl Table {
             texts.into_iter().map(|(_, text)| text).collect()
         };
         let texts = texts.into_iter().map(in_order).collect();
-        Columns { headings, values, texts, lines, sample_rate_hz: None, sha256 }
+        Columns { headings, values, texts, lines, rate: None, sha256 }
     }
 }

@@ -1,0 +1,306 @@
+//! Files of named arrays: what they hold, and how it becomes columns. The rules are the same for every such format.
+
+use std::ops::Range;
+
+use hysteron_model::record::{Unit, split_header};
+
+use crate::IoError;
+use crate::columns::{
+    ArrayHeading, Columns, Heading, Headings, Kind, Rate, SampleLines, Wanted, shape_text,
+};
+use crate::place::{Part, Place};
+use crate::reader::Input;
+
+/// Most arrays of a file that are looked at.
+pub(crate) const MAX_ARRAYS: usize = 1 << 16;
+/// Most columns of a matrix; a larger one is an image or a table of something else.
+const MAX_MATRIX_COLUMNS: usize = 16;
+/// Relative difference of two sample rates that mean the same: a period written with few digits.
+const RATE_TOLERANCE: f64 = 1e-6;
+
+/// One array of a file.
+#[derive(Clone, Debug)]
+pub(crate) struct Held {
+    /// Where it stands: `rec.u`, `signals(2).values`, `group/channel`, `sheet!B`.
+    pub path: String,
+    /// Bytes of the path in front of its last component, to which the rules for names and units apply.
+    pub group_bytes: usize,
+    /// Unit that the file gives apart from the name.
+    pub unit: Option<String>,
+    pub shape: Vec<usize>,
+    /// Whether the last index runs fastest in the list of values.
+    pub row_major: bool,
+    pub kind: Kind,
+    /// Sample rate \[Hz\] that the file gives for this array.
+    pub sample_rate_hz: Option<f64>,
+    /// Time of its first sample \[s\], beside a rate.
+    pub start_s: f64,
+}
+
+/// A column of an array.
+struct Column {
+    /// Number of the array.
+    array: usize,
+    slice: Slice,
+    heading: Heading,
+}
+
+/// Part of an array.
+#[derive(Clone, Copy)]
+enum Slice {
+    Whole,
+    Column(usize),
+    Row(usize),
+}
+
+impl Held {
+    /// An array without anything but name and shape; `group` with the separator behind it.
+    pub fn new(group: &str, name: &str, shape: Vec<usize>, kind: Kind) -> Self {
+        // Paths stand in messages.
+        let path = format!("{group}{name}").replace(char::is_control, "\u{FFFD}");
+        let group_bytes = group.replace(char::is_control, "\u{FFFD}").len();
+        Held { path, group_bytes, unit: None, shape, row_major: true, kind, sample_rate_hz: None, start_s: 0.0 }
+    }
+
+    /// Number of values; `None` where a computer cannot count them.
+    pub fn values(&self) -> Option<usize> {
+        self.shape.iter().try_fold(1usize, |product, &n| product.checked_mul(n))
+    }
+
+    /// The last component of the path.
+    fn name(&self) -> &str {
+        self.path.get(self.group_bytes..).unwrap_or(&self.path)
+    }
+
+    /// The path in front of the last component.
+    fn group(&self) -> &str {
+        self.path.get(..self.group_bytes).unwrap_or_default()
+    }
+
+    /// Name and unit: that of the name, else the one the file gives.
+    pub fn name_and_unit(&self) -> (String, Unit) {
+        let (name, unit) = split_header(self.name());
+        match self.unit.as_deref().map(str::trim) {
+            Some(symbol) if unit.symbol().is_empty() && !symbol.is_empty() => (name, Unit::new(symbol)),
+            _ => (name, unit),
+        }
+    }
+
+    /// Rows and columns, lengths of 1 left out; `None` beyond two dimensions.
+    fn matrix(&self) -> Option<(usize, usize)> {
+        let mut lengths = self.shape.iter().copied().filter(|&n| n != 1);
+        match (lengths.next(), lengths.next(), lengths.next()) {
+            (rows, columns, None) => Some((rows.unwrap_or(1), columns.unwrap_or(1))),
+            _ => None,
+        }
+    }
+
+    /// The columns: a vector itself, those of a high matrix, the rows of a wide one. `None` for anything else.
+    fn columns(&self, index: usize) -> Option<Vec<Column>> {
+        let (rows, columns) = self.matrix()?;
+        let (name, unit) = self.name_and_unit();
+        let of = |slice, length| {
+            let suffix = match slice {
+                Slice::Whole => String::new(),
+                Slice::Column(column) => format!("(:,{})", column + 1),
+                Slice::Row(row) => format!("({},:)", row + 1),
+            };
+            let (path, name) = (&self.path, &name);
+            let array = ArrayHeading {
+                group_bytes: self.group_bytes,
+                shape: self.shape.clone(),
+                length: Some(length),
+                kind: self.kind.clone(),
+            };
+            let heading = Heading {
+                header: format!("{path}{suffix}"),
+                name: format!("{name}{suffix}"),
+                unit: unit.clone(),
+                array: Some(array),
+            };
+            Column { array: index, slice, heading }
+        };
+        match (rows, columns) {
+            (length, 1) => Some(vec![of(Slice::Whole, length)]),
+            (0, _) | (_, 0) => None,
+            _ if columns <= MAX_MATRIX_COLUMNS && columns <= rows => {
+                Some((0..columns).map(|column| of(Slice::Column(column), rows)).collect())
+            }
+            _ if rows <= MAX_MATRIX_COLUMNS => {
+                Some((0..rows).map(|row| of(Slice::Row(row), columns)).collect())
+            }
+            _ => None,
+        }
+    }
+
+    /// What is no column: listed, and refused where it is chosen.
+    fn apart(&self, index: usize) -> Column {
+        let (name, unit) = self.name_and_unit();
+        let array = ArrayHeading {
+            group_bytes: self.group_bytes,
+            shape: self.shape.clone(),
+            length: None,
+            kind: self.kind.clone(),
+        };
+        let heading = Heading { header: self.path.clone(), name, unit, array: Some(array) };
+        Column { array: index, slice: Slice::Whole, heading }
+    }
+
+    /// One column of the array's values.
+    fn slice(&self, values: &[f64], slice: Slice) -> Vec<f64> {
+        let (rows, columns) = self.matrix().unwrap_or_default();
+        let run = |range: Range<usize>| values.get(range).unwrap_or_default().to_vec();
+        let strided = |first: usize, step: usize| values.iter().skip(first).step_by(step).copied().collect();
+        match (slice, self.row_major) {
+            (Slice::Whole, _) => values.to_vec(),
+            (Slice::Column(column), true) => strided(column, columns),
+            (Slice::Column(column), false) => run(column * rows..(column + 1) * rows),
+            (Slice::Row(row), true) => run(row * columns..(row + 1) * columns),
+            (Slice::Row(row), false) => strided(row, rows),
+        }
+    }
+}
+
+/// Reads the wanted columns of a file that holds these arrays; `values` gives the numbers of one of them, in the order of memory.
+///
+/// A vector is a column, whatever dimensions of length 1 it has besides; a matrix of at most 16 columns or rows gives one column
+/// each. Single numbers are no columns where there are others, but may give the sample rate.
+pub(crate) fn columns(
+    input: Input<'_>,
+    held: &[Held],
+    sha256: String,
+    mut values: impl FnMut(usize) -> Result<Vec<f64>, IoError>,
+) -> Result<Columns, IoError> {
+    let Input { file, options, wanted, .. } = input;
+    let place = |path: &str| Place::new(file, Part::Array(path.into()));
+    if held.len() > MAX_ARRAYS {
+        let place = Place::new(file, Part::Whole);
+        return Err(IoError::TooManyColumns { place, found: held.len(), limit: MAX_ARRAYS });
+    }
+    let (columns, headings) = headings(file, held);
+    let wanted = wanted(&headings)?;
+    let mut left = options.max_values;
+    let mut read = |array: &Held, index| {
+        let too_many = || IoError::TooManyValues { place: place(&array.path), limit: options.max_values };
+        left = array.values().and_then(|count| left.checked_sub(count)).ok_or_else(too_many)?;
+        values(index)
+    };
+    let mut numbers: Vec<Vec<f64>> = Vec::new();
+    // A matrix is read once for all of its columns.
+    let mut last: Option<(usize, Vec<f64>)> = None;
+    for (column, wanted) in columns.iter().zip(&wanted) {
+        let array = &held[column.array];
+        if *wanted == Wanted::Nothing {
+            numbers.push(Vec::new());
+            continue;
+        }
+        check(array, column, place(&array.path))?;
+        let of_array = match last.take() {
+            Some((index, values)) if index == column.array => values,
+            _ => read(array, column.array)?,
+        };
+        if let Slice::Whole = column.slice {
+            numbers.push(of_array);
+        } else {
+            numbers.push(array.slice(&of_array, column.slice));
+            last = Some((column.array, of_array));
+        }
+    }
+    drop(last);
+    let used: Vec<&Heading> =
+        columns.iter().zip(&wanted).filter(|(_, w)| **w != Wanted::Nothing).map(|(c, _)| &c.heading).collect();
+    let mut rates = Vec::new();
+    for (index, array) in held.iter().enumerate() {
+        let of_all = used.iter().any(|heading| heading.header.starts_with(array.group()));
+        if let Some(hz) = array.sample_rate_hz.filter(|_| used.iter().any(|h| h.header.starts_with(&array.path))) {
+            rates.push((usize::MAX, Rate { path: array.path.clone(), hz, start_s: array.start_s }));
+        } else if let Some(to_hz) = rate_by_name(array.name()).filter(|_| of_all && array.is_one_number())
+            && used.iter().all(|heading| heading.header != array.path)
+        {
+            let hz = to_hz(read(array, index)?.first().copied().unwrap_or_default());
+            rates.push((array.group_bytes, Rate { path: array.path.clone(), hz, start_s: 0.0 }));
+        }
+    }
+    if let Some((_, rate)) = rates.iter().find(|(_, rate)| !(rate.hz.is_finite() && rate.hz > 0.0)) {
+        return Err(IoError::BadRate { place: place(&rate.path), value: rate.hz });
+    }
+    let rate = nearest(rates, file, options.sample_rate_hz.is_some())?;
+    let texts = vec![Vec::new(); headings.columns.len()];
+    Ok(Columns { headings, values: numbers, texts, lines: SampleLines::default(), rate, sha256 })
+}
+
+/// The columns and behind them whatever else the file holds.
+fn headings(file: &str, held: &[Held]) -> (Vec<Column>, Headings) {
+    let has_lists = held.iter().any(|array| array.kind == Kind::Numbers && array.values() != Some(1));
+    let (mut columns, mut apart) = (Vec::new(), Vec::new());
+    for (index, array) in held.iter().enumerate() {
+        let is_column = !has_lists || array.values() != Some(1);
+        match array.columns(index).filter(|_| is_column) {
+            Some(of_array) => columns.extend(of_array),
+            None => apart.push(array.apart(index)),
+        }
+    }
+    columns.append(&mut apart);
+    let headings = columns.iter().map(|column| column.heading.clone()).collect();
+    (columns, Headings { file: file.to_owned(), line: None, columns: headings })
+}
+
+/// Refuses what is no column of numbers.
+fn check(array: &Held, column: &Column, place: Place) -> Result<(), IoError> {
+    if let Kind::Other(found) = &array.kind {
+        return Err(IoError::ArrayType { place, found: found.clone() });
+    }
+    let length = column.heading.array.as_ref().and_then(|array| array.length);
+    if length.is_none() {
+        return Err(IoError::ArrayShape { place, found: shape_text(&array.shape) });
+    }
+    Ok(())
+}
+
+impl Held {
+    fn is_one_number(&self) -> bool {
+        self.kind == Kind::Numbers && self.values() == Some(1)
+    }
+}
+
+/// The rate that stands nearest to the columns; those equally near must agree, unless the user gives one.
+fn nearest(rates: Vec<(usize, Rate)>, file: &str, is_given: bool) -> Result<Option<Rate>, IoError> {
+    let Some(near) = rates.iter().map(|(near, _)| *near).max() else { return Ok(None) };
+    let mut rates = rates.into_iter().filter(|(own, _)| *own == near).map(|(_, rate)| rate);
+    let first = rates.next();
+    let differs = |first: &Rate, other: &Rate| (other.hz / first.hz - 1.0).abs() > RATE_TOLERANCE;
+    match first.as_ref().and_then(|first| rates.find(|other| differs(first, other)).map(|other| (first, other))) {
+        Some((first, other)) if !is_given => Err(IoError::ChooseRate {
+            place: Place::new(file, Part::Array(other.path.as_str().into())),
+            hz: other.hz,
+            other: first.path.clone(),
+            other_hz: first.hz,
+        }),
+        _ => Ok(first),
+    }
+}
+
+/// How the sample rate \[Hz\] follows from a number of this name, if it does.
+fn rate_by_name(name: &str) -> Option<fn(f64) -> f64> {
+    let name = name.to_lowercase();
+    let (stem, unit) = match name.rsplit_once('_') {
+        Some((stem, unit @ ("hz" | "khz" | "s" | "ms" | "us"))) => (stem, unit),
+        _ => (name.as_str(), ""),
+    };
+    match (stem, unit) {
+        ("fs" | "sample_rate" | "sampling_rate" | "sample_frequency" | "sampling_frequency", unit) => {
+            match unit {
+                "" | "hz" => Some(|rate| rate),
+                "khz" => Some(|rate| 1e3 * rate),
+                _ => None,
+            }
+        }
+        ("dt" | "sample_period" | "sampling_period", unit) => match unit {
+            "" | "s" => Some(|period| 1.0 / period),
+            "ms" => Some(|period| 1e3 / period),
+            "us" => Some(|period| 1e6 / period),
+            _ => None,
+        },
+        _ => None,
+    }
+}

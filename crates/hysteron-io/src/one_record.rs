@@ -1,0 +1,103 @@
+//! Which of a file's named arrays can stand in one record.
+
+use std::collections::HashMap;
+
+use crate::IoError;
+use crate::columns::{Heading, Headings, list_arrays};
+use crate::place::{Part, Place};
+
+/// For each column, whether it is outside of the record that the chosen ones make: of another length, of another group although
+/// the record has a column of this name, or not readable. Without a choice, all columns must make one record. In a text, all do.
+///
+/// # Errors
+/// [`IoError::ChooseArrays`] where nothing is chosen and lengths or names speak against one record.
+pub(crate) fn set_apart(
+    headings: &Headings,
+    chosen: &[Option<usize>],
+    left_out: &[Option<usize>],
+) -> Result<Vec<bool>, IoError> {
+    let columns = &headings.columns;
+    let length = |i: usize| columns.get(i).and_then(|c| c.array.as_ref()).and_then(|array| array.length);
+    let is_named = |i: usize| chosen.contains(&Some(i)) || left_out.contains(&Some(i));
+    let mut apart: Vec<bool> = columns.iter().map(|_| false).collect();
+    if columns.iter().all(|column| column.array.is_none()) {
+        return Ok(apart);
+    }
+    let nothing_is_chosen = chosen.iter().all(Option::is_none);
+    let candidates = (0..columns.len()).filter(|i| !is_named(*i) && !columns[*i].is_unreadable());
+    let samples = match chosen.iter().flatten().next() {
+        Some(&first) => length(first),
+        None => common_length(headings, candidates)?,
+    };
+    for (i, column) in columns.iter().enumerate().filter(|(i, _)| !is_named(*i)) {
+        // Without a choice an array of texts that is as long as the record is refused, not passed over, as in a text.
+        apart[i] = length(i) != samples || (column.is_unreadable() && !nothing_is_chosen);
+    }
+    let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (i, column) in columns.iter().enumerate().filter(|(i, _)| !apart[*i] && !left_out.contains(&Some(*i))) {
+        by_name.entry(&column.name).or_default().push(i);
+    }
+    let chosen: Vec<usize> = chosen.iter().flatten().copied().collect();
+    for same in columns.iter().enumerate().filter_map(|(i, c)| by_name.get(c.name.as_str()).filter(|s| s[0] == i)) {
+        if let [first, second, ..] = same[..]
+            && nothing_is_chosen
+        {
+            let other = &columns[second].header;
+            let problem = format!("`{other}` has the same name and length, and nothing says which is meant");
+            return Err(choose(headings, &columns[first], problem));
+        }
+        // The chosen ones, else those next to them.
+        let nearness = |i: &usize| if chosen.contains(i) { usize::MAX } else { nearness(columns, *i, &chosen) };
+        let nearest = same.iter().map(nearness).max();
+        for i in same.iter().filter(|i| Some(nearness(i)) != nearest) {
+            apart[*i] = true;
+        }
+    }
+    Ok(apart)
+}
+
+/// Bytes of a column's group and one where a chosen column stands in this group, else 0.
+fn nearness(columns: &[Heading], column: usize, chosen: &[usize]) -> usize {
+    let group = columns[column].group();
+    let holds = |i: &usize| columns.get(*i).is_some_and(|own| own.header.starts_with(group));
+    if chosen.iter().any(holds) { group.len() + 1 } else { 0 }
+}
+
+/// The length of all candidates; empty arrays do not count beside others.
+fn common_length(
+    headings: &Headings,
+    candidates: impl Iterator<Item = usize>,
+) -> Result<Option<usize>, IoError> {
+    let columns = &headings.columns;
+    let mut reference: Option<(usize, usize)> = None;
+    for i in candidates {
+        let Some(own) = columns[i].array.as_ref().and_then(|array| array.length) else { continue };
+        match reference {
+            Some((first, samples)) if own != samples && own > 0 && samples > 0 => {
+                let first = &columns[first].header;
+                return Err(choose(headings, &columns[i], format!("{own} samples where `{first}` has {samples}")));
+            }
+            Some((_, samples)) if samples >= own => {}
+            _ => reference = Some((i, own)),
+        }
+    }
+    Ok(reference.map(|(_, samples)| samples))
+}
+
+/// The refusal of a file without a channel.
+pub(crate) fn no_channels(headings: &Headings) -> IoError {
+    let place = headings.place();
+    if headings.columns.iter().all(|column| column.array.is_none()) {
+        return IoError::NoChannels { place, found: headings.list() };
+    }
+    let problem = "it holds no column of numbers besides time and mask".to_owned();
+    IoError::ChooseArrays { place, problem, held: list_arrays(&headings.columns) }
+}
+
+fn choose(headings: &Headings, column: &Heading, problem: String) -> IoError {
+    IoError::ChooseArrays {
+        place: Place::new(&headings.file, Part::Array(column.header.as_str().into())),
+        problem,
+        held: list_arrays(&headings.columns),
+    }
+}
