@@ -36,6 +36,7 @@
 mod assemble;
 pub mod atomic_file;
 mod atomic_folder;
+mod bytes;
 mod columns;
 mod container;
 mod contents;
@@ -56,6 +57,7 @@ mod read;
 mod reader;
 mod rename;
 mod roles;
+mod tdms;
 mod write;
 
 pub use atomic_folder::{NamedFile, temporary_folder, write_folder};

@@ -13,10 +13,10 @@ use crate::place::{Part, Place};
 use crate::reader::{Input, Reader};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Roles};
-use crate::{IoError, ReadOptions, csv, npy, npz};
+use crate::{IoError, ReadOptions, csv, npy, npz, tdms};
 
 /// Formats that are read. A file of none of them is read as the first: text.
-static READERS: [Reader; 3] = [csv::READER, npy::READER, npz::READER];
+static READERS: [Reader; 4] = [csv::READER, npy::READER, npz::READER, tdms::READER];
 
 /// Bytes at the start of a file that [`Reader::recognises`] looks at.
 const HEAD_BYTES: u64 = 8;

@@ -1,4 +1,4 @@
-"""Writes the arrays of this folder; they were written with numpy 2."""
+"""Writes the arrays of this folder; they were written with numpy 2. The TDMS files are some of ../oracle/tdms.py."""
 import numpy as np
 
 t = np.arange(5) / 1000

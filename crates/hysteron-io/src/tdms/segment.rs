@@ -1,0 +1,448 @@
+//! Segments of a TDMS file: which objects it holds, and where their raw data stand.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::number::DataType;
+use crate::bytes::Bytes;
+
+/// First bytes of a segment.
+pub(super) const TAG: &[u8] = b"TDSm";
+/// Bytes in front of the metadata: tag, contents, version, length of the segment, length of the metadata.
+const LEAD_IN_BYTES: usize = 28;
+/// Length of a segment whose writing was interrupted.
+const UNKNOWN: u64 = u64::MAX;
+/// Most objects of a file: channels, groups, and the file itself.
+const MAX_OBJECTS: usize = 1 << 12;
+/// Most places of channels in the layouts of all segments together, and most visits to them.
+const MAX_PARTS: usize = 1 << 22;
+const MAX_VISITS: usize = 1 << 28;
+/// Index of an object without data, and of one with the data of the last segment.
+const NO_DATA: u32 = 0xFFFF_FFFF;
+const SAME_AS_BEFORE: u32 = 0;
+/// Index of an object with raw data of a DAQmx device: of analogue channels, of digital lines.
+const DAQMX: u32 = 0x1269;
+const DAQMX_LINES: u32 = 0x1369;
+
+/// Properties of an object.
+pub(super) type Properties = BTreeMap<String, Value>;
+
+/// Value of a property.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    Integer(i128),
+    Float(f64),
+    Text(String),
+    Other,
+}
+
+impl Value {
+    pub fn text(&self) -> Option<&str> {
+        if let Value::Text(text) = self { Some(text) } else { None }
+    }
+
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Value::Integer(number) => Some(*number as f64),
+            Value::Float(number) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// An unsigned number of 32 bits; −1 is the largest.
+    pub fn as_index(&self) -> Option<u32> {
+        match self {
+            Value::Integer(-1) => Some(u32::MAX),
+            Value::Integer(number) => u32::try_from(*number).ok(),
+            _ => None,
+        }
+    }
+}
+
+/// The file, a group or a channel.
+pub(super) struct Object {
+    /// Names of group and channel.
+    pub path: Vec<String>,
+    pub properties: Properties,
+    /// What its values are, if it is not a channel of numbers.
+    pub refused: Option<String>,
+    /// Whether it is a channel of timestamps.
+    pub timestamps: bool,
+    /// Number of its values.
+    pub values: u64,
+    last_index: Option<Index>,
+    /// Its place in the list of objects of the current segment.
+    listed: Option<usize>,
+}
+
+/// What one chunk of a segment holds of an object.
+#[derive(Clone, Copy, PartialEq)]
+enum Index {
+    Values { data_type: DataType, values: u64, bytes: u64 },
+    Daqmx { values: u64 },
+}
+
+/// Values of a channel in each chunk of a segment.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Part {
+    pub object: usize,
+    pub data_type: DataType,
+    pub values: u64,
+    pub bytes: u64,
+}
+
+/// What each chunk of a segment holds, in this order.
+#[derive(Default, PartialEq)]
+pub(super) struct Layout {
+    pub parts: Vec<Part>,
+    pub chunk_bytes: u64,
+    /// Whether all channels have equally many values, of a known size, in a chunk: only then can they be
+    /// interleaved.
+    equally_many: bool,
+    /// Whether all values have a known size.
+    sized: bool,
+    /// Objects with data of a DAQmx device, and number of their values in a chunk; then the parts are no use.
+    daqmx: Vec<(usize, u64)>,
+}
+
+/// Raw data of a segment.
+pub(super) struct Segment {
+    pub start: usize,
+    pub bytes: usize,
+    /// Number of its layout.
+    pub layout: usize,
+    pub interleaved: bool,
+    pub big_endian: bool,
+    /// Whether the file ends within it.
+    pub cut_off: bool,
+}
+
+/// Objects and segments of a file.
+#[derive(Default)]
+pub(super) struct Contents {
+    pub objects: Vec<Object>,
+    pub layouts: Vec<Layout>,
+    pub segments: Vec<Segment>,
+    by_path: HashMap<String, usize>,
+    /// Objects of the current segment and what a chunk holds of them.
+    list: Vec<(usize, Option<Index>)>,
+    parts: usize,
+    visits: usize,
+}
+
+impl Contents {
+    /// Reads the metadata of all segments. An error says what is wrong with them.
+    pub fn read(file: &[u8]) -> Result<Self, String> {
+        let mut contents = Contents::default();
+        let mut start = 0;
+        let mut layout = None;
+        while let Some(lead_in) = file.get(start..start + LEAD_IN_BYTES) {
+            if !lead_in.starts_with(TAG) {
+                return Err(format!("at byte {start} no segment begins (`TDSm`)"));
+            }
+            let mut bytes = Bytes::new(lead_in, false);
+            bytes.take(TAG.len())?;
+            let flags = bytes.u32()?;
+            let flag = |bit: u32| flags & (1 << bit) != 0;
+            let (metadata, new_list, raw, interleaved, big_endian) =
+                (flag(1), flag(2), flag(3), flag(5), flag(6));
+            bytes.big_endian = big_endian;
+            bytes.u32()?;
+            let (length, metadata_length) = (bytes.u64()?, bytes.u64()?);
+            let body = start + LEAD_IN_BYTES;
+            let in_file = |length: u64| usize::try_from(length).ok().and_then(|n| n.checked_add(body));
+            let end = in_file(length).filter(|&end| length != UNKNOWN && end <= file.len());
+            let cut_off = end.is_none();
+            let end = end.unwrap_or(file.len());
+            let Some(data) = in_file(metadata_length).filter(|&data| data <= end) else {
+                if cut_off {
+                    break;
+                }
+                return Err(format!(
+                    "the metadata of the segment at byte {start} are longer than the segment"
+                ));
+            };
+            if metadata {
+                let metadata = Bytes::new(file.get(body..data).unwrap_or_default(), big_endian);
+                let read = contents.read_metadata(metadata, new_list);
+                read.map_err(|problem| format!("metadata of the segment at byte {start}: {problem}"))?;
+                layout = None;
+            }
+            if raw && data < end {
+                let current = match layout {
+                    Some(current) => current,
+                    None => contents.current_layout()?,
+                };
+                layout = Some(current);
+                let bytes = end - data;
+                contents.push(Segment {
+                    start: data,
+                    bytes,
+                    layout: current,
+                    interleaved,
+                    big_endian,
+                    cut_off,
+                })?;
+            }
+            start = end;
+        }
+        Ok(contents)
+    }
+
+    /// Takes up what the metadata of one segment change.
+    fn read_metadata(&mut self, mut bytes: Bytes<'_>, new_list: bool) -> Result<(), String> {
+        if new_list {
+            for (object, _) in self.list.drain(..) {
+                self.objects[object].listed = None;
+            }
+        }
+        for _ in 0..bytes.u32()? {
+            let path = bytes.text()?;
+            let number = match self.by_path.get(&path) {
+                Some(&number) => number,
+                None => self.add(path)?,
+            };
+            let index = self.read_index(&mut bytes, number)?;
+            let object = &mut self.objects[number];
+            match object.listed {
+                Some(place) => self.list[place].1 = index,
+                None => {
+                    object.listed = Some(self.list.len());
+                    self.list.push((number, index));
+                }
+            }
+            for _ in 0..bytes.u32()? {
+                let name = bytes.text()?;
+                let value = read_value(&mut bytes)?;
+                self.objects[number].properties.insert(name, value);
+            }
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, path: String) -> Result<usize, String> {
+        let number = self.objects.len();
+        if number == MAX_OBJECTS {
+            return Err(format!("more than {MAX_OBJECTS} objects"));
+        }
+        self.objects.push(Object {
+            path: components(&path).ok_or_else(|| format!("`{path}` is no path of an object"))?,
+            properties: Properties::new(),
+            refused: None,
+            timestamps: false,
+            values: 0,
+            last_index: None,
+            listed: None,
+        });
+        self.by_path.insert(path, number);
+        Ok(number)
+    }
+
+    /// What a chunk holds of an object.
+    fn read_index(&mut self, bytes: &mut Bytes<'_>, number: usize) -> Result<Option<Index>, String> {
+        let object = &mut self.objects[number];
+        let index = match bytes.u32()? {
+            NO_DATA => return Ok(None),
+            SAME_AS_BEFORE => {
+                let missing =
+                    || format!("the data of `{}` are as before, but there are none", object.path.join("/"));
+                return object.last_index.map(Some).ok_or_else(missing);
+            }
+            kind @ (DAQMX | DAQMX_LINES) => {
+                bytes.take(8)?;
+                let values = bytes.u64()?;
+                let scaler_bytes = if kind == DAQMX { 20 } else { 17 };
+                for _ in 0..bytes.u32()? {
+                    bytes.take(scaler_bytes)?;
+                }
+                for _ in 0..bytes.u32()? {
+                    bytes.take(4)?;
+                }
+                object.refused = Some("raw data of a DAQmx device".to_owned());
+                Index::Daqmx { values }
+            }
+            _ => {
+                let data_type = DataType::new(bytes.u32()?)?;
+                let dimension = bytes.u32()?;
+                if dimension != 1 {
+                    return Err(format!("an array of {dimension} dimensions, where TDMS has 1"));
+                }
+                let values = bytes.u64()?;
+                let size = match data_type.bytes() {
+                    Some(size) => values.checked_mul(size as u64),
+                    None => Some(bytes.u64()?),
+                };
+                let size = size.ok_or_else(|| format!("{values} values in a chunk"))?;
+                if let Some(name) = data_type.not_a_number() {
+                    object.refused = Some(name.to_owned());
+                }
+                if object.last_index.is_some() && object.timestamps != (data_type == DataType::Timestamp) {
+                    object.refused = Some("timestamps and numbers".to_owned());
+                }
+                object.timestamps = data_type == DataType::Timestamp;
+                Index::Values { data_type, values, bytes: size }
+            }
+        };
+        object.last_index = Some(index);
+        Ok(Some(index))
+    }
+
+    /// Number of the layout of the segments whose metadata were last read.
+    fn current_layout(&mut self) -> Result<usize, String> {
+        self.visits += self.list.len();
+        let mut layout = Layout::default();
+        for &(object, index) in &self.list {
+            match index {
+                Some(Index::Values { data_type, values, bytes }) if bytes > 0 => {
+                    layout.parts.push(Part { object, data_type, values, bytes });
+                    let sum = layout.chunk_bytes.checked_add(bytes);
+                    layout.chunk_bytes = sum.ok_or("chunks of more bytes than a file can have")?;
+                }
+                Some(Index::Daqmx { values }) => layout.daqmx.push((object, values)),
+                _ => {}
+            }
+        }
+        let rows = layout.parts.first().map(|part| part.values);
+        layout.sized = layout.parts.iter().all(|part| part.data_type.bytes().is_some());
+        layout.equally_many = layout.sized && layout.parts.iter().all(|part| Some(part.values) == rows);
+        if self.layouts.last() == Some(&layout) {
+            return Ok(self.layouts.len() - 1);
+        }
+        self.parts += layout.parts.len();
+        if self.parts > MAX_PARTS || self.visits > MAX_VISITS {
+            return Err("its channels change in too many segments to be read; defragment the file".to_owned());
+        }
+        self.layouts.push(layout);
+        Ok(self.layouts.len() - 1)
+    }
+
+    /// Takes up raw data.
+    fn push(&mut self, segment: Segment) -> Result<(), String> {
+        let layout = &self.layouts[segment.layout];
+        if !layout.daqmx.is_empty() {
+            for &(object, values) in &layout.daqmx {
+                self.objects[object].values = self.objects[object].values.saturating_add(values);
+            }
+            return Ok(());
+        }
+        if layout.chunk_bytes == 0 {
+            return Ok(());
+        }
+        if segment.interleaved && !layout.equally_many {
+            return Err(format!(
+                "the data at byte {} are interleaved, but are texts or differ in length",
+                segment.start
+            ));
+        }
+        for part in &layout.parts {
+            let whole = layout.chunks(&segment).saturating_mul(part.values);
+            let values = whole.saturating_add(layout.values_of_last(part, &segment));
+            self.objects[part.object].values = self.objects[part.object].values.saturating_add(values);
+        }
+        self.segments.push(segment);
+        Ok(())
+    }
+}
+
+impl Layout {
+    /// Number of whole chunks.
+    pub fn chunks(&self, segment: &Segment) -> u64 {
+        segment.bytes as u64 / self.chunk_bytes.max(1)
+    }
+
+    /// Number of values of a channel in a last chunk that is not whole: of interleaved channels those in the
+    /// file, of others, in a file that ends there, as many of each as there are of all; in a file that goes
+    /// on, the chunk is a shorter one.
+    pub fn values_of_last(&self, part: &Part, segment: &Segment) -> u64 {
+        let left = segment.bytes as u64 % self.chunk_bytes.max(1);
+        if left == 0 || !self.sized {
+            return 0;
+        }
+        if segment.interleaved || !segment.cut_off {
+            return share(part.values, left, self.chunk_bytes);
+        }
+        // Whatever comes before the last channel is whole where that one has begun.
+        let Some(last) = self.parts.last() else { return 0 };
+        let size = last.data_type.bytes().unwrap_or(1) as u64;
+        let of_last = (left.saturating_sub(self.chunk_bytes - last.bytes)) / size.max(1);
+        share(part.values, of_last, last.values)
+    }
+
+    /// Place of a channel in each chunk: bytes in front of it in a whole chunk.
+    pub fn offset(&self, index: usize) -> u64 {
+        self.parts.iter().take(index).map(|part| part.bytes).sum()
+    }
+
+    /// Place of a channel in a last chunk that is a shorter one.
+    pub fn offset_in_last(&self, index: usize, segment: &Segment) -> usize {
+        let bytes = |part: &Part| {
+            self.values_of_last(part, segment).saturating_mul(part.data_type.bytes().unwrap_or(0) as u64)
+        };
+        let parts = self.parts.iter().take(index);
+        parts.map(bytes).fold(0u64, u64::saturating_add).try_into().unwrap_or(usize::MAX)
+    }
+
+    /// Bytes of a row of interleaved channels, and of those in front of a channel in it.
+    pub fn row(&self, index: usize) -> (usize, usize) {
+        let bytes = |part: &Part| part.data_type.bytes().unwrap_or(0);
+        (self.parts.iter().map(bytes).sum(), self.parts.iter().take(index).map(bytes).sum())
+    }
+}
+
+/// `values` × `some` / `all`, rounded down.
+fn share(values: u64, some: u64, all: u64) -> u64 {
+    (u128::from(values) * u128::from(some) / u128::from(all.max(1))) as u64
+}
+
+/// Value of a property, behind its type.
+fn read_value(bytes: &mut Bytes<'_>) -> Result<Value, String> {
+    let data_type = DataType::new(bytes.u32()?)?;
+    let Some(size) = data_type.bytes() else { return Ok(Value::Text(bytes.text()?)) };
+    let raw = bytes.take(size)?;
+    Ok(match data_type {
+        // Exact beyond the 53 bits of a double; no property that is read needs more.
+        DataType::Signed(_) | DataType::Unsigned(_) | DataType::Boolean => {
+            Value::Integer(data_type.value(raw, bytes.big_endian) as i128)
+        }
+        DataType::Float32 | DataType::Float64 => Value::Float(data_type.value(raw, bytes.big_endian)),
+        _ => Value::Other,
+    })
+}
+
+/// Names in a path: `/'group'/'channel'`, quotes in names doubled; `/` is the file.
+fn components(path: &str) -> Option<Vec<String>> {
+    let mut names = Vec::new();
+    let mut rest = path;
+    while !rest.is_empty() && rest != "/" {
+        rest = rest.strip_prefix("/'")?;
+        let mut name = String::new();
+        loop {
+            let (before, after) = rest.split_once('\'')?;
+            name.push_str(before);
+            match after.strip_prefix('\'') {
+                Some(more) => {
+                    name.push('\'');
+                    rest = more;
+                }
+                None => {
+                    rest = after;
+                    break;
+                }
+            }
+        }
+        names.push(name);
+    }
+    Some(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_taken_apart_with_its_quotes() {
+        assert_eq!(components("/").unwrap(), Vec::<String>::new());
+        assert_eq!(components("/'it''s'/'a/b'").unwrap(), ["it's", "a/b"]);
+        assert_eq!(components("/'open"), None);
+        assert_eq!(components("plain"), None);
+    }
+}
