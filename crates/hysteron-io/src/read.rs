@@ -13,13 +13,14 @@ use crate::place::{Part, Place};
 use crate::reader::{Input, Reader};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Roles};
-use crate::{IoError, ReadOptions, csv, npy, npz, tdms};
+use crate::{IoError, ReadOptions, csv, gcs, lvm, npy, npz, tdms};
 
 /// Formats that are read. A file of none of them is read as the first: text.
-static READERS: [Reader; 4] = [csv::READER, npy::READER, npz::READER, tdms::READER];
+static READERS: [Reader; 6] =
+    [csv::READER, npy::READER, npz::READER, tdms::READER, lvm::READER, gcs::READER];
 
 /// Bytes at the start of a file that [`Reader::recognises`] looks at.
-const HEAD_BYTES: u64 = 8;
+const HEAD_BYTES: u64 = 1024;
 
 /// Input and output of a file, and what was decided without being told.
 #[derive(Clone, Debug, PartialEq)]

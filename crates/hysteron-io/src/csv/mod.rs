@@ -18,7 +18,7 @@ use table::Table;
 
 /// Delimited text. Nothing tells it by its first bytes: it is what no other reader recognises.
 pub(crate) const READER: Reader =
-    Reader { extensions: &["csv", "tsv", "txt", "dat"], recognises: |_| false, read };
+    Reader { extensions: &["csv", "tsv", "txt", "dat", "lvm"], recognises: |_| false, read };
 
 /// A line kept until the next one explains it.
 struct Kept {
