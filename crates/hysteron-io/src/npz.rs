@@ -5,7 +5,7 @@ use std::io::{Cursor, Read};
 use zip::ZipArchive;
 use zip::read::ZipFile;
 
-use crate::IoError;
+use crate::{IoError, jpk};
 use crate::columns::{Columns, Kind};
 use crate::container::{self, Held, MAX_ARRAYS};
 use crate::hash::sha256;
@@ -34,6 +34,9 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let whole = || Place::new(file, Part::Whole);
     let mut archive = ZipArchive::new(Cursor::new(&bytes))
         .map_err(|e| malformed(whole(), format!("not a zip archive ({e})")))?;
+    if jpk::recognises(&archive) {
+        return jpk::read(input, &bytes, archive);
+    }
     if archive.len() > MAX_ARRAYS {
         return Err(IoError::TooManyColumns { place: whole(), found: archive.len(), limit: MAX_ARRAYS });
     }
