@@ -68,7 +68,9 @@ check: check-components ## before every commit: format, lints, arrows between cr
 test: check ## everything: check, documentation, no_std proof, integration tests; what exports need is installed last
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	crates/hysteron-rt/proof/run.sh
-	cargo test --workspace --exclude hysteron-export --locked --test '*'
+	$(MAKE) python-tools
+	HYSTERON_PYTHON=$(abspath $(PYTHON))/bin/python \
+	  cargo test --workspace --exclude hysteron-export --locked --test '*'
 	$(MAKE) test-python
 	$(MAKE) export-tools
 	cargo test -p hysteron-export --locked --test '*'

@@ -5,9 +5,7 @@ use std::ops::Range;
 use hysteron_model::record::{Unit, split_header};
 
 use crate::IoError;
-use crate::columns::{
-    ArrayHeading, Columns, Heading, Headings, Kind, Rate, SampleLines, Wanted, shape_text,
-};
+use crate::columns::{ArrayHeading, Columns, Heading, Headings, Kind, Rate, SampleLines, Wanted, shape_text};
 use crate::place::{Part, Place};
 use crate::reader::Input;
 
@@ -59,7 +57,16 @@ impl Held {
         // Paths stand in messages.
         let path = format!("{group}{name}").replace(char::is_control, "\u{FFFD}");
         let group_bytes = group.replace(char::is_control, "\u{FFFD}").len();
-        Held { path, group_bytes, unit: None, shape, row_major: true, kind, sample_rate_hz: None, start_s: 0.0 }
+        Held {
+            path,
+            group_bytes,
+            unit: None,
+            shape,
+            row_major: true,
+            kind,
+            sample_rate_hz: None,
+            start_s: 0.0,
+        }
     }
 
     /// Number of values; `None` where a computer cannot count them.
@@ -207,12 +214,18 @@ pub(crate) fn columns(
         }
     }
     drop(last);
-    let used: Vec<&Heading> =
-        columns.iter().zip(&wanted).filter(|(_, w)| **w != Wanted::Nothing).map(|(c, _)| &c.heading).collect();
+    let used: Vec<&Heading> = columns
+        .iter()
+        .zip(&wanted)
+        .filter(|(_, w)| **w != Wanted::Nothing)
+        .map(|(c, _)| &c.heading)
+        .collect();
     let mut rates = Vec::new();
     for (index, array) in held.iter().enumerate() {
         let of_all = used.iter().any(|heading| heading.header.starts_with(array.group()));
-        if let Some(hz) = array.sample_rate_hz.filter(|_| used.iter().any(|h| h.header.starts_with(&array.path))) {
+        if let Some(hz) =
+            array.sample_rate_hz.filter(|_| used.iter().any(|h| h.header.starts_with(&array.path)))
+        {
             rates.push((usize::MAX, Rate { path: array.path.clone(), hz, start_s: array.start_s }));
         } else if let Some(to_hz) = rate_by_name(array.name()).filter(|_| of_all && array.is_one_number())
             && used.iter().all(|heading| heading.header != array.path)
@@ -269,7 +282,10 @@ fn nearest(rates: Vec<(usize, Rate)>, file: &str, is_given: bool) -> Result<Opti
     let mut rates = rates.into_iter().filter(|(own, _)| *own == near).map(|(_, rate)| rate);
     let first = rates.next();
     let differs = |first: &Rate, other: &Rate| (other.hz / first.hz - 1.0).abs() > RATE_TOLERANCE;
-    match first.as_ref().and_then(|first| rates.find(|other| differs(first, other)).map(|other| (first, other))) {
+    match first
+        .as_ref()
+        .and_then(|first| rates.find(|other| differs(first, other)).map(|other| (first, other)))
+    {
         Some((first, other)) if !is_given => Err(IoError::ChooseRate {
             place: Place::new(file, Part::Array(other.path.as_str().into())),
             hz: other.hz,

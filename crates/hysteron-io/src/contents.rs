@@ -41,7 +41,8 @@ pub fn contents_of_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Res
 fn list(file: &str, source: impl Read, options: &ReadOptions) -> Result<Vec<Content>, IoError> {
     let mut contents = Vec::new();
     let wanted = |headings: &Headings| {
-        contents = headings.columns.iter().filter(|column| !column.header.is_empty()).map(Content::of).collect();
+        contents =
+            headings.columns.iter().filter(|column| !column.header.is_empty()).map(Content::of).collect();
         Ok(vec![Wanted::Nothing; headings.columns.len()])
     };
     read_columns(file, source, options, wanted)?;

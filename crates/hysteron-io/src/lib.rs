@@ -63,6 +63,7 @@ mod rename;
 mod roles;
 mod tdms;
 mod write;
+mod xlsx;
 
 pub use atomic_folder::{NamedFile, temporary_folder, write_folder};
 pub use contents::{Content, contents, contents_of_bytes};

@@ -5,13 +5,13 @@ use std::io::{Cursor, Read};
 use zip::ZipArchive;
 use zip::read::ZipFile;
 
-use crate::{IoError, jpk};
 use crate::columns::{Columns, Kind};
 use crate::container::{self, Held, MAX_ARRAYS};
 use crate::hash::sha256;
 use crate::npy::{Array, Budget, Type};
 use crate::place::{Part, Place, shown};
 use crate::reader::{Input, Reader};
+use crate::{IoError, jpk, xlsx};
 
 /// Archives of arrays.
 pub(crate) const READER: Reader = Reader {
@@ -36,6 +36,9 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
         .map_err(|e| malformed(whole(), format!("not a zip archive ({e})")))?;
     if jpk::recognises(&archive) {
         return jpk::read(input, &bytes, archive);
+    }
+    if xlsx::recognises(&archive) {
+        return xlsx::read(input, &bytes, archive);
     }
     if archive.len() > MAX_ARRAYS {
         return Err(IoError::TooManyColumns { place: whole(), found: archive.len(), limit: MAX_ARRAYS });

@@ -34,11 +34,14 @@ pub(crate) fn set_apart(
         apart[i] = length(i) != samples || (column.is_unreadable() && !nothing_is_chosen);
     }
     let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();
-    for (i, column) in columns.iter().enumerate().filter(|(i, _)| !apart[*i] && !left_out.contains(&Some(*i))) {
+    for (i, column) in columns.iter().enumerate().filter(|(i, _)| !apart[*i] && !left_out.contains(&Some(*i)))
+    {
         by_name.entry(&column.name).or_default().push(i);
     }
     let chosen: Vec<usize> = chosen.iter().flatten().copied().collect();
-    for same in columns.iter().enumerate().filter_map(|(i, c)| by_name.get(c.name.as_str()).filter(|s| s[0] == i)) {
+    for same in
+        columns.iter().enumerate().filter_map(|(i, c)| by_name.get(c.name.as_str()).filter(|s| s[0] == i))
+    {
         if let [first, second, ..] = same[..]
             && nothing_is_chosen
         {
@@ -47,7 +50,8 @@ pub(crate) fn set_apart(
             return Err(choose(headings, &columns[first], problem));
         }
         // The chosen ones, else those next to them.
-        let nearness = |i: &usize| if chosen.contains(i) { usize::MAX } else { nearness(columns, *i, &chosen) };
+        let nearness =
+            |i: &usize| if chosen.contains(i) { usize::MAX } else { nearness(columns, *i, &chosen) };
         let nearest = same.iter().map(nearness).max();
         for i in same.iter().filter(|i| Some(nearness(i)) != nearest) {
             apart[*i] = true;
@@ -75,7 +79,11 @@ fn common_length(
         match reference {
             Some((first, samples)) if own != samples && own > 0 && samples > 0 => {
                 let first = &columns[first].header;
-                return Err(choose(headings, &columns[i], format!("{own} samples where `{first}` has {samples}")));
+                return Err(choose(
+                    headings,
+                    &columns[i],
+                    format!("{own} samples where `{first}` has {samples}"),
+                ));
             }
             Some((_, samples)) if samples >= own => {}
             _ => reference = Some((i, own)),
