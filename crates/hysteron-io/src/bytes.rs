@@ -13,6 +13,16 @@ impl<'a> Bytes<'a> {
         Bytes { data, position: 0, big_endian }
     }
 
+    /// How many are left.
+    pub fn left(&self) -> usize {
+        self.data.len() - self.position
+    }
+
+    /// How many were read.
+    pub fn position(&self) -> usize {
+        self.position
+    }
+
     /// The next bytes.
     pub fn take(&mut self, count: usize) -> Result<&'a [u8], String> {
         let end = self.position.checked_add(count);

@@ -4,15 +4,20 @@ use std::path::Path;
 
 use hysteron_model::record::{Record, RecordError, TimeBase};
 
-use crate::{IoError, write_csv, write_npz};
+use crate::{IoError, write_csv, write_mat, write_npz};
 
-/// Writes a record: as NPZ to a file `NAME.npz` ([`write_npz`]), as CSV to any other ([`write_csv`]).
+/// Writes a record: as NPZ to a file `NAME.npz` ([`write_npz`]), as MAT to `NAME.mat` ([`write_mat`]), as CSV to any other
+/// ([`write_csv`]).
 ///
 /// # Errors
 /// Those of [`write_csv`].
 pub fn write_record(path: &Path, record: &Record) -> Result<(), IoError> {
-    let is_npz = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npz"));
-    if is_npz { write_npz(path, record) } else { write_csv(path, record) }
+    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    match extension.as_deref().and_then(|extension| extension.to_str()) {
+        Some("npz") => write_npz(path, record),
+        Some("mat") => write_mat(path, record),
+        _ => write_csv(path, record),
+    }
 }
 
 /// Headers of a record's columns in a file: time, channels, mask.

@@ -1,0 +1,73 @@
+//! MAT files of versions 4 to 7: variables and the fields of structures, each by its path `rec.u`, `signals(2).values`, `runs{1}`.
+//!
+//! Format: The MathWorks, *MAT-File Format*, R2019b. A MAT file of version 7.3 is an HDF5 file.
+
+mod element;
+mod v4;
+mod v5;
+
+use crate::IoError;
+use crate::columns::Columns;
+use crate::container::{self, Held};
+use crate::hash::sha256;
+use crate::options::ReadOptions;
+use crate::place::{Part, Place};
+use crate::reader::{Input, Reader};
+use element::Numbers;
+
+/// Files of MATLAB, Octave and SciPy.
+pub(crate) const READER: Reader =
+    Reader { extensions: &["mat"], recognises: |head| v5::is_little_endian(head).is_some(), read };
+
+/// Most bytes that compressed variables may unpack to, unless the options allow larger files than usual.
+const MOST_UNPACKED: u64 = 1 << 30;
+
+/// What a file holds: arrays, and where the numbers of each stand.
+#[derive(Default)]
+struct Variables {
+    held: Vec<Held>,
+    /// One an array; `None` for what is no array of numbers.
+    numbers: Vec<Option<Numbers>>,
+    /// Variables as they stand in the file or unpacked.
+    buffers: Vec<Vec<u8>>,
+}
+
+fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
+    let file = input.read_to_end()?;
+    let (name, options) = (input.file.to_owned(), input.options);
+    let place = || Place::new(&name, Part::Whole);
+    let malformed = |problem| IoError::Malformed { place: place(), format: "MAT", problem };
+    let sha = sha256(&file);
+    let variables = match v5::is_little_endian(&file) {
+        Some(little_endian) => {
+            let limit_bytes = most_unpacked(options);
+            match v5::variables(&file, !little_endian, limit_bytes) {
+                Err(v5::Problem::TooLarge) => return Err(IoError::TooLarge { place: place(), limit_bytes }),
+                Err(v5::Problem::Malformed(problem)) => return Err(malformed(problem)),
+                Ok(variables) => variables,
+            }
+        }
+        None => v4::variables(file).map_err(malformed)?,
+    };
+    if variables.held.is_empty() {
+        return Err(malformed("it holds no variables".to_owned()));
+    }
+    let Variables { held, numbers, buffers } = variables;
+    container::columns(input, &held, sha, |index| match &numbers[index] {
+        Some(numbers) => numbers.read(&buffers).map_err(|problem| IoError::Malformed {
+            place: Place::new(&name, Part::Array(held[index].path.as_str().into())),
+            format: "MAT",
+            problem,
+        }),
+        None => Ok(Vec::new()),
+    })
+}
+
+/// Whoever allows larger files than usual means what they unpack to as well.
+fn most_unpacked(options: &ReadOptions) -> u64 {
+    if options.max_bytes > ReadOptions::default().max_bytes {
+        options.max_bytes
+    } else {
+        options.max_bytes.min(MOST_UNPACKED)
+    }
+}
