@@ -33,7 +33,7 @@ from .comparison import Comparison, choices, compare
 from .estimators import Branches, Estimator, Hammerstein, Modes, Oscillator
 from .excitation import excite, simulate_bench
 from .model import Controller, Model, load
-from .record import Inspection, Record, inspect, prepare, read, write
+from .record import Content, Inspection, Record, contents, inspect, prepare, read, write
 from .response import ExplainedResponse, frequency_response
 from .results import Finding, FrequencyResponse, Inversion, Prediction, Realisation, Score, Tracking
 
@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Branches",
     "Comparison",
+    "Content",
     "Controller",
     "Estimator",
     "ExplainedResponse",
@@ -69,6 +70,7 @@ __all__ = [
     "__version__",
     "choices",
     "compare",
+    "contents",
     "excite",
     "frequency_response",
     "inspect",

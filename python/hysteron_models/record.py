@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 PathLike = str | os.PathLike[str]
 
-__all__ = ["Inspection", "Record", "inspect", "prepare", "read", "write"]
+__all__ = ["Content", "Inspection", "Record", "contents", "inspect", "prepare", "read", "write"]
 
 
 def as_samples(values: ArrayLike, name: str) -> Array:
@@ -321,6 +322,24 @@ def read(
     if isinstance(path, str | os.PathLike):
         return Record._of(_native.read([path], options)[0], input, output)
     return [Record._of(native, input, output) for native in _native.read(list(path), options)]
+
+
+@dataclass(frozen=True)
+class Content:
+    """A column or an array of a file: ``path``, ``shape``, ``unit``, and its ``kind`` (``"numbers"``, ``"text"``, …)."""
+
+    path: str
+    shape: tuple[int, ...]
+    unit: str | None
+    kind: str
+
+
+def contents(path: PathLike) -> list[Content]:
+    """List what a file holds: the columns of a text, the arrays of MAT, HDF5, TDMS, XLSX, NPZ and JPK files.
+
+    Any of the paths is what ``time``, ``input`` and ``output`` of :func:`read` take, as is the unambiguous end of one.
+    """
+    return [Content(**{**held, "shape": tuple(held["shape"])}) for held in json.loads(_native.contents(path))]
 
 
 def write(path: PathLike, record: Record) -> None:

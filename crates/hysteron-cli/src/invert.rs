@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use hysteron_io::write_csv;
+use hysteron_io::write_record;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::dynamics::DynamicsError;
 use hysteron_model::hammerstein::SimulationError;
@@ -263,7 +263,7 @@ impl Invert {
         ];
         let record =
             Record::new(&self.out.display().to_string(), time, channels).map_err(|e| failure().because(e))?;
-        write_csv(&self.out, &record).map_err(|e| failure().because(e))?;
+        write_record(&self.out, &record).map_err(|e| failure().because(e))?;
         console::message(&format!("wrote {} samples to {}", record.len(), self.out.display()));
         Ok(())
     }

@@ -26,7 +26,7 @@ use crate::output::{self, OutFile};
     --rate filters what the new rate cannot carry; a column of labels (a segment's number) keeps its value until the next. Stamps that are not uniform (segments of different rates) are interpolated within \
     what was measured: a gap, longer than three of its neighbours' periods, is bridged by a straight line, and what lies in it is \
     marked 0 in the column valid.\n\n\
-    The file written is a header line t_s,u_V,…,valid and one line a sample, or an NPZ archive of the same columns. Numbers that are missing or not \
+    The file written is a header line t_s,u_V,…,valid and one line a sample, or an NPZ or MAT file of the same columns. Numbers that are missing or not \
     finite are refused where they are kept.\n\n\
     Example: hysteron prepare run.csv --from 1.5s --to 20s -o steady.csv\n\
     Example: hysteron prepare scan.csv --where segment=2..7 --rate 500Hz -o scan_500.csv\n\
@@ -38,7 +38,7 @@ pub struct PrepareCommand {
     records: Vec<PathBuf>,
 
     /// File to write
-    #[arg(short, long = "out", value_name = "OUT.csv|npz")]
+    #[arg(short, long = "out", value_name = "OUT.csv|npz|mat")]
     out: OutFile,
 
     /// New name of a column, e.g. ch1=u_V; no number is converted; may be repeated

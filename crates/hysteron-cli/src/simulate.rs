@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use hysteron_identify::IdentifyError;
-use hysteron_io::write_csv;
+use hysteron_io::write_record;
 use hysteron_model::model::{Capability, Signals};
 use hysteron_model::record::Run;
 
@@ -42,7 +42,7 @@ pub struct Simulate {
     continued: bool,
 
     /// File to write
-    #[arg(short, long = "out", value_name = "OUT.csv")]
+    #[arg(short, long = "out", value_name = "OUT.csv|npz|mat")]
     out: OutFile,
 
     /// Add the ends of a 95 % band around the output
@@ -91,7 +91,7 @@ impl Simulate {
         }
         let record = found.to_record(&self.out.display().to_string(), &signals, &names, unit, ends);
         let record = record.map_err(|e| failure().because(e))?;
-        write_csv(&self.out, &record).map_err(|e| failure().because(e))?;
+        write_record(&self.out, &record).map_err(|e| failure().because(e))?;
         console::message(&format!("wrote {} samples to {}", record.len(), self.out.display()));
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use hysteron_io::write_csv;
+use hysteron_io::write_record;
 use hysteron_model::Advice;
 use hysteron_model::control::{ControlError, Plant, Wanted, slew_of_current};
 use hysteron_model::invert::InversionError;
@@ -240,7 +240,7 @@ impl Track {
         }
         let record =
             Record::new(&out.display().to_string(), time, channels).map_err(|e| failure().because(e))?;
-        write_csv(out, &record).map_err(|e| failure().because(e))?;
+        write_record(out, &record).map_err(|e| failure().because(e))?;
         console::message(&format!(
             "wrote {} simulated samples of {} controllers to {}",
             short(record.len() as f64),

@@ -58,9 +58,9 @@ pub struct Validate {
     #[arg(long)]
     band: bool,
 
-    /// File for the samples that were scored: drive, measured output, model, residual (CSV, or NPZ by its name); one record, or
+    /// File for the samples that were scored: drive, measured output, model, residual (CSV, or NPZ or MAT by its name); one record, or
     /// one run
-    #[arg(short, long = "output-file", value_name = "OUT.csv")]
+    #[arg(short, long = "output-file", value_name = "OUT.csv|npz|mat")]
     out: Option<PathBuf>,
 
     #[command(flatten)]

@@ -46,6 +46,7 @@ mod error;
 mod frequency_response;
 mod gcs;
 mod hash;
+mod hdf5;
 mod jpk;
 mod json_file;
 mod laboratory_text;

@@ -13,11 +13,19 @@ use crate::place::{Part, Place};
 use crate::reader::{Input, Reader};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Roles};
-use crate::{IoError, ReadOptions, csv, gcs, lvm, mat, npy, npz, tdms};
+use crate::{IoError, ReadOptions, csv, gcs, hdf5, lvm, mat, npy, npz, tdms};
 
 /// Formats that are read. A file of none of them is read as the first: text.
-static READERS: [Reader; 7] =
-    [csv::READER, mat::READER, npy::READER, npz::READER, tdms::READER, lvm::READER, gcs::READER];
+static READERS: [Reader; 8] = [
+    csv::READER,
+    hdf5::READER,
+    mat::READER,
+    npy::READER,
+    npz::READER,
+    tdms::READER,
+    lvm::READER,
+    gcs::READER,
+];
 
 /// Bytes at the start of a file that [`Reader::recognises`] looks at.
 const HEAD_BYTES: u64 = 1024;

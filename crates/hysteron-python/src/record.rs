@@ -150,6 +150,13 @@ pub fn read(py: Python<'_>, paths: Vec<PathBuf>, options: &str) -> PyResult<Vec<
     Ok(records.map_err(raised)?.into_iter().map(Record::from).collect())
 }
 
+/// What a file holds, as JSON.
+#[pyfunction]
+pub fn contents(py: Python<'_>, path: PathBuf) -> PyResult<String> {
+    let held = work::run(py, || hysteron::contents(&path, &ReadOptions::default()))?;
+    to_json(&held.map_err(raised)?)
+}
+
 /// Writes a record, by the extension of the file.
 #[pyfunction]
 pub fn write(py: Python<'_>, path: PathBuf, record: &Record) -> PyResult<()> {

@@ -76,7 +76,7 @@ pub use hysteron_identify::{
     Watch,
 };
 #[doc(inline)]
-pub use hysteron_io::{ReadOptions, Rename};
+pub use hysteron_io::{Content, ReadOptions, Rename};
 #[doc(inline)]
 pub use hysteron_model::Start;
 #[doc(inline)]
@@ -99,7 +99,7 @@ pub use hysteron_model::validate::{OffsetTreatment, Scores, Scoring};
 
 use std::path::Path;
 
-/// Reads records, each from a file of any format that is known: CSV, NPY, NPZ.
+/// Reads records, each from a file of any format that is known: CSV, MAT, HDF5, TDMS, NPY, NPZ, XLSX, LVM, GCS, JPK.
 ///
 /// # Errors
 /// [`Error::File`] for the first file that is no readable record; it names file, line and column.
@@ -142,7 +142,15 @@ pub fn read_with<P: AsRef<Path>>(
     paths.into_iter().map(|path| Ok(hysteron_io::read_record(path.as_ref(), options)?)).collect()
 }
 
-/// Writes a record, as NPZ to a file `NAME.npz`, as CSV to any other.
+/// What a file holds: the columns of a text, the arrays of a file of named arrays with their paths, shapes and units.
+///
+/// # Errors
+/// As [`read`].
+pub fn contents(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Vec<Content>, Error> {
+    Ok(hysteron_io::contents(path.as_ref(), options)?)
+}
+
+/// Writes a record, as MAT to a file `NAME.mat`, as NPZ to a file `NAME.npz`, as CSV to any other.
 ///
 /// # Errors
 /// [`Error::File`].

@@ -3,7 +3,7 @@
 mod waves;
 
 use clap::Args;
-use hysteron_io::write_csv;
+use hysteron_io::write_record;
 use hysteron_numeric::display::short;
 use hysteron_rig::excitation::{AmplifierLimits, ExcitationSpec, ExcitationSummary};
 use serde::Serialize;
@@ -54,7 +54,7 @@ pub struct Drive {
     seed: u64,
 
     /// File to write
-    #[arg(short, long = "out", value_name = "OUT.csv")]
+    #[arg(short, long = "out", value_name = "OUT.csv|npz|mat")]
     out: OutFile,
 
     /// Print what was written as one JSON object: length, range, slew, excited and detection lines
@@ -120,7 +120,7 @@ impl Excite {
                 .because(e)
                 .hint("slow it down, or make the range smaller")
         })?;
-        write_csv(&drive.out, &excitation.to_record()).map_err(|e| {
+        write_record(&drive.out, &excitation.to_record()).map_err(|e| {
             Failure::new(format!("cannot write the waveform to {}", drive.out.display())).because(e)
         })?;
         let written = Written { file: drive.out.display().to_string(), drive: excitation.summary() };

@@ -4,10 +4,11 @@ mod campaign;
 mod plot;
 mod text;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::structure::{Prospects, prospects};
+use hysteron_io::{Content, contents};
 use hysteron_model::record::{InputOutput, Inspection, InspectionSummary, inspect};
 use serde::Serialize;
 
@@ -22,6 +23,8 @@ use crate::output::{self, OutFile};
 #[command(
     after_help = "At the end stands what a model can learn from all the records together, before any fit, and which record to measure \
     next.\n\n\
+    A file of named arrays (MAT, HDF5, TDMS, XLSX, NPZ, JPK) is listed with paths, shapes and units; where it holds several candidates, choose \
+    with --time, --input and --output.\n\n\
     Example: hysteron inspect run.csv --plot run.html\n\
     Example: hysteron inspect loop.csv sweep.csv"
 )]
@@ -62,9 +65,19 @@ impl Inspect {
         }
         self.plot.as_deref().map_or(Ok(()), |path| output::check_file("the plot", path))?;
         let mut inspected = Vec::with_capacity(self.records.len());
+        let mut held = Vec::new();
         for path in &self.records {
-            let data = self.columns.read_silently(path)?;
-            inspected.push(Inspected { found: inspect(&data), data });
+            let of_file = self.contents(path);
+            match self.columns.read_silently(path) {
+                Ok(data) => inspected.push(Inspected { found: inspect(&data), data }),
+                // Which of what the file holds is the record, the user has to say.
+                Err(failure) if !of_file.is_empty() => {
+                    self.list(path, &of_file)?;
+                    return Err(failure);
+                }
+                Err(failure) => return Err(failure),
+            }
+            held.push(of_file);
         }
         if let Some(target) = &self.plot {
             plot::write(target, &inspected)?;
@@ -77,8 +90,30 @@ impl Inspect {
                 campaign: &prospects,
             });
         }
-        let mut parts: Vec<String> = inspected.iter().map(text::describe).collect();
+        let listed = self.records.iter().zip(&held).filter(|(_, held)| !held.is_empty());
+        let mut parts: Vec<String> = listed.map(|(path, held)| text::contents(path, held)).collect();
+        parts.extend(inspected.iter().map(text::describe));
         parts.push(campaign::text(&prospects, &records));
         console::result(&parts.join("\n"))
     }
+
+    /// What a file of named arrays holds; nothing for a text, or for a file that cannot be listed.
+    fn contents(&self, path: &Path) -> Vec<Content> {
+        let held = contents(path, &self.columns.options()).unwrap_or_default();
+        if held.iter().any(|content| !content.shape.is_empty()) { held } else { Vec::new() }
+    }
+
+    fn list(&self, path: &Path, held: &[Content]) -> Result<(), Failure> {
+        if self.json {
+            return console::json(&Held { file: path.display().to_string(), contents: held });
+        }
+        console::result(&text::contents(path, held))
+    }
+}
+
+/// What a file holds that is no record yet.
+#[derive(Serialize)]
+struct Held<'a> {
+    file: String,
+    contents: &'a [Content],
 }

@@ -4,8 +4,11 @@ use hysteron_model::record::{NoiseMethod, TimeBase, Unit};
 use hysteron_report::number::significant;
 
 use super::Inspected;
+use std::path::Path;
+
 use crate::advice;
 use crate::console;
+use hysteron_io::Content;
 
 /// Jitter that is the rounding of written times, in samples.
 const NO_JITTER: f64 = 1e-6;
@@ -127,4 +130,15 @@ fn signal(name: &str, unit: &Unit, (low, high): (f64, f64)) -> String {
 /// A number to nine significant digits, without trailing zeros.
 fn rounded(x: f64) -> String {
     format!("{x:.8e}").parse::<f64>().map_or_else(|_| x.to_string(), |x| x.to_string())
+}
+
+/// What a file of named arrays holds.
+pub fn contents(path: &Path, held: &[Content]) -> String {
+    let mut table = console::table(&["path", "shape", "unit", "holds"]);
+    for content in held {
+        let shape: Vec<String> = content.shape.iter().map(usize::to_string).collect();
+        let unit = content.unit.clone().unwrap_or_default();
+        table.add_row([content.path.clone(), shape.join(" × "), unit, content.kind.clone()]);
+    }
+    format!("{} holds\n{table}\n", path.display())
 }
