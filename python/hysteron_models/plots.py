@@ -74,8 +74,13 @@ _STYLE: dict[str, Any] = {
 @contextmanager
 def style() -> Iterator[None]:
     """Draw within this block in the look of the reports."""
-    with mpl.rc_context(_STYLE):
+    # Only what is changed is put back: a notebook's backend may become interactive at the first figure.
+    before = {name: mpl.rcParams[name] for name in _STYLE}
+    mpl.rcParams.update(_STYLE)
+    try:
         yield
+    finally:
+        mpl.rcParams.update(before)
 
 
 P = ParamSpec("P")
