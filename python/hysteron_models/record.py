@@ -326,7 +326,7 @@ def read(
 
 @dataclass(frozen=True)
 class Content:
-    """A column or an array of a file: ``path``, ``shape``, ``unit``, and its ``kind`` (``"numbers"``, ``"text"``, …)."""
+    """A column or an array of a file: ``path``, ``shape``, ``unit``, and ``kind`` (``"numbers"``, ``"text"``, …)."""
 
     path: str
     shape: tuple[int, ...]

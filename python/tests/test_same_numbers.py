@@ -108,5 +108,88 @@ def test_command_and_package_agree(
     assert np.array_equal(ours, theirs)
 
 
+def _several_axes(seed: int, level: float) -> hy.Record:
+    """Two periods of two resonances with two inputs and two outputs, simulated, under random multisines."""
+    rng = np.random.default_rng(seed)
+    rate, period = 1000.0, 1024
+    lines = np.arange(1, 400)
+    u = np.zeros((2, period))
+    for axis in range(2):
+        spectrum = np.zeros(period // 2 + 1, dtype=complex)
+        spectrum[lines] = np.exp(2j * np.pi * rng.random(len(lines)))
+        u[axis] = np.fft.irfft(spectrum, period)
+        u[axis] *= level / u[axis].std()
+    s = 2j * np.pi * np.fft.rfftfreq(period, 1 / rate)
+    y = np.zeros((2, period // 2 + 1), dtype=complex)
+    for frequency, shares in [(130.0, (1.0, 0.4)), (250.0, (0.5, -0.9))]:
+        w = 2 * np.pi * frequency * (1 - 0.03 * level / 0.5)
+        mode = w**2 / (s**2 + 0.06 * w * s + w**2)
+        drive = sum(share * np.fft.rfft(u[k]) for k, share in enumerate(shares))
+        y += np.outer(shares, mode * drive)
+    outputs = 1000 * np.fft.irfft(y, period, axis=1) + rng.normal(0, 0.5, (2, period))
+    twice = [np.tile(channel, 2) for channel in (*u, *outputs)]
+    return hy.Record(dict(zip(["u1_V", "u2_V", "y1_nm", "y2_nm"], twice, strict=True)), fs=rate)
+
+
+def _force() -> hy.Record:
+    """Three periods of a mass on a spring with a hysteretic force, simulated."""
+    rate, period = 1024.0, 1024
+    t = np.arange(period) / rate
+    u = 60 * sum(np.sin(2 * np.pi * f * t + f * f) for f in range(5, 40)) / 6
+    y, v, z, out = 0.0, 0.0, 0.0, np.zeros(4 * period)
+    h = 1 / (16 * rate)
+    for k in range(4 * period):
+        for _ in range(16):
+            z += h * (5e3 * v - 1e3 * abs(v) * z - 5e2 * v * abs(z))
+            v += h * (u[k % period] - 20 * v - 2.5e4 * y - z)
+            y += h * v
+        out[k] = y
+    return hy.Record({"u_N": np.tile(u, 3), "y_mm": 1e3 * out[period:]}, fs=rate)
+
+
+@pytest.mark.parametrize("kind", ["modes", "branches", "oscillator"])
+def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
+    axes = (["u1_V", "u2_V"], ["y1_nm", "y2_nm"])
+    if kind == "oscillator":
+        records = [_force()]
+        flags = ["--structure", "oscillator"]
+        stage: hy.Estimator = hy.Oscillator(least_fit=0)
+    else:
+        records = [_several_axes(1, 0.1), _several_axes(2, 0.1), _several_axes(3, 0.5), _several_axes(4, 0.5)]
+        flags = ["--inputs", ",".join(axes[0]), "--outputs", ",".join(axes[1])]
+        if kind == "modes":
+            flags += ["--modes", "2", "--steps", "1", "--plays", "2", "--iterations", "2"]
+            options = {"modes": 2, "steps": 1, "plays": 2, "iterations": 2, "least_fit_percent": 0}
+            stage = hy.Modes(*axes, options=options)
+        else:
+            flags += ["--structure", "hammerstein"]
+            stage = hy.Branches(*axes, least_fit=0)
+    paths = [tmp_path / f"r{k}.csv" for k in range(len(records))]
+    for path, record in zip(paths, records, strict=True):
+        record.save(path)
+    out = tmp_path / "model.json"
+    run = [str(command), "identify", *map(str, paths), "-o", str(out), "--json", "--least-fit", "0", *flags]
+    told = subprocess.run(run, capture_output=True, text=True)
+    assert told.returncode == 0, told.stderr
+    stage.fit(hy.read(paths))
+    printed = json.loads(told.stdout)
+    printed.pop("model")
+    assert printed == stage.result_
+    assert _without_provenance(json.loads(out.read_text())) == _without_provenance(stage.model_.data)
+    simulated = tmp_path / "y.csv"
+    subprocess.run([str(command), "simulate", str(out), str(paths[-1]), "-o", str(simulated)], check=True)
+    ours = stage.model_.simulate(hy.read(paths[-1])).y
+    theirs = hy.read(simulated)
+    names = ["y"] if kind == "oscillator" else ["y1_nm", "y2_nm"]
+    columns = [theirs["y"] if kind == "oscillator" else theirs[_name_in(theirs, n)] for n in names]
+    assert np.array_equal(np.column_stack(columns).squeeze(), ours)
+
+
+def _name_in(record: hy.Record, name: str) -> str:
+    """Name of an output in a written file: in the model's unit, µm for a length."""
+    stem = name.split("_")[0]
+    return next(n for n in record.channels if n in (stem, name))
+
+
 def test_there_are_fifty_fits() -> None:
     assert len(FITS) >= 50

@@ -3,6 +3,8 @@
 
 mod numpy;
 
+mod damage;
+
 use hysteron_io::{
     IoError, Part, Place, ReadOptions, ResponseOptions, read_frequency_response_bytes,
     read_input_output_bytes, read_record_bytes,
@@ -336,4 +338,12 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_damaged_file_is_read_or_refused() {
+    let archives =
+        [&include_bytes!("data/loop.npz")[..], &include_bytes!("data/numpy_savez_compressed.npz")[..]];
+    damage::survive("run.npz", &archives, 1000, 7);
+    damage::survive("run.npy", &[include_bytes!("data/numpy_structured.npy")], 1000, 11);
 }
