@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo check test test-python python-tools export-tools bench study article figures clean check-toolchain check-components
+.PHONY: FORCE help demo check test test-python python-tools wheel docs export-tools bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -53,6 +53,19 @@ test-python: python-tools ## the Python package: built beside the command, linte
 	$(PYTHON)/bin/mypy && $(PYTHON)/bin/python -m mypy.stubtest hysteron_models._native
 	MPLBACKEND=agg $(PYTHON)/bin/python -m pytest
 
+docs: python-tools ## the documentation as a site that works offline, in out/site
+	cargo build --locked -p hysteron-cli
+	NO_MKDOCS_2_WARNING=1 $(PYTHON)/bin/mkdocs build --quiet
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+	@mkdir -p $(OUT)/site && rm -rf $(OUT)/site/rust && cp -r target/doc $(OUT)/site/rust
+	@echo "site  $(abspath $(OUT)/site)/index.html"
+
+wheel: python-tools ## a wheel for any Linux with glibc 2.17 or newer and CPython 3.10 or newer, in out/wheels
+	$(PYTHON)/bin/pip install --quiet --disable-pip-version-check ziglang==0.14.1
+	rustup target add x86_64-unknown-linux-gnu >/dev/null 2>&1 || true
+	VIRTUAL_ENV=$(abspath $(PYTHON)) PATH=$(abspath $(PYTHON))/bin:$$PATH $(PYTHON)/bin/maturin build --release --locked --zig \
+	  --compatibility manylinux_2_17 --out $(OUT)/wheels
+
 export-tools: ## install what the tests of exported source use: clang, ARM compiler and simulator, FMPy
 	@crates/hysteron-export/tests/install-tools.sh
 
@@ -71,7 +84,7 @@ test: check ## everything: check, documentation, no_std proof, integration tests
 	$(MAKE) python-tools
 	HYSTERON_PYTHON=$(abspath $(PYTHON))/bin/python \
 	  cargo test --workspace --exclude hysteron-export --locked --test '*'
-	$(MAKE) test-python
+	$(MAKE) test-python docs
 	$(MAKE) export-tools
 	cargo test -p hysteron-export --locked --test '*'
 

@@ -1,0 +1,78 @@
+"""What the site is made of beside the pages: its order, the reference of the command and that of the Python package."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File
+
+ROOT = Path(__file__).parents[1]
+COMMAND = Path(os.environ.get("HYSTERON", ROOT / "target/debug/hysteron"))
+LINK = re.compile(r"\[([^\]]+)\]\(([^)#\s]+\.(?:md|ipynb|json))(?:#[^)]*)?\)")
+OUTSIDE = re.compile(r"\[([^\]]+)\]\((?:\.\./)+(?:crates|bench|python|examples|scripts)/[^)]*\)")
+
+
+def on_config(config: Any) -> Any:
+    """The order is that of docs/README.md: its sections, and the pages that each names, once."""
+    nav: list[dict[str, Any]] = [{"Contents": "README.md"}]
+    seen: set[str] = set()
+    for section in (ROOT / "docs/README.md").read_text().split("\n## ")[1:]:
+        title, _, body = section.partition("\n")
+        pages = []
+        for _, target in LINK.findall(body):
+            if target not in seen and not target.endswith(".json"):
+                seen.add(target)
+                pages.append(target)
+        nav.append({title: pages})
+    nav[-1]["Reference"] += ["reference/command.md", "reference/python.md"]
+    config.nav = nav
+    return config
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """The generated pages."""
+    files.append(File.generated(config, "reference/command.md", content=command()))
+    files.append(File.generated(config, "reference/python.md", content=package()))
+    return files
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Links to files of the repository, which are not part of the site, become their text."""
+    return OUTSIDE.sub(r"\1", markdown)
+
+
+def on_post_page(output: str, page: Any, **_: Any) -> str:
+    """The script by which the search runs without a server is the site's own: no page asks the network for anything."""
+    here = "../" * page.url.count("/")
+    return output.replace("https://unpkg.com/iframe-worker/shim", f"{here}iframe-worker.js")
+
+
+def told(*words: str) -> str:
+    """What the command prints about itself."""
+    run = subprocess.run([COMMAND, *words], capture_output=True, text=True, check=True, env={"COLUMNS": "100"})
+    return run.stdout
+
+
+def command() -> str:
+    """Every subcommand with its help."""
+    listed = told("--help").split("Commands:")[1].split("Options:")[0]
+    names = re.findall(r"^  ([a-z-]+)  ", listed, re.M)
+    page = ["# The command, flag by flag", "", "Printed by the program itself: `hysteron COMMAND --help`.", ""]
+    for name in names:
+        if name != "help":
+            page += [f"## hysteron {name}", "", f"<pre>{html.escape(told(name, '--help'))}</pre>", ""]
+    return "\n".join(page)
+
+
+def package() -> str:
+    """Everything that the package exports, from its docstrings."""
+    source = (ROOT / "python/hysteron_models/__init__.py").read_text()
+    names = re.findall(r'^    "([A-Za-z]\w*)",$', source.split("__all__")[1], re.M)
+    page = ["# The Python package, name by name", "", "`import hysteron_models as hy`. A first walk: [Python](../python.md).", ""]
+    page += [f"::: hysteron_models.{name}\n" for name in names]
+    return "\n".join(page)
