@@ -320,8 +320,8 @@ def read(
     """
     options = _reading(time, input, output, fs, start, stop, where, turns, rename or {}, drop, max_bytes)
     if isinstance(path, str | os.PathLike):
-        return Record._of(_native.read([path], options)[0], input, output)
-    return [Record._of(native, input, output) for native in _native.read(list(path), options)]
+        return Record._of(*_native.read([path], options)[0])
+    return [Record._of(*found) for found in _native.read(list(path), options)]
 
 
 @dataclass(frozen=True)

@@ -46,6 +46,8 @@ pub struct PartRead {
     pub record: Record,
     /// Number of samples in the file, of which [`ReadOptions::cut`] keeps those of the record.
     pub file_samples: usize,
+    /// Headers in the record of the input and the output that the options name.
+    pub chosen: ChannelChoice,
 }
 
 /// Reads a record; see the crate's description for the formats.
@@ -61,8 +63,9 @@ pub fn read_record(path: &Path, options: &ReadOptions) -> Result<Record, IoError
 /// # Errors
 /// As [`read_record`].
 pub fn read_part(path: &Path, options: &ReadOptions) -> Result<PartRead, IoError> {
-    let Assembled { record, file_samples, .. } = read(&path.display().to_string(), open(path)?, options)?;
-    Ok(PartRead { record, file_samples })
+    let Assembled { record, file_samples, chosen } = read(&path.display().to_string(), open(path)?, options)?;
+    let chosen = ChannelChoice { input: chosen.input, output: chosen.output };
+    Ok(PartRead { record, file_samples, chosen })
 }
 
 /// Reads a record from memory; `name` stands for the file in messages, and its extension may choose the format.

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use hysteron::{ReadOptions, Rename};
 use hysteron_identify::structure::prospects;
+use hysteron_io::read_part;
 use hysteron_model::record::{Channel, ChannelChoice, Cut, Prepare, TimeBase, Turns};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::errors::{from_json, option, raised, to_json};
@@ -142,12 +144,18 @@ impl Reading {
     }
 }
 
-/// Records of files of any format.
+/// Records of files of any format, each with the names in it of the input and the output that the options name.
 #[pyfunction]
-pub fn read(py: Python<'_>, paths: Vec<PathBuf>, options: &str) -> PyResult<Vec<Record>> {
+pub fn read(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+    options: &str,
+) -> PyResult<Vec<(Record, Option<String>, Option<String>)>> {
     let options = from_json::<Reading>(options)?.options()?;
-    let records = work::run(py, || hysteron::read_with(paths, &options))?;
-    Ok(records.map_err(raised)?.into_iter().map(Record::from).collect())
+    let read = |path: &PathBuf| read_part(path, &options);
+    let parts = work::run(py, || paths.par_iter().map(read).collect::<Result<Vec<_>, _>>())?;
+    let parts = parts.map_err(raised)?.into_iter();
+    Ok(parts.map(|part| (part.record.into(), part.chosen.input, part.chosen.output)).collect())
 }
 
 /// What a file holds, as JSON.
