@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo check test test-python python-tools wheel docs export-tools bench study article figures clean check-toolchain check-components
+.PHONY: FORCE help demo check test test-python python-tools wheel docs bench-python export-tools bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -95,6 +95,11 @@ article: $(HYSTERON) ## reproduce the article on the simulated bench: tables, fi
 bench: check-toolchain ## speed, side by side with the peers, which this installs into bench/.venv
 	bench/instructions.sh
 	bench/run.sh
+	$(MAKE) bench-python
+
+bench-python: python-tools ## what Python costs over the library
+	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --release --locked --quiet
+	$(PYTHON)/bin/python bench/python_overhead.py
 
 STUDIES := optimum full-size seeds parameters rates blocks track coverage information afm
 study: check-toolchain ## what the joint identification promises, measured on simulated devices (QUICK=1: a rehearsal)

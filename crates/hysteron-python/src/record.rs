@@ -144,13 +144,12 @@ impl Reading {
     }
 }
 
+/// A record, with the names in it of the input and the output that the options name.
+type Found = (Record, Option<String>, Option<String>);
+
 /// Records of files of any format, each with the names in it of the input and the output that the options name.
 #[pyfunction]
-pub fn read(
-    py: Python<'_>,
-    paths: Vec<PathBuf>,
-    options: &str,
-) -> PyResult<Vec<(Record, Option<String>, Option<String>)>> {
+pub fn read(py: Python<'_>, paths: Vec<PathBuf>, options: &str) -> PyResult<Vec<Found>> {
     let options = from_json::<Reading>(options)?.options()?;
     let read = |path: &PathBuf| read_part(path, &options);
     let parts = work::run(py, || paths.par_iter().map(read).collect::<Result<Vec<_>, _>>())?;
