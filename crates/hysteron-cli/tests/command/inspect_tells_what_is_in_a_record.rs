@@ -229,3 +229,52 @@ fn segments_of_a_scanner_are_described_one_by_one() {
         assert!(!run.stdout.contains(wrong), "{wrong}: {}", run.stdout);
     }
 }
+
+#[test]
+fn a_file_of_named_arrays_is_listed_and_its_record_chosen_by_path() {
+    let bench = Bench::new();
+    bench.write("run.csv", record("t_s,u_V,y_um", |_, u, y| (0.0, u, y)));
+    assert_eq!(bench.run("prepare run.csv -o run.mat").exit_code, 0);
+    let run = bench.run("inspect run.mat");
+    assert_eq!(run.exit_code, 0, "{run:?}");
+    assert!(
+        run.stdout.starts_with("run.mat holds\n")
+            && run.stdout.contains("| y_um | 1000 × 1 | um   | numbers |")
+    );
+    let from_text = inspected(&bench, "");
+    let run = bench.run("inspect run.mat --json");
+    let of_mat = serde_json::from_str::<Value>(&run.stdout).unwrap()["records"][0].clone();
+    assert_eq!(of_mat["input"], from_text["input"]);
+    // Two columns could be the input: both are named, none is guessed.
+    bench.write(
+        "two.csv",
+        record("t_s,u1_V,y_um,u2_V", |_, u, y| (0.0, u, y)).replace('\n', ",1\n").replacen(",1\n", "\n", 1),
+    );
+    assert_eq!(bench.run("prepare two.csv -o two.mat").exit_code, 0);
+    let run = bench.run("inspect two.mat");
+    assert_eq!(run.exit_code, 1, "{run:?}");
+    assert!(run.stdout.contains("u1_V") && run.stdout.contains("u2_V"), "{run:?}");
+    assert!(run.stderr.contains("--input"), "{run:?}");
+    assert_eq!(bench.run("inspect two.mat --input u1_V").exit_code, 0);
+}
+
+#[test]
+fn drives_and_simulations_are_written_by_extension() {
+    let bench = Bench::new();
+    let sine = "excite sine --frequency 10 --sample-rate 1000 --high 3";
+    for name in ["drive.csv", "drive.npz", "drive.mat"] {
+        assert_eq!(bench.run(&format!("{sine} -o {name}")).exit_code, 0);
+        let run = bench.run(&format!("simulate model.json {name} -o y_of_{name}"));
+        assert_eq!(run.exit_code, 0, "{run:?}");
+    }
+    let magic = |name: &str| std::fs::read(bench.path(name)).unwrap()[..4].to_vec();
+    assert_eq!(
+        (magic("y_of_drive.npz"), magic("y_of_drive.mat")),
+        (b"PK\x03\x04".to_vec(), b"MATL".to_vec())
+    );
+    let as_text = |name: &str| {
+        assert_eq!(bench.run(&format!("prepare {name} -o same.csv")).exit_code, 0);
+        std::fs::read_to_string(bench.path("same.csv")).unwrap()
+    };
+    assert_eq!(as_text("y_of_drive.csv"), as_text("y_of_drive.mat"));
+}
