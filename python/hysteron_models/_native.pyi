@@ -107,7 +107,7 @@ class Model:
         output: str | None = None,
         from_start: str | None = None,
         band: float | None = None,
-    ) -> tuple[_Simulated, list[float]]: ...
+    ) -> tuple[_Simulated, list[float], _Array | None]: ...
     def score(
         self,
         record: Record,

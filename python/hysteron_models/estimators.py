@@ -171,7 +171,10 @@ class Estimator:
 
     @property
     def parameters_(self) -> pd.DataFrame:
-        """One row a parameter, by its name: ``value``, ``std_error``, ``lower``, ``upper`` (95 %), ``unit``."""
+        """One row a parameter, by its name: ``value``, ``std_error``, ``lower``, ``upper``, ``unit``.
+
+        ``lower`` to ``upper`` is the 95 % interval, which joint fits have; NaN elsewhere.
+        """
         try:
             import pandas as pd
         except ImportError:

@@ -169,10 +169,9 @@ class Model:
         """
         if not self._is_measured(record):
             return self.simulate(record, band=band, band_of=band_of, rest=rest, settled=settled)
-        (outputs, widths, start, remarks), offsets = self._native.predict(
+        (outputs, widths, start, remarks), offsets, measured = self._native.predict(
             record._native, record._input, record._output, _start(rest, settled), band
         )
-        measured = None if self._native.channels else self._in_unit_of_model(record)
         return self._prediction(record, outputs, widths, start, remarks, band, band_of, offsets[0], measured)
 
     def simulate(
@@ -195,10 +194,6 @@ class Model:
         if channels is None:
             return len(record.channels) > 1
         return all(output in record.channels for output in channels[1])
-
-    def _in_unit_of_model(self, record: Record) -> Array | None:
-        # Lengths are in µm and angles in µrad in a model, whatever the column's unit.
-        return record.y if record.units[1] == self.units[1] else None
 
     def _prediction(
         self,

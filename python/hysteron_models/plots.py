@@ -279,7 +279,7 @@ def coverage(
             assert not isinstance(predicted, list)
             measured, lower, upper = predicted.measured, predicted.lower, predicted.upper
             if measured is None or lower is None or upper is None:
-                raise OptionError(f"{record.name} has no measured output in the model's unit")
+                raise OptionError(f"{record.name} has no measured output")
             inside = (lower <= measured) & (measured <= upper)
             shares.append(100 * float(inside[record.valid].mean()))
         ax.plot(

@@ -101,7 +101,7 @@ class Prediction:
         unit: unit of the output.
         start: what was before the first sample, in words.
         offset: constant that was added for the zero of the sensor.
-        measured: what was measured, if it was.
+        measured: what was measured, in ``unit``, of a model of one output.
         level: level of the band.
         remarks: what a user should know about it.
         name: name of the record.

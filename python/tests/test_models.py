@@ -228,3 +228,14 @@ def test_the_bench_plays_a_multisine_whose_response_is_explained() -> None:
     assert {row["name"].split()[0] for row in found.result["structures"]}
     with pytest.raises(hy.OptionError, match="expected one of fractional"):
         hy.frequency_response(record, structures=["poles"])
+
+
+def test_other_units_of_the_same_quantity_are_those_of_the_model(
+    stage: hy.Hammerstein, unseen: hy.Record
+) -> None:
+    in_nm = hy.Record({"u_mV": 1e3 * unseen.u, "y_nm": 1e3 * unseen.y}, fs=unseen.fs)
+    prediction = stage.predict(in_nm)
+    assert prediction.unit == "um" and prediction.measured is not None
+    assert np.allclose(prediction.measured, unseen.y) and np.allclose(prediction.y, stage.predict(unseen).y)
+    with pytest.raises(hy.ModelError, match="model's"):
+        stage.predict(hy.Record(unseen.u, unseen.y, fs=unseen.fs, units=("V", "N")))

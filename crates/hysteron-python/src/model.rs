@@ -215,7 +215,7 @@ impl Model {
         output: Option<String>,
         from_start: Option<&str>,
         band: Option<f64>,
-    ) -> PyResult<(Simulated<'py>, Vec<f64>)> {
+    ) -> PyResult<(Simulated<'py>, Vec<f64>, Option<Samples<'py>>)> {
         let signals = self.scored(&record.inner, &ChannelChoice { input, output })?;
         let from = start(from_start)?;
         let score: Score =
@@ -227,7 +227,11 @@ impl Model {
         let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
         let (input, output) = self.units();
         let words = found.start.in_words(&input, &output);
-        Ok(((outputs.collect(), band, words, self.remarks(&found.remarks)?), offsets))
+        let measured = match &signals {
+            Signals::Single(record) => Some(PyArray1::from_slice(py, &record.y)),
+            Signals::Several(_) => None,
+        };
+        Ok(((outputs.collect(), band, words, self.remarks(&found.remarks)?), offsets, measured))
     }
 
     /// Scores on consecutive records of one run, as JSON, with the samples of each run.
