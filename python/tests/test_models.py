@@ -150,12 +150,15 @@ record = hy.read({str(Path(__file__).parents[2] / "examples/piezo-p885-200hz/ide
 stage = hy.Hammerstein(optimizer="de-abc", generations=10**7)
 sent = []
 def interrupt():
-    time.sleep(3.0)
+    time.sleep(0.5)
     sent.append(time.monotonic())
     os.kill(os.getpid(), signal.SIGINT)
-threading.Thread(target=interrupt).start()
+def told(stage, fraction, cost):
+    # The fit runs, and has something to keep.
+    if cost is not None and not sent and threading.active_count() == 1:
+        threading.Thread(target=interrupt).start()
 try:
-    stage.fit(record)
+    stage.fit(record, progress=told)
 except KeyboardInterrupt:
     print("stopped after", time.monotonic() - sent[0], stage.interrupted_, stage.model_.kind, flush=True)
 """
