@@ -51,7 +51,7 @@ test-python: python-tools ## the Python package: built beside the command, linte
 	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
 	$(PYTHON)/bin/ruff check python && $(PYTHON)/bin/ruff format --check python
 	$(PYTHON)/bin/mypy && $(PYTHON)/bin/python -m mypy.stubtest hysteron_models._native
-	MPLBACKEND=agg $(PYTHON)/bin/python -m pytest
+	$(PYTHON)/bin/python -m pytest
 
 docs: python-tools ## the documentation as a site that works offline, in out/site
 	cargo build --locked -p hysteron-cli
