@@ -29,6 +29,8 @@ pub(crate) struct ArrayHeading {
     /// Number of samples; `None` where it is no column, by its shape.
     pub length: Option<usize>,
     pub kind: Kind,
+    /// Whether it is an array above by another path.
+    pub is_alias: bool,
 }
 
 /// What an array holds.
@@ -140,6 +142,11 @@ impl Heading {
     /// The path in front of the last component, with its separator; empty outside of a group.
     pub fn group(&self) -> &str {
         self.array.as_ref().and_then(|array| self.header.get(..array.group_bytes)).unwrap_or_default()
+    }
+
+    /// Whether it is a column above by another path.
+    pub fn is_alias(&self) -> bool {
+        self.array.as_ref().is_some_and(|array| array.is_alias)
     }
 
     /// Whether a file of named arrays holds something here that is no column of numbers.

@@ -11,6 +11,8 @@ use crate::reader::Input;
 
 /// Most arrays of a file that are looked at.
 pub(crate) const MAX_ARRAYS: usize = 1 << 16;
+/// Longest path of an array in a format that puts one together.
+pub(crate) const MOST_PATH_BYTES: usize = 1024;
 /// Most columns of a matrix; a larger one is an image or a table of something else.
 const MAX_MATRIX_COLUMNS: usize = 16;
 /// Relative difference of two sample rates that mean the same: a period written with few digits.
@@ -33,6 +35,8 @@ pub(crate) struct Held {
     pub sample_rate_hz: Option<f64>,
     /// Time of its first sample \[s\], beside a rate.
     pub start_s: f64,
+    /// Whether it is an array above by another path.
+    pub is_alias: bool,
 }
 
 /// A column of an array.
@@ -66,6 +70,7 @@ impl Held {
             kind,
             sample_rate_hz: None,
             start_s: 0.0,
+            is_alias: false,
         }
     }
 
@@ -118,6 +123,7 @@ impl Held {
                 shape: self.shape.clone(),
                 length: Some(length),
                 kind: self.kind.clone(),
+                is_alias: self.is_alias,
             };
             let heading = Heading {
                 header: format!("{path}{suffix}"),
@@ -148,6 +154,7 @@ impl Held {
             shape: self.shape.clone(),
             length: None,
             kind: self.kind.clone(),
+            is_alias: self.is_alias,
         };
         let heading = Heading { header: self.path.clone(), name, unit, array: Some(array) };
         Column { array: index, slice: Slice::Whole, heading }
@@ -178,7 +185,7 @@ pub(crate) fn columns(
     sha256: String,
     mut values: impl FnMut(usize) -> Result<Vec<f64>, IoError>,
 ) -> Result<Columns, IoError> {
-    let Input { file, options, wanted, .. } = input;
+    let Input { file, options, file_bytes, wanted, .. } = input;
     let place = |path: &str| Place::new(file, Part::Array(path.into()));
     if held.len() > MAX_ARRAYS {
         let place = Place::new(file, Part::Whole);
@@ -186,10 +193,17 @@ pub(crate) fn columns(
     }
     let (columns, headings) = headings(file, held);
     let wanted = wanted(&headings)?;
-    let mut left = options.max_values;
+    let most = options.most_values(file_bytes);
+    let mut left = most;
     let mut read = |array: &Held, index| {
-        let too_many = || IoError::TooManyValues { place: place(&array.path), limit: options.max_values };
-        left = array.values().and_then(|count| left.checked_sub(count)).ok_or_else(too_many)?;
+        let count = array.values().filter(|&count| count <= options.max_values);
+        let place = || place(&array.path);
+        let count =
+            count.ok_or_else(|| IoError::TooManyValues { place: place(), limit: options.max_values })?;
+        left = left.checked_sub(count).ok_or_else(|| match most < options.max_values {
+            true => IoError::TooLarge { place: place(), limit_bytes: 8 * most as u64 },
+            false => IoError::TooManyValues { place: place(), limit: most },
+        })?;
         values(index)
     };
     let mut numbers: Vec<Vec<f64>> = Vec::new();
@@ -214,21 +228,23 @@ pub(crate) fn columns(
         }
     }
     drop(last);
-    let used: Vec<&Heading> = columns
+    let is_wanted = |wanted: &Wanted| *wanted != Wanted::Nothing;
+    let used: Vec<&Column> = columns
         .iter()
         .zip(&wanted)
-        .filter(|(_, w)| **w != Wanted::Nothing)
-        .map(|(c, _)| &c.heading)
+        .filter(|(_, wanted)| is_wanted(wanted))
+        .map(|(column, _)| column)
         .collect();
     let mut rates = Vec::new();
     for (index, array) in held.iter().enumerate() {
-        let of_all = used.iter().any(|heading| heading.header.starts_with(array.group()));
-        if let Some(hz) =
-            array.sample_rate_hz.filter(|_| used.iter().any(|h| h.header.starts_with(&array.path)))
-        {
+        let is_used = used.iter().any(|column| column.array == index);
+        let is_near = || used.iter().any(|column| column.heading.header.starts_with(array.group()));
+        if let Some(hz) = array.sample_rate_hz.filter(|_| is_used) {
             rates.push((usize::MAX, Rate { path: array.path.clone(), hz, start_s: array.start_s }));
-        } else if let Some(to_hz) = rate_by_name(array.name()).filter(|_| of_all && array.is_one_number())
-            && used.iter().all(|heading| heading.header != array.path)
+        } else if let Some(to_hz) = rate_by_name(array.name())
+            && array.is_one_number()
+            && !is_used
+            && is_near()
         {
             let hz = to_hz(read(array, index)?.first().copied().unwrap_or_default());
             rates.push((array.group_bytes, Rate { path: array.path.clone(), hz, start_s: 0.0 }));
@@ -318,5 +334,37 @@ fn rate_by_name(name: &str) -> Option<fn(f64) -> f64> {
             _ => None,
         },
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ReadOptions;
+
+    fn channel(name: &str, sample_rate_hz: f64) -> Held {
+        let array = Held::new("run/", name, vec![3], Kind::Numbers);
+        Held { sample_rate_hz: Some(sample_rate_hz), ..array }
+    }
+
+    /// The rate of a file of these channels where the last ones are read.
+    fn rate(held: &[Held], read: usize) -> Result<Option<f64>, IoError> {
+        let wanted = &mut |headings: &Headings| {
+            let first = headings.columns.len() - read;
+            let of = |i| if i < first { Wanted::Nothing } else { Wanted::Numbers };
+            Ok((0..headings.columns.len()).map(of).collect())
+        };
+        let options = &ReadOptions::default();
+        let input = Input { file: "run", bytes: &mut std::io::empty(), options, file_bytes: 0, wanted };
+        let columns = columns(input, held, String::new(), |_| Ok(vec![1.0, 2.0, 3.0]))?;
+        Ok(columns.rate.map(|rate| rate.hz))
+    }
+
+    #[test]
+    fn a_channel_has_its_own_rate_and_not_that_of_one_whose_name_its_name_begins_with() {
+        let held = [channel("u", 10.0), channel("u2", 50.0), channel("y2", 50.0)];
+        assert_eq!(rate(&held, 2).unwrap(), Some(50.0));
+        let differ = rate(&held, 3).unwrap_err().to_string();
+        assert!(differ.contains("`run/u2`: 50 Hz, but 10 Hz by `run/u`"), "{differ}");
     }
 }

@@ -1,5 +1,7 @@
 //! HDF5 files, and with them MAT files of version 7.3: datasets by their paths, `group/dataset`, those of MATLAB `rec.u`.
 
+use std::collections::HashSet;
+
 use hdf5_reader::error::Error;
 use hdf5_reader::group::Group;
 use hdf5_reader::messages::datatype::Datatype;
@@ -7,7 +9,7 @@ use hdf5_reader::{Dataset, Hdf5File, OpenOptions};
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
-use crate::container::{self, Held, MAX_ARRAYS};
+use crate::container::{self, Held, MAX_ARRAYS, MOST_PATH_BYTES};
 use crate::hash::sha256;
 use crate::place::{Part, Place};
 use crate::reader::{Input, Reader};
@@ -38,15 +40,16 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
         problem: error.to_string(),
     };
     let sha = sha256(&bytes);
+    let most_unpacked_bytes = options.most_unpacked_bytes(bytes.len() as u64);
     let of_matlab = bytes.starts_with(MATLAB);
     let limits = OpenOptions::default()
         .with_max_chunk_bytes(MOST_CHUNK_BYTES)
-        .with_max_read_bytes(options.max_values.saturating_mul(8))
+        .with_max_read_bytes(usize::try_from(most_unpacked_bytes).unwrap_or(usize::MAX))
         .with_max_object_header_bytes(MOST_HEADER_BYTES);
     let whole = |error| malformed(Part::Whole, error);
     let file = Hdf5File::from_vec_with_options(bytes, limits).map_err(whole)?;
-    let mut walk = Walk { of_matlab, held: Vec::new(), datasets: Vec::new() };
-    walk.group(&file.root_group().map_err(whole)?, "", 0).map_err(whole)?;
+    let mut walk = Walk { of_matlab, ..Walk::default() };
+    walk.group(&file.root_group().map_err(whole)?, "").map_err(whole)?;
     let Walk { held, datasets, .. } = walk;
     if held.is_empty() {
         let problem = "it holds no datasets".to_owned();
@@ -55,36 +58,59 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     container::columns(input, &held, sha, |index| {
         let part = || Part::Array(held[index].path.as_str().into());
         let dataset = &datasets[index];
+        let is_too_large = dataset.raw_byte_len().map_or(true, |length| length as u64 > most_unpacked_bytes);
+        if is_too_large {
+            let place = Place::new(&name, part());
+            return Err(IoError::TooLarge { place, limit_bytes: most_unpacked_bytes });
+        }
         let bytes = dataset.read_native_bytes().map_err(|e| malformed(part(), e))?;
         Ok(numbers(&bytes, dataset.dtype()))
     })
 }
 
 /// Goes through the groups of a file.
+#[derive(Default)]
 struct Walk {
     of_matlab: bool,
     held: Vec<Held>,
     datasets: Vec<Dataset>,
+    /// Addresses of the datasets.
+    known: HashSet<u64>,
+    /// Addresses of the groups around the one gone through: a group may be linked to within itself.
+    around: Vec<u64>,
+    /// Groups gone through so far.
+    groups: usize,
 }
 
 impl Walk {
     /// Takes up what a group holds; `path` with the separator behind it.
-    fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), Error> {
+    fn group(&mut self, group: &Group, path: &str) -> Result<(), Error> {
+        self.groups += 1;
+        if self.groups > MAX_ARRAYS {
+            return Err(Error::ResourceLimit(format!("it holds more than {MAX_ARRAYS} groups")));
+        }
         let (groups, datasets) = group.members()?;
         for dataset in datasets {
             if self.held.len() > MAX_ARRAYS {
                 return Ok(());
             }
-            self.held.push(self.held_by(&dataset, path));
+            check_length(path, dataset.name())?;
+            let is_alias = !self.known.insert(dataset.address());
+            self.held.push(Held { is_alias, ..self.held_by(&dataset, path) });
             self.datasets.push(dataset);
         }
         // MATLAB keeps the contents of its cells in #refs#, and its objects in #subsystem#.
-        let own = |group: &&Group| !(self.of_matlab && group.name().starts_with('#'));
-        let separator = if self.of_matlab { "." } else { "/" };
-        // A group may be linked to within itself.
-        for inner in groups.iter().filter(own).filter(|_| depth < MOST_DEPTH).collect::<Vec<_>>() {
-            self.group(inner, &format!("{path}{}{separator}", inner.name()), depth + 1)?;
+        let of_matlab = self.of_matlab;
+        let own = |group: &&Group| !(of_matlab && group.name().starts_with('#'));
+        let separator = if of_matlab { "." } else { "/" };
+        self.around.push(group.address());
+        for inner in groups.iter().filter(own) {
+            if self.around.len() <= MOST_DEPTH && !self.around.contains(&inner.address()) {
+                check_length(path, inner.name())?;
+                self.group(inner, &format!("{path}{}{separator}", inner.name()))?;
+            }
         }
+        self.around.pop();
         Ok(())
     }
 
@@ -109,6 +135,13 @@ impl Walk {
         let row_major = !self.of_matlab;
         Held { unit, row_major, ..Held::new(path, dataset.name().trim_start_matches('/'), shape, kind) }
     }
+}
+
+/// Refuses paths that no person reads: each of very many datasets would have one.
+fn check_length(path: &str, name: &str) -> Result<(), Error> {
+    let is_short = path.len() + name.len() <= MOST_PATH_BYTES;
+    let problem = || Error::ResourceLimit(format!("it has a path of more than {MOST_PATH_BYTES} bytes"));
+    is_short.then_some(()).ok_or_else(problem)
 }
 
 /// What a dataset of a type holds.

@@ -24,14 +24,16 @@ pub(crate) fn set_apart(
         return Ok(apart);
     }
     let nothing_is_chosen = chosen.iter().all(Option::is_none);
-    let candidates = (0..columns.len()).filter(|i| !is_named(*i) && !columns[*i].is_unreadable());
+    let is_candidate = |i: &usize| !is_named(*i) && !columns[*i].is_unreadable() && !columns[*i].is_alias();
+    let candidates = (0..columns.len()).filter(is_candidate);
     let samples = match chosen.iter().flatten().next() {
         Some(&first) => length(first),
         None => common_length(headings, candidates)?,
     };
     for (i, column) in columns.iter().enumerate().filter(|(i, _)| !is_named(*i)) {
         // Without a choice an array of texts that is as long as the record is refused, not passed over, as in a text.
-        apart[i] = length(i) != samples || (column.is_unreadable() && !nothing_is_chosen);
+        let is_passed_over = column.is_alias() || (column.is_unreadable() && !nothing_is_chosen);
+        apart[i] = length(i) != samples || is_passed_over;
     }
     let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();
     for (i, column) in columns.iter().enumerate().filter(|(i, _)| !apart[*i] && !left_out.contains(&Some(*i)))

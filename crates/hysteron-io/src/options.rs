@@ -29,7 +29,7 @@ pub struct ReadOptions {
     pub cut: Cut,
     /// Delimiter; `None`: detected.
     pub delimiter: Option<u8>,
-    /// Largest file read \[bytes\].
+    /// Largest file read \[bytes\]. Where it is not the default, a small file may also unpack to as much.
     pub max_bytes: u64,
     /// Most numbers kept (8 bytes of memory each).
     pub max_values: usize,
@@ -53,6 +53,34 @@ impl Default for ReadOptions {
         }
     }
 }
+
+impl ReadOptions {
+    /// Most bytes that a file of this size may unpack to: far more than measured data do. A limit on the size that
+    /// the user chose holds as it is.
+    pub(crate) fn most_unpacked_bytes(&self, file_bytes: u64) -> u64 {
+        if self.max_bytes != ReadOptions::default().max_bytes {
+            return self.max_bytes;
+        }
+        self.max_bytes.min(LEAST_UNPACKED_BYTES.max(file_bytes.saturating_mul(UNPACKED_PER_BYTE)))
+    }
+
+    /// Most numbers of a file of this size that are kept, likewise.
+    pub(crate) fn most_values(&self, file_bytes: u64) -> usize {
+        let defaults = ReadOptions::default();
+        if self.max_bytes != defaults.max_bytes || self.max_values != defaults.max_values {
+            return self.max_values;
+        }
+        let most = (LEAST_UNPACKED_BYTES / 8).max(file_bytes.saturating_mul(VALUES_PER_BYTE));
+        self.max_values.min(usize::try_from(most).unwrap_or(usize::MAX))
+    }
+}
+
+/// What any file may unpack to \[bytes\]: then reading it takes less than 1 GiB of memory.
+const LEAST_UNPACKED_BYTES: u64 = 256 << 20;
+/// What a larger file may unpack to: bytes a byte, as doubles of a noisy 8-bit converter pack to less.
+const UNPACKED_PER_BYTE: u64 = 16;
+/// Numbers a byte of a larger file.
+const VALUES_PER_BYTE: u64 = 8;
 
 /// Most columns of a file.
 pub(crate) const MAX_COLUMNS: usize = 1024;

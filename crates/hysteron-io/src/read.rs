@@ -161,7 +161,7 @@ pub(crate) fn read_columns(
         .map_err(|source| IoError::Read { place: Place::new(file, Part::Whole), source })?;
     let reader = reader_of(file, &head);
     let mut bytes = head.as_slice().chain(source);
-    (reader.read)(Input { file, bytes: &mut bytes, options, wanted: &mut wanted })
+    (reader.read)(Input { file, bytes: &mut bytes, options, file_bytes: 0, wanted: &mut wanted })
 }
 
 /// The reader that recognises the first bytes, else the one of the extension, else text.

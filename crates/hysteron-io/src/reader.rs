@@ -22,6 +22,8 @@ pub(crate) struct Input<'a> {
     pub file: &'a str,
     pub bytes: &'a mut dyn Read,
     pub options: &'a ReadOptions,
+    /// Size of the file, once it is read to its end.
+    pub file_bytes: u64,
     /// Says which of the columns are to be read.
     pub wanted: &'a mut dyn FnMut(&Headings) -> Result<Vec<Wanted>, IoError>,
 }
@@ -34,7 +36,10 @@ impl Input<'_> {
         match self.bytes.take(limit_bytes.saturating_add(1)).read_to_end(&mut bytes) {
             Err(source) => Err(IoError::Read { place, source }),
             Ok(_) if bytes.len() as u64 > limit_bytes => Err(IoError::TooLarge { place, limit_bytes }),
-            Ok(_) => Ok(bytes),
+            Ok(_) => {
+                self.file_bytes = bytes.len() as u64;
+                Ok(bytes)
+            }
         }
     }
 }

@@ -8,6 +8,9 @@ use hysteron_io::{ReadOptions, contents_of_bytes, read_input_output_bytes, read_
 
 const RUN: &[u8] = include_bytes!("data/run.h5");
 const PACKED: &[u8] = include_bytes!("data/packed.h5");
+const LINKED: &[u8] = include_bytes!("data/linked.h5");
+const LADDER: &[u8] = include_bytes!("data/ladder.h5");
+const UNWRITTEN: &[u8] = include_bytes!("data/unwritten.h5");
 const MATLAB: &[u8] = include_bytes!("data/matlab_7.3.mat");
 
 #[test]
@@ -40,7 +43,37 @@ fn fields_of_a_structure_of_matlab_are_named_with_dots() {
 }
 
 #[test]
+fn a_dataset_that_is_linked_to_twice_is_one_column() {
+    let held = contents_of_bytes("linked.h5", LINKED, &ReadOptions::default()).unwrap();
+    let paths: Vec<&str> = held.iter().map(|content| content.path.as_str()).collect();
+    assert_eq!(paths, ["data/t_s", "data/u_V", "data/y_um", "entry/t_s", "entry/u_V", "entry/y_um"]);
+    let by_path =
+        |input: Option<&str>| ReadOptions { input: input.map(str::to_owned), ..ReadOptions::default() };
+    for input in [None, Some("data/u_V"), Some("entry/u_V")] {
+        let record = read_record_bytes("linked.h5", LINKED, &by_path(input)).unwrap();
+        let mut names: Vec<&str> = record.channels.iter().map(|channel| channel.name.as_str()).collect();
+        names.sort_unstable();
+        assert_eq!(names, ["u", "y"], "{input:?}");
+    }
+}
+
+#[test]
+fn groups_that_are_linked_to_within_themselves_end() {
+    // Two groups of each group, to a depth of 18: more than 2¹⁷ paths.
+    let refusal = read_record_bytes("ladder.h5", LADDER, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(refusal.contains("more than 65536 groups"), "{refusal}");
+}
+
+#[test]
+fn a_dataset_that_was_never_written_is_refused_with_what_to_raise() {
+    // 2²⁸ doubles in two kilobytes.
+    let refusal =
+        read_record_bytes("unwritten.h5", UNWRITTEN, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(refusal.contains("stopped in array `u_V`") && refusal.contains("`max_bytes`"), "{refusal}");
+}
+
+#[test]
 fn a_damaged_file_is_read_or_refused() {
-    let read = damage::survive("run.h5", &[RUN, PACKED, MATLAB], 1000, 3);
+    let read = damage::survive("run.h5", &[RUN, PACKED, MATLAB, LINKED], 1000, 3);
     assert!((50..950).contains(&read), "{read} of 1000 copies read");
 }

@@ -102,6 +102,36 @@ fn a_variable_that_unpacks_to_more_than_allowed_is_refused() {
 }
 
 #[test]
+fn a_small_file_of_a_huge_array_is_refused_with_what_to_raise() {
+    let packed = |variable: Vec<u8>| file(&[element(15, &deflated(&variable), false)], false);
+    let zeros = packed(narrow("u_V", &vec![0; 300 << 20], 9, false));
+    let many = packed(narrow("u_V", &vec![0; 100 << 20], 9, false));
+    for bytes in [zeros, many] {
+        assert!(bytes.len() < 1 << 20);
+        let refusal = read_record_bytes("run.mat", &bytes, &ReadOptions::default()).unwrap_err();
+        assert!(matches!(refusal, IoError::TooLarge { limit_bytes: 0x1000_0000, .. }), "{refusal}");
+        assert!(refusal.to_string().contains("raise the limit (`max_bytes`)"), "{refusal}");
+    }
+    let word = |word: u32| word.to_le_bytes();
+    let head = |class| element(6, &[word(class), word(0)].concat(), false);
+    let name = element(1, b"s", false);
+    let long = vec![0; 8 << 20];
+    let one = element(5, &[word(1), word(1)].concat(), false);
+    let fields = [head(2), one.clone(), name.clone(), element(5, &word(1), false), element(1, &long, false)];
+    let dimensions = [head(6), element(5, &long, false), name];
+    let path = [head(6), one, element(1, &vec![b'u'; 8 << 20], false), element(9, &[0; 8], false)];
+    for (parts, problem) in [
+        (fields.concat(), "`s` has more than 65536 fields"),
+        (dimensions.concat(), "more than 32 dimensions"),
+        (path.concat(), "a path of more than 1024 bytes"),
+    ] {
+        let bytes = packed(element(14, &parts, false));
+        let refusal = read_record_bytes("run.mat", &bytes, &ReadOptions::default()).unwrap_err().to_string();
+        assert!(refusal.contains(problem), "{refusal}");
+    }
+}
+
+#[test]
 fn a_record_reads_back_to_the_same_numbers_here_and_in_scipy() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mat");

@@ -34,7 +34,7 @@ impl Kept {
 }
 
 fn read(input: Input<'_>) -> Result<Columns, IoError> {
-    let Input { file, bytes, options, wanted } = input;
+    let Input { file, bytes, options, wanted, .. } = input;
     let mut lines = Lines::new(file, bytes, options.max_bytes);
     let mut delimiter = options.delimiter;
     let (first, comment) = next_fields(&mut lines, &mut delimiter)?;

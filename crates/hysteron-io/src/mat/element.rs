@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::bytes::Bytes;
+use crate::container::MOST_PATH_BYTES;
 
 /// Types of the numbers in an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,18 +132,24 @@ impl<'a> Element<'a> {
         Ok(Self { kind: first, data, start })
     }
 
-    /// Its 32-bit numbers.
-    pub fn words(&self, big_endian: bool) -> Vec<u32> {
+    /// The first of its 32-bit numbers, 0 without any.
+    pub fn word(&self, big_endian: bool) -> u32 {
+        self.words(big_endian, 1).first().copied().unwrap_or(0)
+    }
+
+    /// Its 32-bit numbers, at most so many.
+    pub fn words(&self, big_endian: bool, most: usize) -> Vec<u32> {
         let word = |word: &[u8]| {
             let bytes = [word[0], word[1], word[2], word[3]];
             if big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
         };
-        self.data.chunks_exact(4).map(word).collect()
+        self.data.chunks_exact(4).take(most).map(word).collect()
     }
 
-    /// Its text, up to the first zero.
+    /// Its text, up to the first zero. No more of it than shows that it is longer than any name.
     pub fn text(&self) -> String {
-        let end = self.data.iter().position(|byte| *byte == 0).unwrap_or(self.data.len());
-        String::from_utf8_lossy(&self.data[..end]).into_owned()
+        let data = self.data.get(..=MOST_PATH_BYTES).unwrap_or(self.data);
+        let end = data.iter().position(|byte| *byte == 0).unwrap_or(data.len());
+        String::from_utf8_lossy(&data[..end]).into_owned()
     }
 }

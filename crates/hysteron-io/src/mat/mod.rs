@@ -10,7 +10,6 @@ use crate::IoError;
 use crate::columns::Columns;
 use crate::container::{self, Held};
 use crate::hash::sha256;
-use crate::options::ReadOptions;
 use crate::place::{Part, Place};
 use crate::reader::{Input, Reader};
 use element::Numbers;
@@ -18,9 +17,6 @@ use element::Numbers;
 /// Files of MATLAB, Octave and SciPy.
 pub(crate) const READER: Reader =
     Reader { extensions: &["mat"], recognises: |head| v5::is_little_endian(head).is_some(), read };
-
-/// Most bytes that compressed variables may unpack to, unless the options allow larger files than usual.
-const MOST_UNPACKED: u64 = 1 << 30;
 
 /// What a file holds: arrays, and where the numbers of each stand.
 #[derive(Default)]
@@ -40,7 +36,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     let sha = sha256(&file);
     let variables = match v5::is_little_endian(&file) {
         Some(little_endian) => {
-            let limit_bytes = most_unpacked(options);
+            let limit_bytes = options.most_unpacked_bytes(file.len() as u64);
             match v5::variables(&file, !little_endian, limit_bytes) {
                 Err(v5::Problem::TooLarge) => return Err(IoError::TooLarge { place: place(), limit_bytes }),
                 Err(v5::Problem::Malformed(problem)) => return Err(malformed(problem)),
@@ -61,13 +57,4 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
         }),
         None => Ok(Vec::new()),
     })
-}
-
-/// Whoever allows larger files than usual means what they unpack to as well.
-fn most_unpacked(options: &ReadOptions) -> u64 {
-    if options.max_bytes > ReadOptions::default().max_bytes {
-        options.max_bytes
-    } else {
-        options.max_bytes.min(MOST_UNPACKED)
-    }
 }

@@ -8,7 +8,7 @@ use super::Variables;
 use super::element::{COMPRESSED, Element, MATRIX, Numbers, Type};
 use crate::bytes::Bytes;
 use crate::columns::Kind;
-use crate::container::{Held, MAX_ARRAYS};
+use crate::container::{Held, MAX_ARRAYS, MOST_PATH_BYTES};
 
 /// Bytes in front of the first variable.
 const HEADER_BYTES: usize = 128;
@@ -126,18 +126,18 @@ impl Walk<'_> {
                 None,
             );
         }
-        let flags = Element::next(&mut bytes)?.words(self.big_endian).first().copied().unwrap_or(0);
+        let flags = Element::next(&mut bytes)?.word(self.big_endian);
         let (class, is_complex) = (flags & 0xFF, flags & 0x0800 != 0);
         if class == class::OPAQUE {
             let own = Element::next(&mut bytes)?.text();
             let name = name.unwrap_or(&own);
             return self.push(group, name, Vec::new(), Kind::Other("object".to_owned()), None);
         }
-        let shape: Vec<usize> =
-            Element::next(&mut bytes)?.words(self.big_endian).into_iter().map(|n| n as usize).collect();
+        let shape = Element::next(&mut bytes)?.words(self.big_endian, MOST_DIMENSIONS + 1);
         if shape.len() > MOST_DIMENSIONS {
-            return Err(format!("an array of {} dimensions", shape.len()).into());
+            return Err(format!("an array of more than {MOST_DIMENSIONS} dimensions").into());
         }
+        let shape: Vec<usize> = shape.into_iter().map(|n| n as usize).collect();
         let own = Element::next(&mut bytes)?.text();
         let name = name.unwrap_or(&own);
         let count = shape.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
@@ -197,10 +197,13 @@ impl Walk<'_> {
         count: usize,
         depth: usize,
     ) -> Result<(), Problem> {
-        let length = Element::next(bytes)?.words(self.big_endian).first().copied().unwrap_or(0) as usize;
+        let length = Element::next(bytes)?.word(self.big_endian) as usize;
         let names = Element::next(bytes)?;
         if length == 0 {
             return Err(format!("`{group}{name}` has field names of no length").into());
+        }
+        if names.data.len() / length > MAX_ARRAYS {
+            return Err(format!("`{group}{name}` has more than {MAX_ARRAYS} fields").into());
         }
         let fields: Vec<String> = names
             .data
@@ -248,6 +251,9 @@ impl Walk<'_> {
         }
         if self.found.held.len() >= MAX_ARRAYS {
             return Err(format!("it holds more than {MAX_ARRAYS} arrays").into());
+        }
+        if group.len() + name.len() > MOST_PATH_BYTES {
+            return Err(format!("it has a path of more than {MOST_PATH_BYTES} bytes").into());
         }
         self.found.held.push(Held { row_major: false, ..Held::new(group, name, shape, kind) });
         self.found.numbers.push(numbers);

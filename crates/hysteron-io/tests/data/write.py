@@ -1,4 +1,5 @@
-"""Writes the arrays of this folder; they were written with numpy 2. The TDMS files are some of ../oracle/tdms.py."""
+"""Writes the arrays of this folder and some HDF5 files; they were written with numpy 2 and h5py 3. The TDMS files are some of ../oracle/tdms.py."""
+import h5py
 import numpy as np
 
 t = np.arange(5) / 1000
@@ -15,3 +16,19 @@ np.save("numpy_structured.npy", fields)
 angle = 2 * np.pi * 2 * np.arange(500) / 200
 u, y = 50 - 50 * np.cos(angle), 10 - 10 * np.cos(angle - 0.1)
 np.savez_compressed("loop.npz", u_V=u.astype("f4"), y_um=y.astype("f4"), fs=200)
+
+# Links of HDF5: datasets and groups by two paths, a group within itself; a dataset that is never written.
+with h5py.File("linked.h5", "w") as file:
+    for name, values in [("t_s", np.arange(5) / 10), ("u_V", np.arange(5.0)), ("y_um", np.arange(5.0) ** 2)]:
+        file[f"entry/{name}"] = values
+        file[f"data/{name}"] = file[f"entry/{name}"]
+    file["entry/self"] = file["entry"]
+    file["entry/nowhere"] = h5py.SoftLink("/nowhere")
+with h5py.File("ladder.h5", "w") as file:
+    below = file.create_group("0")
+    for step in range(1, 18):
+        group = file.create_group(str(step))
+        group["a"], group["b"], below = below, below, group
+with h5py.File("unwritten.h5", "w") as file:
+    for name in ("u_V", "y_um"):
+        file.create_dataset(name, (2**28,), dtype="f8")
