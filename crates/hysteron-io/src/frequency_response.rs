@@ -1,6 +1,7 @@
 //! Columns to frequency response.
 
 use serde::{Deserialize, Serialize};
+use std::cmp::Reverse;
 use std::io::Read;
 use std::path::Path;
 
@@ -8,7 +9,7 @@ use hysteron_model::record::FrequencyResponse;
 use hysteron_model::record::{Source, Unit, split_header};
 use hysteron_numeric::Complex64;
 
-use crate::columns::{Columns, Heading, Headings, Wanted};
+use crate::columns::{Columns, Heading, Headings, SEPARATORS, Wanted};
 use crate::read::{open, read_columns};
 use crate::{IoError, ReadOptions};
 
@@ -113,13 +114,21 @@ impl Layout {
     fn new(headings: &Headings, options: &ResponseOptions) -> Result<Self, IoError> {
         let columns = &headings.columns;
         let place = || headings.place();
-        let frequency = columns.iter().enumerate().find_map(|(i, c)| Some((i, hertz(c)?)));
-        let Some(frequency) = frequency else {
+        let is_read = |column: &Heading| !column.is_unreadable() && !column.is_alias();
+        let readable = columns.iter().enumerate().filter(|(_, column)| is_read(column));
+        let frequencies: Vec<(usize, f64)> =
+            readable.clone().filter_map(|(i, c)| Some((i, hertz(c)?))).collect();
+        if frequencies.is_empty() {
             return Err(IoError::NoFrequency { place: place(), found: headings.list() });
-        };
+        }
         let mut groups: Vec<Group> = Vec::new();
-        for (i, column) in columns.iter().enumerate().filter(|(i, _)| *i != frequency.0) {
+        for (i, column) in readable.filter(|(_, column)| hertz(column).is_none()) {
             let Some((name, part, unit)) = part_of(column) else { continue };
+            let name = match (column.group().trim_end_matches(SEPARATORS), name.is_empty()) {
+                ("", _) => name,
+                (group, true) => group.to_owned(),
+                (_, false) => format!("{}{name}", column.group()),
+            };
             let index = groups.iter().position(|g| g.name == name).unwrap_or_else(|| {
                 groups.push(Group { name, ..Group::default() });
                 groups.len() - 1
@@ -152,6 +161,15 @@ impl Layout {
             _ => return Err(choose(format!("{} responses", groups.len()), false)),
         };
         let over = options.over.as_deref().map(|asked| named(asked, true)).transpose()?;
+        let frequency = nearest_frequency(columns, &frequencies, &response);
+        if let Some(over) = &over
+            && nearest_frequency(columns, &frequencies, over) != frequency
+        {
+            return Err(choose(format!("`{}` has frequencies of its own", over.shown_name()), true));
+        }
+        let Some(frequency) = frequency else {
+            return Err(IoError::NoFrequency { place: place(), found: headings.list() });
+        };
         Ok(Self { frequency, response, over })
     }
 
@@ -230,6 +248,21 @@ impl Group {
             .map_err(|source| IoError::Response { file: file.to_string(), source: Box::new(source) })?;
         Ok(response)
     }
+}
+
+/// Of several frequency columns the one in the group of the response, or next around it: the column, and its factor to hertz.
+fn nearest_frequency(
+    columns: &[Heading],
+    frequencies: &[(usize, f64)],
+    response: &Group,
+) -> Option<(usize, f64)> {
+    let group_of = |i: usize| columns.get(i).map(Heading::group).unwrap_or_default();
+    let own = response.parts.first().map(|&(_, column)| group_of(column)).unwrap_or_default();
+    let nearness = |(i, _): &&(usize, f64)| {
+        let group = group_of(*i);
+        (own.starts_with(group).then_some(group.len()), Reverse(*i))
+    };
+    frequencies.iter().max_by_key(nearness).copied()
 }
 
 /// Factor to hertz of a frequency column.

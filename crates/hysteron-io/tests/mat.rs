@@ -5,8 +5,8 @@ mod damage;
 mod oracle;
 
 use hysteron_io::{
-    IoError, ReadOptions, contents_of_bytes, read_input_output_bytes, read_record, read_record_bytes,
-    write_mat,
+    IoError, ReadOptions, ResponseOptions, contents_of_bytes, read_frequency_response_bytes,
+    read_input_output_bytes, read_record, read_record_bytes, write_mat,
 };
 use hysteron_model::record::{Channel, Record, TimeBase};
 use std::io::Write;
@@ -101,6 +101,28 @@ fn a_variable_that_unpacks_to_more_than_allowed_is_refused() {
     assert_eq!(read_record_bytes("run.mat", &bytes, &options).unwrap().len(), 4_000_000);
 }
 
+/// A structure of one element.
+fn structure(name: &str, fields: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let word = |word: u32| word.to_le_bytes();
+    let names: Vec<u8> = fields.iter().flat_map(|(name, _)| padded(name)).collect();
+    let parts = [
+        element(6, &[word(2), word(0)].concat(), false),
+        element(5, &[word(1), word(1)].concat(), false),
+        element(1, name.as_bytes(), false),
+        element(5, &word(8), false),
+        element(1, &names, false),
+        fields.iter().flat_map(|(_, field)| field.clone()).collect(),
+    ];
+    element(14, &parts.concat(), false)
+}
+
+/// A name of a field, with zeros up to eight bytes.
+fn padded(name: &str) -> [u8; 8] {
+    let mut bytes = [0; 8];
+    bytes[..name.len()].copy_from_slice(name.as_bytes());
+    bytes
+}
+
 #[test]
 fn a_small_file_of_a_huge_array_is_refused_with_what_to_raise() {
     let packed = |variable: Vec<u8>| file(&[element(15, &deflated(&variable), false)], false);
@@ -129,6 +151,25 @@ fn a_small_file_of_a_huge_array_is_refused_with_what_to_raise() {
         let refusal = read_record_bytes("run.mat", &bytes, &ReadOptions::default()).unwrap_err().to_string();
         assert!(refusal.contains(problem), "{refusal}");
     }
+}
+
+#[test]
+fn of_frequency_responses_in_several_structures_one_must_be_chosen() {
+    let response = |re: u8| {
+        let column = |values: &[u8]| narrow("", values, 6, false);
+        [("f_Hz", column(&[1, 2])), ("re", column(&[re, re])), ("im", column(&[0, 0]))]
+    };
+    let bytes = file(&[structure("a", &response(3)), structure("b", &response(5))], false);
+    let read = |response: Option<&str>, over: Option<&str>| {
+        let own = |name: &str| name.to_owned();
+        let options = ResponseOptions { response: response.map(own), over: over.map(own), max_bytes: None };
+        read_frequency_response_bytes("run.mat", &bytes, &options).map_err(|e| e.to_string())
+    };
+    let refusal = read(None, None).unwrap_err();
+    assert!(refusal.contains("2 responses; the responses are `a`, `b`"), "{refusal}");
+    assert_eq!(read(Some("b"), None).unwrap().values[0].re, 5.0);
+    let refusal = read(Some("b"), Some("a")).unwrap_err();
+    assert!(refusal.contains("`a` has frequencies of its own"), "{refusal}");
 }
 
 #[test]
