@@ -62,7 +62,7 @@ pub(crate) fn recognises(archive: &Archive<'_>) -> bool {
 
 /// Reads the columns of all sheets.
 pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> Result<Columns, IoError> {
-    check_size(&mut archive, input.file, input.options.max_bytes)?;
+    check_size(&mut archive, input.file, input.options.most_unpacked_bytes(input.file_bytes))?;
     drop(archive);
     let file = input.file.to_owned();
     let malformed = |part, problem: String| IoError::Malformed {

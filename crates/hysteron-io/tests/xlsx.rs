@@ -128,6 +128,12 @@ fn a_file_that_unpacks_to_more_than_allowed_is_refused() {
     let many: Vec<(&str, &str)> = std::iter::repeat_n(("A2", "<v>1</v>"), 1000).collect();
     let refusal = read_record_bytes("run.xlsx", &workbook("A1:A2", &many), &options).unwrap_err();
     assert!(refusal.to_string().contains("max_bytes"), "{refusal}");
+    // 300 MB of spaces in a file of 300 kB.
+    let spaces = " ".repeat(300 << 20);
+    let bytes = workbook("A1:A2", &[("A2", &spaces)]);
+    assert!(bytes.len() < 1 << 20);
+    let refusal = read_record_bytes("run.xlsx", &bytes, &ReadOptions::default()).unwrap_err();
+    assert!(refusal.to_string().contains("larger than 268435456 bytes"), "{refusal}");
 }
 
 #[test]
