@@ -135,7 +135,7 @@ impl Held {
         };
         match (rows, columns) {
             (length, 1) => Some(vec![of(Slice::Whole, length)]),
-            (0, _) | (_, 0) => None,
+            _ if rows == 0 || columns == 0 || self.kind != Kind::Numbers => None,
             _ if columns <= MAX_MATRIX_COLUMNS && columns <= rows => {
                 Some((0..columns).map(|column| of(Slice::Column(column), rows)).collect())
             }
@@ -173,6 +173,12 @@ impl Held {
             (Slice::Row(row), false) => strided(row, rows),
         }
     }
+}
+
+/// Shape of MATLAB's texts: without the letters, in which they are one text or a column of them.
+pub(crate) fn shape_of_texts(letters: &[usize]) -> Vec<usize> {
+    let texts = letters.split_last().map(|(_, texts)| texts).unwrap_or_default();
+    if texts.iter().all(|&n| n == 1) { Vec::new() } else { texts.to_vec() }
 }
 
 /// Reads the wanted columns of a file that holds these arrays; `values` gives the numbers of one of them, in the order of memory.

@@ -9,7 +9,7 @@ use hdf5_reader::{Dataset, Hdf5File, OpenOptions};
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
-use crate::container::{self, Held, MAX_ARRAYS, MOST_PATH_BYTES};
+use crate::container::{self, Held, MAX_ARRAYS, MOST_PATH_BYTES, shape_of_texts};
 use crate::hash::sha256;
 use crate::place::{Part, Place};
 use crate::reader::{Input, Reader};
@@ -125,7 +125,11 @@ impl Walk {
         if self.of_matlab {
             shape.reverse();
         }
-        let kind = match text("MATLAB_class").filter(|_| self.of_matlab).as_deref() {
+        let class = text("MATLAB_class").filter(|_| self.of_matlab);
+        if class.as_deref() == Some("char") {
+            shape = shape_of_texts(&shape);
+        }
+        let kind = match class.as_deref() {
             Some("char") => Kind::Other("text".to_owned()),
             Some("cell") => Kind::Other("cells".to_owned()),
             Some("function_handle") => Kind::Other("function".to_owned()),

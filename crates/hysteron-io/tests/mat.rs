@@ -89,6 +89,20 @@ fn what_is_no_array_of_numbers_is_listed_and_refused_by_name() {
 }
 
 #[test]
+fn a_text_is_no_column_whatever_its_length() {
+    let word = |word: u32| word.to_le_bytes();
+    let parts = [
+        element(6, &[word(4), word(0)].concat(), false),
+        element(5, &[word(1), word(4)].concat(), false),
+        element(1, b"note", false),
+        element(16, b"loop", false),
+    ];
+    let note = element(14, &parts.concat(), false);
+    let record = read_record_bytes("run.mat", &[run(false), note].concat(), &ReadOptions::default()).unwrap();
+    assert_eq!((record.len(), record.channels.len()), (4, 2));
+}
+
+#[test]
 fn a_variable_that_unpacks_to_more_than_allowed_is_refused() {
     let zeros = vec![0; 4_000_000];
     let packed = element(15, &deflated(&narrow("u_V", &zeros, 6, false)), false);

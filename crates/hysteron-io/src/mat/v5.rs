@@ -8,7 +8,7 @@ use super::Variables;
 use super::element::{COMPRESSED, Element, MATRIX, Numbers, Type};
 use crate::bytes::Bytes;
 use crate::columns::Kind;
-use crate::container::{Held, MAX_ARRAYS, MOST_PATH_BYTES};
+use crate::container::{Held, MAX_ARRAYS, MOST_PATH_BYTES, shape_of_texts};
 
 /// Bytes in front of the first variable.
 const HEADER_BYTES: usize = 128;
@@ -162,7 +162,7 @@ impl Walk<'_> {
                 };
                 self.push(group, name, shape, Kind::Numbers, Some(numbers))
             }
-            class::CHAR => self.push(group, name, shape, other("text"), None),
+            class::CHAR => self.push(group, name, shape_of_texts(&shape), other("text"), None),
             class::SPARSE => self.push(group, name, shape, other("sparse matrix"), None),
             class::FUNCTION => self.push(group, name, shape, other("function"), None),
             class::OBJECT => {
