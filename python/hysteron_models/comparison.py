@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from . import _native
 from ._errors import missing
-from .estimators import _in_worker, _records
+from .estimators import _in_worker
 from .model import Model
 from .progress import Progress, shown
-from .record import PathLike, Record
+from .record import PathLike, Record, as_records, natives
 from .results import write_text
 
 if TYPE_CHECKING:
@@ -70,12 +70,12 @@ def compare(
         threads: threads; all cores if not given.
         progress: as of ``fit``.
     """
-    given = _records(records)
+    given = as_records(records)
     if threads is None and _in_worker():
         threads = 1
     with shown(progress) as told:
         text, page, model, interrupt = _native.compare(
-            [record._native for record in given],
+            natives(given),
             list(candidates),
             continued,
             given[0]._input,

@@ -16,7 +16,7 @@ from . import _native
 from ._errors import ModelError, OptionError, missing
 from .model import Controller, Model
 from .progress import Progress, shown
-from .record import PathLike, Record
+from .record import PathLike, Record, as_records, natives
 from .results import Finding, FrequencyResponse, Inversion, Prediction, Score, Tracking, write_text
 
 if TYPE_CHECKING:
@@ -129,14 +129,14 @@ class Estimator:
             ModelError: records that cannot be used.
             IdentifyError: no model of this class describes them.
         """
-        given = _records(records)
+        given = as_records(records)
         options = self._options()
         if options.get("threads", 0) is None and _in_worker():
             options["threads"] = 1
         inputs, outputs = self._columns()
         with shown(progress) as told:
             fit, interrupt = _native.identify(
-                [record._native for record in given],
+                natives(given),
                 self._kind,
                 json.dumps({key: value for key, value in options.items() if value is not None}),
                 inputs=inputs,
@@ -259,7 +259,7 @@ class Estimator:
 
     def score(self, records: Record | Sequence[Record], y: None = None) -> float:
         """Mean of 1 − ‖e‖₂/‖y − ȳ‖₂ over records, simulated in free run: 1 is perfect."""
-        found = self._fitted().scores(_records(records))
+        found = self._fitted().scores(as_records(records))
         shares = [s.fit_percent or 0.0 for s in cast("list[Score]", found)]
         return sum(shares) / (100.0 * len(shares))
 
@@ -299,19 +299,6 @@ def _not_fitted() -> type[ModelError]:
 
 def _number(value: Any) -> float:
     return float("nan") if value is None else float(value)
-
-
-def _records(records: Record | Sequence[Record]) -> list[Record]:
-    given = [records] if isinstance(records, Record) else list(records)
-    for one in given:
-        if not isinstance(one, Record):
-            raise OptionError(
-                f"expected records, found {type(one).__name__}: make one with hy.Record(u, y, fs=…) or hy.read(path)",
-                code="no-record",
-            )
-    if not given:
-        raise OptionError("no record is given", code="no-record")
-    return given
 
 
 class Hammerstein(Estimator):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import _native
 from ._errors import OptionError, with_arguments
-from .record import Array, PathLike, Record, as_samples
+from .record import Array, PathLike, Record, as_records, as_samples, natives
 from .results import Finding, FrequencyResponse, Inversion, Prediction, Realisation, Score, Tracking
 
 __all__ = ["Controller", "Model", "load"]
@@ -247,27 +247,21 @@ class Model:
         """
         scoring = json.dumps({"skip_s": skip, "offset": "fixed" if fixed_offset else "estimated"})
         if continued:
-            given = [record] if isinstance(record, Record) else list(record)
-            first = given[0] if given else None
-            runs = self._native.score_continued(
-                [one._native for one in given],
-                scoring,
-                first._input if first else None,
-                first._output if first else None,
-            )
+            given = as_records(record)
+            runs = self._native.score_continued(natives(given), scoring, given[0]._input, given[0]._output)
             found = [
                 Score._of(given[0].name, figures, start, Record._of(series), json.loads(text))
                 for text, figures, start, series in runs
             ]
             return found[0] if len(found) == 1 else found
-        if not isinstance(record, Record):
-            several = [
-                self.scores(one, skip=skip, fixed_offset=fixed_offset, rest=rest, settled=settled)
-                for one in record
-            ]
-            return [one for one in several if isinstance(one, Score)]
+        before = _start(rest, settled)
+        if isinstance(record, Record):
+            return self._score(record, scoring, before)
+        return [self._score(one, scoring, before) for one in record]
+
+    def _score(self, record: Record, scoring: str, before: str | None) -> Score:
         text, figures, start, series = self._native.score(
-            record._native, scoring, record._input, record._output, _start(rest, settled)
+            record._native, scoring, record._input, record._output, before
         )
         return Score._of(record.name, figures, start, Record._of(series, "u", "y"), json.loads(text))
 
@@ -506,14 +500,9 @@ class Model:
         Returns:
             The new model, and what was found, as ``hysteron recalibrate --json`` prints it.
         """
-        given = [records] if isinstance(records, Record) else list(records)
-        first = given[0] if given else None
+        given = as_records(records)
         native, text = self._native.recalibrate(
-            [record._native for record in given],
-            first._input if first else None,
-            first._output if first else None,
-            continued,
-            least_fit,
+            natives(given), given[0]._input, given[0]._output, continued, least_fit
         )
         return Model(native), json.loads(text)
 

@@ -268,11 +268,10 @@ def coverage(
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the share of samples within the band of a measurement over its level; on the diagonal bands hold."""
-    from .record import Record
+    from .record import as_records
 
     ax = _axes(ax)
-    given = [records] if isinstance(records, Record) else list(records)
-    for k, record in enumerate(given):
+    for k, record in enumerate(as_records(records)):
         shares = []
         for level in levels:
             predicted = estimator.predict(record, band=level)

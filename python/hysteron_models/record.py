@@ -71,7 +71,9 @@ class Record:
         if isinstance(u, Mapping):
             if y is not None:
                 raise OptionError("give y within the mapping of channels", code="channels")
-            channels = [(*_split(header), as_samples(samples, header)) for header, samples in u.items()]
+            channels = [
+                (*_native.split_header(header), as_samples(samples, header)) for header, samples in u.items()
+            ]
         else:
             channels = [("u", units[0], as_samples(u, "u"))]
             if y is not None:
@@ -111,7 +113,7 @@ class Record:
     @property
     def has_times(self) -> bool:
         """Whether ``t`` is in seconds."""
-        return self._native.times() is not None
+        return self._native.has_times
 
     @property
     def channels(self) -> dict[str, str]:
@@ -201,13 +203,23 @@ class Record:
         write(path, self)
 
 
-def _split(header: str) -> tuple[str, str]:
-    """Name and unit of a header such as ``u_V`` or ``u [V]``."""
-    if header.endswith("]") and " [" in header:
-        name, unit = header[:-1].rsplit(" [", 1)
-        return name, unit
-    name, _, unit = header.rpartition("_")
-    return (name, unit) if name else (header, "")
+def as_records(records: Record | Sequence[Record]) -> list[Record]:
+    """The records given, at least one."""
+    given = [records] if isinstance(records, Record) else list(records)
+    for one in given:
+        if not isinstance(one, Record):
+            raise OptionError(
+                f"expected records, found {type(one).__name__}: make one with hy.Record(u, y, fs=…) or hy.read(path)",
+                code="no-record",
+            )
+    if not given:
+        raise OptionError("no record is given", code="no-record")
+    return given
+
+
+def natives(records: Sequence[Record]) -> list[_native.Record]:
+    """The records as the library takes them."""
+    return [record._native for record in records]
 
 
 def _rebuilt(state: dict[str, Any]) -> Record:
@@ -364,16 +376,15 @@ def prepare(
         detrend: columns whose straight line is taken off.
         fs: new sample rate [Hz].
     """
-    given = [records] if isinstance(records, Record) else list(records)
+    given = as_records(records)
     options = {
         "scales": list(scale),
         "remove_mean": list(remove_mean),
         "detrend": list(detrend),
         "sample_rate_hz": fs,
     }
-    native, _ = _native.prepare([record._native for record in given], json.dumps(options))
-    first = given[0] if given else None
-    return Record._of(native, first._input if first else None, first._output if first else None)
+    native, _ = _native.prepare(natives(given), json.dumps(options))
+    return Record._of(native, given[0]._input, given[0]._output)
 
 
 class Inspection:
@@ -410,11 +421,5 @@ def _statement(statement: dict[str, Any]) -> str:
 
 def inspect(records: Record | Sequence[Record]) -> Inspection:
     """Say what is in records before any fit: rates, amplitudes, noise, delay, and what to measure next."""
-    given = [records] if isinstance(records, Record) else list(records)
-    first = given[0] if given else None
-    found = _native.inspect(
-        [record._native for record in given],
-        first._input if first else None,
-        first._output if first else None,
-    )
-    return Inspection(json.loads(found))
+    given = as_records(records)
+    return Inspection(json.loads(_native.inspect(natives(given), given[0]._input, given[0]._output)))

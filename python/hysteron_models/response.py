@@ -10,7 +10,7 @@ from typing import Any
 
 from . import _native
 from .model import Model
-from .record import PathLike, Record
+from .record import PathLike, Record, natives
 from .results import FrequencyResponse, write_text
 
 __all__ = ["ExplainedResponse", "frequency_response"]
@@ -70,7 +70,7 @@ def frequency_response(
         records = list(source)
     first = records[0] if records else None
     frequency, real, imaginary, text, page, native = _native.explain_response(
-        [record._native for record in records],
+        natives(records),
         path,
         json.dumps({"period_s": period, "settling_periods": settling}),
         list(structures),

@@ -3,11 +3,12 @@
 use std::time::Instant;
 
 use hysteron_identify::structure::{Candidate, compare as compare_structures};
-use hysteron_identify::{CampaignRecord, Compared, IdentifyError, Options};
+use hysteron_identify::{Compared, IdentifyError, Options};
 use hysteron_model::record::ChannelChoice;
 use pyo3::prelude::*;
 
-use crate::errors::{option, raised, to_json};
+use crate::errors::{option, to_json};
+use crate::fit::campaign;
 use crate::model::{Model, maker};
 use crate::record::Record;
 use crate::work;
@@ -27,10 +28,7 @@ pub fn compare(
     threads: Option<usize>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(String, String, Option<Model>, Option<PyErr>)> {
-    let choice = ChannelChoice { input, output };
-    let data = records.iter().map(|record| record.inner.input_output(&choice));
-    let campaign = data.map(|data| data.map(|data| CampaignRecord { data, role: None }));
-    let campaign = campaign.collect::<Result<Vec<_>, _>>().map_err(raised)?;
+    let campaign = campaign(&records, &ChannelChoice { input, output })?;
     let candidates = candidates.iter().map(|name| name.parse::<Candidate>());
     let candidates = candidates.collect::<Result<Vec<_>, _>>().map_err(option)?;
     let options = Options { continued, threads, ..Options::default() };
@@ -46,13 +44,7 @@ pub fn compare(
         let model = preferred.map(|(_, fit)| fit).transpose()?.map(|fit| fit.model);
         Ok::<_, IdentifyError>((found, model))
     };
-    let (found, raised_in_between) = work::watched(py, threads, progress.as_ref(), work)?;
-    match (found, raised_in_between) {
-        (Ok((found, model)), raised) => {
-            let page = hysteron_report::comparison::page(&found, &maker()).to_html();
-            Ok((to_json(&found)?, page, model.map(Model::from), raised))
-        }
-        (Err(_), Some(raised)) => Err(raised),
-        (Err(e), None) => Err(raised(e)),
-    }
+    let ((found, model), interruption) = work::watched(py, threads, progress.as_ref(), work)?;
+    let page = hysteron_report::comparison::page(&found, &maker()).to_html();
+    Ok((to_json(&found)?, page, model.map(Model::from), interruption))
 }

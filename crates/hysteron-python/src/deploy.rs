@@ -73,13 +73,13 @@ impl Model {
         let body = self.core().hammerstein(Capability::Export).map_err(raised)?;
         let unknown = "the model was identified from records without a sample rate: give the controller's";
         let rate = asked.sample_rate_hz.or(body.data().sample_rate_hz).ok_or_else(|| option(unknown))?;
-        let realise_options = body.realise_options(rate, asked.inverting.realise());
+        let realise_options = body.realise_options(rate, RealiseOptions::default());
         let range = if asked.inverse { Some(self.range(asked.inverting.range)?) } else { None };
         let compensator =
             asked.inverting.compensator(self, rate, asked.inverting.predict_to_hz.map(|_| 0))?;
         let files = work::run(py, || {
             let realisation = realise(body.law(), rate, &realise_options)?;
-            let accuracy = asked.inverting.accuracy;
+            let accuracy = realise_options.accuracy;
             let subject = Subject::new(&asked.name, asked.float, body.data(), realisation, accuracy)?;
             let slew = asked.inverting.slew_per_s.unwrap_or(f64::INFINITY);
             let inverse = range.map(|range| {

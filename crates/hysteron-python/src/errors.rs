@@ -43,7 +43,7 @@ pub fn raised(error: impl Into<hysteron::Error>) -> PyErr {
         Error::File(e) => exception(Class::File, &e, e.place(), e.advice()),
         Error::Model(hysteron_model::Error::Name(e)) => option(e),
         Error::Model(e) => exception(Class::Model, &e, None, e.advice()),
-        Error::Identify(e) => exception(Class::Identify, &e, None, None),
+        Error::Identify(e) => exception(Class::Identify, &e, None, e.advice()),
         Error::Export(e) => exception(Class::Export, &e, None, None),
         e => exception(Class::Option, &e, None, None),
     }

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::errors::{from_json, raised, to_json};
 use crate::model::{Figures, Model, figures, maker};
-use crate::record::Record;
+use crate::record::{Record, single};
 use crate::task::task;
 use crate::work;
 
@@ -60,7 +60,7 @@ impl Fit {
     /// The report as a page of HTML.
     fn report(&self, py: Python<'_>, name: &str) -> PyResult<String> {
         let page = work::run(py, || hysteron_report::fit::report(name, &self.inner, None))?;
-        Ok(page.map_err(hysteron_model::Error::from).map_err(raised)?.to_html())
+        Ok(page.map_err(raised)?.to_html())
     }
 }
 
@@ -80,7 +80,7 @@ pub fn identify(
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<(Fit, Option<PyErr>)> {
     let kind = UnknownName::find("kind of model", kind, Kind::ALL, Kind::name);
-    let mut task = task(kind.map_err(hysteron_model::Error::from).map_err(raised)?, options)?;
+    let mut task = task(kind.map_err(raised)?, options)?;
     if let Some(start) = start {
         task = task.starting_from(start.core()).map_err(raised)?;
     }
@@ -90,17 +90,17 @@ pub fn identify(
         FitRecords::Several(axes.collect::<Result<_, _>>().map_err(raised)?)
     } else {
         let choice = ChannelChoice { input: inputs.first().cloned(), output: outputs.first().cloned() };
-        let data = records.iter().map(|record| record.inner.input_output(&choice));
-        let data = data.map(|data| data.map(|data| CampaignRecord { data, role: None }));
-        FitRecords::Single(data.collect::<Result<_, _>>().map_err(raised)?)
+        FitRecords::Single(campaign(&records, &choice)?)
     };
     let work = |watch: &hysteron_identify::Watch<'_>| fit(&records, &task, watch, resume, &maker());
-    let (found, raised_in_between) = work::watched(py, task.threads(), progress.as_ref(), work)?;
-    match (found, raised_in_between) {
-        (Ok(inner), raised) => Ok((Fit { inner }, raised)),
-        (Err(_), Some(raised)) => Err(raised),
-        (Err(e), None) => Err(raised(e)),
-    }
+    let (inner, interruption) = work::watched(py, task.threads(), progress.as_ref(), work)?;
+    Ok((Fit { inner }, interruption))
+}
+
+/// Records to identify from.
+pub fn campaign(records: &[PyRef<'_, Record>], choice: &ChannelChoice) -> PyResult<Vec<CampaignRecord>> {
+    let campaign = single(records, choice)?.into_iter();
+    Ok(campaign.map(|data| CampaignRecord { data, role: None }).collect())
 }
 
 /// Names that options take, each with a line about it, as JSON.

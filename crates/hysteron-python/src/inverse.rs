@@ -3,12 +3,12 @@
 use hysteron_identify::PredictionBand;
 use hysteron_model::Start;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Limits, Prediction};
-use hysteron_model::control::{Plant, Wanted};
+use hysteron_model::control::Plant;
 use hysteron_model::invert::{InverseOptions, LastRun};
 use hysteron_model::model::{Capability, InverseSummary};
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::Signal;
-use hysteron_model::tracking::{Controller as Tracker, PlantDescription, TrackOptions, track};
+use hysteron_model::tracking::{PlantDescription, TrackOptions, track};
 use hysteron_rig::{Dac, RigStage, Truth};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -21,7 +21,7 @@ use crate::signals::{Samples, samples};
 use crate::work;
 
 /// What is said of an inverse beside the model; what is left out is the library's default.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Inverting {
     pub range: Option<[f64; 2]>,
@@ -32,30 +32,10 @@ pub struct Inverting {
     periodic: bool,
     rest_voltage: Option<f64>,
     virgin_voltage: Option<f64>,
-    pub accuracy: f64,
-    lowest_frequency_hz: Option<f64>,
-}
-
-impl Default for Inverting {
-    fn default() -> Self {
-        let RealiseOptions { accuracy, lowest_frequency_hz } = RealiseOptions::default();
-        Self {
-            range: None,
-            slew_per_s: None,
-            bandwidth_hz: None,
-            preview: None,
-            predict_to_hz: None,
-            periodic: false,
-            rest_voltage: None,
-            virgin_voltage: None,
-            accuracy,
-            lowest_frequency_hz,
-        }
-    }
 }
 
 impl Inverting {
-    pub fn options(&self, range_v: [f64; 2]) -> InverseOptions {
+    fn options(&self, range_v: [f64; 2]) -> InverseOptions {
         InverseOptions {
             bandwidth_hz: self.bandwidth_hz,
             slew_v_per_s: self.slew_per_s.unwrap_or(f64::INFINITY),
@@ -67,10 +47,6 @@ impl Inverting {
             virgin_v: self.virgin_voltage.or(InverseOptions::switched_on(range_v)),
             ..InverseOptions::within(range_v)
         }
-    }
-
-    pub fn realise(&self) -> RealiseOptions {
-        RealiseOptions { accuracy: self.accuracy, lowest_frequency_hz: self.lowest_frequency_hz }
     }
 
     /// Of a controller, whose preview is `preview` where nothing is said.
@@ -85,7 +61,7 @@ impl Inverting {
             bandwidth_hz: self.bandwidth_hz,
             preview: self.preview.or(preview),
             prediction: Prediction::up_to(self.predict_to_hz),
-            realise: body.realise_options(rate, self.realise()),
+            realise: body.realise_options(rate, RealiseOptions::default()),
             ..CompensatorOptions::default()
         })
     }
@@ -180,8 +156,7 @@ impl Model {
         seed: u64,
     ) -> PyResult<Tracked<'py>> {
         let body = self.core().hammerstein(Capability::Tracking).map_err(raised)?;
-        let asked: Tracking = from_json(options)?;
-        let options = asked.options()?;
+        let options: TrackOptions = from_json(options)?;
         let truth: Truth = truth.map_or(Ok(Truth::default()), from_json)?;
         let truth = Truth { dac: Dac::Hold, ..truth };
         let bench = RigStage { truth: &truth, seed, stream: 0 };
@@ -207,38 +182,5 @@ impl Model {
             (run.controller.name(), drive, PyArray1::from_slice(py, &run.played.displacement))
         });
         Ok((to_json(&found)?, page, runs.collect()))
-    }
-}
-
-/// What is said of tracking, beside the model.
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct Tracking {
-    controllers: Vec<String>,
-    gain_margin: f64,
-    phase_margin_deg: f64,
-    #[serde(flatten)]
-    options: TrackOptions,
-}
-
-impl Default for Tracking {
-    fn default() -> Self {
-        let Wanted { gain, phase_deg, .. } = Wanted::default();
-        Self {
-            controllers: Vec::new(),
-            gain_margin: gain,
-            phase_margin_deg: phase_deg,
-            options: TrackOptions::default(),
-        }
-    }
-}
-
-impl Tracking {
-    fn options(&self) -> PyResult<TrackOptions> {
-        let named = self.controllers.iter().map(|name| name.parse::<Tracker>());
-        let controllers = named.collect::<Result<_, _>>().map_err(|e| option(&e))?;
-        let margins =
-            Wanted { gain: self.gain_margin, phase_deg: self.phase_margin_deg, ..Wanted::default() };
-        Ok(TrackOptions { controllers, margins, ..self.options.clone() })
     }
 }

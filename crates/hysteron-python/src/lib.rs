@@ -36,7 +36,7 @@ mod _native {
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]
-    use super::record::{Record, contents, inspect, prepare, read, write};
+    use super::record::{Record, contents, inspect, prepare, read, split_header, write};
     #[pymodule_export]
     use super::respond::explain_response;
 

@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 use serde::Deserialize;
 
 use crate::errors::{from_json, option, raised, to_json};
-use crate::record::Record;
+use crate::record::{Record, single};
 use crate::signals::Samples;
 use crate::work;
 
@@ -66,6 +66,15 @@ impl Model {
         Ok(axes.map_err(raised)?.into())
     }
 
+    /// Input and output of a record, in units that agree with the model's.
+    fn in_agreed_units(&self, record: &Record, choice: &ChannelChoice) -> PyResult<InputOutput> {
+        let mut data = record.inner.input_output(choice).map_err(raised)?;
+        let told = &mut Vec::new();
+        self.inner.agreed_unit(SignalRole::Input, &data.u_unit, told).map_err(raised)?;
+        data.y_unit = self.inner.agreed_unit(SignalRole::Output, &data.y_unit, told).map_err(raised)?;
+        Ok(data)
+    }
+
     fn scored(&self, record: &CoreRecord, choice: &ChannelChoice) -> PyResult<Signals> {
         Ok(match self.inner.channels() {
             Some((inputs, outputs)) => AxesRecord::new(record, inputs, outputs).map_err(raised)?.into(),
@@ -79,7 +88,7 @@ fn start(json: Option<&str>) -> PyResult<Start> {
     json.map_or(Ok(Start::AsIdentified), from_json)
 }
 
-/// Outputs of a simulation: an array each, standard deviation and noise of a band, the start in words, and remarks.
+/// Outputs of a simulation: an array each, half the widths of its bands, the start in words, and remarks.
 type Simulated<'py> = (Vec<Samples<'py>>, Option<HalfWidths<'py>>, String, Vec<(String, Option<String>)>);
 
 /// Half the width of the band of a measurement and of that of the model's output, at each sample.
@@ -177,9 +186,8 @@ impl Model {
         let from = start(from_start)?;
         let found = work::run(py, || self.inner.simulate(&signals, from))?.map_err(raised)?;
         let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
-        let (input, output) = self.units();
         let outputs = found.outputs.iter().map(|y| PyArray1::from_slice(py, y)).collect();
-        Ok((outputs, band, found.start.in_words(&input, &output), self.remarks(&found.remarks)?))
+        Ok((outputs, band, self.in_words(&found.start), self.remarks(&found.remarks)?))
     }
 
     /// Score on a record, from the start that explains it best unless one is given.
@@ -200,7 +208,7 @@ impl Model {
         Ok((
             to_json(&score)?,
             figures(&score),
-            self.in_words(&score),
+            self.in_words(&score.simulation.start),
             score.series(&signals).map_err(raised)?.into(),
         ))
     }
@@ -225,8 +233,7 @@ impl Model {
         let with_offset = found.outputs.iter().zip(&offsets);
         let outputs = with_offset.map(|(y, offset)| PyArray1::from_iter(py, y.iter().map(|y| y + offset)));
         let band = band.map(|level| self.band(py, &signals, &found.start, level)).transpose()?;
-        let (input, output) = self.units();
-        let words = found.start.in_words(&input, &output);
+        let words = self.in_words(&found.start);
         let measured = match &signals {
             Signals::Single(record) => Some(PyArray1::from_slice(py, &record.y)),
             Signals::Several(_) => None,
@@ -246,16 +253,14 @@ impl Model {
     ) -> PyResult<Vec<Scored>> {
         self.inner.hammerstein(Capability::Runs).map_err(raised)?;
         let scoring: Scoring = from_json(scoring)?;
-        let choice = ChannelChoice { input, output };
-        let data = records.iter().map(|record| record.inner.input_output(&choice));
-        let data = data.collect::<Result<Vec<_>, _>>().map_err(raised)?;
+        let data = single(&records, &ChannelChoice { input, output })?;
         let runs = Run::of(&data).map_err(raised)?;
         let score = |run: Run| {
             let score = work::run(py, || self.inner.score_run(&run, Start::AsIdentified, &scoring))?;
             let score = score.map_err(raised)?;
             let (json, whole) = (to_json(&score)?, &score.whole);
             let series = whole.series(&Signals::Single(run.data)).map_err(raised)?;
-            Ok((json, figures(whole), self.in_words(whole), series.into()))
+            Ok((json, figures(whole), self.in_words(&whole.simulation.start), series.into()))
         };
         runs.into_iter().map(score).collect()
     }
@@ -272,10 +277,7 @@ impl Model {
     ) -> PyResult<(String, Option<Self>)> {
         let asked: Adapting = from_json(options)?;
         let body = self.inner.hammerstein(Capability::Adaptation).map_err(raised)?;
-        let mut data = record.inner.input_output(&ChannelChoice { input, output }).map_err(raised)?;
-        let told = &mut Vec::new();
-        self.inner.agreed_unit(SignalRole::Input, &data.u_unit, told).map_err(raised)?;
-        data.y_unit = self.inner.agreed_unit(SignalRole::Output, &data.y_unit, told).map_err(raised)?;
+        let data = self.in_agreed_units(record, &ChannelChoice { input, output })?;
         let unknown = "the size of a residual where the model fits is not known: give it with noise=…";
         let noise = asked.noise.or_else(|| known_noise(body.data(), &data)).ok_or_else(|| option(unknown))?;
         let terms = asked.terms.iter().map(|term| term.parse::<Term>()).collect::<Result<_, _>>();
@@ -314,14 +316,8 @@ impl Model {
     ) -> PyResult<(Self, String)> {
         let body = self.inner.hammerstein(Capability::Recalibration).map_err(raised)?;
         let choice = ChannelChoice { input, output };
-        let of = |record: &PyRef<'_, Record>| {
-            let mut data = record.inner.input_output(&choice).map_err(raised)?;
-            let told = &mut Vec::new();
-            self.inner.agreed_unit(SignalRole::Input, &data.u_unit, told).map_err(raised)?;
-            data.y_unit = self.inner.agreed_unit(SignalRole::Output, &data.y_unit, told).map_err(raised)?;
-            Ok(data)
-        };
-        let data = records.iter().map(of).collect::<PyResult<Vec<_>>>()?;
+        let data = records.iter().map(|record| self.in_agreed_units(record, &choice));
+        let data = data.collect::<PyResult<Vec<_>>>()?;
         let recording = |data: InputOutput, beginning: Option<_>| {
             let start = self.inner.expected_start(beginning.as_ref().unwrap_or(&data), &mut Vec::new());
             Recording { data, start, start_is_known: false, beginning }
@@ -378,9 +374,9 @@ impl Model {
         remarks.iter().map(told).collect()
     }
 
-    fn in_words(&self, score: &Score) -> String {
+    fn in_words(&self, start: &Start) -> String {
         let units = self.inner.units();
-        score.simulation.start.in_words(&units.input, &units.output)
+        start.in_words(&units.input, &units.output)
     }
 }
 

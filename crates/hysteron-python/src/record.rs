@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use hysteron::{ReadOptions, Rename};
 use hysteron_identify::structure::prospects;
 use hysteron_io::read_part;
-use hysteron_model::record::{Channel, ChannelChoice, Cut, Prepare, TimeBase, Turns};
+use hysteron_model::record::{Channel, ChannelChoice, Cut, InputOutput, Prepare, TimeBase, Turns};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::errors::{from_json, option, raised, to_json};
-use crate::signals::{samples, times};
+use crate::signals::samples;
 use crate::work;
 
 /// Named channels with units on a time base.
@@ -56,8 +56,7 @@ impl Record {
         };
         let channels = channels.into_iter().map(channel).collect::<PyResult<Vec<_>>>()?;
         let valid = valid.map(|mask| mask.as_slice().map(<[bool]>::to_vec)).transpose()?;
-        let inner =
-            hysteron::Record { valid, ..hysteron::Record::new(name, time, channels).map_err(raised)? };
+        let inner = hysteron::Record { name: name.to_owned(), time, channels, valid, source: None };
         inner.check().map_err(raised)?;
         Ok(Self { inner })
     }
@@ -100,9 +99,16 @@ impl Record {
         }
     }
 
+    /// Whether the times are known.
+    #[getter]
+    fn has_times(&self) -> bool {
+        self.inner.time != TimeBase::Unknown
+    }
+
     /// Times [s] where they are known.
     fn times<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        times(&self.inner.time, self.inner.len()).map(|times| PyArray1::from_vec(py, times))
+        let times: Option<Vec<f64>> = (0..self.inner.len()).map(|k| self.inner.time.time_s(k)).collect();
+        times.map(|times| PyArray1::from_vec(py, times))
     }
 
     /// Which samples are valid, where some are not.
@@ -116,6 +122,18 @@ impl Record {
         let found = self.inner.select(&ChannelChoice { input, output }).map_err(raised)?;
         Ok((found.input, found.output))
     }
+}
+
+/// Input and output of each record.
+pub fn single(records: &[PyRef<'_, Record>], choice: &ChannelChoice) -> PyResult<Vec<InputOutput>> {
+    records.iter().map(|record| record.inner.input_output(choice).map_err(raised)).collect()
+}
+
+/// Name and unit of the header of a column.
+#[pyfunction]
+pub fn split_header(header: &str) -> (String, String) {
+    let (name, unit) = hysteron_model::record::split_header(header);
+    (name, unit.symbol().to_owned())
 }
 
 /// What Python says about files, beside [`ReadOptions`].
@@ -194,9 +212,7 @@ pub fn inspect(
         records: Vec<hysteron_model::record::InspectionSummary>,
         campaign: hysteron_identify::structure::Prospects,
     }
-    let choice = ChannelChoice { input, output };
-    let data = records.iter().map(|record| record.inner.input_output(&choice));
-    let data = data.collect::<Result<Vec<_>, _>>().map_err(raised)?;
+    let data = single(&records, &ChannelChoice { input, output })?;
     let found = work::run(py, || Inspected {
         records: data.iter().map(|data| hysteron_model::record::inspect(data).summary(data)).collect(),
         campaign: prospects(&data),

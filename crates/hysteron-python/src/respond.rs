@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 use crate::errors::{from_json, option, raised, to_json};
 use crate::model::{Model, maker};
-use crate::record::Record;
+use crate::record::{Record, single};
 use crate::signals::Samples;
 use crate::work;
 
@@ -43,9 +43,7 @@ pub fn explain_response<'py>(
             (work::run(py, || read_frequency_response(&path, &named))?.map_err(raised)?, None)
         }
         None => {
-            let choice = ChannelChoice { input, output };
-            let data = records.iter().map(|record| record.inner.input_output(&choice));
-            let data = data.collect::<Result<Vec<_>, _>>().map_err(raised)?;
+            let data = single(&records, &ChannelChoice { input, output })?;
             let found = work::run(py, || empirical_response(&data, &options))?.map_err(raised)?;
             (found.response.clone(), Some(found))
         }
@@ -59,7 +57,7 @@ pub fn explain_response<'py>(
     }
     let named = |name: &String| UnknownName::find("structure", name, Family::ALL, Family::name);
     let families = structures.iter().map(named).collect::<Result<Vec<_>, _>>();
-    let families = families.map_err(hysteron_model::Error::from).map_err(raised)?;
+    let families = families.map_err(raised)?;
     let families = if families.is_empty() { Family::for_response(&measured) } else { families };
     let found = work::run(py, || {
         let candidates = compare(&measured, Weighting::of(&measured), &families, modes)?;

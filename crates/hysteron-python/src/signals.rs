@@ -1,6 +1,5 @@
 //! Arrays of Python as samples, and back.
 
-use hysteron_model::record::TimeBase;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 
@@ -10,9 +9,4 @@ pub type Samples<'py> = Bound<'py, PyArray1<f64>>;
 /// The samples of a contiguous array.
 pub fn samples(array: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
     Ok(array.as_slice()?.to_vec())
-}
-
-/// Times [s] of this many samples.
-pub fn times(time: &TimeBase, samples: usize) -> Option<Vec<f64>> {
-    (0..samples).map(|k| time.time_s(k)).collect()
 }

@@ -65,17 +65,20 @@ pub fn task(kind: Kind, options: &str) -> PyResult<Task> {
 
 fn hammerstein(asked: Asked) -> PyResult<Options> {
     let default = Options::default();
-    let of = |name: &Option<String>| name.as_deref().filter(|name| *name != "auto").map(str::to_owned);
+    // `auto` is what a name left out means.
+    fn of(name: &Option<String>) -> Option<&str> {
+        name.as_deref().filter(|name| *name != "auto")
+    }
     let hysteresis = match (of(&asked.hysteresis), asked.elements) {
         (None, None) => Choice::Auto,
         (name, elements) => {
-            let form = name.map_or(Ok(HysteresisForm::BoucWen), |name| name.parse().map_err(unknown))?;
+            let form = name.map_or(Ok(HysteresisForm::BoucWen), |name| name.parse().map_err(raised))?;
             Choice::Given(elements.map_or(Ok(form), |count| form.with_elements(count).map_err(option))?)
         }
     };
     let creep = match asked.creep.as_deref() {
         None | Some("none") => Creep::None,
-        Some(name) => UnknownName::find("creep", name, Creep::USUAL, Creep::name).map_err(unknown)?,
+        Some(name) => UnknownName::find("creep", name, Creep::USUAL, Creep::name).map_err(raised)?,
     };
     let creep = match asked.creep_elements {
         None => creep,
@@ -83,32 +86,24 @@ fn hammerstein(asked: Asked) -> PyResult<Options> {
             .with_elements(count)
             .ok_or_else(|| option("creep_elements belongs to creep=\"kelvin-voigt\""))?,
     };
-    let dynamics = asked.dynamics.as_deref().map(|name| {
-        UnknownName::find("dynamic block", name, DynamicsChoice::ALL, DynamicsChoice::name).map_err(unknown)
-    });
-    let method = asked
-        .method
-        .as_deref()
-        .map(|name| UnknownName::find("method", name, Method::ALL, Method::name).map_err(unknown));
-    let initial = asked
-        .initial
-        .as_deref()
-        .map(|name| UnknownName::find("start", name, Initial::ALL, Initial::name).map_err(unknown));
+    let dynamics = named("dynamic block", &asked.dynamics, DynamicsChoice::ALL, DynamicsChoice::name)?;
+    let method = named("method", &asked.method, Method::ALL, Method::name)?;
+    let initial = named("start", &asked.initial, Initial::ALL, Initial::name)?;
     let algorithm = match of(&asked.optimizer) {
         None => None,
-        Some(name) => Some(Algorithm::called(&name, asked.population).map_err(option)?),
+        Some(name) => Some(Algorithm::called(name, asked.population).map_err(option)?),
     };
-    let scheme = of(&asked.scheme).map(|name| name.parse::<Scheme>().map_err(unknown)).transpose()?;
+    let scheme = of(&asked.scheme).map(|name| name.parse::<Scheme>().map_err(raised)).transpose()?;
     let inter_sample =
-        of(&asked.inter_sample).map(|name| name.parse::<InterSample>().map_err(unknown)).transpose()?;
+        of(&asked.inter_sample).map(|name| name.parse::<InterSample>().map_err(raised)).transpose()?;
     Ok(Options {
-        method: method.transpose()?.unwrap_or(default.method),
+        method: method.unwrap_or(default.method),
         hysteresis,
-        dynamics: dynamics.transpose()?.unwrap_or(default.dynamics),
+        dynamics: dynamics.unwrap_or(default.dynamics),
         order: asked.order.unwrap_or(default.order),
         creep,
         continued: asked.continued.unwrap_or(default.continued),
-        initial: initial.transpose()?.unwrap_or(default.initial),
+        initial: initial.unwrap_or(default.initial),
         drift: asked.drift.unwrap_or(default.drift),
         algorithm,
         generations: asked.generations.unwrap_or(default.generations),
@@ -140,6 +135,13 @@ fn hammerstein(asked: Asked) -> PyResult<Options> {
     })
 }
 
-fn unknown(error: UnknownName) -> PyErr {
-    raised(hysteron_model::Error::from(error))
+/// The one of `all` that is named, if one is.
+fn named<T: Copy>(
+    what: &'static str,
+    name: &Option<String>,
+    all: impl IntoIterator<Item = T>,
+    name_of: impl Fn(T) -> &'static str,
+) -> PyResult<Option<T>> {
+    let found = name.as_deref().map(|name| UnknownName::find(what, name, all, name_of));
+    found.transpose().map_err(raised)
 }

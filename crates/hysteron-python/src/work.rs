@@ -5,11 +5,11 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use hysteron_identify::{Event, Stop, Watch};
+use hysteron_identify::{Event, IdentifyError, Stop, Watch};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::errors::{Class, failed};
+use crate::errors::{Class, failed, raised};
 
 /// Time between two looks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(40);
@@ -48,12 +48,12 @@ pub fn watched<T: Send>(
     py: Python<'_>,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
-    work: impl FnOnce(&Watch<'_>) -> T + Send,
+    work: impl FnOnce(&Watch<'_>) -> Result<T, IdentifyError> + Send,
 ) -> PyResult<(T, Option<PyErr>)> {
     let pool = pool(threads)?;
     let stop = Stop::new();
     let told: Mutex<Option<Told>> = Mutex::new(None);
-    let mut raised = None;
+    let mut interruption = None;
     let result = std::thread::scope(|scope| {
         let (done, mut ended) = channel();
         let (stopped, told, pool) = (stop.clone(), &told, &pool);
@@ -77,7 +77,7 @@ pub fn watched<T: Send>(
                 }
                 Err(RecvTimeoutError::Timeout) => {}
             }
-            if raised.is_some() {
+            if interruption.is_some() {
                 continue;
             }
             let event = told.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -89,9 +89,13 @@ pub fn watched<T: Send>(
             };
             if let Err(e) = py.check_signals().and_then(|()| call()) {
                 stop.request();
-                raised = Some(e);
+                interruption = Some(e);
             }
         }
     })?;
-    Ok((result, raised))
+    match result {
+        Ok(found) => Ok((found, interruption)),
+        // Work that was stopped before it had anything to keep.
+        Err(e) => Err(interruption.unwrap_or_else(|| raised(e))),
+    }
 }
