@@ -13,12 +13,12 @@ impl<'a> Bytes<'a> {
         Bytes { data, position: 0, big_endian }
     }
 
-    /// How many are left.
+    /// Number of bytes not read yet.
     pub fn left(&self) -> usize {
         self.data.len() - self.position
     }
 
-    /// How many were read.
+    /// Number of bytes read so far.
     pub fn position(&self) -> usize {
         self.position
     }

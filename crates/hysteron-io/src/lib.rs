@@ -48,6 +48,7 @@
 //! A measured frequency response is read by [`read_frequency_response`], by the same rules for formats, text and numbers.
 #![forbid(unsafe_code)]
 
+mod archive;
 mod assemble;
 pub mod atomic_file;
 mod atomic_folder;
@@ -58,6 +59,7 @@ mod contents;
 mod csv;
 mod csv_write;
 mod error;
+mod error_place;
 mod frequency_response;
 mod gcs;
 mod hash;
@@ -96,8 +98,8 @@ pub use npz_write::write_npz;
 pub use options::ReadOptions;
 pub use place::{Part, Place};
 pub use read::{
-    PartRead, ReadOutcome, read_drive, read_input_output, read_input_output_bytes, read_part, read_record,
-    read_record_bytes, read_reference,
+    PartRead, ReadOutcome, holds_named_arrays, read_drive, read_input_output, read_input_output_bytes,
+    read_part, read_record, read_record_bytes, read_reference,
 };
 pub use rename::{Rename, RenameError};
 pub use write::write_record;

@@ -1,24 +1,16 @@
 //! NPZ: a zip archive of NPY arrays; each array is a column, named with its unit.
 
-use std::io::{Cursor, Read};
+use std::io::Read;
 
-use zip::ZipArchive;
 use zip::read::ZipFile;
 
+use crate::IoError;
 use crate::columns::{Columns, Kind};
 use crate::container::{self, Held, MAX_ARRAYS};
 use crate::hash::sha256;
 use crate::npy::{Array, Budget, Type};
 use crate::place::{Part, Place, shown};
-use crate::reader::{Input, Reader};
-use crate::{IoError, jpk, xlsx};
-
-/// Archives of arrays.
-pub(crate) const READER: Reader = Reader {
-    extensions: &["npz"],
-    recognises: |head| head.starts_with(b"PK\x03\x04") || head.starts_with(b"PK\x05\x06"),
-    read,
-};
+use crate::reader::{Archive, Input};
 
 /// An array of the archive.
 struct Entry {
@@ -28,18 +20,10 @@ struct Entry {
     array: Array,
 }
 
-fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
-    let bytes = input.read_to_end()?;
+/// Reads the arrays of an archive.
+pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> Result<Columns, IoError> {
     let (file, options) = (input.file, input.options);
     let whole = || Place::new(file, Part::Whole);
-    let mut archive = ZipArchive::new(Cursor::new(&bytes))
-        .map_err(|e| malformed(whole(), format!("not a zip archive ({e})")))?;
-    if jpk::recognises(&archive) {
-        return jpk::read(input, &bytes, archive);
-    }
-    if xlsx::recognises(&archive) {
-        return xlsx::read(input, &bytes, archive);
-    }
     if archive.len() > MAX_ARRAYS {
         return Err(IoError::TooManyColumns { place: whole(), found: archive.len(), limit: MAX_ARRAYS });
     }
@@ -60,7 +44,7 @@ fn read(mut input: Input<'_>) -> Result<Columns, IoError> {
     }
     let held: Vec<Held> = entries.iter().map(Entry::held).collect();
     let mut budget = Budget::new(options);
-    container::columns(input, &held, sha256(&bytes), |index| {
+    container::columns(input, &held, sha256(bytes), |index| {
         let place = Place::new(file, Part::Array(entries[index].name.as_str().into()));
         column(&mut archive, &entries[index], &place, &mut budget)
     })
@@ -77,8 +61,6 @@ impl Entry {
         Held { row_major, ..Held::new("", &self.name, self.array.shape(), kind) }
     }
 }
-
-type Archive<'a> = ZipArchive<Cursor<&'a Vec<u8>>>;
 
 fn open<'a>(archive: &'a mut Archive<'_>, index: usize) -> Result<ZipFile<'a, impl Read>, String> {
     archive.by_index(index).map_err(|e| e.to_string())

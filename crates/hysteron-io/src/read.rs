@@ -10,22 +10,14 @@ use hysteron_model::record::{ChannelChoice, Driven, InputOutput, Record, RecordE
 use crate::assemble::{Assembled, assemble};
 use crate::columns::{Columns, Headings, Wanted};
 use crate::place::{Part, Place};
-use crate::reader::{Input, Reader};
+use crate::reader::{Input, ReadColumns, Reader};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Roles};
-use crate::{IoError, ReadOptions, csv, gcs, hdf5, lvm, mat, npy, npz, tdms};
+use crate::{IoError, ReadOptions, archive, csv, gcs, hdf5, lvm, mat, npy, tdms};
 
-/// Formats that are read. A file of none of them is read as the first: text.
-static READERS: [Reader; 8] = [
-    csv::READER,
-    hdf5::READER,
-    mat::READER,
-    npy::READER,
-    npz::READER,
-    tdms::READER,
-    lvm::READER,
-    gcs::READER,
-];
+/// Formats of named arrays. A file of none of them is read as text.
+static READERS: [Reader; 7] =
+    [hdf5::READER, mat::READER, npy::READER, archive::READER, tdms::READER, lvm::READER, gcs::READER];
 
 /// Bytes at the start of a file that [`Reader::recognises`] looks at.
 const HEAD_BYTES: u64 = 1024;
@@ -147,6 +139,24 @@ pub(crate) fn open(path: &Path) -> Result<File, IoError> {
     Ok(file)
 }
 
+/// Whether a file is of a format of named arrays rather than a table of text; its first bytes tell.
+///
+/// # Errors
+/// [`IoError::Open`], [`IoError::Read`].
+pub fn holds_named_arrays(path: &Path) -> Result<bool, IoError> {
+    let file = path.display().to_string();
+    let head = head_of(&file, &mut open(path)?)?;
+    Ok(reader_of(&file, &head).is_some())
+}
+
+/// The first bytes of a file.
+fn head_of(file: &str, source: &mut impl Read) -> Result<Vec<u8>, IoError> {
+    let mut head = Vec::new();
+    let read = source.take(HEAD_BYTES).read_to_end(&mut head);
+    read.map_err(|source| IoError::Read { place: Place::new(file, Part::Whole), source })?;
+    Ok(head)
+}
+
 /// Reads those columns of a file of any format that are `wanted`.
 pub(crate) fn read_columns(
     file: &str,
@@ -154,22 +164,15 @@ pub(crate) fn read_columns(
     options: &ReadOptions,
     mut wanted: impl FnMut(&Headings) -> Result<Vec<Wanted>, IoError>,
 ) -> Result<Columns, IoError> {
-    let mut head = Vec::new();
-    (&mut source)
-        .take(HEAD_BYTES)
-        .read_to_end(&mut head)
-        .map_err(|source| IoError::Read { place: Place::new(file, Part::Whole), source })?;
-    let reader = reader_of(file, &head);
+    let head = head_of(file, &mut source)?;
+    let read = reader_of(file, &head).map_or(csv::read as ReadColumns, |reader| reader.read);
     let mut bytes = head.as_slice().chain(source);
-    (reader.read)(Input { file, bytes: &mut bytes, options, file_bytes: 0, wanted: &mut wanted })
+    read(Input { file, bytes: &mut bytes, options, file_bytes: 0, wanted: &mut wanted })
 }
 
-/// The reader that recognises the first bytes, else the one of the extension, else text.
-fn reader_of(file: &str, head: &[u8]) -> &'static Reader {
+/// The reader that recognises the first bytes, else the one of the extension; `None`: text.
+fn reader_of(file: &str, head: &[u8]) -> Option<&'static Reader> {
     let extension = Path::new(file).extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    READERS
-        .iter()
-        .find(|reader| (reader.recognises)(head))
-        .or_else(|| READERS.iter().find(|reader| reader.extensions.contains(&extension.as_str())))
-        .unwrap_or(&READERS[0])
+    let recognised = READERS.iter().find(|reader| (reader.recognises)(head));
+    recognised.or_else(|| READERS.iter().find(|reader| reader.extensions.contains(&extension.as_str())))
 }

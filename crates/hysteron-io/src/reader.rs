@@ -1,6 +1,8 @@
 //! What a format provides: how its files are recognised, and read into columns.
 
-use std::io::Read;
+use std::io::{Cursor, Read};
+
+use zip::ZipArchive;
 
 use crate::columns::{Columns, Headings, Wanted};
 use crate::place::{Part, Place};
@@ -13,8 +15,14 @@ pub(crate) struct Reader {
     /// Whether a file that begins with these bytes is of this format, whatever its extension.
     pub recognises: fn(&[u8]) -> bool,
     /// Reads the columns that are wanted.
-    pub read: fn(Input<'_>) -> Result<Columns, IoError>,
+    pub read: ReadColumns,
 }
+
+/// What reads the columns of a file.
+pub(crate) type ReadColumns = fn(Input<'_>) -> Result<Columns, IoError>;
+
+/// A zip archive in memory, which several formats are.
+pub(crate) type Archive<'a> = ZipArchive<Cursor<&'a [u8]>>;
 
 /// A file to be read.
 pub(crate) struct Input<'a> {

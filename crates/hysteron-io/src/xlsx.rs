@@ -7,7 +7,6 @@ use std::io::{Cursor, Read};
 
 use calamine::{DataRef, Reader as _, SheetType, Xlsx, XlsxError};
 use hysteron_model::record::split_header;
-use zip::ZipArchive;
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
@@ -16,13 +15,11 @@ use crate::hash::sha256;
 use crate::laboratory_text::Kept;
 use crate::options::MAX_COLUMNS;
 use crate::place::{Part, Place, shown};
-use crate::reader::Input;
+use crate::reader::{Archive, Input};
 
 /// Most bytes of all that is not the cells: texts, styles, relations.
 const MAX_TEXT_BYTES: u64 = 256 << 20;
 const SECONDS_A_DAY: f64 = 86_400.0;
-
-type Archive<'a> = ZipArchive<Cursor<&'a Vec<u8>>>;
 
 /// A column of a sheet.
 #[derive(Default)]

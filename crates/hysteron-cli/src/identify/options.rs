@@ -56,11 +56,11 @@ impl Identify {
     }
 
     fn algorithm(&self) -> Result<Option<Algorithm>, Failure> {
-        let name = self.optimizer.to_possible_value();
-        let name = name.as_ref().map_or("", PossibleValue::get_name);
         if self.optimizer == OptimizerArg::Auto {
             return Ok(None);
         }
+        let name = self.optimizer.to_possible_value();
+        let name = name.as_ref().map_or("", PossibleValue::get_name);
         Algorithm::called(name, self.population).map(Some).map_err(|e| Failure::usage(e.to_string()))
     }
 }

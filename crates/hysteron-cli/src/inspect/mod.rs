@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use hysteron_identify::structure::{Prospects, prospects};
-use hysteron_io::{Content, contents};
+use hysteron_io::{Content, contents, holds_named_arrays};
 use hysteron_model::record::{InputOutput, Inspection, InspectionSummary, inspect};
 use serde::Serialize;
 
@@ -71,11 +71,12 @@ impl Inspect {
             match self.columns.read_silently(path) {
                 Ok(data) => inspected.push(Inspected { found: inspect(&data), data }),
                 // Which of what the file holds is the record, the user has to say.
-                Err(failure) if !of_file.is_empty() => {
-                    self.list(path, &of_file)?;
+                Err(failure) => {
+                    if !of_file.is_empty() {
+                        self.list(path, &of_file)?;
+                    }
                     return Err(failure);
                 }
-                Err(failure) => return Err(failure),
             }
             held.push(of_file);
         }
@@ -97,10 +98,13 @@ impl Inspect {
         console::result(&parts.join("\n"))
     }
 
-    /// What a file of named arrays holds; nothing for a text, or for a file that cannot be listed.
+    /// Arrays of a file with their paths; empty for a table of text, which is not read for it, and for a file that cannot be
+    /// listed.
     fn contents(&self, path: &Path) -> Vec<Content> {
-        let held = contents(path, &self.columns.options()).unwrap_or_default();
-        if held.iter().any(|content| !content.shape.is_empty()) { held } else { Vec::new() }
+        match holds_named_arrays(path) {
+            Ok(true) => contents(path, &self.columns.options()).unwrap_or_default(),
+            _ => Vec::new(),
+        }
     }
 
     fn list(&self, path: &Path, held: &[Content]) -> Result<(), Failure> {
@@ -111,7 +115,7 @@ impl Inspect {
     }
 }
 
-/// What a file holds that is no record yet.
+/// Listing of a file whose record is still to be chosen, as JSON.
 #[derive(Serialize)]
 struct Held<'a> {
     file: String,

@@ -132,7 +132,7 @@ fn rounded(x: f64) -> String {
     format!("{x:.8e}").parse::<f64>().map_or_else(|_| x.to_string(), |x| x.to_string())
 }
 
-/// What a file of named arrays holds.
+/// Table of the arrays of a file.
 pub fn contents(path: &Path, held: &[Content]) -> String {
     let mut table = console::table(&["path", "shape", "unit", "holds"]);
     for content in held {

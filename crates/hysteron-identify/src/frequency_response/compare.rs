@@ -56,7 +56,7 @@ impl Family {
         }
     }
 
-    /// What it is, in a line.
+    /// The structure in one line.
     pub fn summary(self) -> &'static str {
         match self {
             Self::Fractional => {

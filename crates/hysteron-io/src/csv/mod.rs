@@ -10,15 +10,11 @@ use std::io::Read;
 use crate::IoError;
 use crate::columns::{Columns, Headings};
 use crate::place::{Part, Place};
-use crate::reader::{Input, Reader};
+use crate::reader::Input;
 
 use dialect::{declared_delimiter, detect_delimiter, loosely_number, split_fields};
 use lines::{Line, Lines, is_skipped};
 use table::Table;
-
-/// Delimited text. Nothing tells it by its first bytes: it is what no other reader recognises.
-pub(crate) const READER: Reader =
-    Reader { extensions: &["csv", "tsv", "txt", "dat", "lvm"], recognises: |_| false, read };
 
 /// A line kept until the next one explains it.
 struct Kept {
@@ -33,7 +29,8 @@ impl Kept {
     }
 }
 
-fn read(input: Input<'_>) -> Result<Columns, IoError> {
+/// Reads delimited text. Nothing tells it by its first bytes: it is what no reader of arrays recognises.
+pub(crate) fn read(input: Input<'_>) -> Result<Columns, IoError> {
     let Input { file, bytes, options, wanted, .. } = input;
     let mut lines = Lines::new(file, bytes, options.max_bytes);
     let mut delimiter = options.delimiter;

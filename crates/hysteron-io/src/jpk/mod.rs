@@ -8,16 +8,14 @@ mod channel;
 mod properties;
 
 use std::collections::BTreeMap;
-use std::io::{Cursor, Read};
-
-use zip::ZipArchive;
+use std::io::Read;
 
 use crate::IoError;
 use crate::columns::{Columns, Kind};
 use crate::container::{self, Held, MAX_ARRAYS};
 use crate::hash::sha256;
 use crate::place::{Part, Place};
-use crate::reader::Input;
+use crate::reader::{Archive, Input};
 use channel::{Channel, Encoding, Slot};
 use properties::Properties;
 
@@ -30,8 +28,6 @@ const SAME_RATE: f64 = 1e-9;
 
 /// Curves in order, each by the length of its group's name and the group, and their segments.
 type Curves = BTreeMap<(usize, String), BTreeMap<u64, Segment>>;
-
-type Archive<'a> = ZipArchive<Cursor<&'a Vec<u8>>>;
 
 /// A segment: approach, pause or retract.
 #[derive(Default)]
