@@ -1,6 +1,6 @@
 //! What is exported: a realised model with what is known about it.
 
-use hysteron_model::hysteresis::{Family, FamilyForm, Hysteresis};
+use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model_file::{ModelFile, ScoreEntry, ScoreRole, ValidRange};
 use hysteron_model::realise::{Realisation, RuntimeParts, Verification};
 use hysteron_rt::Real;
@@ -98,7 +98,7 @@ impl Subject {
             format!("Written by hysteron export {}.", env!("CARGO_PKG_VERSION")),
             String::new(),
             "displacement = offset + (H * v)(t), v = l[u] + memory, u the voltage:".into(),
-            format!("  {}", operator_in_words(&self.realisation.model.hysteresis)),
+            operator_in_words(self.realisation.model.hysteresis.form()),
             format!(
                 "  H = q^{} (sum of {} tap(s) + {} states behind them), q the unit delay; gain at rest {}.",
                 linear.delay_samples,
@@ -176,67 +176,9 @@ pub(crate) fn significant(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-fn operator_in_words(hysteresis: &Hysteresis) -> String {
-    match hysteresis {
-        Hysteresis::BoucWen(b) => format!(
-            "memory = -z, dz/du = alpha - beta s z |z|^(n-1) - gamma |z|^n, s = sign du, n = {} (Bouc-Wen).",
-            significant(b.n)
-        ),
-        Hysteresis::PrandtlIshlinskii(p) => format!(
-            "memory = sum of {} plays w_i F_i, F_i <- max(u - r_i, min(u + r_i, F_i)) (Prandtl-Ishlinskii).",
-            p.weights.len()
-        ),
-        Hysteresis::Family(f) => family_in_words(f),
-    }
-}
-
-fn family_in_words(family: &Family) -> String {
-    let count = family.weights.len();
-    match family.form {
-        FamilyForm::ParallelBoucWen { .. } => format!(
-            "memory = -(sum of {count} z_k), dz/du = alpha - beta s z - gamma |z|, s = sign du (Bouc-Wen in parallel)."
-        ),
-        FamilyForm::MaxwellSlip { .. } => {
-            format!("memory = sum of {count} stops, each the voltage without its play (Maxwell slip).")
-        }
-        FamilyForm::OneSidedPlays { .. } => {
-            format!(
-                "memory = sum of {count} plays w_i F_i, F_i <- max(u - r_i, min(u, F_i)) (one-sided plays)."
-            )
-        }
-        FamilyForm::RateDependentPlays { .. } => format!(
-            "memory = sum of {count} plays w_i F_i of half-width r_i + lambda |du/dt| (rate-dependent plays)."
-        ),
-        FamilyForm::DeadZonePlays { plays } => {
-            format!("memory = sum of {plays} plays, and a broken line of their mean (plays with dead zones).")
-        }
-        FamilyForm::GeneralisedPlays { .. } => format!(
-            "memory = sum of {count} plays w_i F_i, F_i <- max(right(u) - r_i, min(left(u) + r_i, F_i)) (generalised plays)."
-        ),
-        FamilyForm::KrasnoselskiiPokrovskii { .. } => {
-            format!("memory = sum of {count} relays with ramps (Krasnosel'skii-Pokrovskii).")
-        }
-        FamilyForm::Preisach { .. } | FamilyForm::PreisachDensity => {
-            "memory = a plane of relays, by its Everett function and the turns that still count (Preisach)."
-                .into()
-        }
-        FamilyForm::Dahl => "memory = w y, dy/du = (1 - s y/reach)^i, s = sign du (Dahl).".into(),
-        FamilyForm::Duhem { .. } => {
-            format!("memory = sum of {count} w_j y_j, dy_j/du = u^j - s b y_j, s = sign du (Duhem).")
-        }
-        FamilyForm::NonSymmetricBoucWen => {
-            "memory = w y, dy/du = 1 - (beta s + gamma sign y) y + delta s u, s = sign du (non-symmetric Bouc-Wen)."
-                .into()
-        }
-        FamilyForm::SongDerKiureghian => {
-            "memory = w y, dy/du = 1 - |y| (six terms in the signs of du, u and y) (Song and Der Kiureghian)."
-                .into()
-        }
-        FamilyForm::JilesAtherton => {
-            "memory = w m, m the magnetisation p + c (m_an - p), dp/dh = s (m_an - p)/k, h = u + alpha m (Jiles-Atherton)."
-                .into()
-        }
-    }
+fn operator_in_words(form: HysteresisForm) -> String {
+    let (name, weights) = (form.name(), form.columns());
+    format!("  memory = {}, s = sign du ({name}, {weights} weight(s)).", form.description().equation())
 }
 
 fn check_numbers<T: Real>(realisation: &Realisation) -> Result<(), ExportError> {

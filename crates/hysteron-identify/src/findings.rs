@@ -547,7 +547,7 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
 mod tests {
     use super::*;
     use hysteron_model::dynamics::Term;
-    use hysteron_model::hysteresis::{BoucWen, Family, FamilyForm};
+    use hysteron_model::hysteresis::examples;
     use std::f64::consts::TAU;
 
     #[test]
@@ -567,28 +567,19 @@ mod tests {
     #[test]
     fn the_verdict_on_an_inverse_is_that_of_the_inverse() {
         let drive: Vec<f64> = (0..400).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.05).cos()).collect();
-        let of = |form, linear, shape, weights| {
-            let model = Family::new(vec![linear], form, shape, weights).unwrap();
-            verdict(&Hysteresis::Family(model), &[(&drive, Timing::Rate(1e3))], (0.0, 10.0), "V")
-        };
-        let of_bouc_wen = |linear| {
-            let model = BoucWen::new(vec![linear], 1.0, 0.6, 0.2, 1.0).unwrap();
-            verdict(&Hysteresis::BoucWen(model), &[(&drive, Timing::Unknown)], (0.0, 10.0), "V")
-        };
-        // 2β/(β + γ) = 1.5: above a slope of 1.5 α every move raises the output, below it a saturated loop falls at its turn.
-        assert!(of_bouc_wen(1.51).contains("so that it has an inverse"), "{}", of_bouc_wen(1.51));
-        assert!(of_bouc_wen(1.3).contains("no inverse from 0 to 10 V"), "{}", of_bouc_wen(1.3));
-        // λ/T = 1.4: a sample widens the plays by more than its move; l' = 0.19 < 0.5 · 0.4.
-        let plays = FamilyForm::RateDependentPlays { plays: 2 };
-        let widened = of(plays, 0.19, vec![3.0, 1.4e-3], vec![0.3, 0.2]);
-        assert!(!widened.contains("so that it has an inverse"), "{widened}");
-        let steeper = of(plays, 0.21, vec![3.0, 1.4e-3], vec![0.3, 0.2]);
-        assert!(steeper.contains("so that it has an inverse"), "{steeper}");
-        // Stiffnesses of both signs, whose partial sums 1.1, 1.2, 1.0 stay above 0.
-        let slip = FamilyForm::MaxwellSlip { elements: 2 };
-        let mixed = of(slip, 1.0, vec![3.0], vec![-0.1, 0.2]);
-        assert!(mixed.contains("so that it has an inverse"), "{mixed}");
-        let falling = of(slip, -0.1, vec![3.0], vec![0.5, 0.4]);
-        assert!(falling.contains("no inverse from 0 to 10 V"), "{falling}");
+        let drives = [(&drive[..], Timing::Rate(1e3))];
+        let (mut inverted, mut refused) = (0, 0);
+        for operator in examples([0.0, 10.0], 50.0, 1.0).unwrap() {
+            for linear in [1.0, 0.2, -0.1, -0.5] {
+                let form = operator.form();
+                let model = form.operator(vec![linear], &operator.weights(), &operator.shape()).unwrap();
+                let said = verdict(&model, &drives, (0.0, 10.0), "V");
+                let wanted = model.invertibility(&drives).unwrap().is_invertible();
+                let part = if wanted { "so that it has an inverse" } else { "no inverse from 0 to 10 V" };
+                assert!(said.contains(part), "{form:?} {linear}: {said}");
+                *(if wanted { &mut inverted } else { &mut refused }) += 1;
+            }
+        }
+        assert!(inverted > 10 && refused > 10, "{inverted} {refused}");
     }
 }

@@ -9,8 +9,9 @@ use hysteron_model::Finding;
 use hysteron_model::Start;
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hammerstein::Model;
+use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::model::{Score, Simulation};
-use hysteron_model::model_file::{HysteresisKind, ModelFile, typographic};
+use hysteron_model::model_file::{ModelFile, typographic};
 use hysteron_model::record::{InputOutput, Run, RunPart, Unit};
 use hysteron_model::validate::{OffsetTreatment, ScoreError, Scores, Scoring, score};
 use hysteron_optimize::Bounds;
@@ -103,10 +104,11 @@ impl Parameter {
             name if name.starts_with("natural_frequency") => "Hz".into(),
             "delay" | "lag" | "creep_start" => "s".into(),
             name if name.starts_with("creep_time_") => "s".into(),
-            name if name.starts_with("memory_") => match file.hysteresis.kind {
-                HysteresisKind::BoucWen => Unit::new(&file.units.output).to_string(),
-                _ => Unit::new(&file.units.input).to_string(),
-            },
+            name if name.starts_with("memory_") => {
+                let remembers_output = file.hysteresis.kind.family() == HysteresisForm::BoucWen;
+                let unit = if remembers_output { &file.units.output } else { &file.units.input };
+                Unit::new(unit).to_string()
+            }
             _ => String::new(),
         }
     }

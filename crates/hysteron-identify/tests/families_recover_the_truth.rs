@@ -8,7 +8,7 @@ use hysteron_identify::{
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{Family, FamilyForm, Hysteresis, HysteresisForm};
+use hysteron_model::hysteresis::HysteresisForm;
 use hysteron_model::record::{ChannelChoice, InputOutput, InterSample, TimeBase, Timing};
 use hysteron_model::validate::{Scoring, choose_start, score};
 use hysteron_rig::{CampaignPlan, CampaignRun, Mode, Plant, PlayStack, Role, Truth, run_campaign};
@@ -45,9 +45,14 @@ fn record(model: &Model, name: &str, u: Vec<f64>, noise_um: f64, seed: u64) -> I
     InputOutput::new(name, time, u, y).unwrap()
 }
 
+/// A family by its name, with so many elements.
+fn named(name: &str, elements: usize) -> HysteresisForm {
+    name.parse::<HysteresisForm>().unwrap().with_elements(elements).unwrap()
+}
+
 /// Hysteresis of a family in front of a pole pair at 420 Hz with the damping 0.15.
-fn device(form: FamilyForm, polynomial: &[f64], shape: &[f64], weights: &[f64]) -> Model {
-    let family = Family::new(polynomial.to_vec(), form, shape.to_vec(), weights.to_vec()).unwrap();
+fn device(form: HysteresisForm, polynomial: &[f64], shape: &[f64], weights: &[f64]) -> Model {
+    let hysteresis = form.operator(polynomial.to_vec(), weights, shape).unwrap();
     let omega = std::f64::consts::TAU * 420.0;
     let term = |coefficient, order| Term { coefficient, order };
     let g = TransferFunction::new(
@@ -55,7 +60,7 @@ fn device(form: FamilyForm, polynomial: &[f64], shape: &[f64], weights: &[f64]) 
         vec![term(1.0, 0.0), term(2.0 * 0.15 / omega, 1.0), term(1.0 / (omega * omega), 2.0)],
     );
     Model {
-        hysteresis: Hysteresis::Family(family),
+        hysteresis,
         dynamics: Dynamics::Integer(g.unwrap()),
         offset: 0.4,
         delay_s: 2.3e-4,
@@ -110,7 +115,7 @@ fn unseen(found: &Identification, truth: &Model) -> f64 {
 #[test]
 fn plays_that_widen_with_the_rate_come_back() {
     // On the grid of the fit: half-widths 1, 2, 3, 4 V. A sine of 5 V at 60 Hz moves by 1.9 kV/s: wider by 0.4 V.
-    let form = FamilyForm::RateDependentPlays { plays: 4 };
+    let form = named("rate-dependent-plays", 4);
     let truth = device(form, &[2.1], &[5.0, 2.1e-4], &[0.35, 0.1, 0.22, 0.14]);
     let found = fitted(&truth, 0.005);
     within_errors(&found, &truth, &["rate_gain", "weight_1", "weight_2", "weight_3", "weight_4"]);
@@ -119,7 +124,7 @@ fn plays_that_widen_with_the_rate_come_back() {
 
 #[test]
 fn plays_that_widen_with_the_rate_come_back_from_uneven_stamps() {
-    let form = FamilyForm::RateDependentPlays { plays: 4 };
+    let form = named("rate-dependent-plays", 4);
     let truth = device(form, &[2.1], &[5.0, 2.1e-4], &[0.35, 0.1, 0.22, 0.14]);
     // No step is like another, by up to 40 % of it; the second record has a pause in it.
     let record = |name: &str, fast_hz: f64, seconds: f64, pause_s: f64, seed: u64| {
@@ -158,7 +163,7 @@ fn plays_that_widen_with_the_rate_come_back_from_uneven_stamps() {
 
 #[test]
 fn plays_and_bands_come_back() {
-    let form = FamilyForm::DeadZonePlays { plays: 4 };
+    let form = named("dead-zone-plays", 4);
     // Bands of a bend upwards; the rest is in the plays.
     let truth =
         device(form, &[1.2], &[0.0, 10.0, 0.4, 2.5], &[0.3, 0.2, 0.1, 0.1, 0.0, 0.1, 0.2, 0.35, 0.5, 0.7]);
@@ -220,7 +225,7 @@ fn bent() -> Truth {
 #[test]
 fn bands_follow_a_bent_device_where_plays_alone_do_not() {
     let plays = on_the_bench(&bent(), HysteresisForm::PrandtlIshlinskii { plays: 12 });
-    let bands = on_the_bench(&bent(), HysteresisForm::Family(FamilyForm::DeadZonePlays { plays: 12 }));
+    let bands = on_the_bench(&bent(), named("dead-zone-plays", 12));
     for (bands, plays) in bands.iter().zip(&plays) {
         assert!(*bands < 0.7 * plays, "{bands} {plays} % of stroke");
     }
@@ -229,8 +234,8 @@ fn bands_follow_a_bent_device_where_plays_alone_do_not() {
 /// A plane that ended at the voltages of the records would leave 1 % and more: the first branch.
 #[test]
 fn planes_of_relays_hold_the_first_branch_of_a_virgin_device() {
-    for form in [FamilyForm::PreisachDensity, FamilyForm::Preisach { intervals: 10 }] {
-        let left = on_the_bench(&bent(), HysteresisForm::Family(form));
+    for form in [named("preisach-density", 0), named("preisach", 10)] {
+        let left = on_the_bench(&bent(), form);
         assert!(left.iter().all(|percent| *percent < 0.4), "{form:?}: {left:?} % of stroke");
     }
 }

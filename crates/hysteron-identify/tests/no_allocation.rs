@@ -17,7 +17,7 @@ use hysteron_identify::online::{Adapter, Estimator, Row};
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{
     ColumnKernel, ColumnSensitivities, Dahl, DeadZonePlays, Duhem, GeneralisedPlays, JilesAtherton,
-    KrasnoselskiiPokrovskii, MaxwellSlip, Plays, PrandtlIshlinskii, Preisach, RateDependentPlays,
+    KrasnoselskiiPokrovskii, MaxwellSlip, OneSidedPlays, PrandtlIshlinskii, Preisach, RateDependentPlays,
     Sensitivities, SongDerKiureghian, UnitShape,
 };
 use hysteron_rt::{FitMonitor, MonitorSettings, Rls, RlsSettings, Unexcited};
@@ -197,7 +197,7 @@ fn a_sample_costs_nothing<K: ColumnKernel>(kernel: &K, shape: &[f64]) {
 fn families_of_columns_allocate_a_state_and_nothing_a_sample() {
     a_sample_costs_nothing(&Duhem { degree: 2 }, &[0.5]);
     a_sample_costs_nothing(&Dahl, &[2.0, 1.5]);
-    a_sample_costs_nothing(&Plays { thresholds: vec![0.5, 1.5] }, &[1.0]);
+    a_sample_costs_nothing(&OneSidedPlays { thresholds: vec![0.5, 1.5] }, &[1.0]);
     a_sample_costs_nothing(&MaxwellSlip { thresholds: vec![0.5, 1.5] }, &[1.0]);
     a_sample_costs_nothing(&RateDependentPlays { thresholds: vec![0.5, 1.5], interval_s: 0.1 }, &[1.0, 0.05]);
     a_sample_costs_nothing(&DeadZonePlays::regular([-3.0, 3.0], 4), &[0.4, 1.0]);

@@ -7,7 +7,7 @@ use hysteron_model::dynamics::{
     Arx, Creep, DynamicForm, Dynamics, InterSample, Modes, Scheme, Term, TransferFunction,
 };
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
+use hysteron_model::hysteresis::{BoucWen, Hysteresis, HysteresisForm, examples};
 use hysteron_model::realise::{
     Realisation, RealiseError, RealiseOptions, RuntimeParts, StreamParts, realise, sweep, verify,
 };
@@ -199,30 +199,8 @@ fn logarithmic_creep_beside_fractional_modes_is_realised() {
 
 #[test]
 fn every_family_streams_as_it_is_simulated() {
-    let family = |form: FamilyForm, shape: &[f64]| {
-        let weights = (1..=form.columns()).map(|j| 0.7 / j as f64).collect();
-        Hysteresis::Family(Family::new(vec![1.0, 0.02], form, shape.to_vec(), weights).unwrap())
-    };
-    let plays = PrandtlIshlinskii::new(vec![1.0], vec![0.3, 0.9, 1.7], vec![0.4, 0.2, 0.1]).unwrap();
-    let families = [
-        bouc_wen(1.0),
-        bouc_wen(2.0),
-        Hysteresis::PrandtlIshlinskii(plays),
-        family(FamilyForm::ParallelBoucWen { states: 2 }, &[0.3, 0.1, 1.3, -0.2]),
-        family(FamilyForm::NonSymmetricBoucWen, &[0.6, 0.2, 0.05]),
-        family(FamilyForm::SongDerKiureghian, &[0.6, 0.1, 0.2, 0.05, -0.04, 0.03]),
-        family(FamilyForm::Dahl, &[1.7, 1.4]),
-        family(FamilyForm::Duhem { degree: 2 }, &[0.7]),
-        family(FamilyForm::MaxwellSlip { elements: 3 }, &[3.1]),
-        family(FamilyForm::OneSidedPlays { plays: 3 }, &[5.3]),
-        family(FamilyForm::RateDependentPlays { plays: 3 }, &[5.3, 2e-5]),
-        family(FamilyForm::DeadZonePlays { plays: 3 }, &[-1.03, 11.21, 0.37, 2.3]),
-        family(FamilyForm::GeneralisedPlays { plays: 3 }, &[0.21, 4.3, 0.19, 4.1]),
-        family(FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }, &[-1.0, 11.3, 2.7]),
-        family(FamilyForm::Preisach { intervals: 4 }, &[-1.03, 11.21]),
-        family(FamilyForm::PreisachDensity, &[-1.03, 11.21, 0.4, 1.3, 4.1, 3.3]),
-        family(FamilyForm::JilesAtherton, &[2.3, 0.7, 0.12, 0.9]),
-    ];
+    let power = [bouc_wen(1.0), bouc_wen(2.0)];
+    let families = examples([-1.03, 11.21], 5e4, 1.0).unwrap().into_iter().chain(power);
     for hysteresis in families {
         // Static, the stream is the operator.
         let plain = Model { hysteresis, ..model(Dynamics::None, Scheme::Tustin, 0.0) };
@@ -296,8 +274,8 @@ fn what_cannot_be_realised_is_refused() {
     assert!(matches!(realise(&late, RATE_HZ, &to(1e-5)), Err(RealiseError::Delay { .. })));
     let options = RealiseOptions { lowest_frequency_hz: Some(-1.0), ..to(1e-5) };
     assert!(matches!(realise(&stage, RATE_HZ, &options), Err(RealiseError::Option { .. })));
-    let dahl = Family::new(vec![1.0], FamilyForm::Dahl, vec![1.7, 1.4], vec![0.5]).unwrap();
-    let dahl = Model { hysteresis: Hysteresis::Family(dahl), ..stage };
+    let dahl = "dahl".parse::<HysteresisForm>().unwrap().operator(vec![1.0], &[0.5], &[1.7, 1.4]).unwrap();
+    let dahl = Model { hysteresis: dahl, ..stage };
     let realised = realise(&dahl, RATE_HZ, &to(1e-4)).unwrap();
     let mut parts = StreamParts::new(&realised).unwrap();
     let mut stream = parts.stream().unwrap();

@@ -7,7 +7,7 @@ use hysteron_model::Start;
 use hysteron_model::compensator::{Compensation, CompensatorOptions, CompensatorParts, Prediction};
 use hysteron_model::dynamics::Dynamics;
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{Family, FamilyForm, FamilyStream, Hysteresis};
+use hysteron_model::hysteresis::{FamilyStream, Hysteresis, HysteresisForm, examples};
 use hysteron_model::invert::InversionError;
 use hysteron_model::realise::{Realisation, RealiseOptions, RuntimeParts, realise};
 use hysteron_model::record::InterSample;
@@ -20,33 +20,16 @@ const RATE_HZ: f64 = 1e3;
 /// Voltages go from here to there.
 const RANGE: [f64; 2] = [-2.0, 10.0];
 
-/// The family, its shape, and the size of its weights.
-fn families() -> Vec<(FamilyForm, Vec<f64>, f64)> {
-    let [low, high] = RANGE;
-    vec![
-        (FamilyForm::MaxwellSlip { elements: 7 }, vec![6.0], 0.05),
-        (FamilyForm::OneSidedPlays { plays: 7 }, vec![9.0], 0.05),
-        (FamilyForm::RateDependentPlays { plays: 7 }, vec![6.0, 2e-4], 0.05),
-        (FamilyForm::DeadZonePlays { plays: 7 }, vec![low, high, 0.6, 1.3], 0.05),
-        (FamilyForm::GeneralisedPlays { plays: 7 }, vec![0.2, 4.5, 0.22, 3.9], 0.5),
-        (FamilyForm::KrasnoselskiiPokrovskii { lines: 6 }, vec![low, high, 1.7], 0.2),
-        (FamilyForm::Preisach { intervals: 6 }, vec![low, high], 0.2),
-        (FamilyForm::Dahl, vec![1.7, 1.4], -0.2),
-        (FamilyForm::Dahl, vec![2.5, 0.4], -0.2),
-        (FamilyForm::Duhem { degree: 3 }, vec![0.6], -4e-4),
-        (FamilyForm::NonSymmetricBoucWen, vec![0.5, -0.2, 0.15], -0.1),
-        (FamilyForm::SongDerKiureghian, vec![0.5, 0.1, -0.08, 0.06, 0.05, -0.04], -0.2),
-        (FamilyForm::JilesAtherton, vec![2.5, 1.1, 0.3, 2.0], 1.0),
-        (FamilyForm::PreisachDensity, vec![low, high, 1.5, 1.0, 4.0, 2.0], 4.0),
-    ]
+/// A model of every family of columns.
+fn models(inter_sample: InterSample) -> Vec<Model> {
+    let all = examples(RANGE, 500.0, 1.0).unwrap().into_iter();
+    let families = all.filter(|hysteresis| matches!(hysteresis, Hysteresis::Family(_)));
+    families.map(|hysteresis| model(hysteresis, inter_sample)).collect()
 }
 
-/// Weights of one sign, all different.
-fn model(form: FamilyForm, shape: &[f64], weight: f64, inter_sample: InterSample) -> Model {
-    let weights = (0..form.columns()).map(|k| weight * (1.0 + 0.7 * (k as f64 * 1.7).sin())).collect();
-    let family = Family::new(vec![1.0, 0.004], form, shape.to_vec(), weights).unwrap();
+fn model(hysteresis: Hysteresis, inter_sample: InterSample) -> Model {
     Model {
-        hysteresis: Hysteresis::Family(family),
+        hysteresis,
         dynamics: Dynamics::None,
         offset: 0.0,
         delay_s: 0.0,
@@ -120,25 +103,20 @@ fn difference<T: Real + Into<f64>>(model: &Model, seed: u64) -> (f64, f64) {
 
 #[test]
 fn the_runtime_steps_as_the_library_does() {
-    for (form, shape, weight) in families() {
-        let model = model(form, &shape, weight, InterSample::Hold);
+    for model in models(InterSample::Hold) {
+        let name = model.hysteresis.form().name();
         let (double, range) = difference::<f64>(&model, 1);
         let (single, _) = difference::<f32>(&model, 2);
-        println!(
-            "{}: {:.1e} of the range in f64, {:.1e} in f32",
-            form.name(),
-            double / range,
-            single / range
-        );
-        assert!(double <= 1e-12 * range, "{}: {double:e} of {range}", form.name());
-        assert!(single <= 32.0 * f64::from(f32::EPSILON) * range, "{}: {single:e} of {range}", form.name());
+        println!("{}: {:.1e} of the range in f64, {:.1e} in f32", name, double / range, single / range);
+        assert!(double <= 1e-12 * range, "{}: {double:e} of {range}", name);
+        assert!(single <= 32.0 * f64::from(f32::EPSILON) * range, "{}: {single:e} of {range}", name);
     }
 }
 
 #[test]
 fn a_rest_in_mid_stroke_and_the_batch_simulation_agree() {
-    for (form, shape, weight) in families() {
-        let model = model(form, &shape, weight, InterSample::Hold);
+    for model in models(InterSample::Hold) {
+        let name = model.hysteresis.form().name();
         let mut parts = RuntimeParts::<f64>::new(&realised(&model)).unwrap();
         let mut runtime = parts.model().unwrap();
         let u: Vec<f64> = drive(3, 2000).into_iter().map(|(u, _)| u).collect();
@@ -152,7 +130,7 @@ fn a_rest_in_mid_stroke_and_the_batch_simulation_agree() {
             runtime.rest_after(virgin_v, voltage_v).unwrap();
             for (u, wanted) in u.iter().zip(&batch) {
                 let got = runtime.step(*u).unwrap();
-                assert!((got - wanted).abs() < 1e-11, "{}: {got} {wanted}", form.name());
+                assert!((got - wanted).abs() < 1e-11, "{}: {got} {wanted}", name);
             }
         }
     }
@@ -160,20 +138,20 @@ fn a_rest_in_mid_stroke_and_the_batch_simulation_agree() {
 
 #[test]
 fn bad_numbers_leave_no_trace() {
-    for (form, shape, weight) in families() {
-        let model = model(form, &shape, weight, InterSample::Hold);
+    for model in models(InterSample::Hold) {
+        let name = model.hysteresis.form().name();
         let realised = realised(&model);
         let (mut parts, mut twin) =
             (RuntimeParts::<f64>::new(&realised).unwrap(), RuntimeParts::<f64>::new(&realised).unwrap());
         let (mut tried, mut twin) = (parts.model().unwrap(), twin.model().unwrap());
         for (u, _) in drive(4, 300) {
             for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                assert_eq!(tried.step(bad), Err(ModelError::NotFinite), "{}", form.name());
+                assert_eq!(tried.step(bad), Err(ModelError::NotFinite), "{}", name);
             }
             for bad in [1e308, -1e308] {
-                assert_eq!(tried.step(bad), Err(ModelError::Overflow), "{}", form.name());
+                assert_eq!(tried.step(bad), Err(ModelError::Overflow), "{}", name);
             }
-            assert_eq!(tried.step(u), twin.step(u), "{}", form.name());
+            assert_eq!(tried.step(u), twin.step(u), "{}", name);
         }
     }
 }
@@ -181,8 +159,8 @@ fn bad_numbers_leave_no_trace() {
 /// Without dynamics: the voltage that the compensator finds makes the library put out the reference.
 #[test]
 fn the_inverse_makes_the_library_follow() {
-    for (form, shape, weight) in families() {
-        let model = model(form, &shape, weight, InterSample::Hold);
+    for model in models(InterSample::Hold) {
+        let name = model.hysteresis.form().name();
         let options = CompensatorOptions {
             preview: Some(0),
             prediction: Prediction::Stays,
@@ -199,22 +177,21 @@ fn the_inverse_makes_the_library_follow() {
             let t = f64::from(k) * 0.01;
             let wanted = rest + 1.6 * (0.9 * t).sin() + 1.1 * (2.3 * t).sin() - 1.1 * (5.1 * t).sin();
             let drive = compensator.step(wanted);
-            assert_eq!(drive.limited, Limited::No, "{} {k}", form.name());
+            assert_eq!(drive.limited, Limited::No, "{} {k}", name);
             worst = worst.max((library.step(drive.voltage).unwrap() - wanted).abs());
         }
-        println!("{}: {worst:.1e} µm", form.name());
-        assert!(worst < 1e-12 * 20.0, "{}: {worst:e}", form.name());
+        println!("{}: {worst:.1e} µm", name);
+        assert!(worst < 1e-12 * 20.0, "{}: {worst:e}", name);
     }
 }
 
 /// Relays alone are flat in places: a reference there has no voltage, and the reason is said.
 #[test]
 fn what_does_not_rise_is_refused() {
-    let form = FamilyForm::Preisach { intervals: 4 };
-    let mut model = model(form, &RANGE, 0.0, InterSample::Hold);
-    let Hysteresis::Family(family) = &mut model.hysteresis else { panic!("no family") };
-    family.polynomial = vec![0.0];
-    family.weights[5] = 1.0;
+    let form = "preisach".parse::<HysteresisForm>().unwrap().with_elements(4).unwrap();
+    let mut weights = vec![0.0; form.columns()];
+    weights[5] = 1.0;
+    let model = model(form.operator(vec![0.0], &weights, &RANGE).unwrap(), InterSample::Hold);
     let compensation = Compensation::new(&model, RATE_HZ, &CompensatorOptions::default()).unwrap();
     let refused = CompensatorParts::<f64>::new(&compensation, RANGE, f64::INFINITY).map(drop);
     assert!(matches!(refused, Err(InversionError::NotInvertible(_))), "{refused:?}");

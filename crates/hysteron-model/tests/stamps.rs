@@ -11,7 +11,7 @@ use hysteron_model::dynamics::{
     StampedPlan, StampedWorkspace,
 };
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{Columns, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisForm};
+use hysteron_model::hysteresis::{Columns, DriveGrid, Hysteresis, HysteresisForm, examples};
 use hysteron_model::record::{Timing, rates_on};
 
 /// Rate of the common grid \[Hz\].
@@ -168,36 +168,7 @@ fn derivatives_are_those_of_the_output() {
 
 /// Every form of hysteresis with numbers of a plausible stage over ±1.1 V.
 fn hystereses() -> Vec<Hysteresis> {
-    let shape = |form: HysteresisForm| -> Vec<f64> {
-        let HysteresisForm::Family(family) = form else {
-            return match form {
-                HysteresisForm::PrandtlIshlinskii { plays } => {
-                    (1..=plays).map(|j| 0.6 * j as f64 / (plays + 1) as f64).collect()
-                }
-                _ => vec![1.4, 0.3, 1.0],
-            };
-        };
-        match family {
-            FamilyForm::ParallelBoucWen { .. } => vec![0.9, 0.3, 3.3, -0.6],
-            FamilyForm::NonSymmetricBoucWen => vec![1.6, 0.5, 0.1],
-            FamilyForm::SongDerKiureghian => vec![1.6, 0.3, 0.5, 0.1, -0.1, 0.1],
-            FamilyForm::Dahl => vec![0.5, 1.4],
-            FamilyForm::Duhem { .. } => vec![1.7],
-            FamilyForm::MaxwellSlip { .. } | FamilyForm::OneSidedPlays { .. } => vec![0.6],
-            FamilyForm::RateDependentPlays { .. } => vec![0.6, 3e-4],
-            FamilyForm::DeadZonePlays { .. } => vec![-1.15, 1.15, 0.37, 0.5],
-            FamilyForm::GeneralisedPlays { .. } => vec![0.9, 0.1, 0.8, -0.1],
-            FamilyForm::KrasnoselskiiPokrovskii { .. } => vec![-1.15, 1.15, 0.6],
-            FamilyForm::Preisach { .. } => vec![-1.15, 1.15],
-            FamilyForm::PreisachDensity => vec![-1.15, 1.15, 0.1, 0.3, 0.0, 0.7],
-            FamilyForm::JilesAtherton => vec![0.6, 0.2, 0.03, 0.25],
-        }
-    };
-    let of = |form: HysteresisForm| {
-        let weights = vec![0.3 / form.columns() as f64; form.columns()];
-        form.operator(vec![1.0, 0.03], &weights, &shape(form)).unwrap()
-    };
-    HysteresisForm::usual().into_iter().map(of).collect()
+    examples([-1.15, 1.15], 330.0, 1.0).unwrap()
 }
 
 fn model(hysteresis: Hysteresis, dynamics: Dynamics, delay_s: f64) -> Model {
@@ -212,9 +183,13 @@ fn model(hysteresis: Hysteresis, dynamics: Dynamics, delay_s: f64) -> Model {
     }
 }
 
+fn plays_that_see_the_rate() -> HysteresisForm {
+    "rate-dependent-plays".parse::<HysteresisForm>().unwrap().with_elements(4).unwrap()
+}
+
 fn rate_dependent_plays(rate_gain: f64) -> Hysteresis {
-    let form = FamilyForm::RateDependentPlays { plays: 4 };
-    Hysteresis::Family(Family::new(vec![0.9], form, vec![0.6, rate_gain], vec![0.2, 0.1, 0.1, 0.05]).unwrap())
+    let form = plays_that_see_the_rate();
+    form.operator(vec![0.9], &[0.2, 0.1, 0.1, 0.05], &[0.6, rate_gain]).unwrap()
 }
 
 const REST: Start = Start::Rest { voltage_v: 0.0 };
@@ -344,7 +319,7 @@ fn plays_that_see_the_rate_are_differentiated_on_stamps() {
     let times = seconds(&knots());
     let input: Vec<f64> = times.iter().map(|t| drive(*t)).collect();
     let rates = rates_on(&times, &input);
-    let form = HysteresisForm::Family(FamilyForm::RateDependentPlays { plays: 4 });
+    let form = plays_that_see_the_rate();
     let start = Start::Remembering { voltage_v: input[0], memory: -0.3 };
     let run = |shape: &[f64], memory: f64, wanted: Option<&[bool]>| {
         let mut columns = Columns::default();

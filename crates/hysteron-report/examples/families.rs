@@ -5,9 +5,9 @@ use std::path::Path;
 
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{
-    BrokenLine, ColumnKernel, ColumnModel, Dahl, DeadZonePlays, DensityLaw, Duhem, GeneralisedPlays,
-    HysteresisError, JilesAtherton, KrasnoselskiiPokrovskii, MaxwellSlip, ModifiedPrandtlIshlinskii,
-    NonSymmetricBoucWen, PrandtlIshlinskii, Preisach, PreisachDensity, RateDependentPlays, SongDerKiureghian,
+    ColumnKernel, Dahl, DeadZonePlays, DensityLaw, Duhem, GeneralisedPlays, HysteresisError, JilesAtherton,
+    KrasnoselskiiPokrovskii, MaxwellSlip, NonSymmetricBoucWen, Preisach, PreisachDensity, RateDependentPlays,
+    SongDerKiureghian,
 };
 use hysteron_report::figure::{Axis, Figure, Panel, Series, Style};
 
@@ -22,7 +22,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("dahl", dahl()?),
         ("maxwell-slip", maxwell_slip()?),
         ("generalised-play", generalised_play()?),
-        ("modified-prandtl-ishlinskii", modified_prandtl_ishlinskii()?),
         ("dead-zone-plays", dead_zone_plays()?),
         ("rate-dependent-plays", rate_dependent_plays()?),
         ("krasnoselskii-pokrovskii", krasnoselskii_pokrovskii()?),
@@ -47,11 +46,13 @@ fn drive() -> Vec<f64> {
 }
 
 fn columns<K: ColumnKernel>(polynomial: &[f64], kernel: K, shape: &[f64], weights: &[f64]) -> Curve {
-    let model = ColumnModel::new(polynomial.to_vec(), kernel, shape.to_vec(), weights.to_vec())?;
     let u = drive();
-    let mut v = vec![0.0; u.len()];
-    model.simulate(&u, Start::Rest { voltage_v: 0.0 }, &mut v)?;
-    Ok(v)
+    let mut columns = vec![0.0; kernel.columns() * u.len()];
+    kernel.simulate_every(shape, 1, &u, Start::Rest { voltage_v: 0.0 }, &mut columns)?;
+    let line = |u: f64| polynomial.iter().rev().fold(0.0, |sum, c| (sum + c) * u);
+    let memory =
+        |k: usize| weights.iter().enumerate().map(|(j, w)| w * columns[j * u.len() + k]).sum::<f64>();
+    Ok(u.iter().enumerate().map(|(k, &u)| line(u) + memory(k)).collect())
 }
 
 /// A panel of loops, one a value of a parameter.
@@ -149,31 +150,6 @@ fn generalised_play() -> Result<Figure, HysteresisError> {
             })?,
             panel("thresholds", &[("× 0.5", 0.25), ("× 1", 0.5), ("× 1.8", 0.9)], |r| {
                 run([0.35; 2], 0.5, r)
-            })?,
-        ],
-    ))
-}
-
-fn modified_prandtl_ishlinskii() -> Result<Figure, HysteresisError> {
-    let run = |weight: f64, line: [f64; 2]| {
-        let plays = PrandtlIshlinskii::new(vec![0.6], vec![0.5, 1.0, 2.0, 3.0], vec![weight; 4])?;
-        let line = BrokenLine { linear: 1.0, thresholds: vec![-2.0, 2.0], weights: line.to_vec() };
-        let model = ModifiedPrandtlIshlinskii::new(plays, line)?;
-        let u = drive();
-        let mut v = vec![0.0; u.len()];
-        model.simulate_every(1, &u, Start::Rest { voltage_v: 0.0 }, &mut [0.0; 4], &mut v)?;
-        Ok(v)
-    };
-    Ok(family(
-        "Modified Prandtl–Ishlinskii (Kuhnen)",
-        vec![
-            panel("loop", &[("", 0.0)], |_| run(0.3, [0.3, -0.5]))?,
-            panel("weights of the plays", &[("0.1", 0.1), ("0.3", 0.3), ("0.6", 0.6)], |w| {
-                run(w, [0.3, -0.5])
-            })?,
-            panel("bend above r = 2", &[("−0.7", -0.7), ("0", 0.0), ("0.5", 0.5)], |s| run(0.3, [0.0, s]))?,
-            panel("bend below r = −2", &[("−0.7", -0.7), ("0", 0.0), ("0.5", 0.5)], |s| {
-                run(0.3, [s, 0.0])
             })?,
         ],
     ))

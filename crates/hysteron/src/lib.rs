@@ -84,7 +84,7 @@ pub use hysteron_model::compensator::{Controller, Limits};
 #[doc(inline)]
 pub use hysteron_model::dynamics::{Creep, Scheme};
 #[doc(inline)]
-pub use hysteron_model::hysteresis::{FamilyForm, HysteresisForm};
+pub use hysteron_model::hysteresis::HysteresisForm;
 #[doc(inline)]
 pub use hysteron_model::model::{Capability, Remark, RunScore, Score, Unsupported};
 #[doc(inline)]

@@ -25,8 +25,8 @@ use crate::result_flags::ResultFlags;
     after_help = "Each record (or part of one, where there are fewer than three of different content) is left out in turn, every candidate \
     fitted to the rest and simulated on what was left out. Records that are one experiment repeated are refused, with what to \
     measure instead.\n\n\
-    Without --candidates: a search. The usual dynamic blocks (none, integer1 to integer4, arx, fractional ones), then about the best so far the kinds of creep, plays, plays with dead \
-    zones, Dahl's and Duhem's hysteresis, other polynomial degrees and n free; again until nothing is better. Six minutes of processor time for four records of 45 000 samples together. \
+    Without --candidates: a search. The usual dynamic blocks (none, integer1 to integer4, arx, fractional ones), then about the best so far the kinds of creep, the families of \
+    hysteresis that are quick to fit, other polynomial degrees and n free; again until nothing is better. Six minutes of processor time for four records of 45 000 samples together. \
     A candidate is \
     BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, \
     two-fractional, CREEP one of creep (fractional), log-creep, kelvin-voigt (two elements); the polynomial is a cubic, n = 1, and the family bouc-wen if not said. The families are those of identify \

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use hysteron_model::dynamics::{Dynamics, Scheme, TransferFunction};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
+use hysteron_model::hysteresis::{Hysteresis, HysteresisForm, PrandtlIshlinskii, examples};
 use hysteron_model::model_file::SignalUnits;
 use serde_json::Value;
 
@@ -94,44 +94,19 @@ fn the_other_forms_are_written_as_well() {
 #[test]
 fn every_family_is_exported() {
     let bench = bench();
-    for (form, shape, weight) in [
-        (FamilyForm::ParallelBoucWen { states: 2 }, &[0.05, 0.02, 0.2, -0.05][..], -0.02),
-        (FamilyForm::NonSymmetricBoucWen, &[0.05, -0.02, 0.003], -0.05),
-        (FamilyForm::SongDerKiureghian, &[0.05, 0.01, -0.008, 0.006, 0.005, -0.004], -0.05),
-        (FamilyForm::Dahl, &[17.0, 1.4], -0.05),
-        (FamilyForm::Duhem { degree: 1 }, &[0.06], -1e-4),
-        (FamilyForm::MaxwellSlip { elements: 4 }, &[40.0], 0.02),
-        (FamilyForm::OneSidedPlays { plays: 4 }, &[80.0], 0.02),
-        (FamilyForm::RateDependentPlays { plays: 4 }, &[40.0, 5e-5], 0.02),
-        (FamilyForm::DeadZonePlays { plays: 4 }, &[0.0, 100.0, 0.6, 15.0], 0.02),
-        (FamilyForm::GeneralisedPlays { plays: 4 }, &[0.02, 55.0, 0.02, 48.0], 2.0),
-        (FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }, &[0.0, 100.0, 14.0], 0.3),
-        (FamilyForm::Preisach { intervals: 4 }, &[0.0, 100.0], 0.3),
-        (FamilyForm::PreisachDensity, &[0.0, 100.0, 12.0, 9.0, 50.0, 20.0], 9.0),
-        (FamilyForm::JilesAtherton, &[25.0, 11.0, 0.3, 20.0], 5.0),
-    ] {
-        let hysteresis = Hysteresis::Family(Family {
-            form,
-            polynomial: vec![0.3, 1e-4],
-            shape: shape.to_vec(),
-            weights: vec![weight; form.columns()],
-        });
+    for hysteresis in examples([0.0, 100.0], 2e3, 0.3).unwrap() {
+        let name = hysteresis.form().name();
         bench.write_model("family.json", &Model { hysteresis, ..stage() }, SignalUnits::default());
         let run = bench.run("export family.json --to c -o out --name stage --inverse --range 0:100");
-        assert_eq!(run.exit_code, 0, "{}: {run:?}", form.name());
+        assert_eq!(run.exit_code, 0, "{name}: {run:?}");
     }
 }
 
 #[test]
 fn what_cannot_be_exported_is_said_and_nothing_is_written() {
     let bench = bench();
-    let family = Hysteresis::Family(Family {
-        form: FamilyForm::Dahl,
-        polynomial: vec![0.3],
-        shape: vec![20.0, 1.0],
-        weights: vec![-0.5],
-    });
-    bench.write_model("dahl.json", &Model { hysteresis: family, ..stage() }, SignalUnits::default());
+    let dahl = "dahl".parse::<HysteresisForm>().unwrap().operator(vec![0.3], &[-0.5], &[20.0, 1.0]).unwrap();
+    bench.write_model("dahl.json", &Model { hysteresis: dahl, ..stage() }, SignalUnits::default());
     for (arguments, exit_code, parts) in [
         ("export model.json --to c -o out", 1, ["without a sample rate", "--sample-rate HZ"]),
         (

@@ -4,7 +4,7 @@ use hysteron_export::{ExportError, Inverse, Precision, Subject};
 use hysteron_model::compensator::{Compensation, CompensatorOptions, Prediction};
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
+use hysteron_model::hysteresis::{BoucWen, Hysteresis, HysteresisForm, PrandtlIshlinskii, examples};
 use hysteron_model::model_file::{Interval, ModelFile, SignalUnits, ValidRange};
 use hysteron_model::realise::{RealiseOptions, realise};
 use hysteron_model::record::InterSample;
@@ -36,34 +36,16 @@ fn plays() -> Hysteresis {
 }
 
 fn parallel() -> Hysteresis {
-    Hysteresis::Family(Family {
-        form: FamilyForm::ParallelBoucWen { states: 3 },
-        polynomial: vec![0.3],
-        shape: vec![0.05, 0.02, 0.2, -0.05, 0.01, 0.003],
-        weights: vec![-0.05, -0.02, 0.01],
-    })
+    let form = "parallel-bouc-wen".parse::<HysteresisForm>().unwrap().with_elements(3).unwrap();
+    let shape = [0.05, 0.02, 0.2, -0.05, 0.01, 0.003];
+    form.operator(vec![0.3], &[-0.05, -0.02, 0.01], &shape).unwrap()
 }
 
-/// Families of the library, by name; Maxwell slip is exported as plays, Preisach from weights as from a density.
+/// Families of the library, by name.
 fn families() -> Vec<(&'static str, Hysteresis)> {
-    let family = |form: FamilyForm, shape: &[f64], weight: f64| {
-        let weights = (0..form.columns()).map(|k| weight * (1.0 + 0.7 * (k as f64 * 1.7).sin())).collect();
-        let polynomial = vec![0.3, 1e-4];
-        Hysteresis::Family(Family { polynomial, form, shape: shape.to_vec(), weights })
-    };
-    vec![
-        ("one_sided", family(FamilyForm::OneSidedPlays { plays: 8 }, &[80.0], 0.02)),
-        ("rate", family(FamilyForm::RateDependentPlays { plays: 8 }, &[40.0, 5e-5], 0.02)),
-        ("dead_zone", family(FamilyForm::DeadZonePlays { plays: 8 }, &[0.0, 100.0, 0.6, 15.0], 0.02)),
-        ("generalised", family(FamilyForm::GeneralisedPlays { plays: 8 }, &[0.02, 55.0, 0.02, 48.0], 2.0)),
-        ("ramps", family(FamilyForm::KrasnoselskiiPokrovskii { lines: 6 }, &[0.0, 100.0, 14.0], 0.3)),
-        ("dahl", family(FamilyForm::Dahl, &[17.0, 1.4], -0.05)),
-        ("duhem", family(FamilyForm::Duhem { degree: 2 }, &[0.06], -1e-5)),
-        ("non_symmetric", family(FamilyForm::NonSymmetricBoucWen, &[0.05, -0.02, 0.003], -0.05)),
-        ("song", family(FamilyForm::SongDerKiureghian, &[0.05, 0.01, -0.008, 0.006, 0.005, -0.004], -0.05)),
-        ("magnetic", family(FamilyForm::JilesAtherton, &[25.0, 11.0, 0.3, 20.0], 5.0)),
-        ("density", family(FamilyForm::PreisachDensity, &[0.0, 100.0, 12.0, 9.0, 50.0, 20.0], 9.0)),
-    ]
+    let all = examples([0.0, 100.0], 2e3, 0.3).unwrap().into_iter();
+    let families = all.filter(|hysteresis| matches!(hysteresis, Hysteresis::Family(_)));
+    families.map(|hysteresis| (hysteresis.form().name(), hysteresis)).collect()
 }
 
 fn resonance() -> Dynamics {
@@ -78,7 +60,7 @@ pub fn all() -> Vec<(&'static str, Model)> {
     let stage = stage();
     let with = |hysteresis| Model { hysteresis, ..stage.clone() };
     let bare = Model { dynamics: Dynamics::None, delay_s: 0.0, ..stage.clone() };
-    let rate = families().swap_remove(1).1;
+    let rate = families().into_iter().find(|(_, family)| family.form().sees_rate()).unwrap().1;
     let others = families().into_iter().map(|(name, hysteresis)| (name, with(hysteresis)));
     let means = ("means_rate", Model { scheme: Scheme::BandLimited, ..with(rate) });
     let mut all = vec![

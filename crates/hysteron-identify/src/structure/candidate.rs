@@ -11,8 +11,6 @@ use hysteron_model::hysteresis::HysteresisForm;
 const USUAL_DEGREE: usize = 3;
 /// Highest degree that is compared unasked.
 const HIGHEST_USUAL_DEGREE: usize = 5;
-/// Families that are compared unasked: two that wipe their memory out, and three that forget it, each quick to fit.
-const FAMILIES: [&str; 5] = ["bouc-wen", "prandtl-ishlinskii", "dead-zone-plays", "dahl", "duhem"];
 
 /// Fewer poles in parallel than these are the same in series.
 const FEWEST_OF_MODES: usize = 4;
@@ -140,7 +138,7 @@ impl Block {
      log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's own) one of {}, and neither creep nor another family than bouc-wen with \
      arx, oe, bj and srivc; e.g. integer2+creep",
     NAMES,
-    HysteresisForm::usual().map(HysteresisForm::name).join(", ")
+    HysteresisForm::usual().into_iter().map(HysteresisForm::name).collect::<Vec<_>>().join(", ")
 )]
 pub struct UnknownCandidate {
     /// As given.
@@ -171,7 +169,7 @@ impl Candidate {
                 .collect(),
             Part::Family => HysteresisForm::usual()
                 .into_iter()
-                .filter(|form| FAMILIES.contains(&form.name()))
+                .filter(|form| form.description().is_compared_unasked())
                 .map(|hysteresis| Self { hysteresis, n_free: false, ..self })
                 .collect(),
             Part::Shape => {
@@ -288,11 +286,15 @@ mod tests {
             of.alternatives(part).iter().map(ToString::to_string).collect()
         };
         let behind = |family: &str| format!("fractional+creep+degree2{family}");
-        let families = ["", "+prandtl-ishlinskii", "+dahl", "+duhem", "+dead-zone-plays"].map(behind);
-        let mut found = names(own, Part::Family);
-        found.sort_by_key(|name| families.iter().position(|f| f == name));
-        assert_eq!(found, families);
-        let plays: Candidate = "fractional+creep+prandtl-ishlinskii".parse().unwrap();
+        let unasked = HysteresisForm::usual().into_iter().filter(|f| f.description().is_compared_unasked());
+        let families: Vec<String> = unasked
+            .map(
+                |form| if form == own.hysteresis { behind("") } else { behind(&format!("+{}", form.name())) },
+            )
+            .collect();
+        assert!(families.len() > 1 && families[0] == behind(""), "{families:?}");
+        assert_eq!(names(own, Part::Family), families);
+        let plays: Candidate = families[1].replace("+degree2", "").parse().unwrap();
         assert!(names(plays, Part::Block).iter().all(|name| !name.starts_with("arx")));
         assert_eq!(names(plays, Part::Block).len(), Block::USUAL.len() - 1);
         assert_eq!(names(plays, Part::Shape).len(), 5);
@@ -317,17 +319,20 @@ mod tests {
             "arx+creep",
             "arx+log-creep",
             "srivc+creep",
-            "oe+dahl",
             "integer2+slow-creep",
             "none+degree0",
             "none+degree10",
             "none+degree",
             "none+",
-            "arx+dahl",
-            "integer2+n-free+dahl",
         ] {
             let error = name.parse::<Candidate>().unwrap_err().to_string();
             assert!(error.contains(&format!("'{name}'")) && error.contains("two-fractional"), "{error}");
+        }
+        for form in HysteresisForm::usual().into_iter().filter(|form| *form != HysteresisForm::default()) {
+            let family = form.name();
+            for block in ["oe", "arx", "integer2+n-free"] {
+                assert!(format!("{block}+{family}").parse::<Candidate>().is_err(), "{block}+{family}");
+            }
         }
     }
 }

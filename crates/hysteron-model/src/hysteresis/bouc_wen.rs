@@ -5,6 +5,7 @@
 
 use hysteron_rt::Dual;
 
+use super::family::{DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, SKEWS, Search, ShapeNumber};
 use super::pass::{Every, at_rest, pass};
 use super::{Admissibility, HysteresisError, polynomial};
 use crate::start::Start;
@@ -257,4 +258,106 @@ fn settle(
         z = if secant.is_finite() { secant } else { state.z };
     }
     Err(HysteresisError::NotSettled { periods: PERIODS, change })
+}
+
+/// The family.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "bouc-wen"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Polynomial less one relaxing state: few parameters"
+    }
+
+    fn equation(&self) -> &'static str {
+        "-z, dz/du = alpha - beta s z |z|^(n-1) - gamma |z|^n"
+    }
+
+    fn weight_name(&self, _: usize) -> String {
+        "alpha".into()
+    }
+
+    fn weight_reach(&self) -> f64 {
+        2.0
+    }
+
+    /// β', γ' and n of the unit form.
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let (n, unit) = (span.exponent, NumberUnit::PER_INPUT);
+        // ζ saturates at (β' + γ')^(−1/n) V: sharper, the loop is a pure offset switch. With much less β' a loop is a parabola of
+        // size α β': α grows as β' falls, and nothing else changes.
+        let (sharpest, bluntest) = (span.sharpest(), 1.0 / span.stroke);
+        let [low, high] = if span.holds_exponent {
+            [bluntest.powf(n), sharpest.powf(n)]
+        } else {
+            [bluntest.min(bluntest.powi(4)), sharpest.max(sharpest.powi(4))]
+        };
+        let [beta, gamma] = if span.is_straight {
+            [Search::Held(0.0); 2]
+        } else {
+            [Search::Linear(1e-3 * low, high), Search::Linear(-high, high)]
+        };
+        let exponent = match (span.is_straight, span.holds_exponent) {
+            (true, false) => Search::Held(1.0),
+            (_, true) => Search::Held(n),
+            (false, false) => Search::Linear(1.0, 4.0),
+        };
+        vec![
+            ShapeNumber::new("beta", unit, "shape of the loop", beta),
+            ShapeNumber::new("gamma", unit, "shape of the loop, going out against coming back", gamma),
+            ShapeNumber::new("n", NumberUnit::NONE, "smoothness of the transition", exponent),
+        ]
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        let n = span.exponent;
+        let of = |bend: f64| SKEWS.map(|skew| vec![bend.powf(n), skew * bend.powf(n), n]);
+        span.bends().into_iter().flat_map(of).collect()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        vec![4.0 / span.stroke, 1.0 / span.stroke, 1.0]
+    }
+
+    fn is_compared_unasked(&self) -> bool {
+        true
+    }
+
+    /// ζ of a device that has saturated at most.
+    fn memory_range(&self, _: [f64; 2], stroke: f64) -> [f64; 2] {
+        [-stroke, stroke]
+    }
+
+    fn first_memory(
+        &self,
+        shape: &[f64],
+        first: f64,
+        [low, high]: [f64; 2],
+        stroke: f64,
+        settled: bool,
+    ) -> f64 {
+        match *shape {
+            [beta, gamma, n] if settled => {
+                // Where a loop over the whole range turns, ζ is at most here.
+                let saturated = (beta + gamma).powf(-1.0 / n).min(stroke);
+                saturated * (2.0 * (first - low) / (high - low) - 1.0)
+            }
+            _ => 0.0,
+        }
+    }
+
+    fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
+        let state = match (shape, weights) {
+            (&[beta, gamma, n], &[alpha]) => {
+                BoucWen::from_unit(Vec::new(), alpha, UnitShape { beta, gamma, n })
+                    .map_or([f64::NAN; 4], |b| [b.alpha, b.beta, b.gamma, b.n])
+            }
+            _ => [f64::NAN; 4],
+        };
+        RuntimeOperator::BoucWen(vec![state])
+    }
 }

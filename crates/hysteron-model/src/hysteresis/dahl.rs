@@ -3,10 +3,13 @@
 //! Sources: P. R. Dahl, *A Solid Friction Model*, Aerospace Corporation TOR-0158(3107–18)-1, 1968; "Solid friction damping
 //! of mechanical vibrations", *AIAA J.* 14 (1976) 1675–1682, doi:10.2514/3.61511.
 
-use hysteron_rt::{Scalar, log_distance};
+use hysteron_rt::{Branch, Scalar, log_distance};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, ColumnModel, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber,
+};
 
 /// Dahl's operator dz/du = σ (1 − s z/z_c)ⁱ, s = sign Δu, in the form with slope 1 from rest: z = σ ζ,
 ///
@@ -27,21 +30,6 @@ pub struct Dahl;
 pub struct DahlState<S> {
     u: S,
     zeta: [S; 1],
-}
-
-impl Dahl {
-    /// The model v = l\[u\] − z with dz/du = σ (1 − s z/z_c)ⁱ: `stiffness` σ \[µm/V\], `saturation` z_c \[µm\] of its sign.
-    ///
-    /// # Errors
-    /// As [`ColumnModel::validate`].
-    pub fn from_saturation(
-        polynomial: Vec<f64>,
-        stiffness: f64,
-        saturation: f64,
-        exponent: f64,
-    ) -> Result<ColumnModel<Self>, HysteresisError> {
-        ColumnModel::new(polynomial, Self, vec![saturation / stiffness, exponent], vec![-stiffness])
-    }
 }
 
 impl ColumnKernel for Dahl {
@@ -106,5 +94,56 @@ impl ColumnKernel for Dahl {
 
     fn relaxing<S: Scalar<Real = f64>>(state: &mut DahlState<S>) -> &mut [S] {
         &mut state.zeta
+    }
+}
+
+/// The family.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "dahl"
+    }
+
+    fn summary(&self) -> &'static str {
+        "One relaxing state with an exponent of its own"
+    }
+
+    fn equation(&self) -> &'static str {
+        "weight_1 y, dy/du = (1 - s y/reach)^exponent"
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let reach = Search::Logarithmic(1.0 / span.sharpest(), 1.0 / span.bluntest());
+        vec![
+            ShapeNumber::new("reach", NumberUnit::INPUT, "voltage at which the state saturates", reach),
+            ShapeNumber::new("exponent", NumberUnit::NONE, "sharpness of the knee", Search::Linear(0.2, 3.0)),
+        ]
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        span.bends().map(|bend| vec![1.0 / bend, 1.0]).into()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        vec![0.17 * span.stroke, 1.4]
+    }
+
+    fn is_compared_unasked(&self) -> bool {
+        true
+    }
+
+    fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
+        let [reach, exponent] = [0, 1].map(|index| parameter(shape, index));
+        RuntimeOperator::branch(Branch::Dahl { reach, exponent }, weights)
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = Dahl;
+
+    fn kernel(&self, _: usize, _: &[f64], _: f64) -> Dahl {
+        Dahl
     }
 }

@@ -3,10 +3,14 @@
 //! Source: K. Kuhnen, "Modeling, identification and compensation of complex hysteretic nonlinearities: a modified
 //! Prandtl–Ishlinskii approach", *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Scalar, Sides};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, MeanLine, NumberUnit,
+    RuntimeOperator, Search, ShapeNumber, in_a_row,
+};
 use super::plays::PlayStates;
 
 /// Bands that the output of the plays is cut into.
@@ -126,5 +130,101 @@ impl ColumnKernel for DeadZonePlays {
             let within = between(S::constant(low), h, S::constant(high));
             *band = within.shift(-self.corner(index.max(1)));
         }
+    }
+}
+
+/// The family, on a grid from `low` to `high`.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "dead-zone-plays"
+    }
+
+    fn summary(&self) -> &'static str {
+        "12 plays and six bands of what they put out: minor loops that differ with bias"
+    }
+
+    fn equation(&self) -> &'static str {
+        "sum of weight_j F_j, plays of half-width j (high - low)/(2 (number + 1)); then six bands, from low to high, of \
+         h = (1 - loop_share) u + loop_share sum of g_j F_j, g_j in proportion to exp(-r_j/reach)"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 12, most: MOST_ELEMENTS })
+    }
+
+    fn columns(&self, plays: usize) -> usize {
+        plays + BANDS
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let share = Search::Linear(0.0, 0.95);
+        let own = [
+            ShapeNumber::new(
+                "loop_share",
+                NumberUnit::NONE,
+                "share of the plays in what the bands divide",
+                share,
+            ),
+            ShapeNumber::new(
+                "reach",
+                NumberUnit::INPUT,
+                "half-width over which that share decays",
+                span.strokes(0.02, 2.0),
+            ),
+        ];
+        ShapeNumber::ends(span).into_iter().chain(own).collect()
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        let [low, high] = span.grid;
+        let with = |share: f64| [0.1, 0.5].map(|reach| vec![low, high, share, reach * span.stroke]);
+        [0.1, 0.5].into_iter().flat_map(with).collect()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        let [low, high] = span.grid;
+        vec![low, high, 0.37, 0.2 * span.stroke]
+    }
+
+    fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn is_compared_unasked(&self) -> bool {
+        true
+    }
+
+    fn chain(&self, plays: usize) -> Vec<(usize, Option<usize>)> {
+        let last = plays.checked_sub(1).map(|last| (last, None));
+        in_a_row(0, plays).chain(last).chain(in_a_row(plays, plays + BANDS)).collect()
+    }
+
+    fn runtime(
+        &self,
+        plays: usize,
+        _: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
+        _: f64,
+    ) -> RuntimeOperator {
+        let kernel = self.kernel(plays, shape, 1.0);
+        let (own, slopes) = weights.split_at(plays.min(weights.len()));
+        let shares = kernel.shares(shape.get(2..).unwrap_or_default());
+        let line = MeanLine { shares, corners: kernel.corners(), slopes: slopes.to_vec() };
+        let sides = Sides::Even { widening: 0.0 };
+        RuntimeOperator::SidedPlays { sides, thresholds: kernel.thresholds, weights: own.to_vec(), line }
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = DeadZonePlays;
+
+    const FIXED: usize = 2;
+
+    fn kernel(&self, plays: usize, shape: &[f64], _: f64) -> DeadZonePlays {
+        DeadZonePlays::regular([0, 1].map(|index| parameter(shape, index)), plays)
     }
 }

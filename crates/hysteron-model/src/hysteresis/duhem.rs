@@ -4,10 +4,13 @@
 //! soft materials", *Int. J. Eng. Sci.* 24 (1986) 897–919; "On a class of constitutive relations for ferromagnetic
 //! hysteresis", *Arch. Rational Mech. Anal.* 99 (1987) 375–396, doi:10.1007/BF00282052.
 
-use hysteron_rt::{MOST_MOMENTS, Scalar, moments};
+use hysteron_rt::{Branch, MOST_MOMENTS, Scalar, moments};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, ColumnModel, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber,
+};
 
 /// Highest power of u in a slope.
 const MOST: usize = MOST_MOMENTS - 1;
@@ -34,39 +37,6 @@ pub struct Duhem {
 pub struct DuhemState<S> {
     u: S,
     y: Vec<S>,
-}
-
-impl Duhem {
-    /// The model dv/du = ±b (f(u) − v) + g(u), v = f on a virgin device: `f` holds the coefficients of u, u², …
-    /// \[µm/V, …\], `g` those of 1, u, … \[µm/V, …\], `rate` is b \[1/V\].
-    ///
-    /// # Errors
-    /// As [`ColumnModel::validate`].
-    pub fn from_coleman_hodgdon(
-        rate: f64,
-        f: Vec<f64>,
-        g: &[f64],
-    ) -> Result<ColumnModel<Self>, HysteresisError> {
-        let count = f.len().max(g.len()).max(1);
-        let at = |c: &[f64], j: usize| c.get(j).copied().unwrap_or(0.0);
-        let weights = (0..count).map(|j| at(g, j) - (j + 1) as f64 * at(&f, j)).collect();
-        ColumnModel::new(f, Self { degree: count - 1 }, vec![rate], weights)
-    }
-}
-
-impl ColumnModel<Duhem> {
-    /// Coefficients of 1, u, … of g \[µm/V, …\] in dv/du = ±b (f(u) − v) + g(u), where f is the polynomial.
-    pub fn slope_function(&self) -> Vec<f64> {
-        let at = |c: &[f64], j: usize| c.get(j).copied().unwrap_or(0.0);
-        let count = self.weights.len().max(self.polynomial.len());
-        (0..count).map(|j| at(&self.weights, j) + (j + 1) as f64 * at(&self.polynomial, j)).collect()
-    }
-
-    /// f' − g = −Σ wⱼ uʲ \[µm/V\] at `u` \[V\]. Where it is positive the output lags behind f on a large loop, as Coleman and
-    /// Hodgdon demand; where it is negative it leads.
-    pub fn lag(&self, u: f64) -> f64 {
-        -self.weights.iter().rev().fold(0.0, |sum, w| sum * u + w)
-    }
 }
 
 impl ColumnKernel for Duhem {
@@ -158,5 +128,63 @@ mod tests {
                 );
             }
         }
+    }
+}
+
+/// The family.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "duhem"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Coleman's and Hodgdon's equation with slopes up to u^2"
+    }
+
+    fn equation(&self) -> &'static str {
+        "sum of weight_j y_j, dy_j/du = u^(j-1) - rate s y_j (Coleman and Hodgdon)"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 2, most: MOST })
+    }
+
+    fn columns(&self, degree: usize) -> usize {
+        degree + 1
+    }
+
+    fn weight_unit(&self, index: usize) -> NumberUnit {
+        NumberUnit { input: -(index as i32 + 1), ..NumberUnit::OUTPUT }
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        vec![ShapeNumber::new("rate", NumberUnit::PER_INPUT, "sharpness of the loop", span.relaxation())]
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        span.bends().map(|bend| vec![bend]).into()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        vec![7.0 / span.stroke]
+    }
+
+    fn is_compared_unasked(&self) -> bool {
+        true
+    }
+
+    fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
+        RuntimeOperator::branch(Branch::Duhem { rate: parameter(shape, 0) }, weights)
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = Duhem;
+
+    fn kernel(&self, degree: usize, _: &[f64], _: f64) -> Duhem {
+        Duhem { degree }
     }
 }

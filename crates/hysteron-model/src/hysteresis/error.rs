@@ -288,24 +288,6 @@ pub enum HysteresisError {
         /// Narrowest threshold.
         narrowest: f64,
     },
-    /// An Everett table that is not lower triangular with zeros on its diagonal.
-    #[error(
-        "row {row} (from 0) of the Everett table: row p has p + 1 finite numbers, the last one 0, and there is one row a level"
-    )]
-    EverettTable {
-        /// Number of the row, from 0.
-        row: usize,
-    },
-    /// A first-order reversal curve that cannot be used.
-    #[error(
-        "reversal curve {index} (from 0): it must begin at level {} (from 0), decrease in input at least to the first level, \
-         and hold one finite displacement an input",
-        index + 1
-    )]
-    ReversalCurve {
-        /// Number of the curve, from 0.
-        index: usize,
-    },
     /// Not one weight a column.
     #[error("there are {columns} columns but {weights} weights: give one weight a column")]
     WeightCount {

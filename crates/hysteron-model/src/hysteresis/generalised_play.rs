@@ -1,13 +1,17 @@
-//! Generalised plays: the Prandtl–Ishlinskii model with saturating, unequal envelopes, and its inverse.
+//! Generalised plays: the Prandtl–Ishlinskii model with saturating, unequal envelopes.
 //!
 //! Source: M. Al Janaideh, S. Rakheja, C.-Y. Su, "An analytical generalized Prandtl–Ishlinskii model inversion for
 //! hysteresis compensation in micropositioning control", *IEEE/ASME Trans. Mechatronics* 16 (2011) 734–744,
 //! doi:10.1109/TMECH.2010.2052366.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Scalar, Sides};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, ColumnModel, between, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
+    ShapeNumber,
+};
 
 /// Columns Fⱼ ← max(γ_r(u) − rⱼ, min(γ_l(u) + rⱼ, Fⱼ)) with the envelopes
 ///
@@ -104,58 +108,79 @@ impl ColumnKernel for GeneralisedPlays {
     }
 }
 
-impl ColumnModel<GeneralisedPlays> {
-    /// The voltage \[V\] to which one monotone move from `state` gives the output `v` \[µm\], in closed form: on each piece the
-    /// plays that move give Σ wⱼ (γ ∓ rⱼ), so that γ follows by one division and u by the inverse of the envelope. Where v
-    /// is the present output the voltage stays.
-    ///
-    /// The state must be one that a simulation from a virgin start left behind.
-    ///
-    /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::NotLinear`] with a polynomial that is not zero;
-    /// [`HysteresisError::PartialSlope`] where a weight is negative or the first not positive;
-    /// [`HysteresisError::PlayStates`]; [`HysteresisError::OutOfReach`] for an output beyond saturation (sample 0);
-    /// [`HysteresisError::Drive`] where v is not finite.
-    pub fn inverse_step(&self, state: &GeneralisedPlayStates<f64>, v: f64) -> Result<f64, HysteresisError> {
-        self.validate()?;
-        if let Some(index) = self.polynomial.iter().rposition(|&c| c != 0.0) {
-            return Err(HysteresisError::NotLinear { degree: index + 1 });
-        }
-        for (&slope, plays) in self.weights.iter().zip(1..) {
-            if slope < 0.0 || (plays == 1 && slope == 0.0) {
-                return Err(HysteresisError::PartialSlope { plays, slope });
-            }
-        }
-        let found = state.plays.len();
-        if found != self.weights.len() {
-            return Err(HysteresisError::PlayStates { expected: self.weights.len(), found });
-        }
-        if !v.is_finite() {
-            return Err(HysteresisError::Drive { index: 0 });
-        }
-        let present: f64 = self.weights.iter().zip(&state.plays).map(|(w, play)| w * play).sum();
-        if v == present {
-            return Ok(state.u);
-        }
-        // Upwards: plays take hold at γ = Fⱼ + rⱼ, the narrowest first. Downwards the same with every sign turned.
-        let (sign, side) = if v > present { (1.0, 0) } else { (-1.0, 2) };
-        let (mut slope, mut rest) = (0.0, sign * (v - present));
-        let plays = || self.kernel.thresholds.iter().zip(&self.weights).zip(&state.plays);
-        for ((r, weight), play) in plays() {
-            let from = sign * play + r;
-            if slope > 0.0 && rest <= slope * from {
-                break;
-            }
-            slope += weight;
-            rest += weight * from;
-        }
-        let gamma = sign * rest / slope;
-        let [rise, centre] = [side, side + 1].map(|i| parameter::<f64>(&self.shape, i));
-        if gamma.abs() < 1.0 {
-            Ok(centre + gamma.atanh() / rise)
-        } else {
-            let reach = |sign: f64| plays().map(|((r, w), play)| w * sign * (sign * play).max(1.0 - r)).sum();
-            Err(HysteresisError::OutOfReach { index: 0, v, from: reach(-1.0), to: reach(1.0) })
-        }
+/// The family: thresholds (j − ½)/plays.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "generalised-plays"
+    }
+
+    fn summary(&self) -> &'static str {
+        "8 plays behind saturating, unequal envelopes"
+    }
+
+    fn equation(&self) -> &'static str {
+        "sum of weight_j F_j, F_j <- max(R(u) - r_j, min(L(u) + r_j, F_j)), r_j = (j - 1/2)/number, \
+         R = tanh(rise_right (u - centre_right)), L = tanh(rise_left (u - centre_left))"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 8, most: MOST_ELEMENTS })
+    }
+
+    fn weight_unit(&self, _: usize) -> NumberUnit {
+        NumberUnit::OUTPUT
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let rise = Search::Logarithmic(0.05 / span.stroke, 20.0 / span.stroke);
+        let (steepness, place) = (NumberUnit::PER_INPUT, NumberUnit::INPUT);
+        vec![
+            ShapeNumber::new("rise_right", steepness, "steepness of the envelope going up", rise),
+            ShapeNumber::new("centre_right", place, "middle of the envelope going up", span.around()),
+            ShapeNumber::new("rise_left", steepness, "steepness of the envelope coming down", rise),
+            ShapeNumber::new("centre_left", place, "middle of the envelope coming down", span.around()),
+        ]
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        let middle = span.middle();
+        [0.3, 1.0, 3.0].map(|rise| vec![rise / span.stroke, middle, rise / span.stroke, middle]).into()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        let middle = span.middle();
+        vec![2.1 / span.stroke, middle + 0.03 * span.stroke, 1.9 / span.stroke, middle + 0.01 * span.stroke]
+    }
+
+    fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn runtime(
+        &self,
+        plays: usize,
+        _: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
+        _: f64,
+    ) -> RuntimeOperator {
+        let [right, left] = [[0, 1], [2, 3]].map(|side| side.map(|index| parameter(shape, index)));
+        RuntimeOperator::sided(Sides::Envelopes { right, left }, middles(plays), weights)
+    }
+}
+
+/// (j − ½)/count, j = 1 … count.
+fn middles(count: usize) -> Vec<f64> {
+    (0..count).map(|j| (j as f64 + 0.5) / count as f64).collect()
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = GeneralisedPlays;
+
+    fn kernel(&self, plays: usize, _: &[f64], _: f64) -> GeneralisedPlays {
+        GeneralisedPlays { thresholds: middles(plays) }
     }
 }

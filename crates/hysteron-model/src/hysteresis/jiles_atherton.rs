@@ -4,10 +4,13 @@
 //! doi:10.1016/0304-8853(86)90066-1; the freezing of the irreversible part right after a turn after J. H. B. Deane, *IEEE
 //! Trans. Magn.* 30 (1994) 2795–2801.
 
-use hysteron_rt::{GAUSS_LEGENDRE, Scalar, langevin, langevin_slope, rising_root};
+use hysteron_rt::{Branch, GAUSS_LEGENDRE, Scalar, langevin, langevin_slope, rising_root};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, finite, parameter, positive, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber,
+};
 
 /// Column m, the magnetisation (polarisation) relative to saturation:
 ///
@@ -249,5 +252,70 @@ mod tests {
             }
         }
         assert_eq!((langevin(0.0), langevin_slope(0.0)), (0.0, 1.0 - 2.0 / 3.0));
+    }
+}
+
+/// The family.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "jiles-atherton"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Jiles' and Atherton's magnetisation"
+    }
+
+    fn equation(&self) -> &'static str {
+        "weight_1 m, m = p + reversibility (m_an - p), m_an = coth(h/anhysteretic) - anhysteretic/h, h = u + coupling m, \
+         dp/dh = s (m_an - p)/pinning where that is positive, else 0"
+    }
+
+    fn weight_unit(&self, _: usize) -> NumberUnit {
+        NumberUnit::OUTPUT
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let (field, share) = (NumberUnit::INPUT, Search::Linear(0.0, 0.95));
+        let coupling = Search::Linear(0.0, span.stroke);
+        vec![
+            ShapeNumber::new(
+                "anhysteretic",
+                field,
+                "width of the anhysteretic curve",
+                span.strokes(0.02, 20.0),
+            ),
+            ShapeNumber::new("pinning", field, "strength of the pinning", span.strokes(0.005, 5.0)),
+            ShapeNumber::new("reversibility", NumberUnit::NONE, "share that follows reversibly", share),
+            ShapeNumber::new("coupling", field, "feedback of the magnetisation on the field", coupling),
+        ]
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        let of = |a: f64| [0.05, 0.2].map(|k| [a, k, 0.1, 0.05 * a]);
+        let scaled =
+            |[a, k, c, alpha]: [f64; 4]| vec![a * span.stroke, k * span.stroke, c, alpha * span.stroke];
+        [0.1, 0.3, 1.0].into_iter().flat_map(of).map(scaled).collect()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        vec![0.23 * span.stroke, 0.07 * span.stroke, 0.12, 0.09 * span.stroke]
+    }
+
+    fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
+        let [anhysteretic, pinning, reversibility, coupling] =
+            [0, 1, 2, 3].map(|index| parameter(shape, index));
+        let law = Branch::JilesAtherton { anhysteretic, pinning, reversibility, coupling };
+        RuntimeOperator::branch(law, weights)
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = JilesAtherton;
+
+    fn kernel(&self, _: usize, _: &[f64], _: f64) -> JilesAtherton {
+        JilesAtherton
     }
 }

@@ -5,10 +5,14 @@
 //! operators representing smart actuators, part I", *Math. Probl. Eng.* 3 (1997) 287–328,
 //! doi:10.1155/S1024123X97000586.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Scalar, Sides};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
+    Search, ShapeNumber, on_a_plane,
+};
 
 /// Columns ξ ← max(ρ(u − p₂), min(ρ(u − p₁), ξ)), ρ(x) = max(−1, min(1, 2x/a)), for every pair p₁ ≤ p₂ of a regular grid.
 ///
@@ -101,5 +105,91 @@ impl ColumnKernel for KrasnoselskiiPokrovskii {
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &KrasnoselskiiPokrovskiiState<S>, out: &mut [S]) {
         out.iter_mut().zip(&state.columns).for_each(|(out, column)| *out = *column);
+    }
+}
+
+/// The family, on a grid from `low` to `high`.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+/// Distance of the lines of a grid: ramps of this length meet.
+fn pitch(lines: usize, [low, high]: [f64; 2]) -> f64 {
+    (high - low) / (lines.max(2) - 1) as f64
+}
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "krasnoselskii-pokrovskii"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Ramped relays on a grid of 8 lines (36 weights)"
+    }
+
+    fn equation(&self) -> &'static str {
+        "relays on a grid of lines from low to high, a weight a pair of lines, each switching along ramps of length rise"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 8, most: MOST_OF_A_PLANE })
+    }
+
+    fn columns(&self, lines: usize) -> usize {
+        lines * (lines + 1) / 2
+    }
+
+    fn weight_unit(&self, _: usize) -> NumberUnit {
+        NumberUnit::OUTPUT
+    }
+
+    fn shape_numbers(&self, lines: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let rise = Search::Held(pitch(lines, span.grid));
+        let own = ShapeNumber::new("rise", NumberUnit::INPUT, "length of the ramps", rise);
+        ShapeNumber::ends(span).into_iter().chain([own]).collect()
+    }
+
+    fn starts(&self, lines: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        let [low, high] = span.grid;
+        vec![vec![low, high, pitch(lines, span.grid)]]
+    }
+
+    fn example(&self, lines: usize, span: &DriveSpan) -> Vec<f64> {
+        let [low, high] = span.grid;
+        vec![low, high, 0.8 * pitch(lines, span.grid)]
+    }
+
+    fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn is_plane(&self) -> bool {
+        true
+    }
+
+    fn neighbours(&self, lines: usize) -> Vec<(usize, usize)> {
+        on_a_plane(lines)
+    }
+
+    fn runtime(
+        &self,
+        lines: usize,
+        _: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
+        _: f64,
+    ) -> RuntimeOperator {
+        let grid = self.kernel(lines, shape, 1.0);
+        let sides = Sides::Ramps { steepness: 2.0 / parameter::<f64>(shape, 2) };
+        RuntimeOperator::sided(sides, (0..lines).map(|index| grid.line(index)).collect(), weights)
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = KrasnoselskiiPokrovskii;
+
+    const FIXED: usize = 2;
+
+    fn kernel(&self, lines: usize, shape: &[f64], _: f64) -> KrasnoselskiiPokrovskii {
+        KrasnoselskiiPokrovskii { range: [0, 1].map(|index| parameter(shape, index)), lines }
     }
 }

@@ -6,7 +6,11 @@
 
 use hysteron_rt::Scalar;
 
-use super::columns::{ColumnKernel, ColumnModel, between, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
+    ShapeNumber, inner_grid,
+};
 use super::plays::check_thresholds;
 use super::{HysteresisError, PrandtlIshlinskii};
 
@@ -14,8 +18,7 @@ use super::{HysteresisError, PrandtlIshlinskii};
 /// at rⱼ.
 ///
 /// Eⱼ = u − Fⱼ with the play Fⱼ of the same half-width, so that Maxwell slip and Prandtl–Ishlinskii are one model in two
-/// coordinates: v = l\[u\] + Σ kⱼ Eⱼ has the weights −kⱼ and the linear coefficient l₁ + Σ kⱼ there
-/// ([`PrandtlIshlinskii::from`] and [`ColumnModel::from`]). Kept as plays, so that nothing adds up from move to move.
+/// coordinates: v = l\[u\] + Σ kⱼ Eⱼ has the weights −kⱼ and the linear coefficient l₁ + Σ kⱼ there. Kept as plays, so that nothing adds up from move to move.
 ///
 /// Weights are the stiffnesses kⱼ \[µm/V\] (negative for a displacement that lags). Shape: `scale`, 1 for the thresholds
 /// as they are. A virgin element is without strain.
@@ -74,35 +77,85 @@ impl ColumnKernel for MaxwellSlip {
     }
 }
 
-impl From<&PrandtlIshlinskii> for ColumnModel<MaxwellSlip> {
-    /// The same operator in stops: stiffnesses −wᵢ, linear coefficient p₁ + Σ wᵢ, scale 1.
-    fn from(plays: &PrandtlIshlinskii) -> Self {
-        Self {
-            polynomial: steeper(&plays.polynomial, plays.weights.iter().sum()),
-            kernel: MaxwellSlip { thresholds: plays.thresholds.clone() },
-            shape: vec![1.0],
-            weights: plays.weights.iter().map(|w| -w).collect(),
-        }
-    }
-}
+/// The family: elements at `scale` · j/(elements + 1).
+#[derive(Debug)]
+pub(super) struct Entry;
 
-impl From<&ColumnModel<MaxwellSlip>> for PrandtlIshlinskii {
-    /// The same operator in plays: weights −kⱼ, linear coefficient l₁ + Σ kⱼ.
-    fn from(stops: &ColumnModel<MaxwellSlip>) -> Self {
-        let scale = stops.shape.first().copied().unwrap_or(1.0);
-        Self {
-            polynomial: steeper(&stops.polynomial, stops.weights.iter().sum()),
-            thresholds: stops.kernel.thresholds.iter().map(|r| scale * r).collect(),
-            weights: stops.weights.iter().map(|k| -k).collect(),
-        }
-    }
-}
-
-/// The polynomial with its linear coefficient raised by `by`.
-fn steeper(polynomial: &[f64], by: f64) -> Vec<f64> {
-    let mut polynomial = polynomial.to_vec();
+/// A stop is the voltage without its play: the voltage goes to the polynomial.
+fn give_way(polynomial: &mut [f64], weights: &[f64]) {
     if let Some(linear) = polynomial.first_mut() {
-        *linear += by;
+        *linear += weights.iter().sum::<f64>();
     }
-    polynomial
+}
+
+impl Entry {
+    fn thresholds(elements: usize, shape: &[f64]) -> Vec<f64> {
+        let scale: f64 = parameter(shape, 0);
+        inner_grid(elements).into_iter().map(|r| scale * r).collect()
+    }
+}
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "maxwell-slip"
+    }
+
+    fn summary(&self) -> &'static str {
+        "12 elastic elements that slip: plays in other coordinates"
+    }
+
+    fn equation(&self) -> &'static str {
+        "sum of weight_j (u - F_j), F_j the play of half-width scale j/(number + 1) (stops)"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 12, most: MOST_ELEMENTS })
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let search = Search::Held(0.5 * span.stroke);
+        vec![ShapeNumber::new("scale", NumberUnit::INPUT, "half-width beyond the widest element", search)]
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        vec![vec![0.5 * span.stroke]]
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        vec![0.31 * span.stroke]
+    }
+
+    fn as_plays(
+        &self,
+        elements: usize,
+        polynomial: &[f64],
+        shape: &[f64],
+        weights: &[f64],
+    ) -> Option<PrandtlIshlinskii> {
+        let mut polynomial = polynomial.to_vec();
+        give_way(&mut polynomial, weights);
+        let thresholds = Self::thresholds(elements, shape);
+        Some(PrandtlIshlinskii { polynomial, thresholds, weights: weights.iter().map(|k| -k).collect() })
+    }
+
+    fn runtime(
+        &self,
+        elements: usize,
+        polynomial: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
+        _: f64,
+    ) -> RuntimeOperator {
+        give_way(polynomial, weights);
+        let thresholds = Self::thresholds(elements, shape);
+        RuntimeOperator::Plays { thresholds, weights: weights.iter().map(|k| -k).collect() }
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = MaxwellSlip;
+
+    fn kernel(&self, elements: usize, _: &[f64], _: f64) -> MaxwellSlip {
+        MaxwellSlip { thresholds: inner_grid(elements) }
+    }
 }

@@ -1,28 +1,22 @@
 //! Static hysteresis block: rate-independent operators, one file a model behind one enum.
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
-//! * [`NormalisedBoucWen`], [`ClassicalBoucWen`]: the same operator in other symbols.
 //! * [`PrandtlIshlinskii`] (plays) with its inverses.
-//! * [`ColumnKernel`]: families that are linear in weights, with a few nonlinear numbers, and [`ColumnModel`]: [`Duhem`],
-//!   [`Dahl`], [`Plays`], [`OneSidedPlays`], [`MaxwellSlip`], [`GeneralisedPlays`], [`DeadZones`], [`DeadZonePlays`],
-//!   [`KrasnoselskiiPokrovskii`], [`Preisach`], [`PreisachDensity`], [`JilesAtherton`], [`SongDerKiureghian`],
-//!   [`NonSymmetricBoucWen`]; [`ModifiedPrandtlIshlinskii`] is a cascade.
-//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives.
-//! * [`RateDependentPlays`] and [`RateDependentPrandtlIshlinskii`], the operators here that see the rate; [`DriveGrid`] tells it them.
-//! * [`Family`]: a model of any of these families, [`FamilyForm`], whose columns a fit can take; [`FamilyStream`] runs it sample by
-//!   sample.
+//! * [`ColumnKernel`]: the operators of a family that is linear in weights, with a few nonlinear numbers. Each family has a file of
+//!   its name here: its kernel, and its [`FamilyDescription`].
+//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives; [`FamilyForm`] where it is one of
+//!   columns.
+//! * [`Family`]: a model of such a family; [`FamilyStream`] runs it sample by sample. [`DriveGrid`] tells families that see the rate
+//!   how fast the drive is.
 //! * [`Start`]: what happened before the first sample, with a memory in the operator's own scale; [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises the output.
 
 mod admissibility;
-mod asymmetric_bouc_wen;
 pub mod bouc_wen;
-mod bouc_wen_forms;
 mod columns;
 mod dahl;
 mod dead_zone_plays;
-mod dead_zones;
 mod drive_grid;
 mod duhem;
 mod error;
@@ -35,6 +29,8 @@ mod invertibility;
 mod jiles_atherton;
 mod krasnoselskii_pokrovskii;
 mod maxwell_slip;
+mod non_symmetric_bouc_wen;
+mod one_sided_plays;
 mod outputs;
 mod parallel_bouc_wen;
 mod pass;
@@ -44,20 +40,23 @@ mod prandtl_ishlinskii;
 mod preisach;
 mod rate_dependent_plays;
 mod sensitivities;
+mod song_der_kiureghian;
 
 pub use crate::record::InterSample;
 pub use admissibility::Admissibility;
-pub use asymmetric_bouc_wen::{NonSymmetricBoucWen, SongDerKiureghian};
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
-pub use bouc_wen_forms::{ClassicalBoucWen, NormalisedBoucWen};
-pub use columns::{ColumnKernel, ColumnModel, ColumnSensitivities};
+pub use columns::{ColumnKernel, ColumnSensitivities};
 pub use dahl::Dahl;
 pub use dead_zone_plays::DeadZonePlays;
-pub use dead_zones::{BrokenLine, DeadZones, ModifiedInverse, ModifiedPrandtlIshlinskii};
 pub use drive_grid::DriveGrid;
 pub use duhem::Duhem;
 pub use error::HysteresisError;
-pub use family::{Family, FamilyForm, FamilyStream, NumberUnit};
+#[doc(hidden)]
+pub use family::examples;
+pub use family::{
+    DriveSpan, Elements, Family, FamilyDescription, FamilyForm, FamilyStream, MeanLine, NumberUnit,
+    RuntimeOperator, Search, ShapeNumber,
+};
 pub use follow::{DriveLimits, Followed};
 pub use form::HysteresisForm;
 pub use generalised_play::{GeneralisedPlayStates, GeneralisedPlays};
@@ -68,13 +67,15 @@ pub use invertibility::{Invertibility, TimedDrive};
 pub use jiles_atherton::JilesAtherton;
 pub use krasnoselskii_pokrovskii::KrasnoselskiiPokrovskii;
 pub use maxwell_slip::MaxwellSlip;
+pub use non_symmetric_bouc_wen::NonSymmetricBoucWen;
+pub use one_sided_plays::OneSidedPlays;
 pub use outputs::{Columns, Partial};
 pub use parallel_bouc_wen::ParallelBoucWen;
-pub use plays::{OneSidedPlays, Plays};
 pub use prandtl_ishlinskii::{PrandtlIshlinskii, StepInverse};
-pub use preisach::{DensityLaw, Preisach, PreisachDensity, ReversalCurve};
-pub use rate_dependent_plays::{RateDependentPlays, RateDependentPrandtlIshlinskii};
+pub use preisach::{DensityLaw, Preisach, PreisachDensity};
+pub use rate_dependent_plays::RateDependentPlays;
 pub use sensitivities::Sensitivities;
+pub use song_der_kiureghian::SongDerKiureghian;
 
 use crate::start::Start;
 
@@ -162,6 +163,20 @@ impl Hysteresis {
             }
             Self::PrandtlIshlinskii(_) | Self::Family(_) => Ok(virgin),
         }
+    }
+
+    /// Polynomial and operator by which the runtime runs it, for so many samples a second.
+    pub fn runtime(&self, sample_rate_hz: f64) -> (Vec<f64>, RuntimeOperator) {
+        let mut polynomial = self.polynomial().to_vec();
+        let operator = match self {
+            Self::BoucWen(b) => RuntimeOperator::BoucWen(vec![[b.alpha, b.beta, b.gamma, b.n]]),
+            Self::PrandtlIshlinskii(_) | Self::Family(_) => {
+                let (form, shape, weights) = (self.form(), self.shape(), self.weights());
+                let family = form.description();
+                family.runtime(form.elements(), &mut polynomial, &shape, &weights, sample_rate_hz)
+            }
+        };
+        (polynomial, operator)
     }
 
     /// Coefficients of the polynomial l\[u\], to change them.

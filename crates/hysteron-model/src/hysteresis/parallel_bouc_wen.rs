@@ -4,6 +4,9 @@ use hysteron_rt::{BoucWen, Scalar};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, finite, parameter, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber,
+};
 
 /// Most states: three of two shape numbers each.
 pub const MOST_STATES: usize = 3;
@@ -81,5 +84,65 @@ impl ColumnKernel for ParallelBoucWen {
 
     fn relaxing<S: Scalar<Real = f64>>(state: &mut ParallelState<S>) -> &mut [S] {
         &mut state.zeta
+    }
+}
+
+/// The family.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "parallel-bouc-wen"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Two Bouc-Wen states of unlike sharpness"
+    }
+
+    fn equation(&self) -> &'static str {
+        "sum of weight_k y_k, dy_k/du = 1 - beta_k s y_k - gamma_k |y_k|"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 2, most: MOST_STATES })
+    }
+
+    fn shape_numbers(&self, states: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let of = |k: usize| {
+            let unit = NumberUnit::PER_INPUT;
+            [
+                ShapeNumber::new(format!("beta_{k}"), unit, "sharpness of a state", span.relaxation()),
+                ShapeNumber::new(format!("gamma_{k}"), unit, "skew of a state", span.skew()),
+            ]
+        };
+        (1..=states.min(MOST_STATES)).flat_map(of).collect()
+    }
+
+    fn starts(&self, states: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        let unlike = |beta: f64| (0..states).flat_map(|k| [beta * 4f64.powi(k as i32), 0.0]).collect();
+        span.bends().map(unlike).into()
+    }
+
+    fn example(&self, states: usize, span: &DriveSpan) -> Vec<f64> {
+        let of = |k: usize| [3.0 * 4f64.powi(k as i32), 1.0 - 1.5 * k as f64].map(|x| x / span.stroke);
+        (0..states).flat_map(of).collect()
+    }
+
+    fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
+        // w ζ(β', γ') = −z with α = −w, β = β', γ = sign(α) γ'.
+        let state = |(w, own): (&f64, &[f64])| match *own {
+            [beta, gamma] => [-w, beta, -w.signum() * gamma, 1.0],
+            _ => [f64::NAN; 4],
+        };
+        RuntimeOperator::BoucWen(weights.iter().zip(shape.chunks(2)).map(state).collect())
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = ParallelBoucWen;
+
+    fn kernel(&self, states: usize, _: &[f64], _: f64) -> ParallelBoucWen {
+        ParallelBoucWen { states }
     }
 }

@@ -1,31 +1,9 @@
-//! Columns of plays and of one-sided plays: the Prandtl–Ishlinskii model with weights left open.
+//! What families of plays share: where plays stand, and thresholds that are in order.
 
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
-
-/// Columns Fⱼ ← max(u − rⱼ, min(u + rⱼ, Fⱼ)) \[V\], rⱼ = scale · `thresholds`\[j\]: the plays of
-/// [`super::PrandtlIshlinskii`].
-///
-/// Shape: `scale`, 1 for the thresholds as they are. A virgin play stands at its voltage.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Plays {
-    /// Half-widths \[V\], positive and increasing.
-    pub thresholds: Vec<f64>,
-}
-
-/// Columns Fⱼ ← max(u − rⱼ, min(u, Fⱼ)) \[V\], rⱼ = scale · `thresholds`\[j\], which only ever lag behind a voltage that
-/// falls after they were taken along: one-sided plays.
-///
-/// The play of half-width rⱼ/2 moved by −rⱼ/2, with another virgin state: at rest it stands at u, the upper end of its
-/// width. For devices that are driven to one side of their rest. Shape: `scale`. Source: K. Kuhnen, *Eur. J. Control* 9
-/// (2003) 407–418, doi:10.3166/ejc.9.407-418.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OneSidedPlays {
-    /// Widths \[V\], positive and increasing.
-    pub thresholds: Vec<f64>,
-}
+use super::columns::between;
 
 /// Where plays stand.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,47 +37,3 @@ pub(super) fn check_thresholds(thresholds: &[f64]) -> Result<(), HysteresisError
     }
     Ok(())
 }
-
-macro_rules! play_columns {
-    ($kernel:ty, $sides:expr) => {
-        impl ColumnKernel for $kernel {
-            type State<S: Scalar<Real = f64>> = PlayStates<S>;
-
-            simulate_with_sensitivities!(1);
-
-            fn shape_names(&self) -> &'static [&'static str] {
-                &["scale"]
-            }
-
-            fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
-                check_thresholds(&self.thresholds)?;
-                positive("scale of the thresholds", parameter(shape, 0))
-            }
-
-            fn columns(&self) -> usize {
-                self.thresholds.len()
-            }
-
-            fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> PlayStates<S> {
-                PlayStates::at(self.thresholds.len(), u)
-            }
-
-            fn advance<S: Scalar<Real = f64>>(
-                &self,
-                shape: &[S],
-                state: &mut PlayStates<S>,
-                u: f64,
-            ) -> Result<(), HysteresisError> {
-                state.advance(&self.thresholds, parameter(shape, 0), $sides, u);
-                Ok(())
-            }
-
-            fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &PlayStates<S>, out: &mut [S]) {
-                out.iter_mut().zip(&state.plays).for_each(|(out, play)| *out = *play);
-            }
-        }
-    };
-}
-
-play_columns!(Plays, [1.0, 1.0]);
-play_columns!(OneSidedPlays, [1.0, 0.0]);

@@ -4,38 +4,21 @@
 //! hysteresis in a piezomicropositioning actuator", *IEEE/ASME Trans. Mechatronics* 18 (2013) 1498–1507,
 //! doi:10.1109/TMECH.2012.2205265.
 
-use hysteron_rt::Scalar;
+use hysteron_rt::{Scalar, Sides};
 
+use super::HysteresisError;
 use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
-use super::pass::{Every, at_rest};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
+    ShapeNumber, inner_grid,
+};
 use super::plays::{PlayStates, check_thresholds};
-use super::{HysteresisError, polynomial};
-use crate::start::Start;
 
-/// Prandtl–Ishlinskii operator with thresholds that move with the rate:
-///
-/// v = Σ_{i≥1} polynomial\[i−1\] uⁱ + Σᵢ weightsᵢ Fᵢ,  Fᵢ ← max(u − ρᵢ, min(u + ρᵢ, Fᵢ)),  ρᵢ = rᵢ + λ |u̇|.
+/// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|.
 ///
 /// Loops get wider with frequency and amplitude, without dynamics behind them. λ = 0 is [`super::PrandtlIshlinskii`]. All
 /// thresholds move by the same, so that their order and what Al Janaideh and Krejčí ask for an inverse (a distance of thresholds
-/// that does not shrink) hold for every rate.
-///
-/// It is *not* rate independent: the rate is that of the straight line between two samples, and the drive is to be sampled so
-/// finely that this is its rate.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RateDependentPrandtlIshlinskii {
-    /// Coefficients of u, u², … \[µm/V, µm/V², …\].
-    pub polynomial: Vec<f64>,
-    /// Half-widths rᵢ at rest \[V\], positive and increasing.
-    pub thresholds: Vec<f64>,
-    /// Weights of the plays \[µm/V\], of any sign; one a threshold.
-    pub weights: Vec<f64>,
-    /// λ ≥ 0 \[s\]: what a threshold grows for 1 V/s.
-    pub rate_gain_s: f64,
-}
-
-/// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|: the plays of
-/// [`RateDependentPrandtlIshlinskii`].
+/// that does not shrink) hold for every rate. The operator is *not* rate independent.
 ///
 /// Shape: `scale`, 1 for the thresholds as they are; `rate_gain` λ ≥ 0 \[s\]. The rate is that of the straight line between two
 /// samples; the first move of a device at rest has none. A virgin play stands at its voltage. Where samples are not an equal time
@@ -120,119 +103,77 @@ fn check_rate_gain(value: f64) -> Result<(), HysteresisError> {
     }
 }
 
-impl RateDependentPrandtlIshlinskii {
-    /// A checked operator.
-    ///
-    /// # Errors
-    /// As [`Self::validate`].
-    pub fn new(
-        polynomial: Vec<f64>,
-        thresholds: Vec<f64>,
-        weights: Vec<f64>,
-        rate_gain_s: f64,
-    ) -> Result<Self, HysteresisError> {
-        let model = Self { polynomial, thresholds, weights, rate_gain_s };
-        model.validate()?;
-        Ok(model)
+/// The family: half-widths `scale` · j/(plays + 1) at rest.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "rate-dependent-plays"
     }
 
-    /// Checks that the polynomial is not empty, every number finite, the thresholds positive and increasing, one weight a
-    /// threshold, and λ ≥ 0.
-    ///
-    /// # Errors
-    /// The first [`HysteresisError`] found.
-    pub fn validate(&self) -> Result<(), HysteresisError> {
-        polynomial::check(&self.polynomial)?;
-        check_thresholds(&self.thresholds)?;
-        let (thresholds, weights) = (self.thresholds.len(), self.weights.len());
-        if thresholds != weights {
-            return Err(HysteresisError::PlayCount { thresholds, weights });
-        }
-        if let Some(index) = self.weights.iter().position(|w| !w.is_finite()) {
-            return Err(HysteresisError::Weight { index, value: self.weights[index] });
-        }
-        check_rate_gain(self.rate_gain_s)
+    fn summary(&self) -> &'static str {
+        "12 plays that get wider with the rate of the drive"
     }
 
-    /// v \[µm\] for the voltages `u` \[V\] at `sample_rate_hz`, of which every `factor`-th is put out: `out[k]` belongs to
-    /// `u[k * factor]`. `plays` has one state \[V\] a play, as in [`super::PrandtlIshlinskii::simulate`].
-    ///
-    /// The first sample is reached without rate from rest; with [`Start::PERIODIC`] it follows the last one.
-    /// A period takes the state of a play to what lies next to it in one interval, so that the steady state is reached
-    /// after the first; what no sample moves stands in the middle of the drive's range. Allocates nothing.
-    ///
-    /// # Errors
-    /// As [`super::PrandtlIshlinskii::simulate_every`]; [`HysteresisError::ShapeParameter`] for a sample rate that is not
-    /// positive.
-    pub fn simulate_every(
+    fn equation(&self) -> &'static str {
+        "sum of weight_j F_j, F_j <- max(u - r_j, min(u + r_j, F_j)), r_j = scale j/(number + 1) + rate_gain |du/dt|"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 12, most: MOST_ELEMENTS })
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let scale = Search::Held(0.5 * span.stroke);
+        // A play at the fastest drive is wider by λ times its rate.
+        let gain = Search::Linear(0.0, 1.0 / span.fastest_rate);
+        vec![
+            ShapeNumber::new("scale", NumberUnit::INPUT, "half-width beyond the widest play", scale),
+            ShapeNumber::new("rate_gain", NumberUnit::TIME, "half-width gained by the rate", gain),
+        ]
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        [0.0, 0.1, 0.4].map(|wider| vec![0.5 * span.stroke, wider / span.fastest_rate]).into()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        vec![0.31 * span.stroke, 0.1 / span.fastest_rate]
+    }
+
+    fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn sees_rate(&self) -> bool {
+        true
+    }
+
+    /// By λ/T − 1 for each volt of a move, T the time between samples: the plays that it widens.
+    fn pushes_back(&self, shape: &[f64], weights: &[f64], interval_s: Option<f64>) -> Option<f64> {
+        let rate_gain: f64 = parameter(shape, 1);
+        Some(weights.iter().sum::<f64>() * (rate_gain / interval_s? - 1.0).max(0.0))
+    }
+
+    fn runtime(
         &self,
-        factor: usize,
-        u: &[f64],
+        plays: usize,
+        _: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
         sample_rate_hz: f64,
-        start: Start<f64>,
-        plays: &mut [f64],
-        out: &mut [f64],
-    ) -> Result<(), HysteresisError> {
-        self.validate()?;
-        positive("sample rate", sample_rate_hz)?;
-        let mut every = Every::new(factor)?;
-        let expected = u.len().div_ceil(factor);
-        if out.len() != expected {
-            return Err(HysteresisError::Lengths { expected, found: out.len() });
-        }
-        if plays.len() != self.weights.len() {
-            return Err(HysteresisError::PlayStates { expected: self.weights.len(), found: plays.len() });
-        }
-        if let Some(index) = u.iter().position(|u| !u.is_finite()) {
-            return Err(HysteresisError::Drive { index });
-        }
-        let (Some(&first), Some(&last)) = (u.first(), u.last()) else { return Ok(()) };
-        let mut before = first;
-        match at_rest(start, u)? {
-            Some((rest, None)) => plays.fill(rest),
-            Some((rest, Some(virgin))) => {
-                // Without rate, as the first sample is reached.
-                for (play, &r) in plays.iter_mut().zip(&self.thresholds) {
-                    *play = hysteron_rt::play(r, virgin, rest);
-                }
-            }
-            None => {
-                let [low, high] = u.iter().fold([first; 2], |[low, high], &u| [low.min(u), high.max(u)]);
-                plays.fill(0.5 * low + 0.5 * high);
-                before = last;
-                for &u in u {
-                    self.step(plays, before, u, sample_rate_hz);
-                    before = u;
-                }
-            }
-        }
-        if !plays.iter().all(|play| play.is_finite()) {
-            return Err(HysteresisError::Drive { index: 0 });
-        }
-        let mut slots = out.iter_mut();
-        for (index, &u) in u.iter().enumerate() {
-            let sum = self.step(plays, before, u, sample_rate_hz);
-            before = u;
-            if every.take()
-                && let Some(slot) = slots.next()
-            {
-                *slot = polynomial::value(&self.polynomial, u) + sum;
-                if !slot.is_finite() {
-                    return Err(HysteresisError::Overflow { index });
-                }
-            }
-        }
-        Ok(())
+    ) -> RuntimeOperator {
+        let [scale, rate_gain] = [0, 1].map(|index| parameter::<f64>(shape, index));
+        let thresholds = inner_grid(plays).into_iter().map(|r| scale * r).collect();
+        RuntimeOperator::sided(Sides::Even { widening: rate_gain * sample_rate_hz }, thresholds, weights)
     }
+}
 
-    /// Moves the plays from the voltage `before` to `u` within one sample and returns Σ wᵢ Fᵢ.
-    fn step(&self, plays: &mut [f64], before: f64, u: f64, sample_rate_hz: f64) -> f64 {
-        let wider = self.rate_gain_s * ((u - before) * sample_rate_hz).abs();
-        let mut sum = 0.0;
-        for ((play, r), weight) in plays.iter_mut().zip(&self.thresholds).zip(&self.weights) {
-            *play = hysteron_rt::play(r + wider, *play, u);
-            sum += weight * *play;
-        }
-        sum
+impl ColumnFamily for Entry {
+    type Kernel = RateDependentPlays;
+
+    fn kernel(&self, plays: usize, _: &[f64], interval_s: f64) -> RateDependentPlays {
+        RateDependentPlays { thresholds: inner_grid(plays), interval_s }
     }
 }

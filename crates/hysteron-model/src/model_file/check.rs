@@ -2,11 +2,12 @@
 
 use super::start::StartKind;
 use super::{
-    DynamicsKind, FORMAT, HysteresisKind, Interval, Kind, ModelFile, ModelFileError, ModesScoreEntry,
-    Parameters, Quantity, ScoreEntry, TermEntry, VERSION, ValidRange,
-    convert::{Units, form_of, numbers_of},
+    DynamicsKind, FORMAT, Interval, Kind, ModelFile, ModelFileError, ModesScoreEntry, Parameters, Quantity,
+    ScoreEntry, TermEntry, VERSION, ValidRange,
+    convert::{Units, numbers_of, sized},
     polynomial_name,
 };
+use crate::hysteresis::{FamilyForm, HysteresisForm};
 
 const BOUC_WEN_NAMES: &str =
     "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and alpha, beta, gamma, n";
@@ -24,10 +25,11 @@ impl ModelFile {
     pub fn check(&self) -> Result<(), ModelFileError> {
         header(&self.format, self.version, (self.kind, Kind::Hammerstein))?;
         let units = Units::new(&self.units);
-        match self.hysteresis.kind {
-            HysteresisKind::BoucWen => bouc_wen(&self.hysteresis.parameters, &units)?,
-            HysteresisKind::PrandtlIshlinskii => prandtl_ishlinskii(&self.hysteresis.parameters, &units)?,
-            kind => family(kind, &self.hysteresis.parameters, &units)?,
+        let parameters = &self.hysteresis.parameters;
+        match self.hysteresis.kind.family() {
+            HysteresisForm::BoucWen => bouc_wen(parameters, &units)?,
+            HysteresisForm::PrandtlIshlinskii { .. } => prandtl_ishlinskii(parameters, &units)?,
+            HysteresisForm::Family(form) => family(form, parameters, &units)?,
         }
         self.dynamics()?;
         quantity("delay", &self.delay, "s", Some(0.0))?;
@@ -134,9 +136,9 @@ fn prandtl_ishlinskii(parameters: &Parameters, units: &Units) -> Result<(), Mode
     }
 }
 
-fn family(kind: HysteresisKind, parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
+fn family(form: FamilyForm, parameters: &Parameters, units: &Units) -> Result<(), ModelFileError> {
     let degree = polynomial(parameters, units)?;
-    let form = form_of(kind, parameters)?;
+    let form = sized(form, parameters)?;
     let numbers = numbers_of(form);
     for (name, unit) in &numbers {
         let quantity_of = parameters.get(name);

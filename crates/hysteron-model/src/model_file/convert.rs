@@ -6,7 +6,9 @@ use super::{
 };
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
-use crate::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, NumberUnit, PrandtlIshlinskii};
+use crate::hysteresis::{
+    BoucWen, Family, FamilyForm, Hysteresis, HysteresisForm, NumberUnit, PrandtlIshlinskii,
+};
 
 /// Units of a model's numbers, from the units of its signals.
 pub(super) struct Units {
@@ -86,11 +88,7 @@ impl ModelFile {
     pub fn from_model(model: &Model, signals: SignalUnits) -> Self {
         let units = Units::new(&signals);
         let hysteresis = HysteresisBlock {
-            kind: match &model.hysteresis {
-                Hysteresis::BoucWen(_) => HysteresisKind::BoucWen,
-                Hysteresis::PrandtlIshlinskii(_) => HysteresisKind::PrandtlIshlinskii,
-                Hysteresis::Family(family) => HysteresisKind::of(family.form),
-            },
+            kind: HysteresisKind::of(&model.hysteresis),
             parameters: parameters(&model.hysteresis, &units),
         };
         let dynamics = match &model.dynamics {
@@ -151,12 +149,13 @@ impl ModelFile {
                 b: values(&block.numerator),
             }),
         };
-        let hysteresis = match self.hysteresis.kind {
-            HysteresisKind::BoucWen => Hysteresis::BoucWen(bouc_wen(&self.hysteresis.parameters)?),
-            HysteresisKind::PrandtlIshlinskii => {
-                Hysteresis::PrandtlIshlinskii(prandtl_ishlinskii(&self.hysteresis.parameters))
+        let parameters = &self.hysteresis.parameters;
+        let hysteresis = match self.hysteresis.kind.family() {
+            HysteresisForm::BoucWen => Hysteresis::BoucWen(bouc_wen(parameters)?),
+            HysteresisForm::PrandtlIshlinskii { .. } => {
+                Hysteresis::PrandtlIshlinskii(prandtl_ishlinskii(parameters))
             }
-            kind => Hysteresis::Family(family(kind, &self.hysteresis.parameters)?),
+            HysteresisForm::Family(form) => Hysteresis::Family(family(form, parameters)?),
         };
         Ok(Model {
             hysteresis,
@@ -196,14 +195,14 @@ pub(super) fn numbers_of(form: FamilyForm) -> Vec<(String, NumberUnit)> {
 }
 
 /// The family with as many weights as the file has.
-pub(super) fn form_of(kind: HysteresisKind, parameters: &Parameters) -> Result<FamilyForm, ModelFileError> {
+pub(super) fn sized(form: FamilyForm, parameters: &Parameters) -> Result<FamilyForm, ModelFileError> {
     let weights = (1..).take_while(|i| parameters.get(&format!("weight_{i}")).is_some()).count();
     let missing = || ModelFileError::MissingParameter { name: format!("weight_{}", weights + 1) };
-    kind.family().and_then(|form| form.with_weights(weights)).ok_or_else(missing)
+    form.with_weights(weights).ok_or_else(missing)
 }
 
-fn family(kind: HysteresisKind, parameters: &Parameters) -> Result<Family, ModelFileError> {
-    let form = form_of(kind, parameters)?;
+fn family(form: FamilyForm, parameters: &Parameters) -> Result<Family, ModelFileError> {
+    let form = sized(form, parameters)?;
     let values = |numbers: Vec<(String, NumberUnit)>| {
         let value = |name: String| match parameters.get(&name) {
             Some(quantity) => Ok(quantity.value),

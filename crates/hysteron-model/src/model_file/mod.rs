@@ -34,6 +34,7 @@ mod correlation;
 mod coupled;
 mod document;
 mod error;
+mod hysteresis_kind;
 mod json;
 mod kind;
 mod modes;
@@ -53,6 +54,7 @@ pub use correlation::{
 pub use coupled::{ActuatorEntry, CoupledFile, PathEntry};
 pub use document::{Document, read};
 pub use error::ModelFileError;
+pub use hysteresis_kind::HysteresisKind;
 pub use kind::Kind;
 pub use modes::{HysteresisEntry, InfluenceEntry, LawEntry, LevelEntry, ModesFile, ModesScoreEntry};
 pub use oscillator::{OscillatorFile, OscillatorParameters};
@@ -63,7 +65,6 @@ pub use schema::json_schema;
 use start::StartEntry;
 
 use crate::dynamics::Scheme;
-use crate::hysteresis::FamilyForm;
 use crate::record::{InterSample, Swings, TimeBase, Unit};
 use hysteron_numeric::display::{short, short_to};
 
@@ -158,86 +159,6 @@ pub struct HysteresisBlock {
     /// `prandtl-ishlinskii` `threshold_1`, `threshold_2`, …, `weight_1`, `weight_2`, …; for other kinds their shape numbers, then
     /// `weight_1`, `weight_2`, ….
     pub parameters: Parameters,
-}
-
-/// Models of the static block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum HysteresisKind {
-    /// v = linear·u + quadratic·u² + … − z, ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ.
-    BoucWen,
-    /// v = linear·u + quadratic·u² + … + Σ weight_i F_i, F_i ← max(u − threshold_i, min(u + threshold_i, F_i)).
-    PrandtlIshlinskii,
-    /// Bouc–Wen states in parallel, n = 1: weight_k ζ_k, dζ_k/du = 1 − beta_k s ζ_k − gamma_k |ζ_k|, s = sgn u̇.
-    ParallelBoucWen,
-    /// weight_1 ζ, dζ/du = 1 − (beta s + gamma sgn ζ) ζ + delta s u.
-    NonSymmetricBoucWen,
-    /// weight_1 ζ with Song's and Der Kiureghian's beta_1 … beta_6, n = 1.
-    SongDerKiureghian,
-    /// weight_1 ζ, dζ/du = (1 − s ζ/reach)^exponent.
-    Dahl,
-    /// weight_j y_j, dy_j/du = u^(j−1) − rate s y_j (Coleman, Hodgdon).
-    Duhem,
-    /// weight_j (u − F_j), F_j the play of half-width scale · j/(number + 1).
-    MaxwellSlip,
-    /// weight_j F_j ← max(u − r_j, min(u, F_j)), r_j = scale · j/(number + 1).
-    OneSidedPlays,
-    /// weight_j F_j, plays of scale · j/(number + 1) + rate_gain |du/dt|.
-    RateDependentPlays,
-    /// weight_j F_j, r_j = j (high − low)/(2 (number + 1)); then six bands of (1 − s) u + s Σ g_j F_j, g_j ∝ exp(−r_j/reach), s = loop_share.
-    DeadZonePlays,
-    /// weight_j F_j, plays of (j − ½)/number behind the envelopes tanh(rise (u − centre)).
-    GeneralisedPlays,
-    /// Krasnosel'skii–Pokrovskii kernels on a grid from low to high, ramps of length rise.
-    KrasnoselskiiPokrovskii,
-    /// Relays on a plane with levels from low to high, a weight a cell.
-    Preisach,
-    /// Relays on a plane from low to high with a Lorentzian density.
-    PreisachDensity,
-    /// weight_1 m, the magnetisation of Jiles and Atherton.
-    JilesAtherton,
-}
-
-impl HysteresisKind {
-    fn of(form: FamilyForm) -> Self {
-        match form {
-            FamilyForm::ParallelBoucWen { .. } => Self::ParallelBoucWen,
-            FamilyForm::NonSymmetricBoucWen => Self::NonSymmetricBoucWen,
-            FamilyForm::SongDerKiureghian => Self::SongDerKiureghian,
-            FamilyForm::Dahl => Self::Dahl,
-            FamilyForm::Duhem { .. } => Self::Duhem,
-            FamilyForm::MaxwellSlip { .. } => Self::MaxwellSlip,
-            FamilyForm::OneSidedPlays { .. } => Self::OneSidedPlays,
-            FamilyForm::RateDependentPlays { .. } => Self::RateDependentPlays,
-            FamilyForm::DeadZonePlays { .. } => Self::DeadZonePlays,
-            FamilyForm::GeneralisedPlays { .. } => Self::GeneralisedPlays,
-            FamilyForm::KrasnoselskiiPokrovskii { .. } => Self::KrasnoselskiiPokrovskii,
-            FamilyForm::Preisach { .. } => Self::Preisach,
-            FamilyForm::PreisachDensity => Self::PreisachDensity,
-            FamilyForm::JilesAtherton => Self::JilesAtherton,
-        }
-    }
-
-    /// The family, with the fewest elements; `None` for the kinds with parameters of their own names.
-    fn family(self) -> Option<FamilyForm> {
-        Some(match self {
-            Self::BoucWen | Self::PrandtlIshlinskii => return None,
-            Self::ParallelBoucWen => FamilyForm::ParallelBoucWen { states: 1 },
-            Self::NonSymmetricBoucWen => FamilyForm::NonSymmetricBoucWen,
-            Self::SongDerKiureghian => FamilyForm::SongDerKiureghian,
-            Self::Dahl => FamilyForm::Dahl,
-            Self::Duhem => FamilyForm::Duhem { degree: 0 },
-            Self::MaxwellSlip => FamilyForm::MaxwellSlip { elements: 1 },
-            Self::OneSidedPlays => FamilyForm::OneSidedPlays { plays: 1 },
-            Self::RateDependentPlays => FamilyForm::RateDependentPlays { plays: 1 },
-            Self::DeadZonePlays => FamilyForm::DeadZonePlays { plays: 1 },
-            Self::GeneralisedPlays => FamilyForm::GeneralisedPlays { plays: 1 },
-            Self::KrasnoselskiiPokrovskii => FamilyForm::KrasnoselskiiPokrovskii { lines: 1 },
-            Self::Preisach => FamilyForm::Preisach { intervals: 1 },
-            Self::PreisachDensity => FamilyForm::PreisachDensity,
-            Self::JilesAtherton => FamilyForm::JilesAtherton,
-        })
-    }
 }
 
 /// Dynamic block.

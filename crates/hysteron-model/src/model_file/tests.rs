@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::*;
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
-use crate::hysteresis::{BoucWen, Family, FamilyForm, Hysteresis, PrandtlIshlinskii};
+use crate::hysteresis::{BoucWen, Hysteresis, examples};
 use crate::record::InterSample;
 
 fn term(coefficient: f64, order: f64) -> Term {
@@ -311,7 +311,7 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         (
             "/hysteresis/kind",
             Some(json!("plasticity")),
-            "hysteresis.kind: unknown variant `plasticity`, expected one of `bouc-wen`",
+            "hysteresis.kind: no hysteresis family is called `plasticity`: expected one of bouc-wen, prandtl-ishlinskii",
         ),
         ("/delay", None, "missing field `delay`"),
         ("/sample_rate_hz", None, "missing field `sample_rate_hz`"),
@@ -570,38 +570,15 @@ proptest! {
 
 #[test]
 fn every_family_survives_writing_and_reading() {
-    let family = |form: FamilyForm, shape: &[f64]| {
-        let weights = (1..=form.columns()).map(|j| 0.3 / j as f64).collect();
-        Hysteresis::Family(Family::new(vec![2.0, -0.01], form, shape.to_vec(), weights).unwrap())
-    };
-    let plays = PrandtlIshlinskii::new(vec![1.5], vec![0.4, 1.1], vec![0.3, 0.2]).unwrap();
-    let families = [
-        (Hysteresis::PrandtlIshlinskii(plays), "prandtl-ishlinskii"),
-        (family(FamilyForm::ParallelBoucWen { states: 2 }, &[0.3, 0.1, 1.3, -0.2]), "parallel-bouc-wen"),
-        (family(FamilyForm::NonSymmetricBoucWen, &[0.6, 0.2, 0.05]), "non-symmetric-bouc-wen"),
-        (family(FamilyForm::SongDerKiureghian, &[0.6, 0.1, 0.2, 0.05, -0.04, 0.03]), "song-der-kiureghian"),
-        (family(FamilyForm::Dahl, &[1.7, 1.4]), "dahl"),
-        (family(FamilyForm::Duhem { degree: 3 }, &[0.7]), "duhem"),
-        (family(FamilyForm::MaxwellSlip { elements: 3 }, &[3.1]), "maxwell-slip"),
-        (family(FamilyForm::OneSidedPlays { plays: 5 }, &[5.3]), "one-sided-plays"),
-        (family(FamilyForm::RateDependentPlays { plays: 3 }, &[4.1, 2e-4]), "rate-dependent-plays"),
-        (family(FamilyForm::DeadZonePlays { plays: 3 }, &[-1.0, 9.2, 0.37, 2.3]), "dead-zone-plays"),
-        (family(FamilyForm::GeneralisedPlays { plays: 3 }, &[0.21, 4.3, 0.19, 4.1]), "generalised-plays"),
-        (
-            family(FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }, &[-1.0, 9.3, 2.7]),
-            "krasnoselskii-pokrovskii",
-        ),
-        (family(FamilyForm::Preisach { intervals: 5 }, &[-1.0, 9.2]), "preisach"),
-        (family(FamilyForm::PreisachDensity, &[-1.0, 9.2, 0.4, 1.3, 4.1, 3.3]), "preisach-density"),
-        (family(FamilyForm::JilesAtherton, &[2.3, 0.7, 0.12, 0.9]), "jiles-atherton"),
-    ];
-    for (hysteresis, kind) in families {
+    for hysteresis in examples([-1.0, 9.2], 10.0, 2.0).unwrap() {
+        let family = hysteresis.form().description();
+        let kind = family.name();
         let model = Model { hysteresis, ..article() };
         let text = ModelFile::from_model(&model, SignalUnits::default()).to_json().unwrap();
         assert!(text.contains(&format!("\"kind\": \"{kind}\"")), "{text}");
         assert_eq!(read(&text).unwrap().to_model().unwrap(), model, "{kind}");
         // A weight less: another member of the family, or none.
-        let short = text.replace("\"weight_1\"", "\"weight_0\"");
+        let short = text.replace(&format!("\"{}\"", family.weight_name(0)), "\"weight_0\"");
         assert!(read(&short).is_err(), "{kind}");
         let unit = text.replacen("\"unit\": \"um/V\"", "\"unit\": \"s\"", 2);
         assert!(matches!(read(&unit), Err(ModelFileError::WrongUnit { .. })), "{kind}");
@@ -610,10 +587,13 @@ fn every_family_survives_writing_and_reading() {
 
 #[test]
 fn shape_numbers_that_a_family_cannot_have_are_refused() {
-    let form = FamilyForm::Preisach { intervals: 2 };
-    let family = Family::new(vec![2.0], form, vec![0.0, 10.0], vec![0.1; 3]).unwrap();
-    let model = Model { hysteresis: Hysteresis::Family(family), ..article() };
-    let mut file = ModelFile::from_model(&model, SignalUnits::default());
-    file.number_mut("high").unwrap().value = -1.0;
-    assert!(matches!(file.check(), Err(ModelFileError::Shape { .. })), "{:?}", file.check());
+    for hysteresis in examples([0.0, 10.0], 10.0, 2.0).unwrap() {
+        let model = Model { hysteresis, ..article() };
+        let mut file = ModelFile::from_model(&model, SignalUnits::default());
+        // The ends of a grid, where the family has one.
+        if let Some(high) = file.number_mut("high") {
+            high.value = -1.0;
+            assert!(matches!(file.check(), Err(ModelFileError::Shape { .. })), "{:?}", file.check());
+        }
+    }
 }

@@ -6,7 +6,7 @@ use hysteron_rt::{
 };
 
 use super::RealiseError;
-use crate::hysteresis::{Family, FamilyForm, Hysteresis, KrasnoselskiiPokrovskii};
+use crate::hysteresis::{Hysteresis, MeanLine, RuntimeOperator};
 
 /// Turning points that a plane of relays remembers at once.
 const TURNS: usize = 64;
@@ -78,12 +78,6 @@ pub(super) struct Line<T> {
     slopes: Vec<T>,
 }
 
-impl<T> Line<T> {
-    fn none() -> Self {
-        Self { shares: Vec::new(), corners: Vec::new(), slopes: Vec::new() }
-    }
-}
-
 fn all<T: Real>(numbers: impl IntoIterator<Item = f64>) -> Vec<T> {
     numbers.into_iter().map(T::of).collect()
 }
@@ -93,88 +87,19 @@ pub(super) fn parts<T: Real>(
     hysteresis: &Hysteresis,
     sample_rate_hz: f64,
 ) -> Result<(Vec<T>, OperatorParts<T>), RealiseError> {
-    let mut polynomial = hysteresis.polynomial().to_vec();
-    let operator = match hysteresis {
-        Hysteresis::BoucWen(b) => OperatorParts::bouc_wen(&[[b.alpha, b.beta, b.gamma, b.n]])?,
-        Hysteresis::PrandtlIshlinskii(plays) => {
-            OperatorParts::plays(plays.thresholds.iter().copied(), plays.weights.iter().copied())
+    let (polynomial, operator) = hysteresis.runtime(sample_rate_hz);
+    let operator = match operator {
+        RuntimeOperator::BoucWen(states) => OperatorParts::bouc_wen(&states)?,
+        RuntimeOperator::Branch { law, weights } => OperatorParts::branch(law.map(T::of), weights),
+        RuntimeOperator::Plays { thresholds, weights } => OperatorParts::plays(thresholds, weights),
+        RuntimeOperator::SidedPlays { sides, thresholds, weights, line } => {
+            let MeanLine { shares, corners, slopes } = line;
+            let line = Line { shares: all(shares), corners: all(corners), slopes: all(slopes) };
+            OperatorParts::sided(sides.map(T::of), thresholds, weights, line)
         }
-        Hysteresis::Family(family) => of_family(family, &mut polynomial, sample_rate_hz)?,
+        RuntimeOperator::Plane { range, intervals, cells } => OperatorParts::plane(range, intervals, &cells)?,
     };
     Ok((all(polynomial), operator))
-}
-
-fn of_family<T: Real>(
-    family: &Family,
-    polynomial: &mut [f64],
-    sample_rate_hz: f64,
-) -> Result<OperatorParts<T>, RealiseError> {
-    let Family { form, shape, weights, .. } = family;
-    let at = |index: usize| shape.get(index).copied().unwrap_or(f64::NAN);
-    let of = |index: usize| T::of(at(index));
-    let thresholds = || form.thresholds(shape);
-    let weighted = || weights.iter().copied();
-    match *form {
-        FamilyForm::ParallelBoucWen { .. } => {
-            // w ζ(β', γ') = −z with α = −w, β = β', γ = sign(α) γ'.
-            let own = |(w, shape): (&f64, &[f64])| [-w, shape[0], -w.signum() * shape[1], 1.0];
-            OperatorParts::bouc_wen(&weights.iter().zip(shape.chunks_exact(2)).map(own).collect::<Vec<_>>())
-        }
-        FamilyForm::MaxwellSlip { .. } => {
-            // A stop is the voltage without its play.
-            if let Some(linear) = polynomial.first_mut() {
-                *linear += weighted().sum::<f64>();
-            }
-            Ok(OperatorParts::plays(thresholds(), weighted().map(|k| -k)))
-        }
-        FamilyForm::OneSidedPlays { .. } => {
-            Ok(OperatorParts::sided(Sides::Below, thresholds(), weighted(), Line::none()))
-        }
-        FamilyForm::RateDependentPlays { .. } => {
-            let sides = Sides::Even { widening: T::of(at(1) * sample_rate_hz) };
-            Ok(OperatorParts::sided(sides, thresholds(), weighted(), Line::none()))
-        }
-        FamilyForm::DeadZonePlays { plays } => {
-            let (shares, corners) = family.mean_and_corners();
-            let line =
-                Line { shares: all(shares), corners: all(corners), slopes: all(weighted().skip(plays)) };
-            let sides = Sides::Even { widening: T::of(0.0) };
-            Ok(OperatorParts::sided(sides, thresholds(), weighted().take(plays), line))
-        }
-        FamilyForm::GeneralisedPlays { .. } => {
-            let [right, left] = [[at(0), at(1)], [at(2), at(3)]].map(|side| side.map(T::of));
-            let sides = Sides::Envelopes { right, left };
-            Ok(OperatorParts::sided(sides, thresholds(), weighted(), Line::none()))
-        }
-        FamilyForm::KrasnoselskiiPokrovskii { lines } => {
-            let grid = KrasnoselskiiPokrovskii { range: [at(0), at(1)], lines };
-            let sides = Sides::Ramps { steepness: T::of(2.0 / at(2)) };
-            let places = (0..lines).map(|index| grid.line(index)).collect::<Vec<_>>();
-            Ok(OperatorParts::sided(sides, places, weighted(), Line::none()))
-        }
-        FamilyForm::Preisach { .. } | FamilyForm::PreisachDensity => {
-            let (intervals, cells) = family.cells();
-            OperatorParts::plane([at(0), at(1)], intervals, &cells)
-        }
-        FamilyForm::Dahl => OperatorParts::branch(Branch::Dahl { reach: of(0), exponent: of(1) }, weighted()),
-        FamilyForm::Duhem { .. } => OperatorParts::branch(Branch::Duhem { rate: of(0) }, weighted()),
-        FamilyForm::NonSymmetricBoucWen => {
-            let law = Branch::NonSymmetric { beta: of(0), gamma: of(1), delta: of(2) };
-            OperatorParts::branch(law, weighted())
-        }
-        FamilyForm::SongDerKiureghian => {
-            OperatorParts::branch(Branch::SongDerKiureghian { betas: [0, 1, 2, 3, 4, 5].map(of) }, weighted())
-        }
-        FamilyForm::JilesAtherton => {
-            let law = Branch::JilesAtherton {
-                anhysteretic: of(0),
-                pinning: of(1),
-                reversibility: of(2),
-                coupling: of(3),
-            };
-            OperatorParts::branch(law, weighted())
-        }
-    }
 }
 
 /// Σ of the cells with levels from q to p, in the order (1, 0), (2, 0), (2, 1), (3, 0), …; cells in theirs: (0, 0), (1, 0), (1, 1), (2, 0), ….
@@ -209,10 +134,10 @@ impl<T: Real> OperatorParts<T> {
         Ok(Self::BoucWen { operators, memory })
     }
 
-    fn branch(law: Branch<T>, weights: impl IntoIterator<Item = f64>) -> Result<Self, RealiseError> {
+    fn branch(law: Branch<T>, weights: impl IntoIterator<Item = f64>) -> Self {
         let weights = all(weights);
         let memory = vec![IncrementMemory::new(T::of(0.0)); weights.len()];
-        Ok(Self::Branch { law, weights, memory })
+        Self::Branch { law, weights, memory }
     }
 
     fn plays(thresholds: impl IntoIterator<Item = f64>, weights: impl IntoIterator<Item = f64>) -> Self {

@@ -47,14 +47,12 @@ proptest! {
         finite_or_refused(&Duhem { degree: 2 }, shapes, &u, start)?;
         finite_or_refused(&Dahl, shapes, &u, start)?;
         let thresholds = vec![0.5, 2.0, 1e200];
-        finite_or_refused(&Plays { thresholds: thresholds.clone() }, shapes, &u, start)?;
         finite_or_refused(&OneSidedPlays { thresholds: thresholds.clone() }, shapes, &u, start)?;
         finite_or_refused(&MaxwellSlip { thresholds }, shapes, &u, start)?;
         finite_or_refused(&GeneralisedPlays { thresholds: vec![0.0, 0.5] }, shapes, &u, start)?;
         let kernel = RateDependentPlays { thresholds: vec![0.5, 2.0, 1e200], interval_s: 1e-3 };
         finite_or_refused(&kernel, shapes, &u, start)?;
         finite_or_refused(&DeadZonePlays::regular([-2.0, 3.0], 3), shapes, &u, start)?;
-        finite_or_refused(&DeadZones { thresholds: vec![-1e200, 1.0] }, shapes, &u, start)?;
         let kernel = KrasnoselskiiPokrovskii { range: [-2.0, 3.0], lines: 4 };
         finite_or_refused(&kernel, shapes, &u, start)?;
         let plane = Preisach { levels: vec![-2.0, 0.0, 1.0, 3.0] };

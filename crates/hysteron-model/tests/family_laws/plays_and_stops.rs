@@ -1,4 +1,4 @@
-//! Plays, one-sided plays and stops.
+//! One-sided plays and stops.
 
 use super::*;
 
@@ -36,9 +36,6 @@ proptest! {
         inner in vec(0.0..1.0_f64, 0..8),
     ) {
         let record = (&u[..], &moves[..], rest);
-        let plays = Plays { thresholds: thresholds.clone() };
-        laws_of(&plays, &[scale], record, &inner)?;
-        odd(&plays, &[scale], &u, 0.0)?;
         laws_of(&OneSidedPlays { thresholds: thresholds.clone() }, &[scale], record, &inner)?;
         let stops = MaxwellSlip { thresholds };
         laws_of(&stops, &[scale], record, &inner)?;

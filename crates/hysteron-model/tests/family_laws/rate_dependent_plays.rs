@@ -2,18 +2,27 @@
 
 use super::*;
 
-/// A kernel without rate, and the operator of the same plays as its oracle.
-fn columns_of_the_operator(u: &[f64], gain: f64, interval_s: f64, periodic: bool) -> TestCaseResult {
-    let (thresholds, weights) = (vec![0.4, 1.1, 2.5], vec![0.7, 0.3, 0.2]);
-    let kernel = RateDependentPlays { thresholds: thresholds.clone(), interval_s };
-    let model = RateDependentPrandtlIshlinskii::new(vec![1.0], thresholds, weights.clone(), gain).unwrap();
-    let (start, own) =
-        if periodic { (Start::PERIODIC, Start::PERIODIC) } else { (REST, Start::Rest { voltage_v: 0.0 }) };
-    let mut v = vec![0.0; u.len()];
-    model.simulate_every(1, u, 1.0 / interval_s, own, &mut [0.0; 3], &mut v).unwrap();
-    for ((row, u), v) in rows(&kernel, &[1.0, gain], u, start).iter().zip(u).zip(&v) {
-        let sum: f64 = row.iter().zip(&weights).map(|(h, w)| h * w).sum();
-        prop_assert!((u + sum - v).abs() < 1e-12 * (1.0 + v.abs()), "{row:?} {v}");
+/// The columns against their definition, play by play.
+fn columns_as_defined(u: &[f64], gain: f64, interval_s: f64, periodic: bool) -> TestCaseResult {
+    let thresholds = [0.4, 1.1, 2.5];
+    let kernel = RateDependentPlays { thresholds: thresholds.to_vec(), interval_s };
+    let start = if periodic { Start::PERIODIC } else { REST };
+    let all = rows(&kernel, &[1.0, gain], u, start);
+    for (j, r) in thresholds.into_iter().enumerate() {
+        let low_high = u.iter().fold([u[0]; 2], |[low, high], &u| [low.min(u), high.max(u)]);
+        let (mut play, mut before) =
+            if periodic { (0.5 * (low_high[0] + low_high[1]), u[u.len() - 1]) } else { (0.0, u[0]) };
+        // A period more where the drive repeats.
+        for pass in if periodic { 0..2 } else { 1..2 } {
+            for (k, &u) in u.iter().enumerate() {
+                let half_width = r + gain * ((u - before) / interval_s).abs();
+                play = play.clamp(u - half_width, u + half_width);
+                before = u;
+                if pass == 1 {
+                    prop_assert!((all[k][j] - play).abs() < 1e-12 * (1.0 + play.abs()), "{k} {j}");
+                }
+            }
+        }
     }
     Ok(())
 }
@@ -31,8 +40,8 @@ proptest! {
         a_memory_is_a_move(&kernel, &shape, &u, (rest, 0.5))?;
         derivatives_are_differences(&kernel, &shape, &u, Start::Rest { voltage_v: rest }, 1e-6)?;
         derivatives_are_differences(&kernel, &shape, &u, Start::PERIODIC, 1e-6)?;
-        columns_of_the_operator(&u, gain, interval_s, false)?;
-        columns_of_the_operator(&u, gain, interval_s, true)?;
+        columns_as_defined(&u, gain, interval_s, false)?;
+        columns_as_defined(&u, gain, interval_s, true)?;
     }
 
     #[test]
@@ -41,8 +50,13 @@ proptest! {
     ) {
         let thresholds = vec![0.5, 1.5, 3.0];
         let kernel = RateDependentPlays { thresholds: thresholds.clone(), interval_s };
-        let plays = Plays { thresholds };
-        prop_assert_eq!(rows(&kernel, &[scale, 0.0], &u, REST), rows(&plays, &[scale], &u, REST));
+        for (j, r) in thresholds.into_iter().enumerate() {
+            let mut play = 0.0_f64;
+            for (row, u) in rows(&kernel, &[scale, 0.0], &u, REST).iter().zip(&u) {
+                play = play.clamp(u - scale * r, u + scale * r);
+                prop_assert_eq!(row[j], play);
+            }
+        }
     }
 
     /// Twice as fast with half the gain is the same.
@@ -57,8 +71,10 @@ proptest! {
 
 #[test]
 fn a_family_that_sees_the_rate_asks_for_the_time() {
-    let form = FamilyForm::RateDependentPlays { plays: 2 };
-    let model = Family::new(vec![1.0], form, vec![3.0, 0.1], vec![0.5, 0.2]).unwrap();
+    let form = "rate-dependent-plays".parse::<HysteresisForm>().unwrap().with_elements(2).unwrap();
+    let Hysteresis::Family(model) = form.operator(vec![1.0], &[0.5, 0.2], &[3.0, 0.1]).unwrap() else {
+        panic!("no family of columns")
+    };
     let origin = Start::Rest { voltage_v: 0.0 };
     let untimed = model.simulate_every(1, &[0.0, 1.0], origin, &mut [0.0; 2]);
     assert!(matches!(untimed, Err(HysteresisError::Interval)));

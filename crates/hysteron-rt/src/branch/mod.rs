@@ -66,6 +66,26 @@ struct Change<T> {
     own: [T; MOST_MOMENTS],
 }
 
+impl<T: Copy> Branch<T> {
+    /// The law with other numbers, or with these in another type.
+    pub fn map<U>(self, of: impl Fn(T) -> U) -> Branch<U> {
+        match self {
+            Self::Dahl { reach, exponent } => Branch::Dahl { reach: of(reach), exponent: of(exponent) },
+            Self::Duhem { rate } => Branch::Duhem { rate: of(rate) },
+            Self::NonSymmetric { beta, gamma, delta } => {
+                Branch::NonSymmetric { beta: of(beta), gamma: of(gamma), delta: of(delta) }
+            }
+            Self::SongDerKiureghian { betas } => Branch::SongDerKiureghian { betas: betas.map(&of) },
+            Self::JilesAtherton { anhysteretic, pinning, reversibility, coupling } => Branch::JilesAtherton {
+                anhysteretic: of(anhysteretic),
+                pinning: of(pinning),
+                reversibility: of(reversibility),
+                coupling: of(coupling),
+            },
+        }
+    }
+}
+
 impl<T: Real> Branch<T> {
     /// Whether the numbers are finite and in order, and the law has so many states.
     pub(crate) fn is_sound(&self, states: usize) -> bool {

@@ -31,6 +31,20 @@ pub enum Sides<T> {
     },
 }
 
+impl<T: Copy> Sides<T> {
+    /// The sides with other numbers, or with these in another type.
+    pub fn map<U>(self, of: impl Fn(T) -> U) -> Sides<U> {
+        match self {
+            Self::Even { widening } => Sides::Even { widening: of(widening) },
+            Self::Below => Sides::Below,
+            Self::Envelopes { right, left } => {
+                Sides::Envelopes { right: right.map(&of), left: left.map(&of) }
+            }
+            Self::Ramps { steepness } => Sides::Ramps { steepness: of(steepness) },
+        }
+    }
+}
+
 /// A weighted sum Σ wⱼ Fⱼ of plays between [`Sides`], and a [`BrokenLine`] of their mean.
 ///
 /// A step costs the same whatever the voltage does: two comparisons, a product and a sum a play, and the sides. The states are the caller's.

@@ -2,14 +2,14 @@
 //!
 //! A [`ColumnKernel`] is the operators Hⱼ of one family, its *columns*: how they move with the voltage, in numbers that
 //! carry derivatives along where these are asked for. A fit needs no more of a family than this: the columns enter
-//! linearly, the few numbers θ (its *shape*) do not. [`ColumnModel`] is a family with its weights.
+//! linearly, the few numbers θ (its *shape*) do not.
 
-mod model;
 mod pass;
+mod relaxing;
 
-pub use model::ColumnModel;
 pub use pass::ColumnSensitivities;
 pub(super) use pass::{differentiate, simulate};
+pub(super) use relaxing::RelaxingState;
 
 use hysteron_rt::Scalar;
 

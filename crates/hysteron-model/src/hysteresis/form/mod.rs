@@ -5,20 +5,20 @@
 //! runs the operators into [`Columns`] with their derivatives, and makes the [`Hysteresis`] that they stand for.
 
 mod bouc_wen;
+mod json;
 mod memory;
 mod plays;
 
 use super::outputs::Columns;
 use super::{
-    BoucWen, DriveGrid, Family, FamilyForm, Hysteresis, HysteresisError, PrandtlIshlinskii, UnitShape,
+    BoucWen, DriveGrid, DriveSpan, Elements, Family, FamilyDescription, FamilyForm, Hysteresis,
+    HysteresisError, PrandtlIshlinskii, ShapeNumber, UnitShape,
 };
 use crate::start::Start;
 use crate::unknown_name::UnknownName;
-use serde::{Deserialize, Serialize};
 
 /// A family of hysteresis operators with its fixed structure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum HysteresisForm {
     /// H = ζ of the unit-α form, s = −1: weight α; shape β', γ', n. Memory of a record: ζ(0) \[V\].
     #[default]
@@ -33,10 +33,6 @@ pub enum HysteresisForm {
     Family(FamilyForm),
 }
 
-/// Most elements of a family; a plane has a weight for every pair.
-const MOST_ELEMENTS: usize = 60;
-const MOST_OF_A_PLANE: usize = 16;
-
 impl std::str::FromStr for HysteresisForm {
     type Err = UnknownName;
 
@@ -47,136 +43,87 @@ impl std::str::FromStr for HysteresisForm {
 }
 
 impl HysteresisForm {
-    /// What the family is, in a line.
-    pub fn summary(self) -> &'static str {
+    /// Every family with its usual number of elements, the article's first.
+    pub fn usual() -> Vec<Self> {
+        let plays = Self::PrandtlIshlinskii { plays: super::prandtl_ishlinskii::USUAL_PLAYS };
+        [Self::BoucWen, plays].into_iter().chain(FamilyForm::all().map(Self::Family)).collect()
+    }
+
+    /// What there is to know of the family.
+    pub fn description(self) -> &'static dyn FamilyDescription {
         match self {
-            Self::BoucWen => "Polynomial less one relaxing state: few parameters",
-            Self::PrandtlIshlinskii { .. } => {
-                "Polynomial and 12 plays: minor loops, exact inverse (this and the following: joint)"
-            }
-            Self::Family(family) => match family {
-                FamilyForm::ParallelBoucWen { .. } => "Two Bouc-Wen states of unlike sharpness",
-                FamilyForm::NonSymmetricBoucWen => "Bouc-Wen with a term that makes its loop asymmetric",
-                FamilyForm::SongDerKiureghian => "Bouc-Wen with six coefficients",
-                FamilyForm::Dahl => "One relaxing state with an exponent of its own",
-                FamilyForm::Duhem { .. } => "Coleman's and Hodgdon's equation with slopes up to u^2",
-                FamilyForm::MaxwellSlip { .. } => "12 elastic elements that slip: plays in other coordinates",
-                FamilyForm::OneSidedPlays { .. } => "12 plays for a drive to one side of rest",
-                FamilyForm::RateDependentPlays { .. } => "12 plays that get wider with the rate of the drive",
-                FamilyForm::DeadZonePlays { .. } => {
-                    "12 plays and six bands of what they put out: minor loops that differ with bias"
-                }
-                FamilyForm::GeneralisedPlays { .. } => "8 plays behind saturating, unequal envelopes",
-                FamilyForm::KrasnoselskiiPokrovskii { .. } => {
-                    "Ramped relays on a grid of 8 lines (36 weights)"
-                }
-                FamilyForm::Preisach { .. } => "Relays on a plane of 10 intervals (55 weights)",
-                FamilyForm::PreisachDensity => "Relays on a plane with a density of four numbers",
-                FamilyForm::JilesAtherton => "Jiles' and Atherton's magnetisation",
-            },
+            Self::BoucWen => &super::bouc_wen::Entry,
+            Self::PrandtlIshlinskii { .. } => &super::prandtl_ishlinskii::Entry,
+            Self::Family(form) => form.description(),
         }
     }
 
-    /// The family with another number of elements: plays, slip elements, states, lines or intervals of a plane, degree.
+    /// Number of elements: plays, slip elements, states, lines or intervals of a plane, degree; 0 where it is fixed.
+    pub fn elements(self) -> usize {
+        match self {
+            Self::BoucWen => 0,
+            Self::PrandtlIshlinskii { plays } => plays,
+            Self::Family(form) => form.elements(),
+        }
+    }
+
+    /// The family with another number of elements.
     ///
     /// # Errors
     /// [`HysteresisError::Elements`] for a number that the family cannot have.
     pub fn with_elements(self, count: usize) -> Result<Self, HysteresisError> {
-        let refused =
-            |allowed: String| HysteresisError::Elements { family: self.name(), found: count, allowed };
-        let within = |most: usize| {
-            (1..=most).contains(&count).then_some(count).ok_or_else(|| refused(format!("it has 1 to {most}")))
+        let allowed = match self.description().elements() {
+            None => "their number is fixed".to_owned(),
+            Some(Elements { most, .. }) if !(1..=most).contains(&count) => format!("it has 1 to {most}"),
+            Some(_) => {
+                return Ok(match self {
+                    Self::BoucWen => self,
+                    Self::PrandtlIshlinskii { .. } => Self::PrandtlIshlinskii { plays: count },
+                    Self::Family(form) => Self::Family(form.of_elements(count)),
+                });
+            }
         };
-        let family = match self {
-            Self::PrandtlIshlinskii { .. } => {
-                return Ok(Self::PrandtlIshlinskii { plays: within(MOST_ELEMENTS)? });
-            }
-            Self::BoucWen => {
-                return Err(refused("it has one state; take parallel-bouc-wen for more".to_owned()));
-            }
-            Self::Family(family) => family,
-        };
-        Ok(Self::Family(match family {
-            FamilyForm::ParallelBoucWen { .. } => FamilyForm::ParallelBoucWen { states: within(3)? },
-            FamilyForm::Duhem { .. } => FamilyForm::Duhem { degree: within(9)? },
-            FamilyForm::MaxwellSlip { .. } => FamilyForm::MaxwellSlip { elements: within(MOST_ELEMENTS)? },
-            FamilyForm::OneSidedPlays { .. } => FamilyForm::OneSidedPlays { plays: within(MOST_ELEMENTS)? },
-            FamilyForm::RateDependentPlays { .. } => {
-                FamilyForm::RateDependentPlays { plays: within(MOST_ELEMENTS)? }
-            }
-            FamilyForm::DeadZonePlays { .. } => FamilyForm::DeadZonePlays { plays: within(MOST_ELEMENTS)? },
-            FamilyForm::GeneralisedPlays { .. } => {
-                FamilyForm::GeneralisedPlays { plays: within(MOST_ELEMENTS)? }
-            }
-            FamilyForm::KrasnoselskiiPokrovskii { .. } => {
-                FamilyForm::KrasnoselskiiPokrovskii { lines: within(MOST_OF_A_PLANE)? }
-            }
-            FamilyForm::Preisach { .. } => FamilyForm::Preisach { intervals: within(MOST_OF_A_PLANE)? },
-            FamilyForm::NonSymmetricBoucWen
-            | FamilyForm::SongDerKiureghian
-            | FamilyForm::Dahl
-            | FamilyForm::PreisachDensity
-            | FamilyForm::JilesAtherton => return Err(refused("their number is fixed".to_owned())),
-        }))
-    }
-
-    /// Every family with its usual number of elements, the article's first.
-    pub fn usual() -> [Self; 16] {
-        let family = Self::Family;
-        [
-            Self::BoucWen,
-            Self::PrandtlIshlinskii { plays: 12 },
-            family(FamilyForm::ParallelBoucWen { states: 2 }),
-            family(FamilyForm::NonSymmetricBoucWen),
-            family(FamilyForm::SongDerKiureghian),
-            family(FamilyForm::Dahl),
-            family(FamilyForm::Duhem { degree: 2 }),
-            family(FamilyForm::MaxwellSlip { elements: 12 }),
-            family(FamilyForm::OneSidedPlays { plays: 12 }),
-            family(FamilyForm::RateDependentPlays { plays: 12 }),
-            family(FamilyForm::DeadZonePlays { plays: 12 }),
-            family(FamilyForm::GeneralisedPlays { plays: 8 }),
-            family(FamilyForm::KrasnoselskiiPokrovskii { lines: 8 }),
-            family(FamilyForm::Preisach { intervals: 10 }),
-            family(FamilyForm::PreisachDensity),
-            family(FamilyForm::JilesAtherton),
-        ]
+        Err(HysteresisError::Elements { family: self.name(), found: count, allowed })
     }
 
     /// Name, as on the command line and in model files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::BoucWen => "bouc-wen",
-            Self::PrandtlIshlinskii { .. } => "prandtl-ishlinskii",
-            Self::Family(form) => form.name(),
-        }
+        self.description().name()
+    }
+
+    /// What the family is, in a line.
+    pub fn summary(self) -> &'static str {
+        self.description().summary()
     }
 
     /// Names of the weights.
     pub fn weight_names(self) -> Vec<String> {
-        match self {
-            Self::BoucWen => vec!["alpha".into()],
-            Self::PrandtlIshlinskii { plays } => numbered("weight", plays),
-            Self::Family(form) => form.weight_numbers().into_iter().map(|(name, _)| name).collect(),
-        }
+        (0..self.columns()).map(|index| self.description().weight_name(index)).collect()
+    }
+
+    /// The shape numbers θ, with their ranges for drives that span `span`.
+    pub fn shape_numbers(self, span: &DriveSpan) -> Vec<ShapeNumber> {
+        self.description().shape_numbers(self.elements(), span)
     }
 
     /// Names of the shape numbers θ.
     pub fn shape_names(self) -> Vec<String> {
-        match self {
-            Self::BoucWen => ["beta", "gamma", "n"].map(String::from).into(),
-            Self::PrandtlIshlinskii { plays } => numbered("threshold", plays),
-            Self::Family(form) => form.shape_numbers().into_iter().map(|(name, _)| name).collect(),
-        }
+        self.shape_numbers(&DriveSpan::UNIT).into_iter().map(|number| number.name).collect()
+    }
+
+    /// Shapes for a fit to start from.
+    pub fn starts(self, span: &DriveSpan) -> Vec<Vec<f64>> {
+        self.description().starts(self.elements(), span)
+    }
+
+    /// A shape within its ranges that is special in no number, as tests want it.
+    pub fn example(self, span: &DriveSpan) -> Vec<f64> {
+        self.description().example(self.elements(), span)
     }
 
     /// Number of columns, and of weights.
     pub fn columns(self) -> usize {
-        match self {
-            Self::BoucWen => 1,
-            Self::PrandtlIshlinskii { plays } => plays,
-            Self::Family(form) => form.columns(),
-        }
+        self.description().columns(self.elements())
     }
 
     /// The sign s of a weighted column in v.
@@ -189,33 +136,18 @@ impl HysteresisForm {
 
     /// Whether all weights have the sign of the slope dv/du, so that every move raises v with u.
     pub fn is_monotone(self) -> bool {
-        match self {
-            Self::BoucWen => false,
-            Self::PrandtlIshlinskii { .. } => true,
-            Self::Family(form) => form.is_monotone(),
-        }
+        self.description().is_monotone()
     }
 
-    /// Pairs of weights whose cells lie side by side on a plane ([`FamilyForm::neighbours`]).
+    /// Pairs of weights whose cells lie side by side on a plane.
     pub fn neighbours(self) -> Vec<(usize, usize)> {
-        match self {
-            Self::BoucWen | Self::PrandtlIshlinskii { .. } => Vec::new(),
-            Self::Family(form) => form.neighbours(),
-        }
+        self.description().neighbours(self.elements())
     }
 
     /// Pairs of weights of plays of neighbouring thresholds, and of neighbouring bands; behind the widest play there is none, of weight
     /// 0. Empty for families without plays that are weighted one by one.
     pub fn chain(self) -> Vec<(usize, Option<usize>)> {
-        let next = |from: usize, to: usize| (from + 1..to).map(|i| (i - 1, Some(i)));
-        match self {
-            Self::PrandtlIshlinskii { plays } => next(0, plays).chain([(plays - 1, None)]).collect(),
-            Self::Family(FamilyForm::DeadZonePlays { plays }) => {
-                let bands = next(plays, self.weight_names().len());
-                next(0, plays).chain([(plays - 1, None)]).chain(bands).collect()
-            }
-            _ => Vec::new(),
-        }
+        self.description().chain(self.elements())
     }
 
     /// Runs the operators over the drive `u` \[V\], given on a time base finer by a factor, from `start`; derivatives with
@@ -241,9 +173,9 @@ impl HysteresisForm {
         }
     }
 
-    /// Whether its memory depends on how fast the voltage moves ([`FamilyForm::depends_on_rate`]).
+    /// Whether its memory depends on how fast the voltage moves.
     pub fn sees_rate(self) -> bool {
-        matches!(self, Self::Family(form) if form.depends_on_rate())
+        self.description().sees_rate()
     }
 
     /// The operator with these numbers.
@@ -383,10 +315,6 @@ impl Hysteresis {
             }
         }
     }
-}
-
-fn numbered(name: &str, count: usize) -> Vec<String> {
-    (1..=count).map(|index| format!("{name}_{index}")).collect()
 }
 
 fn unit_shape(shape: &[f64]) -> Result<UnitShape, HysteresisError> {

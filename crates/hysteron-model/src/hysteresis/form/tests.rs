@@ -1,7 +1,7 @@
 use hysteron_rt::Limited;
 
 use super::*;
-use crate::hysteresis::DriveLimits;
+use crate::hysteresis::{DriveLimits, examples};
 
 /// A drive with minor loops, on a grid finer by 2 where every other sample is read.
 fn drive() -> Vec<f64> {
@@ -20,26 +20,11 @@ fn every(factor: usize) -> DriveGrid<'static> {
     DriveGrid { factor, interval_s: Some(INTERVAL_S), rates: None }
 }
 
+/// Every family with a few elements, and Bouc–Wen with another exponent.
 fn forms() -> Vec<(HysteresisForm, Vec<f64>)> {
-    vec![
-        (HysteresisForm::BoucWen, vec![0.4, 0.1, 1.0]),
-        (HysteresisForm::BoucWen, vec![0.4, -0.1, 1.6]),
-        (HysteresisForm::PrandtlIshlinskii { plays: 4 }, vec![0.31, 0.9, 1.7, 3.3]),
-        (HysteresisForm::Family(FamilyForm::ParallelBoucWen { states: 2 }), vec![0.3, 0.1, 1.3, -0.2]),
-        (HysteresisForm::Family(FamilyForm::NonSymmetricBoucWen), vec![0.6, 0.2, 0.05]),
-        (HysteresisForm::Family(FamilyForm::SongDerKiureghian), vec![0.6, 0.1, 0.2, 0.05, -0.04, 0.03]),
-        (HysteresisForm::Family(FamilyForm::Dahl), vec![1.7, 1.4]),
-        (HysteresisForm::Family(FamilyForm::Duhem { degree: 2 }), vec![0.7]),
-        (HysteresisForm::Family(FamilyForm::MaxwellSlip { elements: 3 }), vec![3.1]),
-        (HysteresisForm::Family(FamilyForm::OneSidedPlays { plays: 3 }), vec![5.3]),
-        (HysteresisForm::Family(FamilyForm::RateDependentPlays { plays: 3 }), vec![3.1, 0.02]),
-        (HysteresisForm::Family(FamilyForm::DeadZonePlays { plays: 3 }), vec![-1.03, 9.21, 0.37, 2.3]),
-        (HysteresisForm::Family(FamilyForm::GeneralisedPlays { plays: 3 }), vec![0.21, 4.3, 0.19, 4.1]),
-        (HysteresisForm::Family(FamilyForm::KrasnoselskiiPokrovskii { lines: 4 }), vec![-1.0, 9.3, 2.7]),
-        (HysteresisForm::Family(FamilyForm::Preisach { intervals: 4 }), vec![-1.03, 9.21]),
-        (HysteresisForm::Family(FamilyForm::PreisachDensity), vec![-1.03, 9.21, 0.4, 1.3, 4.1, 3.3]),
-        (HysteresisForm::Family(FamilyForm::JilesAtherton), vec![2.3, 0.7, 0.12, 0.9]),
-    ]
+    let families = examples([-1.03, 9.21], 10.0, 1.0).unwrap();
+    let power = (HysteresisForm::BoucWen, vec![0.4, -0.1, 1.6]);
+    families.into_iter().map(|family| (family.form(), family.shape())).chain([power]).collect()
 }
 
 fn run(form: HysteresisForm, shape: &[f64], factor: usize, origin: Start<f64>, derivatives: bool) -> Columns {
@@ -155,10 +140,8 @@ fn derivatives_are_those_of_the_columns() {
 
 /// Every family with numbers for which its branches rise.
 fn rising() -> impl Iterator<Item = Hysteresis> {
-    forms().into_iter().map(|(form, shape)| {
-        let weights: Vec<f64> = (1..=form.columns()).map(|j| 0.7 / j as f64).collect();
-        form.operator(vec![6.0, 0.01], &weights, &shape).unwrap()
-    })
+    let power = HysteresisForm::BoucWen.operator(vec![6.0, 0.01], &[0.7], &[0.4, -0.1, 1.6]).unwrap();
+    examples([-1.03, 9.21], 10.0, 6.0).unwrap().into_iter().chain([power])
 }
 
 const FREE: DriveLimits =
@@ -272,12 +255,15 @@ fn every_family_is_parsed_from_its_name_and_described() {
 
 #[test]
 fn elements_beyond_a_family_are_refused() {
-    let of = |name: &str, count| name.parse::<HysteresisForm>().unwrap().with_elements(count);
-    assert_eq!(of("preisach", 4).unwrap().columns(), 10);
-    for (name, count) in
-        [("bouc-wen", 1), ("dahl", 1), ("parallel-bouc-wen", 4), ("preisach", 17), ("prandtl-ishlinskii", 61)]
-    {
-        assert!(of(name, count).is_err(), "{name} {count}");
+    for form in HysteresisForm::usual() {
+        match form.description().elements() {
+            None => assert!(form.with_elements(1).is_err(), "{form:?}"),
+            Some(Elements { usual, most }) => {
+                assert_eq!(form.elements(), usual);
+                assert_eq!(form.with_elements(most).unwrap().elements(), most);
+                assert!(form.with_elements(0).is_err() && form.with_elements(most + 1).is_err(), "{form:?}");
+            }
+        }
     }
 }
 

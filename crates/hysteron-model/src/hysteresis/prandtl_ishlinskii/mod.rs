@@ -10,6 +10,10 @@ pub use inverse::StepInverse;
 
 use hysteron_rt::{PlayBank, PlayError, play};
 
+use super::family::{
+    DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search, ShapeNumber,
+    in_a_row,
+};
 use super::pass::{Every, at_rest};
 use super::{HysteresisError, polynomial};
 use crate::start::Start;
@@ -201,5 +205,73 @@ impl HysteresisError {
             PlayError::History { index } => Self::PlayHistory { index },
             _ => Self::Drive { index },
         }
+    }
+}
+
+/// Plays where nobody says how many.
+pub(super) const USUAL_PLAYS: usize = 12;
+
+/// The family, with a threshold a play.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+/// Thresholds at equal distances up to half the stroke, beyond which no loop moves a play.
+fn thresholds(plays: usize, span: &DriveSpan) -> impl Iterator<Item = f64> {
+    let distance = 0.5 * span.stroke / (plays + 1) as f64;
+    (1..=plays).map(move |index| index as f64 * distance)
+}
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "prandtl-ishlinskii"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Polynomial and 12 plays: minor loops, exact inverse (this and the following: joint)"
+    }
+
+    fn equation(&self) -> &'static str {
+        "sum of weight_i F_i, F_i <- max(u - threshold_i, min(u + threshold_i, F_i))"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: USUAL_PLAYS, most: MOST_ELEMENTS })
+    }
+
+    fn weight_reach(&self) -> f64 {
+        2.0
+    }
+
+    fn shape_numbers(&self, plays: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let of = |(r, index): (f64, usize)| {
+            let search = Search::HeldUnlessBounded(r, [0.5 * r, 2.0 * r]);
+            ShapeNumber::new(format!("threshold_{index}"), NumberUnit::INPUT, "half-width of a play", search)
+        };
+        thresholds(plays, span).zip(1..).map(of).collect()
+    }
+
+    fn starts(&self, plays: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        vec![thresholds(plays, span).collect()]
+    }
+
+    fn example(&self, plays: usize, span: &DriveSpan) -> Vec<f64> {
+        // At distances that grow.
+        thresholds(plays, span).map(|r| r * (0.8 + 0.4 * r / span.stroke)).collect()
+    }
+
+    fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn is_compared_unasked(&self) -> bool {
+        true
+    }
+
+    fn chain(&self, plays: usize) -> Vec<(usize, Option<usize>)> {
+        in_a_row(0, plays).chain(plays.checked_sub(1).map(|last| (last, None))).collect()
+    }
+
+    fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
+        RuntimeOperator::Plays { thresholds: shape.to_vec(), weights: weights.to_vec() }
     }
 }

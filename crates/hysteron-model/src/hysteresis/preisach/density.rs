@@ -3,6 +3,9 @@
 use hysteron_rt::Scalar;
 
 use super::super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::super::family::{
+    ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber,
+};
 use super::{HysteresisError, Preisach, PreisachState};
 
 /// Form of a factor of the density over its standardised variable.
@@ -197,5 +200,90 @@ impl ColumnKernel for PreisachDensity {
         if let Some(slot) = out.first_mut() {
             *slot = state.sum + below - (all - with) + (with - below) * ramp;
         }
+    }
+}
+
+/// Intervals of the plane of the family.
+const INTERVALS: usize = 40;
+
+/// The family, Lorentzian, on a plane from `low` to `high`.
+#[derive(Debug)]
+pub(in crate::hysteresis) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "preisach-density"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Relays on a plane with a density of four numbers"
+    }
+
+    fn equation(&self) -> &'static str {
+        "weight_1 times relays on a plane from low to high, their density Lorentzian in half-width and bias"
+    }
+
+    fn weight_unit(&self, _: usize) -> NumberUnit {
+        NumberUnit::OUTPUT
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let unit = NumberUnit::INPUT;
+        let spread = span.strokes(0.02, 10.0);
+        let own = [
+            ShapeNumber::new(
+                "half_width",
+                unit,
+                "mean half-width of the relays",
+                Search::Linear(0.0, span.stroke),
+            ),
+            ShapeNumber::new("half_width_spread", unit, "spread of the half-widths", spread),
+            ShapeNumber::new("bias", unit, "mean bias of the relays", span.around()),
+            ShapeNumber::new("bias_spread", unit, "spread of the biases", spread),
+        ];
+        ShapeNumber::ends(span).into_iter().chain(own).collect()
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        let ([low, high], middle) = (span.grid, span.middle());
+        let of = |width: f64| {
+            [0.3, 1.0].map(|spread| vec![low, high, 0.0, width * span.stroke, middle, spread * span.stroke])
+        };
+        [0.1, 0.3].into_iter().flat_map(of).collect()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        let ([low, high], stroke) = (span.grid, span.stroke);
+        vec![low, high, 0.04 * stroke, 0.13 * stroke, span.middle() + 0.01 * stroke, 0.33 * stroke]
+    }
+
+    fn is_plane(&self) -> bool {
+        true
+    }
+
+    fn runtime(
+        &self,
+        elements: usize,
+        _: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
+        _: f64,
+    ) -> RuntimeOperator {
+        let range = [0, 1].map(|index| parameter(shape, index));
+        let weight: f64 = parameter(weights, 0);
+        let cells = self.kernel(elements, shape, 1.0).weights(shape.get(2..).unwrap_or_default());
+        let cells = cells.into_iter().map(|cell: f64| weight * cell).collect();
+        RuntimeOperator::Plane { range, intervals: INTERVALS, cells }
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = PreisachDensity;
+
+    const FIXED: usize = 2;
+
+    fn kernel(&self, _: usize, shape: &[f64], _: f64) -> PreisachDensity {
+        let plane = Preisach::regular([0, 1].map(|index| parameter(shape, index)), INTERVALS + 1);
+        PreisachDensity { plane, law: DensityLaw::Lorentzian }
     }
 }

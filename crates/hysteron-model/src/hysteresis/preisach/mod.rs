@@ -1,20 +1,22 @@
-//! The Preisach model: a plane of relays, its Everett function, and where both come from.
+//! The Preisach model: a plane of relays.
 //!
 //! Sources: F. Preisach, *Z. Phys.* 94 (1935) 277–302, doi:10.1007/BF01349418; D. H. Everett, *Trans. Faraday Soc.* 51
 //! (1955) 1551–1557, doi:10.1039/TF9555101551; I. D. Mayergoyz, *Mathematical Models of Hysteresis*, Springer 1991,
 //! doi:10.1007/978-1-4612-3028-1.
 
-mod density;
-mod everett;
+pub(super) mod density;
 mod staircase;
 
 pub use density::{DensityLaw, PreisachDensity};
-pub use everett::ReversalCurve;
 
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, between, parameter, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
+    ShapeNumber, on_a_plane,
+};
 use staircase::{Edge, Piece, Staircase};
 
 /// Most levels of a plane.
@@ -252,5 +254,81 @@ impl ColumnKernel for Preisach {
                 *slot = value;
             }
         });
+    }
+}
+
+/// The family, with levels from `low` to `high`.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "preisach"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Relays on a plane of 10 intervals (55 weights)"
+    }
+
+    fn equation(&self) -> &'static str {
+        "relays on a plane with levels from low to high, a weight a cell"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 10, most: MOST_OF_A_PLANE })
+    }
+
+    fn columns(&self, intervals: usize) -> usize {
+        intervals * (intervals + 1) / 2
+    }
+
+    fn weight_unit(&self, _: usize) -> NumberUnit {
+        NumberUnit::OUTPUT
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        ShapeNumber::ends(span).into()
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        vec![span.grid.into()]
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        span.grid.into()
+    }
+
+    fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn is_plane(&self) -> bool {
+        true
+    }
+
+    fn neighbours(&self, intervals: usize) -> Vec<(usize, usize)> {
+        on_a_plane(intervals)
+    }
+
+    fn runtime(
+        &self,
+        intervals: usize,
+        _: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
+        _: f64,
+    ) -> RuntimeOperator {
+        let range = [0, 1].map(|index| parameter(shape, index));
+        RuntimeOperator::Plane { range, intervals, cells: weights.to_vec() }
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = Preisach;
+
+    const FIXED: usize = 2;
+
+    fn kernel(&self, intervals: usize, shape: &[f64], _: f64) -> Preisach {
+        Preisach::regular([0, 1].map(|index| parameter(shape, index)), intervals + 1)
     }
 }

@@ -1,0 +1,174 @@
+//! What there is to know of a family beside the law of its moves.
+
+use std::fmt;
+
+use super::number::{DriveSpan, NumberUnit, ShapeNumber};
+use super::runtime::RuntimeOperator;
+use crate::hysteresis::PrandtlIshlinskii;
+
+/// How many elements (plays, states, lines, …) a family is taken with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Elements {
+    /// Where nobody says otherwise.
+    pub usual: usize,
+    /// At most.
+    pub most: usize,
+}
+
+/// Most elements of a family with one weight each.
+pub(in crate::hysteresis) const MOST_ELEMENTS: usize = 60;
+/// Most intervals of a plane, which has a weight for every pair.
+pub(in crate::hysteresis) const MOST_OF_A_PLANE: usize = 16;
+
+/// A family of hysteresis: v = Σ cᵢ uⁱ + Σⱼ wⱼ Hⱼ\[u; θ\], linear in its weights w, with a few shape numbers θ.
+///
+/// `elements` is the number of plays, states, lines, …, for a family that has such a number; shapes and weights are in the order of
+/// [`Self::shape_numbers`] and of the columns.
+pub trait FamilyDescription: fmt::Debug + Sync {
+    /// Name, as on the command line and in model files.
+    fn name(&self) -> &'static str;
+
+    /// What it is, in a line.
+    fn summary(&self) -> &'static str;
+
+    /// Its equations in plain characters, for comments of exported source and the schema of model files; s is the sign of the move.
+    fn equation(&self) -> &'static str;
+
+    /// Its number of elements; `None` where that is fixed.
+    fn elements(&self) -> Option<Elements> {
+        None
+    }
+
+    /// Number of columns H, and of weights.
+    fn columns(&self, elements: usize) -> usize {
+        if self.elements().is_some() { elements } else { 1 }
+    }
+
+    /// Name of weight `index`.
+    fn weight_name(&self, index: usize) -> String {
+        format!("weight_{}", index + 1)
+    }
+
+    /// Up to what a fit looks for a weight, in slopes of the device times the size of its column.
+    fn weight_reach(&self) -> f64 {
+        10.0
+    }
+
+    /// Unit of weight `index`.
+    fn weight_unit(&self, index: usize) -> NumberUnit {
+        let _ = index;
+        NumberUnit::SLOPE
+    }
+
+    /// The shape numbers θ; their ranges are those for drives that span `span`.
+    fn shape_numbers(&self, elements: usize, span: &DriveSpan) -> Vec<ShapeNumber>;
+
+    /// Shapes for a fit to start from.
+    fn starts(&self, elements: usize, span: &DriveSpan) -> Vec<Vec<f64>>;
+
+    /// A shape within its ranges that is special in no number, as tests want it.
+    fn example(&self, elements: usize, span: &DriveSpan) -> Vec<f64>;
+
+    /// Whether every column of a slow drive rises with u and falls with it, so that weights of one sign make a monotone model.
+    fn is_monotone(&self) -> bool {
+        false
+    }
+
+    /// Whether the memory depends on how fast the voltage moves, so that the time between samples must be known.
+    fn sees_rate(&self) -> bool {
+        false
+    }
+
+    /// Whether it is made of relays on a plane, which must reach as far as a device that was virgin has relays to switch.
+    fn is_plane(&self) -> bool {
+        false
+    }
+
+    /// Whether it is compared where no family is named: quick to fit, and unlike the others that are.
+    fn is_compared_unasked(&self) -> bool {
+        false
+    }
+
+    /// Where the memory of a record that spans `ends` is looked for, in the scale of the columns.
+    fn memory_range(&self, [low, high]: [f64; 2], stroke: f64) -> [f64; 2] {
+        // A device may have come from beyond the voltages of the record.
+        [low - stroke, high + stroke]
+    }
+
+    /// Memory of a record to start from: that of a device that is virgin at its `first` voltage, or `settled` on loops like those of
+    /// the record, which spans `ends`.
+    fn first_memory(
+        &self,
+        shape: &[f64],
+        first: f64,
+        [low, high]: [f64; 2],
+        stroke: f64,
+        settled: bool,
+    ) -> f64 {
+        let _ = (shape, stroke);
+        if settled { 0.5 * (low + high) } else { first }
+    }
+
+    /// Pairs of weights of neighbours in two dimensions, whose density is smooth.
+    fn neighbours(&self, elements: usize) -> Vec<(usize, usize)> {
+        let _ = elements;
+        Vec::new()
+    }
+
+    /// Pairs of weights of neighbours in a row, whose density is smooth; behind the last there may be none, of weight 0.
+    fn chain(&self, elements: usize) -> Vec<(usize, Option<usize>)> {
+        let _ = elements;
+        Vec::new()
+    }
+
+    /// By how much a move may push the output back for each volt, in the output's unit per volt, where every weight is at least 0 and
+    /// samples are `interval_s` apart or more; `None` where that is not known.
+    fn pushes_back(&self, shape: &[f64], weights: &[f64], interval_s: Option<f64>) -> Option<f64> {
+        let _ = (shape, weights, interval_s);
+        Some(0.0)
+    }
+
+    /// The same operator as polynomial and plays, where it is one.
+    fn as_plays(
+        &self,
+        elements: usize,
+        polynomial: &[f64],
+        shape: &[f64],
+        weights: &[f64],
+    ) -> Option<PrandtlIshlinskii> {
+        let _ = (elements, polynomial, shape, weights);
+        None
+    }
+
+    /// The operator of the runtime for so many samples a second; what the `polynomial` of the model has to take over is added to it.
+    fn runtime(
+        &self,
+        elements: usize,
+        polynomial: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
+        sample_rate_hz: f64,
+    ) -> RuntimeOperator;
+}
+
+/// Neighbours in a row of weights from `from` to below `to`.
+pub(in crate::hysteresis) fn in_a_row(
+    from: usize,
+    to: usize,
+) -> impl Iterator<Item = (usize, Option<usize>)> {
+    (from + 1..to).map(|i| (i - 1, Some(i)))
+}
+
+/// Neighbours of the cells (i, j), j ≤ i < n, of a plane. Those on the diagonal, which are without hysteresis, are neighbours of one
+/// another alone.
+pub(in crate::hysteresis) fn on_a_plane(n: usize) -> Vec<(usize, usize)> {
+    let at = |i: usize, j: usize| i * (i + 1) / 2 + j;
+    let beside = |i: usize, j: usize| {
+        let next = match i == j {
+            true => [(i + 1, j + 1), (n, n)],
+            false => [(i + 1, j), if j + 1 < i { (i, j + 1) } else { (n, n) }],
+        };
+        next.into_iter().filter(|(i, _)| *i < n).map(move |(k, l)| (at(i, j), at(k, l)))
+    };
+    (0..n).flat_map(|i| (0..=i).flat_map(move |j| beside(i, j).collect::<Vec<_>>())).collect()
+}

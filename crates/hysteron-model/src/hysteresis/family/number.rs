@@ -1,0 +1,146 @@
+//! The numbers of a family: their names, units and meanings, and where a fit looks for them.
+
+/// Unit of a number: powers of the output's and of the input's unit, and of the second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NumberUnit {
+    /// Power of the output's unit.
+    pub output: i32,
+    /// Power of the input's unit.
+    pub input: i32,
+    /// Power of the second.
+    pub time: i32,
+}
+
+impl NumberUnit {
+    pub(in crate::hysteresis) const NONE: Self = Self { output: 0, input: 0, time: 0 };
+    pub(in crate::hysteresis) const INPUT: Self = Self { input: 1, ..Self::NONE };
+    pub(in crate::hysteresis) const PER_INPUT: Self = Self { input: -1, ..Self::NONE };
+    pub(in crate::hysteresis) const OUTPUT: Self = Self { output: 1, ..Self::NONE };
+    pub(in crate::hysteresis) const SLOPE: Self = Self { output: 1, input: -1, ..Self::NONE };
+    pub(in crate::hysteresis) const TIME: Self = Self { time: 1, ..Self::NONE };
+}
+
+/// A shape number θ of a family.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeNumber {
+    /// Name, as in model files.
+    pub name: String,
+    /// Unit.
+    pub unit: NumberUnit,
+    /// What it is, in a few words.
+    pub meaning: &'static str,
+    /// Where a fit looks for it.
+    pub search: Search,
+}
+
+impl ShapeNumber {
+    pub(in crate::hysteresis) fn new(
+        name: impl Into<String>,
+        unit: NumberUnit,
+        meaning: &'static str,
+        search: Search,
+    ) -> Self {
+        Self { name: name.into(), unit, meaning, search }
+    }
+
+    /// `low` and `high`, the ends of the voltages that a family's grid spans.
+    pub(in crate::hysteresis) fn ends(span: &DriveSpan) -> [Self; 2] {
+        let [low, high] = span.grid;
+        [
+            Self::new("low", NumberUnit::INPUT, "lower end of the grid", Search::Held(low)),
+            Self::new("high", NumberUnit::INPUT, "upper end of the grid", Search::Held(high)),
+        ]
+    }
+}
+
+/// Where a fit looks for a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Search {
+    /// Held at this value.
+    Held(f64),
+    /// Held at this value, but searched within these limits where it is to have bounds.
+    HeldUnlessBounded(f64, [f64; 2]),
+    /// Searched between these ends, on a linear scale.
+    Linear(f64, f64),
+    /// Searched between these ends, on a logarithmic scale.
+    Logarithmic(f64, f64),
+}
+
+/// What the drives of a fit span, by which the ranges of a family's numbers go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveSpan {
+    /// Stroke of the drives \[V\].
+    pub stroke: f64,
+    /// Least and largest voltage \[V\].
+    pub ends: [f64; 2],
+    /// Ends of what a family's grid covers \[V\].
+    pub grid: [f64; 2],
+    /// Rate of the fastest drive at its mean, for a drive of half the stroke to either side \[1/s\].
+    pub fastest_rate: f64,
+    /// Exponent of a family that has one, to start from.
+    pub exponent: f64,
+    /// Whether it is held there.
+    pub holds_exponent: bool,
+    /// Whether all weights are held at 0, so that nothing shapes a loop.
+    pub is_straight: bool,
+}
+
+impl DriveSpan {
+    /// From 0 to 1 V within a second: for what does not depend on it.
+    pub const UNIT: Self = Self {
+        stroke: 1.0,
+        ends: [0.0, 1.0],
+        grid: [0.0, 1.0],
+        fastest_rate: 1.0,
+        exponent: 1.0,
+        holds_exponent: true,
+        is_straight: false,
+    };
+
+    /// Relaxations that are sharper are a switch \[1/V\].
+    pub(in crate::hysteresis) fn sharpest(&self) -> f64 {
+        20.0 / self.stroke
+    }
+
+    /// Relaxations that bend a loop less are not searched for \[1/V\].
+    pub(in crate::hysteresis) fn bluntest(&self) -> f64 {
+        1e-3 / self.stroke
+    }
+
+    /// Relaxations to start from \[1/V\].
+    pub(in crate::hysteresis) fn bends(&self) -> [f64; 6] {
+        [0.5, 1.0, 2.0, 4.0, 8.0, 16.0].map(|bends| bends / self.stroke)
+    }
+
+    pub(in crate::hysteresis) fn middle(&self) -> f64 {
+        0.5 * (self.ends[0] + self.ends[1])
+    }
+
+    /// A relaxation from blunt to sharp.
+    pub(in crate::hysteresis) fn relaxation(&self) -> Search {
+        Search::Linear(self.bluntest(), self.sharpest())
+    }
+
+    /// As sharp to either side.
+    pub(in crate::hysteresis) fn skew(&self) -> Search {
+        Search::Linear(-self.sharpest(), self.sharpest())
+    }
+
+    /// Voltages up to a stroke beyond the ends.
+    pub(in crate::hysteresis) fn around(&self) -> Search {
+        Search::Linear(self.ends[0] - self.stroke, self.ends[1] + self.stroke)
+    }
+
+    /// So many strokes, on a logarithmic scale.
+    pub(in crate::hysteresis) fn strokes(&self, least: f64, most: f64) -> Search {
+        Search::Logarithmic(least * self.stroke, most * self.stroke)
+    }
+}
+
+/// Skews of a relaxation to start from, as shares of it.
+pub(in crate::hysteresis) const SKEWS: [f64; 3] = [-0.7, 0.0, 0.7];
+
+/// j/(count + 1), j = 1 … count.
+pub(in crate::hysteresis) fn inner_grid(count: usize) -> Vec<f64> {
+    (1..=count).map(|j| j as f64 / (count + 1) as f64).collect()
+}
