@@ -9,11 +9,16 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from math_core import LatexError, LatexToMathML
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parents[1]
 COMMAND = Path(os.environ.get("HYSTERON", ROOT / "target/debug/hysteron"))
 LINK = re.compile(r"\[([^\]]+)\]\(([^)#\s]+\.(?:md|ipynb|json))(?:#[^)]*)?\)")
+FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.S)
+CODE = re.compile(r"<(pre|code|script|style)\b.*?</\1>", re.S)
+MATHML = LatexToMathML(fancy_error=False)
 OUTSIDE = re.compile(r"\[([^\]]+)\]\((?:\.\./)+(?:crates|bench|python|examples|scripts)/[^)]*\)")
 
 
@@ -44,6 +49,30 @@ def on_files(files: Any, config: Any) -> Any:
 def on_page_markdown(markdown: str, **_: Any) -> str:
     """Links to files of the repository, which are not part of the site, become their text."""
     return OUTSIDE.sub(r"\1", markdown)
+
+
+def on_page_content(content: str, page: Any, **_: Any) -> str:
+    """LaTeX becomes MathML here, not in the browser: no script, no network, and a formula that cannot be read ends the build."""
+    try:
+        content = FORMULA.sub(mathml, content)
+    except LatexError as error:
+        raise PluginError(f"{page.file.src_path}: {error}") from error
+    stray = re.search(r".{0,40}\$.{0,40}", CODE.sub("", content))
+    if stray:
+        raise PluginError(f"{page.file.src_path}: a $ that opens or closes no formula: {stray[0]}")
+    return content
+
+
+def mathml(formula: re.Match[str]) -> str:
+    """One formula as pymdownx.arithmatex leaves it: \\(...\\) in a span, \\[...\\] in a block."""
+    tag, latex = formula[1], html.unescape(formula[2]).strip()[2:-2].strip()
+    if r"\tag" in latex:
+        latex = rf"\begin{{equation}}{latex}\end{{equation}}"
+    try:
+        rendered = MATHML.convert_with_local_state(latex, displaystyle=tag == "div")
+    except LatexError as error:
+        raise LatexError(f"{error} in the formula {latex}") from error
+    return f'<{tag} class="arithmatex">{rendered}</{tag}>'
 
 
 def on_post_page(output: str, page: Any, **_: Any) -> str:
