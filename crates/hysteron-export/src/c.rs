@@ -161,6 +161,7 @@ fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
         matches!(branch, Some(Branch::SongDerKiureghian { .. })),
         matches!(branch, Some(Branch::NonSymmetric { .. })),
     ];
+    let activated = matches!(coefficients.operator, OperatorCoefficients::ActivatedPlays { .. });
     let magnetic = matches!(branch, Some(Branch::JilesAtherton { .. }));
     filling
         .flag("branch", branch.is_some())
@@ -173,7 +174,7 @@ fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
         .flag("roots", non_symmetric || magnetic)
         .flag("linear_law", linear || song)
         .flag("logs", linear || song || dahl)
-        .flag("relaxes", linear || power || song || dahl || duhem)
+        .flag("relaxes", linear || power || song || dahl || duhem || activated)
         .flag("accumulates", !operators.is_empty() || branch.is_some() || real + sections.pairs.len() > 0)
         .key("N_ROOT", 5)
         .flag("bouc_wen", !operators.is_empty())
@@ -194,10 +195,17 @@ fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
 
 /// Flags and sizes of plays and planes.
 fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients<'_, T>) {
-    for (key, text) in
-        [("RATE_PARAMETER", ""), ("RATE_IN_WORDS", ""), ("THROUGH_PARAMETER", ""), ("THROUGH_IN_WORDS", "")]
-    {
-        filling.key(key, text);
+    for key in [
+        "RATE_PARAMETER",
+        "RATE_IN_WORDS",
+        "THROUGH_PARAMETER",
+        "THROUGH_IN_WORDS",
+        "AT_HALF",
+        "AT_END",
+        "AT_REST",
+        "AWAY",
+    ] {
+        filling.key(key, "");
     }
     match operator {
         OperatorCoefficients::BoucWen(operators) => {
@@ -228,11 +236,28 @@ fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients
                 .key("N_CORNERS", corners.len());
             if kind == "rate" {
                 filling
+                    .flag("moves_at_rest", true)
+                    .key("AT_HALF", ", voltage - state->voltage")
+                    .key("AT_END", ", voltage - state->voltage")
+                    .key("AT_REST", ", R(0)")
+                    .key("AWAY", ", away")
                     .key("RATE_PARAMETER", ", real du")
                     .key("RATE_IN_WORDS", " in a sample that moves by du")
                     .key("THROUGH_PARAMETER", "real middle, real du, ")
                     .key("THROUGH_IN_WORDS", " through `middle`, in a sample that moves by du,");
             }
+        }
+        OperatorCoefficients::ActivatedPlays { thresholds, .. } => {
+            filling
+                .flag("activated", true)
+                .flag("moves_at_rest", true)
+                .key("N_PLAYS", thresholds.len())
+                .key("AT_HALF", ", R(0.5)")
+                .key("AT_END", ", R(1)")
+                .key("AT_REST", ", R(1)")
+                .key("AWAY", ", R(1)")
+                .key("RATE_PARAMETER", ", real share")
+                .key("RATE_IN_WORDS", " after that share of a sample");
         }
         OperatorCoefficients::Plane { intervals, turns, .. } => {
             filling.flag("plane", true).key("N_INTERVALS", intervals).key("N_TURNS", turns);
@@ -305,7 +330,7 @@ fn tables<T: Real>(
             | OperatorCoefficients::Branch { weights, .. } => {
                 members.push(format!("    {{\n{}\n    }}", all(weights)));
             }
-            OperatorCoefficients::Plane { .. } => {}
+            OperatorCoefficients::ActivatedPlays { .. } | OperatorCoefficients::Plane { .. } => {}
         }
         table(
             "The numbers of the hysteresis to begin with.",
@@ -365,6 +390,15 @@ fn tables<T: Real>(
                 }
             }
         }
+        OperatorCoefficients::ActivatedPlays { range, thresholds, slopes, .. } => {
+            for (comment, name, numbers) in [
+                ("Half-widths of the plays.", "THRESHOLD", thresholds),
+                ("Slopes of what they put out, three a play.", "SLOPE", slopes),
+                ("Ends of the range over which these hold.", "RANGE", &range),
+            ] {
+                table(comment, &format!("real {name}[{}]", numbers.len()), &all(numbers));
+            }
+        }
         OperatorCoefficients::Plane { everett, .. } => {
             let comment = "Sums over the relays between two levels: (1, 0), (2, 0), (2, 1), (3, 0), ...";
             table(comment, &format!("real EVERETT[{}]", everett.len()), &all(everett));
@@ -379,6 +413,10 @@ fn tables<T: Real>(
         }
         OperatorCoefficients::SidedPlays { sides: Sides::Ramps { steepness }, .. } => {
             constant("Slope of a ramp.", "STEEPNESS", steepness);
+        }
+        OperatorCoefficients::ActivatedPlays { pace: (sigma, interval), .. } => {
+            constant("Activation of the plays.", "SIGMA", sigma);
+            constant("Seconds from sample to sample.", "INTERVAL", interval);
         }
         OperatorCoefficients::Plane { range: [low, _], density, .. } => {
             constant("Lowest level.", "LOWEST", low);

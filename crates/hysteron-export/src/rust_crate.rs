@@ -241,6 +241,22 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
             };
             out.push_str(&format!("/// Sides of the plays.\nconst SIDES: Sides<Real> = {sides};\n"));
         }
+        OperatorCoefficients::ActivatedPlays {
+            pace: (sigma, interval),
+            range: [low, high],
+            thresholds,
+            slopes,
+        } => {
+            table("Half-widths of the plays.", "THRESHOLD", "Real", thresholds.len(), &all(thresholds));
+            table("Slopes of what they put out, three a play.", "SLOPE", "Real", slopes.len(), &all(slopes));
+            let pair = |[a, b]: [T; 2]| format!("{}, {}", literal(a), literal(b));
+            out.push_str(&format!(
+                "/// Activation of the plays, and seconds from sample to sample.\nconst PACE: (Real, Real) = ({});\n\
+                 /// Ends of the range over which the slopes hold.\nconst RANGE: [Real; 2] = [{}];\n",
+                pair([sigma, interval]),
+                pair([low, high])
+            ));
+        }
         OperatorCoefficients::Plane { range: [low, high], intervals, everett, turns, .. } => {
             let comment = "Sums over the relays between two levels: (1, 0), (2, 0), (2, 1), (3, 0), …";
             table(comment, "EVERETT", "Real", everett.len(), &all(everett));

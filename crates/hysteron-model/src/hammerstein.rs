@@ -14,7 +14,7 @@ use crate::dynamics::{
 };
 use crate::dynamics_error::check_length;
 use crate::hysteresis::{DriveGrid, Hysteresis, RecordEnds, polygon_of_means};
-use crate::record::{InterSample, Timing, even_times, rates_on};
+use crate::record::{InterSample, Timing, even_times, paces_on};
 pub use crate::simulation_error::SimulationError;
 use crate::start::Start;
 use hysteron_numeric::Complex64;
@@ -169,7 +169,7 @@ impl Model {
         let (memory, origin) = self.origin(start, rest_voltage_v)?;
         let mut v = vec![0.0; knots.drive_v.len()];
         self.hysteresis.simulate_every(
-            DriveGrid::of_rates(&knots.rates, 1),
+            DriveGrid::of_paces(&knots.paces, 1),
             &knots.drive_v,
             origin,
             &mut v,
@@ -244,7 +244,7 @@ impl Model {
     ) -> Result<(Vec<f64>, usize, f64), SimulationError> {
         let grid = |finer, factor| DriveGrid::new(timing.sample_rate_hz(), finer, factor);
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
-        // On stamps every move has a rate of its own.
+        // On stamps every move has a time of its own.
         let times_s = match timing {
             Timing::Stamps(times_s) => {
                 check_length("time stamps", times_s.len(), u.len())?;
@@ -265,12 +265,12 @@ impl Model {
             let fine = self.inter_sample.upsample(&extended, FINER, RecordEnds::Open)?;
             // Between samples time goes on evenly.
             let even = |times_s: Vec<f64>| InterSample::Linear.upsample(&times_s, FINER, RecordEnds::Open);
-            let rates = times_s.map(even).transpose()?.map(|times_s| rates_on(&times_s, &fine));
-            let grid = DriveGrid { rates: rates.as_deref(), ..grid(FINER, FINER) };
+            let paces = times_s.map(even).transpose()?.map(|times_s| paces_on(&times_s, &fine));
+            let grid = DriveGrid { paces: paces.as_deref(), ..grid(FINER, FINER) };
             operator.simulate_every(grid, &fine, origin, &mut v)?;
         } else {
-            let rates = times_s.map(|times_s| rates_on(&times_s, &extended));
-            let grid = DriveGrid { rates: rates.as_deref(), ..grid(1, 1) };
+            let paces = times_s.map(|times_s| paces_on(&times_s, &extended));
+            let grid = DriveGrid { paces: paces.as_deref(), ..grid(1, 1) };
             operator.simulate_every(grid, &extended, origin, &mut v)?;
         }
         Ok((v, prologue, operator.at_rest(rest_voltage_v, memory)))

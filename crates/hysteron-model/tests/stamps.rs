@@ -12,7 +12,7 @@ use hysteron_model::dynamics::{
 };
 use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{Columns, DriveGrid, Hysteresis, HysteresisForm, examples};
-use hysteron_model::record::{Timing, rates_on};
+use hysteron_model::record::{Timing, paces_on};
 
 /// Rate of the common grid \[Hz\].
 const FINE_HZ: f64 = 320_000.0;
@@ -318,13 +318,13 @@ fn stamps_that_happen_to_be_even_are_the_rate() {
 fn plays_that_see_the_rate_are_differentiated_on_stamps() {
     let times = seconds(&knots());
     let input: Vec<f64> = times.iter().map(|t| drive(*t)).collect();
-    let rates = rates_on(&times, &input);
+    let paces = paces_on(&times, &input);
     let form = plays_that_see_the_rate();
     let start = Start::Remembering { voltage_v: input[0], memory: -0.3 };
     let run = |shape: &[f64], memory: f64, wanted: Option<&[bool]>| {
         let mut columns = Columns::default();
         let start = Start::Remembering { voltage_v: input[0], memory };
-        form.run(shape, DriveGrid::of_rates(&rates, 1), &input, start, wanted, &mut columns).unwrap();
+        form.run(shape, DriveGrid::of_paces(&paces, 1), &input, start, wanted, &mut columns).unwrap();
         columns
     };
     let Start::Remembering { memory, .. } = start else { unreachable!() };

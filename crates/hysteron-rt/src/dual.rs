@@ -143,6 +143,9 @@ impl<T: Real, const P: usize> Scalar for Dual<T, P> {
         let e = self.value.exp();
         self.chain(e, e)
     }
+    fn ln(self) -> Self {
+        self.chain(self.value.ln(), T::of(1.0) / self.value)
+    }
     fn ln_1p(self) -> Self {
         self.chain(self.value.ln_1p(), T::of(1.0) / (T::of(1.0) + self.value))
     }

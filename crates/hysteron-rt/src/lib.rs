@@ -64,6 +64,9 @@ pub use online::{
 };
 pub use parameter_error::ParameterError;
 pub use plane::{LEAST_TURNS, Plane, Turn, Turns};
-pub use play::{BrokenLine, Piece, PlayBank, PlayError, SidedPlays, Sides, play};
+pub use play::{
+    ActivatedMove, ActivatedPlays, BrokenLine, Piece, PlayBank, PlayError, SLOPES, SidedPlays, Sides,
+    bernstein_integrals, play,
+};
 pub use real::{Real, Scalar};
 pub use series::log_distance;

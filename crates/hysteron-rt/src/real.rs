@@ -32,6 +32,8 @@ pub trait Scalar:
     fn shift(self, term: Self::Real) -> Self;
     /// eˣ.
     fn exp(self) -> Self;
+    /// ln x.
+    fn ln(self) -> Self;
     /// ln(1 + x).
     fn ln_1p(self) -> Self;
     /// √x.
@@ -67,8 +69,6 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     fn abs(self) -> Self;
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// ln x.
-    fn ln(self) -> Self;
     /// The whole number below a positive number; 0 for what is not one.
     fn truncated(self) -> usize;
 }
@@ -112,6 +112,7 @@ macro_rules! real {
                 self + term
             }
             elementary!(exp, $t::exp, $exp);
+            elementary!(ln, $t::ln, $ln);
             elementary!(ln_1p, $t::ln_1p, $ln_1p);
             elementary!(sqrt, $t::sqrt, $sqrt);
             elementary!(tan, $t::tan, $tan);
@@ -146,7 +147,6 @@ macro_rules! real {
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
             }
-            elementary!(ln, $t::ln, $ln);
             #[inline(always)]
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             fn truncated(self) -> usize {

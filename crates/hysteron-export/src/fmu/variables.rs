@@ -57,7 +57,7 @@ pub(super) fn parameters<T: Real + Into<f64>>(
         OperatorCoefficients::SidedPlays { sides: Sides::Envelopes { .. } | Sides::Ramps { .. }, .. }
     );
     match coefficients.operator {
-        OperatorCoefficients::Plane { .. } => {}
+        OperatorCoefficients::ActivatedPlays { .. } | OperatorCoefficients::Plane { .. } => {}
         OperatorCoefficients::Branch { law, weights } => {
             for (k, &w) in weights.iter().enumerate() {
                 let power = match law {

@@ -71,7 +71,12 @@ static void settle($name_state *state, real u, real v)
         state->play[i] = virgin_play(u, i);
     }
 //}
-//{ rate
+//{ activated
+    for (i = 0; i < $NAME_PLAYS; i++) {
+        state->play[i] = R(0);
+    }
+//}
+//{ rate|activated
     state->rested = 1;
 //}
 //{ plane

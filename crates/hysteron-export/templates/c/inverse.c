@@ -15,12 +15,7 @@ static reached reached_at(const $name_state *state, real voltage)
 {
     reached there;
     there.voltage = voltage;
-//{ rate
-    there.output = hysteresis_look(state, voltage, voltage - state->voltage);
-//}
-//{ !rate
-    there.output = hysteresis_look(state, voltage);
-//}
+    there.output = hysteresis_look(state, voltage$AT_END);
     there.missed = 0;
     return there;
 }
@@ -29,11 +24,11 @@ static reached reached_at(const $name_state *state, real voltage)
    P. Jarratt 1971, doi:10.1007/BF01934364), every third step a halving, at most $MOST_LOOKS looks. */
 static reached reach(const $name_state *state, real target, real low, real high)
 {
-//{ rate
-    /* Plays that a fast move has left behind come on where the voltage stays. */
-    const real output = hysteresis_look(state, state->voltage, R(0));
+//{ moves_at_rest
+    /* Plays that a fast move has left behind, or that creep, come on where the voltage stays. */
+    const real output = hysteresis_look(state, state->voltage$AT_REST);
 //}
-//{ !rate
+//{ !moves_at_rest
     const real output = state->output;
 //}
     const int upwards = target > output;
@@ -187,12 +182,7 @@ $name_status $name_rest_after($name_state *state, real virgin, real voltage, rea
     state->output = v;
     stand_at(state, state->displacement);
     /* The slope from rest, for the first guess. */
-//{ rate
-    rise = (hysteresis_look(state, voltage + away, away) - v) / away;
-//}
-//{ !rate
-    rise = (hysteresis_look(state, voltage + away) - v) / away;
-//}
+    rise = (hysteresis_look(state, voltage + away$AWAY) - v) / away;
     state->slope = rise > R(0) && is_finite(rise) ? rise : R(1);
     *displacement = state->displacement;
     return status;

@@ -43,7 +43,7 @@ typedef enum {
 //{ branch
 #define $NAME_STATES $N_STATES
 //}
-//{ plays|sided
+//{ plays|sided|activated
 #define $NAME_PLAYS $N_PLAYS
 //}
 //{ plane

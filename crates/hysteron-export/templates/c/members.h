@@ -13,7 +13,10 @@
 //{ sided
     $name_real play[$NAME_PLAYS];
 //}
-//{ rate
+//{ activated
+    $name_real play[$NAME_PLAYS]; /* distances behind the voltage */
+//}
+//{ rate|activated
     int rested; /* has not moved since it was virgin */
 //}
 //{ plane

@@ -72,12 +72,7 @@ $name_status $name_step($name_state *state, real voltage, real *displacement)
     }
 //{ means
     /* Half-way: from the start of the move, as its end is. */
-//{ rate
-    middle = hysteresis_look(state, R(0.5) * state->voltage + R(0.5) * voltage, voltage - state->voltage);
-//}
-//{ !rate
-    middle = hysteresis_look(state, R(0.5) * state->voltage + R(0.5) * voltage);
-//}
+    middle = hysteresis_look(state, R(0.5) * state->voltage + R(0.5) * voltage$AT_HALF);
     if (!is_in_range(middle)) {
         return $NAME_OVERFLOW;
     }

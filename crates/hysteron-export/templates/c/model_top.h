@@ -38,7 +38,7 @@ typedef enum {
 //{ branch
 #define $NAME_STATES $N_STATES
 //}
-//{ plays|sided
+//{ plays|sided|activated
 #define $NAME_PLAYS $N_PLAYS
 //}
 //{ plane

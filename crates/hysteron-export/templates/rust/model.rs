@@ -47,6 +47,9 @@ use hysteron_rt::BrokenLine;
 //{ sided
 use hysteron_rt::{SidedPlays, Sides};
 //}
+//{ activated
+use hysteron_rt::ActivatedPlays;
+//}
 //{ plane
 use hysteron_rt::{Plane, Turn, Turns};
 //}
@@ -100,6 +103,9 @@ pub struct Memory {
 //{ plays|sided
     plays: [Real; WEIGHT.len()],
 //}
+//{ activated
+    plays: [Real; THRESHOLD.len()],
+//}
 //{ plane
     turns: [Turn<Real>; TURNS],
 //}
@@ -136,6 +142,9 @@ impl Memory {
 //}
 //{ plays|sided
             plays: [0.0; WEIGHT.len()],
+//}
+//{ activated
+            plays: [0.0; THRESHOLD.len()],
 //}
 //{ plane
             turns: [Turn::none(); TURNS],
@@ -185,6 +194,10 @@ impl Memory {
         let plays = plays.with_line(line).map_err(|_| ModelError::Coefficient)?;
 //}
         let operator = Operator::SidedPlays { plays, states: &mut self.plays };
+//}
+//{ activated
+        let plays = ActivatedPlays::new(PACE, RANGE, &THRESHOLD, &SLOPE).map_err(|_| ModelError::Coefficient)?;
+        let operator = Operator::ActivatedPlays { plays, states: &mut self.plays };
 //}
 //{ plane
         let plane = Plane::new(LEVELS, INTERVALS, &EVERETT).map_err(|_| ModelError::Coefficient)?;

@@ -103,10 +103,10 @@ impl TimedDrive {
             }
             Timing::Stamps(times_s) => {
                 let outputs_s = even_times(times_s);
-                let Knots { times_s: knots_s, drive_v, rates } =
+                let Knots { times_s: knots_s, drive_v, paces } =
                     Knots::new(&outputs_s, u, inter_sample, sees_rate);
                 let held = inter_sample == InterSample::Hold;
-                let clock = Clock::Stamps { knots_s, rates, outputs_s, held };
+                let clock = Clock::Stamps { knots_s, paces, outputs_s, held };
                 Ok(Self { fine: Some(drive_v), thinning: Thinning::Pick(1), clock })
             }
         }

@@ -17,6 +17,7 @@ use super::weighting::Weighting;
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Linearised, PlanInput, PlanResponse, PlanWorkspace, RecordPlan, Sampling};
 use hysteron_model::hysteresis::{Columns, DriveGrid, HysteresisForm};
+use hysteron_model::record::Pace;
 use hysteron_optimize::Stop;
 use rayon::prelude::*;
 
@@ -33,8 +34,8 @@ pub(in super::super) struct JointRecord {
     drive: Vec<f64>,
     /// How its samples lie in time.
     grid: DriveGrid<'static>,
-    /// Rate of the way to each sample of the drive \[V/s\], where these are not an equal time apart.
-    rates: Option<Vec<f64>>,
+    /// How the drive comes to each of its samples, where these are not an equal time apart.
+    paces: Option<Vec<Pace>>,
     thinning: Thinning,
     reduction: Option<Reduction>,
     /// What happened before the first sample; an unknown memory at rest at u(0) is a parameter of the fit.
@@ -226,7 +227,7 @@ impl JointRecord {
             return true;
         }
         *of = None;
-        let grid = DriveGrid { rates: self.rates.as_deref(), ..self.grid };
+        let grid = DriveGrid { paces: self.paces.as_deref(), ..self.grid };
         if form.run(shape, grid, &self.drive, self.origin(memory), derivatives, columns).is_err() {
             return false;
         }

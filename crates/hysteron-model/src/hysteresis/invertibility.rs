@@ -5,7 +5,7 @@ use std::fmt;
 use super::{
     Admissibility, BoucWen, DriveGrid, Family, Hysteresis, HysteresisError, PrandtlIshlinskii, polynomial,
 };
-use crate::record::{Timing, rates_on};
+use crate::record::{Timing, paces_on};
 use crate::start::Start;
 use hysteron_numeric::display::short;
 
@@ -136,11 +136,11 @@ impl Hysteresis {
         for &(drive, timing) in drives {
             let Some(&rest) = drive.first() else { continue };
             let mut v = vec![0.0; drive.len()];
-            let rates = match timing {
-                Timing::Stamps(times_s) => Some(rates_on(times_s, drive)),
+            let paces = match timing {
+                Timing::Stamps(times_s) => Some(paces_on(times_s, drive)),
                 Timing::Unknown | Timing::Rate(_) => None,
             };
-            let grid = DriveGrid { rates: rates.as_deref(), ..DriveGrid::new(timing.sample_rate_hz(), 1, 1) };
+            let grid = DriveGrid { paces: paces.as_deref(), ..DriveGrid::new(timing.sample_rate_hz(), 1, 1) };
             self.simulate_every(grid, drive, Start::Rest { voltage_v: rest }, &mut v)?;
             // From turn to turn of what moves at all, so that noise on a held drive is no branch.
             let mut from = (rest, v.first().copied().unwrap_or(0.0));

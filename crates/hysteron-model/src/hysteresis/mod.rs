@@ -12,6 +12,7 @@
 //! * [`InterSample`]: how the drive goes from one sample to the next.
 //! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises the output.
 
+mod activated_plays;
 mod admissibility;
 pub mod bouc_wen;
 mod columns;
@@ -43,6 +44,7 @@ mod sensitivities;
 mod song_der_kiureghian;
 
 pub use crate::record::InterSample;
+pub use activated_plays::ActivatedPlays;
 pub use admissibility::Admissibility;
 pub use bouc_wen::{BoucWen, BoucWenState, UnitShape};
 pub use columns::{ColumnKernel, ColumnSensitivities};

@@ -13,6 +13,7 @@ use super::family::{
     ShapeNumber, inner_grid,
 };
 use super::plays::{PlayStates, check_thresholds};
+use crate::record::Pace;
 
 /// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|.
 ///
@@ -22,7 +23,7 @@ use super::plays::{PlayStates, check_thresholds};
 ///
 /// Shape: `scale`, 1 for the thresholds as they are; `rate_gain` λ ≥ 0 \[s\]. The rate is that of the straight line between two
 /// samples; the first move of a device at rest has none. A virgin play stands at its voltage. Where samples are not an equal time
-/// apart, their rates are given with the drive ([`super::DriveGrid::rates`]).
+/// apart, their rates are given with the drive ([`super::DriveGrid::paces`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateDependentPlays {
     /// Half-widths at rest \[V\], positive and increasing.
@@ -84,8 +85,8 @@ impl ColumnKernel for RateDependentPlays {
         state.before = by;
     }
 
-    fn paced<S: Scalar<Real = f64>>(state: &mut RateDependentPlayStates<S>, rate: f64) {
-        state.rate = Some(rate);
+    fn paced<S: Scalar<Real = f64>>(state: &mut RateDependentPlayStates<S>, pace: Pace) {
+        state.rate = Some(pace.rate);
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &RateDependentPlayStates<S>, out: &mut [S]) {
@@ -143,6 +144,10 @@ impl FamilyDescription for Entry {
     }
 
     fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn depends_on_time(&self) -> bool {
         true
     }
 

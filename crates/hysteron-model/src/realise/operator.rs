@@ -1,8 +1,8 @@
 //! The hysteresis block in one number type: coefficients and memory of the operator that `hysteron-rt` runs a family by.
 
 use hysteron_rt::{
-    BoucWen, Branch, BrokenLine, IncrementMemory, ModelError, Operator, Plane, PlayBank, Real, SidedPlays,
-    Sides, Turn, Turns,
+    ActivatedPlays, BoucWen, Branch, BrokenLine, IncrementMemory, ModelError, Operator, Plane, PlayBank,
+    Real, SidedPlays, Sides, Turn, Turns,
 };
 
 use super::RealiseError;
@@ -45,6 +45,17 @@ pub enum OperatorCoefficients<'a, T> {
         /// Its slopes \[µm/V\], one more; none without a line.
         slopes: &'a [T],
     },
+    /// v = l\[u\] + plays with thermally activated edges ([`ActivatedPlays`]).
+    ActivatedPlays {
+        /// Activation \[V\], and time between samples \[s\].
+        pace: (T, T),
+        /// Ends of the range of their slopes \[V\].
+        range: [T; 2],
+        /// Half-widths \[V\].
+        thresholds: &'a [T],
+        /// Slopes, three a play.
+        slopes: &'a [T],
+    },
     /// v = l\[u\] + a plane of relays ([`Plane`]).
     Plane {
         /// Its lowest and highest level \[V\].
@@ -67,6 +78,7 @@ pub(super) enum OperatorParts<T> {
     Branch { law: Branch<T>, weights: Vec<T>, memory: Vec<IncrementMemory<T>> },
     Plays { thresholds: Vec<T>, weights: Vec<T>, states: Vec<T> },
     SidedPlays { sides: Sides<T>, thresholds: Vec<T>, weights: Vec<T>, line: Line<T>, states: Vec<T> },
+    ActivatedPlays { pace: (T, T), range: [T; 2], thresholds: Vec<T>, slopes: Vec<T>, states: Vec<T> },
     Plane { range: [T; 2], density: T, intervals: usize, everett: Vec<T>, turns: Vec<Turn<T>> },
 }
 
@@ -96,6 +108,17 @@ pub(super) fn parts<T: Real>(
             let MeanLine { shares, corners, slopes } = line;
             let line = Line { shares: all(shares), corners: all(corners), slopes: all(slopes) };
             OperatorParts::sided(sides.map(T::of), thresholds, weights, line)
+        }
+        RuntimeOperator::ActivatedPlays { sigma, interval_s, range, thresholds, slopes } => {
+            let states = vec![T::of(0.0); thresholds.len()];
+            let (pace, range) = ((T::of(sigma), T::of(interval_s)), range.map(T::of));
+            OperatorParts::ActivatedPlays {
+                pace,
+                range,
+                thresholds: all(thresholds),
+                slopes: all(slopes),
+                states,
+            }
         }
         RuntimeOperator::Plane { range, intervals, cells } => OperatorParts::plane(range, intervals, &cells)?,
     };
@@ -178,6 +201,9 @@ impl<T: Real> OperatorParts<T> {
                 corners: &line.corners,
                 slopes: &line.slopes,
             },
+            Self::ActivatedPlays { pace, range, thresholds, slopes, .. } => {
+                OperatorCoefficients::ActivatedPlays { pace: *pace, range: *range, thresholds, slopes }
+            }
             Self::Plane { range, density, intervals, everett, turns } => OperatorCoefficients::Plane {
                 range: *range,
                 density: *density,
@@ -205,6 +231,10 @@ impl<T: Real> OperatorParts<T> {
                 }
                 Operator::SidedPlays { plays, states }
             }
+            Self::ActivatedPlays { pace, range, thresholds, slopes, states } => Operator::ActivatedPlays {
+                plays: ActivatedPlays::new(*pace, *range, thresholds, slopes).map_err(rounded)?,
+                states,
+            },
             Self::Plane { range, intervals, everett, turns, .. } => Operator::Plane {
                 plane: Plane::new(*range, *intervals, everett).map_err(|_| RealiseError::Rounded)?,
                 turns: Turns::new(turns),

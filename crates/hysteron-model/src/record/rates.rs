@@ -1,14 +1,23 @@
 //! How fast a drive moves between its samples.
 
-/// |du/dt| \[V/s\] of the straight line to each sample of the drive `u` \[V\] at `times_s` \[s\] from the one before; 0 for the first,
-/// which a device at rest comes to without rate, and for a jump in no time.
-pub fn rates_on(times_s: &[f64], u: &[f64]) -> Vec<f64> {
+/// How the drive comes to a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pace {
+    /// |du/dt| on the way \[V/s\]; 0 for a jump in no time.
+    pub rate: f64,
+    /// Time on the way \[s\].
+    pub interval_s: f64,
+}
+
+/// How the drive `u` \[V\] at `times_s` \[s\] comes to each of its samples, on a straight line from the one before; a device at rest
+/// comes to the first without rate and in no time.
+pub fn paces_on(times_s: &[f64], u: &[f64]) -> Vec<Pace> {
     let moves = times_s.windows(2).zip(u.windows(2));
-    let rates = moves.map(|(times, u)| {
-        let (time_s, move_v) = (times[1] - times[0], u[1] - u[0]);
-        if time_s > 0.0 { (move_v / time_s).abs() } else { 0.0 }
+    let paces = moves.map(|(times, u)| {
+        let (interval_s, move_v) = (times[1] - times[0], u[1] - u[0]);
+        Pace { rate: if interval_s > 0.0 { (move_v / interval_s).abs() } else { 0.0 }, interval_s }
     });
-    u.first().map(|_| 0.0).into_iter().chain(rates).collect()
+    u.first().map(|_| Pace::default()).into_iter().chain(paces).collect()
 }
 
 #[cfg(test)]
@@ -16,9 +25,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rates_by_hand() {
+    fn paces_by_hand() {
         let (times_s, u) = ([0.0, 0.5, 0.5, 2.5], [1.0, 2.0, 5.0, 4.0]);
-        assert_eq!(rates_on(&times_s, &u), [0.0, 2.0, 0.0, 0.5]);
-        assert!(rates_on(&[], &[]).is_empty());
+        let pace = |rate, interval_s| Pace { rate, interval_s };
+        assert_eq!(paces_on(&times_s, &u), [pace(0.0, 0.0), pace(2.0, 0.5), pace(0.0, 0.0), pace(0.5, 2.0)]);
+        assert!(paces_on(&[], &[]).is_empty());
     }
 }

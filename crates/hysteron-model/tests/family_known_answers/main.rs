@@ -2,6 +2,7 @@
 //! makes them equal, and with a plain integration of its own equation.
 #![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
 
+mod activated_plays;
 mod bouc_wen;
 mod duhem_and_dahl;
 mod generalised_plays;

@@ -5,7 +5,7 @@ use crate::bouc_wen::BoucWen;
 use crate::branch::Branch;
 use crate::increment::IncrementMemory;
 use crate::plane::{LEAST_TURNS, Plane, Turns};
-use crate::play::{PlayBank, SidedPlays};
+use crate::play::{ActivatedPlays, PlayBank, SidedPlays};
 use crate::real::Real;
 
 /// What adds memory to the polynomial l\[u\].
@@ -43,6 +43,13 @@ pub enum Operator<'a, T> {
         /// Their states, one each.
         states: &'a mut [T],
     },
+    /// v = l\[u\] + plays with thermally activated edges.
+    ActivatedPlays {
+        /// The plays.
+        plays: ActivatedPlays<'a, T>,
+        /// Their distances behind the drive, one each.
+        states: &'a mut [T],
+    },
     /// v = l\[u\] + a plane of relays.
     Plane {
         /// The relays.
@@ -75,6 +82,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::Branch { weights, memory, .. } => (weights.len(), memory.len()),
             Operator::Plays { bank, states } => (bank.weights().len(), states.len()),
             Operator::SidedPlays { plays, states } => (plays.count(), states.len()),
+            Operator::ActivatedPlays { plays, states } => (plays.count(), states.len()),
             Operator::Plane { turns, .. } => (turns.room().max(LEAST_TURNS), turns.room()),
         };
         if expected != found {
@@ -102,6 +110,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::Plays { bank, .. } => bank.weights().iter().fold(v, |v, weight| v + *weight * voltage),
             Operator::Branch { law, weights, .. } => v + law.output_at_rest(weights, voltage),
             Operator::SidedPlays { plays, .. } => v + plays.output_at_rest(voltage),
+            Operator::ActivatedPlays { plays, .. } => v + plays.output_at_rest(voltage),
             Operator::Plane { plane, .. } => v + plane.output_at_rest(voltage),
         }
     }
@@ -116,6 +125,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
             Operator::Branch { law, memory, .. } => memory.fill(IncrementMemory::new(law.virgin(voltage))),
             Operator::Plays { states, .. } => states.fill(voltage),
             Operator::SidedPlays { plays, states } => plays.rest_at(states, voltage),
+            Operator::ActivatedPlays { states, .. } => states.fill(T::of(0.0)),
             Operator::Plane { plane, turns } => turns.rest_at(plane, voltage),
         }
         self.output_at_rest(voltage)
@@ -177,6 +187,11 @@ impl<'a, T: Real> Hysteresis<'a, T> {
                 in_range_or_overflow(v)?;
                 plays.advance(states, [middle, voltage], du);
             }
+            Operator::ActivatedPlays { plays, states } => {
+                v = v + plays.look(states, voltage, (du, T::of(1.0)), self.rested);
+                in_range_or_overflow(v)?;
+                plays.advance(states, du, self.rested);
+            }
             Operator::Plane { plane, turns } => {
                 let to = turns.look(plane, voltage);
                 v = v + to.output();
@@ -198,7 +213,7 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         let half = T::of(0.5);
         // From the start of the move, as its end is: neither waits for the other.
         let place = half * self.voltage + half * voltage;
-        let middle = self.look_during(place, voltage - self.voltage);
+        let middle = self.look_during(place, voltage - self.voltage, half);
         if !voltage.is_finite() {
             return Err(ModelError::NotFinite);
         }
@@ -209,12 +224,12 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     /// What a monotone move to `voltage` would put out; nothing is moved. Where [`Self::step`] would fail: out of range, or not a number.
     #[inline]
     pub fn look(&self, voltage: T) -> T {
-        self.look_during(voltage, voltage - self.voltage)
+        self.look_during(voltage, voltage - self.voltage, T::of(1.0))
     }
 
-    /// What it would put out at `voltage`, in a sample that moves by `whole`.
+    /// What it would put out at `voltage`, in a sample that moves by `whole`, after that `share` of it.
     #[inline]
-    fn look_during(&self, voltage: T, whole: T) -> T {
+    fn look_during(&self, voltage: T, whole: T, share: T) -> T {
         let v = self.polynomial_at(voltage);
         match &self.operator {
             Operator::None => v,
@@ -230,14 +245,21 @@ impl<'a, T: Real> Hysteresis<'a, T> {
                 let du = if self.rested { T::of(0.0) } else { whole };
                 v + plays.look(states, [voltage, voltage], du)
             }
+            Operator::ActivatedPlays { plays, states } => {
+                v + plays.look(states, voltage, (voltage - self.voltage, share), self.rested)
+            }
             Operator::Plane { plane, turns } => v + turns.look(plane, voltage).output(),
         }
     }
 
-    /// Whether plays are moved again where they stand, because the last sample was faster than none.
+    /// Whether plays move where the voltage stays: the last sample was faster, or they creep.
     #[inline(always)]
-    pub(super) fn sees_rate(&self) -> bool {
-        matches!(&self.operator, Operator::SidedPlays { plays, .. } if plays.sees_rate())
+    pub(super) fn moves_at_rest(&self) -> bool {
+        match &self.operator {
+            Operator::SidedPlays { plays, .. } => plays.sees_rate(),
+            Operator::ActivatedPlays { .. } => true,
+            _ => false,
+        }
     }
 
     /// The polynomial l\[u\] at `u`.

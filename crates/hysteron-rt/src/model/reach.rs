@@ -27,8 +27,8 @@ impl<T: Real> Hysteresis<'_, T> {
     #[inline]
     pub fn reach(&self, output: T, target: T, [low, high]: [T; 2], slope: T) -> Reached<T> {
         let half = T::of(0.5);
-        // Plays that a fast move has left behind come on where the voltage stays.
-        let output = if self.sees_rate() { self.look(self.voltage()) } else { output };
+        // Plays that a fast move has left behind, or that creep, come on where the voltage stays.
+        let output = if self.moves_at_rest() { self.look(self.voltage()) } else { output };
         let at = |voltage: T| Reached { voltage, output: self.look(voltage), missed: false };
         let mut near = Reached { voltage: self.voltage(), output, missed: false };
         let upwards = target > output;

@@ -1,9 +1,11 @@
 //! Play (backlash) operators, one monotone move at a time, and the exact inverse of the move.
 
+mod activated;
 mod broken_line;
 mod error;
 mod sided;
 
+pub use activated::{ActivatedMove, ActivatedPlays, SLOPES, bernstein_integrals};
 pub use broken_line::BrokenLine;
 pub use error::PlayError;
 pub use sided::{SidedPlays, Sides};

@@ -8,6 +8,7 @@ use super::{JointRecord, rest_voltage};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicsError, RecordPlan, Sampling, Scheme, SimulationPlan, StampedPlan};
 use hysteron_model::hysteresis::DriveGrid;
+use hysteron_model::record::Pace;
 
 /// When the samples of a record were taken.
 pub(crate) enum Clock {
@@ -16,8 +17,8 @@ pub(crate) enum Clock {
     /// At these times \[s\]; the drive is given at knots of its own and is held between them or goes along straight lines.
     Stamps {
         knots_s: Vec<f64>,
-        /// Rate of the drive on the way to each knot \[V/s\].
-        rates: Vec<f64>,
+        /// How the drive comes to each knot.
+        paces: Vec<Pace>,
         outputs_s: Vec<f64>,
         held: bool,
     },
@@ -92,16 +93,16 @@ impl JointRecord {
 
         let initial = if periodic { Start::PERIODIC } else { Start::ZERO };
         let (finer, every) = (parts.thinning.finer(), parts.thinning.every());
-        let (plan, grid, rates) = match parts.clock {
+        let (plan, grid, paces) = match parts.clock {
             Clock::Rate(own_hz) => {
                 let rate_hz = own_hz / parts.factor as f64;
                 let plan = SimulationPlan::new(samples, rate_hz, parts.scheme, initial)?;
                 let plan = plan.of_thinned_inputs(parts.factor);
                 (RecordPlan::Uniform(Box::new(plan)), DriveGrid::new(Some(own_hz), finer, every), None)
             }
-            Clock::Stamps { knots_s, rates, outputs_s, held } => {
+            Clock::Stamps { knots_s, paces, outputs_s, held } => {
                 let plan = StampedPlan::new(knots_s, outputs_s, held)?;
-                (RecordPlan::Stamped(plan), DriveGrid::from(every), Some(rates))
+                (RecordPlan::Stamped(plan), DriveGrid::from(every), Some(paces))
             }
         };
         let rest_v = rest_voltage(parts.before, parts.drive);
@@ -121,7 +122,7 @@ impl JointRecord {
         Ok(Self {
             drive: parts.drive.to_vec(),
             grid,
-            rates,
+            paces,
             thinning: parts.thinning,
             before: parts.before,
             cycles: parts.cycles,

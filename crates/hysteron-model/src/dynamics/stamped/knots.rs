@@ -1,6 +1,6 @@
 //! Where a drive on time stamps is followed.
 
-use crate::record::{InterSample, rates_on};
+use crate::record::{InterSample, Pace, paces_on};
 
 /// Largest move between knots, as a share of the range of the drive: between them the output of the hysteresis is taken to go
 /// along a straight line, which leaves out less than an eighth of its curvature over the move.
@@ -17,8 +17,8 @@ pub struct Knots {
     pub times_s: Vec<f64>,
     /// Drive there \[V\].
     pub drive_v: Vec<f64>,
-    /// |du/dt| \[V/s\] of the way to each knot, 0 for the first.
-    pub rates: Vec<f64>,
+    /// How the drive comes to each knot.
+    pub paces: Vec<Pace>,
 }
 
 impl Knots {
@@ -34,10 +34,10 @@ impl Knots {
         if let (Some(&time), Some(&voltage)) = (times_s.first(), u.first()) {
             knots.push(time, voltage, 0.0);
         }
-        let rates = rates_on(times_s, u);
-        for ((times, u), rates) in times_s.windows(2).zip(u.windows(2)).zip(rates.windows(2)) {
+        let paces = paces_on(times_s, u);
+        for ((times, u), paces) in times_s.windows(2).zip(u.windows(2)).zip(paces.windows(2)) {
             let ([before, time], [from, voltage]) = ([times[0], times[1]], [u[0], u[1]]);
-            let [rate_before, rate] = [rates[0], rates[1]];
+            let [rate_before, rate] = [paces[0].rate, paces[1].rate];
             if rule != InterSample::Hold {
                 if sees_rate && rate < rate_before {
                     knots.push(before, from, rate);
@@ -54,9 +54,10 @@ impl Knots {
     }
 
     fn push(&mut self, time_s: f64, drive_v: f64, rate: f64) {
+        let interval_s = self.times_s.last().map_or(0.0, |before| time_s - before);
         self.times_s.push(time_s);
         self.drive_v.push(drive_v);
-        self.rates.push(rate);
+        self.paces.push(Pace { rate, interval_s });
     }
 }
 
@@ -72,8 +73,10 @@ mod tests {
         assert_eq!(seen.times_s[..4], [0.0, 1.0, 1.0, 3.0]);
         assert_eq!(seen.drive_v[..4], [0.0, 1e-3, 1e-3, 1.9e-3]);
         let expected = [0.0, 1e-3, 4.5e-4, 4.5e-4];
-        assert!(seen.rates.iter().zip(expected).all(|(rate, expected)| (rate - expected).abs() < 1e-15));
-        assert!(seen.rates[4..].iter().all(|rate| (rate - 0.9981).abs() < 1e-15));
+        assert!(seen.paces.iter().zip(expected).all(|(pace, expected)| (pace.rate - expected).abs() < 1e-15));
+        assert!(seen.paces[4..].iter().all(|pace| (pace.rate - 0.9981).abs() < 1e-15));
+        assert_eq!([seen.paces[1], seen.paces[2]].map(|pace| pace.interval_s), [1.0, 0.0]);
+        assert!((seen.paces.iter().map(|pace| pace.interval_s).sum::<f64>() - 4.0).abs() < 1e-12);
         assert_eq!((plain.times_s.len(), seen.times_s.len()), (4 + 399, 4 + 1 + 998));
         // A held drive jumps; it has no corners.
         assert_eq!(Knots::new(&times_s, &u, InterSample::Hold, true).times_s, times_s);
@@ -82,6 +85,8 @@ mod tests {
     #[test]
     fn a_drive_that_stands_still_has_its_samples_as_knots() {
         let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, true);
-        assert_eq!((knots.times_s, knots.rates), (vec![0.0, 1.0, 2.0], vec![0.0; 3]));
+        assert_eq!(knots.times_s, [0.0, 1.0, 2.0]);
+        let still = |interval_s| Pace { rate: 0.0, interval_s };
+        assert_eq!(knots.paces, [still(0.0), still(1.0), still(1.0)]);
     }
 }

@@ -14,6 +14,7 @@ pub(super) use relaxing::RelaxingState;
 use hysteron_rt::Scalar;
 
 use super::{DriveGrid, HysteresisError};
+use crate::record::Pace;
 use crate::start::Start;
 
 /// The operators of one family: fixed structure in the type, shape θ beside it.
@@ -69,14 +70,14 @@ pub trait ColumnKernel {
         &mut []
     }
 
-    /// Tells a memory that sees the rate which voltage comes before the next one; nothing moves.
+    /// Tells a memory that depends on time which voltage comes before the next one; nothing moves.
     fn preceded<S: Scalar<Real = f64>>(state: &mut Self::State<S>, by: Option<f64>) {
         let _ = (state, by);
     }
 
-    /// Tells a memory that sees the rate how fast the next move is, |du/dt| \[V/s\]; nothing moves.
-    fn paced<S: Scalar<Real = f64>>(state: &mut Self::State<S>, rate: f64) {
-        let _ = (state, rate);
+    /// Tells a memory that depends on time how the drive goes to the next sample; nothing moves.
+    fn paced<S: Scalar<Real = f64>>(state: &mut Self::State<S>, pace: Pace) {
+        let _ = (state, pace);
     }
 
     /// [`Self::advance`] and [`Self::read`].
@@ -97,7 +98,7 @@ pub trait ColumnKernel {
 
     /// The columns for the voltages `u` \[V\] given on a time base finer by the factor of a grid, one after the other into `out`: value
     /// k of column j is `out[j * n + k]` and belongs to `u[k * factor]`, n = ⌈len u / factor⌉. Returns the state at the
-    /// last sample of u. Of the grid, factor and rates count: an interval is the kernel's own. Allocates a state and a row of K
+    /// last sample of u. Of the grid, factor and paces count: an interval is the kernel's own. Allocates a state and a row of K
     /// numbers, nothing a sample.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use hysteron_rt::{Dual, Scalar};
 use super::super::pass::{Every, at_rest};
 use super::super::{DriveGrid, HysteresisError};
 use super::ColumnKernel;
+use crate::record::Pace;
 use crate::start::Start;
 
 /// Columns and their derivatives at every `factor`-th sample of a drive, each K columns one after the other. The
@@ -34,18 +35,18 @@ const LOOK: usize = 1 << 12;
 /// Periods simulated at most to find a steady state.
 const PERIODS: usize = 200;
 
-/// A drive, and the rate of the move to each sample where it is given ([`DriveGrid::rates`]).
-type Paced<'a> = (&'a [f64], Option<&'a [f64]>);
+/// A drive, and how it comes to each sample where that is given ([`DriveGrid::paces`]).
+type Paced<'a> = (&'a [f64], Option<&'a [Pace]>);
 
-/// Tells the state how fast the move to sample `index` is.
+/// Tells the state how the drive comes to sample `index`.
 #[inline(always)]
 fn pace<K: ColumnKernel, S: Scalar<Real = f64>>(
     state: &mut K::State<S>,
-    rates: Option<&[f64]>,
+    paces: Option<&[Pace]>,
     index: usize,
 ) {
-    if let Some(&rate) = rates.and_then(|rates| rates.get(index)) {
-        K::paced(state, rate);
+    if let Some(&pace) = paces.and_then(|paces| paces.get(index)) {
+        K::paced(state, pace);
     }
 }
 
@@ -73,9 +74,10 @@ fn check<K: ColumnKernel>(
     if grid.factor == 0 {
         return Err(HysteresisError::Factor);
     }
-    if let Some(rates) = grid.rates {
-        check_length(u.len(), rates.len())?;
-        if let Some(index) = rates.iter().position(|rate| !rate.is_finite()) {
+    if let Some(paces) = grid.paces {
+        check_length(u.len(), paces.len())?;
+        let is_sound = |pace: &Pace| pace.rate.is_finite() && pace.interval_s.is_finite();
+        if let Some(index) = paces.iter().position(|pace| !is_sound(pace)) {
             return Err(HysteresisError::Drive { index });
         }
     }
@@ -127,10 +129,10 @@ pub(in crate::hysteresis) fn simulate<K: ColumnKernel>(
         Some((rest, Some(_))) => kernel.advance(shape, &mut state, rest)?,
         None => {
             K::preceded(&mut state, u.last().copied());
-            settle(kernel, shape, (u, grid.rates), &mut state)?;
+            settle(kernel, shape, (u, grid.paces), &mut state)?;
         }
     }
-    write(kernel, shape, &mut state, (Every::new(grid.factor)?, stop), (u, grid.rates), out)?;
+    write(kernel, shape, &mut state, (Every::new(grid.factor)?, stop), (u, grid.paces), out)?;
     Ok(state)
 }
 
@@ -144,7 +146,7 @@ pub(super) fn continue_from<K: ColumnKernel>(
 ) -> Result<(), HysteresisError> {
     let samples = check(kernel, shape, grid, u)?;
     check_length(samples * kernel.columns(), out.len())?;
-    write(kernel, shape, state, (Every::new(grid.factor)?, None), (u, grid.rates), out)
+    write(kernel, shape, state, (Every::new(grid.factor)?, None), (u, grid.paces), out)
 }
 
 fn write<K: ColumnKernel>(
@@ -152,7 +154,7 @@ fn write<K: ColumnKernel>(
     shape: &[f64],
     state: &mut K::State<f64>,
     (mut every, stop): (Every, Option<&Stop>),
-    (u, rates): Paced<'_>,
+    (u, paces): Paced<'_>,
     out: &mut [f64],
 ) -> Result<(), HysteresisError> {
     let mut row = vec![0.0; kernel.columns()];
@@ -160,7 +162,7 @@ fn write<K: ColumnKernel>(
     let mut at = 0;
     for (index, &u) in u.iter().enumerate() {
         look(stop, index)?;
-        pace::<K, f64>(state, rates, index);
+        pace::<K, f64>(state, paces, index);
         kernel.advance(shape, state, u).map_err(|error| error.at_sample(index))?;
         if every.take() {
             kernel.read(shape, state, &mut row);
@@ -181,11 +183,11 @@ fn run<K: ColumnKernel, S: Scalar<Real = f64>>(
     kernel: &K,
     shape: &[S],
     state: &mut K::State<S>,
-    (u, rates): Paced<'_>,
+    (u, paces): Paced<'_>,
     mut seen: impl FnMut(&[S]),
 ) -> Result<(), HysteresisError> {
     for (index, &u) in u.iter().enumerate() {
-        pace::<K, S>(state, rates, index);
+        pace::<K, S>(state, paces, index);
         kernel.advance(shape, state, u).map_err(|error| error.at_sample(index))?;
         seen(K::relaxing(state));
     }
@@ -261,7 +263,7 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     out: &mut ColumnSensitivities,
 ) -> Result<(), HysteresisError> {
     let samples = check(kernel, shape, grid, u)?;
-    let drive = (u, grid.rates);
+    let drive = (u, grid.paces);
     let columns = kernel.columns();
     out.resize(shape.len(), samples * columns);
     let duals: [Dual<f64, P>; P] = std::array::from_fn(|index| match shape.get(index) {
@@ -296,7 +298,7 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     let mut at = 0;
     for (index, &u) in u.iter().enumerate() {
         look(out.stop.as_ref(), index)?;
-        pace::<K, _>(&mut state, grid.rates, index);
+        pace::<K, _>(&mut state, grid.paces, index);
         kernel.advance(duals, &mut state, u).map_err(|error| error.at_sample(index))?;
         for number in K::relaxing(&mut state) {
             *number = number.without_vanished(0);

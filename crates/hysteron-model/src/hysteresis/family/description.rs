@@ -74,7 +74,12 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         false
     }
 
-    /// Whether the memory depends on how fast the voltage moves, so that the time between samples must be known.
+    /// Whether the memory depends on time, so that the time between samples must be known.
+    fn depends_on_time(&self) -> bool {
+        false
+    }
+
+    /// Whether it jumps where the rate of the drive does, so that corners of the drive count.
     fn sees_rate(&self) -> bool {
         false
     }

@@ -75,9 +75,9 @@ impl FamilyForm {
         self.family.is_monotone()
     }
 
-    /// Whether the memory depends on how fast the voltage moves, so that the time between samples must be known.
-    pub fn depends_on_rate(self) -> bool {
-        self.family.sees_rate()
+    /// Whether the memory depends on time, so that the time between samples must be known.
+    pub fn depends_on_time(self) -> bool {
+        self.family.depends_on_time()
     }
 
     /// Checks structure and shape.
@@ -96,7 +96,7 @@ impl FamilyForm {
     fn interval(self, interval_s: Option<f64>) -> Result<f64, HysteresisError> {
         match interval_s {
             Some(interval_s) => Ok(interval_s),
-            None if self.depends_on_rate() => Err(HysteresisError::Interval),
+            None if self.depends_on_time() => Err(HysteresisError::Interval),
             None => Ok(1.0),
         }
     }
@@ -127,8 +127,8 @@ impl FamilyForm {
     ) -> Result<(), HysteresisError> {
         let grid = grid.into();
         self.check(shape)?;
-        // Where the rates are given, the interval does not matter.
-        let interval_s = self.interval(grid.interval_s.or(grid.rates.map(|_| 1.0)))?;
+        // Where the paces are given, the interval does not matter.
+        let interval_s = self.interval(grid.interval_s.or(grid.paces.map(|_| 1.0)))?;
         self.family.run((self.elements, shape, interval_s), grid, u, start, wanted, out)
     }
 

@@ -2,13 +2,13 @@
 
 use super::operators::ColumnOperators;
 use crate::hysteresis::{
-    dahl, dead_zone_plays, duhem, generalised_play, jiles_atherton, krasnoselskii_pokrovskii, maxwell_slip,
-    non_symmetric_bouc_wen, one_sided_plays, parallel_bouc_wen, preisach, rate_dependent_plays,
-    song_der_kiureghian,
+    activated_plays, dahl, dead_zone_plays, duhem, generalised_play, jiles_atherton,
+    krasnoselskii_pokrovskii, maxwell_slip, non_symmetric_bouc_wen, one_sided_plays, parallel_bouc_wen,
+    preisach, rate_dependent_plays, song_der_kiureghian,
 };
 
 /// In the order in which they are listed to users.
-pub(super) static FAMILIES: [&dyn ColumnOperators; 14] = [
+pub(super) static FAMILIES: [&dyn ColumnOperators; 15] = [
     &parallel_bouc_wen::Entry,
     &non_symmetric_bouc_wen::Entry,
     &song_der_kiureghian::Entry,
@@ -17,6 +17,7 @@ pub(super) static FAMILIES: [&dyn ColumnOperators; 14] = [
     &maxwell_slip::Entry,
     &one_sided_plays::Entry,
     &rate_dependent_plays::Entry,
+    &activated_plays::Entry,
     &dead_zone_plays::Entry,
     &generalised_play::Entry,
     &krasnoselskii_pokrovskii::Entry,

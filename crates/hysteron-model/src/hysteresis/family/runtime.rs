@@ -32,6 +32,19 @@ pub enum RuntimeOperator {
         /// The broken line.
         line: MeanLine,
     },
+    /// Plays with thermally activated edges.
+    ActivatedPlays {
+        /// Activation \[V\].
+        sigma: f64,
+        /// Time between samples \[s\].
+        interval_s: f64,
+        /// Ends of the range of their slopes \[V\].
+        range: [f64; 2],
+        /// Half-widths \[V\].
+        thresholds: Vec<f64>,
+        /// Slopes, three a play.
+        slopes: Vec<f64>,
+    },
     /// A plane of relays.
     Plane {
         /// Lowest and highest level \[V\].

@@ -173,7 +173,7 @@ impl HysteresisForm {
         }
     }
 
-    /// Whether its memory depends on how fast the voltage moves.
+    /// Whether it jumps where the rate of the drive does.
     pub fn sees_rate(self) -> bool {
         self.description().sees_rate()
     }

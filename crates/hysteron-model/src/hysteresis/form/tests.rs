@@ -17,7 +17,7 @@ fn drive() -> Vec<f64> {
 const INTERVAL_S: f64 = 0.05;
 
 fn every(factor: usize) -> DriveGrid<'static> {
-    DriveGrid { factor, interval_s: Some(INTERVAL_S), rates: None }
+    DriveGrid { factor, interval_s: Some(INTERVAL_S), paces: None }
 }
 
 /// Every family with a few elements, and Bouc–Wen with another exponent.

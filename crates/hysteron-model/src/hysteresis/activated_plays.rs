@@ -1,0 +1,234 @@
+//! Plays whose edges are crossed by thermal activation: hysteresis that creeps and widens with the rate by one number.
+//!
+//! Sources: H. Eyring, *J. Chem. Phys.* 4 (1936) 283–291, doi:10.1063/1.1749836 (the kinetics); L. Prandtl, *Z. angew. Math. Mech.*
+//! 8 (1928) 85–106, doi:10.1002/zamm.19280080202 (elements that slip by it).
+
+use hysteron_rt::{ActivatedMove, SLOPES, Scalar, bernstein_integrals};
+
+use super::HysteresisError;
+use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
+use super::family::{
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber,
+};
+use crate::record::Pace;
+
+/// Half-widths of the plays, from this share of the range of the grid to this one.
+const WIDTHS: [f64; 2] = [0.0015, 1.5];
+/// Number of plays, at equal distances in ln r.
+const PLAYS: usize = 40;
+/// Decay of the narrowest density, as a share of the range; each further one is ten times as wide.
+const NARROWEST: f64 = 0.01;
+
+/// Columns H_(e,k) = Σᵢ gₑ(rᵢ) B_k(pᵢ) \[V\] of plays pᵢ = u − zᵢ with thermally activated edges ([`ActivatedMove`]),
+///
+/// żᵢ = u̇ − sign(zᵢ) v₀ exp((|zᵢ| − rᵢ)/σ),  v₀ = 1 unit of the drive a second.
+///
+/// gₑ ∝ exp(−r/Rₑ) is a density over the half-widths, Σ g = 1, with one Rₑ a decade; B_k, k = 0, 1, 2, is the integral of the
+/// Bernstein polynomial b_k of degree 2 over the grid, from its lower end on and straight beyond its ends. So what a play puts out has a slope that depends on
+/// where it stands, and weights that are not negative make every slope so.
+///
+/// σ \[V\], the one shape number, makes loops wider by σ for each factor e of the rate, and makes a device that stands still creep in
+/// proportion to σ ln t, more where it came farther and came faster. σ → 0 are plays. Virgin at its voltage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActivatedPlays {
+    /// Ends of the grid \[V\].
+    pub range: [f64; 2],
+    /// Densities.
+    pub densities: usize,
+    /// Seconds between samples, where the drive does not say how it comes to them.
+    pub interval_s: f64,
+    thresholds: Vec<f64>,
+    /// gₑ of each play, density by density.
+    shares: Vec<f64>,
+}
+
+/// Distances zᵢ of the plays behind the drive, the drive, and how it goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActivatedPlayStates<S> {
+    behind: Vec<S>,
+    u: S,
+    moved: bool,
+    pace: Option<Pace>,
+}
+
+impl ActivatedPlays {
+    /// Plays over a grid, with so many densities.
+    pub fn new(range: [f64; 2], densities: usize, interval_s: f64) -> Self {
+        let span = range[1] - range[0];
+        let [least, most] = WIDTHS;
+        let width = |i: usize| span * least * (most / least).powf((i as f64 + 0.5) / PLAYS as f64);
+        let thresholds: Vec<f64> = (0..PLAYS).map(width).collect();
+        let mut shares = Vec::with_capacity(densities * PLAYS);
+        for e in 0..densities {
+            let decay = span * NARROWEST * 10f64.powi(e as i32);
+            // Nodes are at equal distances in ln r: dr is in proportion to r.
+            let of: Vec<f64> = thresholds.iter().map(|r| r * (-r / decay).exp()).collect();
+            let total: f64 = of.iter().sum();
+            shares.extend(of.iter().map(|share| share / total));
+        }
+        Self { range, densities, interval_s, thresholds, shares }
+    }
+}
+
+impl ColumnKernel for ActivatedPlays {
+    type State<S: Scalar<Real = f64>> = ActivatedPlayStates<S>;
+
+    simulate_with_sensitivities!(1);
+
+    fn shape_names(&self) -> &'static [&'static str] {
+        &["sigma"]
+    }
+
+    fn check(&self, shape: &[f64]) -> Result<(), HysteresisError> {
+        let [low, high] = self.range;
+        if !(low < high && (high - low).is_finite()) {
+            return Err(HysteresisError::Range { low, high });
+        }
+        positive("time between samples", self.interval_s)?;
+        positive("activation σ of the plays", parameter(shape, 0))
+    }
+
+    fn columns(&self) -> usize {
+        SLOPES * self.densities
+    }
+
+    fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> ActivatedPlayStates<S> {
+        ActivatedPlayStates { behind: vec![S::constant(0.0); PLAYS], u, moved: false, pace: None }
+    }
+
+    fn advance<S: Scalar<Real = f64>>(
+        &self,
+        shape: &[S],
+        state: &mut ActivatedPlayStates<S>,
+        u: f64,
+    ) -> Result<(), HysteresisError> {
+        let by = (-state.u).shift(u);
+        let interval_s = match state.pace.take() {
+            Some(pace) => pace.interval_s,
+            None if state.moved => self.interval_s,
+            // Nobody knows how long a device took to come to where it rests: at the pace of v₀.
+            None => by.value().abs(),
+        };
+        (state.u, state.moved) = (S::constant(u), true);
+        let step = ActivatedMove::new(parameter(shape, 0), by, interval_s);
+        for (z, &r) in state.behind.iter_mut().zip(&self.thresholds) {
+            *z = step.distance(r, *z);
+        }
+        Ok(())
+    }
+
+    fn preceded<S: Scalar<Real = f64>>(state: &mut ActivatedPlayStates<S>, by: Option<f64>) {
+        if let Some(before) = by {
+            // The plays stay where they are as the drive is said to come from elsewhere.
+            let moved = (-state.u).shift(before);
+            state.behind.iter_mut().for_each(|z| *z = *z + moved);
+            (state.u, state.moved) = (S::constant(before), true);
+        }
+    }
+
+    fn paced<S: Scalar<Real = f64>>(state: &mut ActivatedPlayStates<S>, pace: Pace) {
+        state.pace = Some(pace);
+    }
+
+    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &ActivatedPlayStates<S>, out: &mut [S]) {
+        out.iter_mut().for_each(|out| *out = S::constant(0.0));
+        for (i, z) in state.behind.iter().enumerate() {
+            let outputs = bernstein_integrals(self.range, state.u - *z);
+            for (columns, shares) in out.chunks_exact_mut(SLOPES).zip(self.shares.chunks_exact(PLAYS)) {
+                let share = shares.get(i).copied().unwrap_or(0.0);
+                columns.iter_mut().zip(outputs).for_each(|(out, b)| *out = *out + b.scale(share));
+            }
+        }
+    }
+
+    fn relaxing<S: Scalar<Real = f64>>(state: &mut ActivatedPlayStates<S>) -> &mut [S] {
+        &mut state.behind
+    }
+}
+
+/// The family, on a grid from `low` to `high`.
+#[derive(Debug)]
+pub(super) struct Entry;
+
+impl FamilyDescription for Entry {
+    fn name(&self) -> &'static str {
+        "activated-plays"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Plays that creep and widen with the logarithm of the rate, by one number"
+    }
+
+    fn equation(&self) -> &'static str {
+        "sum of weight_j H_j, three densities exp(-r/R), R = 0.01 (high - low) times 1, 10, 100, each with three slopes \
+         over low to high, of plays p = u - z, dz/dt = du/dt - sign(z) exp((|z| - r)/sigma)"
+    }
+
+    fn elements(&self) -> Option<Elements> {
+        Some(Elements { usual: 3, most: 3 })
+    }
+
+    fn columns(&self, densities: usize) -> usize {
+        SLOPES * densities
+    }
+
+    fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
+        let meaning = "activation: how much wider the loops are for a factor e of the rate";
+        let sigma = ShapeNumber::new("sigma", NumberUnit::INPUT, meaning, span.strokes(0.001, 0.2));
+        ShapeNumber::ends(span).into_iter().chain([sigma]).collect()
+    }
+
+    fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
+        let [low, high] = span.grid;
+        [0.006, 0.02].map(|sigma| vec![low, high, sigma * span.stroke]).into()
+    }
+
+    fn example(&self, _: usize, span: &DriveSpan) -> Vec<f64> {
+        let [low, high] = span.grid;
+        vec![low, high, 0.017 * span.stroke]
+    }
+
+    fn is_monotone(&self) -> bool {
+        true
+    }
+
+    fn depends_on_time(&self) -> bool {
+        true
+    }
+
+    /// What creeps down may go on falling while the drive rises slowly.
+    fn pushes_back(&self, _: &[f64], _: &[f64], _: Option<f64>) -> Option<f64> {
+        None
+    }
+
+    fn runtime(
+        &self,
+        densities: usize,
+        _: &mut [f64],
+        shape: &[f64],
+        weights: &[f64],
+        sample_rate_hz: f64,
+    ) -> RuntimeOperator {
+        let interval_s = 1.0 / sample_rate_hz;
+        let ActivatedPlays { range, thresholds, shares, .. } = self.kernel(densities, shape, interval_s);
+        let slope = |i: usize, k: usize| {
+            let of = |(e, weights): (usize, &[f64])| {
+                shares.get(e * PLAYS + i).zip(weights.get(k)).map_or(0.0, |(g, w)| g * w)
+            };
+            weights.chunks(SLOPES).enumerate().map(of).sum::<f64>()
+        };
+        let slopes =
+            (0..PLAYS).flat_map(|i| (0..SLOPES).map(move |k| (i, k))).map(|(i, k)| slope(i, k)).collect();
+        RuntimeOperator::ActivatedPlays { sigma: parameter(shape, 2), interval_s, range, thresholds, slopes }
+    }
+}
+
+impl ColumnFamily for Entry {
+    type Kernel = ActivatedPlays;
+
+    const FIXED: usize = 2;
+
+    fn kernel(&self, densities: usize, shape: &[f64], interval_s: f64) -> ActivatedPlays {
+        ActivatedPlays::new([0, 1].map(|index| parameter(shape, index)), densities, interval_s)
+    }
+}
