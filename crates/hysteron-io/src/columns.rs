@@ -1,6 +1,6 @@
 //! Named columns of numbers: what every reader gives.
 
-use hysteron_model::record::{Unit, header_of, split_header};
+use hysteron_model::record::{Quantity, Unit, header_of, split_header};
 
 use crate::IoError;
 use crate::options::MAX_COLUMNS;
@@ -31,6 +31,8 @@ pub(crate) struct ArrayHeading {
     pub kind: Kind,
     /// Whether it is an array above by another path.
     pub is_alias: bool,
+    /// Whether the file gives a sample rate for it.
+    pub has_rate: bool,
 }
 
 /// What an array holds.
@@ -142,6 +144,12 @@ impl Heading {
     /// The path in front of the last component, with its separator; empty outside of a group.
     pub fn group(&self) -> &str {
         self.array.as_ref().and_then(|array| self.header.get(..array.group_bytes)).unwrap_or_default()
+    }
+
+    /// Whether name and unit are those of a time column.
+    pub fn is_named_as_time(&self) -> bool {
+        (self.unit.base().0 == Quantity::Time || self.unit.symbol().is_empty())
+            && ["t", "time", "timestamp"].contains(&self.name.to_lowercase().as_str())
     }
 
     /// Whether it is a column above by another path.
