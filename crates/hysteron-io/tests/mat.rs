@@ -168,6 +168,20 @@ fn a_small_file_of_a_huge_array_is_refused_with_what_to_raise() {
 }
 
 #[test]
+fn a_file_of_a_structure_without_fields_says_what_it_holds() {
+    let options = ReadOptions::default();
+    for length in [8u32, 0] {
+        let mut bytes = file(&[structure("s", &[])], false);
+        let at = bytes.len() - 16;
+        bytes[at..at + 4].copy_from_slice(&length.to_le_bytes());
+        let held = contents_of_bytes("run.mat", &bytes, &options).unwrap();
+        assert_eq!((held[0].path.as_str(), held[0].kind.as_str()), ("s", "structure without fields"));
+        let refusal = read_record_bytes("run.mat", &bytes, &options).unwrap_err().to_string();
+        assert!(refusal.contains("the file holds `s` (1×1, structure without fields)"), "{refusal}");
+    }
+}
+
+#[test]
 fn of_frequency_responses_in_several_structures_one_must_be_chosen() {
     let response = |re: u8| {
         let column = |values: &[u8]| narrow("", values, 6, false);
