@@ -179,6 +179,11 @@ impl Heading {
         !asked.is_empty() && !group.is_empty() && self.spellings().iter().any(ends)
     }
 
+    /// Whether `asked` is a path within this one.
+    pub fn holds(&self, asked: &str) -> bool {
+        asked.strip_prefix(self.header.as_str()).is_some_and(|within| within.starts_with(SEPARATORS))
+    }
+
     /// Header, and name with and without unit; of an array behind its group.
     fn spellings(&self) -> [String; 3] {
         let group = self.group();

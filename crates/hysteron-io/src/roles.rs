@@ -220,6 +220,10 @@ pub(crate) fn chosen(
     {
         found.push(number - 1);
     }
+    // Something within what is listed but not gone through.
+    if found.is_empty() {
+        found.extend(columns.iter().position(|column| column.is_unreadable() && column.holds(asked)));
+    }
     match found.as_slice() {
         [one] => Ok(Some(*one)),
         [] => Err(IoError::NoSuchColumn {
