@@ -14,7 +14,7 @@ use zip::{CompressionMethod, ZipWriter};
 
 const BYTES: usize = 200_000_000;
 /// Damaged copies of each file.
-const COPIES: usize = 3;
+const COPIES: usize = 2;
 /// Bytes at both ends of a file that are damaged; what is between them is all numbers.
 const ENDS: usize = 4096;
 

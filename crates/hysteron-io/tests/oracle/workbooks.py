@@ -78,7 +78,12 @@ def by_openpyxl(path, sheets, date1904=False, streamed=False):
                 sheet.append([own.cells.get((row, column)) for column in range(1, columns + 1)])
             continue
         for (row, column), value in own.cells.items():
-            cell = sheet.cell(row, column, value.code if isinstance(value, Error) else value)
+            if isinstance(value, Error):
+                value = value.code
+            elif isinstance(value, Formula):
+                # Which openpyxl does not compute.
+                value = value.text
+            cell = sheet.cell(row, column, value)
             shown = own.formats.get(column, default_format(value))
             if shown:
                 cell.number_format = shown

@@ -279,6 +279,9 @@ def variants():
     yield "formulas", [sheet], columns, (), ("openpyxl", "pyexcelerate")
     sheet.put(1, 3, ["verdict", *[Formula('=IF(A2>0,"up","down")', "up")] * 12])
     yield "formulas_of_texts", [sheet], columns, ["run!verdict"], ("openpyxl", "pyexcelerate")
+    [sheet], columns = plain({"u_V": doubles(), "y_um": doubles()})
+    sheet.put(1, 3, ["never", *[Formula("=A2*2", None)] * 12])
+    yield "formulas_without_values", [sheet], columns, ["run!never"], ("xlsxwriter", "pyexcelerate")
     # A header over two columns, of which it names the first.
     sheet = Sheet("run", merged=["B1:C1"])
     columns = [("run", "u_V", doubles()), ("run", "y_um", doubles())]
