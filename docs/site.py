@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import base64
 import html
+import json
 import os
 import re
 import subprocess
 from pathlib import Path
 from typing import Any
 
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parents[1]
 COMMAND = Path(os.environ.get("HYSTERON", ROOT / "target/debug/hysteron"))
 LINK = re.compile(r"\[([^\]]+)\]\(([^)#\s]+\.(?:md|ipynb|json))(?:#[^)]*)?\)")
+NOTEBOOK = re.compile(r"^- \[([^\]]+)\]\((notebooks/[\w-]+)\.ipynb\):", re.M)
 OUTSIDE = re.compile(r"\[([^\]]+)\]\((?:\.\./)+(?:crates|bench|python|examples|scripts)/[^)]*\)")
 
 
@@ -38,12 +42,26 @@ def on_files(files: Any, config: Any) -> Any:
     """The generated pages."""
     files.append(File.generated(config, "reference/command.md", content=command()))
     files.append(File.generated(config, "reference/python.md", content=package()))
+    for path in (ROOT / "docs/notebooks").glob("*.ipynb"):
+        files.append(File.generated(config, f"notebooks/{path.stem}.png", content=thumbnail(path)))
     return files
 
 
-def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Links to files of the repository, which are not part of the site, become their text."""
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """Links to files of the repository, which are not part of the site, become their text; notebooks of the gallery get their picture."""
+    if page.file.src_uri == "gallery.md":
+        markdown = NOTEBOOK.sub(r"- [![](\2.png)](\2.ipynb)\n    [**\1**](\2.ipynb)<br>", markdown)
     return OUTSIDE.sub(r"\1", markdown)
+
+
+def thumbnail(path: Path) -> bytes:
+    """The picture of the cell that is tagged as thumbnail, among the outputs that a notebook is kept with."""
+    for cell in json.loads(path.read_text())["cells"]:
+        if "thumbnail" in cell["metadata"].get("tags", []):
+            for output in cell["outputs"]:
+                if "image/png" in output.get("data", {}):
+                    return base64.b64decode(output["data"]["image/png"])
+    raise PluginError(f"{path}: no cell with a picture is tagged as thumbnail")
 
 
 def on_post_page(output: str, page: Any, **_: Any) -> str:

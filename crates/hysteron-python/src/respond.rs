@@ -79,10 +79,5 @@ pub fn explain_response<'py>(
         std_dev.as_ref().map(|std_dev| PyArray1::from_slice(py, std_dev)),
         unit.clone(),
     );
-    Ok((
-        points,
-        to_json(&found)?,
-        page,
-        model,
-    ))
+    Ok((points, to_json(&found)?, page, model))
 }
