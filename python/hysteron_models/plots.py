@@ -60,7 +60,6 @@ _STYLE: dict[str, Any] = {
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
     "axes.titlesize": "medium",
-    "axes.titlelocation": "left",
     "legend.frameon": False,
     "legend.fontsize": "small",
     "lines.linewidth": 1.2,

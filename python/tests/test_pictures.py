@@ -124,7 +124,7 @@ def _with_another_label(ax: Axes) -> None:
 
 
 def _with_another_title(ax: Axes) -> None:
-    ax.set_title(ax.get_title(loc="left")[:-1] + "o")
+    ax.set_title(ax.get_title()[:-1] + "o")
 
 
 def _with_wider_lines(ax: Axes) -> None:
