@@ -114,6 +114,12 @@ def test_structures_are_compared(bench: Path) -> None:
     assert len(found.to_pandas()) == 2
 
 
+def test_a_comparison_that_cannot_rank_says_what_to_measure(stack: hy.Record) -> None:
+    with pytest.raises(hy.IdentifyError, match="one experiment however often") as refused:
+        hy.compare([stack], ["none", "integer2"])
+    assert str(refused.value.hint).startswith("measure a sweep") and refused.value.code == "cannot-rank"
+
+
 def test_unknown_names_list_the_choices(loops: hy.Record) -> None:
     with pytest.raises(hy.OptionError, match="expected one of bouc-wen, prandtl-ishlinskii"):
         hy.Hammerstein("plays").fit(loops)
