@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: FORCE help demo check test test-python python-tools wheel docs bench-python export-tools bench study article figures clean check-toolchain check-components
+.PHONY: FORCE help demo check test test-python kept-outputs python-tools wheel docs bench-python export-tools bench study article figures clean check-toolchain check-components
 
 RECORD := examples/piezo-p885-200hz/identification_1hz.csv
 CYCLES := $(wildcard examples/afm-z-scanner/cycle_1_300hz_0*.csv)
@@ -52,6 +52,11 @@ test-python: python-tools ## the Python package: built beside the command, linte
 	$(PYTHON)/bin/ruff check python && $(PYTHON)/bin/ruff format --check python
 	$(PYTHON)/bin/mypy && $(PYTHON)/bin/python -m mypy.stubtest hysteron_models._native
 	$(PYTHON)/bin/python -m pytest
+
+kept-outputs: python-tools ## run the notebooks and keep their outputs; draw the pictures that plots are compared with
+	VIRTUAL_ENV=$(abspath $(PYTHON)) $(PYTHON)/bin/maturin develop --locked --quiet
+	$(PYTHON)/bin/python python/tests/notebooks.py
+	$(PYTHON)/bin/python -m pytest python/tests/test_pictures.py --renew-pictures
 
 docs: python-tools ## the documentation as a site that works offline, in out/site
 	cargo build --locked -p hysteron-cli

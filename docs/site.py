@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import html
+import json
 import os
 import re
 import subprocess
@@ -19,6 +21,7 @@ LINK = re.compile(r"\[([^\]]+)\]\(([^)#\s]+\.(?:md|ipynb|json))(?:#[^)]*)?\)")
 FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.S)
 CODE = re.compile(r"<(pre|code|script|style)\b.*?</\1>", re.S)
 MATHML = LatexToMathML(fancy_error=False)
+NOTEBOOK = re.compile(r"^- \[([^\]]+)\]\((notebooks/[\w-]+)\.ipynb\):", re.M)
 OUTSIDE = re.compile(r"\[([^\]]+)\]\((?:\.\./)+(?:crates|bench|python|examples|scripts)/[^)]*\)")
 
 
@@ -43,11 +46,15 @@ def on_files(files: Any, config: Any) -> Any:
     """The generated pages."""
     files.append(File.generated(config, "reference/command.md", content=command()))
     files.append(File.generated(config, "reference/python.md", content=package()))
+    for path in (ROOT / "docs/notebooks").glob("*.ipynb"):
+        files.append(File.generated(config, f"notebooks/{path.stem}.png", content=thumbnail(path)))
     return files
 
 
-def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Links to files of the repository, which are not part of the site, become their text."""
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """Links to files of the repository, which are not part of the site, become their text; notebooks of the gallery get their picture."""
+    if page.file.src_uri == "gallery.md":
+        markdown = NOTEBOOK.sub(r"- [![](\2.png)](\2.ipynb)\n    [**\1**](\2.ipynb)<br>", markdown)
     return OUTSIDE.sub(r"\1", markdown)
 
 
@@ -73,6 +80,16 @@ def mathml(formula: re.Match[str]) -> str:
     except LatexError as error:
         raise LatexError(f"{error} in the formula {latex}") from error
     return f'<{tag} class="arithmatex">{rendered}</{tag}>'
+
+
+def thumbnail(path: Path) -> bytes:
+    """The picture of the cell that is tagged as thumbnail, among the outputs that a notebook is kept with."""
+    for cell in json.loads(path.read_text())["cells"]:
+        if "thumbnail" in cell["metadata"].get("tags", []):
+            for output in cell["outputs"]:
+                if "image/png" in output.get("data", {}):
+                    return base64.b64decode(output["data"]["image/png"])
+    raise PluginError(f"{path}: no cell with a picture is tagged as thumbnail")
 
 
 def on_post_page(output: str, page: Any, **_: Any) -> str:

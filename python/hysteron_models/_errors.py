@@ -69,12 +69,13 @@ class HysteronError(Exception):
         line: int | None = None,
         column: int | None = None,
         advice: str | None = None,
+        hint: str | None = None,
     ) -> None:
         self.code = code
         self.file = file
         self.line = line
         self.column = column
-        self.hint = (in_arguments(json.loads(advice)) or None) if advice else None
+        self.hint = hint or ((in_arguments(json.loads(advice)) or None) if advice else None)
         super().__init__(f"{message} ({self.hint})" if self.hint else message)
 
 

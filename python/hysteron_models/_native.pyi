@@ -10,6 +10,7 @@ _Path = str | PathLike[str]
 _Progress = Callable[[str, float, float | None], object]
 _Figures = tuple[str, float, float, float | None, int, list[float]]
 _Simulated = tuple[list[_Array], tuple[_Array, _Array] | None, str, list[tuple[str, str | None]]]
+_Points = tuple[_Array, _Array, _Array, _Array | None, str]
 _Scored = tuple[str, _Figures, str, Record]
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "play",
     "prepare",
     "read",
+    "residual_correlation",
     "split_header",
     "write",
 ]
@@ -120,7 +122,12 @@ class Model:
         from_start: str | None = None,
     ) -> _Scored: ...
     def score_continued(
-        self, records: list[Record], scoring: str, input: str | None = None, output: str | None = None
+        self,
+        records: list[Record],
+        scoring: str,
+        input: str | None = None,
+        output: str | None = None,
+        from_start: str | None = None,
     ) -> list[_Scored]: ...
     def invert(
         self,
@@ -187,6 +194,7 @@ def identify(
     resume: str | None = None,
     progress: _Progress | None = None,
 ) -> tuple[Fit, BaseException | None]: ...
+def residual_correlation(series: Record, skip_s: float = 0.0) -> tuple[int, _Array, float] | None: ...
 def choices() -> str: ...
 def compare(
     records: list[Record],
@@ -212,4 +220,4 @@ def explain_response(
     output: str | None = None,
     response: str | None = None,
     over: str | None = None,
-) -> tuple[_Array, _Array, _Array, str, str, Model | None]: ...
+) -> tuple[_Points, str, str, Model | None]: ...

@@ -173,7 +173,9 @@ class Estimator:
     def parameters_(self) -> pd.DataFrame:
         """One row a parameter, by its name: ``value``, ``std_error``, ``lower``, ``upper``, ``unit``.
 
-        ``lower`` to ``upper`` is the 95 % interval, which joint fits have; NaN elsewhere.
+        ``lower`` to ``upper`` is the 95 % interval of a joint fit. Both are NaN for parameters that were held or
+        are not determined, and in fits of two steps (Bouc–Wen from slow records alone is one), of oscillators and
+        of branches.
         """
         try:
             import pandas as pd
@@ -456,7 +458,16 @@ class Modes(Estimator):
     Args:
         inputs: names of the input columns.
         outputs: names of the output columns.
-        options: further options of the library by name, e.g. ``{"modes": 18}``.
+        modes: pairs of poles to start from; chosen by how well they follow the response if not given.
+        steps: steps of the simulation a sample.
+        plays: plays of each actuator; 0: polynomials alone.
+        hysteresis: whether there is hysteresis at all; without it the modes are linear at each level.
+        lag: corner of the inputs' lags to start from [Hz]; 0.8 of the highest excited frequency if not given.
+        exponent: exponent of the level in the stiffness.
+        time_constant: time constant of the running level where a drive does not repeat [s].
+        iterations: iterations of the last search.
+        whole_records: take a record in which no period is found for one period of a steady state.
+        least_fit: least fit [%] for which a model is handed out.
     """
 
     _kind = "modes"
@@ -466,14 +477,38 @@ class Modes(Estimator):
         inputs: Sequence[str] = (),
         outputs: Sequence[str] = (),
         *,
-        options: Mapping[str, Any] | None = None,
+        modes: int | None = None,
+        steps: int = 2,
+        plays: int = 6,
+        hysteresis: bool = True,
+        lag: float | None = None,
+        exponent: float = 1.0,
+        time_constant: float = 2.0,
+        iterations: int = 12,
+        whole_records: bool = False,
+        least_fit: float = 75.0,
     ) -> None:
         self.inputs = inputs
         self.outputs = outputs
-        self.options = options
+        self.modes = modes
+        self.steps = steps
+        self.plays = plays
+        self.hysteresis = hysteresis
+        self.lag = lag
+        self.exponent = exponent
+        self.time_constant = time_constant
+        self.iterations = iterations
+        self.whole_records = whole_records
+        self.least_fit = least_fit
 
     def _options(self) -> dict[str, Any]:
-        return dict(self.options or {})
+        options = self.get_params()
+        for column in ("inputs", "outputs"):
+            options.pop(column)
+        options["lag_hz"] = options.pop("lag")
+        options["time_constant_s"] = options.pop("time_constant")
+        options["least_fit_percent"] = options.pop("least_fit")
+        return options
 
     def _columns(self) -> tuple[list[str], list[str]]:
         return list(self.inputs), list(self.outputs)

@@ -12,7 +12,16 @@ from numpy.typing import ArrayLike
 from . import _native
 from ._errors import OptionError, with_arguments
 from .record import Array, PathLike, Record, as_records, as_samples, natives
-from .results import Finding, FrequencyResponse, Inversion, Prediction, Realisation, Score, Tracking
+from .results import (
+    Finding,
+    FrequencyResponse,
+    Inversion,
+    Prediction,
+    Realisation,
+    Score,
+    Tracking,
+    per_output,
+)
 
 __all__ = ["Controller", "Model", "load"]
 
@@ -172,7 +181,7 @@ class Model:
         (outputs, widths, start, remarks), offsets, measured = self._native.predict(
             record._native, record._input, record._output, _start(rest, settled), band
         )
-        return self._prediction(record, outputs, widths, start, remarks, band, band_of, offsets[0], measured)
+        return self._prediction(record, outputs, widths, start, remarks, band, band_of, offsets, measured)
 
     def simulate(
         self,
@@ -187,7 +196,9 @@ class Model:
         outputs, widths, start, remarks = self._native.simulate(
             drive._native, drive._input, _start(rest, settled), band
         )
-        return self._prediction(drive, outputs, widths, start, remarks, band, band_of, 0.0, None)
+        return self._prediction(
+            drive, outputs, widths, start, remarks, band, band_of, [0.0] * len(outputs), None
+        )
 
     def _is_measured(self, record: Record) -> bool:
         channels = self._native.channels
@@ -204,7 +215,7 @@ class Model:
         remarks: list[tuple[str, str | None]],
         level: float | None,
         band_of: str,
-        offset: float,
+        offsets: Sequence[float],
         measured: Array | None,
     ) -> Prediction:
         if band_of not in ("measurement", "output"):
@@ -218,7 +229,7 @@ class Model:
             upper=None if half is None else y + half,
             unit=self.units[1],
             start=start,
-            offset=offset,
+            offset=per_output(offsets),
             measured=measured,
             level=level,
             remarks=tuple(with_arguments(*remark) for remark in remarks),
@@ -242,28 +253,30 @@ class Model:
             continued: the records are consecutive parts of one run on one clock; one score a run.
             skip: seconds at the start that are not scored.
             fixed_offset: compare with the model's own offset instead of the zero of each sensor.
-            rest: the device rested at this drive before the record.
+            rest: the device rested at this drive before the record, or before the run.
             settled: the record repeats with this number of samples.
         """
-        scoring = json.dumps({"skip_s": skip, "offset": "fixed" if fixed_offset else "estimated"})
+        scoring = {"skip_s": skip, "offset": "fixed" if fixed_offset else "estimated"}
+        before = _start(rest, settled)
         if continued:
             given = as_records(record)
-            runs = self._native.score_continued(natives(given), scoring, given[0]._input, given[0]._output)
+            runs = self._native.score_continued(
+                natives(given), json.dumps(scoring), given[0]._input, given[0]._output, before
+            )
             found = [
-                Score._of(given[0].name, figures, start, Record._of(series), json.loads(text))
+                Score._of(given[0].name, figures, start, Record._of(series, "u", "y"), json.loads(text), skip)
                 for text, figures, start, series in runs
             ]
             return found[0] if len(found) == 1 else found
-        before = _start(rest, settled)
-        if isinstance(record, Record):
-            return self._score(record, scoring, before)
-        return [self._score(one, scoring, before) for one in record]
-
-    def _score(self, record: Record, scoring: str, before: str | None) -> Score:
-        text, figures, start, series = self._native.score(
-            record._native, scoring, record._input, record._output, before
-        )
-        return Score._of(record.name, figures, start, Record._of(series, "u", "y"), json.loads(text))
+        scores = []
+        for one in as_records(record):
+            text, figures, start, series = self._native.score(
+                one._native, json.dumps(scoring), one._input, one._output, before
+            )
+            scores.append(
+                Score._of(one.name, figures, start, Record._of(series, "u", "y"), json.loads(text), skip)
+            )
+        return scores[0] if isinstance(record, Record) else scores
 
     def invert(
         self,

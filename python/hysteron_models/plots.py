@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
+from . import _native
 from ._errors import OptionError, missing
 
 try:
@@ -59,7 +60,6 @@ _STYLE: dict[str, Any] = {
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
     "axes.titlesize": "medium",
-    "axes.titlelocation": "left",
     "legend.frameon": False,
     "legend.fontsize": "small",
     "lines.linewidth": 1.2,
@@ -164,37 +164,39 @@ def time(prediction: Prediction, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def _residual(score: Score) -> tuple[Array, Array]:
+def _residual(score: Score) -> Record:
     if score.series is None:
         raise OptionError("scores of a fit hold no samples: score the record with model.scores(record)")
-    return score.series.t, score.series["residual"]
+    if "residual" not in score.series.channels:
+        raise OptionError("this plot is of a model of one output; score.series holds the residual of each")
+    return score.series
 
 
 @_styled
 def residuals(score: Score, ax: Axes | None = None) -> Axes:
     """Draw what the model leaves of a record over time: measured less model."""
     ax = _axes(ax)
-    t, residual = _residual(score)
+    series = _residual(score)
     ax.axhline(0.0, color=GREY, lw=0.8)
-    ax.plot(*_thin(t, residual), color=GREEN)
+    ax.plot(*_thin(series.t, series["residual"]), color=GREEN)
     title = f"{score.record}: RMSE {score.rmse:.3g} {_unit(score.unit)}"
     ax.set(xlabel="time [s]", ylabel=f"residual [{_unit(score.unit)}]", title=title)
     return ax
 
 
 @_styled
-def residual_correlation(score: Score, lags: int = 50, ax: Axes | None = None) -> Axes:
-    """Draw the autocorrelation of the residual, with the 95 % limits of white noise."""
+def residual_correlation(score: Score, ax: Axes | None = None) -> Axes:
+    """Draw the autocorrelation of the residual, with the 99 % bounds of white noise: the test of ``validate``."""
+    series = _residual(score)
+    found = _native.residual_correlation(series._native, score.skip)
+    if found is None:
+        raise OptionError(
+            f"{score.record}: the residual vanishes or has fewer than 50 samples", code="residual"
+        )
+    first, correlation, bound = found
     ax = _axes(ax)
-    _, residual = _residual(score)
-    e = residual - residual.mean()
-    n = len(e)
-    spectrum = np.abs(np.fft.rfft(e, 2 * n)) ** 2
-    correlation = np.fft.irfft(spectrum)[: lags + 1]
-    correlation = correlation / correlation[0] if correlation[0] > 0 else correlation
-    limit = 1.96 / np.sqrt(n)
-    ax.axhspan(-limit, limit, color=GREY, alpha=0.3, lw=0, label="95 % of white noise")
-    ax.vlines(np.arange(lags + 1), 0.0, correlation, color=GREEN, lw=1.5)
+    ax.axhspan(-bound, bound, color=GREY, alpha=0.3, lw=0, label="99 % of white noise")
+    ax.vlines(first + np.arange(len(correlation)), 0.0, correlation, color=GREEN, lw=1.5)
     ax.axhline(0.0, color=GREY, lw=0.8)
     ax.set(xlabel="lag [samples]", ylabel="autocorrelation of the residual", title=score.record)
     ax.legend()
@@ -205,16 +207,29 @@ def residual_correlation(score: Score, lags: int = 50, ax: Axes | None = None) -
 def bode(
     response: FrequencyResponse, axes: Sequence[Axes] | None = None, label: str = "dynamic block"
 ) -> Sequence[Axes]:
-    """Draw magnitude and phase over frequency; ``axes``: two of them."""
+    """Draw magnitude and phase over frequency, with the 95 % band of a measured response whose scatter is known.
+
+    ``axes``: two of them; a response drawn into those of another gets a colour of its own.
+    """
     if axes is None:
         _, made = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.2))
         axes = list(made)
     if len(axes) != 2:
         raise OptionError("axes: a Bode plot has two, magnitude and phase")
     magnitude, phase = axes
-    magnitude.loglog(response.frequency_hz, response.magnitude, color=BLUE, label=label)
-    phase.semilogx(response.frequency_hz, response.phase_deg, color=BLUE, label=label)
-    magnitude.set(ylabel="magnitude [–]", title="Frequency response")
+    colour = _CYCLE[len(magnitude.lines) % len(_CYCLE)]
+    frequency, gain, angle = response.frequency_hz, response.magnitude, response.phase_deg
+    magnitude.loglog(frequency, gain, color=colour, label=label)
+    phase.semilogx(frequency, angle, color=colour, label=label)
+    if response.std_dev is not None:
+        # Half of the variance lies along the gain, half across it.
+        half = 1.96 * response.std_dev / np.sqrt(2)
+        turn = np.degrees(np.arctan2(half, gain))
+        band: dict[str, Any] = {"color": colour, "alpha": 0.2, "lw": 0, "label": "95 % band"}
+        magnitude.fill_between(frequency, np.maximum(gain - half, 1e-3 * gain), gain + half, **band)
+        phase.fill_between(frequency, angle - turn, angle + turn, **band)
+    unit = response.unit.replace("um", "µm").replace("_per_", "/") or "–"
+    magnitude.set(ylabel=f"magnitude [{unit}]", title="Frequency response")
     phase.set(xlabel="frequency [Hz]", ylabel="phase [°]")
     magnitude.legend()
     return axes

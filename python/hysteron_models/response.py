@@ -69,7 +69,7 @@ def frequency_response(
     else:
         records = list(source)
     first = records[0] if records else None
-    frequency, real, imaginary, text, page, native = _native.explain_response(
+    points, text, page, native = _native.explain_response(
         natives(records),
         path,
         json.dumps({"period_s": period, "settling_periods": settling}),
@@ -81,5 +81,6 @@ def frequency_response(
         response,
         over,
     )
-    measured = FrequencyResponse(frequency, real + 1j * imaginary)
+    frequency, real, imaginary, std_dev, unit = points
+    measured = FrequencyResponse(frequency, real + 1j * imaginary, std_dev, unit)
     return ExplainedResponse(measured, None if native is None else Model(native), json.loads(text), page)

@@ -25,6 +25,7 @@ __all__ = [
     "Realisation",
     "Score",
     "Tracking",
+    "per_output",
     "write_text",
 ]
 
@@ -47,6 +48,11 @@ class Finding:
         return cls(found["kind"], found["topic"], found["text"], in_arguments(advice) if advice else "")
 
 
+def per_output(offsets: Sequence[float]) -> float | tuple[float, ...]:
+    """The offset of one output, those of several as a tuple."""
+    return offsets[0] if len(offsets) == 1 else tuple(offsets)
+
+
 @dataclass(frozen=True)
 class Score:
     """How well a model describes a record, simulated in free run: no measured output is used.
@@ -58,10 +64,11 @@ class Score:
         fit_percent: 100 · (1 − ‖e‖₂/‖y − ȳ‖₂); ``None`` for a constant record.
         unit: unit of the output.
         samples: samples that were scored.
-        offset: what was added to the simulation for the zero of the sensor.
+        offset: what was added to the simulation for the zero of the sensor; one a sensor where there are several.
         start: what was before the first sample, in words.
         series: the samples: drive, ``y``, ``y_model``, ``residual``; ``None`` for scores of a fit.
         details: everything else, as ``hysteron validate --json`` prints it.
+        skip: seconds at the start that were not scored.
     """
 
     record: str
@@ -70,10 +77,11 @@ class Score:
     fit_percent: float | None
     unit: str
     samples: int
-    offset: float
+    offset: float | tuple[float, ...]
     start: str = ""
     series: Record | None = field(default=None, repr=False, compare=False)
     details: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+    skip: float = 0.0
 
     @classmethod
     def _of(
@@ -83,10 +91,13 @@ class Score:
         start: str = "",
         series: Record | None = None,
         details: dict[str, Any] | None = None,
+        skip: float | None = None,
     ) -> Score:
         unit, rmse, largest, fit, samples, offsets = figures
-        offset = offsets[0] if offsets else 0.0
-        return cls(record, rmse, largest, fit, unit, samples, offset, start, series, details or {})
+        offset = per_output(offsets)
+        return cls(
+            record, rmse, largest, fit, unit, samples, offset, start, series, details or {}, skip or 0.0
+        )
 
 
 @dataclass(frozen=True)
@@ -100,7 +111,7 @@ class Prediction:
         upper: upper end.
         unit: unit of the output.
         start: what was before the first sample, in words.
-        offset: constant that was added for the zero of the sensor.
+        offset: constant that was added for the zero of the sensor; one an output where there are several.
         measured: what was measured, in ``unit``, of a model of one output.
         level: level of the band.
         remarks: what a user should know about it.
@@ -113,7 +124,7 @@ class Prediction:
     upper: Array | None
     unit: str
     start: str
-    offset: float = 0.0
+    offset: float | tuple[float, ...] = 0.0
     measured: Array | None = None
     level: float | None = None
     remarks: tuple[str, ...] = ()
@@ -187,15 +198,20 @@ class Tracking:
 
 @dataclass(frozen=True)
 class FrequencyResponse:
-    """Response of the dynamic block with its delay.
+    """Response of the dynamic block with its delay, or a measured one.
 
     Attributes:
         frequency_hz: frequencies [Hz].
         response: complex gain at each.
+        std_dev: standard deviation σ of each gain, σ² = E|error|²; that of a measured response of several periods or
+            records, ``None`` elsewhere.
+        unit: unit of the gain, as in ``um_per_V``; empty for the dynamic block.
     """
 
     frequency_hz: Array
     response: NDArray[np.complex128]
+    std_dev: Array | None = None
+    unit: str = ""
 
     @property
     def magnitude(self) -> Array:
@@ -215,11 +231,11 @@ class FrequencyResponse:
             raise missing("python-control", "control", "a frequency response of python-control") from None
         return control.FRD(self.response, 2 * np.pi * self.frequency_hz)
 
-    def plot(self, axes: Sequence[Axes] | None = None) -> Sequence[Axes]:
+    def plot(self, axes: Sequence[Axes] | None = None, label: str = "dynamic block") -> Sequence[Axes]:
         """Draw magnitude and phase; see :func:`hysteron_models.plots.bode`."""
         from . import plots
 
-        return plots.bode(self, axes=axes)
+        return plots.bode(self, axes=axes, label=label)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,12 @@ ROOT = Path(__file__).parents[2]
 STACK = ROOT / "examples/piezo-p885-200hz/identification_1hz.csv"
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--renew-pictures", action="store_true", help="write the pictures that plots are compared with"
+    )
+
+
 def device(u: np.ndarray) -> np.ndarray:
     """Displacement [µm] of a simulated device, eight play operators and a line, for a drive [V]."""
     y = 1.7 * u

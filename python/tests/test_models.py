@@ -114,6 +114,12 @@ def test_structures_are_compared(bench: Path) -> None:
     assert len(found.to_pandas()) == 2
 
 
+def test_a_comparison_that_cannot_rank_says_what_to_measure(stack: hy.Record) -> None:
+    with pytest.raises(hy.IdentifyError, match="one experiment however often") as refused:
+        hy.compare([stack], ["none", "integer2"])
+    assert str(refused.value.hint).startswith("measure a sweep") and refused.value.code == "cannot-rank"
+
+
 def test_unknown_names_list_the_choices(loops: hy.Record) -> None:
     with pytest.raises(hy.OptionError, match="expected one of bouc-wen, prandtl-ishlinskii"):
         hy.Hammerstein("plays").fit(loops)
@@ -242,3 +248,21 @@ def test_other_units_of_the_same_quantity_are_those_of_the_model(
     assert np.allclose(prediction.measured, unseen.y) and np.allclose(prediction.y, stage.predict(unseen).y)
     with pytest.raises(hy.ModelError, match="model's"):
         stage.predict(hy.Record(unseen.u, unseen.y, fs=unseen.fs, units=("V", "N")))
+
+
+def test_a_run_in_parts_is_scored_from_the_start_that_is_given(
+    stage: hy.Hammerstein, unseen: hy.Record
+) -> None:
+    whole = stage.scores(unseen, rest=2.0)
+    half = len(unseen) // 2
+    parts = [
+        hy.Record(unseen.u[part], unseen.y[part], t=unseen.t[part], fs=unseen.fs)
+        for part in (slice(None, half), slice(half, None))
+    ]
+    given = stage.scores(parts, continued=True, rest=2.0)
+    chosen = stage.scores(parts, continued=True)
+    assert isinstance(given, hy.Score) and isinstance(chosen, hy.Score) and isinstance(whole, hy.Score)
+    assert given.start == whole.start != chosen.start
+    assert given.rmse == pytest.approx(whole.rmse, rel=1e-3) and given.rmse != chosen.rmse
+    with pytest.raises(hy.OptionError, match="exclude"):
+        stage.scores(parts, continued=True, rest=0.0, settled=100)

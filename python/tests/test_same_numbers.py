@@ -159,8 +159,7 @@ def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
         flags = ["--inputs", ",".join(axes[0]), "--outputs", ",".join(axes[1])]
         if kind == "modes":
             flags += ["--modes", "2", "--steps", "1", "--plays", "2", "--iterations", "2"]
-            options = {"modes": 2, "steps": 1, "plays": 2, "iterations": 2, "least_fit_percent": 0}
-            stage = hy.Modes(*axes, options=options)
+            stage = hy.Modes(*axes, modes=2, steps=1, plays=2, iterations=2, least_fit=0)
         else:
             flags += ["--structure", "hammerstein"]
             stage = hy.Branches(*axes, least_fit=0)
@@ -176,6 +175,14 @@ def test_other_kinds_agree(command: Path, tmp_path: Path, kind: str) -> None:
     printed.pop("model")
     assert printed == stage.result_
     assert _without_provenance(json.loads(out.read_text())) == _without_provenance(stage.model_.data)
+    if kind != "oscillator":
+        predicted, score = stage.predict(records[-1]), stage.scores(records[-1])
+        assert isinstance(predicted, hy.Prediction) and isinstance(score, hy.Score)
+        assert isinstance(predicted.offset, tuple) and len(predicted.offset) == 2
+        assert score.offset == predicted.offset
+        # The offset of each output is its own mean residual; the model is in µm.
+        means = [1e-3 * records[-1][name].mean() for name in ("y1", "y2")]
+        assert np.allclose(predicted.y.mean(axis=0), means, rtol=1e-9)
     simulated = tmp_path / "y.csv"
     subprocess.run([str(command), "simulate", str(out), str(paths[-1]), "-o", str(simulated)], check=True)
     ours = stage.model_.simulate(hy.read(paths[-1])).y

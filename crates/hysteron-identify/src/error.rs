@@ -116,7 +116,7 @@ pub enum IdentifyError {
     },
     /// The model class does not describe the record.
     #[error(
-        "the model class (Bouc–Wen hysteresis and linear dynamics) does not describe record '{record}': the best fit \
+        "the model class (hysteresis followed by linear dynamics) does not describe record '{record}': the best fit \
          explains {fit_percent:.1} % of it, {need} % are needed. {because}"
     )]
     ModelClass {

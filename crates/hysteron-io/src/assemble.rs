@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use hysteron_model::Finding;
 use hysteron_model::record::{Channel, Record, RecordError, Source, TimeBase};
 
 use crate::columns::{Columns, Rate};
+use crate::one_record::left_out;
 use crate::place::{Part, Place, shown};
 use crate::rename::renamed;
 use crate::roles::{Chosen, Role, Roles};
@@ -20,6 +22,8 @@ pub(crate) struct Assembled {
     pub chosen: Chosen,
     /// Number of samples in the file.
     pub file_samples: usize,
+    /// What was left out without being told.
+    pub notes: Vec<Finding>,
 }
 
 /// Makes a checked record of a file's columns, renamed and cut as the options say.
@@ -27,6 +31,10 @@ pub(crate) fn assemble(mut columns: Columns, options: &ReadOptions) -> Result<As
     columns.headings = renamed(&columns.headings, &options.rename)?;
     let Roles { roles, names, chosen, cut, texts } = Roles::new(&columns.headings, options)?;
     let file_samples = check_lengths(&columns, &roles)?;
+    let is_told =
+        [&options.input, &options.output, &options.reference, &options.time].into_iter().any(Option::is_some);
+    let skipped = |i: usize| !is_told && roles[i] == Role::Skipped;
+    let notes = left_out(&columns.headings, file_samples, skipped).into_iter().collect();
     let file = columns.headings.file.clone();
     let name =
         Path::new(&file).file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned());
@@ -84,7 +92,7 @@ pub(crate) fn assemble(mut columns: Columns, options: &ReadOptions) -> Result<As
         record = record.at(&kept).map_err(failed)?;
     }
     record.check().map_err(failed)?;
-    Ok(Assembled { record, chosen, file_samples })
+    Ok(Assembled { record, chosen, file_samples, notes })
 }
 
 /// Keeps the samples at which columns of texts hold the texts asked for.

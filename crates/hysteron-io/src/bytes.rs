@@ -50,9 +50,9 @@ impl<'a> Bytes<'a> {
         self.unsigned(8)
     }
 
-    /// A text behind its length of 4 bytes; what is not UTF-8 in it is replaced.
-    pub fn text(&mut self) -> Result<String, String> {
+    /// The bytes of a text, behind its length of 4 bytes.
+    pub fn raw_text(&mut self) -> Result<&'a [u8], String> {
         let length = self.u32()? as usize;
-        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
+        self.take(length)
     }
 }

@@ -1,6 +1,6 @@
 //! Named columns of numbers: what every reader gives.
 
-use hysteron_model::record::{Unit, header_of, split_header};
+use hysteron_model::record::{Quantity, Unit, header_of, split_header};
 
 use crate::IoError;
 use crate::options::MAX_COLUMNS;
@@ -31,6 +31,8 @@ pub(crate) struct ArrayHeading {
     pub kind: Kind,
     /// Whether it is an array above by another path.
     pub is_alias: bool,
+    /// Whether the file gives a sample rate for it.
+    pub has_rate: bool,
 }
 
 /// What an array holds.
@@ -144,6 +146,12 @@ impl Heading {
         self.array.as_ref().and_then(|array| self.header.get(..array.group_bytes)).unwrap_or_default()
     }
 
+    /// Whether name and unit are those of a time column.
+    pub fn is_named_as_time(&self) -> bool {
+        (self.unit.base().0 == Quantity::Time || self.unit.symbol().is_empty())
+            && ["t", "time", "timestamp"].contains(&self.name.to_lowercase().as_str())
+    }
+
     /// Whether it is a column above by another path.
     pub fn is_alias(&self) -> bool {
         self.array.as_ref().is_some_and(|array| array.is_alias)
@@ -169,6 +177,11 @@ impl Heading {
                 && text.strip_suffix(asked).is_some_and(|before| before.ends_with(SEPARATORS))
         };
         !asked.is_empty() && !group.is_empty() && self.spellings().iter().any(ends)
+    }
+
+    /// Whether `asked` is a path within this one.
+    pub fn holds(&self, asked: &str) -> bool {
+        asked.strip_prefix(self.header.as_str()).is_some_and(|within| within.starts_with(SEPARATORS))
     }
 
     /// Header, and name with and without unit; of an array behind its group.

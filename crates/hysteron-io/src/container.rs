@@ -124,6 +124,7 @@ impl Held {
                 length: Some(length),
                 kind: self.kind.clone(),
                 is_alias: self.is_alias,
+                has_rate: self.sample_rate_hz.is_some(),
             };
             let heading = Heading {
                 header: format!("{path}{suffix}"),
@@ -155,6 +156,7 @@ impl Held {
             length: None,
             kind: self.kind.clone(),
             is_alias: self.is_alias,
+            has_rate: self.sample_rate_hz.is_some(),
         };
         let heading = Heading { header: self.path.clone(), name, unit, array: Some(array) };
         Column { array: index, slice: Slice::Whole, heading }

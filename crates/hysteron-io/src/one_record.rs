@@ -1,6 +1,10 @@
 //! Which of a file's named arrays can stand in one record.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
+
+use hysteron_model::advice::Advice;
+use hysteron_model::record::{Channel, Record, TimeBase};
+use hysteron_model::{Finding, FindingKind};
 
 use crate::IoError;
 use crate::columns::{Heading, Headings, list_arrays};
@@ -25,10 +29,10 @@ pub(crate) fn set_apart(
     }
     let nothing_is_chosen = chosen.iter().all(Option::is_none);
     let is_candidate = |i: &usize| !is_named(*i) && !columns[*i].is_unreadable() && !columns[*i].is_alias();
-    let candidates = (0..columns.len()).filter(is_candidate);
+    let candidates: Vec<usize> = (0..columns.len()).filter(is_candidate).collect();
     let samples = match chosen.iter().flatten().next() {
         Some(&first) => length(first),
-        None => common_length(headings, candidates)?,
+        None => common_length(headings, &candidates)?,
     };
     for (i, column) in columns.iter().enumerate().filter(|(i, _)| !is_named(*i)) {
         // Without a choice an array of texts that is as long as the record is refused, not passed over, as in a text.
@@ -59,6 +63,13 @@ pub(crate) fn set_apart(
             apart[*i] = true;
         }
     }
+    // A column with a rate of its own has no time from elsewhere, e.g. from another curve of a force map.
+    let has_rate = |i: &usize| columns[*i].array.as_ref().is_some_and(|array| array.has_rate);
+    if chosen.iter().any(has_rate) {
+        for (i, column) in columns.iter().enumerate().filter(|(i, _)| !is_named(*i)) {
+            apart[i] |= column.is_named_as_time() && nearness(columns, i, &chosen) == 0;
+        }
+    }
     Ok(apart)
 }
 
@@ -69,29 +80,70 @@ fn nearness(columns: &[Heading], column: usize, chosen: &[usize]) -> usize {
     if chosen.iter().any(holds) { group.len() + 1 } else { 0 }
 }
 
-/// The length of all candidates; empty arrays do not count beside others.
-fn common_length(
-    headings: &Headings,
-    candidates: impl Iterator<Item = usize>,
-) -> Result<Option<usize>, IoError> {
+/// The length of all candidates, else that of the only ones that make a record by their names; empty arrays do not count beside
+/// others.
+fn common_length(headings: &Headings, candidates: &[usize]) -> Result<Option<usize>, IoError> {
     let columns = &headings.columns;
-    let mut reference: Option<(usize, usize)> = None;
-    for i in candidates {
-        let Some(own) = columns[i].array.as_ref().and_then(|array| array.length) else { continue };
-        match reference {
-            Some((first, samples)) if own != samples && own > 0 && samples > 0 => {
-                let first = &columns[first].header;
-                return Err(choose(
-                    headings,
-                    &columns[i],
-                    format!("{own} samples where `{first}` has {samples}"),
-                ));
-            }
-            Some((_, samples)) if samples >= own => {}
-            _ => reference = Some((i, own)),
+    let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for &i in candidates {
+        if let Some(length) = columns[i].array.as_ref().and_then(|array| array.length) {
+            by_length.entry(length).or_default().push(i);
         }
     }
-    Ok(reference.map(|(_, samples)| samples))
+    if by_length.len() > 1 {
+        by_length.remove(&0);
+    }
+    if by_length.len() <= 1 {
+        return Ok(by_length.keys().next().copied());
+    }
+    let mut named = by_length.values().filter(|own| names_a_record(columns, own, candidates));
+    if let (Some(own), None) = (named.next(), named.next()) {
+        return Ok(own.first().and_then(|&i| columns[i].array.as_ref()?.length));
+    }
+    let length = |i: usize| columns[i].array.as_ref().and_then(|array| array.length).filter(|&n| n > 0);
+    let mut known = candidates.iter().filter_map(|&i| Some((i, length(i)?)));
+    let Some((first, samples)) = known.next() else { return Ok(None) };
+    let Some((other, own)) = known.find(|(_, own)| *own != samples) else { return Ok(Some(samples)) };
+    let first = &columns[first].header;
+    Err(choose(headings, &columns[other], format!("{own} samples where `{first}` has {samples}")))
+}
+
+/// Whether columns of one length have an input and an output by name or unit, and the file no time that only others have.
+fn names_a_record(columns: &[Heading], own: &[usize], all: &[usize]) -> bool {
+    let is_time = |i: &usize| columns[*i].is_named_as_time();
+    let has_rate = |i: &usize| columns[*i].array.as_ref().is_some_and(|array| array.has_rate);
+    if !own.iter().any(is_time) && !own.iter().all(has_rate) && all.iter().any(is_time) {
+        return false;
+    }
+    let is_channel = |i: &&usize| !is_time(i) && !columns[**i].name.eq_ignore_ascii_case("valid");
+    let channel = |i: &usize| Channel {
+        name: columns[*i].name.clone(),
+        unit: columns[*i].unit.clone(),
+        samples: Vec::new(),
+    };
+    let channels = own.iter().filter(is_channel).map(channel).collect();
+    let (name, time) = (String::new(), TimeBase::Unknown);
+    Record { name, time, channels, valid: None, source: None }.names_input_and_output()
+}
+
+/// The note that arrays of other lengths than the record's are no part of it, if there are any among those skipped.
+pub(crate) fn left_out(
+    headings: &Headings,
+    samples: usize,
+    is_skipped: impl Fn(usize) -> bool,
+) -> Option<Finding> {
+    let is_other = |column: &Heading| {
+        let length = column.array.as_ref().and_then(|array| array.length);
+        !column.is_unreadable() && !column.is_alias() && length.is_some_and(|n| n != samples && n > 0)
+    };
+    let others = headings.columns.iter().enumerate().filter(|(i, column)| is_skipped(*i) && is_other(column));
+    let others: Vec<&Heading> = others.map(|(_, column)| column).collect();
+    let text = format!(
+        "the record is of the arrays of {samples} samples; of other lengths, and left out, are {}",
+        list_arrays(others.iter().copied())
+    );
+    let note = Finding::new(FindingKind::Verdict, "channels", text).with_advice(Advice::ChooseColumns);
+    (!others.is_empty()).then_some(note)
 }
 
 /// The refusal of a file without a channel.

@@ -55,7 +55,8 @@ pub fn read_record(path: &Path, options: &ReadOptions) -> Result<Record, IoError
 /// # Errors
 /// As [`read_record`].
 pub fn read_part(path: &Path, options: &ReadOptions) -> Result<PartRead, IoError> {
-    let Assembled { record, file_samples, chosen } = read(&path.display().to_string(), open(path)?, options)?;
+    let Assembled { record, file_samples, chosen, .. } =
+        read(&path.display().to_string(), open(path)?, options)?;
     let chosen = ChannelChoice { input: chosen.input, output: chosen.output };
     Ok(PartRead { record, file_samples, chosen })
 }
@@ -116,10 +117,11 @@ fn read_alone<T>(
 }
 
 fn selected(file: &str, source: impl Read, options: &ReadOptions) -> Result<ReadOutcome, IoError> {
-    let Assembled { record, chosen: Chosen { input, output, .. }, .. } = read(file, source, options)?;
+    let Assembled { record, chosen: Chosen { input, output, .. }, mut notes, .. } =
+        read(file, source, options)?;
     let choice = ChannelChoice { input, output };
     let failed = |source| IoError::Record { file: file.to_string(), source: Box::new(source) };
-    let notes = record.select(&choice).map_err(failed)?.notes;
+    notes.extend(record.select(&choice).map_err(failed)?.notes);
     let data = record.input_output(&choice).map_err(failed)?;
     Ok(ReadOutcome { data, notes })
 }

@@ -1,5 +1,6 @@
 //! New names for the columns of a file.
 
+use std::collections::HashMap;
 use std::str::FromStr;
 
 use hysteron_model::advice::ColumnRole;
@@ -61,10 +62,10 @@ pub(crate) fn renamed(headings: &Headings, renames: &[Rename]) -> Result<Heading
             *column = Heading { header, name, unit, array };
         }
     }
+    let mut known = HashMap::new();
     for (second, column) in new.columns.iter().enumerate() {
-        let same =
-            |c: &Heading| c.name == column.name && c.unit == column.unit && c.group() == column.group();
-        if let Some(first) = new.columns.iter().take(second).position(same) {
+        let key = (column.name.as_str(), column.unit.symbol(), column.group());
+        if let Some(first) = known.insert(key, second) {
             return Err(IoError::DuplicateColumn {
                 place: headings.place(),
                 name: column.header.clone(),

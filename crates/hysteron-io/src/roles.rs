@@ -220,6 +220,10 @@ pub(crate) fn chosen(
     {
         found.push(number - 1);
     }
+    // Something within what is listed but not gone through.
+    if found.is_empty() {
+        found.extend(columns.iter().position(|column| column.is_unreadable() && column.holds(asked)));
+    }
     match found.as_slice() {
         [one] => Ok(Some(*one)),
         [] => Err(IoError::NoSuchColumn {
@@ -252,12 +256,8 @@ fn time_column(
         return Ok(Some(index));
     }
     let is_time = |c: &Heading| c.unit.base().0 == Quantity::Time;
-    let has_time_name = |c: &Heading| {
-        (is_time(c) || c.unit.symbol().is_empty())
-            && ["t", "time", "timestamp"].contains(&c.name.to_lowercase().as_str())
-    };
     let by_name: Vec<usize> =
-        (0..columns.len()).filter(|&i| has_time_name(&columns[i])).filter(free).collect();
+        (0..columns.len()).filter(|&i| columns[i].is_named_as_time()).filter(free).collect();
     if by_name.is_empty() {
         // A lone unit of time makes a time column, but never of a column that is named as an input or an output.
         let by_unit: Vec<usize> = (0..columns.len())

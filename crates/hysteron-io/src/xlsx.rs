@@ -86,6 +86,10 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
             let in_seconds = column.first_date.is_some();
             let kind = match column.refused {
                 Some(found) => Kind::Other(found),
+                // A program that has no formulas computed leaves their cells without values.
+                None if column.values.is_empty() && sheet.rows > 0 => {
+                    Kind::Other("empty cells, or formulas without values".to_owned())
+                }
                 None if in_seconds && !["", "s"].contains(&split_header(&header).1.symbol()) => {
                     Kind::Other("dates".to_owned())
                 }

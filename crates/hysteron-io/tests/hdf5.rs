@@ -11,6 +11,8 @@ const PACKED: &[u8] = include_bytes!("data/packed.h5");
 const LINKED: &[u8] = include_bytes!("data/linked.h5");
 const LADDER: &[u8] = include_bytes!("data/ladder.h5");
 const UNWRITTEN: &[u8] = include_bytes!("data/unwritten.h5");
+const DEEP: &[u8] = include_bytes!("data/deep.h5");
+const CELLS: &[u8] = include_bytes!("data/cells_7.3.mat");
 const MATLAB: &[u8] = include_bytes!("data/matlab_7.3.mat");
 
 #[test]
@@ -18,6 +20,14 @@ fn the_values_are_those_that_h5py_reads() {
     let Some((_folder, cases)) = oracle::written_by("hdf5.py") else { return };
     assert!(cases.len() >= 100, "{} files", cases.len());
     assert!(oracle::compare(&cases) >= 2 * cases.len());
+    eprintln!("{} files", cases.len());
+}
+
+#[test]
+fn cells_and_arrays_of_structures_of_matlab_are_read_as_mat73_reads_them() {
+    let Some((_folder, cases)) = oracle::written_by("matlab73.py") else { return };
+    assert!(cases.len() >= 100, "{} files", cases.len());
+    assert!(oracle::compare(&cases) >= 3 * cases.len());
     eprintln!("{} files", cases.len());
 }
 
@@ -43,6 +53,27 @@ fn fields_of_a_structure_of_matlab_are_named_with_dots() {
 }
 
 #[test]
+fn references_that_lead_back_to_their_cells_end() {
+    let held = contents_of_bytes("cells.mat", CELLS, &ReadOptions::default()).unwrap();
+    let mut kinds: Vec<(&str, &str)> =
+        held.iter().map(|own| (own.path.as_str(), own.kind.as_str())).collect();
+    let expected = [
+        ("c{1}", "numbers"),
+        ("c{2}.again{1}", "a reference to what it stands in"),
+        ("c{2}.u", "numbers"),
+        ("c{3}", "a reference to nothing"),
+        ("c{4}", "an empty array"),
+        ("f", "function"),
+        ("none", "structure without fields"),
+        ("s", "sparse matrix"),
+        ("when", "object of class datetime"),
+    ];
+    kinds.sort_unstable();
+    assert_eq!(kinds, expected);
+    assert_eq!(held.iter().find(|own| own.path == "c{4}").unwrap().shape, [0, 3]);
+}
+
+#[test]
 fn a_dataset_that_is_linked_to_twice_is_one_column() {
     let held = contents_of_bytes("linked.h5", LINKED, &ReadOptions::default()).unwrap();
     let paths: Vec<&str> = held.iter().map(|content| content.path.as_str()).collect();
@@ -65,6 +96,23 @@ fn groups_that_are_linked_to_within_themselves_end() {
 }
 
 #[test]
+fn a_group_that_is_too_deep_is_listed_and_named_where_something_in_it_is_asked_for() {
+    let held = contents_of_bytes("deep.h5", DEEP, &ReadOptions::default()).unwrap();
+    let deep = held.iter().find(|content| content.kind.contains("deeper than the 32 levels")).unwrap();
+    assert!(deep.path.starts_with("g0/g1/") && deep.path.ends_with("/g32"), "{deep:?}");
+    assert_eq!(read_record_bytes("deep.h5", DEEP, &ReadOptions::default()).unwrap().channels.len(), 2);
+    let inside = (0..40).map(|level| format!("g{level}/")).collect::<String>() + "w_V";
+    for asked in [inside.as_str(), "g32"] {
+        let options = ReadOptions { input: Some(asked.into()), ..ReadOptions::default() };
+        let refusal = read_record_bytes("deep.h5", DEEP, &options).unwrap_err().to_string();
+        assert!(
+            refusal.contains("array `g0/g1/") && refusal.contains("deeper than the 32 levels"),
+            "{refusal}"
+        );
+    }
+}
+
+#[test]
 fn a_dataset_that_was_never_written_is_refused_with_what_to_raise() {
     // 2²⁸ doubles in two kilobytes.
     let refusal =
@@ -74,6 +122,6 @@ fn a_dataset_that_was_never_written_is_refused_with_what_to_raise() {
 
 #[test]
 fn a_damaged_file_is_read_or_refused() {
-    let read = damage::survive("run.h5", &[RUN, PACKED, MATLAB, LINKED], 1000, 3);
+    let read = damage::survive("run.h5", &[RUN, PACKED, MATLAB, LINKED, CELLS], 1000, 3);
     assert!((50..950).contains(&read), "{read} of 1000 copies read");
 }

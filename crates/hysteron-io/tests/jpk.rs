@@ -1,5 +1,5 @@
 //! JPK force archives: the numbers that afmformats reads, and that no damage makes the reader panic.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 mod damage;
 mod oracle;
@@ -60,8 +60,9 @@ fn read(bytes: &[u8], input: &str, output: &str) -> Record {
 #[test]
 fn the_values_are_those_that_afmformats_reads() {
     let Some((_folder, cases)) = oracle::written_by("jpk.py") else { return };
-    assert!(cases.len() >= 10, "{} files", cases.len());
-    assert!(oracle::compare(&cases) > 100);
+    assert!(cases.len() >= 200, "{} files", cases.len());
+    assert!(oracle::compare(&cases) >= 5 * cases.len());
+    eprintln!("{} files", cases.len());
 }
 
 #[test]

@@ -167,6 +167,60 @@ fn a_small_file_of_a_huge_array_is_refused_with_what_to_raise() {
     }
 }
 
+/// Variables that hold as many numbers as said.
+fn variables(of: &[(&str, u8)]) -> Vec<u8> {
+    let counted = |&(name, count): &(&str, u8)| narrow(name, &(1..=count).collect::<Vec<u8>>(), 6, false);
+    file(&of.iter().map(counted).collect::<Vec<_>>(), false)
+}
+
+#[test]
+fn arrays_of_other_lengths_do_not_stand_in_the_way_of_a_record_that_is_named() {
+    let read = |of: &[(&str, u8)]| {
+        let outcome = read_input_output_bytes("run.mat", &variables(of), &ReadOptions::default());
+        outcome.map(|outcome| (outcome.data.input, outcome.data.output, outcome.data.u.len()))
+    };
+    let run = Ok(("u".to_owned(), "y".to_owned(), 6));
+    let clear: [&[(&str, u8)]; 5] = [
+        &[("t_s", 6), ("u_V", 6), ("y_um", 6), ("noise", 9), ("spectrum", 3)],
+        &[("f_Hz", 4), ("re", 4), ("im", 4), ("t_s", 6), ("u_V", 6), ("y_um", 6)],
+        &[("raw_u_V", 9), ("t_s", 6), ("u_V", 6), ("y_um", 6), ("time_s", 9)],
+        &[("t_s", 6), ("u_V", 6), ("y_um", 6), ("force_N", 6), ("u_ref", 2), ("fs", 1)],
+        &[("u", 6), ("y", 6), ("window", 3)],
+    ];
+    for of in clear {
+        assert_eq!(read(of).map_err(|e| e.to_string()), run, "{of:?}");
+    }
+    let unclear: [&[(&str, u8)]; 5] = [
+        // Two records, none, an input alone, a time that only others have.
+        &[("t_s", 6), ("u_V", 6), ("y_um", 6), ("u2_V", 9), ("y2_um", 9), ("time", 9)],
+        &[("a", 6), ("b", 6), ("c", 9)],
+        &[("t_s", 6), ("u_V", 6), ("y_um", 9)],
+        &[("t_s", 5), ("u_V", 6), ("y_um", 6)],
+        // Two inputs in the record.
+        &[("t_s", 6), ("u1_V", 6), ("u2_V", 6), ("y_um", 6), ("window", 3)],
+    ];
+    for of in unclear {
+        let refusal = read(of).unwrap_err();
+        assert!(matches!(refusal, IoError::ChooseArrays { .. }), "{of:?}: {refusal}");
+        let text = refusal.to_string();
+        assert!(of.iter().all(|(name, _)| text.contains(&format!("`{name}` ("))), "{text}");
+    }
+}
+
+#[test]
+fn a_file_of_a_structure_without_fields_says_what_it_holds() {
+    let options = ReadOptions::default();
+    for length in [8u32, 0] {
+        let mut bytes = file(&[structure("s", &[])], false);
+        let at = bytes.len() - 16;
+        bytes[at..at + 4].copy_from_slice(&length.to_le_bytes());
+        let held = contents_of_bytes("run.mat", &bytes, &options).unwrap();
+        assert_eq!((held[0].path.as_str(), held[0].kind.as_str()), ("s", "structure without fields"));
+        let refusal = read_record_bytes("run.mat", &bytes, &options).unwrap_err().to_string();
+        assert!(refusal.contains("the file holds `s` (1×1, structure without fields)"), "{refusal}");
+    }
+}
+
 #[test]
 fn of_frequency_responses_in_several_structures_one_must_be_chosen() {
     let response = |re: u8| {

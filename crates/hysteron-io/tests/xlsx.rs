@@ -1,5 +1,5 @@
 //! XLSX workbooks: the numbers that pandas reads, what is refused, and that no damage makes the reader panic.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 mod damage;
 mod oracle;
@@ -80,10 +80,11 @@ fn loop_of_two() -> Vec<u8> {
 }
 
 #[test]
-fn the_values_are_those_that_pandas_reads() {
+fn the_values_are_those_that_pandas_and_openpyxl_read() {
     let Some((_folder, cases)) = oracle::written_by("xlsx.py") else { return };
-    assert!(cases.len() >= 25, "{} files", cases.len());
-    assert!(oracle::compare(&cases) > 75);
+    assert!(cases.len() >= 150, "{} files", cases.len());
+    assert!(oracle::compare(&cases) >= 2 * cases.len());
+    eprintln!("{} files", cases.len());
 }
 
 #[test]

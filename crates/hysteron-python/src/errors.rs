@@ -2,6 +2,7 @@
 
 use std::fmt::{Debug, Display};
 
+use hysteron_identify::IdentifyError;
 use hysteron_io::{Part, Place};
 use hysteron_model::Advice;
 use pyo3::prelude::*;
@@ -43,7 +44,13 @@ pub fn raised(error: impl Into<hysteron::Error>) -> PyErr {
         Error::File(e) => exception(Class::File, &e, e.place(), e.advice()),
         Error::Model(hysteron_model::Error::Name(e)) => option(e),
         Error::Model(e) => exception(Class::Model, &e, None, e.advice()),
-        Error::Identify(e) => exception(Class::Identify, &e, None, e.advice()),
+        Error::Identify(e) => {
+            let measure = match &e {
+                IdentifyError::CannotRank { measure, .. } => Some(format!("measure {measure}")),
+                _ => None,
+            };
+            described(Class::Identify, &e, None, e.advice(), measure)
+        }
         Error::Export(e) => exception(Class::Export, &e, None, None),
         e => exception(Class::Option, &e, None, None),
     }
@@ -65,6 +72,17 @@ fn exception(
     place: Option<Place>,
     advice: Option<Advice>,
 ) -> PyErr {
+    described(class, error, place, advice, None)
+}
+
+/// [`exception`] with a remedy that is no matter of arguments.
+fn described(
+    class: Class,
+    error: &(impl Display + Debug),
+    place: Option<Place>,
+    advice: Option<Advice>,
+    hint: Option<String>,
+) -> PyErr {
     Python::attach(|py| {
         let made = || -> PyResult<PyErr> {
             let details = PyDict::new(py);
@@ -82,6 +100,9 @@ fn exception(
             }
             if let Some(advice) = &advice {
                 details.set_item("advice", to_json(advice)?)?;
+            }
+            if let Some(hint) = &hint {
+                details.set_item("hint", hint)?;
             }
             let of_package = py.import("hysteron_models._errors")?.getattr(class.name())?;
             Ok(PyErr::from_value(of_package.call((error.to_string(),), Some(&details))?))

@@ -34,7 +34,7 @@ mod _native {
     #[pymodule_export]
     use super::fit::{Fit, choices, identify};
     #[pymodule_export]
-    use super::model::Model;
+    use super::model::{Model, residual_correlation};
     #[pymodule_export]
     use super::record::{Record, contents, inspect, prepare, read, split_header, write};
     #[pymodule_export]

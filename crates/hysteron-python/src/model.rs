@@ -11,7 +11,7 @@ use hysteron_model::axes::AxesRecord;
 use hysteron_model::model::{Capability, Remark, Score, SignalRole, Signals};
 use hysteron_model::model_file::{Maker, timestamp};
 use hysteron_model::record::{ChannelChoice, Driven, InputOutput, Record as CoreRecord, Run, Source};
-use hysteron_model::validate::Scoring;
+use hysteron_model::validate::{Scoring, residual_whiteness, scored_samples};
 use hysteron_model::{Model as Core, Start};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -242,7 +242,7 @@ impl Model {
     }
 
     /// Scores on consecutive records of one run, as JSON, with the samples of each run.
-    #[pyo3(signature = (records, scoring, input=None, output=None))]
+    #[pyo3(signature = (records, scoring, input=None, output=None, from_start=None))]
     fn score_continued(
         &self,
         py: Python<'_>,
@@ -250,13 +250,15 @@ impl Model {
         scoring: &str,
         input: Option<String>,
         output: Option<String>,
+        from_start: Option<&str>,
     ) -> PyResult<Vec<Scored>> {
         self.inner.hammerstein(Capability::Runs).map_err(raised)?;
         let scoring: Scoring = from_json(scoring)?;
+        let from = start(from_start)?;
         let data = single(&records, &ChannelChoice { input, output })?;
         let runs = Run::of(&data).map_err(raised)?;
         let score = |run: Run| {
-            let score = work::run(py, || self.inner.score_run(&run, Start::AsIdentified, &scoring))?;
+            let score = work::run(py, || self.inner.score_run(&run, from, &scoring))?;
             let score = score.map_err(raised)?;
             let (json, whole) = (to_json(&score)?, &score.whole);
             let series = whole.series(&Signals::Single(run.data)).map_err(raised)?;
@@ -340,6 +342,21 @@ impl Model {
         let model = Core::try_from(file).map_err(raised)?;
         Ok((model.into(), summary))
     }
+}
+
+/// Autocorrelation of a residual at lags from the first on, and its 99 % bound; `None` where there is too little of it.
+#[pyfunction]
+#[pyo3(signature = (series, skip_s=0.0))]
+pub fn residual_correlation<'py>(
+    py: Python<'py>,
+    series: &Record,
+    skip_s: f64,
+) -> PyResult<Option<(i64, Samples<'py>, f64)>> {
+    let choice = ChannelChoice { input: Some("u".to_owned()), output: Some("residual".to_owned()) };
+    let data = series.inner.input_output(&choice).map_err(raised)?;
+    let scored = scored_samples(&data, skip_s).map_err(hysteron_model::Error::from).map_err(raised)?;
+    let found = residual_whiteness(&data.y, &scored);
+    Ok(found.map(|c| (c.first_lag, PyArray1::from_vec(py, c.coefficients), c.bound)))
 }
 
 impl Model {

@@ -6,7 +6,7 @@ use hysteron_identify::frequency_response::empirical::{EmpiricalOptions, empiric
 use hysteron_identify::frequency_response::{Explained, Family, Weighting, compare};
 use hysteron_io::{ResponseOptions, read_frequency_response};
 use hysteron_model::UnknownName;
-use hysteron_model::record::ChannelChoice;
+use hysteron_model::record::{ChannelChoice, FrequencyResponse};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -16,8 +16,11 @@ use crate::record::{Record, single};
 use crate::signals::Samples;
 use crate::work;
 
-/// Points of a response, the structures as JSON, the page, and the model of the best one that a model file can hold.
-type Found<'py> = (Samples<'py>, Samples<'py>, Samples<'py>, String, String, Option<Model>);
+/// Frequencies, real and imaginary parts, standard deviations where they are known, and the unit.
+type Points<'py> = (Samples<'py>, Samples<'py>, Samples<'py>, Option<Samples<'py>>, String);
+
+/// A response, the structures as JSON, the page, and the model of the best one that a model file can hold.
+type Found<'py> = (Points<'py>, String, String, Option<Model>);
 
 /// The response of periodic records, or of a file of responses, and the structures that explain it.
 #[pyfunction]
@@ -68,13 +71,13 @@ pub fn explain_response<'py>(
     let model = found.model_file(&maker()).ok();
     let model = model.map(|written| hysteron_model::Model::try_from(written.file).map_err(raised));
     let model = model.transpose()?.map(Model::from);
-    let values = &found.response.values;
-    Ok((
-        PyArray1::from_slice(py, &found.response.frequency_hz),
+    let FrequencyResponse { frequency_hz, values, std_dev, unit, .. } = &found.response;
+    let points = (
+        PyArray1::from_slice(py, frequency_hz),
         PyArray1::from_iter(py, values.iter().map(|value| value.re)),
         PyArray1::from_iter(py, values.iter().map(|value| value.im)),
-        to_json(&found)?,
-        page,
-        model,
-    ))
+        std_dev.as_ref().map(|std_dev| PyArray1::from_slice(py, std_dev)),
+        unit.clone(),
+    );
+    Ok((points, to_json(&found)?, page, model))
 }

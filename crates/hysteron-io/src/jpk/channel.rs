@@ -1,12 +1,14 @@
 //! Channels of a segment: how their numbers are stored, and scaled to units.
 
+use std::sync::Arc;
+
 use super::properties::Properties;
 
 /// Most conversions that follow on one another.
 const MAX_CONVERSIONS: usize = 8;
 
 /// How numbers are stored, all of them big-endian.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Encoding {
     Signed(usize),
     Unsigned(usize),
@@ -38,7 +40,7 @@ impl Encoding {
 }
 
 /// A unit that a channel is given in.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Slot {
     /// Its name in the file: `volts`, `nominal`, `force`.
     pub name: String,
@@ -66,7 +68,13 @@ pub(super) struct Channel {
     /// Number of its array in the archive.
     pub entry: usize,
     pub samples: usize,
-    /// Or what the array holds instead of numbers that can be read.
+    pub description: Arc<Description>,
+}
+
+/// How the numbers of a channel are to be understood.
+#[derive(Debug, PartialEq)]
+pub(super) struct Description {
+    /// How they are stored, or what the array holds instead of numbers that can be read.
     pub encoding: Result<Encoding, String>,
     pub slots: Vec<Slot>,
 }
@@ -107,16 +115,25 @@ impl Lookup<'_> {
 
 impl Channel {
     /// The channel stored in an entry of this many bytes.
-    pub fn new(name: String, entry: usize, bytes: u64, sources: &[&Properties]) -> Self {
-        let number = sources.iter().find_map(|own| own.get(&format!("channel.{name}.lcd-info.*")));
-        let lookup = Lookup { name: &name, sources, shared: number.map(str::to_owned) };
-        let (encoding, slots) = match described(&lookup) {
-            Ok((encoding, slots)) => (Ok(encoding), slots),
-            Err(found) => (Err(found), vec![Slot { is_default: true, ..Slot::default() }]),
-        };
-        let size = encoding.as_ref().map_or(1, Encoding::bytes) as u64;
+    pub fn new(name: String, entry: usize, bytes: u64, description: Arc<Description>) -> Self {
+        let size = description.encoding.as_ref().map_or(1, Encoding::bytes) as u64;
         let samples = usize::try_from(bytes / size).unwrap_or(usize::MAX);
-        Channel { name, entry, samples, encoding, slots }
+        Channel { name, entry, samples, description }
+    }
+}
+
+impl Description {
+    /// What the properties of a segment, then those of all say about a channel.
+    pub fn new(name: &str, sources: &[&Properties]) -> Self {
+        let number = sources.iter().find_map(|own| own.shared_number(name));
+        let lookup = Lookup { name, sources, shared: number.map(str::to_owned) };
+        match described(&lookup) {
+            Ok((encoding, slots)) => Description { encoding: Ok(encoding), slots },
+            Err(found) => {
+                let slots = vec![Slot { is_default: true, ..Slot::default() }];
+                Description { encoding: Err(found), slots }
+            }
+        }
     }
 }
 

@@ -5,26 +5,34 @@
 //! `height (volts)`.
 
 mod channel;
+mod listing;
 mod properties;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
+use std::sync::Arc;
 
 use crate::IoError;
-use crate::columns::{Columns, Kind};
-use crate::container::{self, Held, MAX_ARRAYS};
+use crate::columns::Columns;
+use crate::container::{self, MAX_ARRAYS, MOST_PATH_BYTES};
 use crate::hash::sha256;
 use crate::place::{Part, Place};
 use crate::reader::{Archive, Input};
-use channel::{Channel, Encoding, Slot};
+use channel::{Channel, Description};
+use listing::{Listing, Source};
 use properties::Properties;
 
 /// Longest list of properties \[bytes\].
 const MAX_PROPERTIES_BYTES: u64 = 1 << 22;
+/// What all lists of properties of any archive may have \[bytes\], and of a larger one for each of its bytes.
+const LEAST_PROPERTIES_BYTES: u64 = 32 << 20;
+const PROPERTIES_PER_BYTE: u64 = 16;
+/// Most channels of a segment, segments of a curve, and arrays that are read.
+const MAX_CHANNELS: usize = 256;
+const MAX_SEGMENTS: usize = 4096;
+const MAX_READ: usize = 1 << 18;
 /// Most bytes that one byte of a deflated entry unpacks to.
 const LARGEST_RATIO: u64 = 1032;
-/// Relative difference of sample rates of segments that are one.
-const SAME_RATE: f64 = 1e-9;
 
 /// Curves in order, each by the length of its group's name and the group, and their segments.
 type Curves = BTreeMap<(usize, String), BTreeMap<u64, Segment>>;
@@ -35,14 +43,6 @@ struct Segment {
     channels: Vec<Channel>,
     samples: usize,
     duration_s: Option<f64>,
-}
-
-/// Where the numbers of a column are.
-enum Source {
-    /// Arrays of the archive, one behind the other.
-    Arrays(Vec<(usize, usize, Encoding, Slot)>),
-    /// Segments, each with its number of samples and its duration \[s\].
-    Time(Vec<(usize, f64)>),
 }
 
 /// Whether the archive is one of JPK's.
@@ -58,33 +58,45 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
         |part, problem| IoError::Malformed { place: Place::new(&file, part), format: "JPK", problem };
     let curves = curves(&mut archive, bytes.len() as u64, max_bytes)
         .map_err(|problem| malformed(Part::Whole, problem))?;
-    let (mut held, mut sources) = (Vec::new(), Vec::new());
+    let mut listing = Listing::default();
+    // A map of very many curves is listed by its curves only.
     for parts_too in [true, false] {
-        (held, sources) = (Vec::new(), Vec::new());
+        listing = Listing { parts_too, ..Listing::default() };
         for ((_, group), segments) in &curves {
-            list(group, segments, parts_too, &mut held, &mut sources);
+            if !listing.is_full() {
+                listing.curve(group, segments);
+            }
         }
-        // A map of very many curves is listed by its curves only.
-        if held.len() <= MAX_ARRAYS {
+        if !listing.is_full() {
             break;
         }
     }
+    drop(curves);
+    let Listing { held, sources, .. } = listing;
     if held.is_empty() {
         return Err(malformed(Part::Whole, "it holds no channels of a force curve".to_owned()));
     }
-    let mut left = max_bytes;
+    let (mut left, mut left_arrays) = (max_bytes, MAX_READ);
     container::columns(input, &held, sha256(bytes), |index| match &sources[index] {
         Source::Time(segments) => Ok(times(segments)),
         Source::Arrays(arrays) => {
             let mut values = Vec::new();
-            for (entry, samples, encoding, slot) in arrays {
+            left_arrays = left_arrays.checked_sub(arrays.len()).ok_or_else(|| {
+                malformed(Part::Whole, format!("the columns to read are of more than {MAX_READ} arrays"))
+            })?;
+            for array in arrays {
                 let part = || Part::Array(held[index].path.as_str().into());
-                let size = *samples as u64 * encoding.bytes() as u64;
+                let (Ok(encoding), Some(slot)) =
+                    (&array.description.encoding, array.description.slots.get(array.slot))
+                else {
+                    continue;
+                };
+                let size = array.samples as u64 * encoding.bytes() as u64;
                 let too_large =
                     || IoError::TooLarge { place: Place::new(&file, part()), limit_bytes: max_bytes };
                 left = left.checked_sub(size).ok_or_else(too_large)?;
-                let raw =
-                    entry_bytes(&mut archive, *entry, size).map_err(|problem| malformed(part(), problem))?;
+                let raw = entry_bytes(&mut archive, array.entry, size)
+                    .map_err(|problem| malformed(part(), problem))?;
                 if raw.len() as u64 != size {
                     let problem = format!("it has {} bytes where the archive says {size}", raw.len());
                     return Err(malformed(part(), problem));
@@ -96,81 +108,6 @@ pub(crate) fn read(input: Input<'_>, bytes: &[u8], mut archive: Archive<'_>) -> 
     })
 }
 
-/// Lists the columns of one curve.
-fn list(
-    group: &str,
-    segments: &BTreeMap<u64, Segment>,
-    parts_too: bool,
-    held: &mut Vec<Held>,
-    sources: &mut Vec<Source>,
-) {
-    let mut add = |group: &str, name: &str, samples, slot: &Slot, kind, rate: Option<(f64, f64)>, source| {
-        let mut array = Held::new(group, name, vec![samples], kind);
-        array.unit = Some(slot.unit.clone()).filter(|unit| !unit.is_empty());
-        if let Some((hz, start_s)) = rate {
-            (array.sample_rate_hz, array.start_s) = (Some(hz), start_s);
-        }
-        held.push(array);
-        sources.push(source);
-    };
-    let kind = |channel: &Channel| match &channel.encoding {
-        Ok(_) => Kind::Numbers,
-        Err(found) => Kind::Other(found.clone()),
-    };
-    let array = |channel: &Channel, slot: &Slot| {
-        let encoding = channel.encoding.clone().unwrap_or(Encoding::Float32);
-        (channel.entry, channel.samples, encoding, slot.clone())
-    };
-    let durations: Option<Vec<(usize, f64)>> =
-        segments.values().map(|segment| Some((segment.samples, segment.duration_s?))).collect();
-    let rates = segments.values().map(Segment::rate_hz).collect::<Option<Vec<f64>>>().unwrap_or_default();
-    let one_rate =
-        rates.first().copied().filter(|first| rates.iter().all(|r| (r / first - 1.0).abs() < SAME_RATE));
-    let Some(first) = segments.values().next() else { return };
-    if segments.len() > 1 {
-        let samples = segments.values().map(|segment| segment.samples).sum();
-        if let (None, Some(durations)) = (one_rate, durations) {
-            let seconds = Slot { unit: "s".to_owned(), ..Slot::default() };
-            add(group, "time", samples, &seconds, Kind::Numbers, None, Source::Time(durations));
-        }
-        for channel in &first.channels {
-            for slot in channel.slots.iter().filter(|slot| parts_too || slot.is_default) {
-                // A channel that only some segments have is no channel of the curve.
-                let of_segment = |segment: &Segment| {
-                    let own = segment
-                        .channels
-                        .iter()
-                        .find(|own| own.name == channel.name && own.encoding.is_ok())?;
-                    let own_slot = own.slots.iter().find(|own| own.name == slot.name)?;
-                    Some(array(own, own_slot))
-                };
-                let Some(arrays) = segments.values().map(of_segment).collect::<Option<Vec<_>>>() else {
-                    continue;
-                };
-                let samples = arrays.iter().map(|(_, samples, ..)| samples).sum();
-                let rate = one_rate.map(|hz| (hz, 0.0));
-                let name = slot.name_of(&channel.name);
-                add(group, &name, samples, slot, kind(channel), rate, Source::Arrays(arrays));
-            }
-        }
-    }
-    if !parts_too && segments.len() > 1 {
-        return;
-    }
-    let mut start_s = 0.0;
-    for (number, segment) in segments {
-        let rate = segment.rate_hz().map(|hz| (hz, start_s));
-        for channel in &segment.channels {
-            for slot in channel.slots.iter().filter(|slot| parts_too || slot.is_default) {
-                let group = format!("{group}segments/{number}/");
-                let source = Source::Arrays(vec![array(channel, slot)]);
-                add(&group, &slot.name_of(&channel.name), channel.samples, slot, kind(channel), rate, source);
-            }
-        }
-        start_s += segment.duration_s.unwrap_or_default();
-    }
-}
-
 impl Segment {
     fn rate_hz(&self) -> Option<f64> {
         let rate = self.samples as f64 / self.duration_s?;
@@ -180,52 +117,111 @@ impl Segment {
 
 /// The curves of the archive, each with its segments: the only one, or those of a map (`index/3/`).
 fn curves(archive: &mut Archive<'_>, archive_bytes: u64, max_bytes: u64) -> Result<Curves, String> {
-    let mut left = max_bytes;
-    let mut properties = |archive: &mut Archive<'_>, name: &str| {
-        let Some(entry) = archive.index_for_name(name) else { return Ok(Properties::default()) };
+    let most_properties =
+        LEAST_PROPERTIES_BYTES.max(archive_bytes.saturating_mul(PROPERTIES_PER_BYTE)).min(max_bytes);
+    let mut left = most_properties;
+    let mut properties = |archive: &mut Archive<'_>, name: &str, entry: Option<usize>| {
+        let Some(entry) = entry else { return Ok(Properties::default()) };
         let text = entry_bytes(archive, entry, MAX_PROPERTIES_BYTES.min(left))?;
-        if text.len() as u64 > MAX_PROPERTIES_BYTES.min(left) {
-            let most = MAX_PROPERTIES_BYTES;
-            return Err(format!("`{name}` has more than {most} bytes, or more than `max_bytes` leaves"));
+        if text.len() as u64 > MAX_PROPERTIES_BYTES {
+            return Err(format!("`{name}` has more than {MAX_PROPERTIES_BYTES} bytes"));
         }
-        left -= text.len() as u64;
+        let too_many = || format!("its properties have more than {most_properties} bytes");
+        left = left.checked_sub(text.len() as u64).ok_or_else(too_many)?;
         Ok::<_, String>(Properties::new(&text))
     };
-    let general = properties(archive, "header.properties")?;
-    let shared = properties(archive, "shared-data/header.properties")?;
-    let mut entries = Vec::new();
+    let [general, shared] = ["header.properties", "shared-data/header.properties"].map(|name| {
+        let entry = archive.index_for_name(name);
+        properties(archive, name, entry)
+    });
+    let (general, shared) = (general?, shared?);
+    // The archive looks at all of its names for one that it does not have.
+    let (mut entries, mut headers) = (Vec::new(), HashMap::new());
     for entry in 0..archive.len() {
         let name = archive.name_for_index(entry).transpose().map_err(|e| e.to_string())?;
-        if let Some(place) = name.as_deref().and_then(channel_place) {
+        let Some(name) = name.as_deref() else { continue };
+        if let Some(place) = channel_place(name) {
+            if name.len() > MOST_PATH_BYTES {
+                return Err(format!("an entry has a path of more than {MOST_PATH_BYTES} bytes"));
+            }
             entries.push((entry, place));
+        } else if name.ends_with("/segment-header.properties") {
+            headers.insert(name.to_owned(), entry);
         }
     }
+    let mut descriptions = Descriptions::default();
     let mut curves = Curves::new();
-    let mut headers: BTreeMap<String, Properties> = BTreeMap::new();
+    // The header of the last entry's segment: entries of one segment stand side by side.
+    let mut last: Option<(String, Properties)> = None;
+    entries.sort_by(|(_, a), (_, b)| (&a.group, a.segment).cmp(&(&b.group, b.segment)));
     for (entry, ChannelPlace { group, segment, name }) in entries {
         let path = format!("{group}segments/{segment}/segment-header.properties");
-        if !headers.contains_key(&path) {
-            // Entries of one segment stand side by side: only a few headers are of use at a time.
-            if headers.len() > 8 {
-                headers.clear();
-            }
-            headers.insert(path.clone(), properties(archive, &path)?);
-        }
-        let Some(header) = headers.get(&path) else { continue };
+        let header = match last.take() {
+            Some((of, header)) if of == path => header,
+            _ => properties(archive, &path, headers.get(&path).copied())?,
+        };
         let stored = archive.by_index_raw(entry).map_err(|e| e.to_string())?;
         let (bytes, packed_bytes) = (stored.size(), stored.compressed_size().min(archive_bytes));
         drop(stored);
         if bytes > packed_bytes.saturating_mul(LARGEST_RATIO) {
             return Err(format!("its array `{name}` cannot have the {bytes} bytes that the archive says"));
         }
-        let channel = Channel::new(name, entry, bytes, &[header, &shared, &general]);
+        let description = descriptions.of(&name, &[&header, &shared, &general])?;
+        if curves.len() > MAX_ARRAYS {
+            return Err(format!("it holds more than {MAX_ARRAYS} curves"));
+        }
         let of_curve = curves.entry((group.len(), group)).or_default();
+        if of_curve.len() == MAX_SEGMENTS && !of_curve.contains_key(&segment) {
+            return Err(format!("a curve has more than {MAX_SEGMENTS} segments"));
+        }
         let of_segment = of_curve.entry(segment).or_default();
+        if of_segment.channels.len() == MAX_CHANNELS {
+            return Err(format!("a segment has more than {MAX_CHANNELS} channels"));
+        }
+        let channel = Channel::new(name, entry, bytes, description);
         of_segment.samples = of_segment.samples.max(channel.samples);
         of_segment.duration_s = header.number("force-segment-header.duration");
         of_segment.channels.push(channel);
+        last = Some((path, header));
     }
     Ok(curves)
+}
+
+/// Descriptions of channels, of which a map has the same for each of its curves.
+#[derive(Default)]
+struct Descriptions {
+    /// Those of channels that their segments describe only by the number of what segments share.
+    shared: HashMap<(String, Option<String>), Arc<Description>>,
+    /// The last one of each channel that its segment describes.
+    own: HashMap<String, Arc<Description>>,
+    distinct: usize,
+}
+
+impl Descriptions {
+    /// That of a channel by the properties of its segment and those of all.
+    fn of(&mut self, name: &str, sources: &[&Properties; 3]) -> Result<Arc<Description>, String> {
+        let [header, ..] = sources;
+        let is_own = header.describes(name);
+        let key = (name.to_owned(), header.shared_number(name).map(str::to_owned));
+        if let Some(known) = self.shared.get(&key).filter(|_| !is_own) {
+            return Ok(Arc::clone(known));
+        }
+        let description = Description::new(name, sources);
+        if let Some(known) = self.own.get(name).filter(|known| is_own && ***known == description) {
+            return Ok(Arc::clone(known));
+        }
+        self.distinct += 1;
+        if self.distinct > MAX_ARRAYS {
+            return Err(format!("it describes channels in more than {MAX_ARRAYS} ways"));
+        }
+        let description = Arc::new(description);
+        if is_own {
+            self.own.insert(name.to_owned(), Arc::clone(&description));
+        } else {
+            self.shared.insert(key, Arc::clone(&description));
+        }
+        Ok(description)
+    }
 }
 
 /// Curve, segment and name of a channel.

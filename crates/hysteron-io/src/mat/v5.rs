@@ -169,7 +169,15 @@ impl Walk<'_> {
                 let of = Element::next(&mut bytes)?.text();
                 self.push(group, name, shape, Kind::Other(format!("object of class {of}")), None)
             }
-            class::STRUCT => self.structure(&mut bytes, offset, (group, name), count, depth),
+            class::CELL | class::STRUCT if count == 0 => {
+                self.push(group, name, shape, other("an empty array"), None)
+            }
+            class::STRUCT => {
+                if self.structure(&mut bytes, offset, (group, name), count, depth)? {
+                    return Ok(());
+                }
+                self.push(group, name, shape, other("structure without fields"), None)
+            }
             class::CELL => {
                 for index in 0..count {
                     let element = self.inner(&mut bytes)?;
@@ -189,6 +197,7 @@ impl Walk<'_> {
         }
     }
 
+    /// Takes up the fields of a structure, and says whether it has any.
     fn structure(
         &mut self,
         bytes: &mut Bytes<'_>,
@@ -196,9 +205,12 @@ impl Walk<'_> {
         (group, name): (&str, &str),
         count: usize,
         depth: usize,
-    ) -> Result<(), Problem> {
+    ) -> Result<bool, Problem> {
         let length = Element::next(bytes)?.word(self.big_endian) as usize;
         let names = Element::next(bytes)?;
+        if length == 0 && names.data.is_empty() {
+            return Ok(false);
+        }
         if length == 0 {
             return Err(format!("`{group}{name}` has field names of no length").into());
         }
@@ -219,10 +231,10 @@ impl Walk<'_> {
                 self.matrix(start..start + element.data.len(), &one, Some(field), depth + 1)?;
             }
             if fields.is_empty() {
-                break;
+                return Ok(false);
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// A matrix within another.

@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::number::DataType;
 use crate::bytes::Bytes;
+use crate::container::MOST_PATH_BYTES;
+use crate::place::shown;
 
 /// First bytes of a segment.
 pub(super) const TAG: &[u8] = b"TDSm";
@@ -16,6 +18,12 @@ const MAX_OBJECTS: usize = 1 << 12;
 /// Most places of channels in the layouts of all segments together, and most visits to them.
 const MAX_PARTS: usize = 1 << 22;
 const MAX_VISITS: usize = 1 << 28;
+/// Longest text of a property that is read.
+const MOST_TEXT_BYTES: usize = 1024;
+/// Most properties of all objects together, of those that are read.
+const MAX_PROPERTIES: usize = 1 << 18;
+const TOO_MANY_CHANGES: &str =
+    "it has too many channels in too many segments to be read; defragment the file";
 /// Index of an object without data, and of one with the data of the last segment.
 const NO_DATA: u32 = 0xFFFF_FFFF;
 const SAME_AS_BEFORE: u32 = 0;
@@ -88,6 +96,10 @@ pub(super) struct Part {
     pub data_type: DataType,
     pub values: u64,
     pub bytes: u64,
+    /// Bytes in front of them in a whole chunk.
+    pub offset: u64,
+    /// Bytes in front of a value in a row of interleaved channels.
+    pub offset_in_row: u32,
 }
 
 /// What each chunk of a segment holds, in this order.
@@ -95,6 +107,10 @@ pub(super) struct Part {
 pub(super) struct Layout {
     pub parts: Vec<Part>,
     pub chunk_bytes: u64,
+    /// Bytes of a row of interleaved channels.
+    pub row_bytes: usize,
+    /// Places of the parts in the order of their objects.
+    places: Vec<u32>,
     /// Whether all channels have equally many values, of a known size, in a chunk: only then can they be
     /// interleaved.
     equally_many: bool,
@@ -103,6 +119,17 @@ pub(super) struct Layout {
     /// Objects with data of a DAQmx device, and number of their values in a chunk; then the parts are no use.
     daqmx: Vec<(usize, u64)>,
 }
+
+/// A last chunk of a segment that is not whole: of each part the number of its values and their place.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Rest {
+    pub values: u64,
+    /// Bytes in front of them in the chunk.
+    pub offset: u64,
+}
+
+/// What makes a last chunk what it is: its layout, its bytes, and whether it is interleaved and cut off.
+type RestKey = (usize, u64, bool, bool);
 
 /// Raw data of a segment.
 pub(super) struct Segment {
@@ -114,6 +141,8 @@ pub(super) struct Segment {
     pub big_endian: bool,
     /// Whether the file ends within it.
     pub cut_off: bool,
+    /// Number of the rest that its last chunk is.
+    pub rest: Option<usize>,
 }
 
 /// Objects and segments of a file.
@@ -122,11 +151,16 @@ pub(super) struct Contents {
     pub objects: Vec<Object>,
     pub layouts: Vec<Layout>,
     pub segments: Vec<Segment>,
+    /// Last chunks that are not whole, one value a part of their layouts.
+    pub rests: Vec<Vec<Rest>>,
+    rest_numbers: HashMap<RestKey, usize>,
     by_path: HashMap<String, usize>,
     /// Objects of the current segment and what a chunk holds of them.
     list: Vec<(usize, Option<Index>)>,
     parts: usize,
     visits: usize,
+    /// Number of the properties kept.
+    properties: usize,
 }
 
 impl Contents {
@@ -181,6 +215,7 @@ impl Contents {
                     interleaved,
                     big_endian,
                     cut_off,
+                    rest: None,
                 })?;
             }
             start = end;
@@ -196,7 +231,11 @@ impl Contents {
             }
         }
         for _ in 0..bytes.u32()? {
-            let path = bytes.text()?;
+            let path = bytes.raw_text()?;
+            if path.len() > MOST_PATH_BYTES {
+                return Err(format!("a path of more than {MOST_PATH_BYTES} bytes"));
+            }
+            let path = String::from_utf8_lossy(path).into_owned();
             let number = match self.by_path.get(&path) {
                 Some(&number) => number,
                 None => self.add(path)?,
@@ -211,9 +250,16 @@ impl Contents {
                 }
             }
             for _ in 0..bytes.u32()? {
-                let name = bytes.text()?;
+                let name = bytes.raw_text()?;
                 let value = read_value(&mut bytes)?;
-                self.objects[number].properties.insert(name, value);
+                if is_read(name) {
+                    let name = String::from_utf8_lossy(name).into_owned();
+                    self.properties +=
+                        usize::from(self.objects[number].properties.insert(name, value).is_none());
+                }
+                if self.properties > MAX_PROPERTIES {
+                    return Err(format!("more than {MAX_PROPERTIES} properties of scales"));
+                }
             }
         }
         Ok(())
@@ -225,7 +271,8 @@ impl Contents {
             return Err(format!("more than {MAX_OBJECTS} objects"));
         }
         self.objects.push(Object {
-            path: components(&path).ok_or_else(|| format!("`{path}` is no path of an object"))?,
+            path: components(&path)
+                .ok_or_else(|| format!("`{}` is no path of an object", shown(path.as_bytes())))?,
             properties: Properties::new(),
             refused: None,
             timestamps: false,
@@ -293,14 +340,18 @@ impl Contents {
         for &(object, index) in &self.list {
             match index {
                 Some(Index::Values { data_type, values, bytes }) if bytes > 0 => {
-                    layout.parts.push(Part { object, data_type, values, bytes });
+                    let (offset, offset_in_row) = (layout.chunk_bytes, layout.row_bytes as u32);
+                    layout.parts.push(Part { object, data_type, values, bytes, offset, offset_in_row });
                     let sum = layout.chunk_bytes.checked_add(bytes);
                     layout.chunk_bytes = sum.ok_or("chunks of more bytes than a file can have")?;
+                    layout.row_bytes += data_type.bytes().unwrap_or(0);
                 }
                 Some(Index::Daqmx { values }) => layout.daqmx.push((object, values)),
                 _ => {}
             }
         }
+        layout.places = (0..layout.parts.len() as u32).collect();
+        layout.places.sort_unstable_by_key(|&place| layout.parts[place as usize].object);
         let rows = layout.parts.first().map(|part| part.values);
         layout.sized = layout.parts.iter().all(|part| part.data_type.bytes().is_some());
         layout.equally_many = layout.sized && layout.parts.iter().all(|part| Some(part.values) == rows);
@@ -309,14 +360,14 @@ impl Contents {
         }
         self.parts += layout.parts.len();
         if self.parts > MAX_PARTS || self.visits > MAX_VISITS {
-            return Err("its channels change in too many segments to be read; defragment the file".to_owned());
+            return Err(TOO_MANY_CHANGES.to_owned());
         }
         self.layouts.push(layout);
         Ok(self.layouts.len() - 1)
     }
 
     /// Takes up raw data.
-    fn push(&mut self, segment: Segment) -> Result<(), String> {
+    fn push(&mut self, mut segment: Segment) -> Result<(), String> {
         let layout = &self.layouts[segment.layout];
         if !layout.daqmx.is_empty() {
             for &(object, values) in &layout.daqmx {
@@ -333,13 +384,41 @@ impl Contents {
                 segment.start
             ));
         }
-        for part in &layout.parts {
-            let whole = layout.chunks(&segment).saturating_mul(part.values);
-            let values = whole.saturating_add(layout.values_of_last(part, &segment));
+        self.visits += layout.parts.len();
+        if self.visits > MAX_VISITS {
+            return Err(TOO_MANY_CHANGES.to_owned());
+        }
+        segment.rest = self.rest(&segment)?;
+        let layout = &self.layouts[segment.layout];
+        let rest = segment.rest.map(|rest| self.rests[rest].as_slice()).unwrap_or_default();
+        let chunks = layout.chunks(&segment);
+        for (place, part) in layout.parts.iter().enumerate() {
+            let whole = chunks.saturating_mul(part.values);
+            let values = whole.saturating_add(rest.get(place).map_or(0, |rest| rest.values));
             self.objects[part.object].values = self.objects[part.object].values.saturating_add(values);
         }
         self.segments.push(segment);
         Ok(())
+    }
+
+    /// Number of the rest in which a segment ends, if its last chunk is not whole.
+    fn rest(&mut self, segment: &Segment) -> Result<Option<usize>, String> {
+        let layout = &self.layouts[segment.layout];
+        let left = segment.bytes as u64 % layout.chunk_bytes.max(1);
+        if left == 0 || !layout.sized {
+            return Ok(None);
+        }
+        let key = (segment.layout, left, segment.interleaved, segment.cut_off);
+        if let Some(&number) = self.rest_numbers.get(&key) {
+            return Ok(Some(number));
+        }
+        self.parts += layout.parts.len();
+        if self.parts > MAX_PARTS {
+            return Err(TOO_MANY_CHANGES.to_owned());
+        }
+        self.rests.push(layout.rest(left, segment));
+        self.rest_numbers.insert(key, self.rests.len() - 1);
+        Ok(Some(self.rests.len() - 1))
     }
 }
 
@@ -349,54 +428,63 @@ impl Layout {
         segment.bytes as u64 / self.chunk_bytes.max(1)
     }
 
-    /// Number of values of a channel in a last chunk that is not whole: of interleaved channels those in the
-    /// file, of others, in a file that ends there, as many of each as there are of all; in a file that goes
+    /// The place of an object's values.
+    pub fn place(&self, object: usize) -> Option<usize> {
+        let own = |&place: &u32| self.parts[place as usize].object;
+        let found = self.places.binary_search_by_key(&object, own).ok()?;
+        self.places.get(found).map(|&place| place as usize)
+    }
+
+    /// Number of values of each channel in a last chunk that is not whole, and their place: of interleaved channels those in
+    /// the file, of others, in a file that ends there, as many of each as there are of all; in a file that goes
     /// on, the chunk is a shorter one.
-    pub fn values_of_last(&self, part: &Part, segment: &Segment) -> u64 {
-        let left = segment.bytes as u64 % self.chunk_bytes.max(1);
-        if left == 0 || !self.sized {
-            return 0;
+    fn rest(&self, left: u64, segment: &Segment) -> Vec<Rest> {
+        let bytes = |part: &Part| part.data_type.bytes().unwrap_or(1) as u64;
+        let mut offset = 0u64;
+        let mut rest = Vec::with_capacity(self.parts.len());
+        for part in &self.parts {
+            rest.push(if segment.interleaved || !segment.cut_off {
+                let values = share(part.values, left, self.chunk_bytes);
+                Rest { values, offset }
+            } else if let Some(last) = self.parts.last() {
+                // Whatever comes before the last channel is whole where that one has begun.
+                let of_last = left.saturating_sub(self.chunk_bytes - last.bytes) / bytes(last).max(1);
+                Rest { values: share(part.values, of_last, last.values), offset: part.offset }
+            } else {
+                Rest::default()
+            });
+            let own = rest.last().map_or(0, |rest: &Rest| rest.values).saturating_mul(bytes(part));
+            offset = offset.saturating_add(own);
         }
-        if segment.interleaved || !segment.cut_off {
-            return share(part.values, left, self.chunk_bytes);
-        }
-        // Whatever comes before the last channel is whole where that one has begun.
-        let Some(last) = self.parts.last() else { return 0 };
-        let size = last.data_type.bytes().unwrap_or(1) as u64;
-        let of_last = (left.saturating_sub(self.chunk_bytes - last.bytes)) / size.max(1);
-        share(part.values, of_last, last.values)
-    }
-
-    /// Place of a channel in each chunk: bytes in front of it in a whole chunk.
-    pub fn offset(&self, index: usize) -> u64 {
-        self.parts.iter().take(index).map(|part| part.bytes).sum()
-    }
-
-    /// Place of a channel in a last chunk that is a shorter one.
-    pub fn offset_in_last(&self, index: usize, segment: &Segment) -> usize {
-        let bytes = |part: &Part| {
-            self.values_of_last(part, segment).saturating_mul(part.data_type.bytes().unwrap_or(0) as u64)
-        };
-        let parts = self.parts.iter().take(index);
-        parts.map(bytes).fold(0u64, u64::saturating_add).try_into().unwrap_or(usize::MAX)
-    }
-
-    /// Bytes of a row of interleaved channels, and of those in front of a channel in it.
-    pub fn row(&self, index: usize) -> (usize, usize) {
-        let bytes = |part: &Part| part.data_type.bytes().unwrap_or(0);
-        (self.parts.iter().map(bytes).sum(), self.parts.iter().take(index).map(bytes).sum())
+        rest
     }
 }
 
 /// `values` × `some` / `all`, rounded down.
 fn share(values: u64, some: u64, all: u64) -> u64 {
+    if let Some(product) = values.checked_mul(some) {
+        return product / all.max(1);
+    }
     (u128::from(values) * u128::from(some) / u128::from(all.max(1))) as u64
+}
+
+/// Whether a property says something about the numbers: unit, times, scales.
+fn is_read(name: &[u8]) -> bool {
+    name == b"unit_string" || name.starts_with(b"wf_") || name.starts_with(b"NI_")
 }
 
 /// Value of a property, behind its type.
 fn read_value(bytes: &mut Bytes<'_>) -> Result<Value, String> {
     let data_type = DataType::new(bytes.u32()?)?;
-    let Some(size) = data_type.bytes() else { return Ok(Value::Text(bytes.text()?)) };
+    let Some(size) = data_type.bytes() else {
+        let text = bytes.raw_text()?;
+        let is_short = text.len() <= MOST_TEXT_BYTES;
+        return Ok(if is_short {
+            Value::Text(String::from_utf8_lossy(text).into_owned())
+        } else {
+            Value::Other
+        });
+    };
     let raw = bytes.take(size)?;
     Ok(match data_type {
         // Exact beyond the 53 bits of a double; no property that is read needs more.
@@ -408,7 +496,7 @@ fn read_value(bytes: &mut Bytes<'_>) -> Result<Value, String> {
     })
 }
 
-/// Names in a path: `/'group'/'channel'`, quotes in names doubled; `/` is the file.
+/// Names in a path: `/'group'/'channel'`, quotes in names doubled; `/` is the file. `None` for one that is no such path.
 fn components(path: &str) -> Option<Vec<String>> {
     let mut names = Vec::new();
     let mut rest = path;
@@ -430,6 +518,9 @@ fn components(path: &str) -> Option<Vec<String>> {
             }
         }
         names.push(name);
+        if names.len() > 2 {
+            return None;
+        }
     }
     Some(names)
 }
@@ -444,5 +535,6 @@ mod tests {
         assert_eq!(components("/'it''s'/'a/b'").unwrap(), ["it's", "a/b"]);
         assert_eq!(components("/'open"), None);
         assert_eq!(components("plain"), None);
+        assert_eq!(components("/'a'/'b'/'c'"), None);
     }
 }

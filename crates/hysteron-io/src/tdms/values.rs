@@ -1,7 +1,7 @@
 //! Values of a channel, gathered from all segments of a TDMS file.
 
 use super::number::{DataType, Timestamp};
-use super::segment::{Contents, Layout, Segment};
+use super::segment::{Contents, Layout, Rest, Segment};
 
 /// Values of a channel of numbers as the file has them; of timestamps, seconds since the first.
 pub(super) fn raw_values(file: &[u8], contents: &Contents, object: usize) -> Vec<f64> {
@@ -12,11 +12,12 @@ pub(super) fn raw_values(file: &[u8], contents: &Contents, object: usize) -> Vec
     for segment in &contents.segments {
         let Some(layout) = contents.layouts.get(segment.layout) else { continue };
         if layout_index != Some(segment.layout) {
-            place = layout.parts.iter().position(|part| part.object == object);
+            place = layout.place(object);
             layout_index = Some(segment.layout);
         }
         if let Some(place) = place {
-            each_value(file, layout, segment, place, &mut |data_type, bytes| {
+            let rest = segment.rest.and_then(|rest| contents.rests.get(rest)?.get(place).copied());
+            each_value(file, layout, segment, (place, rest.unwrap_or_default()), &mut |data_type, bytes| {
                 values.push(match data_type {
                     DataType::Timestamp => {
                         let time = Timestamp::new(bytes, segment.big_endian);
@@ -30,24 +31,23 @@ pub(super) fn raw_values(file: &[u8], contents: &Contents, object: usize) -> Vec
     values
 }
 
-/// Hands on the bytes of each value of a channel in one segment.
+/// Hands on the bytes of each value of a channel in one segment, whose last chunk has so many of them.
 fn each_value(
     file: &[u8],
     layout: &Layout,
     segment: &Segment,
-    place: usize,
+    (place, rest): (usize, Rest),
     take: &mut dyn FnMut(DataType, &[u8]),
 ) {
     let Some(part) = layout.parts.get(place) else { return };
     let Some(size) = part.data_type.bytes() else { return };
     let data = file.get(segment.start..).and_then(|data| data.get(..segment.bytes)).unwrap_or_default();
     if segment.interleaved {
-        let (row_bytes, offset) = layout.row(place);
-        let rows = data.chunks_exact(row_bytes.max(1));
+        let offset = part.offset_in_row as usize;
+        let rows = data.chunks_exact(layout.row_bytes.max(1));
         rows.filter_map(|row| row.get(offset..offset + size)).for_each(|bytes| take(part.data_type, bytes));
         return;
     }
-    let offset = layout.offset(place) as usize;
     let block = |start: usize, values: u64| {
         let bytes = usize::try_from(values).ok().and_then(|values| values.checked_mul(size));
         let block = data.get(start..).zip(bytes).and_then(|(data, bytes)| data.get(..bytes));
@@ -55,10 +55,9 @@ fn each_value(
     };
     let chunk_bytes = layout.chunk_bytes as usize;
     for chunk in 0..layout.chunks(segment) as usize {
-        block(chunk * chunk_bytes + offset, part.values).for_each(|bytes| take(part.data_type, bytes));
+        let start = chunk * chunk_bytes + part.offset as usize;
+        block(start, part.values).for_each(|bytes| take(part.data_type, bytes));
     }
-    let last = layout.chunks(segment) as usize * chunk_bytes;
-    let offset = if segment.cut_off { offset } else { layout.offset_in_last(place, segment) };
-    let values = layout.values_of_last(part, segment);
-    block(last + offset, values).for_each(|bytes| take(part.data_type, bytes));
+    let last = (layout.chunks(segment) as usize * chunk_bytes).saturating_add(rest.offset as usize);
+    block(last, rest.values).for_each(|bytes| take(part.data_type, bytes));
 }

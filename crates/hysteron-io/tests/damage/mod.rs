@@ -1,5 +1,7 @@
 //! Damaged files: cut off, bits flipped, lengths replaced by huge ones, parts taken out or doubled.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout, dead_code)]
+
+pub mod child;
 
 use std::time::{Duration, Instant};
 
@@ -27,16 +29,21 @@ pub fn survive(name: &str, files: &[&[u8]], copies: usize, seed: u64) -> usize {
         read += usize::from(read_record_bytes(name, &bytes, &ReadOptions::default()).is_ok());
         assert!(start.elapsed() < LONGEST, "copy {copy} took {:?}", start.elapsed());
     }
-    if let Ok(status) = std::fs::read_to_string("/proc/self/status") {
-        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
-        let peak: u64 = peak.unwrap().parse().unwrap();
+    if let Some(peak) = peak_memory_kb() {
         assert!(peak < MOST_MEMORY_KB, "{peak} kB of memory");
     }
     read
 }
 
+/// Most memory that this process has taken so far; `None` where the system does not tell.
+pub fn peak_memory_kb() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
+    Some(peak.unwrap().parse().unwrap())
+}
+
 /// Xorshift.
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -50,7 +57,7 @@ impl Random {
         (self.next() % limit.max(1) as u64) as usize
     }
 
-    fn damage(&mut self, bytes: &mut Vec<u8>) {
+    pub fn damage(&mut self, bytes: &mut Vec<u8>) {
         if bytes.is_empty() {
             return;
         }

@@ -32,3 +32,34 @@ with h5py.File("ladder.h5", "w") as file:
 with h5py.File("unwritten.h5", "w") as file:
     for name in ("u_V", "y_um"):
         file.create_dataset(name, (2**28,), dtype="f8")
+# Groups deeper than a reader follows.
+with h5py.File("deep.h5", "w") as file:
+    file["u_V"], file["y_um"] = np.arange(5.0), np.arange(5.0) ** 2
+    file["/".join(f"g{level}" for level in range(40)) + "/w_V"] = np.arange(5.0)
+# MATLAB's cells: one that refers to the array it stands in, one to nothing; and classes that are no arrays of numbers.
+with h5py.File("cells_7.3.mat", "w", userblock_size=512) as file:
+    refs = file.create_group("#refs#")
+    classed = lambda data, name: data.attrs.__setitem__("MATLAB_class", np.bytes_(name))
+    refs["a"] = np.arange(4.0).reshape(1, 4)
+    classed(refs["a"], "double")
+    inner = refs.create_group("b")
+    classed(inner, "struct")
+    inner["u"] = np.arange(4.0).reshape(1, 4)
+    classed(inner["u"], "double")
+    refs["d"] = np.array([0, 3], "u8")
+    classed(refs["d"], "double")
+    refs["d"].attrs["MATLAB_empty"] = np.uint8(1)
+    cells = file.create_dataset("c", (4, 1), dtype=h5py.ref_dtype)
+    classed(cells, "cell")
+    again = inner.create_dataset("again", (1, 1), dtype=h5py.ref_dtype)
+    classed(again, "cell")
+    again[0, 0] = cells.ref
+    cells[0, 0], cells[1, 0], cells[3, 0] = refs["a"].ref, inner.ref, refs["d"].ref
+    for name, kind in [("f", "function_handle"), ("none", "struct"), ("s", "double")]:
+        classed(file.create_group(name), kind)
+    file["s"].attrs["MATLAB_sparse"] = np.uint64(3)
+    file["s/data"] = np.arange(2.0)
+    file["when"] = np.zeros((1, 6), "u4")
+    classed(file["when"], "datetime")
+with open("cells_7.3.mat", "r+b") as file:
+    file.write(b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM")

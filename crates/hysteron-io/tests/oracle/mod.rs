@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use hysteron_io::{ReadOptions, contents, read_record};
+use hysteron_io::{Content, IoError, ReadOptions, contents, read_record};
 use hysteron_model::record::{TimeBase, Unit};
 use serde::Deserialize;
 use tempfile::TempDir;
@@ -20,6 +20,9 @@ const SKIPPED: i32 = 77;
 pub struct Case {
     pub file: PathBuf,
     pub columns: Vec<ExpectedColumn>,
+    /// Paths of columns that hold something else than numbers.
+    #[serde(default)]
+    pub refused: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -70,7 +73,9 @@ pub fn compare(cases: &[Case]) -> usize {
                     && channel.samples.iter().zip(&expected.bits).all(|(own, bits)| own.to_bits() == *bits)
                     && expected.unit.as_deref().is_none_or(|unit| channel.unit == Unit::new(unit))
             });
-            assert!(is_there, "{file}, {path}: {expected_values:?} in none of {record:?}");
+            let first = |values: &[f64]| (values.len(), values.first().copied(), values.last().copied());
+            let read = || record.channels.iter().map(|c| (c.header(), first(&c.samples))).collect::<Vec<_>>();
+            assert!(is_there, "{file}, {path}: {:?} not in {:?}", first(&expected_values), read());
             if let (Some(hz), TimeBase::Uniform { sample_rate_hz, .. }) =
                 (expected.sample_rate_hz, &record.time)
             {
@@ -78,5 +83,17 @@ pub fn compare(cases: &[Case]) -> usize {
             }
         }
     }
+    cases.iter().for_each(|case| refused(case, &contents(&case.file, &ReadOptions::default()).unwrap()));
     cases.iter().map(|case| case.columns.len()).sum()
+}
+
+/// The columns that hold no numbers are listed as something else, and are refused where they are chosen.
+fn refused(case: &Case, held: &[Content]) {
+    for path in &case.refused {
+        let listed = held.iter().find(|content| content.path == *path).map(|content| content.kind.as_str());
+        assert!(listed.is_some_and(|kind| kind != "numbers"), "{}: {path} in {held:?}", case.file.display());
+        let options = ReadOptions { input: Some(path.clone()), ..ReadOptions::default() };
+        let refusal = read_record(&case.file, &options).unwrap_err();
+        assert!(matches!(refusal, IoError::ArrayType { .. }), "{refusal}");
+    }
 }

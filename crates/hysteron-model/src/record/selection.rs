@@ -155,6 +155,13 @@ impl Record {
         Ok(Selection { input, output, notes })
     }
 
+    /// Whether names and units say which channel is the input and which the output, each by a rule of [`Record::select`].
+    pub fn names_input_and_output(&self) -> bool {
+        let mut notes = Vec::new();
+        let input = self.guess(Role::Input, None, &mut notes);
+        input.is_ok_and(|input| self.guess(Role::Output, Some(input), &mut notes).is_ok())
+    }
+
     /// Input and output by [`Record::select`], voltages in V, lengths in µm, angles in µrad; other units as they are.
     ///
     /// # Errors

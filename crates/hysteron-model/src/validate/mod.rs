@@ -338,7 +338,10 @@ pub fn definitions() -> &'static [Definition] {
 }
 
 /// Which samples count: after the skipped seconds, and valid.
-fn scored_samples(record: &InputOutput, skip_s: f64) -> Result<Vec<bool>, ScoreError> {
+///
+/// # Errors
+/// [`ScoreError`] if the time to skip is not a time, or the record has no time base.
+pub fn scored_samples(record: &InputOutput, skip_s: f64) -> Result<Vec<bool>, ScoreError> {
     if !skip_s.is_finite() || skip_s < 0.0 {
         return Err(ScoreError::InvalidSkip { skip_s });
     }

@@ -1,0 +1,79 @@
+//! One file read in a process of its own, so that its memory and time can be told.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use hysteron_io::{ReadOptions, contents, read_record};
+
+use super::{LONGEST, MOST_MEMORY_KB, peak_memory_kb};
+
+/// The file that the other process reads.
+const FILE: &str = "HYSTERON_HOSTILE_FILE";
+/// Begins the line in which it tells what came of it.
+const MARK: &str = "came of it: ";
+/// Readings of a file in the other process.
+const READINGS: u32 = 3;
+/// No reader needs as much; a machine without it would swap \[kB\].
+const MOST_ADDRESSES_KB: u64 = 8 << 20;
+
+/// What came of reading a file.
+pub struct Reading {
+    pub peak_kb: u64,
+    pub took: Duration,
+    /// Refusals of its contents, of its record, and of its record with the first column as input; empty where it was read.
+    pub refusals: Vec<String>,
+}
+
+/// Reads the file in a process that runs `test` of this binary, which must be [`read_given`]. Panics where it takes more memory or
+/// time than reading may.
+pub fn read_apart(path: &Path, test: &str) -> Reading {
+    let mut command = if cfg!(unix) {
+        let mut limited = Command::new("sh");
+        limited.args(["-c", &format!("ulimit -v {MOST_ADDRESSES_KB}; exec \"$0\" \"$@\"")]);
+        limited.arg(std::env::current_exe().unwrap());
+        limited
+    } else {
+        Command::new(std::env::current_exe().unwrap())
+    };
+    command.args([test, "--exact", "--ignored", "--nocapture"]).env(FILE, path);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let start = Instant::now();
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > READINGS * LONGEST {
+            child.kill().unwrap();
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let output = child.wait_with_output().unwrap();
+    let text =
+        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{}, {:?}: {text}", path.display(), start.elapsed());
+    let told = text.lines().find_map(|line| Some(line.split_once(MARK)?.1)).unwrap();
+    let (peak_kb, took, refusals): (u64, f64, Vec<String>) = serde_json::from_str(told).unwrap();
+    let took = Duration::from_secs_f64(took);
+    assert!(peak_kb < MOST_MEMORY_KB, "{}: {peak_kb} kB of memory", path.display());
+    assert!(took < LONGEST, "{}: {took:?}", path.display());
+    Reading { peak_kb, took, refusals }
+}
+
+/// Reads the file that the process is given, if it is given one, and tells what came of it.
+pub fn read_given() {
+    let Some(path) = std::env::var_os(FILE) else { return };
+    let path = Path::new(&path);
+    let first = ReadOptions { input: Some("1".to_owned()), ..ReadOptions::default() };
+    let mut longest = Duration::ZERO;
+    let mut timed = |read: &dyn Fn() -> Result<(), hysteron_io::IoError>| {
+        let start = Instant::now();
+        let refusal = read().err().map(|error| error.to_string()).unwrap_or_default();
+        longest = longest.max(start.elapsed());
+        refusal
+    };
+    let refusals = vec![
+        timed(&|| contents(path, &ReadOptions::default()).map(drop)),
+        timed(&|| read_record(path, &ReadOptions::default()).map(drop)),
+        timed(&|| read_record(path, &first).map(drop)),
+    ];
+    let told = (peak_memory_kb().unwrap_or_default(), longest.as_secs_f64(), refusals);
+    println!("{MARK}{}", serde_json::to_string(&told).unwrap());
+}
