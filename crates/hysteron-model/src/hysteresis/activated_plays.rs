@@ -5,15 +5,16 @@
 
 use hysteron_rt::{ActivatedMove, SLOPES, Scalar, bernstein_integrals};
 
-use super::HysteresisError;
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber,
 };
+use super::{FamilyForm, HysteresisError, HysteresisForm};
 use crate::record::Pace;
 
-/// Half-widths of the plays, from this share of the range of the grid to this one.
-const WIDTHS: [f64; 2] = [0.0015, 1.5];
+/// Half-widths of the plays, from this share of the range of the grid to this one: no loop moves wider ones, and their weights would
+/// be spent on the levels of single records.
+const WIDTHS: [f64; 2] = [0.0015, 0.5];
 /// Number of plays, at equal distances in ln r.
 const PLAYS: usize = 40;
 /// Decay of the narrowest density, as a share of the range; each further one is ten times as wide.
@@ -150,6 +151,16 @@ impl ColumnKernel for ActivatedPlays {
 #[derive(Debug)]
 pub(super) struct Entry;
 
+/// Densities where nobody says how many.
+const USUAL: usize = 3;
+
+impl HysteresisForm {
+    /// Plays with thermally activated edges, the family for records of small oscillations beside wide moves.
+    pub fn activated_plays() -> Self {
+        Self::Family(FamilyForm::of(&Entry, USUAL))
+    }
+}
+
 impl FamilyDescription for Entry {
     fn name(&self) -> &'static str {
         "activated-plays"
@@ -165,7 +176,7 @@ impl FamilyDescription for Entry {
     }
 
     fn elements(&self) -> Option<Elements> {
-        Some(Elements { usual: 3, most: 3 })
+        Some(Elements { usual: USUAL, most: USUAL })
     }
 
     fn columns(&self, densities: usize) -> usize {
@@ -196,9 +207,9 @@ impl FamilyDescription for Entry {
         true
     }
 
-    /// What creeps down may go on falling while the drive rises slowly.
+    /// Nothing: what creeps may fall while the drive rises, but of two moves within the same time the farther one puts out more.
     fn pushes_back(&self, _: &[f64], _: &[f64], _: Option<f64>) -> Option<f64> {
-        None
+        Some(0.0)
     }
 
     fn runtime(

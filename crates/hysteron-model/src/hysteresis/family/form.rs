@@ -27,6 +27,11 @@ impl FamilyForm {
         FAMILIES.iter().map(move |&family| Self { family, elements: usual(family) })
     }
 
+    /// A family with so many elements, 0 where their number is fixed.
+    pub(in crate::hysteresis) fn of(family: &'static dyn ColumnOperators, elements: usize) -> Self {
+        Self { family, elements }
+    }
+
     /// The family with so many elements; [`crate::hysteresis::HysteresisForm::with_elements`] checks their number.
     pub(in crate::hysteresis) fn of_elements(self, elements: usize) -> Self {
         Self { elements, ..self }
