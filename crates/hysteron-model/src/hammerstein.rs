@@ -165,7 +165,7 @@ impl Model {
         check_length("time stamps", times_s.len(), u.len())?;
         let (extended, prologue, rest_voltage_v) = extend(start, u)?;
         let times_s = with_prologue(&even_times(times_s), prologue);
-        let knots = Knots::new(&times_s, &extended, self.inter_sample, self.hysteresis.form().sees_rate());
+        let knots = Knots::new(&times_s, &extended, self.inter_sample, self.hysteresis.form().depends_on());
         let (memory, origin) = self.origin(start, rest_voltage_v)?;
         let mut v = vec![0.0; knots.drive_v.len()];
         self.hysteresis.simulate_every(

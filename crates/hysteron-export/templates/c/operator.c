@@ -867,7 +867,7 @@ static activated_move activated_move_by(real by, real seconds)
     step.by = by;
     step.size = F(fabs)(by);
     step.seconds = seconds;
-    step.shrinks = seconds > R(0) ? shrinkage(step.size * (R(1) / seconds), seconds) : R(0);
+    step.shrinks = seconds > R(0) ? shrinkage(step.size / seconds, seconds) : R(0);
     return step;
 }
 
@@ -887,11 +887,11 @@ static real not_negative(real x)
 /* The distance to the other side of a play that the drive passes on its way. */
 static real beyond(const activated_move *step, real r, real distance)
 {
-    const real speed = step->size * (R(1) / step->seconds);
+    const real speed = step->size / step->seconds;
     const real equals = F(log)(speed) * SIGMA + r;
     const real d = F(exp)(-(equals / SIGMA));
     const real passed = (F(log1p)(d) * SIGMA + soft_least(distance, equals)) / speed;
-    const real left = not_negative(-passed + step->seconds);
+    const real left = not_negative(step->seconds - passed);
     return left <= R(0) ? R(0) : not_negative(soft_least(speed * left, -shrinkage(speed, left) + r));
 }
 

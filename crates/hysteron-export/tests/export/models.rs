@@ -7,7 +7,7 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::{BoucWen, Hysteresis, HysteresisForm, PrandtlIshlinskii, examples};
 use hysteron_model::model_file::{Interval, ModelFile, SignalUnits, ValidRange};
 use hysteron_model::realise::{RealiseOptions, realise};
-use hysteron_model::record::InterSample;
+use hysteron_model::record::{Dependence, InterSample};
 
 /// Rate that all are realised at \[Hz\].
 pub const RATE_HZ: f64 = 1e4;
@@ -60,7 +60,8 @@ pub fn all() -> Vec<(&'static str, Model)> {
     let stage = stage();
     let with = |hysteresis| Model { hysteresis, ..stage.clone() };
     let bare = Model { dynamics: Dynamics::None, delay_s: 0.0, ..stage.clone() };
-    let rate = families().into_iter().find(|(_, family)| family.form().sees_rate()).unwrap().1;
+    let rate =
+        families().into_iter().find(|(_, family)| family.form().depends_on() == Dependence::Rate).unwrap().1;
     let others = families().into_iter().map(|(name, hysteresis)| (name, with(hysteresis)));
     let means = ("means_rate", Model { scheme: Scheme::BandLimited, ..with(rate) });
     let mut all = vec![

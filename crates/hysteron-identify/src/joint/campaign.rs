@@ -9,7 +9,7 @@ use super::weighting::{Weighting, by_swing, thinned};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
 use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
-use hysteron_model::record::{Timing, noise_floor, quantisation_step};
+use hysteron_model::record::{Dependence, Timing, noise_floor, quantisation_step};
 use hysteron_model::validate::{first_cycle, unfollowed_start};
 
 /// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a record, when it is
@@ -86,7 +86,7 @@ impl<'a> JointMember<'a> {
         let whole = facts.scored(0).len() == facts.data.y.len();
         let factor = match timing {
             // Between samples that are left out the drive goes at rates of its own.
-            Timing::Stamps(_) if options.family().sees_rate() => 1,
+            Timing::Stamps(_) if options.family().depends_on() == Dependence::Rate => 1,
             Timing::Stamps(_) => facts.data.len() / thinned(&facts.data).len().max(1),
             _ if whole => reduction(facts, before),
             _ => 1,
@@ -135,7 +135,7 @@ impl<'a> JointMember<'a> {
         }
         let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let TimedDrive { fine, thinning, clock } =
-            TimedDrive::new((&data.u, ends), timing, scheme, options.inter_sample(), false)?;
+            TimedDrive::new((&data.u, ends), timing, scheme, options.inter_sample(), Dependence::Order)?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&data.u),
             thinning,
@@ -163,7 +163,7 @@ impl<'a> JointMember<'a> {
         options: &Options,
     ) -> Result<JointRecord, IdentifyError> {
         let data = &self.facts.data;
-        let sees_rate = options.family().sees_rate();
+        let depends_on = options.family().depends_on();
         let kept = if thin { thinned(data) } else { (0..data.len()).collect() };
         let pick = |x: &[f64]| -> Vec<f64> { kept.iter().map(|&k| x[k]).collect() };
         let times_s = data.time.times_s(data.len()).unwrap_or_default();
@@ -183,9 +183,10 @@ impl<'a> JointMember<'a> {
         let duration = self.facts.duration_s();
         let drift = || kept.iter().map(|&k| (times_s[k] - first) / duration - 0.5).collect();
         let (before, cycles) = match self.before {
-            // Samples that show every swing are enough of what was before, but where rates count.
+            // Samples that show every swing are enough of what was before, but where time counts.
             Start::Settled { period_samples: Some(period), .. } => {
-                let rows = if sees_rate { (0..data.len()).collect() } else { thinned(data) };
+                let every = depends_on != Dependence::Order;
+                let rows = if every { (0..data.len()).collect() } else { thinned(data) };
                 let cycles = cycles_before(&times_s, &data.u, period, rows.iter().copied());
                 (Start::Rest { voltage_v: data.u[0] }, cycles)
             }
@@ -198,7 +199,7 @@ impl<'a> JointMember<'a> {
             (&pick(&times_s), &drive),
             scheme,
             options.inter_sample(),
-            sees_rate,
+            depends_on,
         )?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&drive),

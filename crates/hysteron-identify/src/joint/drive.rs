@@ -4,7 +4,7 @@ use super::record::Clock;
 use hysteron_model::dynamics::{Knots, Scheme};
 use hysteron_model::hammerstein::{FINER, SETTLING_PERIODS, SimulationError, joins_means, times_before};
 use hysteron_model::hysteresis::{RecordEnds, polygon_of_means};
-use hysteron_model::record::{InterSample, Timing, even_times};
+use hysteron_model::record::{Dependence, InterSample, Timing, even_times};
 
 /// How the samples at the record's own rate come from those of the fine drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,21 +70,21 @@ impl TimedDrive {
         (times_s, u): (&[f64], &[f64]),
         scheme: Scheme,
         inter_sample: InterSample,
-        sees_rate: bool,
+        depends_on: Dependence,
     ) -> Result<Self, SimulationError> {
         let (mut knots_s, mut drive) = before;
         let count = knots_s.len();
         knots_s.extend_from_slice(times_s);
         drive.extend_from_slice(u);
         let timing = Timing::Stamps(&knots_s);
-        let mut timed = Self::new((&drive, RecordEnds::Open), timing, scheme, inter_sample, sees_rate)?;
+        let mut timed = Self::new((&drive, RecordEnds::Open), timing, scheme, inter_sample, depends_on)?;
         if let Clock::Stamps { outputs_s, .. } = &mut timed.clock {
             outputs_s.drain(..count);
         }
         Ok(timed)
     }
 
-    /// The drive `u` sampled as `timing` says; `sees_rate`: for hysteresis that does.
+    /// The drive `u` sampled as `timing` says; `depends_on`: what the hysteresis does.
     ///
     /// # Errors
     /// [`SimulationError::NoSampleRate`] where that is unknown; a drive that cannot be interpolated.
@@ -93,7 +93,7 @@ impl TimedDrive {
         timing: Timing<'_>,
         scheme: Scheme,
         inter_sample: InterSample,
-        sees_rate: bool,
+        depends_on: Dependence,
     ) -> Result<Self, SimulationError> {
         match timing {
             Timing::Unknown => Err(SimulationError::NoSampleRate),
@@ -104,7 +104,7 @@ impl TimedDrive {
             Timing::Stamps(times_s) => {
                 let outputs_s = even_times(times_s);
                 let Knots { times_s: knots_s, drive_v, paces } =
-                    Knots::new(&outputs_s, u, inter_sample, sees_rate);
+                    Knots::new(&outputs_s, u, inter_sample, depends_on);
                 let held = inter_sample == InterSample::Hold;
                 let clock = Clock::Stamps { knots_s, paces, outputs_s, held };
                 Ok(Self { fine: Some(drive_v), thinning: Thinning::Pick(1), clock })

@@ -10,7 +10,7 @@ use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber,
 };
 use super::{FamilyForm, HysteresisError, HysteresisForm};
-use crate::record::Pace;
+use crate::record::{Dependence, Pace};
 
 /// Half-widths of the plays, from this share of the range of the grid to this one: no loop moves wider ones, and their weights would
 /// be spent on the levels of single records.
@@ -105,10 +105,11 @@ impl ColumnKernel for ActivatedPlays {
     ) -> Result<(), HysteresisError> {
         let by = (-state.u).shift(u);
         let interval_s = match state.pace.take() {
-            Some(pace) => pace.interval_s,
-            None if state.moved => self.interval_s,
+            Some(pace) => S::constant(pace.interval_s),
+            None if state.moved => S::constant(self.interval_s),
             // Nobody knows how long a device took to come to where it rests: at the pace of v₀.
-            None => by.value().abs(),
+            None if by.value() < 0.0 => -by,
+            None => by,
         };
         (state.u, state.moved) = (S::constant(u), true);
         let step = ActivatedMove::new(parameter(shape, 0), by, interval_s);
@@ -203,8 +204,8 @@ impl FamilyDescription for Entry {
         true
     }
 
-    fn depends_on_time(&self) -> bool {
-        true
+    fn depends_on(&self) -> Dependence {
+        Dependence::Time
     }
 
     /// Nothing: what creeps may fall while the drive rises, but of two moves within the same time the farther one puts out more.

@@ -155,7 +155,7 @@ impl FamilyDescription for Entry {
 
     fn example(&self, lines: usize, span: &DriveSpan) -> Vec<f64> {
         let [low, high] = span.grid;
-        vec![low, high, 0.8 * pitch(lines, span.grid)]
+        vec![low, high, 1.4 * pitch(lines, span.grid)]
     }
 
     fn is_monotone(&self) -> bool {

@@ -13,7 +13,7 @@ use super::family::{
     ShapeNumber, inner_grid,
 };
 use super::plays::{PlayStates, check_thresholds};
-use crate::record::Pace;
+use crate::record::{Dependence, Pace};
 
 /// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|.
 ///
@@ -147,12 +147,8 @@ impl FamilyDescription for Entry {
         true
     }
 
-    fn depends_on_time(&self) -> bool {
-        true
-    }
-
-    fn sees_rate(&self) -> bool {
-        true
+    fn depends_on(&self) -> Dependence {
+        Dependence::Rate
     }
 
     /// By λ/T − 1 for each volt of a move, T the time between samples: the plays that it widens.

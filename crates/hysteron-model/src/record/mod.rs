@@ -73,7 +73,7 @@ pub use pieces::{GAP_PERIODS, Piece, even_times};
 pub use plausibility::implausible_units;
 pub use prepare::{ColumnRange, Prepare, Prepared, PreparedSummary, Step};
 #[doc(hidden)]
-pub use rates::{Pace, paces_on};
+pub use rates::{Dependence, Pace, paces_on};
 pub use resample::low_pass;
 pub use runs::{Run, RunPart, follow_each_other};
 pub use scale::Scale;

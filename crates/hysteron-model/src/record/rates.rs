@@ -1,5 +1,16 @@
 //! How fast a drive moves between its samples.
 
+/// What of a drive a memory depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dependence {
+    /// The order of its samples.
+    Order,
+    /// The time between them, too.
+    Time,
+    /// Its rate: where that jumps, so does the memory.
+    Rate,
+}
+
 /// How the drive comes to a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pace {

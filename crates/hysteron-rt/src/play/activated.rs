@@ -131,7 +131,7 @@ pub struct ActivatedMove<S: Scalar> {
     by: S,
     size: S,
     /// Seconds of the move.
-    interval_s: S::Real,
+    interval_s: S,
     /// How much less than r the distance of a play that went along is; `None` for a move in no time.
     shrinks: Option<S>,
 }
@@ -139,11 +139,10 @@ pub struct ActivatedMove<S: Scalar> {
 impl<S: Scalar> ActivatedMove<S> {
     /// A move of the drive by `by` within `interval_s` ≥ 0; `sigma` > 0 in the unit of the drive.
     #[inline]
-    pub fn new(sigma: S, by: S, interval_s: S::Real) -> Self {
+    pub fn new(sigma: S, by: S, interval_s: S) -> Self {
         let size = if by.value() < S::Real::of(0.0) { -by } else { by };
-        let takes_time = interval_s > S::Real::of(0.0);
-        let shrinks = takes_time
-            .then(|| shrinkage(sigma, size.scale(S::Real::of(1.0) / interval_s), S::constant(interval_s)));
+        let takes_time = interval_s.value() > S::Real::of(0.0);
+        let shrinks = takes_time.then(|| shrinkage(sigma, size / interval_s, interval_s));
         Self { sigma, by, size, interval_s, shrinks }
     }
 
@@ -168,12 +167,12 @@ impl<S: Scalar> ActivatedMove<S> {
 
     /// The distance to the other side of a play that the drive passes on its way.
     fn beyond(&self, threshold: S::Real, distance: S) -> S {
-        let speed = self.size.scale(S::Real::of(1.0) / self.interval_s);
+        let speed = self.size / self.interval_s;
         // |u̇| t = σ ln((1 + d)/(exp(−|z|/σ) + d)) at z = 0, d = v₀ exp(−r/σ)/|u̇|.
         let equals = (speed.ln() * self.sigma).shift(threshold);
         let d = (-(equals / self.sigma)).exp();
         let passed = (d.ln_1p() * self.sigma + soft_least(self.sigma, distance, equals)) / speed;
-        let left_s = not_negative((-passed).shift(self.interval_s));
+        let left_s = not_negative(self.interval_s - passed);
         if left_s.value() <= S::Real::of(0.0) {
             return S::constant(S::Real::of(0.0));
         }

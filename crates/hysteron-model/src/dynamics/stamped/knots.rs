@@ -1,12 +1,13 @@
 //! Where a drive on time stamps is followed.
 
-use crate::record::{InterSample, Pace, paces_on};
+use crate::record::{Dependence, InterSample, Pace, paces_on};
 
 /// Largest move between knots, as a share of the range of the drive: between them the output of the hysteresis is taken to go
 /// along a straight line, which leaves out less than an eighth of its curvature over the move.
 const LARGEST_MOVE: f64 = 1.0 / 400.0;
-/// The same for hysteresis that sees the rate: where the drive speeds up, all its plays stand still together, and go on together.
-const LARGEST_MOVE_AT_A_RATE: f64 = 1.0 / 1000.0;
+/// The same for hysteresis that depends on time: where the drive speeds up, all its plays stand still together, and go on together, or
+/// they bend as they take hold.
+const LARGEST_MOVE_IN_TIME: f64 = 1.0 / 1000.0;
 /// Most knots that one step is divided into.
 const MOST_PARTS: f64 = 1000.0;
 
@@ -25,11 +26,14 @@ impl Knots {
     /// Knots of the drive `u` sampled at `times_s`: its samples and, on straight lines, as many between them as large moves ask for
     /// (a held drive jumps). A band-limited drive is not known from uneven samples: it counts as straight lines.
     ///
-    /// `sees_rate`: for hysteresis that does. Where the drive slows down at a sample, a second knot at its time stands for the moment
+    /// `depends_on`: what the hysteresis does. Where it is the rate and the drive slows down at a sample, a second knot at its time stands for the moment
     /// behind it, when the plays are narrower already and have pushed what they hold: the output jumps there.
-    pub fn new(times_s: &[f64], u: &[f64], rule: InterSample, sees_rate: bool) -> Self {
+    pub fn new(times_s: &[f64], u: &[f64], rule: InterSample, depends_on: Dependence) -> Self {
         let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
-        let largest = if sees_rate { LARGEST_MOVE_AT_A_RATE } else { LARGEST_MOVE } * (high - low);
+        let largest = match depends_on {
+            Dependence::Order => LARGEST_MOVE,
+            Dependence::Time | Dependence::Rate => LARGEST_MOVE_IN_TIME,
+        } * (high - low);
         let mut knots = Self::default();
         if let (Some(&time), Some(&voltage)) = (times_s.first(), u.first()) {
             knots.push(time, voltage, 0.0);
@@ -39,7 +43,7 @@ impl Knots {
             let ([before, time], [from, voltage]) = ([times[0], times[1]], [u[0], u[1]]);
             let [rate_before, rate] = [paces[0].rate, paces[1].rate];
             if rule != InterSample::Hold {
-                if sees_rate && rate < rate_before {
+                if depends_on == Dependence::Rate && rate < rate_before {
                     knots.push(before, from, rate);
                 }
                 let parts = ((voltage - from).abs() / largest).ceil().clamp(1.0, MOST_PARTS);
@@ -68,8 +72,8 @@ mod tests {
     #[test]
     fn a_second_knot_stands_where_the_drive_slows_down() {
         let (times_s, u) = ([0.0, 1.0, 3.0, 4.0], [0.0, 1e-3, 1.9e-3, 1.0]);
-        let plain = Knots::new(&times_s, &u, InterSample::Linear, false);
-        let seen = Knots::new(&times_s, &u, InterSample::Linear, true);
+        let plain = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Order);
+        let seen = Knots::new(&times_s, &u, InterSample::Linear, Dependence::Rate);
         assert_eq!(seen.times_s[..4], [0.0, 1.0, 1.0, 3.0]);
         assert_eq!(seen.drive_v[..4], [0.0, 1e-3, 1e-3, 1.9e-3]);
         let expected = [0.0, 1e-3, 4.5e-4, 4.5e-4];
@@ -79,12 +83,12 @@ mod tests {
         assert!((seen.paces.iter().map(|pace| pace.interval_s).sum::<f64>() - 4.0).abs() < 1e-12);
         assert_eq!((plain.times_s.len(), seen.times_s.len()), (4 + 399, 4 + 1 + 998));
         // A held drive jumps; it has no corners.
-        assert_eq!(Knots::new(&times_s, &u, InterSample::Hold, true).times_s, times_s);
+        assert_eq!(Knots::new(&times_s, &u, InterSample::Hold, Dependence::Rate).times_s, times_s);
     }
 
     #[test]
     fn a_drive_that_stands_still_has_its_samples_as_knots() {
-        let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, true);
+        let knots = Knots::new(&[0.0, 1.0, 2.0], &[3.0; 3], InterSample::Linear, Dependence::Rate);
         assert_eq!(knots.times_s, [0.0, 1.0, 2.0]);
         let still = |interval_s| Pace { rate: 0.0, interval_s };
         assert_eq!(knots.paces, [still(0.0), still(1.0), still(1.0)]);

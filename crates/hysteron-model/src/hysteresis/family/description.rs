@@ -5,6 +5,7 @@ use std::fmt;
 use super::number::{DriveSpan, NumberUnit, ShapeNumber};
 use super::runtime::RuntimeOperator;
 use crate::hysteresis::PrandtlIshlinskii;
+use crate::record::Dependence;
 
 /// How many elements (plays, states, lines, …) a family is taken with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,14 +75,9 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         false
     }
 
-    /// Whether the memory depends on time, so that the time between samples must be known.
-    fn depends_on_time(&self) -> bool {
-        false
-    }
-
-    /// Whether it jumps where the rate of the drive does, so that corners of the drive count.
-    fn sees_rate(&self) -> bool {
-        false
+    /// What of the drive its memory depends on; where that is not the order of the samples alone, the time between them must be known.
+    fn depends_on(&self) -> Dependence {
+        Dependence::Order
     }
 
     /// Whether it is made of relays on a plane, which must reach as far as a device that was virgin has relays to switch.

@@ -15,9 +15,11 @@ pub fn examples(ends: [f64; 2], fastest_rate: f64, slope: f64) -> Result<Vec<Hys
         let form = (1..=4).rev().find_map(|count| usual.with_elements(count).ok()).unwrap_or(usual);
         let columns = form.columns();
         let weight = |index: usize| {
-            let unit = stroke.powi(1 + form.description().weight_unit(index).input);
+            let unit = form.description().weight_unit(index).input;
+            // A column without the unit of the drive runs from -1 to 1.
+            let size = stroke.powi(1 + unit) * if unit == 0 { 0.5 } else { 1.0 };
             // All different.
-            0.3 * slope * unit / columns as f64 * (1.0 + 0.7 * (1.7 * index as f64).sin())
+            0.3 * slope * size / columns as f64 * (1.0 + 0.7 * (1.7 * index as f64).sin())
         };
         let weights: Vec<f64> = (0..columns).map(|index| form.sign() * weight(index)).collect();
         form.operator(vec![slope, 0.02 * slope / stroke], &weights, &form.example(&span))

@@ -10,6 +10,7 @@ use super::operators::{ColumnOperators, Mover};
 use crate::hysteresis::follow::{DriveLimits, Followed};
 use crate::hysteresis::outputs::Columns;
 use crate::hysteresis::{DriveGrid, HysteresisError};
+use crate::record::Dependence;
 use crate::start::Start;
 
 /// A family of columns with its fixed structure. Families on a grid take its ends from their shape numbers.
@@ -80,11 +81,6 @@ impl FamilyForm {
         self.family.is_monotone()
     }
 
-    /// Whether the memory depends on time, so that the time between samples must be known.
-    pub fn depends_on_time(self) -> bool {
-        self.family.depends_on_time()
-    }
-
     /// Checks structure and shape.
     ///
     /// # Errors
@@ -101,7 +97,7 @@ impl FamilyForm {
     fn interval(self, interval_s: Option<f64>) -> Result<f64, HysteresisError> {
         match interval_s {
             Some(interval_s) => Ok(interval_s),
-            None if self.depends_on_time() => Err(HysteresisError::Interval),
+            None if self.family.depends_on() != Dependence::Order => Err(HysteresisError::Interval),
             None => Ok(1.0),
         }
     }

@@ -14,6 +14,7 @@ use super::{
     BoucWen, DriveGrid, DriveSpan, Elements, Family, FamilyDescription, FamilyForm, Hysteresis,
     HysteresisError, PrandtlIshlinskii, ShapeNumber, UnitShape,
 };
+use crate::record::Dependence;
 use crate::start::Start;
 use crate::unknown_name::UnknownName;
 
@@ -173,9 +174,9 @@ impl HysteresisForm {
         }
     }
 
-    /// Whether it jumps where the rate of the drive does.
-    pub fn sees_rate(self) -> bool {
-        self.description().sees_rate()
+    /// What of the drive its memory depends on.
+    pub fn depends_on(self) -> Dependence {
+        self.description().depends_on()
     }
 
     /// The operator with these numbers.
