@@ -239,7 +239,7 @@ fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients
                     .flag("moves_at_rest", true)
                     .key("AT_HALF", ", voltage - state->voltage")
                     .key("AT_END", ", voltage - state->voltage")
-                    .key("AT_REST", ", R(0)")
+                    .key("AT_REST", ", 0")
                     .key("AWAY", ", away")
                     .key("RATE_PARAMETER", ", real du")
                     .key("RATE_IN_WORDS", " in a sample that moves by du")
@@ -252,10 +252,10 @@ fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients
                 .flag("activated", true)
                 .flag("moves_at_rest", true)
                 .key("N_PLAYS", thresholds.len())
-                .key("AT_HALF", ", R(0.5)")
-                .key("AT_END", ", R(1)")
-                .key("AT_REST", ", R(1)")
-                .key("AWAY", ", R(1)")
+                .key("AT_HALF", ", (real)0.5")
+                .key("AT_END", ", 1")
+                .key("AT_REST", ", 1")
+                .key("AWAY", ", 1")
                 .key("RATE_PARAMETER", ", real share")
                 .key("RATE_IN_WORDS", " after that share of a sample");
         }

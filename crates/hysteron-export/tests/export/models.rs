@@ -45,7 +45,9 @@ fn parallel() -> Hysteresis {
 fn families() -> Vec<(&'static str, Hysteresis)> {
     let all = examples([0.0, 100.0], 2e3, 0.3).unwrap().into_iter();
     let families = all.filter(|hysteresis| matches!(hysteresis, Hysteresis::Family(_)));
-    families.map(|hysteresis| (hysteresis.form().name(), hysteresis)).collect()
+    // Names of files and of functions.
+    let name = |hysteresis: &Hysteresis| &*hysteresis.form().name().replace('-', "_").leak();
+    families.map(|hysteresis| (name(&hysteresis), hysteresis)).collect()
 }
 
 fn resonance() -> Dynamics {
