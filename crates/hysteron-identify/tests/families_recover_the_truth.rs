@@ -234,7 +234,7 @@ fn bands_follow_a_bent_device_where_plays_alone_do_not() {
 /// A plane that ended at the voltages of the records would leave 1 % and more: the first branch.
 #[test]
 fn planes_of_relays_hold_the_first_branch_of_a_virgin_device() {
-    for form in [named("preisach-density", 0), named("preisach", 10)] {
+    for form in ["preisach-density".parse().unwrap(), named("preisach", 10)] {
         let left = on_the_bench(&bent(), form);
         assert!(left.iter().all(|percent| *percent < 0.4), "{form:?}: {left:?} % of stroke");
     }
