@@ -21,6 +21,7 @@ mod dead_zone_plays;
 mod drive_grid;
 mod duhem;
 mod error;
+mod families;
 mod family;
 mod follow;
 mod form;

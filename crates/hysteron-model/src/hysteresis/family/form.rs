@@ -4,7 +4,6 @@ use std::fmt;
 use std::hash::{Hash, Hasher};
 
 use super::description::FamilyDescription;
-use super::list::FAMILIES;
 use super::number::{DriveSpan, NumberUnit};
 use super::operators::{ColumnOperators, Mover};
 use crate::hysteresis::follow::{DriveLimits, Followed};
@@ -22,12 +21,6 @@ pub struct FamilyForm {
 }
 
 impl FamilyForm {
-    /// All families, with their usual numbers of elements.
-    pub fn all() -> impl Iterator<Item = Self> {
-        let usual = |family: &dyn ColumnOperators| family.elements().map_or(0, |elements| elements.usual);
-        FAMILIES.iter().map(move |&family| Self { family, elements: usual(family) })
-    }
-
     /// A family with so many elements, 0 where their number is fixed.
     pub(in crate::hysteresis) fn of(family: &'static dyn ColumnOperators, elements: usize) -> Self {
         Self { family, elements }

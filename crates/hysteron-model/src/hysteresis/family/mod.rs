@@ -7,7 +7,6 @@
 mod description;
 mod examples;
 mod form;
-mod list;
 mod model;
 mod number;
 mod operators;
@@ -23,6 +22,6 @@ pub use form::FamilyForm;
 pub use model::Family;
 pub use number::{DriveSpan, NumberUnit, Search, ShapeNumber};
 pub(super) use number::{SKEWS, inner_grid};
-pub(super) use operators::ColumnFamily;
+pub(super) use operators::{ColumnFamily, ColumnOperators};
 pub use runtime::{MeanLine, RuntimeOperator};
 pub use stream::FamilyStream;
