@@ -92,7 +92,7 @@ pub struct Identify {
     #[arg(long, value_enum)]
     structure: Option<StructureArg>,
 
-    /// Hysteresis block [default: bouc-wen; prandtl-ishlinskii where small oscillations lie beside wide moves in a record on
+    /// Hysteresis block [default: bouc-wen; activated-plays where small oscillations lie beside wide moves in a record on
     /// uneven stamps]
     #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary))]
     hysteresis: Option<HysteresisForm>,
