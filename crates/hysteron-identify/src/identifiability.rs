@@ -230,14 +230,7 @@ impl<'a> Advisor<'a> {
             rate_hz: most(&rate),
             range_v: most(&RecordFacts::range_v),
             unit: facts.first().map_or_else(String::new, |f| f.data.u_unit.spaced()),
-            longest_s: most(&|f| {
-                let samples = f.data.u.len();
-                let time_s = |index| f.data.time.time_s(index).unwrap_or(0.0);
-                match f.data.sample_rate_hz() {
-                    Some(rate_hz) => samples as f64 / rate_hz,
-                    None => time_s(samples.saturating_sub(1)) - time_s(0),
-                }
-            }),
+            longest_s: most(&RecordFacts::duration_s),
         }
     }
 

@@ -22,7 +22,7 @@ pub(crate) struct Assembled {
     pub chosen: Chosen,
     /// Number of samples in the file.
     pub file_samples: usize,
-    /// What was left out without being told.
+    /// Notes on arrays that the reader left out by itself.
     pub notes: Vec<Finding>,
 }
 

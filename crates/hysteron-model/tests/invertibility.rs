@@ -71,6 +71,9 @@ fn slip_is_decided_as_plays_are() {
         let model = form.operator(vec![linear], &[0.5, 0.4], &[3.0]).unwrap();
         model.invertibility(&[(&drive, Timing::Unknown)]).unwrap()
     };
+    // Stiffnesses of both signs, whose partial sums 1.1, 1.2, 1.0 stay above 0.
+    let mixed = named("maxwell-slip", 2).operator(vec![1.0], &[-0.1, 0.2], &[3.0]).unwrap();
+    assert_eq!(mixed.invertibility(&[(&drive, Timing::Unknown)]).unwrap(), Invertibility::Everywhere);
     // Stiffnesses 0.5 and 0.4 that give way: l' + 0.9 at a turn, l' once all slip.
     assert_eq!(of(0.1), Invertibility::Everywhere);
     assert!(matches!(of(-0.1), Invertibility::Nowhere { .. }));

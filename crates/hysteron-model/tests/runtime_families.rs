@@ -20,11 +20,24 @@ const RATE_HZ: f64 = 1e3;
 /// Voltages go from here to there.
 const RANGE: [f64; 2] = [-2.0, 10.0];
 
-/// A model of every family of columns.
+/// A model of every family of columns; those that relax also with weights of a device that lags, and Dahl's with a knee below 1.
 fn models(inter_sample: InterSample) -> Vec<Model> {
     let all = examples(RANGE, 500.0, 1.0).unwrap().into_iter();
     let families = all.filter(|hysteresis| matches!(hysteresis, Hysteresis::Family(_)));
-    families.map(|hysteresis| model(hysteresis, inter_sample)).collect()
+    let lagging: [(&str, &[f64], f64); 5] = [
+        ("dahl", &[1.7, 1.4], -0.2),
+        ("dahl", &[2.5, 0.4], -0.2),
+        ("duhem", &[0.6], -4e-4),
+        ("non-symmetric-bouc-wen", &[0.5, -0.2, 0.15], -0.1),
+        ("song-der-kiureghian", &[0.5, 0.1, -0.08, 0.06, 0.05, -0.04], -0.2),
+    ];
+    let lagging = lagging.into_iter().map(|(name, shape, weight)| {
+        let form: HysteresisForm = name.parse().unwrap();
+        let form = if name == "duhem" { form.with_elements(3).unwrap() } else { form };
+        let all = (0..form.columns()).map(|k| weight * (1.0 + 0.7 * (k as f64 * 1.7).sin()));
+        form.operator(vec![1.0, 0.004], &all.collect::<Vec<f64>>(), shape).unwrap()
+    });
+    families.chain(lagging).map(|hysteresis| model(hysteresis, inter_sample)).collect()
 }
 
 fn model(hysteresis: Hysteresis, inter_sample: InterSample) -> Model {

@@ -46,7 +46,7 @@ impl JointSetup<'_> {
         (weights, shape)
     }
 
-    /// What the drives span, for the ranges of the family's numbers.
+    /// Voltages, rates and settings by which the family sets the ranges of its numbers.
     fn drive_span(&self) -> DriveSpan {
         let demands = &self.options.demands;
         let fixed = demands.fixed("n");

@@ -34,7 +34,7 @@ pub(in super::super) struct JointRecord {
     drive: Vec<f64>,
     /// How its samples lie in time.
     grid: DriveGrid<'static>,
-    /// How the drive comes to each of its samples, where these are not an equal time apart.
+    /// Rate and duration of the move to each sample of the drive, where these are not an equal time apart.
     paces: Option<Vec<Pace>>,
     thinning: Thinning,
     reduction: Option<Reduction>,

@@ -1,4 +1,5 @@
-//! How MATLAB 7.3 keeps its classes in HDF5: cells and fields of arrays of structures are references to what stands in `#refs#`.
+//! Classes of MATLAB 7.3 in HDF5. The elements of a cell array, and the fields of an array of structures, are references to datasets
+//! and groups in `#refs#`.
 
 use std::collections::HashMap;
 
@@ -19,7 +20,7 @@ const NUMBERS: [&str; 11] =
 /// Most dimensions of an empty array that are shown.
 const MOST_DIMENSIONS: u64 = 32;
 
-/// What the references of a file refer to, by address.
+/// Datasets and groups of `#refs#`, by address.
 #[derive(Default)]
 pub(super) struct References {
     pub datasets: HashMap<u64, Dataset>,

@@ -77,3 +77,25 @@ pub fn read_given() {
     let told = (peak_memory_kb().unwrap_or_default(), longest.as_secs_f64(), refusals);
     println!("{MARK}{}", serde_json::to_string(&told).unwrap());
 }
+
+/// A hostile file: what it is, its bytes, and what one of its refusals must say, if anything.
+pub type Bomb = (&'static str, Box<dyn Fn() -> Vec<u8>>, Option<&'static str>);
+
+/// Reads each as a file of this name, in a process that runs the binary's `reads_the_file_given`. Panics where one takes more memory or
+/// time than reading may, is not refused as it must be, or gives a message that nobody reads.
+pub fn each_within_limits(file: &str, bombs: impl IntoIterator<Item = Bomb>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(file);
+    for (name, make, due) in bombs {
+        let bytes = make();
+        std::fs::write(&path, &bytes).unwrap();
+        let (read, kb) = (read_apart(&path, "reads_the_file_given"), bytes.len() / 1000);
+        drop(bytes);
+        let refusal = &read.refusals[1];
+        println!("{name}: {kb} kB, {} MB of memory, {:?}; {refusal}", read.peak_kb / 1000, read.took);
+        if let Some(due) = due {
+            assert!(read.refusals.iter().any(|refusal| refusal.contains(due)), "{name}: {refusal}");
+        }
+        assert!(refusal.len() < 4000, "{name}: a message of {} bytes", refusal.len());
+    }
+}

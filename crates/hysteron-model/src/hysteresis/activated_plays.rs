@@ -7,7 +7,7 @@ use hysteron_rt::{ActivatedMove, SLOPES, Scalar, bernstein_integrals};
 
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
-    ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber,
+    ColumnFamily, DriveSpan, Elements, FamilyDescription, NumberUnit, RuntimeOperator, ShapeNumber, ends,
 };
 use super::{FamilyForm, HysteresisError, HysteresisForm};
 use crate::record::{Dependence, Pace};
@@ -25,8 +25,8 @@ const NARROWEST: f64 = 0.01;
 /// żᵢ = u̇ − sign(zᵢ) v₀ exp((|zᵢ| − rᵢ)/σ),  v₀ = 1 unit of the drive a second.
 ///
 /// gₑ ∝ exp(−r/Rₑ) is a density over the half-widths, Σ g = 1, with one Rₑ a decade; B_k, k = 0, 1, 2, is the integral of the
-/// Bernstein polynomial b_k of degree 2 over the grid, from its lower end on and straight beyond its ends. So what a play puts out has a slope that depends on
-/// where it stands, and weights that are not negative make every slope so.
+/// Bernstein polynomial b_k of degree 2 over the grid, from its lower end on and straight beyond its ends. So what a play puts out
+/// has a slope that depends on where it stands, and weights that are not negative make every slope so.
 ///
 /// σ \[V\], the one shape number, makes loops wider by σ for each factor e of the rate, and makes a device that stands still creep in
 /// proportion to σ ln t, more where it came farther and came faster. σ → 0 are plays. Virgin at its voltage.
@@ -187,7 +187,7 @@ impl FamilyDescription for Entry {
     fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
         let meaning = "activation: how much wider the loops are for a factor e of the rate";
         let sigma = ShapeNumber::new("sigma", NumberUnit::INPUT, meaning, span.strokes(0.001, 0.2));
-        ShapeNumber::ends(span).into_iter().chain([sigma]).collect()
+        ShapeNumber::of_ends(span).into_iter().chain([sigma]).collect()
     }
 
     fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
@@ -200,17 +200,13 @@ impl FamilyDescription for Entry {
         vec![low, high, 0.017 * span.stroke]
     }
 
+    /// What creeps may fall while the drive rises, but of two moves within the same time the farther one puts out more.
     fn is_monotone(&self) -> bool {
         true
     }
 
     fn depends_on(&self) -> Dependence {
         Dependence::Time
-    }
-
-    /// Nothing: what creeps may fall while the drive rises, but of two moves within the same time the farther one puts out more.
-    fn pushes_back(&self, _: &[f64], _: &[f64], _: Option<f64>) -> Option<f64> {
-        Some(0.0)
     }
 
     fn runtime(
@@ -241,6 +237,6 @@ impl ColumnFamily for Entry {
     const FIXED: usize = 2;
 
     fn kernel(&self, densities: usize, shape: &[f64], interval_s: f64) -> ActivatedPlays {
-        ActivatedPlays::new([0, 1].map(|index| parameter(shape, index)), densities, interval_s)
+        ActivatedPlays::new(ends(shape), densities, interval_s)
     }
 }

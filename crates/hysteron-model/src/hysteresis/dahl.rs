@@ -6,7 +6,7 @@
 use hysteron_rt::{Branch, Scalar, log_distance};
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, RelaxingState, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber,
 };
@@ -25,15 +25,8 @@ use super::family::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dahl;
 
-/// Present voltage and ζ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DahlState<S> {
-    u: S,
-    zeta: [S; 1],
-}
-
 impl ColumnKernel for Dahl {
-    type State<S: Scalar<Real = f64>> = DahlState<S>;
+    type State<S: Scalar<Real = f64>> = RelaxingState<S>;
 
     simulate_with_sensitivities!(2);
 
@@ -56,14 +49,14 @@ impl ColumnKernel for Dahl {
         1
     }
 
-    fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> DahlState<S> {
-        DahlState { u, zeta: [S::constant(0.0)] }
+    fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> RelaxingState<S> {
+        RelaxingState::virgin(u)
     }
 
     fn advance<S: Scalar<Real = f64>>(
         &self,
         shape: &[S],
-        state: &mut DahlState<S>,
+        state: &mut RelaxingState<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
         let (reach, exponent) = (parameter(shape, 0), parameter(shape, 1));
@@ -88,11 +81,11 @@ impl ColumnKernel for Dahl {
         Ok(())
     }
 
-    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &DahlState<S>, out: &mut [S]) {
-        out.iter_mut().zip(state.zeta).for_each(|(out, zeta)| *out = zeta);
+    fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &RelaxingState<S>, out: &mut [S]) {
+        state.read(out);
     }
 
-    fn relaxing<S: Scalar<Real = f64>>(state: &mut DahlState<S>) -> &mut [S] {
+    fn relaxing<S: Scalar<Real = f64>>(state: &mut RelaxingState<S>) -> &mut [S] {
         &mut state.zeta
     }
 }

@@ -9,7 +9,7 @@ use super::HysteresisError;
 use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, MeanLine, NumberUnit,
-    RuntimeOperator, Search, ShapeNumber, in_a_row,
+    RuntimeOperator, Search, ShapeNumber, ends, in_a_row,
 };
 use super::plays::PlayStates;
 
@@ -175,7 +175,7 @@ impl FamilyDescription for Entry {
                 span.strokes(0.02, 2.0),
             ),
         ];
-        ShapeNumber::ends(span).into_iter().chain(own).collect()
+        ShapeNumber::of_ends(span).into_iter().chain(own).collect()
     }
 
     fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
@@ -225,6 +225,6 @@ impl ColumnFamily for Entry {
     const FIXED: usize = 2;
 
     fn kernel(&self, plays: usize, shape: &[f64], _: f64) -> DeadZonePlays {
-        DeadZonePlays::regular([0, 1].map(|index| parameter(shape, index)), plays)
+        DeadZonePlays::regular(ends(shape), plays)
     }
 }

@@ -11,7 +11,7 @@ use super::HysteresisError;
 use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
-    Search, ShapeNumber, on_a_plane,
+    Search, ShapeNumber, ends, on_a_plane,
 };
 
 /// Columns ξ ← max(ρ(u − p₂), min(ρ(u − p₁), ξ)), ρ(x) = max(−1, min(1, 2x/a)), for every pair p₁ ≤ p₂ of a regular grid.
@@ -145,7 +145,7 @@ impl FamilyDescription for Entry {
     fn shape_numbers(&self, lines: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
         let rise = Search::Held(pitch(lines, span.grid));
         let own = ShapeNumber::new("rise", NumberUnit::INPUT, "length of the ramps", rise);
-        ShapeNumber::ends(span).into_iter().chain([own]).collect()
+        ShapeNumber::of_ends(span).into_iter().chain([own]).collect()
     }
 
     fn starts(&self, lines: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
@@ -190,6 +190,6 @@ impl ColumnFamily for Entry {
     const FIXED: usize = 2;
 
     fn kernel(&self, lines: usize, shape: &[f64], _: f64) -> KrasnoselskiiPokrovskii {
-        KrasnoselskiiPokrovskii { range: [0, 1].map(|index| parameter(shape, index)), lines }
+        KrasnoselskiiPokrovskii { range: ends(shape), lines }
     }
 }

@@ -6,19 +6,20 @@
 
 use hysteron_rt::Scalar;
 
-use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
-    ShapeNumber, inner_grid,
+    ShapeNumber,
 };
-use super::plays::check_thresholds;
+use super::plays::{PlayStates, check_thresholds, evenly_below};
 use super::{HysteresisError, PrandtlIshlinskii};
 
 /// Columns Eⱼ ← max(−rⱼ, min(rⱼ, Eⱼ + Δu)) \[V\], rⱼ = scale · `thresholds`\[j\]: the strain of an elastic element that slips
 /// at rⱼ.
 ///
 /// Eⱼ = u − Fⱼ with the play Fⱼ of the same half-width, so that Maxwell slip and Prandtl–Ishlinskii are one model in two
-/// coordinates: v = l\[u\] + Σ kⱼ Eⱼ has the weights −kⱼ and the linear coefficient l₁ + Σ kⱼ there. Kept as plays, so that nothing adds up from move to move.
+/// coordinates: v = l\[u\] + Σ kⱼ Eⱼ has the weights −kⱼ and the linear coefficient l₁ + Σ kⱼ there.
+/// Kept as plays, so that nothing adds up from move to move.
 ///
 /// Weights are the stiffnesses kⱼ \[µm/V\] (negative for a displacement that lags). Shape: `scale`, 1 for the thresholds
 /// as they are. A virgin element is without strain.
@@ -32,7 +33,7 @@ pub struct MaxwellSlip {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaxwellSlipState<S> {
     u: S,
-    plays: Vec<S>,
+    plays: PlayStates<S>,
 }
 
 impl ColumnKernel for MaxwellSlip {
@@ -54,7 +55,7 @@ impl ColumnKernel for MaxwellSlip {
     }
 
     fn virgin<S: Scalar<Real = f64>>(&self, _: &[S], u: S) -> MaxwellSlipState<S> {
-        MaxwellSlipState { u, plays: vec![u; self.thresholds.len()] }
+        MaxwellSlipState { u, plays: PlayStates::at(self.thresholds.len(), u) }
     }
 
     fn advance<S: Scalar<Real = f64>>(
@@ -63,17 +64,13 @@ impl ColumnKernel for MaxwellSlip {
         state: &mut MaxwellSlipState<S>,
         u: f64,
     ) -> Result<(), HysteresisError> {
-        let scale = parameter(shape, 0);
         state.u = S::constant(u);
-        for (play, &threshold) in state.plays.iter_mut().zip(&self.thresholds) {
-            let r = scale.scale(threshold);
-            *play = between((-r).shift(u), *play, r.shift(u));
-        }
+        state.plays.advance(&self.thresholds, parameter(shape, 0), [1.0, 1.0], u);
         Ok(())
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &MaxwellSlipState<S>, out: &mut [S]) {
-        out.iter_mut().zip(&state.plays).for_each(|(out, play)| *out = state.u - *play);
+        out.iter_mut().zip(&state.plays.plays).for_each(|(out, play)| *out = state.u - *play);
     }
 }
 
@@ -85,13 +82,6 @@ pub(super) struct Entry;
 fn give_way(polynomial: &mut [f64], weights: &[f64]) {
     if let Some(linear) = polynomial.first_mut() {
         *linear += weights.iter().sum::<f64>();
-    }
-}
-
-impl Entry {
-    fn thresholds(elements: usize, shape: &[f64]) -> Vec<f64> {
-        let scale: f64 = parameter(shape, 0);
-        inner_grid(elements).into_iter().map(|r| scale * r).collect()
     }
 }
 
@@ -134,7 +124,7 @@ impl FamilyDescription for Entry {
     ) -> Option<PrandtlIshlinskii> {
         let mut polynomial = polynomial.to_vec();
         give_way(&mut polynomial, weights);
-        let thresholds = Self::thresholds(elements, shape);
+        let thresholds = evenly_below(parameter(shape, 0), elements);
         Some(PrandtlIshlinskii { polynomial, thresholds, weights: weights.iter().map(|k| -k).collect() })
     }
 
@@ -147,7 +137,7 @@ impl FamilyDescription for Entry {
         _: f64,
     ) -> RuntimeOperator {
         give_way(polynomial, weights);
-        let thresholds = Self::thresholds(elements, shape);
+        let thresholds = evenly_below(parameter(shape, 0), elements);
         RuntimeOperator::Plays { thresholds, weights: weights.iter().map(|k| -k).collect() }
     }
 }
@@ -156,6 +146,6 @@ impl ColumnFamily for Entry {
     type Kernel = MaxwellSlip;
 
     fn kernel(&self, elements: usize, _: &[f64], _: f64) -> MaxwellSlip {
-        MaxwellSlip { thresholds: inner_grid(elements) }
+        MaxwellSlip { thresholds: evenly_below(1.0, elements) }
     }
 }

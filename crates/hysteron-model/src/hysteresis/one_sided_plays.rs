@@ -6,9 +6,9 @@ use super::HysteresisError;
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
-    ShapeNumber, inner_grid,
+    ShapeNumber,
 };
-use super::plays::{PlayStates, check_thresholds};
+use super::plays::{PlayStates, check_thresholds, evenly_below};
 
 /// Columns Fⱼ ← max(u − rⱼ, min(u, Fⱼ)) \[V\], rⱼ = scale · `thresholds`\[j\], which only ever lag behind a voltage that
 /// falls after they were taken along: one-sided plays.
@@ -55,7 +55,7 @@ impl ColumnKernel for OneSidedPlays {
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &PlayStates<S>, out: &mut [S]) {
-        out.iter_mut().zip(&state.plays).for_each(|(out, play)| *out = *play);
+        state.read(out);
     }
 }
 
@@ -114,9 +114,7 @@ impl FamilyDescription for Entry {
         weights: &[f64],
         _: f64,
     ) -> RuntimeOperator {
-        let scale: f64 = parameter(shape, 0);
-        let thresholds = inner_grid(plays).into_iter().map(|r| scale * r).collect();
-        RuntimeOperator::sided(Sides::Below, thresholds, weights)
+        RuntimeOperator::sided(Sides::Below, evenly_below(parameter(shape, 0), plays), weights)
     }
 }
 
@@ -124,6 +122,6 @@ impl ColumnFamily for Entry {
     type Kernel = OneSidedPlays;
 
     fn kernel(&self, plays: usize, _: &[f64], _: f64) -> OneSidedPlays {
-        OneSidedPlays { thresholds: inner_grid(plays) }
+        OneSidedPlays { thresholds: evenly_below(1.0, plays) }
     }
 }

@@ -24,6 +24,16 @@ impl<S: Scalar<Real = f64>> PlayStates<S> {
             *play = between((-r.scale(below)).shift(u), *play, r.scale(above).shift(u));
         }
     }
+
+    /// One column a play.
+    pub(super) fn read(&self, out: &mut [S]) {
+        out.iter_mut().zip(&self.plays).for_each(|(out, play)| *out = *play);
+    }
+}
+
+/// Half-widths at equal distances below `reach`: reach · j/(count + 1), j = 1 … count.
+pub(super) fn evenly_below(reach: f64, count: usize) -> Vec<f64> {
+    (1..=count).map(|j| reach * (j as f64 / (count + 1) as f64)).collect()
 }
 
 /// Finite, positive and increasing.

@@ -10,9 +10,9 @@ use super::HysteresisError;
 use super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_ELEMENTS, NumberUnit, RuntimeOperator, Search,
-    ShapeNumber, inner_grid,
+    ShapeNumber,
 };
-use super::plays::{PlayStates, check_thresholds};
+use super::plays::{PlayStates, check_thresholds, evenly_below};
 use crate::record::{Dependence, Pace};
 
 /// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|.
@@ -90,7 +90,7 @@ impl ColumnKernel for RateDependentPlays {
     }
 
     fn read<S: Scalar<Real = f64>>(&self, _: &[S], state: &RateDependentPlayStates<S>, out: &mut [S]) {
-        out.iter_mut().zip(&state.plays.plays).for_each(|(out, play)| *out = *play);
+        state.plays.read(out);
     }
 }
 
@@ -166,7 +166,7 @@ impl FamilyDescription for Entry {
         sample_rate_hz: f64,
     ) -> RuntimeOperator {
         let [scale, rate_gain] = [0, 1].map(|index| parameter::<f64>(shape, index));
-        let thresholds = inner_grid(plays).into_iter().map(|r| scale * r).collect();
+        let thresholds = evenly_below(scale, plays);
         RuntimeOperator::sided(Sides::Even { widening: rate_gain * sample_rate_hz }, thresholds, weights)
     }
 }
@@ -175,6 +175,6 @@ impl ColumnFamily for Entry {
     type Kernel = RateDependentPlays;
 
     fn kernel(&self, plays: usize, _: &[f64], interval_s: f64) -> RateDependentPlays {
-        RateDependentPlays { thresholds: inner_grid(plays), interval_s }
+        RateDependentPlays { thresholds: evenly_below(1.0, plays), interval_s }
     }
 }

@@ -77,17 +77,9 @@ pub(super) enum OperatorParts<T> {
     BoucWen { operators: Vec<BoucWen<T>>, memory: Vec<IncrementMemory<T>> },
     Branch { law: Branch<T>, weights: Vec<T>, memory: Vec<IncrementMemory<T>> },
     Plays { thresholds: Vec<T>, weights: Vec<T>, states: Vec<T> },
-    SidedPlays { sides: Sides<T>, thresholds: Vec<T>, weights: Vec<T>, line: Line<T>, states: Vec<T> },
+    SidedPlays { sides: Sides<T>, thresholds: Vec<T>, weights: Vec<T>, line: MeanLine<T>, states: Vec<T> },
     ActivatedPlays { pace: (T, T), range: [T; 2], thresholds: Vec<T>, slopes: Vec<T>, states: Vec<T> },
     Plane { range: [T; 2], density: T, intervals: usize, everett: Vec<T>, turns: Vec<Turn<T>> },
-}
-
-/// A broken line; none without slopes.
-#[derive(Clone, Debug)]
-pub(super) struct Line<T> {
-    shares: Vec<T>,
-    corners: Vec<T>,
-    slopes: Vec<T>,
 }
 
 fn all<T: Real>(numbers: impl IntoIterator<Item = f64>) -> Vec<T> {
@@ -105,9 +97,7 @@ pub(super) fn parts<T: Real>(
         RuntimeOperator::Branch { law, weights } => OperatorParts::branch(law.map(T::of), weights),
         RuntimeOperator::Plays { thresholds, weights } => OperatorParts::plays(thresholds, weights),
         RuntimeOperator::SidedPlays { sides, thresholds, weights, line } => {
-            let MeanLine { shares, corners, slopes } = line;
-            let line = Line { shares: all(shares), corners: all(corners), slopes: all(slopes) };
-            OperatorParts::sided(sides.map(T::of), thresholds, weights, line)
+            OperatorParts::sided(sides.map(T::of), thresholds, weights, line.map(T::of))
         }
         RuntimeOperator::ActivatedPlays { sigma, interval_s, range, thresholds, slopes } => {
             let states = vec![T::of(0.0); thresholds.len()];
@@ -173,7 +163,7 @@ impl<T: Real> OperatorParts<T> {
         sides: Sides<T>,
         thresholds: impl IntoIterator<Item = f64>,
         weights: impl IntoIterator<Item = f64>,
-        line: Line<T>,
+        line: MeanLine<T>,
     ) -> Self {
         let weights = all(weights);
         let states = vec![T::of(0.0); weights.len()];

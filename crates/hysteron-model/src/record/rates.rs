@@ -11,7 +11,7 @@ pub enum Dependence {
     Rate,
 }
 
-/// How the drive comes to a sample.
+/// Rate and duration of the move to a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pace {
     /// |du/dt| on the way \[V/s\]; 0 for a jump in no time.

@@ -17,7 +17,7 @@ pub(crate) enum Clock {
     /// At these times \[s\]; the drive is given at knots of its own and is held between them or goes along straight lines.
     Stamps {
         knots_s: Vec<f64>,
-        /// How the drive comes to each knot.
+        /// Rate and duration of the move to each knot.
         paces: Vec<Pace>,
         outputs_s: Vec<f64>,
         held: bool,

@@ -18,7 +18,7 @@ pub struct Knots {
     pub times_s: Vec<f64>,
     /// Drive there \[V\].
     pub drive_v: Vec<f64>,
-    /// How the drive comes to each knot.
+    /// Rate and duration of the move to each knot.
     pub paces: Vec<Pace>,
 }
 
@@ -26,8 +26,8 @@ impl Knots {
     /// Knots of the drive `u` sampled at `times_s`: its samples and, on straight lines, as many between them as large moves ask for
     /// (a held drive jumps). A band-limited drive is not known from uneven samples: it counts as straight lines.
     ///
-    /// `depends_on`: what the hysteresis does. Where it is the rate and the drive slows down at a sample, a second knot at its time stands for the moment
-    /// behind it, when the plays are narrower already and have pushed what they hold: the output jumps there.
+    /// `depends_on`: what the hysteresis does. Where it is the rate and the drive slows down at a sample, a second knot at its time
+    /// stands for the moment behind it, when the plays are narrower already and have pushed what they hold: the output jumps there.
     pub fn new(times_s: &[f64], u: &[f64], rule: InterSample, depends_on: Dependence) -> Self {
         let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
         let largest = match depends_on {

@@ -21,7 +21,7 @@ pub use examples::examples;
 pub use form::FamilyForm;
 pub use model::Family;
 pub use number::{DriveSpan, NumberUnit, Search, ShapeNumber};
-pub(super) use number::{SKEWS, inner_grid};
+pub(super) use number::{SKEWS, ends};
 pub(super) use operators::{ColumnFamily, ColumnOperators};
 pub use runtime::{MeanLine, RuntimeOperator};
 pub use stream::FamilyStream;

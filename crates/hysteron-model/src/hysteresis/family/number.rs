@@ -43,8 +43,8 @@ impl ShapeNumber {
         Self { name: name.into(), unit, meaning, search }
     }
 
-    /// `low` and `high`, the ends of the voltages that a family's grid spans.
-    pub(in crate::hysteresis) fn ends(span: &DriveSpan) -> [Self; 2] {
+    /// `low` and `high`, the ends of the voltages that a family's grid spans, with which its shape begins; [`ends`] are their values.
+    pub(in crate::hysteresis) fn of_ends(span: &DriveSpan) -> [Self; 2] {
         let [low, high] = span.grid;
         [
             Self::new("low", NumberUnit::INPUT, "lower end of the grid", Search::Held(low)),
@@ -140,7 +140,7 @@ impl DriveSpan {
 /// Skews of a relaxation to start from, as shares of it.
 pub(in crate::hysteresis) const SKEWS: [f64; 3] = [-0.7, 0.0, 0.7];
 
-/// j/(count + 1), j = 1 … count.
-pub(in crate::hysteresis) fn inner_grid(count: usize) -> Vec<f64> {
-    (1..=count).map(|j| j as f64 / (count + 1) as f64).collect()
+/// Ends of the grid of a family whose shape begins with them.
+pub(in crate::hysteresis) fn ends(shape: &[f64]) -> [f64; 2] {
+    [0, 1].map(|index| shape.get(index).copied().unwrap_or(f64::NAN))
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::description::FamilyDescription;
+use super::number::ends;
 use super::run;
 use crate::hysteresis::columns::ColumnKernel;
 use crate::hysteresis::follow::{self, DriveLimits, Followed};
@@ -64,7 +65,7 @@ fn own<F: ColumnFamily>(shape: &[f64]) -> &[f64] {
 
 impl<F: ColumnFamily> ColumnOperators for F {
     fn check(&self, elements: usize, shape: &[f64]) -> Result<(), HysteresisError> {
-        let [low, high] = [0, 1].map(|index| shape.get(index).copied().unwrap_or(f64::NAN));
+        let [low, high] = ends(shape);
         if F::FIXED > 0 && !(low < high && (high - low).is_finite()) {
             return Err(HysteresisError::Range { low, high });
         }

@@ -30,7 +30,7 @@ pub enum RuntimeOperator {
         /// Weights.
         weights: Vec<f64>,
         /// The broken line.
-        line: MeanLine,
+        line: MeanLine<f64>,
     },
     /// Plays with thermally activated edges.
     ActivatedPlays {
@@ -57,14 +57,26 @@ pub enum RuntimeOperator {
 }
 
 /// A broken line of the mean of plays; none without slopes.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MeanLine {
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeanLine<T> {
     /// Shares of the plays in the mean.
-    pub shares: Vec<f64>,
+    pub shares: Vec<T>,
     /// Corners \[V\].
-    pub corners: Vec<f64>,
+    pub corners: Vec<T>,
     /// Slopes \[µm/V\], one more.
-    pub slopes: Vec<f64>,
+    pub slopes: Vec<T>,
+}
+
+impl<T> MeanLine<T> {
+    pub(in crate::hysteresis) fn none() -> Self {
+        Self { shares: Vec::new(), corners: Vec::new(), slopes: Vec::new() }
+    }
+
+    /// The line in another type of numbers.
+    pub(crate) fn map<U>(self, of: impl Fn(T) -> U) -> MeanLine<U> {
+        let all = |numbers: Vec<T>| numbers.into_iter().map(&of).collect();
+        MeanLine { shares: all(self.shares), corners: all(self.corners), slopes: all(self.slopes) }
+    }
 }
 
 impl RuntimeOperator {
@@ -73,6 +85,6 @@ impl RuntimeOperator {
     }
 
     pub(in crate::hysteresis) fn sided(sides: Sides<f64>, thresholds: Vec<f64>, weights: &[f64]) -> Self {
-        Self::SidedPlays { sides, thresholds, weights: weights.to_vec(), line: MeanLine::default() }
+        Self::SidedPlays { sides, thresholds, weights: weights.to_vec(), line: MeanLine::none() }
     }
 }

@@ -4,7 +4,7 @@ use hysteron_rt::Scalar;
 
 use super::super::columns::{ColumnKernel, between, parameter, positive, simulate_with_sensitivities};
 use super::super::family::{
-    ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber,
+    ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, Search, ShapeNumber, ends,
 };
 use super::{HysteresisError, Preisach, PreisachState};
 
@@ -241,7 +241,7 @@ impl FamilyDescription for Entry {
             ShapeNumber::new("bias", unit, "mean bias of the relays", span.around()),
             ShapeNumber::new("bias_spread", unit, "spread of the biases", spread),
         ];
-        ShapeNumber::ends(span).into_iter().chain(own).collect()
+        ShapeNumber::of_ends(span).into_iter().chain(own).collect()
     }
 
     fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
@@ -269,7 +269,7 @@ impl FamilyDescription for Entry {
         weights: &[f64],
         _: f64,
     ) -> RuntimeOperator {
-        let range = [0, 1].map(|index| parameter(shape, index));
+        let range = ends(shape);
         let weight: f64 = parameter(weights, 0);
         let cells = self.kernel(elements, shape, 1.0).weights(shape.get(2..).unwrap_or_default());
         let cells = cells.into_iter().map(|cell: f64| weight * cell).collect();
@@ -283,7 +283,7 @@ impl ColumnFamily for Entry {
     const FIXED: usize = 2;
 
     fn kernel(&self, _: usize, shape: &[f64], _: f64) -> PreisachDensity {
-        let plane = Preisach::regular([0, 1].map(|index| parameter(shape, index)), INTERVALS + 1);
+        let plane = Preisach::regular(ends(shape), INTERVALS + 1);
         PreisachDensity { plane, law: DensityLaw::Lorentzian }
     }
 }

@@ -12,10 +12,10 @@ pub use density::{DensityLaw, PreisachDensity};
 use hysteron_rt::Scalar;
 
 use super::HysteresisError;
-use super::columns::{ColumnKernel, between, parameter, simulate_with_sensitivities};
+use super::columns::{ColumnKernel, between, simulate_with_sensitivities};
 use super::family::{
     ColumnFamily, DriveSpan, Elements, FamilyDescription, MOST_OF_A_PLANE, NumberUnit, RuntimeOperator,
-    ShapeNumber, on_a_plane,
+    ShapeNumber, ends, on_a_plane,
 };
 use staircase::{Edge, Piece, Staircase};
 
@@ -287,7 +287,7 @@ impl FamilyDescription for Entry {
     }
 
     fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
-        ShapeNumber::ends(span).into()
+        ShapeNumber::of_ends(span).into()
     }
 
     fn starts(&self, _: usize, span: &DriveSpan) -> Vec<Vec<f64>> {
@@ -318,7 +318,7 @@ impl FamilyDescription for Entry {
         weights: &[f64],
         _: f64,
     ) -> RuntimeOperator {
-        let range = [0, 1].map(|index| parameter(shape, index));
+        let range = ends(shape);
         RuntimeOperator::Plane { range, intervals, cells: weights.to_vec() }
     }
 }
@@ -329,6 +329,6 @@ impl ColumnFamily for Entry {
     const FIXED: usize = 2;
 
     fn kernel(&self, intervals: usize, shape: &[f64], _: f64) -> Preisach {
-        Preisach::regular([0, 1].map(|index| parameter(shape, index)), intervals + 1)
+        Preisach::regular(ends(shape), intervals + 1)
     }
 }
