@@ -1,8 +1,9 @@
 //! The Hammerstein model: hysteresis block followed by the dynamic block (article Fig. 3).
 //!
-//! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (SPEC §4). A delay commutes with rate-independent
-//! hysteresis, so it is applied to v: band-limited under the `band-limited` scheme, else linearly between samples. Where G(0)
-//! is infinite (creep), what the device crept before the record counts as offset, and G's gain at rest as 1.
+//! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (`docs/theory/hammerstein.md`). A delay commutes with
+//! rate-independent hysteresis, so it is applied to v: band-limited under the `band-limited` scheme, else by linear
+//! interpolation. Where G(0) is infinite (creep), creep from before the record counts as offset, and the static
+//! gain of G as 1.
 //!
 //! On time stamps that are not uniform every step is exact ([`StampedPlan`]), whatever the scheme; the drive goes along straight
 //! lines between them, or is held.

@@ -13,9 +13,9 @@ pub enum Start<M = Memory> {
     /// As the model file assumes ([`crate::Model`]); without one, at rest at the first sample.
     #[default]
     AsIdentified,
-    /// The device rested at this voltage, free of hysteresis memory (z = 0), and moves to u(0) in one sample period.
-    /// With `voltage_v` = u(0) this is SPEC §3 `rest`, with 0 V (drive off) it is `zero`. An oscillator rests without force,
-    /// whatever the voltage.
+    /// The device rested at this voltage, demagnetised (z = 0), and moves to u(0) in one sample period.
+    /// `voltage_v` = u(0) is the condition `rest` of `docs/theory/fractional.md`, 0 V (drive off) its `zero`.
+    /// An oscillator rests without force, whatever the voltage.
     Rest {
         /// Voltage before the first sample \[V\].
         voltage_v: f64,

@@ -1,4 +1,5 @@
-//! The hysteresis block against numbers that are not its own: SPEC §2 for the article's Table 2, closed forms, an oracle.
+//! The hysteresis block against independent numbers: a Runge–Kutta prototype of the article's Table 2, closed forms, an
+//! oracle.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use std::f64::consts::PI;
@@ -20,7 +21,7 @@ fn sine(per_period: usize, periods: usize) -> Vec<f64> {
 }
 
 #[test]
-fn table_2_gives_the_clockwise_loop_of_spec() {
+fn table_2_gives_a_clockwise_loop() {
     // 400 samples a period: samples 100 and 300 are at 5 V.
     let u = sine(400, 3);
     let mut v = vec![0.0; u.len()];
@@ -61,8 +62,7 @@ fn explicit_euler_errs_by_a_per_cent_and_converges_to_the_exact_step() {
     let model = table_2();
     let (coarse, middle, fine) =
         (euler_error(&model, 20), euler_error(&model, 100), euler_error(&model, 10_000));
-    // SPEC §2 gives 0.23 % of stroke rms at 100 samples a period and 1.3 % at 20, for a drive it does not state. For this
-    // drive these are the largest errors; the rms is smaller.
+    // Largest error, in per cent of stroke, at 100 and at 20 samples a period (docs/theory/bouc-wen.md).
     assert!((middle.1 - 0.23).abs() < 0.01, "{middle:?}");
     assert!((coarse.1 - 1.3).abs() < 0.05, "{coarse:?}");
     // Root mean square, as an independent Runge–Kutta prototype of the same drive has it.

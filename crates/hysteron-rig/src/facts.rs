@@ -84,7 +84,7 @@ fn four_times_the_oversampling_changes_the_default_bench_by_less_than_1e_6_of_st
     }
 }
 
-/// SPEC: Eq. 13 driven by a unit step of the hysteresis output, the step held from t = 0.
+/// Step response of Eq. 13, the step held from t = 0, against the values of `step_response.rs` in `hysteron-model`.
 #[test]
 fn article_plant_stepped_on_the_grid_gives_the_reference_step_response() {
     let mut truth = Truth::article().with_ideal_sensor();

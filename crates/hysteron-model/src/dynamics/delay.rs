@@ -1,7 +1,7 @@
 //! Pure delay: shifting a sampled signal by a fraction of a sample.
 //!
-//! The signal is taken between its samples by the [`InterSample`] rule and read τ earlier. Never by e^(−τ δ(z)/h):
-//! that costs a gain and phase error of 0.03–0.24 at 1 kHz (SPEC §3).
+//! The signal is interpolated between its samples by the [`InterSample`] rule and read τ earlier. The factor
+//! e^(−τ δ(z)/h) is not used: its gain and phase are wrong near the Nyquist frequency (`docs/theory/fractional.md`).
 
 use std::f64::consts::PI;
 

@@ -41,7 +41,7 @@ pub enum OffsetTreatment {
     Fixed,
 }
 
-/// How well a simulation ŷ agrees with a record y, over the scored samples (SPEC §6).
+/// Agreement of a simulation ŷ with a record y over the scored samples; definitions in `docs/metrics.md`.
 ///
 /// e = y − ŷ − offset. A ratio is `None` where its denominator is zero (a constant record) and where the record
 /// does not hold what it needs; no field is ever NaN or infinite. Output quantities are in the record's output unit.
