@@ -45,6 +45,26 @@ fn the_tutorial_shows_the_example_of_the_front_page() {
     assert!(read("docs/tutorial/rust.md").contains(&shown), "{shown}");
 }
 
+#[test]
+fn the_readme_shows_the_example_of_the_prelude() {
+    let shown = example(include_str!("../src/prelude.rs"));
+    assert!(read("README.md").contains(&format!("```rust\n{shown}\n```")), "{shown}");
+}
+
+#[test]
+fn the_front_page_links_every_public_type() {
+    let source = include_str!("../src/lib.rs");
+    let documented: String = source.lines().filter(|line| line.starts_with("//!")).collect();
+    let exports = source.split("pub use ").skip(1).filter_map(|rest| rest.split_once(';'));
+    let names: Vec<&str> = exports
+        .flat_map(|(path, _)| path.split(|c: char| !c.is_alphanumeric()))
+        .filter(|name| name.starts_with(char::is_uppercase))
+        .collect();
+    assert!(names.len() > 40, "only {} public types were found", names.len());
+    let missing: Vec<_> = names.iter().filter(|name| !documented.contains(&format!("[`{name}`]"))).collect();
+    assert!(missing.is_empty(), "the front page of the library does not link {missing:?}");
+}
+
 /// Unit of a number of a family for signals in V and µm, as model files write it.
 fn unit(unit: NumberUnit) -> String {
     let powers = [("um", unit.output), ("V", unit.input), ("s", unit.time)];
