@@ -27,7 +27,7 @@ use crate::progress;
     Example: hysteron article --out-dir article --seed 1"
 )]
 pub struct Article {
-    /// Folder everything is written into; made if it does not exist
+    /// Output folder; made if it does not exist
     #[arg(long, value_name = "DIR")]
     out_dir: PathBuf,
 
@@ -35,7 +35,7 @@ pub struct Article {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 
-    /// Threads; the result does not depend on it (all cores if not given)
+    /// Threads; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
     threads: Option<u16>,
 
@@ -43,7 +43,7 @@ pub struct Article {
     #[arg(long)]
     json: bool,
 
-    /// A rehearsal in seconds: few runs, few generations, a short sweep; the page says that its numbers do not count
+    /// Rehearse in seconds with few runs, few generations and a short sweep; the page marks its numbers as provisional
     #[arg(long)]
     quick: bool,
 }

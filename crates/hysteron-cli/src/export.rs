@@ -60,11 +60,11 @@ pub struct Export {
     #[arg(long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true)]
     accuracy: f64,
 
-    /// Frequency down to which a model that creeps for ever is realised
+    /// Lowest frequency to realise, for a model whose creep has no end
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
-    /// Beginning of every name in the source: a to z, digits, _ [default: from the name of the model file]
+    /// Prefix of every name in the source: a to z, digits, _ [default: from the name of the model file]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
 
@@ -84,11 +84,11 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     bandwidth: Option<f64>,
 
-    /// Samples of the reference that are known ahead [default: as many as make a difference; with --predict-to: 0]
+    /// Preview of the reference, in samples [default: as many as affect the drive; with --predict-to: 0]
     #[arg(long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true, requires = "inverse")]
     preview: Option<usize>,
 
-    /// What is not known of the reference is predicted from its past, taken for a random motion of frequencies up to this
+    /// Predict the reference beyond the preview from its past, as a random motion with frequencies up to this
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     predict_to: Option<f64>,
 

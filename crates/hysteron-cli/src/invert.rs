@@ -67,30 +67,31 @@ pub struct Invert {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     bandwidth: Option<f64>,
 
-    /// Voltage at which the device rests before the reference begins [default: that which gives its first value]
+    /// Voltage at rest before the reference begins [default: the one that gives its first value]
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
     rest_voltage: Option<f64>,
 
-    /// Voltage at which the device was without hysteresis memory before it was driven to where it rests [default: 0, where
-    /// --range holds it, as after switching on; else where it rests]
+    /// Voltage at which the device was last demagnetised, before it moved to the voltage at rest [default: 0 where
+    /// --range contains it, as after switching on; else the voltage at rest]
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
     virgin_voltage: Option<f64>,
 
-    /// The reference is one period, or several, of one that repeats for ever, as in scanning
+    /// The reference is one period, or several, of a periodic motion, as in scanning: the drive of its steady state
     #[arg(long)]
     periodic: bool,
 
-    /// A run with a drive made for the same reference, drive and measured output: learn the next drive from what it left
-    /// (iterative learning, as in scanning)
+    /// Record of a run for the same reference, drive and measured output: correct the next drive by its error (iterative
+    /// learning control, as in scanning)
     #[arg(long, value_name = "RUN.csv")]
     learn_from: Option<PathBuf>,
 
-    /// Make the drive one sample at a time, as a controller does, with this many samples of the reference known ahead; 0 knows the
-    /// present one [default: the whole reference is known; with --predict-to: 0]
+    /// Compute the drive sample by sample, as a controller does, with this preview of the reference in samples; 0: the
+    /// present sample alone [default: the whole reference is known; with --predict-to: 0]
     #[arg(long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true, conflicts_with_all = ["periodic", "learn_from"])]
     preview: Option<usize>,
 
-    /// One sample at a time; what is not known of the reference is predicted from its past, taken for a random motion of frequencies up to this
+    /// Sample by sample, with the reference beyond the preview predicted from its past, as a random motion with
+    /// frequencies up to this
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, conflicts_with_all = ["periodic", "learn_from"])]
     predict_to: Option<f64>,
 

@@ -33,7 +33,7 @@ use crate::output::{self, OutFile};
     Example: hysteron prepare run_1.csv run_2.csv --rename ch1=u_V --scale y=2.5um/V --detrend y -o both.npz"
 )]
 pub struct PrepareCommand {
-    /// The records, in the order of time
+    /// The records, in order of time
     #[arg(value_name = "RECORD", required = true)]
     records: Vec<PathBuf>,
 
@@ -45,22 +45,22 @@ pub struct PrepareCommand {
     #[arg(long, value_name = "OLD=NEW", value_parser = str::parse::<Rename>)]
     rename: Vec<Rename>,
 
-    /// Columns that are left out, by their new names
+    /// Columns to leave out, by their new names
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
     drop: Vec<String>,
 
     #[command(flatten)]
     cut: CutFlags,
 
-    /// Turning points of the drive between which samples are kept, counted from 1, e.g. 1:5, 3: or :5
+    /// Keep samples between two turning points of the drive, counted from 1, e.g. 1:5, 3: or :5
     #[arg(long, value_name = "FIRST:LAST", value_parser = str::parse::<Turns>, help_heading = "Part of the record")]
     turns: Option<Turns>,
 
-    /// Drive whose turning points are meant: its name, with or without unit, or its number from 1
+    /// Drive of --turns: its name, with or without unit, or its number from 1
     #[arg(long, value_name = "COL", requires = "turns", help_heading = "Part of the record")]
     input: Option<String>,
 
-    /// What a column's numbers mean, e.g. y=2.5um/V or u=15V/V; may be repeated
+    /// Scale factor of a column, e.g. y=2.5um/V or u=15V/V; may be repeated
     #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = str::parse::<Scale>)]
     scales: Vec<Scale>,
 
@@ -68,7 +68,7 @@ pub struct PrepareCommand {
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
     remove_mean: Vec<String>,
 
-    /// Columns whose straight-line trend is removed, the mean with it
+    /// Columns whose linear trend is removed, the mean with it
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
     detrend: Vec<String>,
 

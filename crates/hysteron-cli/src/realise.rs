@@ -37,7 +37,7 @@ pub struct Realise {
     #[arg(long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true)]
     accuracy: f64,
 
-    /// Frequency down to which a model that creeps for ever is realised
+    /// Lowest frequency to realise, for a model whose creep has no end
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 

@@ -22,7 +22,7 @@ use crate::numbers::number;
 use crate::output::{self, OutFile};
 use crate::start::StartFlags;
 
-/// Find gain, delay and offset of a model again from short records, and hold the rest of it.
+/// Re-estimate gain, delay and offset of a model from short records, with all other parameters held.
 #[derive(Args)]
 #[command(
     after_help = "y = offset + g * model(u, delay): g scales the hysteresis block's output, the shape of the loop stays. The \
@@ -37,7 +37,7 @@ pub struct Recalibrate {
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
 
-    /// The records; a second with some turns of the drive is enough
+    /// The records; a second that contains some turning points of the drive is enough
     #[arg(value_name = "RECORD", required = true)]
     records: Vec<PathBuf>,
 
@@ -49,7 +49,7 @@ pub struct Recalibrate {
     #[arg(long)]
     continued: bool,
 
-    /// Refuse records of which the recalibrated model explains less than this share, in %
+    /// Least fit of a record by the recalibrated model, in %, below which it is refused
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
     least_fit: f64,
 

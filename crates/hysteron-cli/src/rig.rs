@@ -21,7 +21,7 @@ use crate::output;
 /// Largest truth or plan file read, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Measure on a simulated test bench whose truth is known: records to try the other commands on.
+/// Measure on a simulated test bench with known truth: records to try the other commands on.
 #[derive(Args)]
 #[command(
     after_help = "Plays the article's campaign (1 Hz loop, 1-100 Hz sweep, sines of 10, 20, 50 and 100 Hz), or the drives given \
@@ -34,7 +34,7 @@ pub struct Rig {
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
 
-    /// Folder the records are written into; made if it does not exist
+    /// Output folder; made if it does not exist
     #[arg(long, value_name = "DIR")]
     out_dir: PathBuf,
 

@@ -45,7 +45,7 @@ pub struct Simulate {
     #[arg(short, long = "out", value_name = "OUT.csv|npz|mat")]
     out: OutFile,
 
-    /// Add the ends of a 95 % band around the output
+    /// Add the limits of a 95 % prediction band
     #[arg(long, value_enum)]
     band: Option<BandArg>,
 

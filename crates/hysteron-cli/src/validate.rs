@@ -23,7 +23,7 @@ use crate::result_flags::ResultFlags;
 use crate::scores;
 use crate::start::StartFlags;
 
-/// Score models on records they may not have seen: simulation from the start of each record, not prediction.
+/// Score models on held-out records by simulation in free run, not by one-step prediction.
 #[derive(Args)]
 #[command(
     after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual is added to the \
@@ -41,12 +41,12 @@ pub struct Validate {
     #[arg(value_name = "RECORD", required = true)]
     files: Vec<PathBuf>,
 
-    /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter period where a model
-    /// without dynamics meets a drive that starts with a jump]
+    /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter of a period for a
+    /// model without dynamics where the drive starts with a jump]
     #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
     skip: Option<f64>,
 
-    /// Compare with the model's own offset instead of estimating each record's sensor offset
+    /// Use the offset in the model instead of estimating the sensor offset of each record
     #[arg(long)]
     fixed_offset: bool,
 
@@ -54,7 +54,7 @@ pub struct Validate {
     #[arg(long, conflicts_with = "band")]
     continued: bool,
 
-    /// Say how many samples lie within the 95 % band of a new measurement, from the errors in the model file
+    /// Report the coverage of the 95 % prediction band, from the standard errors in the model file
     #[arg(long)]
     band: bool,
 

@@ -49,7 +49,7 @@ pub struct Drive {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
     soft_end: f64,
 
-    /// Seed of whatever is random
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 

@@ -1,4 +1,4 @@
-//! `hysteron frequency-response`: structures fitted to a measured frequency response, and told apart.
+//! `hysteron frequency-response`: structures fitted to a measured frequency response, and compared.
 
 mod text;
 
@@ -24,7 +24,7 @@ use crate::numbers::positive;
 use crate::output::{self, OutFile};
 use crate::result_flags::ResultFlags;
 
-/// Fit structures to a measured frequency response, or to records of periodic multisines, and say what each explains.
+/// Fit structures to a measured frequency response, or to records of periodic multisines, and compare their errors.
 #[derive(Args)]
 #[command(
     after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; with a column std every point counts by its \
@@ -38,7 +38,7 @@ pub struct FrequencyResponseCommand {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 
-    /// Structure to fit (repeatable) [default: those that answer what lies behind this response]
+    /// Structure to fit (repeatable) [default: the structures usual for this kind of response]
     #[arg(long = "structure", value_parser = one_of(Family::ALL, Family::name, Family::summary))]
     structures: Vec<Family>,
 
@@ -46,7 +46,7 @@ pub struct FrequencyResponseCommand {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
     modes: Option<u8>,
 
-    /// Use the points between two frequencies in Hz only
+    /// Frequency band to fit, in Hz
     #[arg(long, value_name = "LOW:HIGH", value_parser = band)]
     band: Option<(f64, f64)>,
 

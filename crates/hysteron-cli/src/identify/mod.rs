@@ -88,12 +88,12 @@ pub struct Identify {
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: OutFile,
 
-    /// Where the hysteresis is: ahead of linear dynamics, or in feedback [default: hammerstein; modes with --inputs]
+    /// Structure: hysteresis ahead of linear dynamics, or in feedback [default: hammerstein; modes with --inputs]
     #[arg(long, value_enum)]
     structure: Option<StructureArg>,
 
-    /// Hysteresis block [default: bouc-wen; activated-plays where small oscillations lie beside wide moves in a record on
-    /// uneven stamps]
+    /// Hysteresis block [default: bouc-wen; activated-plays for a record with non-uniform time stamps that has small
+    /// oscillations beside wide moves]
     #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary))]
     hysteresis: Option<HysteresisForm>,
 
@@ -102,7 +102,7 @@ pub struct Identify {
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     elements: Option<usize>,
 
-    /// Dynamic block; if not given, what the records support
+    /// Dynamic block [default: the one that the records support]
     #[arg(long, value_parser = one_of(DynamicsChoice::ALL, DynamicsChoice::name, DynamicsChoice::summary))]
     dynamics: Option<DynamicsChoice>,
 
@@ -122,12 +122,12 @@ pub struct Identify {
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     creep_elements: Option<usize>,
 
-    /// What happened before each record (joint)
+    /// Initial state of each record (joint)
     #[arg(long, value_parser = one_of(Initial::ALL, Initial::name, Initial::summary), default_value = "auto")]
     initial: Initial,
 
-    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry over; the drive goes
-    /// along a straight line through the pauses. A record that begins before the one before it ends starts another run
+    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry over; the
+    /// drive is interpolated linearly through the pauses. A record that overlaps the one before it starts another run
     #[arg(long)]
     continued: bool,
 
@@ -156,7 +156,7 @@ pub struct Identify {
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     threads: Option<usize>,
 
-    /// Go on from the searches of an interrupted identification
+    /// Resume the searches of an interrupted identification
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
 
@@ -180,7 +180,7 @@ pub struct Identify {
     #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = name_range, allow_hyphen_values = true)]
     bound: Vec<(String, f64, f64)>,
 
-    /// Model whose parameters every search tries first
+    /// Model whose parameters are the first start of every search
     #[arg(long, value_name = "MODEL.json")]
     start: Option<PathBuf>,
 
@@ -189,12 +189,12 @@ pub struct Identify {
     #[arg(long, value_parser = one_of(Scheme::ALL, Scheme::name, Scheme::summary))]
     scheme: Option<Scheme>,
 
-    /// What the drive does between its samples: auto, or hold for a converter without filter that shares the recorder's clock, linear,
-    /// band-limited [default: auto: what the records tell, else linear; band-limited for an oscillator]
+    /// Inter-sample rule of the drive: auto; hold, for a zero-order hold that shares the recorder's clock; linear;
+    /// band-limited [default: auto, recognised from the records, else linear; band-limited for an oscillator]
     #[arg(long, value_name = "RULE", value_parser = inter_sample())]
     inter_sample: Option<ChoiceArg<InterSample>>,
 
-    /// Hand out the model even if it explains less than this share of a record's variation, in %
+    /// Least fit of a record, in %, below which no model is returned
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
     least_fit: f64,
 

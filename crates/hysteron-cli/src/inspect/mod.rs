@@ -17,7 +17,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::output::{self, OutFile};
 
-/// Show what is in a record: rate, jitter, range, frequency, periods, noise floor, delay, loop, saturation, warnings; and what the
+/// Describe a record (rate, jitter, range, frequency, periods, noise floor, delay, loop, saturation, warnings) and what the
 /// records together can determine.
 #[derive(Args)]
 #[command(
@@ -37,7 +37,7 @@ pub struct Inspect {
     #[arg(long)]
     json: bool,
 
-    /// Draw loop and time curves: an SVG (one record) or a self-contained HTML page, by the file's ending
+    /// Draw loop and time curves: an SVG (one record) or a self-contained HTML page, by the extension of the file
     #[arg(long, value_name = "FILE.svg|html", value_parser = plot::target)]
     plot: Option<OutFile>,
 

@@ -67,7 +67,7 @@ fn the_table_is_for_people() {
     let run = bench.run(&format!("compare {LOOP} {SWEEP} --candidates none,integer2"));
     assert_eq!(run.exit_code, 0, "{run:?}");
     for part in [
-        "error on unseen data [µm]",
+        "held-out error [µm]",
         "ns a sample",
         "inverse",
         "Preferred: ",
