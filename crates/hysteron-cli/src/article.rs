@@ -43,7 +43,8 @@ pub struct Article {
     #[arg(long)]
     json: bool,
 
-    /// Rehearse in seconds with few runs, few generations and a short sweep; the page marks its numbers as provisional
+    /// Rehearse in seconds with few runs, few generations and a short sweep; the page marks its numbers as
+    /// provisional
     #[arg(long)]
     quick: bool,
 }

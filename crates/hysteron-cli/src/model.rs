@@ -67,7 +67,8 @@ impl Loaded {
         })
     }
 
-    /// The inputs of the file at `path`, as the model takes them, with an output measured beside them in the model's unit.
+    /// The inputs of the file at `path`, as the model takes them, with an output measured beside them in the
+    /// model's unit.
     ///
     /// # Errors
     /// As [`Self::read_record`].

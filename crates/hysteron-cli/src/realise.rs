@@ -58,7 +58,8 @@ impl Realise {
     }
 }
 
-/// What a realisation is off the batch simulation along that sweep, and its frequencies \[Hz\]; with a remark where that is more than the accuracy.
+/// What a realisation is off the batch simulation along that sweep, and its frequencies \[Hz\]; with a remark
+/// where that is more than the accuracy.
 ///
 /// # Errors
 /// As [`verify`].
@@ -85,7 +86,8 @@ fn remark_sweep(found: &Verification, accuracy: f64) {
     }
 }
 
-/// The realisation of a loaded model. Where it creeps for ever and nobody names a lowest frequency, down to one that its records suggest.
+/// The realisation of a loaded model. Where it creeps for ever and nobody names a lowest frequency, down to
+/// one that its records suggest.
 ///
 /// # Errors
 /// As [`realise`], with what to do about it.

@@ -46,7 +46,8 @@ pub struct Rig {
     #[arg(long, value_name = "FILE", conflicts_with = "drives")]
     plan: Option<PathBuf>,
 
-    /// Play the drive in this file, e.g. one written by hysteron excite, instead of the campaign; may be repeated
+    /// Play the drive in this file, e.g. one written by hysteron excite, instead of the campaign; may be
+    /// repeated
     #[arg(long = "drive", value_name = "FILE")]
     drives: Vec<PathBuf>,
 

@@ -95,7 +95,8 @@ pub fn residual_tests(score: &Score) -> Option<String> {
 /// Records up to which the table of a fit has a column a record: it then fits a narrow terminal.
 const SIDE_BY_SIDE: usize = 3;
 
-/// The table of a fit for people: a column a record for a few records, a row a record for more and for several outputs.
+/// The table of a fit for people: a column a record for a few records, a row a record for more and for
+/// several outputs.
 pub fn table(records: &[Score]) -> Table {
     let scored: Vec<(&str, &Score)> = records.iter().map(|score| ("", score)).collect();
     let (header, rows) = cells(&scored);
@@ -110,7 +111,8 @@ pub fn table(records: &[Score]) -> Table {
     table
 }
 
-/// A row a record, whatever their number, with the names of the models that were scored on them; the models of a record stand below each other.
+/// A row a record, whatever their number, with the names of the models that were scored on them; the models
+/// of a record stand below each other.
 pub fn table_of_models(scored: &[(&str, &Score)]) -> Table {
     if scored.iter().any(|(_, score)| score.axes.is_some()) {
         return axes_table(scored);
@@ -203,7 +205,8 @@ fn axes_table(scored: &[(&str, &Score)]) -> Table {
     table
 }
 
-/// The score from the start that the model file assumes, in a sentence; `None` where the record was simulated from it.
+/// The score from the start that the model file assumes, in a sentence; `None` where the record was simulated
+/// from it.
 pub fn without_estimated_start(score: &Score) -> Option<String> {
     let without = score.without_estimated_start.as_ref()?;
     Some(without_help(score, without.rmse, without.max_abs_error))
@@ -226,7 +229,8 @@ fn without_help(score: &Score, rmse: f64, max_abs_error: f64) -> String {
     )
 }
 
-/// What the score says about device and range, in a sentence; `None` where the model file does not tell how its training scored.
+/// What the score says about device and range, in a sentence; `None` where the model file does not tell how
+/// its training scored.
 pub fn verdict(score: &Score) -> Option<String> {
     let verdict = score.verdict.as_ref()?;
     Some(format!("{}: {}: {}.", score.record, verdict.judgement.name(), verdict.why))

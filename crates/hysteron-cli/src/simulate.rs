@@ -37,7 +37,8 @@ pub struct Simulate {
     #[arg(value_name = "INPUT.csv", required = true)]
     input_files: Vec<PathBuf>,
 
-    /// The files are consecutive parts of one run on one clock: simulated at one go from the start of the first
+    /// The files are consecutive parts of one run on one clock: simulated at one go from the start of the
+    /// first
     #[arg(long)]
     continued: bool,
 

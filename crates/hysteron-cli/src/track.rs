@@ -1,4 +1,5 @@
-//! `hysteron track`: a reference followed sample by sample, without compensation, by feedforward, by feedback and by both.
+//! `hysteron track`: a reference followed sample by sample, without compensation, by feedforward, by feedback
+//! and by both.
 
 use std::path::PathBuf;
 
@@ -28,7 +29,8 @@ use crate::remarks;
 use crate::result_flags::ResultFlags;
 use crate::rig::read_or_default;
 
-/// Simulate tracking of a reference by each controller, on the simulated bench or on the model itself, and compare errors
+/// Simulate tracking of a reference by each controller, on the simulated bench or on the model itself, and
+/// compare errors
 #[derive(Args)]
 #[command(
     after_help = "Everything is simulated. The reference's sample rate is the controller's; each voltage is held for one period, and the reading at the \
@@ -64,11 +66,13 @@ pub struct Track {
     #[arg(long = "controller", value_parser = one_of(Controller::ALL, Controller::name, Controller::summary))]
     controllers: Vec<Controller>,
 
-    /// Preview of the reference in samples, for the controllers that have one [default: as many as affect the drive]
+    /// Preview of the reference in samples, for the controllers that have one [default: as many as affect the
+    /// drive]
     #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true)]
     preview: Option<usize>,
 
-    /// Highest frequency of the reference in Hz, for the controllers that predict it [default: of its fastest swing]
+    /// Highest frequency of the reference in Hz, for the controllers that predict it [default: of its fastest
+    /// swing]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     predict_to: Option<f64>,
 
@@ -92,8 +96,8 @@ pub struct Track {
     #[arg(long, value_name = "UF", value_parser = positive, allow_hyphen_values = true, requires = "current")]
     capacitance: Option<f64>,
 
-    /// Voltage at which the device was last demagnetised, before it moved to the voltage at rest [default: 0 where
-    /// --range contains it, else the voltage at rest]
+    /// Voltage at which the device was last demagnetised, before it moved to the voltage at rest [default: 0
+    /// where --range contains it, else the voltage at rest]
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true)]
     virgin_voltage: Option<f64>,
 
@@ -105,17 +109,18 @@ pub struct Track {
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = positive, allow_hyphen_values = true)]
     phase_margin: f64,
 
-    /// Lowest frequency in Hz of creep that has no end [default: a thousandth of the lowest of the model's records]
+    /// Lowest frequency in Hz of creep that has no end [default: a thousandth of the lowest of the model's
+    /// records]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
-    /// Seconds at the beginning that are not scored [default: a quarter of the reference]; at the end the preview is not
-    /// scored
+    /// Seconds at the beginning that are not scored [default: a quarter of the reference]; at the end the
+    /// preview is not scored
     #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
     skip: Option<f64>,
 
-    /// Lowest and highest frequency of the sines by which bandwidths are measured, in Hz; their stroke and mean are those
-    /// of the scored reference [default: 1e-4 to 0.1 of the sample rate]
+    /// Lowest and highest frequency of the sines by which bandwidths are measured, in Hz; their stroke and
+    /// mean are those of the scored reference [default: 1e-4 to 0.1 of the sample rate]
     #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
     sines: Option<[f64; 2]>,
 

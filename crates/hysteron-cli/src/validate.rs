@@ -41,8 +41,8 @@ pub struct Validate {
     #[arg(value_name = "RECORD", required = true)]
     files: Vec<PathBuf>,
 
-    /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter of a period for a
-    /// model without dynamics where the drive starts with a jump]
+    /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter of a
+    /// period for a model without dynamics where the drive starts with a jump]
     #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
     skip: Option<f64>,
 
@@ -50,7 +50,8 @@ pub struct Validate {
     #[arg(long)]
     fixed_offset: bool,
 
-    /// The records are consecutive parts of one run on one clock: simulated at one go from the start of the first, with one offset
+    /// The records are consecutive parts of one run on one clock: simulated at one go from the start of the
+    /// first, with one offset
     #[arg(long, conflicts_with = "band")]
     continued: bool,
 
@@ -58,8 +59,8 @@ pub struct Validate {
     #[arg(long)]
     band: bool,
 
-    /// File for the samples that were scored: drive, measured output, model, residual (CSV, or NPZ or MAT by its name); one record, or
-    /// one run
+    /// File for the samples that were scored: drive, measured output, model, residual (CSV, or NPZ or MAT by
+    /// its name); one record, or one run
     #[arg(short, long = "output-file", value_name = "OUT.csv|npz|mat")]
     out: Option<PathBuf>,
 
@@ -214,7 +215,8 @@ impl Validate {
         Ok(Scored { loaded, shown, runs: Vec::new(), failed })
     }
 
-    /// Scores of the records as parts of runs: one that cannot be read leaves a hole in its run, so that nothing is scored.
+    /// Scores of the records as parts of runs: one that cannot be read leaves a hole in its run, so that
+    /// nothing is scored.
     fn of_runs(&self, loaded: Loaded, paths: &[&PathBuf]) -> Result<Scored, Failure> {
         loaded.hammerstein(Capability::Runs)?;
         let part = |path: &&PathBuf| loaded.read_part(path, &self.columns, &self.axes);

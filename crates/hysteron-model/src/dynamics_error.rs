@@ -165,7 +165,8 @@ pub enum DynamicsError {
         "the transfer function is unstable: {poles} pole(s) in the right half-plane; its response grows without bound"
     )]
     Unstable {
-        /// Poles in the right half-plane, each of a pair counted; under a scheme, those of the sampled system.
+        /// Poles in the right half-plane, each of a pair counted; under a scheme, those of the sampled
+        /// system.
         poles: usize,
     },
     /// A pole sits on the imaginary axis and the steady state does not exist.

@@ -1,5 +1,5 @@
-//! The hysteresis block against independent numbers: a Runge–Kutta prototype of the article's Table 2, closed forms, an
-//! oracle.
+//! The hysteresis block against independent numbers: a Runge–Kutta prototype of the article's Table 2, closed
+//! forms, an oracle.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use std::f64::consts::PI;
@@ -35,7 +35,8 @@ fn table_2_gives_a_clockwise_loop() {
     assert!(table_2().admissibility().is_bounded());
 }
 
-/// Difference of explicit Euler, scored on the second and third period: (root mean square, maximum), % of stroke.
+/// Difference of explicit Euler, scored on the second and third period: (root mean square, maximum), % of
+/// stroke.
 fn euler_error(model: &BoucWen, per_period: usize) -> (f64, f64) {
     let u = sine(per_period, 3);
     let mut v = vec![0.0; u.len()];
@@ -238,7 +239,8 @@ fn drive_between_samples() {
     assert_eq!(up(InterSample::Linear, RecordEnds::Open), [0.0, 1.0, 2.0, 1.5, 1.0]);
     assert_eq!(up(InterSample::Linear, RecordEnds::Periodic), [0.0, 1.0, 2.0, 1.5, 1.0, 0.5]);
     assert_eq!(InterSample::Linear.upsample(&u, 0, RecordEnds::Open), Err(HysteresisError::Factor));
-    // A trigonometric polynomial below the Nyquist frequency is met between the samples, odd and even lengths.
+    // A trigonometric polynomial below the Nyquist frequency is met between the samples, odd and even
+    // lengths.
     let wave = |t: f64| 1.0 + (2.0 * PI * t).sin() - 0.3 * (6.0 * PI * t + 0.4).cos();
     for samples in [9_usize, 16] {
         let u: Vec<f64> = (0..samples).map(|k| wave(k as f64 / samples as f64)).collect();

@@ -95,7 +95,8 @@ fn errors(found: &Compared) -> Figure {
         )
 }
 
-/// Error over cost, each candidate by its name, on two logarithmic axes; those that no other beats in both on a line.
+/// Error over cost, each candidate by its name, on two logarithmic axes; those that no other beats in both on
+/// a line.
 fn cost_picture(found: &Compared) -> Figure {
     let comparison = &found.comparison;
     let mut points: Vec<(f64, f64, String)> = found
@@ -233,8 +234,9 @@ fn fold_table(found: &Compared) -> Table {
     })
 }
 
-/// One row: candidate, parameters, error on left-out data ± its standard error, difference to the best ± its standard
-/// error, training error, AIC and BIC above their lowest, time of a sample, whether its hysteresis has an inverse.
+/// One row: candidate, parameters, error on left-out data ± its standard error, difference to the best ± its
+/// standard error, training error, AIC and BIC above their lowest, time of a sample, whether its hysteresis
+/// has an inverse.
 pub fn cells(found: &Compared, index: usize) -> [String; 9] {
     let comparison = &found.comparison;
     let costs = found.costs.get(index);

@@ -56,7 +56,8 @@ pub struct BandWidths {
 }
 
 impl RecordCurves {
-    /// Of a record and its simulation, to which `offset` is added; the first `left_out` samples were not scored.
+    /// Of a record and its simulation, to which `offset` is added; the first `left_out` samples were not
+    /// scored.
     pub fn new(data: &InputOutput, simulated: &[f64], offset: f64, left_out: usize) -> Self {
         let InputOutput { name, time, u, y, valid, .. } = data;
         let samples = u.len();
@@ -179,8 +180,8 @@ impl RecordCurves {
         )))
     }
 
-    /// Gain and phase at the oscillations of a record in segments, measured and model, and how the output creeps at its rests; `None`
-    /// for a record with fewer than two oscillations.
+    /// Gain and phase at the oscillations of a record in segments, measured and model, and how the output
+    /// creeps at its rests; `None` for a record with fewer than two oscillations.
     pub fn segments_figure(&self) -> Option<Figure> {
         let figure = sines::figure(&self.name, &self.gain_unit, &self.sines)?;
         let rests = self.segments.iter().filter_map(|(own, model)| Some((own, own.creep?, model.creep?)));

@@ -7,7 +7,8 @@ use hysteron_identify::{GainPhase, SineResponse};
 /// Width of the bars behind the model's points \[px\].
 const BAR_PX: f64 = 9.0;
 
-/// What one panel shows of measured and model: values and half the widths of their intervals, NaN where there is none.
+/// What one panel shows of measured and model: values and half the widths of their intervals, NaN where there
+/// is none.
 struct Shown {
     measured: Vec<(f64, f64)>,
     model: Vec<(f64, f64)>,
@@ -42,7 +43,8 @@ impl Shown {
     }
 }
 
-/// Gain and phase at the sines, measured and of the model, and their difference; `None` of fewer than two sines. `record`: its name.
+/// Gain and phase at the sines, measured and of the model, and their difference; `None` of fewer than two
+/// sines. `record`: its name.
 pub(crate) fn figure(record: &str, gain_unit: &str, sines: &[SineResponse]) -> Option<Figure> {
     if sines.len() < 2 {
         return None;

@@ -24,8 +24,8 @@ pub struct Validated<'a> {
     pub records: &'a [(Signals, Score)],
 }
 
-/// The page of a validation: every record with its score, for each of the models with their files; `maker`: who made it, and by which
-/// command.
+/// The page of a validation: every record with its score, for each of the models with their files; `maker`:
+/// who made it, and by which command.
 pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
     let name = match models {
         [Validated { model, .. }] => {

@@ -18,7 +18,8 @@ use serde::{Serialize, Serializer};
 
 use crate::{Error, Model, Report};
 
-/// An identification to be run: records and what is asked of it. What is not asked is chosen from the records.
+/// An identification to be run: records and what is asked of it. What is not asked is chosen from the
+/// records.
 pub struct Identify<'a> {
     records: &'a [Record],
     kind: Option<Kind>,
@@ -49,7 +50,8 @@ impl<'a> Identify<'a> {
         }
     }
 
-    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry over.
+    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry
+    /// over.
     #[must_use]
     pub fn continued(mut self) -> Self {
         self.options.continued = true;
@@ -131,7 +133,8 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Goes on from the searches of an interrupted fit of the same records with the same options, to the same final bits.
+    /// Goes on from the searches of an interrupted fit of the same records with the same options, to the same
+    /// final bits.
     #[must_use]
     pub fn resume(mut self, searches: Searches) -> Self {
         self.resume = Some(searches);
@@ -141,8 +144,8 @@ impl<'a> Identify<'a> {
     /// Runs the identification.
     ///
     /// # Errors
-    /// [`Error::Model`] for records that cannot be used; [`Error::Identify`] where no model describes them; [`Error::OptionsOfTask`],
-    /// [`Error::OptionsOfKind`] for options that would count for nothing.
+    /// [`Error::Model`] for records that cannot be used; [`Error::Identify`] where no model describes them;
+    /// [`Error::OptionsOfTask`], [`Error::OptionsOfKind`] for options that would count for nothing.
     pub fn run(self) -> Result<Fit, Error> {
         let kind = match (self.kind, self.inputs.len()) {
             (Some(kind), _) => kind,
@@ -193,7 +196,8 @@ fn maker() -> Maker {
     }
 }
 
-/// An identified model and what is to be known about it. As JSON it is what `hysteron identify --json` prints.
+/// An identified model and what is to be known about it. As JSON it is what `hysteron identify --json`
+/// prints.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// The model.
@@ -252,7 +256,8 @@ impl Fit {
         &self.found
     }
 
-    /// The report of the fit: for a Hammerstein model with curves, for the other kinds numbers, errors, scores and findings.
+    /// The report of the fit: for a Hammerstein model with curves, for the other kinds numbers, errors,
+    /// scores and findings.
     ///
     /// # Errors
     /// [`Error::Model`] where the data of the model are not sound.

@@ -11,14 +11,14 @@ const SAMPLES: usize = 2000;
 const SAMPLE_RATE_HZ: f64 = 1000.0;
 const NOISE_UM: f64 = 0.02;
 
-/// Fit of (b, c₁, c₀, α₂, α₁) of b/(s^α₂ + c₁ s^α₁ + c₀), orders and coefficients at once. Input is a linear 1–100 Hz
-/// chirp of 1 µm amplitude, 2 s at 1 kHz (2000 samples); truth is article Eq. 13 under the same scheme (Tustin, from
-/// rest), with normal noise of 0.02 µm. Coefficients span three decades and are scaled logarithmically; unstable
-/// candidates have cost +∞.
+/// Fit of (b, c₁, c₀, α₂, α₁) of b/(s^α₂ + c₁ s^α₁ + c₀), orders and coefficients at once. Input is a linear
+/// 1–100 Hz chirp of 1 µm amplitude, 2 s at 1 kHz (2000 samples); truth is article Eq. 13 under the same
+/// scheme (Tustin, from rest), with normal noise of 0.02 µm. Coefficients span three decades and are scaled
+/// logarithmically; unstable candidates have cost +∞.
 ///
-/// How hard the problem is hangs on the noise: behind the article's own drive (Table 2's hysteresis from 0 to 10 V,
-/// ten times the amplitude) the same noise leaves a valley so narrow that DE-ABC succeeds in 26 % of 31 runs and DE
-/// in all.
+/// How hard the problem is hangs on the noise: behind the article's own drive (Table 2's hysteresis from 0 to
+/// 10 V, ten times the amplitude) the same noise leaves a valley so narrow that DE-ABC succeeds in 26 % of 31
+/// runs and DE in all.
 #[derive(Debug)]
 pub struct FractionalBlock {
     bounds: Bounds,

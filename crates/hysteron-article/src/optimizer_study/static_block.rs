@@ -11,8 +11,8 @@ const SAMPLES: usize = 2000;
 const SAMPLE_RATE_HZ: f64 = 1000.0;
 const NOISE_UM: f64 = 0.012;
 
-/// Fit of (quadratic, linear, α, β, γ), n = 1, to two periods of u = 5 − 5 cos 2πt V at 1 kHz (2000 samples), from
-/// rest at 0 V; truth is the article's Table 2, with normal noise of 0.012 µm.
+/// Fit of (quadratic, linear, α, β, γ), n = 1, to two periods of u = 5 − 5 cos 2πt V at 1 kHz (2000 samples),
+/// from rest at 0 V; truth is the article's Table 2, with normal noise of 0.012 µm.
 #[derive(Clone, Debug)]
 pub struct StaticBlock {
     bounds: Bounds,

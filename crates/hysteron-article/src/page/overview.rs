@@ -1,4 +1,5 @@
-//! What the reader must know first: that the bench is simulated, what became of the claims, how the text was read.
+//! What the reader must know first: that the bench is simulated, what became of the claims, how the text was
+//! read.
 
 use crate::{Claim, ModelKind, Reproduction, Verdict};
 

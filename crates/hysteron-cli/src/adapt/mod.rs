@@ -23,7 +23,8 @@ use crate::numbers::{count, positive};
 use crate::output::{self, OutFile};
 use crate::start::StartFlags;
 
-/// Track a drifting device: correct a model sample by sample by recursive estimation, with a monitor of the residual.
+/// Track a drifting device: correct a model sample by sample by recursive estimation, with a monitor of the
+/// residual.
 #[derive(Args)]
 #[command(
     after_help = "y = fixed + sum of coefficient * regressor; the regressors follow from the drive alone. Terms are offset, gain (of the model's \
@@ -60,13 +61,13 @@ pub struct Adapt {
     #[arg(long, value_name = "SHARE", value_parser = positive, allow_hyphen_values = true, default_value_t = 0.05)]
     step: f64,
 
-    /// Standard deviation of the residual where the model fits, in the output's unit [default: the largest training
-    /// RMSE in the model file, else the record's noise floor]
+    /// Standard deviation of the residual where the model fits, in the output's unit [default: the largest
+    /// training RMSE in the model file, else the record's noise floor]
     #[arg(long, value_name = "SIZE", value_parser = positive, allow_hyphen_values = true)]
     noise: Option<f64>,
 
-    /// Use every K-th sample, because residuals of neighbouring samples are correlated [default: 40 samples a period of
-    /// the fastest drive, fewer where the residual stays correlated for longer]
+    /// Use every K-th sample, because residuals of neighbouring samples are correlated [default: 40 samples a
+    /// period of the fastest drive, fewer where the residual stays correlated for longer]
     #[arg(long, value_name = "K", value_parser = count::<usize>, allow_hyphen_values = true)]
     every: Option<usize>,
 

@@ -19,7 +19,8 @@ use crate::output::{self, OutFile};
 use crate::progress;
 use crate::result_flags::ResultFlags;
 
-/// Compare structures by held-out simulation error (cross-validation), and say which of them the records support.
+/// Compare structures by held-out simulation error (cross-validation), and say which of them the records
+/// support.
 #[derive(Args)]
 #[command(
     after_help = "Each record (or part of one, where there are fewer than three of different content) is left out in turn, every candidate \
@@ -50,8 +51,8 @@ pub struct Compare {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = candidate)]
     candidates: Vec<Candidate>,
 
-    /// The records are consecutive parts of one run on one clock: each part is left out in turn; hysteresis memory and
-    /// creep carry over
+    /// The records are consecutive parts of one run on one clock: each part is left out in turn; hysteresis
+    /// memory and creep carry over
     #[arg(long, conflicts_with = "baselines")]
     continued: bool,
 

@@ -177,7 +177,8 @@ pub struct Multisine {
     /// Which multiples of 1/period are excited
     #[arg(long, value_enum, default_value_t = LineChoice::Full)]
     lines: LineChoice,
-    /// Size of a group of consecutive odd lines of which one is a detection line, with --lines odd-with-detection
+    /// Size of a group of consecutive odd lines of which one is a detection line, with --lines
+    /// odd-with-detection
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = count::<u32>, allow_hyphen_values = true)]
     detection_group: u32,
     /// Choice of the phases

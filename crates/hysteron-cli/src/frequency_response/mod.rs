@@ -24,7 +24,8 @@ use crate::numbers::positive;
 use crate::output::{self, OutFile};
 use crate::result_flags::ResultFlags;
 
-/// Fit structures to a measured frequency response, or to records of periodic multisines, and compare their errors.
+/// Fit structures to a measured frequency response, or to records of periodic multisines, and compare their
+/// errors.
 #[derive(Args)]
 #[command(
     after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; with a column std every point counts by its \

@@ -88,12 +88,13 @@ pub struct Identify {
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: OutFile,
 
-    /// Structure: hysteresis ahead of linear dynamics, or in feedback [default: hammerstein; modes with --inputs]
+    /// Structure: hysteresis ahead of linear dynamics, or in feedback [default: hammerstein; modes with
+    /// --inputs]
     #[arg(long, value_enum)]
     structure: Option<StructureArg>,
 
-    /// Hysteresis block [default: bouc-wen; activated-plays for a record with non-uniform time stamps that has small
-    /// oscillations beside wide moves]
+    /// Hysteresis block [default: bouc-wen; activated-plays for a record with non-uniform time stamps that
+    /// has small oscillations beside wide moves]
     #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary))]
     hysteresis: Option<HysteresisForm>,
 
@@ -114,7 +115,8 @@ pub struct Identify {
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
 
-    /// Creep factor of the dynamics (joint) [default: fractional where the records ask for it, none beside --dynamics]
+    /// Creep factor of the dynamics (joint) [default: fractional where the records ask for it, none beside
+    /// --dynamics]
     #[arg(long, value_name = "KIND", value_parser = one_of(Creep::USUAL, Creep::name, Creep::summary))]
     creep: Option<Creep>,
 
@@ -126,8 +128,9 @@ pub struct Identify {
     #[arg(long, value_parser = one_of(Initial::ALL, Initial::name, Initial::summary), default_value = "auto")]
     initial: Initial,
 
-    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry over; the
-    /// drive is interpolated linearly through the pauses. A record that overlaps the one before it starts another run
+    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry
+    /// over; the drive is interpolated linearly through the pauses. A record that overlaps the one before it
+    /// starts another run
     #[arg(long)]
     continued: bool,
 
@@ -143,8 +146,8 @@ pub struct Identify {
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     generations: Option<usize>,
 
-    /// Population: food sources of de-abc and abc [default: 25], members of de and particles of pso [default: 50],
-    /// starts of least-squares [default: 20]
+    /// Population: food sources of de-abc and abc [default: 25], members of de and particles of pso [default:
+    /// 50], starts of least-squares [default: 20]
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     population: Option<usize>,
 
@@ -168,7 +171,8 @@ pub struct Identify {
     #[arg(long, value_name = "VALUE|free", value_parser = exponent, allow_hyphen_values = true)]
     n: Option<ChoiceArg<f64>>,
 
-    /// Delay between input and output in seconds; a given delay stands for the whole time shift of a quasi-static record
+    /// Delay between input and output in seconds; a given delay stands for the whole time shift of a
+    /// quasi-static record
     #[arg(long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay, allow_hyphen_values = true)]
     delay: ChoiceArg<f64>,
 
@@ -184,13 +188,14 @@ pub struct Identify {
     #[arg(long, value_name = "MODEL.json")]
     start: Option<PathBuf>,
 
-    /// Simulation scheme of the dynamic block [default: band-limited for a joint fit of records that start smoothly, else
-    /// tustin]
+    /// Simulation scheme of the dynamic block [default: band-limited for a joint fit of records that start
+    /// smoothly, else tustin]
     #[arg(long, value_parser = one_of(Scheme::ALL, Scheme::name, Scheme::summary))]
     scheme: Option<Scheme>,
 
-    /// Inter-sample rule of the drive: auto; hold, for a zero-order hold that shares the recorder's clock; linear;
-    /// band-limited [default: auto, recognised from the records, else linear; band-limited for an oscillator]
+    /// Inter-sample rule of the drive: auto; hold, for a zero-order hold that shares the recorder's clock;
+    /// linear; band-limited [default: auto, recognised from the records, else linear; band-limited for an
+    /// oscillator]
     #[arg(long, value_name = "RULE", value_parser = inter_sample())]
     inter_sample: Option<ChoiceArg<InterSample>>,
 
@@ -237,7 +242,8 @@ impl Identify {
         for score in &found.scores {
             remarks::tell(Path::new(&score.record), &found.model, &score.simulation.remarks);
         }
-        // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
+        // Where the result goes elsewhere, its warnings still reach the user; those about units came with the
+        // records.
         if self.result.json || !std::io::stdout().is_terminal() {
             let warnings = found.findings.iter().filter(|f| f.kind == FindingKind::Warning);
             warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&advice::text(f)));
@@ -295,7 +301,8 @@ impl Identify {
         self.axes.read_all(&self.records, self.columns.of_drive()).map(FitRecords::Several)
     }
 
-    /// The report; with the structures next to an identified Hammerstein model, unless there is no time for them.
+    /// The report; with the structures next to an identified Hammerstein model, unless there is no time for
+    /// them.
     fn page(
         &self,
         records: &FitRecords,

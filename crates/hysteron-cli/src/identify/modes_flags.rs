@@ -8,7 +8,8 @@ use crate::numbers::{count, positive, whole};
 /// What can be said about scheduled modes.
 #[derive(Args, Clone, Debug)]
 pub struct ModesFlags {
-    /// Pairs of poles that the search of modes starts from [default: as many as improve the fit of the response]
+    /// Pairs of poles that the search of modes starts from [default: as many as improve the fit of the
+    /// response]
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
     modes: Option<usize>,
 

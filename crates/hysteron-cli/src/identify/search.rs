@@ -20,7 +20,8 @@ impl Identify {
     }
 }
 
-/// State of the searches of an interrupted identification, from the file of the searches or from the model beside it.
+/// State of the searches of an interrupted identification, from the file of the searches or from the model
+/// beside it.
 pub(super) fn read_searches(path: &Path) -> Result<Searches, Failure> {
     let beside = path.to_str().and_then(|path| path.strip_suffix(".partial.json"));
     let beside = beside.map(|stem| PathBuf::from(format!("{stem}.searches.json")));

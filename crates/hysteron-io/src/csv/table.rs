@@ -51,8 +51,8 @@ impl Table {
         }
     }
 
-    /// Adds a block of whole lines below line `before`, if they hold plain numbers; returns their number. `None`: they have
-    /// to go through [`Self::push_row`].
+    /// Adds a block of whole lines below line `before`, if they hold plain numbers; returns their number.
+    /// `None`: they have to go through [`Self::push_row`].
     pub fn push_block(&mut self, block: &[u8], before: u64) -> Option<u64> {
         if block.is_empty()
             || self.wanted.contains(&Wanted::Texts)
@@ -95,7 +95,8 @@ impl Table {
         Ok(())
     }
 
-    /// Explains a wrong number of fields; one empty field more (a delimiter at the end of the line) is accepted.
+    /// Explains a wrong number of fields; one empty field more (a delimiter at the end of the line) is
+    /// accepted.
     fn check_count(&self, found: usize, line: Line<'_>) -> Result<(), IoError> {
         let expected = self.columns.len();
         let trailing = found == expected + 1 && line.bytes.last() == Some(&self.delimiter);

@@ -79,7 +79,8 @@ impl Properties {
     }
 }
 
-/// Key and value, between them `=`, `:` or spaces; a backslash takes the meaning from the character behind it.
+/// Key and value, between them `=`, `:` or spaces; a backslash takes the meaning from the character behind
+/// it.
 fn entry(line: &str) -> (String, String) {
     let mut chars = line.chars().peekable();
     let mut key = String::new();

@@ -61,8 +61,8 @@ impl Scheme {
         matches!(self, Self::GrunwaldLetnikov)
     }
 
-    /// Whether a plant that is unstable in continuous time may be stable under this scheme: δ maps the unit disc
-    /// into a part of the right half-plane (`Tustin`: onto all of it).
+    /// Whether a plant that is unstable in continuous time may be stable under this scheme: δ maps the unit
+    /// disc into a part of the right half-plane (`Tustin`: onto all of it).
     pub const fn may_damp(self) -> bool {
         matches!(self, Self::GrunwaldLetnikov | Self::Bdf2)
     }

@@ -11,8 +11,9 @@ use hysteron_numeric::display::{short, short_to};
 pub const FAR_FROM_REST: f64 = 1.25;
 
 impl Hammerstein {
-    /// Gain at rest over that at the lowest frequency of the records it was identified from, and that frequency \[Hz\]; infinite for
-    /// a model that creeps for ever. `None` for a static model, or one whose records had no frequency.
+    /// Gain at rest over that at the lowest frequency of the records it was identified from, and that
+    /// frequency \[Hz\]; infinite for a model that creeps for ever. `None` for a static model, or one whose
+    /// records had no frequency.
     pub fn gain_at_rest(&self) -> Option<(f64, f64)> {
         let (Dynamics::Integer(g) | Dynamics::Fractional(g)) = &self.law().dynamics else { return None };
         let lowest_hz = self.data().valid_range.as_ref()?.frequency.as_ref()?.low;
@@ -20,8 +21,8 @@ impl Hammerstein {
         (over > 0.0 && !over.is_nan()).then_some((over, lowest_hz))
     }
 
-    /// What keeps the drive `found` from following its reference, or makes it follow the model rather than the device: limits that
-    /// hold it back, and what the model only extrapolates of a rest.
+    /// What keeps the drive `found` from following its reference, or makes it follow the model rather than
+    /// the device: limits that hold it back, and what the model only extrapolates of a rest.
     pub fn findings_on_drive(&self, found: &InverseDrive, range: [f64; 2]) -> Vec<Finding> {
         let mut findings = Vec::new();
         let mut say = |topic, text: String, advice| {

@@ -36,8 +36,8 @@ pub enum Remark {
         /// Their unit.
         unit: Unit,
     },
-    /// The model was identified on settled periodic records, or takes one to be settled; this drive does not repeat, and the
-    /// device is taken to start at rest.
+    /// The model was identified on settled periodic records, or takes one to be settled; this drive does not
+    /// repeat, and the device is taken to start at rest.
     DoesNotRepeat,
     /// The record is explained better from another start than the one expected.
     StartChosen {
@@ -46,13 +46,14 @@ pub enum Remark {
         /// The start expected.
         expected: Start,
     },
-    /// The drive starts with a jump, which a model without dynamics cannot follow: so many samples are not scored.
+    /// The drive starts with a jump, which a model without dynamics cannot follow: so many samples are not
+    /// scored.
     LeftOut {
         /// Number of samples.
         samples: usize,
     },
-    /// A drive or a reference swings faster than what the model was identified with: beyond that it extrapolates, and an error
-    /// predicted for it says nothing of that.
+    /// A drive or a reference swings faster than what the model was identified with: beyond that it
+    /// extrapolates, and an error predicted for it says nothing of that.
     Fast {
         /// Which signal.
         signal: SignalRole,

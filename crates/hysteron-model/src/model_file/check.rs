@@ -17,8 +17,8 @@ const PLAY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 â
                           threshold_2, weight_2 â€¦ without gaps";
 
 impl ModelFile {
-    /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter names,
-    /// terms that suit the kind of dynamics, a correlation matrix that is one.
+    /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter
+    /// names, terms that suit the kind of dynamics, a correlation matrix that is one.
     ///
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.

@@ -30,8 +30,8 @@ pub enum RealiseError {
         /// Rate asked for \[Hz\].
         rate_hz: f64,
     },
-    /// The gain at zero frequency is infinite, or not reached in any time that matters: the model is realised down to some
-    /// frequency, which nobody has named.
+    /// The gain at zero frequency is infinite, or not reached in any time that matters: the model is realised
+    /// down to some frequency, which nobody has named.
     #[error(
         "the model creeps for ever (its gain at zero frequency is infinite, or not reached in any time that matters): name the \
          lowest frequency to realise it down to"

@@ -1,4 +1,5 @@
-//! The hysteresis block in one number type: coefficients and memory of the operator that `hysteron-rt` runs a family by.
+//! The hysteresis block in one number type: coefficients and memory of the operator that `hysteron-rt` runs a
+//! family by.
 
 use hysteron_rt::{
     ActivatedPlays, BoucWen, Branch, BrokenLine, IncrementMemory, ModelError, Operator, Plane, PlayBank,
@@ -30,7 +31,8 @@ pub enum OperatorCoefficients<'a, T> {
         /// wᵢ \[µm/V\].
         weights: &'a [T],
     },
-    /// v = l\[u\] + plays between other sides ([`SidedPlays`]), with a broken line of their mean where it has slopes ([`BrokenLine`]).
+    /// v = l\[u\] + plays between other sides ([`SidedPlays`]), with a broken line of their mean where it has
+    /// slopes ([`BrokenLine`]).
     SidedPlays {
         /// Their sides.
         sides: Sides<T>,
@@ -115,7 +117,8 @@ pub(super) fn parts<T: Real>(
     Ok((all(polynomial), operator))
 }
 
-/// Σ of the cells with levels from q to p, in the order (1, 0), (2, 0), (2, 1), (3, 0), …; cells in theirs: (0, 0), (1, 0), (1, 1), (2, 0), ….
+/// Σ of the cells with levels from q to p, in the order (1, 0), (2, 0), (2, 1), (3, 0), …; cells in theirs:
+/// (0, 0), (1, 0), (1, 1), (2, 0), ….
 fn sums(intervals: usize, cells: &[f64]) -> Vec<f64> {
     let mut out = Vec::with_capacity(cells.len());
     let mut below = vec![0.0; intervals];

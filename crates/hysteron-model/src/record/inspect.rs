@@ -21,7 +21,8 @@ pub struct Inspection {
     pub masked_samples: usize,
     /// Sample rate \[Hz\].
     pub sample_rate_hz: Option<f64>,
-    /// Largest deviation of a time stamp from the grid \[sample periods\]; `None` without a uniform time base.
+    /// Largest deviation of a time stamp from the grid \[sample periods\]; `None` without a uniform time
+    /// base.
     pub jitter_samples: Option<f64>,
     /// Last less first time \[s\].
     pub duration_s: Option<f64>,
@@ -45,7 +46,8 @@ pub struct Inspection {
     pub drift: Option<LinearDrift>,
     /// Delay of the output.
     pub delay: Option<DelayFinding>,
-    /// Loop of output over input, over the settled periods; `None` for a drive that makes no loop (broadband, steps).
+    /// Loop of output over input, over the settled periods; `None` for a drive that makes no loop (broadband,
+    /// steps).
     pub loop_shape: Option<LoopShape>,
     /// Samples of the input held at an end of its range.
     pub input_clipping: Clipping,

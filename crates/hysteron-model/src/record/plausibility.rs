@@ -1,9 +1,9 @@
 //! Magnitudes that no piezo actuator has: almost always a unit that the file's header gets wrong.
 //!
-//! Limits, with room to spare on either side of what is sold: strokes of amplified stacks and benders end at about 1 to
-//! 2 mm, of tip-tilt stages at about 50 mrad; nothing is identified from a nanometre; stacks are driven with up to 200 V,
-//! high-voltage stacks, tubes and macro-fibre patches with up to 1.5 kV; displacement sensors end at some 10 kHz.
-//! Crossing a limit is a question to the user, never a refusal.
+//! Limits, with room to spare on either side of what is sold: strokes of amplified stacks and benders end at
+//! about 1 to 2 mm, of tip-tilt stages at about 50 mrad; nothing is identified from a nanometre; stacks are
+//! driven with up to 200 V, high-voltage stacks, tubes and macro-fibre patches with up to 1.5 kV;
+//! displacement sensors end at some 10 kHz. Crossing a limit is a question to the user, never a refusal.
 
 use hysteron_numeric::display::short;
 
@@ -14,13 +14,15 @@ const STROKE_UM: (f64, f64) = (1e-3, 2e3);
 const STROKE_URAD: (f64, f64) = (1e-3, 2e5);
 /// Largest |u| \[V\].
 const LARGEST_V: f64 = 2e3;
-/// A sample rate \[Hz\] that is doubted where the drive takes more than [`SAMPLES_A_CYCLE`] for its fastest cycle.
+/// A sample rate \[Hz\] that is doubted where the drive takes more than [`SAMPLES_A_CYCLE`] for its fastest
+/// cycle.
 const FAST_SAMPLING_HZ: f64 = 1e5;
 const SAMPLES_A_CYCLE: f64 = 50.0;
 /// A fastest cycle \[s\] that is doubted.
 const SLOWEST_CYCLE_S: f64 = 600.0;
 
-/// What in a record cannot be of a piezo actuator, in plain words. `fastest_hz`: the drive's highest frequency, if known.
+/// What in a record cannot be of a piezo actuator, in plain words. `fastest_hz`: the drive's highest
+/// frequency, if known.
 pub fn implausible_units(data: &InputOutput, fastest_hz: Option<f64>) -> Vec<String> {
     [stroke(data), voltage(data), time(data, fastest_hz)].into_iter().flatten().collect()
 }

@@ -23,8 +23,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scoring {
-    /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0. `None`: none, but what a model
-    /// without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is scored.
+    /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0. `None`: none, but
+    /// what a model without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is
+    /// scored.
     pub skip_s: Option<f64>,
     /// What is done about the constant difference between the record and the simulation.
     pub offset: OffsetTreatment,
@@ -43,15 +44,17 @@ pub enum OffsetTreatment {
 
 /// Agreement of a simulation ŷ with a record y over the scored samples; definitions in `docs/metrics.md`.
 ///
-/// e = y − ŷ − offset. A ratio is `None` where its denominator is zero (a constant record) and where the record
-/// does not hold what it needs; no field is ever NaN or infinite. Output quantities are in the record's output unit.
+/// e = y − ŷ − offset. A ratio is `None` where its denominator is zero (a constant record) and where the
+/// record does not hold what it needs; no field is ever NaN or infinite. Output quantities are in the
+/// record's output unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scores {
     /// Samples that were scored.
     pub samples: usize,
     /// Samples that were not: skipped at the start, or masked as not valid.
     pub skipped_samples: usize,
-    /// Constant added to the simulation before the comparison, on top of the model's own offset; 0 where fixed.
+    /// Constant added to the simulation before the comparison, on top of the model's own offset; 0 where
+    /// fixed.
     pub offset: f64,
     /// Whether `offset` was estimated from this record.
     pub offset_estimated: bool,
@@ -146,7 +149,8 @@ const NEED_SAMPLES: usize = 2;
 /// Scores the simulation `simulated` (same unit and length as the record's output) against `record`.
 ///
 /// # Errors
-/// [`ScoreError`] if lengths differ, a scored sample is not finite, or fewer than two samples are left to score.
+/// [`ScoreError`] if lengths differ, a scored sample is not finite, or fewer than two samples are left to
+/// score.
 pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Result<Scores, ScoreError> {
     let Compared { scored, y, mut e } = compared(record, simulated, scoring.skip_s.unwrap_or(0.0))?;
     let (total, samples) = (record.y.len(), y.len());

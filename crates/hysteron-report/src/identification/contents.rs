@@ -312,7 +312,8 @@ fn about_structures(found: &Identification, others: &Result<Neighbours, Identify
     }
 }
 
-/// Half the widths of the bands: by the fit, else out of the model file. `None` where nothing is known of them.
+/// Half the widths of the bands: by the fit, else out of the model file. `None` where nothing is known of
+/// them.
 fn band(fit: &RecordFit, file: &ModelFile) -> Option<BandWidths> {
     let of_file = || {
         let band = PredictionBand::of_file(file, &fit.data.u, &fit.data.time, &fit.start).ok()?;

@@ -1,6 +1,7 @@
 //! The report of an identification: what was measured, what was found, how good it is, how to repeat it.
 //!
-//! [`report`] makes the page from the result. [`IdentificationReportData`] is what it shows, laid out by [`identification_report`].
+//! [`report`] makes the page from the result. [`IdentificationReportData`] is what it shows, laid out by
+//! [`identification_report`].
 
 mod contents;
 mod parameters;
@@ -19,8 +20,9 @@ use hysteron_identify::{Correlation, Identification, IdentifyError};
 use hysteron_model::model_file::ModelFile;
 use hysteron_numeric::number::fixed;
 
-/// The report of an identification, whose model's data are `file`: model, errors, scores, measured against simulated, findings,
-/// how to repeat it. `others`: structures next to the identified one, where they were compared.
+/// The report of an identification, whose model's data are `file`: model, errors, scores, measured against
+/// simulated, findings, how to repeat it. `others`: structures next to the identified one, where they were
+/// compared.
 pub fn report(
     model_name: &str,
     found: &Identification,
@@ -112,7 +114,8 @@ pub struct ParameterRow {
     pub interval: Option<(f64, f64)>,
     /// The interval comes from a profile of the fit instead of the standard error.
     pub is_profiled: bool,
-    /// How it came about when it was not estimated (`fixed`, `at its bound` …), behind the meaning; may be empty.
+    /// How it came about when it was not estimated (`fixed`, `at its bound` …), behind the meaning; may be
+    /// empty.
     pub note: String,
 }
 

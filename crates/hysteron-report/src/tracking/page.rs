@@ -46,7 +46,8 @@ pub fn page(found: &Tracking, maker: &Maker) -> Page {
     page.footer_line(&maker.program)
 }
 
-/// Error of the sines over frequency: a panel for each family of controllers, the uncompensated stage in each.
+/// Error of the sines over frequency: a panel for each family of controllers, the uncompensated stage in
+/// each.
 fn over_frequency(found: &Tracking) -> Figure {
     let curve = |run: &ControllerRun| -> (Vec<f64>, Vec<f64>) {
         let answers = run.followed.iter().flat_map(|followed| &followed.answers);
