@@ -201,8 +201,9 @@ impl Export {
         if let Some(wanted) = self.preview.filter(|wanted| *wanted > compensation.preview) {
             let used = compensation.preview;
             console::note(&format!(
-                "of the preview of {wanted} samples {used} are used, beyond which no voltage depends on the reference: hand in the reference {used} samples ahead, \
-                 not {wanted} (the source names the number)"
+                "of the preview of {wanted} samples {used} are used, beyond which no voltage depends on the \
+                 reference: hand in the reference {used} samples ahead, not {wanted} (the source names the \
+                 number)"
             ));
         }
         let inverse = Inverse::new(subject, compensation, range, self.slew.unwrap_or(f64::INFINITY))

@@ -24,10 +24,10 @@ const MAX_BYTES: u64 = 1 << 20;
 /// Measure on a simulated test bench with known truth: records to try the other commands on.
 #[derive(Args)]
 #[command(
-    after_help = "Plays the article's campaign (1 Hz loop, 1-100 Hz sweep, sines of 10, 20, 50 and 100 Hz), or the drives given \
-    with --drive, and writes one record each, with the truth and the plan in force, into the folder. \
-    The default truth lies outside every model class that hysteron identifies.\n\n\
-    Example: hysteron rig --out-dir bench --seed 1"
+    after_help = "Plays the article's campaign (1 Hz loop, 1-100 Hz sweep, sines of 10, 20, 50 and 100 Hz), \
+    or the drives given with --drive, and writes one record each, with the truth and the plan in force, into \
+    the folder. The default truth lies outside every model class that hysteron identifies.\n\nExample: \
+    hysteron rig --out-dir bench --seed 1"
 )]
 pub struct Rig {
     /// True parameters of the simulated bench: JSON, all keys optional (truth.json of an earlier run, edited)

@@ -29,8 +29,8 @@ pub fn within_band(score: &Score) -> Option<String> {
     let BandScore { inside_percent, measurement, model } = score.band?;
     let unit = score.unit.to_string();
     Some(format!(
-        "{}: {} % of the samples lie within the 95 % band of a new measurement, ± {} {unit} at its widest (± {} {unit} of it from the \
-         errors of the parameters).",
+        "{}: {} % of the samples lie within the 95 % band of a new measurement, ± {} {unit} at its widest (± \
+         {} {unit} of it from the errors of the parameters).",
         score.record,
         significant(inside_percent, 3),
         significant(measurement, 3),
@@ -85,7 +85,8 @@ pub fn residual_tests(score: &Score) -> Option<String> {
     let own = scores.whiteness.as_ref()?;
     let input = scores.input_correlation.as_ref()?;
     Some(format!(
-        "{}: the residual's autocorrelation leaves its 99 % bounds at {}, its correlation with the input at {}.",
+        "{}: the residual's autocorrelation leaves its 99 % bounds at {}, its correlation with the input at \
+         {}.",
         score.record,
         outside(own),
         outside(input)
@@ -220,7 +221,8 @@ pub fn run_without_estimated_start(without: &Score) -> String {
 fn without_help(score: &Score, rmse: f64, max_abs_error: f64) -> String {
     let unit = score.unit.to_string();
     format!(
-        "{}: from the start that the model file assumes, without the one estimated from the record: {} {}, {} {}.",
+        "{}: from the start that the model file assumes, without the one estimated from the record: {} {}, \
+         {} {}.",
         score.record,
         console::in_unit("RMSE", &unit),
         significant(rmse, 4),
@@ -237,9 +239,9 @@ pub fn verdict(score: &Score) -> Option<String> {
 }
 
 /// What the scores of several outputs mean.
-pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation − offset over all outputs, the offset of each sensor estimated unless \
-    --fixed-offset is given; of mean period: the same of the mean over the record's periods, in which noise counts less; level: rms \
-    of the inputs.";
+pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation − offset over all outputs, the \
+    offset of each sensor estimated unless --fixed-offset is given; of mean period: the same of the mean \
+    over the record's periods, in which noise counts less; level: rms of the inputs.";
 
 /// File names where they tell the paths apart, else the paths as given.
 pub fn short_names(paths: Vec<String>) -> Vec<String> {

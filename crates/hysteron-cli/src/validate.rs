@@ -26,11 +26,11 @@ use crate::start::StartFlags;
 /// Score models on held-out records by simulation in free run, not by one-step prediction.
 #[derive(Args)]
 #[command(
-    after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual is added to the \
-    simulation and printed as the offset. A record that cannot be scored does not stop the others; the exit code then is 1.\n\n\
-    Example: hysteron validate model.json run1.csv run2.csv --skip 0.5\n\
-    Example: hysteron validate old.json new.json run1.csv --report validation.html\n\
-    Example: hysteron validate model.json run1.csv -o scored.csv"
+    after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual \
+    is added to the simulation and printed as the offset. A record that cannot be scored does not stop the \
+    others; the exit code then is 1.\n\nExample: hysteron validate model.json run1.csv run2.csv --skip \
+    0.5\nExample: hysteron validate old.json new.json run1.csv --report validation.html\nExample: hysteron \
+    validate model.json run1.csv -o scored.csv"
 )]
 pub struct Validate {
     /// The model file
@@ -298,7 +298,8 @@ impl Validate {
         let offset = if self.fixed_offset {
             "The offset is the model's own (--fixed-offset)."
         } else {
-            "The offset of each record's sensor was estimated from the record: the mean residual, added to the simulation."
+            "The offset of each record's sensor was estimated from the record: the mean residual, added to \
+             the simulation."
         };
         let lines = |sentence: fn(&Score) -> Option<String>| {
             let line = |(model, score): &(&str, &Score)| {

@@ -136,8 +136,8 @@ pub enum InversionError {
     },
     /// The last run is not one of this reference.
     #[error(
-        "the last run has {drive} samples of its drive and {measured} of its output, the reference has {samples}: all must be the same \
-         and the drive within the range"
+        "the last run has {drive} samples of its drive and {measured} of its output, the reference has \
+         {samples}: all must be the same and the drive within the range"
     )]
     LastRun {
         /// Samples of the drive.
@@ -149,8 +149,8 @@ pub enum InversionError {
     },
     /// No voltage gives the first value of the reference.
     #[error(
-        "the reference begins at {}, which no input from {} to {} holds: at rest these give {} to {}; begin the reference between \
-         them, or give the input at which the device rests",
+        "the reference begins at {}, which no input from {} to {} holds: at rest these give {} to {}; begin \
+         the reference between them, or give the input at which the device rests",
         short(*reference),
         short(*low),
         short(*high),
@@ -171,8 +171,8 @@ pub enum InversionError {
     },
     /// No voltage gives the first value of the reference, and the output falls somewhere in the range.
     #[error(
-        "the hysteresis has no inverse over the range from {} to {}: near the input {} its output at rest falls as the input rises; give \
-         a smaller range",
+        "the hysteresis has no inverse over the range from {} to {}: near the input {} its output at rest \
+         falls as the input rises; give a smaller range",
         short(*low),
         short(*high),
         short(*near)
@@ -187,7 +187,8 @@ pub enum InversionError {
     },
     /// A reference that repeats was to be followed one sample at a time.
     #[error(
-        "a reference that repeats is followed as a whole: one sample at a time it has no steady state to begin in"
+        "a reference that repeats is followed as a whole: one sample at a time it has no steady state to \
+         begin in"
     )]
     Repeats,
     /// The reference is not a whole number of the periods it is said to repeat with.
@@ -200,7 +201,8 @@ pub enum InversionError {
     },
     /// A hysteretic displacement was given where the voltage at which the device was virgin is needed.
     #[error(
-        "one sample at a time the device begins where it was virgin: give that input, not its hysteretic displacement"
+        "one sample at a time the device begins where it was virgin: give that input, not its hysteretic \
+         displacement"
     )]
     Displacement,
     /// The model does not run sample by sample, or not from where the device rests.

@@ -89,9 +89,9 @@ fn errors(found: &Compared) -> Figure {
         .panel(panel)
         .panel_height(LINE_PX * order.len().max(3) as f64)
         .captioned(
-            "Mean over the folds of the held-out RMSE, with its standard error, and the training RMSE. Folds are harder or \
-             easier for all candidates alike, so that bars may overlap although the paired differences in the table \
-             are significant.",
+            "Mean over the folds of the held-out RMSE, with its standard error, and the training RMSE. Folds \
+             are harder or easier for all candidates alike, so that bars may overlap although the paired \
+             differences in the table are significant.",
         )
 }
 
@@ -143,9 +143,9 @@ fn cost_picture(found: &Compared) -> Figure {
         panel = panel.name(x, y, name);
     }
     Figure::new("Error against cost").panel(panel).panel_height(COST_PX).captioned(
-        "Held-out error (mean over the folds) against the time of one sample of the realised model: hysteresis, dynamics to \
-         1e-5 of the range and delay, double precision. Minimum of several runs of each candidate along the same drive on \
-         this machine, reproducible to about ten per cent.",
+        "Held-out error (mean over the folds) against the time of one sample of the realised model: \
+         hysteresis, dynamics to 1e-5 of the range and delay, double precision. Minimum of several runs of \
+         each candidate along the same drive on this machine, reproducible to about ten per cent.",
     )
 }
 

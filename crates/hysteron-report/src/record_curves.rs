@@ -155,9 +155,10 @@ impl RecordCurves {
         let share = 100.0 * all.iter().filter(inside).count() as f64 / all.len().max(1) as f64;
         let largest = band.model.iter().copied().fold(0.0, f64::max);
         format!(
-            " Bands around the model: the dark one (± {} {} at its widest) holds the output of the model with the true parameters in 95 of \
-             100 campaigns, the pale one 95 % of new measurements; it holds {} % of these. Both take the model class for true: what it misses is \
-             in the scatter of the residual, not in the dark band.",
+            " Bands around the model: the dark one (± {} {} at its widest) holds the output of the model \
+             with the true parameters in 95 of 100 campaigns, the pale one 95 % of new measurements; it \
+             holds {} % of these. Both take the model class for true: what it misses is in the scatter of \
+             the residual, not in the dark band.",
             significant(largest, 2),
             self.output.1,
             significant(share, 3)
@@ -188,7 +189,10 @@ impl RecordCurves {
         let rests = rests.map(|(own, measured, model)| {
             let (measured, model) = (significant(measured, 3), significant(model, 3));
             let (unit, at) = (&self.output.1, significant(own.start_s, 4));
-            format!(" At rest from {at} s on the output creeps by {measured} {unit}, the model's by {model} {unit}.")
+            format!(
+                " At rest from {at} s on the output creeps by {measured} {unit}, the model's by {model} \
+                {unit}."
+            )
         });
         let caption = format!("{}{}", figure.caption, rests.collect::<String>());
         Some(figure.captioned(caption))
@@ -225,9 +229,10 @@ impl RecordCurves {
             outside.push(format!("{} of {} lags {title}", test.outside, test.lags));
         }
         Some(figure.captioned(format!(
-            "Correlation of the residual of record {}. Noise alone would stay within the 99 % bounds (dashed) at all but about one \
-             lag in a hundred; outside are {}. What is outside is structure that the model does not describe: creep, minor loops, \
-             dynamics (positive lags of the input), or a delay that is too long (negative lags).",
+            "Correlation of the residual of record {}. Noise alone would stay within the 99 % bounds \
+             (dashed) at all but about one lag in a hundred; outside are {}. What is outside is structure \
+             that the model does not describe: creep, minor loops, dynamics (positive lags of the input), or \
+             a delay that is too long (negative lags).",
             self.name,
             outside.join(" and ")
         )))

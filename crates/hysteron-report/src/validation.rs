@@ -35,8 +35,8 @@ pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
     };
     let scored = Section::new("Scores")
         .block(Block::paragraph(
-            "The model was simulated in free run, from the start of each record: no measured output is used. Unless its own counts, the \
-             offset of each sensor was estimated from the record.",
+            "The model was simulated in free run, from the start of each record: no measured output is used. \
+             Unless its own counts, the offset of each sensor was estimated from the record.",
         ))
         .block(scores(models))
         .blocks(verdicts(models));

@@ -63,7 +63,8 @@ fn loops_hardly_change_below_5_hz_and_clearly_by_100_hz() {
     let apart = |f: f64| 100.0 * relative_difference(&last_period(f), &slow);
     let (five_apart, hundred_apart) = (apart(5.0), apart(100.0));
     println!(
-        "largest distance from the 1 Hz loop, % of stroke: 2 Hz {:.2}, 5 Hz {five_apart:.2}, 10 Hz {:.2}, 100 Hz {hundred_apart:.2}",
+        "largest distance from the 1 Hz loop, % of stroke: 2 Hz {:.2}, 5 Hz {five_apart:.2}, 10 Hz {:.2}, \
+         100 Hz {hundred_apart:.2}",
         apart(2.0),
         apart(10.0)
     );

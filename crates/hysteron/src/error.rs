@@ -25,7 +25,8 @@ pub enum Error {
     OptionsOfTask,
     /// Options of a Hammerstein model with another kind.
     #[error(
-        "hysteresis, dynamics, creep and seed belong to a Hammerstein model, not to {kind}: give a task for it"
+        "hysteresis, dynamics, creep and seed belong to a Hammerstein model, not to {kind}: give a task for \
+         it"
     )]
     OptionsOfKind {
         /// The kind asked for.

@@ -37,9 +37,9 @@ pub struct FractionalWorkspace {
 
 impl FractionalBlock {
     /// The problem in one sentence.
-    pub const DESCRIPTION: &'static str = "linear 1-100 Hz chirp of 1 um amplitude, 2 s at 1 kHz (2000 samples), \
-        article Eq. 13 as truth (Tustin, from rest), normal noise of 0.02 um; b, c1, c0 (three decades each) and the \
-        orders alpha2, alpha1 sought at once";
+    pub const DESCRIPTION: &'static str = "linear 1-100 Hz chirp of 1 um amplitude, 2 s at 1 kHz (2000 \
+        samples), article Eq. 13 as truth (Tustin, from rest), normal noise of 0.02 um; b, c1, c0 (three \
+        decades each) and the orders alpha2, alpha1 sought at once";
 
     /// Article Eq. 13 in the order of the parameters: b, c₁, c₀, α₂, α₁.
     pub const TRUTH: [f64; 5] = [5.2589e6, 3081.0, 5.4955e6, 2.0384, 1.0523];

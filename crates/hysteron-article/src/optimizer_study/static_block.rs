@@ -22,8 +22,9 @@ pub struct StaticBlock {
 
 impl StaticBlock {
     /// The problem in one sentence.
-    pub const DESCRIPTION: &'static str = "u = 5 - 5 cos 2 pi t V, two periods at 1 kHz (2000 samples), article \
-        Table 2 as truth with n = 1, normal noise of 0.012 um; quadratic, linear, alpha, beta, gamma sought at once";
+    pub const DESCRIPTION: &'static str = "u = 5 - 5 cos 2 pi t V, two periods at 1 kHz (2000 samples), \
+        article Table 2 as truth with n = 1, normal noise of 0.012 um; quadratic, linear, alpha, beta, gamma \
+        sought at once";
 
     /// Article Table 2 in the order of the parameters: quadratic \[µm/V²\], linear, α \[µm/V\], β, γ \[1/V\].
     pub const TRUTH: [f64; 5] = [0.0031, 2.0, -1.2039, 0.1111, 0.0024];

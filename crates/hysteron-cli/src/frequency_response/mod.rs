@@ -28,11 +28,12 @@ use crate::result_flags::ResultFlags;
 /// errors.
 #[derive(Args)]
 #[command(
-    after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; with a column std every point counts by its \
-    uncertainty, else by its relative error. Several responses in one file (stage_re,stage_im,ampV_re,…) are chosen by name. \
-    Records of one multisine (same lines, other phases) give the response, its noise and its distortion.\n\n\
-    Example: hysteron frequency-response frf.csv --response stage --over ampV --band 1:30 --report frf.html\n\
-    Example: hysteron frequency-response run1.csv run2.csv run3.csv --structure modes -o model.json"
+    after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; with a \
+    column std every point counts by its uncertainty, else by its relative error. Several responses in one \
+    file (stage_re,stage_im,ampV_re,…) are chosen by name. Records of one multisine (same lines, other \
+    phases) give the response, its noise and its distortion.\n\nExample: hysteron frequency-response frf.csv \
+    --response stage --over ampV --band 1:30 --report frf.html\nExample: hysteron frequency-response \
+    run1.csv run2.csv run3.csv --structure modes -o model.json"
 )]
 pub struct FrequencyResponseCommand {
     /// One file with a frequency response, or records of periodic multisines
@@ -135,14 +136,15 @@ impl FrequencyResponseCommand {
         }
         if self.response.is_some() || self.over.is_some() {
             return Err(Failure::usage(
-                "--response and --over choose among the columns of one file with a frequency response; these files are records",
+                "--response and --over choose among the columns of one file with a frequency response; these \
+                 files are records",
             ));
         }
         let records = self.columns.read_all(&self.files)?;
         let options = EmpiricalOptions { period_s: self.period, settling_periods: self.settling };
         let found = empirical_response(&records, &options).map_err(|e| {
-            let play = "play a multisine (hysteron excite multisine) of at least two periods, and again with other seeds to \
-                        tell distortion from noise";
+            let play = "play a multisine (hysteron excite multisine) of at least two periods, and again with \
+                        other seeds to tell distortion from noise";
             let flags = e.advice().map_or_else(String::new, |a| format!("; {}", advice::in_flags(&a)));
             Failure::new("cannot take a frequency response from the records")
                 .because(&e)
@@ -166,8 +168,8 @@ impl FrequencyResponseCommand {
         if self.band.is_none() {
             let (lowest, highest) = response.range_hz();
             console::note(&format!(
-                "outside of {} to {} Hz the points scatter by more than 30 % of their value: left out as noise (--band {lowest}:{highest} \
-                 takes them all)",
+                "outside of {} to {} Hz the points scatter by more than 30 % of their value: left out as \
+                 noise (--band {lowest}:{highest} takes them all)",
                 significant(low, 4),
                 significant(high, 4)
             ));
@@ -203,8 +205,8 @@ fn write_model(path: &Path, found: &Explained) -> Result<String, Failure> {
         ));
     }
     Ok(format!(
-        "wrote {}: {}, which leaves {error} % rms; the file format asks for a hysteresis block, which is v = u without hysteresis \
-         here.{start}",
+        "wrote {}: {}, which leaves {error} % rms; the file format asks for a hysteresis block, which is v = \
+         u without hysteresis here.{start}",
         path.display(),
         written.name
     ))

@@ -206,7 +206,8 @@ impl Table {
         let hint = if is_spreadsheet_error(text.as_bytes()) {
             ": the spreadsheet it comes from could not compute this cell"
         } else if self.rows == 1 {
-            "; if this is a second header line, put the units into the column names (`u_V`) and delete it or begin it with #"
+            "; if this is a second header line, put the units into the column names (`u_V`) and delete it or \
+             begin it with #"
         } else if !line.ended {
             "; the file ends in this line: was the recording interrupted? Delete it to use the rest"
         } else if text.contains(['.', ',']) && text.chars().all(|c| c.is_ascii_digit() || ".,'- ".contains(c))

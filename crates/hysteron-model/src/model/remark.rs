@@ -75,7 +75,8 @@ impl Remark {
             }
             Self::Extrapolates { input, identified, unit } => (
                 format!(
-                    "the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
+                    "the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it \
+                     extrapolates",
                     short(input.0),
                     short(input.1),
                     short(identified.0),
@@ -85,8 +86,8 @@ impl Remark {
             ),
             Self::LevelExtrapolates { level, identified, unit } => (
                 format!(
-                    "the inputs have {} {unit} rms, the model was identified from {} to {} {unit}: it extrapolates, with the \
-                     modes of the nearest level",
+                    "the inputs have {} {unit} rms, the model was identified from {} to {} {unit}: it \
+                     extrapolates, with the modes of the nearest level",
                     short(*level),
                     short(identified.0),
                     short(identified.1),
@@ -99,8 +100,8 @@ impl Remark {
             ),
             Self::DoesNotRepeat => (
                 format!(
-                    "the model was identified on settled periodic records; this drive does not repeat and is taken to start at \
-                     rest{}",
+                    "the model was identified on settled periodic records; this drive does not repeat and is \
+                     taken to start at rest{}",
                     if model.rests_at_a_voltage() { " at its first sample" } else { "" }
                 ),
                 start,
@@ -116,14 +117,15 @@ impl Remark {
             }
             Self::LeftOut { samples } => (
                 format!(
-                    "the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples \
-                     are not scored"
+                    "the drive starts with a jump, which a model without dynamics cannot follow: its first \
+                     {samples} samples are not scored"
                 ),
                 Some(Advice::ScoreAll),
             ),
             Self::Fast { signal, fastest_hz, identified_hz } => (
                 format!(
-                    "the {} swings at up to {} Hz, the model was identified up to {} Hz: beyond that it extrapolates{}",
+                    "the {} swings at up to {} Hz, the model was identified up to {} Hz: beyond that it \
+                     extrapolates{}",
                     signal.name(),
                     short(*fastest_hz),
                     short(*identified_hz),

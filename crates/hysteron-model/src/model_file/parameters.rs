@@ -105,7 +105,8 @@ impl JsonSchema for Parameters {
         }
         json_schema!({
             "type": "object",
-            "description": "Parameters of bouc-wen: polynomial coefficients without gaps, alpha, beta, gamma, n.",
+            "description": "Parameters of bouc-wen: polynomial coefficients without gaps, alpha, beta, \
+                gamma, n.",
             "properties": properties,
             "patternProperties": { "^degree_([6-9]|[1-9][0-9]+)$": quantity },
             "required": ["linear", "alpha", "beta", "gamma", "n"],

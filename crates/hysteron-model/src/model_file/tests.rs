@@ -312,7 +312,8 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         (
             "/hysteresis/kind",
             Some(json!("plasticity")),
-            "hysteresis.kind: no hysteresis family is called `plasticity`: expected one of bouc-wen, prandtl-ishlinskii",
+            "hysteresis.kind: no hysteresis family is called `plasticity`: expected one of bouc-wen, \
+             prandtl-ishlinskii",
         ),
         ("/delay", None, "missing field `delay`"),
         ("/sample_rate_hz", None, "missing field `sample_rate_hz`"),
@@ -356,7 +357,8 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         (
             "/dynamics/denominator/2/coefficient/value",
             Some(json!(0)),
-            "dynamics.denominator[2].coefficient.value: expected a coefficient of the highest order that is not 0",
+            "dynamics.denominator[2].coefficient.value: expected a coefficient of the highest order that is \
+             not 0",
         ),
         (
             "/dynamics/denominator/2/coefficient/unit",

@@ -338,7 +338,8 @@ mod tests {
         let err = made(vec![Channel::new("u", "V", two(5)), Channel::new("y", "um", two(4))]).unwrap_err();
         assert_eq!(
             err.to_string(),
-            "record `r`: channel `y` has 4 entries where the first channel has 5 samples; all must be of one length"
+            "record `r`: channel `y` has 4 entries where the first channel has 5 samples; all must be of one \
+             length"
         );
         let err = made(vec![Channel::new("u", "V", vec![0.0, f64::INFINITY])]).unwrap_err();
         assert!(err.to_string().contains("sample 1: inf"), "{err}");

@@ -45,8 +45,8 @@ fn stroke(data: &InputOutput) -> Option<String> {
     let (size, unit) = readable(stroke, scales);
     let name = &data.output;
     Some(format!(
-        "A stroke of {} {unit} is implausible for a piezo actuator (expected {}): is the column `{name}` really in the \
-         unit its header names?",
+        "A stroke of {} {unit} is implausible for a piezo actuator (expected {}): is the column `{name}` \
+         really in the unit its header names?",
         short(size),
         if quantity == Quantity::Length { "1 nm to 2 mm" } else { "1 nrad to 200 mrad" }
     ))
@@ -62,8 +62,8 @@ fn voltage(data: &InputOutput) -> Option<String> {
     let largest = factor * high.abs().max(low.abs());
     (largest > LARGEST_V && largest.is_finite()).then(|| {
         format!(
-            "A drive of {} kV is implausible for a piezo actuator (expected at most 2 kV): is the column `{}` really in the \
-             unit its header names?",
+            "A drive of {} kV is implausible for a piezo actuator (expected at most 2 kV): is the column \
+             `{}` really in the unit its header names?",
             short(1e-3 * largest),
             data.input
         )
@@ -75,7 +75,8 @@ fn time(data: &InputOutput, fastest_hz: Option<f64>) -> Option<String> {
     let asked = "is the time column really in the unit its header names, or the sample rate right?";
     if rate >= FAST_SAMPLING_HZ && rate > SAMPLES_A_CYCLE * fastest {
         return Some(format!(
-            "{} kHz is a very fast sampling for a drive that takes {:.0} samples a cycle (sensors end at some 10 kHz): {asked}",
+            "{} kHz is a very fast sampling for a drive that takes {:.0} samples a cycle (sensors end at \
+             some 10 kHz): {asked}",
             short(1e-3 * rate),
             rate / fastest
         ));

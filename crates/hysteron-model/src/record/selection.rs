@@ -285,8 +285,8 @@ impl Record {
             (None, Some(output)) => Ok((1 - output, output)),
             _ => {
                 let text = format!(
-                    "neither name nor unit says which channel drives and which responds: the first, {}, is taken as the \
-                     input and the second, {}, as the output; choose others if that is wrong",
+                    "neither name nor unit says which channel drives and which responds: the first, {}, is \
+                     taken as the input and the second, {}, as the output; choose others if that is wrong",
                     self.channels[0].label(),
                     self.channels[1].label()
                 );

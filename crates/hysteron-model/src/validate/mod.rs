@@ -96,7 +96,8 @@ pub enum ScoreError {
     },
     /// Too little is left to score.
     #[error(
-        "only {scored} of {total} samples are left to score ({masked} not valid, the rest skipped); need at least {need}"
+        "only {scored} of {total} samples are left to score ({masked} not valid, the rest skipped); need at \
+         least {need}"
     )]
     TooFewSamples {
         /// Samples left.
@@ -299,14 +300,16 @@ pub fn definitions() -> &'static [Definition] {
             "offset",
             "offset",
             "output",
-            "constant added to the simulation before the comparison (mean residual; 0 where fixed), on top of the model's own",
+            "constant added to the simulation before the comparison (mean residual; 0 where fixed), on top \
+             of the model's own",
         ),
         row("stroke", "stroke", "output", "max y − min y over the scored samples"),
         row(
             "rmse",
             "RMSE",
             "output",
-            "root mean square of e = y − simulation − offset; simulation from the start, not one-step prediction",
+            "root mean square of e = y − simulation − offset; simulation from the start, not one-step \
+             prediction",
         ),
         row("max_abs_error", "max error", "output", "largest |e|"),
         row("rmse_percent_of_stroke", "RMSE / stroke", "%", "100 · RMSE / stroke"),
@@ -323,19 +326,22 @@ pub fn definitions() -> &'static [Definition] {
             "loop_width_error_percent",
             "loop width error",
             "%",
-            "opening of the simulated loop minus that of the measured loop at mid-range input, 100 · difference / stroke",
+            "opening of the simulated loop minus that of the measured loop at mid-range input, 100 · \
+             difference / stroke",
         ),
         row(
             "whiteness",
             "residual whiteness",
             "1",
-            "autocorrelation of e at lags 1 … 25; a white residual stays within ±2.576/√N at 99 % of the lags",
+            "autocorrelation of e at lags 1 … 25; a white residual stays within ±2.576/√N at 99 % of the \
+             lags",
         ),
         row(
             "input_correlation",
             "residual–input correlation",
             "1",
-            "correlation of e with the input at lags −25 … 25; 99 % within ±2.576/√N where nothing of the input is left in a white e",
+            "correlation of e with the input at lags −25 … 25; 99 % within ±2.576/√N where nothing of the \
+             input is left in a white e",
         ),
     ];
     TABLE

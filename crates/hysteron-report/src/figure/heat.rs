@@ -43,8 +43,8 @@ pub(super) fn draw(out: &mut String, cells: &[Vec<f64>], placed: &PlacedPanel) {
             let (x, y) = (f.x + j as f64 * w, f.y + i as f64 * h);
             put!(
                 out,
-                "<g class=\"{}\" color=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"currentColor\" \
-                 fill-opacity=\"{}\"/></g>",
+                "<g class=\"{}\" color=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" \
+                 fill=\"currentColor\" fill-opacity=\"{}\"/></g>",
                 colour.class(),
                 colour.hex(),
                 number(x),

@@ -285,7 +285,10 @@ fn model(data: &IdentificationReportData) -> Section {
             table = table.row(cells);
         }
         if data.parameters.iter().any(|p| p.is_profiled) {
-            table = table.note("* by profile likelihood: the fit is not linear enough in this parameter for its standard error.");
+            table = table.note(
+                "* by profile likelihood: the fit is not linear enough in this parameter for \
+                its standard error.",
+            );
         }
         section = section.block(table);
     }
@@ -329,8 +332,8 @@ fn degrees(data: &IdentificationReportData) -> Table {
         Column::number("BIC", ""),
     ];
     let mut table = Table::new(columns).captioned("Polynomial degrees tried").note(
-        "A higher degree is taken where it lowers BIC by more than 10 and keeps the hysteresis bounded; shaded: the one used. BIC \
-         counts only as many samples as are independent.",
+        "A higher degree is taken where it lowers BIC by more than 10 and keeps the hysteresis bounded; \
+         shaded: the one used. BIC counts only as many samples as are independent.",
     );
     for d in &data.degrees {
         let cells = [d.degree.to_string(), significant(d.rmse, 4), fixed(d.bic, 1)];
@@ -342,8 +345,8 @@ fn degrees(data: &IdentificationReportData) -> Table {
 /// Correlation of the estimates of one step.
 fn correlation(c: &Correlation) -> Figure {
     correlation_matrix(format!("Correlation of the parameters: {}", c.step), &c.names, &c.matrix).captioned(format!(
-        "Correlation of the estimates of the step '{}'; condition number {}. Parameters with a correlation near ±1 can hardly be \
-         told apart by these records: only their combination is determined.",
+        "Correlation of the estimates of the step '{}'; condition number {}. Parameters with a correlation \
+         near ±1 can hardly be told apart by these records: only their combination is determined.",
         c.step,
         significant(c.condition_number, 3)
     ))
@@ -363,7 +366,8 @@ fn dynamics(data: &IdentificationReportData) -> Section {
             mark_frequency(&mut figure, at);
         }
         section = section.block(figure.captioned(
-            "Response of the linear block behind the hysteresis, delay included. It is not that of the whole actuator.",
+            "Response of the linear block behind the hysteresis, delay included. It is not that of the whole \
+             actuator.",
         ));
     }
     section

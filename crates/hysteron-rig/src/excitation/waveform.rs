@@ -193,7 +193,8 @@ impl Waveform {
                 format!("triangle {frequency_hz} Hz, {periods} periods")
             }
             Waveform::Raster { line_hz, lines, return_fraction, turnaround_fraction } => format!(
-                "raster of {lines} lines at {line_hz} Hz, return {return_fraction} and turnarounds {turnaround_fraction} of a line"
+                "raster of {lines} lines at {line_hz} Hz, return {return_fraction} and turnarounds \
+                 {turnaround_fraction} of a line"
             ),
             Waveform::Decaying { frequency_hz, cycles, ratio } => {
                 format!("decaying sine {frequency_hz} Hz, {cycles} cycles, ratio {ratio} a cycle")
@@ -217,7 +218,8 @@ impl Waveform {
                     Phases::Optimised => "phases of optimised crest factor",
                 };
                 format!(
-                    "multisine {low_hz} Hz to {high_hz} Hz, {lines}, {phases}, {periods} periods of {period_s} s"
+                    "multisine {low_hz} Hz to {high_hz} Hz, {lines}, {phases}, {periods} periods of \
+                     {period_s} s"
                 )
             }
             Waveform::Random { low_hz, high_hz, duration_s } => {
