@@ -24,8 +24,8 @@ use crate::progress;
     after_help = "Writes index.html (works offline), figures/*.svg, tables/*.csv and article.json into the \
     folder. The article's data are not public: every number is from the simulated bench of `hysteron rig`, \
     and the page says which readings of the text were chosen, where the printed numbers contradict each \
-    other and where the result disagrees with the claims.\n\nExample: hysteron article --out-dir article \
-    --seed 1"
+    other and where the result disagrees with the claims.\n\n\
+    Example: hysteron article --out-dir article --seed 1"
 )]
 pub struct Article {
     /// Output folder; made if it does not exist

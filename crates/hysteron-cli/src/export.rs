@@ -25,14 +25,16 @@ use crate::realise::{along_sweep, realised, where_creep_stops};
 /// Write a model as C99 source, a no_std Rust crate or an FMU.
 #[derive(Args)]
 #[command(
-    after_help = "The model is realised at the sample rate (see hysteron realise) and written into the folder:\n\n  \
+    after_help = "The model is realised at the sample rate (see hysteron realise) and written into the \
+    folder:\n\n  \
     --to c     NAME.h, NAME.c (no malloc, nothing but <math.h>), NAME_selftest.c with golden vectors\n  \
     --to rust  a no_std crate on top of hysteron-rt, with the same golden vectors as a test\n  \
-    --to fmu   NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary made by $CC or cc\n\n\
-    A folder that does not exist is made; files of other names in it are left alone, and a file of the same name is replaced only \
-    where an export wrote it.\n\n\
-    --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within --range and --slew whatever is handed in; in C \
-    with an example loop.\n\n\
+    --to fmu   NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary \
+    made by $CC or cc\n\n\
+    A folder that does not exist is made; files of other names in it are left alone, and a file of the same \
+    name is replaced only where an export wrote it.\n\n\
+    --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within --range \
+    and --slew for any input; in C with an example loop.\n\n\
     Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000"
 )]
 pub struct Export {

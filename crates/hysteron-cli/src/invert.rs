@@ -34,14 +34,15 @@ use crate::remarks;
 #[command(
     after_help = "The file written holds the time, the drive, the output that the model predicts for it and \
     the reference, e.g. t_s,u_V,y_um,reference_um. The reference's sample rate is the controller's; each \
-    voltage is held for one period, which the inverse takes into account, as it does the model's delay. It \
-    looks ahead: the whole reference must be known, unless --preview or --predict-to asks for what a \
-    controller does with a reference that it knows a few samples ahead, or not at all.\n\nThe output follows \
-    up to the bandwidth; above it the inverse fades, so that noise and rounding of the reference do not ring \
-    in the drive. A higher bandwidth follows faster references and passes more noise.\n\nWhere a limit holds \
-    the drive back, the rest of the reference is followed as well as can be; how many samples it touched is \
-    printed. Exit code 1: the reference cannot be followed at all, or the model has no inverse.\n\nExample: \
-    hysteron invert model.json scan.csv -o drive.csv --range 0:100 --slew 20000"
+    voltage is held for one period, which the inverse takes into account, as it does the model's delay. The \
+    inverse is not causal: the whole reference must be known, unless --preview or --predict-to selects the \
+    law of a controller with limited preview or none.\n\n\
+    The output follows up to the bandwidth; above it the inverse rolls off, so that noise and rounding of \
+    the reference are not amplified. A higher bandwidth follows faster references and passes more noise.\n\n\
+    Where the drive is at a limit, the rest of the reference is followed as well as possible; the number of \
+    samples at a limit is printed. Exit code 1: the reference cannot be followed at all, or the model has no \
+    inverse.\n\n\
+    Example: hysteron invert model.json scan.csv -o drive.csv --range 0:100 --slew 20000"
 )]
 pub struct Invert {
     /// The model file

@@ -57,7 +57,8 @@ static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 #[command(name = "hysteron", version, propagate_version = true, arg_required_else_help = true)]
 #[command(
     after_help = "Exit codes: 0 done, 1 could not (bad data, no fit), 2 wrong usage, 130 or 143 interrupted \
-    (SIGINT, SIGTERM).\nResults go to standard output, messages and progress to standard error."
+    (SIGINT, SIGTERM).\n\
+    Results go to standard output, messages and progress to standard error."
 )]
 struct Cli {
     #[command(subcommand)]

@@ -18,9 +18,9 @@ use crate::result_flags::ResultFlags;
 /// Compare the optimisers on the article's two identification problems, over many seeds with one budget.
 #[derive(Args)]
 #[command(
-    after_help = "Success is an RMSE within 1 % of the best that a least-squares fit polished from the truth \
-    reaches. The result does not depend on the number of threads.\n\nExample: hysteron optimizers --report \
-    optimizers.html"
+    after_help = "Success is an RMSE within 1 % of the one that a least-squares fit from the true parameters \
+    reaches. The result does not depend on the number of threads.\n\n\
+    Example: hysteron optimizers --report optimizers.html"
 )]
 pub struct Optimizers {
     /// Problem to compare on: static-block or fractional-block; may be repeated [default: both]

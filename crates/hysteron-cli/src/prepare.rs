@@ -21,17 +21,17 @@ use crate::output::{self, OutFile};
 #[command(
     after_help = "The order is fixed: rename, drop; --where, --from, --to, then --turns in what these keep \
     (in every record); join, in the order given; scale; remove means, then trends; resample. Flags behind \
-    --rename name columns by their new names. All other columns are kept, but for one of words that --where \
-    asks about.\n\nRecords are joined by their own time stamps, which must increase from record to \
-    record.\n\n--rate filters what the new rate cannot carry; a column of labels (a segment's number) keeps \
-    its value until the next. Stamps that are not uniform (segments of different rates) are interpolated \
-    within what was measured: a gap, longer than three of its neighbours' periods, is bridged by a straight \
-    line, and what lies in it is marked 0 in the column valid.\n\nThe file written is a header line \
-    t_s,u_V,…,valid and one line a sample, or an NPZ or MAT file of the same columns. Numbers that are \
-    missing or not finite are refused where they are kept.\n\nExample: hysteron prepare run.csv --from 1.5s \
-    --to 20s -o steady.csv\nExample: hysteron prepare scan.csv --where segment=2..7 --rate 500Hz -o \
-    scan_500.csv\nExample: hysteron prepare run_1.csv run_2.csv --rename ch1=u_V --scale y=2.5um/V --detrend \
-    y -o both.npz"
+    --rename name columns by their new names. All other columns are kept, except a column of words that \
+    --where uses.\n\n\
+    Records are joined by their own time stamps, which must increase from record to record.\n\n\
+    --rate applies an anti-aliasing low-pass; a column of labels (a segment's number) is held. Non-uniform \
+    time stamps (segments of different rates) are interpolated; a gap, longer than three of its neighbours' \
+    sample periods, is bridged by a straight line, whose samples are 0 in the column valid.\n\n\
+    The file written is a header line t_s,u_V,…,valid and one line a sample, or an NPZ or MAT file of the \
+    same columns. Numbers that are missing or not finite are refused where they are kept.\n\n\
+    Example: hysteron prepare run.csv --from 1.5s --to 20s -o steady.csv\n\
+    Example: hysteron prepare scan.csv --where segment=2..7 --rate 500Hz -o scan_500.csv\n\
+    Example: hysteron prepare run_1.csv run_2.csv --rename ch1=u_V --scale y=2.5um/V --detrend y -o both.npz"
 )]
 pub struct PrepareCommand {
     /// The records, in order of time

@@ -29,9 +29,9 @@ use crate::start::StartFlags;
     loop stays. The old model is the prior: the covariance in its file says how well gain and delay are \
     known with the rest held (without one, the standard errors of `linear` and of the delay). A gain or \
     delay that differs by more than 3 combined standard errors has changed, and is taken from the records \
-    alone. The offset is that of the first record.\n\nExample: hysteron recalibrate model.json today.csv -o \
-    model-today.json\nExample: hysteron recalibrate model.json part1.csv part2.csv --continued -o \
-    model-today.json"
+    alone. The offset is that of the first record.\n\n\
+    Example: hysteron recalibrate model.json today.csv -o model-today.json\n\
+    Example: hysteron recalibrate model.json part1.csv part2.csv --continued -o model-today.json"
 )]
 pub struct Recalibrate {
     /// The model file

@@ -21,12 +21,12 @@ use crate::start::StartFlags;
 #[command(
     after_help = "The file written holds the time (where the input has one), the drive and the model's \
     output, in the model's units, e.g. t_s,u_V,y_um: a record that every other command reads. An output \
-    measured in the input file is kept beside it as y_measured_um.\n\n--band adds the ends of a 95 % band, \
-    e.g. y_low_um,y_high_um, from the errors in the model file: of the model's output about its mean (a \
-    sensor has its own zero), or of a new measurement, which scatters about it as the records identified \
-    from did. Both take the model class for true.\n\nExample: hysteron simulate model.json drive.csv -o \
-    simulated.csv --band measurement\nExample: hysteron simulate model.json part1.csv part2.csv --continued \
-    -o run.csv"
+    measured in the input file is kept beside it as y_measured_um.\n\n\
+    --band adds the limits of a 95 % band, e.g. y_low_um,y_high_um, from the standard errors in the model \
+    file: of the model's output about its mean (a sensor has its own zero), or of a new measurement, whose \
+    residual has the distribution of the training residuals. Both assume that the model class is true.\n\n\
+    Example: hysteron simulate model.json drive.csv -o simulated.csv --band measurement\n\
+    Example: hysteron simulate model.json part1.csv part2.csv --continued -o run.csv"
 )]
 pub struct Simulate {
     /// The model file

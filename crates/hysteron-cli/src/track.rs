@@ -36,12 +36,13 @@ use crate::rig::read_or_default;
     after_help = "Everything is simulated. The reference's sample rate is the controller's; each voltage is \
     held for one period, and the reading at the beginning of one period makes the drive of the next. Before \
     the reference the stage rests at its first value, where its sensor is zeroed; errors are those of the \
-    displacement, not of the reading, their mean taken off.\n\nFeedback is tuned from the model: of the laws \
-    that keep --gain-margin, --phase-margin and a sensitivity of at most 2, the one that leaves least of a \
-    wandering disturbance. Where the model was identified up to a frequency only, the loop's gain stays \
-    below 1/(gain margin) above it.\n\nExample: hysteron track model.json scan.csv --plant rig --range \
-    0:10.5 --report track.html\nExample: hysteron track model.json scan.csv --controller feedforward \
-    --controller feedforward-pi --current 100 --capacitance 10"
+    true displacement, not of the reading, without their mean.\n\n\
+    Feedback is tuned from the model: of the laws that keep --gain-margin, --phase-margin and a sensitivity \
+    of at most 2, the one that best rejects a random-walk disturbance. Where the model was identified up to \
+    a frequency only, the loop's gain stays below 1/(gain margin) above it.\n\n\
+    Example: hysteron track model.json scan.csv --plant rig --range 0:10.5 --report track.html\n\
+    Example: hysteron track model.json scan.csv --controller feedforward --controller feedforward-pi \
+    --current 100 --capacitance 10"
 )]
 pub struct Track {
     /// The model file

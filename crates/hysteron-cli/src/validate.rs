@@ -28,9 +28,10 @@ use crate::start::StartFlags;
 #[command(
     after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual \
     is added to the simulation and printed as the offset. A record that cannot be scored does not stop the \
-    others; the exit code then is 1.\n\nExample: hysteron validate model.json run1.csv run2.csv --skip \
-    0.5\nExample: hysteron validate old.json new.json run1.csv --report validation.html\nExample: hysteron \
-    validate model.json run1.csv -o scored.csv"
+    others; the exit code then is 1.\n\n\
+    Example: hysteron validate model.json run1.csv run2.csv --skip 0.5\n\
+    Example: hysteron validate old.json new.json run1.csv --report validation.html\n\
+    Example: hysteron validate model.json run1.csv -o scored.csv"
 )]
 pub struct Validate {
     /// The model file

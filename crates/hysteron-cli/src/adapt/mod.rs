@@ -29,13 +29,14 @@ use crate::start::StartFlags;
 #[command(
     after_help = "y = fixed + sum of coefficient * regressor; the regressors follow from the drive alone. \
     Terms are offset, gain (of the model's output), power=N (change of the coefficient of u^N) and \
-    creep=SECONDS (the model's output behind a lag); the rest of the model is held. Recursive least squares \
-    (rls) forgets with the memory given; nlms moves by a share of every error. Each coefficient starts as \
-    uncertain as moves the output by a tenth of its stroke.\n\nThe monitor sums what the corrected model \
-    leaves, in units of --noise, and alarms where the mean has moved by half of it or the spread grown by a \
-    half. For residuals that are not white learn from fewer samples (--every), or state a noise that covers \
-    them.\n\nExample: hysteron adapt model.json today.csv -o model-today.json\nExample: hysteron adapt \
-    model.json day.csv --terms offset,gain,power=2 --memory 2 --json"
+    creep=SECONDS (the model's output behind a lag); the rest of the model is held. rls is recursive least \
+    squares with exponential forgetting, nlms the normalised LMS gradient. The initial standard deviation of \
+    each coefficient moves the output by a tenth of its stroke.\n\n\
+    The monitor is a cumulative-sum test of the residual over --noise: it raises an alarm where the mean has \
+    shifted by half a standard deviation or the standard deviation has grown by a half. For coloured \
+    residuals use fewer samples (--every) or a larger --noise.\n\n\
+    Example: hysteron adapt model.json today.csv -o model-today.json\n\
+    Example: hysteron adapt model.json day.csv --terms offset,gain,power=2 --memory 2 --json"
 )]
 pub struct Adapt {
     /// The model file

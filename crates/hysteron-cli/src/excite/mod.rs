@@ -18,8 +18,9 @@ use waves::Wave;
 #[derive(Args)]
 #[command(
     after_help = "Example: hysteron excite sweep --from 1 --to 100 --duration 10 --sample-rate 10000 --high \
-    10 -o sweep.csv\n\nA campaign needs at least a slow loop (nested-loops) and something fast (sweep or \
-    multisine). hysteron excite WAVEFORM --help explains each waveform."
+    10 -o sweep.csv\n\n\
+    A campaign needs at least a slow loop (nested-loops) and something fast (sweep or multisine). hysteron \
+    excite WAVEFORM --help explains each waveform."
 )]
 pub struct Excite {
     #[command(subcommand)]

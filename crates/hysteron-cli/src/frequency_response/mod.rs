@@ -28,12 +28,13 @@ use crate::result_flags::ResultFlags;
 /// errors.
 #[derive(Args)]
 #[command(
-    after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; with a \
-    column std every point counts by its uncertainty, else by its relative error. Several responses in one \
-    file (stage_re,stage_im,ampV_re,…) are chosen by name. Records of one multisine (same lines, other \
-    phases) give the response, its noise and its distortion.\n\nExample: hysteron frequency-response frf.csv \
-    --response stage --over ampV --band 1:30 --report frf.html\nExample: hysteron frequency-response \
-    run1.csv run2.csv run3.csv --structure modes -o model.json"
+    after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; points \
+    are weighted by a column std where there is one, else by relative error. Several responses in one file \
+    (stage_re,stage_im,ampV_re,…) are chosen by name. Records of one multisine (same lines, other phases) \
+    give the response, its noise and its distortion.\n\n\
+    Example: hysteron frequency-response frf.csv --response stage --over ampV --band 1:30 --report \
+    frf.html\n\
+    Example: hysteron frequency-response run1.csv run2.csv run3.csv --structure modes -o model.json"
 )]
 pub struct FrequencyResponseCommand {
     /// One file with a frequency response, or records of periodic multisines

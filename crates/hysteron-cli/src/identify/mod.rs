@@ -49,28 +49,30 @@ use crate::result_flags::ResultFlags;
 /// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
 #[derive(Args)]
 #[command(
-    after_help = "With no flag the structure is what the records support: polynomial degree by evidence, \
-    fractional dynamics where a record is much faster than the slowest one, delay and lag from a start from \
-    rest where none is. Which record is slow is recognised; --static and --dynamic say it.\n\nRecords that \
-    carry dynamics are fitted jointly: both blocks, the delay, each record's offset and the hysteresis \
-    memory it starts with, from several starts, on thinned records first and all samples last. --method \
+    after_help = "Without flags the structure is the one that the records support: polynomial degree by BIC; \
+    fractional dynamics where a record is much faster than the slowest one, else delay and lag from a start \
+    from rest. Slow and fast records are recognised; --static and --dynamic override it.\n\n\
+    Records that carry dynamics are fitted jointly: both blocks, the delay, offset and initial hysteresis \
+    memory of each record, from several starts, first on decimated records, then on all samples. --method \
     two-step is the article's way: hysteresis from the slow records, then dynamics from the others. Slow \
-    records alone, and --dynamics arx, oe, bj and srivc, go that way.\n\nParameters for --fix and --bound: \
-    linear, quadratic, cubic, …, alpha, beta, gamma, n (other families: the names in their model files), \
-    offset, delay [s]; joint: natural_frequency [Hz], damping, natural_frequency_2, damping_2, …, lag [s], \
-    order2, order1, order0, share, share_2, …, creep, creep_order, creep_per_decade, creep_start [s], \
-    creep_1, creep_time_1 [s], …, memory_1, memory_2, … (beta, gamma and memory of alpha = 1); two-step: lag \
-    [s], gain.\n\n--inputs u1_V,u2_V --outputs y1_nm,y2_nm fits several axes at once: structural modes with \
-    the hysteresis of each actuator in feedback, from records of periodic multisines with different phases, \
-    one model for all amplitudes. They print the influence matrix.\n\n--structure oscillator fits a mass on \
-    a hysteretic spring, m y'' + c y' + k y + z = u, to records of force and displacement around a \
-    resonance; a force that repeats is taken to be in its steady state, another one to start from rest \
-    (--initial). Held with --fix: mass, damping, n.\n\nCtrl-C writes the best so far to MODEL.partial.json, \
-    which every command reads, and leaves MODEL.json as it was (exit code 130, 143 after SIGTERM); --resume \
-    MODEL.partial.json goes on from there.\n\nExample: hysteron identify loop_1hz.csv -o model.json --report \
-    report.html\nExample: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed \
-    7\nExample: hysteron identify multisine.csv --structure oscillator -o oscillator.json\nExample: hysteron \
-    identify small*.csv large*.csv --inputs u1_V,u2_V --outputs y1_nm,y2_nm -o stage.json"
+    records alone, and --dynamics arx, oe, bj and srivc, go that way.\n\n\
+    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (other families: \
+    the names in their model files), offset, delay [s]; joint: natural_frequency [Hz], damping, \
+    natural_frequency_2, damping_2, …, lag [s], order2, order1, order0, share, share_2, …, creep, \
+    creep_order, creep_per_decade, creep_start [s], creep_1, creep_time_1 [s], …, memory_1, memory_2, … \
+    (beta, gamma and memory of alpha = 1); two-step: lag [s], gain.\n\n\
+    --inputs u1_V,u2_V --outputs y1_nm,y2_nm fits several axes at once: structural modes with the hysteresis \
+    of each actuator in feedback, from records of periodic multisines with different phases, one model for \
+    all amplitudes. They print the influence matrix.\n\n\
+    --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of \
+    force and displacement around a resonance; a periodic force is assumed to be in steady state, any other \
+    to start from rest (--initial). Held with --fix: mass, damping, n.\n\n\
+    Ctrl-C writes the best so far to MODEL.partial.json, which every command reads, and leaves MODEL.json as \
+    it was (exit code 130, 143 after SIGTERM); --resume MODEL.partial.json goes on from there.\n\n\
+    Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
+    Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
+    Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json\n\
+    Example: hysteron identify small*.csv large*.csv --inputs u1_V,u2_V --outputs y1_nm,y2_nm -o stage.json"
 )]
 pub struct Identify {
     /// The records

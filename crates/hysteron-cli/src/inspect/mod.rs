@@ -21,11 +21,12 @@ use crate::output::{self, OutFile};
 /// warnings) and what the records together can determine.
 #[derive(Args)]
 #[command(
-    after_help = "At the end stands what a model can learn from all the records together, before any fit, \
-    and which record to measure next.\n\nA file of named arrays (MAT, HDF5, TDMS, XLSX, NPZ, JPK) is listed \
-    with paths, shapes and units; where it holds several candidates, choose with --time, --input and \
-    --output.\n\nExample: hysteron inspect run.csv --plot run.html\nExample: hysteron inspect loop.csv \
-    sweep.csv"
+    after_help = "The last table says, before any fit, which parameters all records together determine, and \
+    which record to measure next.\n\n\
+    A file of named arrays (MAT, HDF5, TDMS, XLSX, NPZ, JPK) is listed with paths, shapes and units; where \
+    it holds several candidates, choose with --time, --input and --output.\n\n\
+    Example: hysteron inspect run.csv --plot run.html\n\
+    Example: hysteron inspect loop.csv sweep.csv"
 )]
 pub struct Inspect {
     /// The records

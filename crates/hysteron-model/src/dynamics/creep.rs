@@ -65,13 +65,11 @@ impl Creep {
     pub fn summary(self) -> &'static str {
         match self {
             Self::None => "no creep",
-            Self::Fractional => "1 + k s^-mu: a power law without an end",
+            Self::Fractional => "1 + k s^-mu: a power law, unbounded",
             Self::Logarithmic => {
                 "1 + gamma log10(1 + t/t0) after a unit step: the same amount every decade of time"
             }
-            Self::KelvinVoigt { .. } => {
-                "1 + sum of k/(1 + tau s): springs and dampers, creep that comes to an end"
-            }
+            Self::KelvinVoigt { .. } => "1 + sum of k/(1 + tau s): springs and dampers, creep that settles",
         }
     }
 
