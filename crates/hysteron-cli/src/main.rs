@@ -51,8 +51,7 @@ use failure::Failure;
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Models of piezo actuators from measured records: Bouc–Wen hysteresis followed by fractional-order
-/// dynamics.
+/// Models of piezo actuators from measured records: hysteresis followed by fractional-order dynamics.
 #[derive(Parser)]
 #[command(name = "hysteron", version, propagate_version = true, arg_required_else_help = true)]
 #[command(

@@ -3,8 +3,8 @@
 //!
 //! The model is a Hammerstein model, hysteresis followed by fractional-order dynamics with delay, after L.
 //! Yang, Z. Zhao, Y. Zhang and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042; or an oscillator,
-//! modes or branches ([`Kind`]). Units at every surface: V, µm, s, Hz. [`prelude`] has what most programs
-//! need.
+//! modes or branches ([`Kind`]). Units at every surface: V, µm, s, Hz. [`prelude`] has the types that most
+//! programs need.
 //!
 //! ```
 //! use hysteron::prelude::*;
@@ -63,18 +63,17 @@
 //! [`write`](write()) writes a record. A [`Signal`] is one channel with its time base: a drive or a
 //! reference; [`InterSample`] is what it does between its samples.
 //!
-//! **Records to a model.** [`Identify`] has the records and what is asked of them. What is not asked is
-//! chosen from the records. The hysteresis block is a [`HysteresisForm`]; the dynamic block a
-//! [`DynamicsChoice`], discretised by a [`Scheme`], with [`Creep`] as a factor. Every option of a kind is in
-//! its [`Task`]: the [`Method`], the [`RecordRole`] of each record. While it runs, a [`Watch`] receives
-//! [`Event`]s, a [`Stop`] ends it from another thread, and [`Searches`] are the state from which an
-//! interrupted fit is resumed.
+//! **Records to a model.** [`Identify`] takes records and options; options that are not set are chosen from
+//! the records. The hysteresis block is a [`HysteresisForm`]; the dynamic block a [`DynamicsChoice`],
+//! discretised by a [`Scheme`], with [`Creep`] as a factor. Every option of a kind is in its [`Task`]: the
+//! [`Method`], the [`RecordRole`] of each record. While it runs, a [`Watch`] receives [`Event`]s, a [`Stop`]
+//! ends it from another thread, and [`Searches`] are the state from which an interrupted fit is resumed.
 //!
-//! **What came out.** A [`Fit`] holds the [`Model`], its numbers as [`FitParameter`]s with standard errors,
+//! **The result.** A [`Fit`] holds the [`Model`], its numbers as [`FitParameter`]s with standard errors,
 //! training scores, and [`Finding`]s, each of a [`FindingKind`]: verdict, advice, warning. [`Fit::report`]
 //! makes a [`Report`], one HTML page.
 //!
-//! **What the model does.** [`Model::load`] reads a model file of any [`Kind`]. [`Model::simulate`] runs a
+//! **Simulation and scores.** [`Model::load`] reads a model file of any [`Kind`]. [`Model::simulate`] runs a
 //! drive from a [`Start`]. [`Model::score`] compares with a record as [`Scoring`] says ([`OffsetTreatment`]
 //! of the sensor's offset): a [`Score`] holds the [`Scores`] of every output, a [`RunScore`] those of a run
 //! in parts; a [`Remark`] says where the model extrapolates.
@@ -181,7 +180,7 @@ pub fn read_with<P: AsRef<Path>>(
     paths.into_iter().map(|path| Ok(hysteron_io::read_record(path.as_ref(), options)?)).collect()
 }
 
-/// What a file holds: the columns of a text, the arrays of a file of named arrays with their paths, shapes
+/// Contents of a file: the columns of a text, the arrays of a file of named arrays with their paths, shapes
 /// and units.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! What most programs need.
+//! Types that most programs need.
 //!
 //! The example of README.md, from a measured record to C source:
 //!
