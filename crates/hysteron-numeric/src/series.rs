@@ -52,7 +52,18 @@ impl SeriesPanel {
         for (c, (re, im)) in coefficients.iter_mut().zip(self.re.iter().zip(&self.im)) {
             *c = [re[lane], im[lane]];
         }
-        series_evaluate(set, &coefficients, degree, re, im);
+        Self::evaluate_one(set, &coefficients, degree, re, im);
+    }
+
+    /// [`Self::evaluate`] for a series of its own, real and imaginary part of each coefficient.
+    pub fn evaluate_one(
+        set: InstructionSet,
+        coefficients: &[[f64; 2]; Self::TERMS],
+        degree: usize,
+        re: &mut [f64],
+        im: &mut [f64],
+    ) {
+        series_evaluate(set, coefficients, degree, re, im);
     }
 }
 

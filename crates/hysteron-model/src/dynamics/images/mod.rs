@@ -293,7 +293,6 @@ impl Images {
         out: &mut [Complex64],
     ) {
         let piece_bins = 0.5 * self.length as f64 / PIECES as f64;
-        let mut panel = SeriesPanel::ZERO;
         let (mut re, mut im) = ([0.0; BLOCK], [0.0; BLOCK]);
         let mut done = 0;
         while done < out.len() {
@@ -316,11 +315,12 @@ impl Images {
                 }
             }
             let mut scale = 1.0;
-            for (order, c) in c.iter().enumerate() {
-                (panel.re[order][0], panel.im[order][0]) = (c.re * scale, c.im * scale);
+            let c = c.map(|c| {
+                let scaled = [c.re * scale, c.im * scale];
                 scale *= 2.0 / piece_bins;
-            }
-            panel.evaluate(set, 0, NODES - 1, &mut re[..count], &mut im[..count]);
+                scaled
+            });
+            SeriesPanel::evaluate_one(set, &c, NODES - 1, &mut re[..count], &mut im[..count]);
             let part = done..done + count;
             for ((out, factor), (re, im)) in
                 out[part.clone()].iter_mut().zip(&factors[part]).zip(re.iter().zip(&im))
