@@ -11,8 +11,7 @@ use hysteron_numeric::dot;
 
 /// Values of z within this of the wanted one will do.
 const Z_TOLERANCE: f64 = 0.01;
-/// Most linearisations for one end of an interval, and for one point of it.
-const MOST_STEPS: usize = 60;
+/// Most linearisations for one point of the end of an interval.
 const MOST_TO_SETTLE: usize = 15;
 /// Most dampings of a step that leads up, the least of them, and what each is eased by where the step leads down.
 const MOST_ATTEMPTS: usize = 10;
@@ -81,13 +80,13 @@ impl Profiled<'_> {
     }
 
     /// The value on this side (±1) at which z = ± `wanted`, or the end of the parameter's range; `None` where it is not
-    /// found. The valley is followed outwards, in shorter steps where it bends.
+    /// found within so many `steps`, each a linearisation. The valley is followed outwards, in shorter steps where it bends.
     pub(in super::super) fn end(
         &self,
         fit: &mut impl Fit,
         optimum: &Optimum<'_>,
-        side: f64,
-        wanted: f64,
+        (side, wanted): (f64, f64),
+        steps: usize,
     ) -> Option<f64> {
         let (low, high) = fit.range(self.parameter);
         let bound = if side > 0.0 { high } else { low };
@@ -95,7 +94,7 @@ impl Profiled<'_> {
             Point { at: optimum.at.to_vec(), z: 0.0, rate: 0.0, direction: self.direction.to_vec() };
         let (farthest, nearest) = (FARTHEST * self.std_error, NEAREST * self.std_error);
         let mut length = wanted * self.std_error;
-        let mut left = MOST_STEPS;
+        let mut left = steps;
         while left > 0 && length > nearest {
             let value = from.at[self.parameter];
             let next = (value + side * length).clamp(low, high);
@@ -274,6 +273,8 @@ impl Rest {
 mod tests {
     use super::*;
 
+    const STEPS: usize = 60;
+
     /// y = θ₁ (1 − exp(−θ₂ t)): the classical example of a strongly curved fit.
     struct Saturation {
         t: Vec<f64>,
@@ -340,7 +341,7 @@ mod tests {
         let slope = |rate: f64| (deviance(rate + 1e-4) - deviance(rate - 1e-4)).abs() / 2e-4;
         for (side, oracle) in [(-1.0, low), (1.0, high)] {
             let tolerance = 1.5 * Z_TOLERANCE / slope(oracle);
-            let found = profiled.end(&mut bod(), &optimum, side, wanted).unwrap();
+            let found = profiled.end(&mut bod(), &optimum, (side, wanted), STEPS).unwrap();
             assert!((found - oracle).abs() <= tolerance, "{found} {oracle} {tolerance}");
         }
         // The straight valley shows the profile's asymmetry: z(h) + z(−h) is of second order in h.
@@ -373,7 +374,7 @@ mod tests {
         let square = fit.square(&at).unwrap();
         let optimum = Optimum { at: &at, square, free: &[0, 1] };
         let profiled = Profiled { parameter: 1, std_error: 0.2, unit: square / 4.0, direction: &[-9.0, 1.0] };
-        assert_eq!(profiled.end(&mut fit, &optimum, 1.0, 1.96), Some(0.6));
-        assert_eq!(profiled.end(&mut fit, &optimum, -1.0, 1.96), Some(0.5));
+        assert_eq!(profiled.end(&mut fit, &optimum, (1.0, 1.96), STEPS), Some(0.6));
+        assert_eq!(profiled.end(&mut fit, &optimum, (-1.0, 1.96), STEPS), Some(0.5));
     }
 }
