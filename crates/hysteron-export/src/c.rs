@@ -1,7 +1,8 @@
 //! C99 source.
 
-use hysteron_model::realise::{Coefficients, OperatorCoefficients, RuntimeParts};
-use hysteron_rt::{BoucWen, Branch, MOST_PANELS, Real, Sides};
+use hysteron_model::hysteresis::RuntimeOperator;
+use hysteron_model::realise::{Coefficients, RuntimeParts, TURNS};
+use hysteron_rt::{Real, Sides, c_source};
 
 use crate::error::ExportError;
 use crate::escape::{c_comment, c_string};
@@ -20,7 +21,7 @@ const HEADER: &str = concat!(
 );
 const SOURCE: &str = concat!(
     include_str!("../templates/c/opening.c"),
-    include_str!("../templates/c/operator.c"),
+    include_str!("../templates/c/hysteresis.c"),
     include_str!("../templates/c/dynamics.c"),
     include_str!("../templates/c/model.c")
 );
@@ -130,8 +131,7 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
         filling.coefficients(name, place);
     }
     sizes(&mut filling, &coefficients);
-    filling.key("REAL_PANELS", literal(T::of(f64::from(MOST_PANELS))));
-    if let OperatorCoefficients::Plane { intervals, .. } = coefficients.operator {
+    if let &RuntimeOperator::Plane { intervals, .. } = coefficients.operator {
         filling.key("REAL_INTERVALS", literal(T::of(intervals as f64)));
     }
     let tables = tables(&subject.name, &coefficients, tunable, &literal);
@@ -143,40 +143,31 @@ fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
     let sections = coefficients.sections;
     let one = T::of(1.0);
     let operators = match coefficients.operator {
-        OperatorCoefficients::BoucWen(operators) => operators,
+        RuntimeOperator::BoucWen(operators) => &operators[..],
         _ => &[],
     };
     // One law for all: several in parallel have n = 1.
-    let exponent = operators.first().map(BoucWen::n);
+    let exponent = operators.first().map(|&[.., n]| n);
     let [linear, quadratic] = [one, T::of(2.0)].map(|n| exponent == Some(n));
     let power = exponent.is_some() && !linear && !quadratic;
     let real = real_poles(coefficients).len();
-    let branch = match coefficients.operator {
-        OperatorCoefficients::Branch { law, .. } => Some(law),
-        _ => None,
-    };
-    let [dahl, duhem, song, non_symmetric] = [
-        matches!(branch, Some(Branch::Dahl { .. })),
-        matches!(branch, Some(Branch::Duhem { .. })),
-        matches!(branch, Some(Branch::SongDerKiureghian { .. })),
-        matches!(branch, Some(Branch::NonSymmetric { .. })),
-    ];
-    let activated = matches!(coefficients.operator, OperatorCoefficients::ActivatedPlays { .. });
-    let magnetic = matches!(branch, Some(Branch::JilesAtherton { .. }));
+    let activated = matches!(coefficients.operator, RuntimeOperator::ActivatedPlays { .. });
+    let fragment = c_fragment(coefficients.operator);
+    let names = |name| words(fragment).any(|word| word == name);
+    let linear_law = linear || names("increment");
     filling
-        .flag("branch", branch.is_some())
-        .flag("dahl", dahl)
-        .flag("duhem", duhem)
-        .flag("song", song)
-        .flag("non_symmetric", non_symmetric)
-        .flag("magnetic", magnetic)
-        .flag("moments", duhem || non_symmetric)
-        .flag("roots", non_symmetric || magnetic)
-        .flag("linear_law", linear || song)
-        .flag("logs", linear || song || dahl)
-        .flag("relaxes", linear || power || song || dahl || duhem || activated)
-        .flag("accumulates", !operators.is_empty() || branch.is_some() || real + sections.pairs.len() > 0)
-        .key("N_ROOT", 5)
+        .part("shared functions", c_source::SHARED)
+        .part("law of a branch", if fragment.is_empty() { String::new() } else { format!("{fragment}\n") })
+        .part("operators", c_source::OPERATORS)
+        .flag("branch", !fragment.is_empty())
+        .flag("own_output", names("branch_output"))
+        .flag("own_virgin", names("branch_virgin"))
+        .flag("moments", names("moments"))
+        .flag("roots", names("rising_root"))
+        .flag("linear_law", linear_law)
+        .flag("logs", linear_law || names("log_distance"))
+        .flag("relaxes", linear_law || power || activated || names("relaxation"))
+        .flag("accumulates", !operators.is_empty() || !fragment.is_empty() || real + sections.pairs.len() > 0)
         .flag("bouc_wen", !operators.is_empty())
         .flag("quadratic_law", quadratic)
         .flag("power_law", power)
@@ -194,7 +185,7 @@ fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
 }
 
 /// Flags and sizes of plays and planes.
-fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients<'_, T>) {
+fn operator_sizes<T: Real>(filling: &mut Filling, operator: &RuntimeOperator<T>) {
     for key in [
         "RATE_PARAMETER",
         "RATE_IN_WORDS",
@@ -208,19 +199,18 @@ fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients
         filling.key(key, "");
     }
     match operator {
-        OperatorCoefficients::BoucWen(operators) => {
+        RuntimeOperator::BoucWen(operators) => {
             filling.flag("memoryless", operators.is_empty());
         }
-        OperatorCoefficients::Branch { law, weights } => {
-            let moments = if matches!(law, Branch::Duhem { .. }) { weights.len() } else { 2 };
-            filling.key("N_STATES", weights.len()).key("N_MOMENTS", moments).key("N_PANELS", MOST_PANELS);
+        RuntimeOperator::Branch { weights, .. } => {
+            filling.key("N_STATES", weights.len());
         }
-        OperatorCoefficients::Plays { weights, .. } => {
+        RuntimeOperator::Plays { weights, .. } => {
             filling.flag("memoryless", weights.is_empty());
             filling.flag("plays", !weights.is_empty()).key("N_PLAYS", weights.len());
         }
-        OperatorCoefficients::SidedPlays { sides, thresholds, weights, corners, slopes, .. } => {
-            let kind = match sides {
+        RuntimeOperator::SidedPlays { sides, thresholds, weights, line } => {
+            let kind = match *sides {
                 Sides::Even { widening } if widening > T::of(0.0) => "rate",
                 Sides::Even { .. } => "even",
                 Sides::Below => "below",
@@ -230,10 +220,10 @@ fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients
             filling
                 .flag("sided", true)
                 .flag(kind, true)
-                .flag("line", !slopes.is_empty())
+                .flag("line", !line.slopes.is_empty())
                 .key("N_PLAYS", weights.len())
                 .key("N_THRESHOLDS", thresholds.len())
-                .key("N_CORNERS", corners.len());
+                .key("N_CORNERS", line.corners.len());
             if kind == "rate" {
                 filling
                     .flag("moves_at_rest", true)
@@ -247,7 +237,7 @@ fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients
                     .key("THROUGH_IN_WORDS", " through `middle`, in a sample that moves by du,");
             }
         }
-        OperatorCoefficients::ActivatedPlays { thresholds, .. } => {
+        RuntimeOperator::ActivatedPlays { thresholds, .. } => {
             filling
                 .flag("activated", true)
                 .flag("moves_at_rest", true)
@@ -259,8 +249,8 @@ fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients
                 .key("RATE_PARAMETER", ", real share")
                 .key("RATE_IN_WORDS", " after that share of a sample");
         }
-        OperatorCoefficients::Plane { intervals, turns, .. } => {
-            filling.flag("plane", true).key("N_INTERVALS", intervals).key("N_TURNS", turns);
+        RuntimeOperator::Plane { intervals, .. } => {
+            filling.flag("plane", true).key("N_INTERVALS", intervals).key("N_TURNS", TURNS);
         }
     }
 }
@@ -291,23 +281,12 @@ fn tables<T: Real>(
     let mut table = |comment: &str, declaration: &str, content: &str| {
         out.push_str(&format!("/* {comment} */\nstatic const {declaration} = {{\n{content}\n}};\n"));
     };
-    let operators = |operators: &[BoucWen<T>]| {
-        rows(operators.iter().map(|p| {
-            format!(
-                "{{{}, {}, {}, {}}}",
-                literal(p.alpha()),
-                literal(p.beta()),
-                literal(p.gamma()),
-                literal(p.n())
-            )
-        }))
+    let operators = |operators: &[[T; 4]]| {
+        rows(operators.iter().map(|numbers| format!("{{{}}}", numbers.map(literal).join(", "))))
     };
     let mut opening = String::new();
-    let on_branch = matches!(
-        coefficients.operator,
-        OperatorCoefficients::Branch { law: Branch::SongDerKiureghian { .. }, .. }
-    );
-    if on_branch || matches!(coefficients.operator, OperatorCoefficients::BoucWen(_)) {
+    let on_branch = words(c_fragment(coefficients.operator)).any(|word| word == "bouc_wen");
+    if on_branch || matches!(coefficients.operator, RuntimeOperator::BoucWen(_)) {
         opening = if tunable && !on_branch {
             format!("typedef {name}_bouc_wen bouc_wen;\n\n")
         } else {
@@ -322,15 +301,13 @@ fn tables<T: Real>(
             members.push(format!("    {{\n{polynomial}\n    }}"));
         }
         match coefficients.operator {
-            OperatorCoefficients::BoucWen(list) => {
-                members.push(format!("    {{\n{}\n    }}", operators(list)))
-            }
-            OperatorCoefficients::Plays { weights, .. }
-            | OperatorCoefficients::SidedPlays { weights, .. }
-            | OperatorCoefficients::Branch { weights, .. } => {
+            RuntimeOperator::BoucWen(list) => members.push(format!("    {{\n{}\n    }}", operators(list))),
+            RuntimeOperator::Plays { weights, .. }
+            | RuntimeOperator::SidedPlays { weights, .. }
+            | RuntimeOperator::Branch { weights, .. } => {
                 members.push(format!("    {{\n{}\n    }}", all(weights)));
             }
-            OperatorCoefficients::ActivatedPlays { .. } | OperatorCoefficients::Plane { .. } => {}
+            RuntimeOperator::ActivatedPlays { .. } | RuntimeOperator::Plane { .. } => {}
         }
         table(
             "The numbers of the hysteresis to begin with.",
@@ -345,11 +322,11 @@ fn tables<T: Real>(
         );
     }
     match coefficients.operator {
-        OperatorCoefficients::BoucWen(list) if !tunable => {
+        RuntimeOperator::BoucWen(list) if !tunable => {
             table("alpha, beta, gamma, n.", &format!("bouc_wen OPERATORS[{}]", list.len()), &operators(list));
         }
-        OperatorCoefficients::BoucWen(_) => {}
-        OperatorCoefficients::Plays { thresholds, weights } => {
+        RuntimeOperator::BoucWen(_) => {}
+        RuntimeOperator::Plays { thresholds, weights } => {
             table(
                 "Half-widths of the plays.",
                 &format!("real THRESHOLD[{}]", thresholds.len()),
@@ -359,20 +336,25 @@ fn tables<T: Real>(
                 table("Weights of the plays.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
             }
         }
-        OperatorCoefficients::Branch { law, weights } => {
-            let (comment, shape) = shape(law);
-            table(comment, &format!("real SHAPE[{}]", shape.len()), &all(&shape));
+        RuntimeOperator::Branch { law, weights } => {
+            let (mut names, mut shape) = (Vec::new(), Vec::new());
+            law.for_each_number(|name, number| {
+                names.push(name);
+                shape.push(number);
+            });
+            let comment = format!("Numbers of the law: {}.", names.join(", "));
+            table(&comment, &format!("real SHAPE[{}]", shape.len()), &all(&shape));
             if !tunable {
                 table("Weights of the states.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
             }
         }
-        OperatorCoefficients::SidedPlays { sides, thresholds, weights, shares, corners, slopes } => {
+        RuntimeOperator::SidedPlays { sides, thresholds, weights, line } => {
             if let Sides::Envelopes { right, left } = sides {
                 for (comment, name, side) in [
                     ("Rise and centre of the right envelope.", "RIGHT", right),
                     ("Rise and centre of the left envelope.", "LEFT", left),
                 ] {
-                    table(comment, &format!("real {name}[2]"), &all(&side));
+                    table(comment, &format!("real {name}[2]"), &all(side));
                 }
             }
             let (comment, size) = (of_thresholds(sides), thresholds.len());
@@ -381,25 +363,25 @@ fn tables<T: Real>(
                 table("Weights of the plays.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
             }
             for (comment, name, numbers) in [
-                ("Shares of the plays in their mean.", "SHARE", shares),
-                ("Corners of the line that the mean goes through.", "CORNER", corners),
-                ("Slopes between them, one more.", "SLOPE", slopes),
+                ("Shares of the plays in their mean.", "SHARE", &line.shares),
+                ("Corners of the line that the mean goes through.", "CORNER", &line.corners),
+                ("Slopes between them, one more.", "SLOPE", &line.slopes),
             ] {
                 if !numbers.is_empty() {
                     table(comment, &format!("real {name}[{}]", numbers.len()), &all(numbers));
                 }
             }
         }
-        OperatorCoefficients::ActivatedPlays { range, thresholds, slopes, .. } => {
+        RuntimeOperator::ActivatedPlays { range, thresholds, slopes, .. } => {
             for (comment, name, numbers) in [
-                ("Half-widths of the plays.", "THRESHOLD", thresholds),
+                ("Half-widths of the plays.", "THRESHOLD", &thresholds[..]),
                 ("Slopes of what they put out, three a play.", "SLOPE", slopes),
-                ("Ends of the range over which these hold.", "RANGE", &range),
+                ("Ends of the range over which these hold.", "RANGE", range),
             ] {
                 table(comment, &format!("real {name}[{}]", numbers.len()), &all(numbers));
             }
         }
-        OperatorCoefficients::Plane { everett, .. } => {
+        RuntimeOperator::Plane { everett, .. } => {
             let comment = "Sums over the relays between two levels: (1, 0), (2, 0), (2, 1), (3, 0), ...";
             table(comment, &format!("real EVERETT[{}]", everett.len()), &all(everett));
         }
@@ -407,18 +389,19 @@ fn tables<T: Real>(
     let mut constant = |comment: &str, name: &str, value: T| {
         out.push_str(&format!("/* {comment} */\nstatic const real {name} = {};\n", literal(value)));
     };
-    match coefficients.operator {
-        OperatorCoefficients::SidedPlays { sides: Sides::Even { widening }, .. } if widening > T::of(0.0) => {
+    match *coefficients.operator {
+        RuntimeOperator::SidedPlays { sides: Sides::Even { widening }, .. } if widening > T::of(0.0) => {
             constant("What a half-width grows by for a move of 1 in a sample.", "WIDENING", widening);
         }
-        OperatorCoefficients::SidedPlays { sides: Sides::Ramps { steepness }, .. } => {
+        RuntimeOperator::SidedPlays { sides: Sides::Ramps { steepness }, .. } => {
             constant("Slope of a ramp.", "STEEPNESS", steepness);
         }
-        OperatorCoefficients::ActivatedPlays { pace: (sigma, interval), .. } => {
+        RuntimeOperator::ActivatedPlays { pace: (sigma, interval), .. } => {
             constant("Activation of the plays.", "SIGMA", sigma);
             constant("Seconds from sample to sample.", "INTERVAL", interval);
         }
-        OperatorCoefficients::Plane { range: [low, _], density, .. } => {
+        RuntimeOperator::Plane { range: [low, high], intervals, .. } => {
+            let density = T::of(intervals as f64) / (high - low);
             constant("Lowest level.", "LOWEST", low);
             constant("Intervals between levels a unit of voltage.", "DENSITY", density);
         }
@@ -463,21 +446,21 @@ fn tables<T: Real>(
     )
 }
 
-/// The numbers of a law, and what they are.
-fn shape<T: Copy>(law: Branch<T>) -> (&'static str, Vec<T>) {
-    match law {
-        Branch::Dahl { reach, exponent } => ("Reach and exponent.", vec![reach, exponent]),
-        Branch::Duhem { rate } => ("Rate.", vec![rate]),
-        Branch::NonSymmetric { beta, gamma, delta } => ("beta, gamma, delta.", vec![beta, gamma, delta]),
-        Branch::SongDerKiureghian { betas } => ("beta_1 to beta_6.", betas.to_vec()),
-        Branch::JilesAtherton { anhysteretic, pinning, reversibility, coupling } => {
-            ("a, k, c, alpha.", vec![anhysteretic, pinning, reversibility, coupling])
-        }
+/// The law of a branch in C; empty for other operators.
+fn c_fragment<T: Real>(operator: &RuntimeOperator<T>) -> &'static str {
+    match operator {
+        RuntimeOperator::Branch { law, .. } => law.c_fragment(),
+        _ => "",
     }
 }
 
+/// The identifiers and words of a text.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_alphanumeric() || c == '_'))
+}
+
 /// What the thresholds of plays are.
-pub(crate) fn of_thresholds<T>(sides: Sides<T>) -> &'static str {
+pub(crate) fn of_thresholds<T>(sides: &Sides<T>) -> &'static str {
     match sides {
         Sides::Ramps { .. } => "Lines of the grid.",
         _ => "Half-widths of the plays.",

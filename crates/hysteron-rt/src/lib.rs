@@ -5,7 +5,8 @@
 //! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of the step.
 //! * [`SidedPlays`]: plays between other sides (one-sided, generalised, widening with the rate, Krasnosel'skii–Pokrovskii), with a [`BrokenLine`] behind them;
 //!   [`Plane`]: a plane of relays (Preisach) by its Everett function and the [`Turns`] that still count.
-//! * [`Branch`]: Dahl, Duhem, asymmetric Bouc–Wen and Jiles–Atherton, by what a move changes their states by.
+//! * [`Branch`]: states that follow a differential equation along each branch, one law a file of [`branch`], by what a move changes them by;
+//!   [`c_source`]: the operators in C99.
 //! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs, taps, delay), voltage
 //!   in, displacement out, in a bounded number of operations a sample.
 //! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`], [`Hysteresis::reach`]);
@@ -37,7 +38,8 @@
 #![forbid(unsafe_code)]
 
 mod bouc_wen;
-mod branch;
+pub mod branch;
+pub mod c_source;
 mod dual;
 mod increment;
 mod model;

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use hysteron_model::realise::{Coefficients, OperatorCoefficients};
-use hysteron_rt::{Branch, Real, Sides};
+use hysteron_model::hysteresis::RuntimeOperator;
+use hysteron_model::realise::Coefficients;
+use hysteron_rt::Real;
 
 use super::FmiVersion;
 use crate::escape::xml;
@@ -51,39 +52,34 @@ pub(super) fn parameters<T: Real + Into<f64>>(
             description: "Coefficient of a power of the voltage",
         });
     }
-    // Plays between envelopes, and ramps, are bare numbers.
-    let weighs_output = matches!(
-        coefficients.operator,
-        OperatorCoefficients::SidedPlays { sides: Sides::Envelopes { .. } | Sides::Ramps { .. }, .. }
-    );
+    let form = subject.realisation.model.hysteresis.form();
+    let weight_parameters = |weights: &[T], description| {
+        weights
+            .iter()
+            .enumerate()
+            .map(|(k, &w)| Parameter {
+                name: format!("weight_{}", k + 1),
+                unit: form.description().weight_unit(k).of(input, output),
+                start: w.into(),
+                member: format!("parameters.weight[{k}]"),
+                description,
+            })
+            .collect::<Vec<_>>()
+    };
     match coefficients.operator {
-        OperatorCoefficients::ActivatedPlays { .. } | OperatorCoefficients::Plane { .. } => {}
-        OperatorCoefficients::Branch { law, weights } => {
-            for (k, &w) in weights.iter().enumerate() {
-                let power = match law {
-                    Branch::JilesAtherton { .. } => 0,
-                    _ => k + 1,
-                };
-                all.push(Parameter {
-                    name: format!("weight_{}", k + 1),
-                    unit: per(power),
-                    start: w.into(),
-                    member: format!("parameters.weight[{k}]"),
-                    description: "Weight of a state",
-                });
-            }
+        RuntimeOperator::ActivatedPlays { .. } | RuntimeOperator::Plane { .. } => {}
+        RuntimeOperator::Branch { weights, .. } => {
+            all.extend(weight_parameters(weights, "Weight of a state"));
         }
-        OperatorCoefficients::BoucWen(operators) => {
-            for (k, p) in operators.iter().enumerate() {
-                let n: f64 = p.n().into();
+        RuntimeOperator::BoucWen(operators) => {
+            for (k, &[alpha, beta, gamma, n]) in operators.iter().enumerate() {
+                let n: f64 = n.into();
                 let rate =
                     if n == 1.0 { format!("1/{input}") } else { format!("{output}^{}/{input}", 1.0 - n) };
                 let description = "Number of the Bouc-Wen operator";
-                for (name, value, unit) in [
-                    ("alpha", p.alpha(), per(1)),
-                    ("beta", p.beta(), rate.clone()),
-                    ("gamma", p.gamma(), rate),
-                ] {
+                for (name, value, unit) in
+                    [("alpha", alpha, per(1)), ("beta", beta, rate.clone()), ("gamma", gamma, rate)]
+                {
                     all.push(Parameter {
                         name: format!("{name}_{}", k + 1),
                         unit,
@@ -94,17 +90,8 @@ pub(super) fn parameters<T: Real + Into<f64>>(
                 }
             }
         }
-        OperatorCoefficients::Plays { weights, .. } | OperatorCoefficients::SidedPlays { weights, .. } => {
-            let per = |power| if weighs_output { per(power - 1) } else { per(power) };
-            for (k, &w) in weights.iter().enumerate() {
-                all.push(Parameter {
-                    name: format!("weight_{}", k + 1),
-                    unit: per(1),
-                    start: w.into(),
-                    member: format!("parameters.weight[{k}]"),
-                    description: "Weight of a play",
-                });
-            }
+        RuntimeOperator::Plays { weights, .. } | RuntimeOperator::SidedPlays { weights, .. } => {
+            all.extend(weight_parameters(weights, "Weight of a play"));
         }
     }
     all

@@ -36,7 +36,7 @@ pub mod inverse;
 use hysteron_rt::{BoucWen, IncrementMemory};
 //}
 //{ branch
-use hysteron_rt::{Branch, IncrementMemory};
+use hysteron_rt::{Branch, IncrementMemory, branch};
 //}
 //{ plays
 use hysteron_rt::PlayBank;

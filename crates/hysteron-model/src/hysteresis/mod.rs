@@ -21,7 +21,6 @@ mod dead_zone_plays;
 mod drive_grid;
 mod duhem;
 mod error;
-mod families;
 mod family;
 mod follow;
 mod form;
@@ -81,6 +80,36 @@ pub use sensitivities::Sensitivities;
 pub use song_der_kiureghian::SongDerKiureghian;
 
 use crate::start::Start;
+
+/// The list of families, in the order in which they are shown to users. A new one is a line here, its own file with its `mod`, and the law of its moves in
+/// `hysteron-rt`.
+static FAMILIES: &[&dyn family::ColumnOperators] = &[
+    &parallel_bouc_wen::Entry,
+    &non_symmetric_bouc_wen::Entry,
+    &song_der_kiureghian::Entry,
+    &dahl::Entry,
+    &duhem::Entry,
+    &maxwell_slip::Entry,
+    &one_sided_plays::Entry,
+    &rate_dependent_plays::Entry,
+    &activated_plays::Entry,
+    &dead_zone_plays::Entry,
+    &generalised_play::Entry,
+    &krasnoselskii_pokrovskii::Entry,
+    &preisach::Entry,
+    &preisach::density::Entry,
+    &jiles_atherton::Entry,
+];
+
+impl FamilyForm {
+    /// All families, with their usual numbers of elements.
+    pub fn all() -> impl Iterator<Item = Self> {
+        FAMILIES.iter().map(|&family| {
+            let usual = family.elements().map_or(0, |elements| elements.usual);
+            Self::of(family, usual)
+        })
+    }
+}
 
 /// A rate-independent hysteresis operator.
 #[derive(Clone, Debug, PartialEq)]

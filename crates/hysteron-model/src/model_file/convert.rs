@@ -51,19 +51,7 @@ impl Units {
 
     /// Of a number of a family.
     pub fn product(&self, unit: NumberUnit) -> String {
-        let power = |name: &str, power: i32| match power {
-            0 => "1".to_owned(),
-            1 => name.to_owned(),
-            _ => format!("{name}^{power}"),
-        };
-        let output = power(&self.output, unit.output);
-        match unit.input {
-            0 if unit.output == 0 => power("s", unit.time),
-            0 => output,
-            input if input < 0 => format!("{output}/{}", power(&self.input, -input)),
-            input if unit.output == 0 => power(&self.input, input),
-            input => format!("{output}*{}", power(&self.input, input)),
-        }
+        unit.of(&self.input, &self.output)
     }
 
     /// Of |du/dt|.
