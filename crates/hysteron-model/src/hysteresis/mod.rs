@@ -42,6 +42,7 @@ mod preisach;
 mod rate_dependent_plays;
 mod sensitivities;
 mod song_der_kiureghian;
+mod takacs;
 
 pub use crate::record::InterSample;
 pub use activated_plays::ActivatedPlays;
@@ -99,6 +100,7 @@ static FAMILIES: &[&dyn family::ColumnOperators] = &[
     &preisach::Entry,
     &preisach::density::Entry,
     &jiles_atherton::Entry,
+    &takacs::Entry,
 ];
 
 impl FamilyForm {

@@ -9,6 +9,7 @@ mod moments;
 mod non_symmetric_bouc_wen;
 mod root;
 mod song_der_kiureghian;
+mod takacs;
 
 pub use jiles_atherton::{GAUSS_LEGENDRE, MOST_PANELS, langevin, langevin_slope};
 pub use moments::{MOST_MOMENTS, moments};
@@ -24,6 +25,7 @@ law::branch_laws! {
     non_symmetric_bouc_wen::NonSymmetricBoucWen,
     song_der_kiureghian::SongDerKiureghian,
     jiles_atherton::JilesAtherton,
+    takacs::Takacs,
 }
 
 impl<T: Real> Branch<T> {
