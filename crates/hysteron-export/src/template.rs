@@ -39,6 +39,11 @@ impl Filling {
         self
     }
 
+    /// Sets `$key` to a number.
+    pub fn number(&mut self, key: &str, value: f64) -> &mut Self {
+        self.key(key, self.precision.c_literal(value))
+    }
+
     /// The text of `$key`; empty where it is not set.
     pub fn text(&self, key: &str) -> &str {
         self.keys.get(key).map_or("", String::as_str)

@@ -15,11 +15,33 @@ pub const SHARED: &str = concat!(
     include_str!("branch/root.c"),
 );
 
-/// Plays, planes of relays, and the part of a law that need not be written.
+/// Every operator: its output virgin at a voltage (`hysteresis_at_rest`), after a move that is not made (`hysteresis_look`) and after one
+/// that is (`hysteresis_move`), and its memory made virgin (`hysteresis_rest`); with the part of a law that need not be written.
 pub const OPERATORS: &str = concat!(
+    include_str!("bouc_wen/operator.c"),
     include_str!("branch/law.c"),
     include_str!("play/play.c"),
     include_str!("play/sided.c"),
     include_str!("play/activated.c"),
     include_str!("plane/plane.c"),
 );
+
+/// Lines of a header under `//= sizes`, `//= members of the state` and `//= parameters`, operator by operator.
+const HEADERS: &str = concat!(
+    include_str!("bouc_wen/operator.h"),
+    include_str!("branch/law.h"),
+    include_str!("play/plays.h"),
+    include_str!("plane/plane.h"),
+);
+
+/// The lines of a header that belong under this heading: `sizes`, `members of the state` or `parameters`.
+pub fn header_lines(heading: &str) -> impl Iterator<Item = &'static str> {
+    let mut current = "";
+    HEADERS.lines().filter(move |line| match line.strip_prefix("//= ") {
+        Some(next) => {
+            current = next;
+            false
+        }
+        None => current == heading,
+    })
+}

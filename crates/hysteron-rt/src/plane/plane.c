@@ -183,3 +183,44 @@ static void plane_make($name_state *state, plane_move to, real u)
 }
 
 //}
+//{ plane
+/* The hysteresis, virgin at u. */
+static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
+{
+    return polynomial_at($TUNED_FIRSTu) + plane_at_rest(u);
+}
+
+//{ looks
+/* Output of the hysteresis after a monotone move to u$RATE_IN_WORDS; nothing is moved. */
+static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
+{
+    return polynomial_at($TUNED_FIRSTu) + plane_look(state, u).output;
+}
+
+//}
+/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is out of range. */
+static int hysteresis_move($name_state *state, real u, real *v)
+{
+    const plane_move to = plane_look(state, u);
+    const real out = polynomial_at($TUNED_FIRSTu) + to.output;
+    if (!is_in_range(out)) {
+        return 0;
+    }
+    plane_make(state, to, u);
+    state->voltage = u;
+    *v = out;
+    return 1;
+}
+
+/* Makes the memory of the hysteresis virgin at u. */
+static void hysteresis_rest($name_state *state, real u)
+{
+    state->virgin = u;
+    state->plane_virgin = plane_at_rest(u);
+    state->plane = state->plane_virgin;
+    state->kept = 0;
+    state->moved = 0;
+    state->rising = 0;
+}
+
+//}

@@ -96,3 +96,49 @@ static real plays_at(const $name_state *state, real u, real share, real *moved)
 }
 
 //}
+//{ activated
+/* The hysteresis, virgin at u. */
+static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
+{
+    real sum = R(0);
+    int i;
+    for (i = 0; i < $NAME_PLAYS; i++) {
+        sum = sum + activated_output(u, i);
+    }
+    return polynomial_at($TUNED_FIRSTu) + sum;
+}
+
+//{ looks
+/* Output of the hysteresis after a monotone move to u$RATE_IN_WORDS; nothing is moved. */
+static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
+{
+    return polynomial_at($TUNED_FIRSTu) + plays_at(state, u, share, (real *)0);
+}
+
+//}
+/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is out of range. */
+static int hysteresis_move($name_state *state, real u, real *v)
+{
+    const real out = polynomial_at($TUNED_FIRSTu) + plays_at(state, u, R(1), (real *)0);
+    if (!is_in_range(out)) {
+        return 0;
+    }
+    (void)plays_at(state, u, R(1), state->play);
+    state->rested = 0;
+    state->voltage = u;
+    *v = out;
+    return 1;
+}
+
+/* Makes the memory of the hysteresis virgin at u. */
+static void hysteresis_rest($name_state *state, real u)
+{
+    int i;
+    (void)u;
+    for (i = 0; i < $NAME_PLAYS; i++) {
+        state->play[i] = R(0);
+    }
+    state->rested = 1;
+}
+
+//}

@@ -118,3 +118,80 @@ static real virgin_play(real u, int i)
 }
 
 //}
+//{ sided
+/* The hysteresis, virgin at u. */
+static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
+{
+    real sum = R(0);
+    int i;
+    for (i = 0; i < $NAME_PLAYS; i++) {
+        sum = sum + K(weight)[i] * virgin_play(u, i);
+    }
+//{ envelopes
+    if (F(tanh)(RIGHT[0] * (u - RIGHT[1])) - F(tanh)(LEFT[0] * (u - LEFT[1])) > R(2) * THRESHOLD[0] + R(4) * R(EPSILON)) {
+        return F(HUGE_VAL); /* the narrowest has no place to stand */
+    }
+//}
+//{ line
+    sum = sum + line_at(u);
+//}
+    return polynomial_at($TUNED_FIRSTu) + sum;
+}
+
+//{ looks
+/* Output of the hysteresis after a monotone move to u$RATE_IN_WORDS; nothing is moved. */
+static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
+{
+//{ rate
+    return polynomial_at($TUNED_FIRSTu) + plays_at(state, u, state->rested ? R(0) : du, u, (real *)0);
+//}
+//{ !rate
+    return polynomial_at($TUNED_FIRSTu) + plays_at(state, u, (real *)0);
+//}
+}
+
+//}
+/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is out of range. */
+static int hysteresis_move($name_state *state, real u, real *v)
+{
+//{ rate
+    const real du = state->rested ? R(0) : u - state->voltage;
+//{ means
+    const real middle = R(0.5) * state->voltage + R(0.5) * u;
+//}
+//{ !means
+    const real middle = u;
+//}
+    const real out = polynomial_at($TUNED_FIRSTu) + plays_at(state, middle, du, u, (real *)0);
+//}
+//{ !rate
+    const real out = polynomial_at($TUNED_FIRSTu) + plays_at(state, u, (real *)0);
+//}
+    if (!is_in_range(out)) {
+        return 0;
+    }
+//{ rate
+    (void)plays_at(state, middle, du, u, state->play);
+    state->rested = 0;
+//}
+//{ !rate
+    (void)plays_at(state, u, state->play);
+//}
+    state->voltage = u;
+    *v = out;
+    return 1;
+}
+
+/* Makes the memory of the hysteresis virgin at u. */
+static void hysteresis_rest($name_state *state, real u)
+{
+    int i;
+    for (i = 0; i < $NAME_PLAYS; i++) {
+        state->play[i] = virgin_play(u, i);
+    }
+//{ rate
+    state->rested = 1;
+//}
+}
+
+//}
