@@ -22,7 +22,7 @@ FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.S)
 CODE = re.compile(r"<(pre|code|script|style)\b.*?</\1>", re.S)
 MATHML = LatexToMathML(fancy_error=False)
 NOTEBOOK = re.compile(r"^- \[([^\]]+)\]\((notebooks/[\w-]+)\.ipynb\):", re.M)
-OUTSIDE = re.compile(r"\[([^\]]+)\]\((?:\.\./)+(?:crates|bench|python|examples|scripts)/[^)]*\)")
+OUTSIDE = re.compile(r"\[([^\]]+)\]\((?:\.\./)+(?:(?:crates|bench|python|examples|scripts)/|CONTRIBUTING\.md)[^)]*\)")
 
 
 def on_config(config: Any) -> Any:

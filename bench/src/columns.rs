@@ -28,7 +28,8 @@ const PARAMETERS: [f64; 4] = [318.0, 0.65, 2.0384, 1.0523];
 const DELAY_S: f64 = 2.3e-4;
 
 impl Request {
-    /// Takes turns on one FFT pair, one column, an objective of three columns and its derivatives, three values with them.
+    /// Takes turns on one FFT pair, one column, an objective of three columns and its derivatives, three
+    /// values with them.
     pub fn run(self) -> Result<Answer, BenchError> {
         let scheme = Scheme::ALL.into_iter().find(|s| s.name() == self.scheme).ok_or(BenchError::Scheme)?;
         let plan = SimulationPlan::new(self.samples, SAMPLE_RATE_HZ, scheme, Start::ZERO)?;

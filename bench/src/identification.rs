@@ -30,7 +30,8 @@ pub struct Request {
     seed: u64,
 }
 
-/// Plays the quasi-static loop and the sweep on the default bench and writes `loop_u`, `loop_y`, `sweep_u`, `sweep_y`.
+/// Plays the quasi-static loop and the sweep on the default bench and writes `loop_u`, `loop_y`, `sweep_u`,
+/// `sweep_y`.
 pub fn write_campaign(directory: &Path, seed: u64) -> Result<Answer, BenchError> {
     let plan = CampaignPlan { validation_hz: Vec::new(), ..CampaignPlan::default() };
     let runs = run_campaign(&Truth::default(), &plan, seed)?;

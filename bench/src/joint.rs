@@ -1,4 +1,5 @@
-//! The joint fit's problem on records from files, for a peer that solves the same, and timed on records of many lengths.
+//! The joint fit's problem on records from files, for a peer that solves the same, and timed on records of
+//! many lengths.
 
 use std::hint::black_box;
 use std::path::PathBuf;

@@ -1,5 +1,6 @@
-//! The Rust side of `make bench`: does what `bench/bench.py` asks for on standard input, one line of JSON a request,
-//! and answers with one line of JSON. That way both sides take turns on the same inputs within one run.
+//! The Rust side of `make bench`: does what `bench/bench.py` asks for on standard input, one line of JSON a
+//! request, and answers with one line of JSON. That way both sides take turns on the same inputs within one
+//! run.
 
 mod allocations;
 mod answer;

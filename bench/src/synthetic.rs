@@ -73,8 +73,8 @@ pub fn objective(
     Ok((objective, x))
 }
 
-/// Moves `x` by a rounding error or so, to a point where nothing has been worked out yet: a fit keeps what the hysteresis
-/// puts out while only the dynamics change, which must not shorten what is timed.
+/// Moves `x` by a rounding error or so, to a point where nothing has been worked out yet: a fit keeps what
+/// the hysteresis puts out while only the dynamics change, which must not shorten what is timed.
 pub fn move_on(x: &mut [f64]) {
     x[0] *= 1.0 + 1e-12;
 }

@@ -1,4 +1,4 @@
-"""Comparison of structures on data that they were not fitted to, and names of the choices there are."""
+"""Comparison of structures by held-out error, and the names of all choices."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["Comparison", "choices", "compare"]
 
 @dataclass(frozen=True)
 class Comparison:
-    """Structures by their error on records they were not fitted to.
+    """Structures by their held-out error.
 
     Attributes:
         model: model of the preferred structure, from all records; ``None`` where it was stopped before.
@@ -61,7 +61,7 @@ def compare(
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> Comparison:
-    """Compare structures by their simulated error on records they were not fitted to.
+    """Compare structures by the held-out error of their simulation.
 
     Args:
         records: records of one device, of different content.

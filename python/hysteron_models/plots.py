@@ -257,7 +257,7 @@ def convergence(history: Sequence[tuple[str, float, float | None]], ax: Axes | N
 
 @_styled
 def comparison(found: Comparison, ax: Axes | None = None) -> Axes:
-    """Draw the error of every structure on records it was not fitted to, the best first."""
+    """Draw the held-out error of every structure, the best first."""
     rows = sorted(
         (row for row in found.result["candidates"] if row["error"] is not None), key=lambda row: row["error"]
     )

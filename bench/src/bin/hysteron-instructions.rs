@@ -1,5 +1,6 @@
-//! The hot paths whose instructions `bench/instructions.sh` counts: `hysteron-instructions PATH REPETITIONS` does one of
-//! them so many times, and without arguments lists them. A new path is a line in `PATHS` and a function.
+//! The hot paths whose instructions `bench/instructions.sh` counts: `hysteron-instructions PATH REPETITIONS`
+//! does one of them so many times, and without arguments lists them. A new path is a line in `PATHS` and a
+//! function.
 
 #[path = "../synthetic.rs"]
 mod synthetic;
@@ -90,7 +91,8 @@ fn joint_objective(repetitions: usize) -> Outcome {
     })
 }
 
-/// A sum of two decays fitted to 20 000 samples of another, with exact derivatives: what is left is the optimiser.
+/// A sum of two decays fitted to 20 000 samples of another, with exact derivatives: what is left is the
+/// optimiser.
 struct Decays {
     bounds: Bounds,
     wanted: Vec<f64>,

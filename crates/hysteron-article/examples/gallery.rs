@@ -133,10 +133,16 @@ fn identification(record: RecordCurves) -> Page {
             Highlight::new("RMSE over stroke", "0.36", "%"),
             Highlight::new("loop sense", "counter-clockwise", ""),
         ],
-        warnings: vec!["β and γ are hardly separated by this record: every loop in it has the same amplitude.".into()],
+        warnings: vec![
+            "β and γ are hardly separated by this record: every loop in it has the same \
+            amplitude."
+                .into(),
+        ],
         limits: vec![
             "One amplitude repeated 40 times does not show how the loop shrinks with amplitude.".into(),
-            "Nothing above 5 Hz was excited: the order of the dynamics is a guess from the start-up transient.".into(),
+            "Nothing above 5 Hz was excited: the order of the dynamics is a guess from the start-up \
+             transient."
+                .into(),
         ],
         equations: vec!["v = l₁u + l₂u² + l₃u³ − z".into(), "ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ".into()],
         parameters: vec![
@@ -181,7 +187,10 @@ fn identification(record: RecordCurves) -> Page {
             "RMSE: √(mean of (y − ŷ)²) of the simulation, not of a one-step prediction.".into(),
             "fit: 100 (1 − ‖y − ŷ‖ / ‖y − ȳ‖). Stroke: max y − min y over the scored samples.".into(),
         ],
-        preparation: vec!["Offset of the sensor removed: −97.3 µm.".into(), "No sample was resampled.".into()],
+        preparation: vec![
+            "Offset of the sensor removed: −97.3 µm.".into(),
+            "No sample was resampled.".into(),
+        ],
         records: vec![record],
         convergence: vec![single],
         objective_unit: "µm".into(),

@@ -75,7 +75,8 @@ fn slow_loops(loops: &LoopStudy) -> Claim {
         place: "§4.2".into(),
         printed: "no number".into(),
         here: format!(
-            "largest distance from the 1 Hz loop, of stroke: {} (counted as hardly: below {HARDLY_PERCENT} %)",
+            "largest distance from the 1 Hz loop, of stroke: {} (counted as hardly: below {HARDLY_PERCENT} \
+             %)",
             list.join(", ")
         ),
         verdict: Verdict::of(&cases),
@@ -230,7 +231,8 @@ fn model_claims(study: &ModelStudy) -> Vec<Claim> {
             place: "§1".into(),
             printed: "no number".into(),
             here: format!(
-                "RMSE ratio ARX / fractional {} {order}; with the mean error taken off {} (counted as far: at least {FAR})",
+                "RMSE ratio ARX / fractional {} {order}; with the mean error taken off {} (counted as far: \
+                 at least {FAR})",
                 ratios(arx, fractional),
                 centred(arx, fractional)
             ),

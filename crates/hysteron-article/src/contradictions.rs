@@ -27,7 +27,8 @@ pub struct Contradictions {
     pub mean_y_gaussian_um: f64,
     /// The same for a sinusoidal residual, mean|e| = (2√2/π) RMSE \[µm\].
     pub mean_y_sinusoidal_um: f64,
-    /// Largest RMSE of the fractional model in Table 3 and its frequency \[µm, Hz\]; the abstract calls another one the largest.
+    /// Largest RMSE of the fractional model in Table 3 and its frequency \[µm, Hz\]; the abstract calls
+    /// another one the largest.
     pub largest_fractional_rmse: (f64, f64),
     /// Parameters whose printed lower bound lies above the upper one, of five.
     pub inverted_bounds: usize,
@@ -132,8 +133,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// 0.65 / 1.07 / 2.65 / 5.5 µm behind a 31 µm loop; at 5 V 11.59 µm going up, 8.61 going down (computed independently with
-    /// numpy: explicit steps of the closed form, and the convolution quadrature).
+    /// 0.65 / 1.07 / 2.65 / 5.5 µm behind a 31 µm loop; at 5 V 11.59 µm going up, 8.61 going down (computed
+    /// independently with numpy: explicit steps of the closed form, and the convolution quadrature).
     #[test]
     fn printed_numbers_contradict_each_other_as_computed_independently() {
         let c = Contradictions::compute().unwrap();

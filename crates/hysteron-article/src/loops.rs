@@ -21,7 +21,8 @@ pub struct LoopAt {
     pub stroke_um: f64,
     /// Opening at mid-range drive, % of stroke; positive: counter-clockwise.
     pub opening_percent: f64,
-    /// Largest distance from the slowest loop at the same phase, each about its own mean, % of the slowest stroke.
+    /// Largest distance from the slowest loop at the same phase, each about its own mean, % of the slowest
+    /// stroke.
     pub largest_distance_percent: f64,
     /// Root mean square of that distance, % of the slowest stroke.
     pub rms_distance_percent: f64,

@@ -58,7 +58,8 @@ impl Measurements {
     }
 }
 
-/// A run of the bench as input and output, every `step`-th sample (picked, not filtered: the noise stays white).
+/// A run of the bench as input and output, every `step`-th sample (picked, not filtered: the noise stays
+/// white).
 pub(super) fn record(run: &RigRun, step: usize) -> Result<InputOutput, ArticleError> {
     every(&run.record.input_output(&ChannelChoice::default())?, step)
 }

@@ -1,5 +1,5 @@
-//! Eq. 13, Table 3 and Figures 8–11: the article's models, identified from the loop and the sweep, scored on sines that
-//! no fit has seen.
+//! Eq. 13, Table 3 and Figures 8–11: the article's models, identified from the loop and the sweep, scored on
+//! sines that no fit has seen.
 
 use super::measurements::Measurements;
 use super::printed::TransferFunction13;
@@ -35,7 +35,8 @@ pub enum ModelKind {
     IntegerLeastSquares,
     /// Not in the article: as `Fractional`, by least squares.
     FractionalLeastSquares,
-    /// Not in the article: what this program identifies with no option: degree, delay and offsets from the data.
+    /// Not in the article: what this program identifies with no option: degree, delay and offsets from the
+    /// data.
     Default,
 }
 

@@ -58,7 +58,8 @@ pub struct Contender {
 
 /// A result this close to the best reachable one counts as found.
 const FOUND: f64 = 1.01;
-/// Failures after which the scout is sent in the variant that shows its effect: at the default of SN·D it hardly fires.
+/// Failures after which the scout is sent in the variant that shows its effect: at the default of SN·D it
+/// hardly fires.
 const EARLY_SCOUT: usize = 10;
 
 fn contenders() -> Vec<(&'static str, &'static str, Algorithm)> {

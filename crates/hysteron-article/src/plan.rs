@@ -18,8 +18,8 @@ pub struct Plan {
     pub sample_rate_hz: f64,
     /// Duration of the 1–100 Hz sweep \[s\].
     pub sweep_s: f64,
-    /// Every how many samples of the 1 Hz loop are used: a rate-independent block loses nothing by it as long as the
-    /// turning points are kept.
+    /// Every how many samples of the 1 Hz loop are used: a rate-independent block loses nothing by it as long
+    /// as the turning points are kept.
     pub loop_decimation: usize,
     /// Duration of each sine \[s\], rounded up to whole periods.
     pub sine_s: f64,
@@ -50,7 +50,8 @@ pub(super) const SLOW_HZ: [f64; 2] = [2.0, 5.0];
 pub(super) const TABLE3_HZ: [f64; 4] = [10.0, 20.0, 50.0, 100.0];
 
 impl Plan {
-    /// A rehearsal of the whole run in a few seconds: fewer runs and generations, a shorter sweep at a lower rate.
+    /// A rehearsal of the whole run in a few seconds: fewer runs and generations, a shorter sweep at a lower
+    /// rate.
     pub fn quick() -> Self {
         Self {
             runs: 3,
@@ -95,7 +96,8 @@ impl Plan {
         Ok(())
     }
 
-    /// The article's campaign: 0–10 V, linear sweep (the default law of MATLAB's `chirp`, with which it was generated).
+    /// The article's campaign: 0–10 V, linear sweep (the default law of MATLAB's `chirp`, with which it was
+    /// generated).
     pub(super) fn campaign(&self) -> CampaignPlan {
         CampaignPlan {
             sample_rate_hz: self.sample_rate_hz,

@@ -1,6 +1,7 @@
 //! The numbers that the article prints, each with its place. Nothing here was computed by this program.
 //!
-//! *Rate-Dependent Modeling of Piezoelectric Actuators for Nano Manipulation Based on Fractional Hammerstein Model.*
+//! *Rate-Dependent Modeling of Piezoelectric Actuators for Nano Manipulation Based on Fractional Hammerstein
+//! Model.*
 
 use serde::{Deserialize, Serialize};
 
@@ -112,8 +113,8 @@ pub const ABSTRACT: Errors = errors(0.0915, 0.0244);
 /// The search box of §4.2 as printed, MinX and MaxX: every lower bound lies above its upper bound.
 pub const SEARCH_BOX: ([f64; 5], [f64; 5]) = ([2.0, 0.0, 1.0, 1.0, 0.0], [1.0, -2.0, 0.0, 0.0, -1.0]);
 
-/// What an earlier, independent prototype of this project found for the bias of the two-step way on noise-free data of
-/// Table 2 and Eq. 13 (not the article's numbers).
+/// What an earlier, independent prototype of this project found for the bias of the two-step way on
+/// noise-free data of Table 2 and Eq. 13 (not the article's numbers).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrototypeBias {
     /// x, relative \[%\].

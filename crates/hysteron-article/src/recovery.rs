@@ -1,7 +1,8 @@
 //! The article's own Table 2 and Eq. 13 as the truth: what comes back from noise-free data?
 //!
-//! Each block alone from its own data, then both together the two-step way, where the 1 Hz loop is already seen through the
-//! dynamics. Fits are by least squares: what is shown is the minimum of the criterion, not the luck of a search.
+//! Each block alone from its own data, then both together the two-step way, where the 1 Hz loop is already
+//! seen through the dynamics. Fits are by least squares: what is shown is the minimum of the criterion, not
+//! the luck of a search.
 
 use super::measurements::record;
 use super::models::{Eq13, eq13};

@@ -7,7 +7,8 @@ use hysteron_model::hysteresis::{BoucWen, Hysteresis};
 use hysteron_optimize::{Algorithm, DeAbcOptions};
 use serde::{Deserialize, Serialize};
 
-/// The article's way to identify: quadratic (improved) Bouc–Wen with n = 1 and no offset (Eq. 1 has none), no delay, DE-ABC.
+/// The article's way to identify: quadratic (improved) Bouc–Wen with n = 1 and no offset (Eq. 1 has none), no
+/// delay, DE-ABC.
 pub(super) fn article_options(plan: &Plan) -> Options {
     Options {
         method: Method::TwoStep,

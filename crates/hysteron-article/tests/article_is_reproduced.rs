@@ -1,4 +1,5 @@
-//! Promise: the reproduction of the article is complete, repeatable, independent of threads, and tells what it found.
+//! Promise: the reproduction of the article is complete, repeatable, independent of threads, and tells what
+//! it found.
 
 #![allow(clippy::unwrap_used)]
 
@@ -69,7 +70,8 @@ fn each_block_comes_back_from_its_own_data_and_the_two_step_way_is_biased() {
     assert!(apart.static_bias_percent().iter().all(|b| b.abs() < 1e-4), "{:?}", apart.static_bias_percent());
     assert!(apart.order_bias().iter().all(|b| b.abs() < 0.01), "{:?}", apart.order_bias());
     let together = cases.iter().find(|c| c.case.prototype).unwrap();
-    // A second implementation (numpy, scipy's least squares) has x +39.2 %, y −4.9 %, α −3.9 %, β −4.3 % for this loop.
+    // A second implementation (numpy, scipy's least squares) has x +39.2 %, y −4.9 %, α −3.9 %, β −4.3 % for
+    // this loop.
     for (found, expected) in together.static_bias_percent().iter().zip([39.2, -4.9, -3.9, -4.3]) {
         assert!((found - expected).abs() < 0.1, "{found} {expected}");
     }

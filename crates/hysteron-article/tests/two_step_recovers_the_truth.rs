@@ -1,9 +1,10 @@
-//! Promise: on data of its own class, two-step identification returns the truth; it can be interrupted and resumed to
-//! the same bits, and threads change nothing.
+//! Promise: on data of its own class, two-step identification returns the truth; it can be interrupted and
+//! resumed to the same bits, and threads change nothing.
 //!
-//! "Returns the truth" holds for each block on data that the other does not touch: the slow record of the dynamic tests is
-//! simulated *without* dynamics, so the bias of the two-step way cannot show there. Where both blocks act in both records,
-//! as in every measurement, the parameters come back biased: the test of the article's own plant shows by how much.
+//! "Returns the truth" holds for each block on data that the other does not touch: the slow record of the
+//! dynamic tests is simulated *without* dynamics, so the bias of the two-step way cannot show there. Where
+//! both blocks act in both records, as in every measurement, the parameters come back biased: the test of the
+//! article's own plant shows by how much.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 use hysteron_article::printed::{EQ_13, TABLE_2};
@@ -165,10 +166,12 @@ fn fractional_orders_and_coefficients_come_back_at_once() {
     }
 }
 
-/// The article's Table 2 and Eq. 13 as a noise-free plant that acts as a whole in the 1 Hz loop and in the sweep.
+/// The article's Table 2 and Eq. 13 as a noise-free plant that acts as a whole in the 1 Hz loop and in the
+/// sweep.
 ///
-/// Anchors: a prototype (numpy, scipy) with a 10 s sweep at 10 kHz has x +39 %, b −39 %, α₂ −0.08. The loop is the prototype's here
-/// too; the sweep is shorter and its rate lower (for a test of seconds), and the dynamic block comes out at b −35 %, α₂ −0.07.
+/// Anchors: a prototype (numpy, scipy) with a 10 s sweep at 10 kHz has x +39 %, b −39 %, α₂ −0.08. The loop
+/// is the prototype's here too; the sweep is shorter and its rate lower (for a test of seconds), and the
+/// dynamic block comes out at b −35 %, α₂ −0.07.
 #[test]
 fn where_both_blocks_act_together_the_two_step_way_is_biased_as_the_prototype_is() {
     let plan = CampaignPlan {

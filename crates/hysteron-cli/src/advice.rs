@@ -29,7 +29,8 @@ pub fn in_flags_of_columns(advice: &Advice, choose_columns: &str) -> String {
         Advice::ScaleColumn { column } => format!("--scale {column}=2.5um/V"),
         Advice::GiveSampleRate => "--sample-rate HZ".to_owned(),
         Advice::Resample => {
-            "hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ where there is no time or it is badly written"
+            "hysteron prepare RECORD --rate HZ -o OUT.csv, or --sample-rate HZ where there is no time or it \
+             is badly written"
                 .to_owned()
         }
         Advice::ContinueRun => "--continued".to_owned(),

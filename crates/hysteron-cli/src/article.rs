@@ -21,13 +21,14 @@ use crate::progress;
 /// Reproduce the source article on a simulated bench: its tables and figures beside its printed numbers.
 #[derive(Args)]
 #[command(
-    after_help = "Writes index.html (works offline), figures/*.svg, tables/*.csv and article.json into the folder. The article's data are \
-    not public: every number is from the simulated bench of `hysteron rig`, and the page says which readings of the text were chosen, \
-    where the printed numbers contradict each other and where the result disagrees with the claims.\n\n\
+    after_help = "Writes index.html (works offline), figures/*.svg, tables/*.csv and article.json into the \
+    folder. The article's data are not public: every number is from the simulated bench of `hysteron rig`, \
+    and the page says which readings of the text were chosen, where the printed numbers contradict each \
+    other and where the result disagrees with the claims.\n\n\
     Example: hysteron article --out-dir article --seed 1"
 )]
 pub struct Article {
-    /// Folder everything is written into; made if it does not exist
+    /// Output folder; made if it does not exist
     #[arg(long, value_name = "DIR")]
     out_dir: PathBuf,
 
@@ -35,7 +36,7 @@ pub struct Article {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 
-    /// Threads; the result does not depend on it (all cores if not given)
+    /// Threads; the result does not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
     threads: Option<u16>,
 
@@ -43,7 +44,8 @@ pub struct Article {
     #[arg(long)]
     json: bool,
 
-    /// A rehearsal in seconds: few runs, few generations, a short sweep; the page says that its numbers do not count
+    /// Rehearse in seconds with few runs, few generations and a short sweep; the page marks its numbers as
+    /// provisional
     #[arg(long)]
     quick: bool,
 }

@@ -22,11 +22,12 @@ pub struct TimeFlags {
     #[arg(long, value_name = "COL", help_heading = "Columns")]
     time: Option<String>,
 
-    /// Sample rate in Hz, where there is no time column; where there is one, it must agree and replaces the stamps
+    /// Sample rate in Hz, for a file without time column; with one it must agree, and replaces the time
+    /// stamps
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, help_heading = "Columns")]
     sample_rate: Option<f64>,
 
-    /// Largest file read, in bytes
+    /// Largest file to read, in bytes
     #[arg(long, value_name = "BYTES", value_parser = whole::<u64>, allow_hyphen_values = true, help_heading = "Columns")]
     max_bytes: Option<u64>,
 }
@@ -38,12 +39,12 @@ pub struct InputFlags {
     #[arg(long, value_name = "COL", help_heading = "Columns")]
     input: Option<String>,
 
-    /// What a column's numbers mean, e.g. y=2.5um/V for a sensor in volts or u=15V/V for a command before an amplifier; may
-    /// be repeated (--input and --output then take names, not numbers)
+    /// Scale factor of a column, e.g. y=2.5um/V for a sensor in volts or u=15V/V for a command before an
+    /// amplifier; may be repeated (--input and --output then take names, not numbers)
     #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = str::parse::<Scale>, help_heading = "Columns")]
     scales: Vec<Scale>,
 
-    /// Drive below which nothing moves, as with a valve's or an amplifier's threshold: what is smaller counts as 0
+    /// Dead band of the drive, as of a valve or an amplifier with a threshold: a smaller drive counts as 0
     #[arg(long, value_name = "DRIVE", value_parser = positive, allow_hyphen_values = true, help_heading = "Columns")]
     dead_band: Option<f64>,
 
@@ -79,7 +80,8 @@ impl TimeFlags {
 }
 
 impl InputFlags {
-    /// Reads the input channel, and the output measured beside it where there is one. Prints what was decided without being told.
+    /// Reads the input channel, and the output measured beside it where there is one. Prints what was decided
+    /// without being told.
     ///
     /// # Errors
     /// If the file is not a readable record or the input cannot be decided.
@@ -172,8 +174,8 @@ impl ColumnFlags {
         ReadOptions { input: self.drive.input.clone(), output: self.output.clone(), ..self.drive.options() }
     }
 
-    /// Reads input and output of a record. Prints what was decided without being told, and what stands in the way of a good
-    /// model: a saturated sensor, a constant drive, uneven time stamps.
+    /// Reads input and output of a record. Prints what was decided without being told, and what stands in the
+    /// way of a good model: a saturated sensor, a constant drive, uneven time stamps.
     ///
     /// # Errors
     /// As [`ColumnFlags::read_silently`].
@@ -184,7 +186,8 @@ impl ColumnFlags {
         data
     }
 
-    /// [`ColumnFlags::read`] of several records at once. What is printed is in their order, up to the first that fails.
+    /// [`ColumnFlags::read`] of several records at once. What is printed is in their order, up to the first
+    /// that fails.
     ///
     /// # Errors
     /// As [`ColumnFlags::read`].
@@ -208,7 +211,8 @@ impl ColumnFlags {
         Ok(data)
     }
 
-    /// Reads input and output of a record. Prints what was decided without being told, and nothing about the data.
+    /// Reads input and output of a record. Prints what was decided without being told, and nothing about the
+    /// data.
     ///
     /// # Errors
     /// If the file is not a readable record or its columns cannot be decided.

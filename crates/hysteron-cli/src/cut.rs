@@ -16,8 +16,8 @@ pub struct CutFlags {
     #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true, help_heading = "Part of the record")]
     to: Option<f64>,
 
-    /// Value of a column where samples are kept, e.g. segment=2, segment=2..7 (both ends included), segment=2.. or, in a column
-    /// of words, segment=ramp; may be repeated: all must hold
+    /// Keep samples where a column has this value, e.g. segment=2, segment=2..7 (both ends included),
+    /// segment=2.. or, in a column of words, segment=ramp; may be repeated: all must hold
     #[arg(long = "where", value_name = "COL=VALUE", value_parser = str::parse::<Condition>, help_heading = "Part of the record")]
     conditions: Vec<Condition>,
 }

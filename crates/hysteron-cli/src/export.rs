@@ -25,14 +25,16 @@ use crate::realise::{along_sweep, realised, where_creep_stops};
 /// Write a model as C99 source, a no_std Rust crate or an FMU.
 #[derive(Args)]
 #[command(
-    after_help = "The model is realised at the sample rate (see hysteron realise) and written into the folder:\n\n  \
+    after_help = "The model is realised at the sample rate (see hysteron realise) and written into the \
+    folder:\n\n  \
     --to c     NAME.h, NAME.c (no malloc, nothing but <math.h>), NAME_selftest.c with golden vectors\n  \
     --to rust  a no_std crate on top of hysteron-rt, with the same golden vectors as a test\n  \
-    --to fmu   NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary made by $CC or cc\n\n\
-    A folder that does not exist is made; files of other names in it are left alone, and a file of the same name is replaced only \
-    where an export wrote it.\n\n\
-    --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within --range and --slew whatever is handed in; in C \
-    with an example loop.\n\n\
+    --to fmu   NAME_fmi2.fmu and NAME_fmi3.fmu for co-simulation: source, and on 64-bit Linux a binary \
+    made by $CC or cc\n\n\
+    A folder that does not exist is made; files of other names in it are left alone, and a file of the same \
+    name is replaced only where an export wrote it.\n\n\
+    --inverse adds the inverse in the same form, as NAME_inverse: reference in, voltage out, within --range \
+    and --slew for any input; in C with an example loop.\n\n\
     Example: hysteron export model.json --to c -o firmware/stage --float f32 --sample-rate 10000"
 )]
 pub struct Export {
@@ -60,11 +62,11 @@ pub struct Export {
     #[arg(long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true)]
     accuracy: f64,
 
-    /// Frequency down to which a model that creeps for ever is realised
+    /// Lowest frequency to realise, for a model whose creep has no end
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
-    /// Beginning of every name in the source: a to z, digits, _ [default: from the name of the model file]
+    /// Prefix of every name in the source: a to z, digits, _ [default: from the name of the model file]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
 
@@ -84,11 +86,11 @@ pub struct Export {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     bandwidth: Option<f64>,
 
-    /// Samples of the reference that are known ahead [default: as many as make a difference; with --predict-to: 0]
+    /// Preview of the reference, in samples [default: as many as affect the drive; with --predict-to: 0]
     #[arg(long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true, requires = "inverse")]
     preview: Option<usize>,
 
-    /// What is not known of the reference is predicted from its past, taken for a random motion of frequencies up to this
+    /// Predict the reference beyond the preview from its past, as a random motion with frequencies up to this
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
     predict_to: Option<f64>,
 
@@ -201,8 +203,9 @@ impl Export {
         if let Some(wanted) = self.preview.filter(|wanted| *wanted > compensation.preview) {
             let used = compensation.preview;
             console::note(&format!(
-                "of the preview of {wanted} samples {used} are used, beyond which no voltage depends on the reference: hand in the reference {used} samples ahead, \
-                 not {wanted} (the source names the number)"
+                "of the preview of {wanted} samples {used} are used, beyond which no voltage depends on the \
+                 reference: hand in the reference {used} samples ahead, not {wanted} (the source names the \
+                 number)"
             ));
         }
         let inverse = Inverse::new(subject, compensation, range, self.slew.unwrap_or(f64::INFINITY))

@@ -1,4 +1,5 @@
-//! Ctrl-C (SIGINT) and SIGTERM: the first asks the work to stop and says what becomes of it, the second aborts.
+//! Ctrl-C (SIGINT) and SIGTERM: the first asks the work to stop and says what becomes of it, the second
+//! aborts.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -63,8 +64,8 @@ impl Interrupt {
     }
 }
 
-/// Where the best so far of an interrupted fit goes: `model.partial.json` beside `model.json`, which stays as it was; into the
-/// present folder where the model was to go to a device or a pipe.
+/// Where the best so far of an interrupted fit goes: `model.partial.json` beside `model.json`, which stays as
+/// it was; into the present folder where the model was to go to a device or a pipe.
 pub fn partial(model: &Path) -> PathBuf {
     match std::fs::metadata(model) {
         Ok(found) if !found.is_file() => PathBuf::from("hysteron.partial.json"),

@@ -32,14 +32,16 @@ use crate::remarks;
 /// Compute the drive that makes a model's output follow a reference
 #[derive(Args)]
 #[command(
-    after_help = "The file written holds the time, the drive, the output that the model predicts for it and the reference, e.g. \
-    t_s,u_V,y_um,reference_um. The reference's sample rate is the controller's; each voltage is held for one period, which the inverse \
-    takes into account, as it does the model's delay. It looks ahead: the whole reference must be known, unless \
-    --preview or --predict-to asks for what a controller does with a reference that it knows a few samples ahead, or not at all.\n\n\
-    The output follows up to the bandwidth; above it the inverse fades, so that noise and rounding of the reference do not ring in \
-    the drive. A higher bandwidth follows faster references and passes more noise.\n\n\
-    Where a limit holds the drive back, the rest of the reference is followed as well as can be; how many samples it touched is \
-    printed. Exit code 1: the reference cannot be followed at all, or the model has no inverse.\n\n\
+    after_help = "The file written holds the time, the drive, the output that the model predicts for it and \
+    the reference, e.g. t_s,u_V,y_um,reference_um. The reference's sample rate is the controller's; each \
+    voltage is held for one period, which the inverse takes into account, as it does the model's delay. The \
+    inverse is not causal: the whole reference must be known, unless --preview or --predict-to selects the \
+    law of a controller with limited preview or none.\n\n\
+    The output follows up to the bandwidth; above it the inverse rolls off, so that noise and rounding of \
+    the reference are not amplified. A higher bandwidth follows faster references and passes more noise.\n\n\
+    Where the drive is at a limit, the rest of the reference is followed as well as possible; the number of \
+    samples at a limit is printed. Exit code 1: the reference cannot be followed at all, or the model has no \
+    inverse.\n\n\
     Example: hysteron invert model.json scan.csv -o drive.csv --range 0:100 --slew 20000"
 )]
 pub struct Invert {
@@ -67,30 +69,32 @@ pub struct Invert {
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     bandwidth: Option<f64>,
 
-    /// Voltage at which the device rests before the reference begins [default: that which gives its first value]
+    /// Voltage at rest before the reference begins [default: the one that gives its first value]
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
     rest_voltage: Option<f64>,
 
-    /// Voltage at which the device was without hysteresis memory before it was driven to where it rests [default: 0, where
-    /// --range holds it, as after switching on; else where it rests]
+    /// Voltage at which the device was last demagnetised, before it moved to the voltage at rest [default: 0
+    /// where --range contains it, as after switching on; else the voltage at rest]
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
     virgin_voltage: Option<f64>,
 
-    /// The reference is one period, or several, of one that repeats for ever, as in scanning
+    /// The reference is one period, or several, of a periodic motion, as in scanning: the drive of its steady
+    /// state
     #[arg(long)]
     periodic: bool,
 
-    /// A run with a drive made for the same reference, drive and measured output: learn the next drive from what it left
-    /// (iterative learning, as in scanning)
+    /// Record of a run for the same reference, drive and measured output: correct the next drive by its error
+    /// (iterative learning control, as in scanning)
     #[arg(long, value_name = "RUN.csv")]
     learn_from: Option<PathBuf>,
 
-    /// Make the drive one sample at a time, as a controller does, with this many samples of the reference known ahead; 0 knows the
-    /// present one [default: the whole reference is known; with --predict-to: 0]
+    /// Compute the drive sample by sample, as a controller does, with this preview of the reference in
+    /// samples; 0: the present sample alone [default: the whole reference is known; with --predict-to: 0]
     #[arg(long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true, conflicts_with_all = ["periodic", "learn_from"])]
     preview: Option<usize>,
 
-    /// One sample at a time; what is not known of the reference is predicted from its past, taken for a random motion of frequencies up to this
+    /// Sample by sample, with the reference beyond the preview predicted from its past, as a random motion
+    /// with frequencies up to this
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, conflicts_with_all = ["periodic", "learn_from"])]
     predict_to: Option<f64>,
 
@@ -165,35 +169,40 @@ impl Invert {
             let input = Unit::new(&model.body().data().units.input).spaced();
             match e {
                 InversionError::Hysteresis(HysteresisError::RestOutside { rest, low, high }) => failure.because(format!(
-                    "the device rests at {}{input}, outside of the range of its drive, {}{input} to {}{input}",
+                    "the device rests at {}{input}, outside of the range of its drive, {}{input} to \
+                     {}{input}",
                     short(rest),
                     short(low),
                     short(high)
                 )),
                 InversionError::Falls { low, high, near, .. } => failure.because(format!(
-                    "the hysteresis has no inverse over the range from {}{input} to {}{input}: near {}{input} its output at rest falls as \
-                     the drive rises; give a smaller range",
+                    "the hysteresis has no inverse over the range from {}{input} to {}{input}: near \
+                     {}{input} its output at rest falls as the drive rises; give a smaller range",
                     short(low),
                     short(high),
                     short(near)
                 )),
                 InversionError::Begins { reference, low, high, from, to } => failure.because(format!(
-                    "the reference begins at {} {unit}, which no voltage from {} to {}{input} holds: at rest these give {} to {} {unit}",
+                    "the reference begins at {} {unit}, which no voltage from {} to {}{input} holds: at rest \
+                     these give {} to {} {unit}",
                     short(reference),
                     short(low),
                     short(high),
                     short(from),
                     short(to),
                 )).hint(
-                    "change the reference's offset, widen --range, or say where the device rests with --rest-voltage VOLTS",
+                    "change the reference's offset, widen --range, or say where the device rests with \
+                     --rest-voltage VOLTS",
                 ),
                 InversionError::Simulation(SimulationError::SampleRate { model_hz, .. }) => failure
-                    .hint(format!("sample the reference at {model_hz} Hz, or identify the model without --scheme grunwald-letnikov and ARX")),
+                    .hint(format!("sample the reference at {model_hz} Hz, or identify the model without \
+                        --scheme grunwald-letnikov and ARX")),
                 InversionError::Dynamics(DynamicsError::InfiniteDcGain { .. }) => failure
-                    .because("the model creeps for ever: a drive that repeats drifts on, and there is no periodic steady state")
+                    .because("the model creeps for ever: a drive that repeats drifts on, and there is no \
+                        periodic steady state")
                     .hint(
-                        "leave --periodic out and give several periods of the reference, or identify the model with creep that ends \
-                         (--creep kelvin-voigt, or --dynamics integer)",
+                        "leave --periodic out and give several periods of the reference, or identify the \
+                         model with creep that ends (--creep kelvin-voigt, or --dynamics integer)",
                     ),
                 InversionError::Dynamics(DynamicsError::Bandwidth { .. }) => failure.hint(format!(
                     "the bandwidth is {} of the sample rate unless --bandwidth HZ says otherwise",
@@ -290,7 +299,8 @@ fn text(s: &InverseSummary) -> String {
         }
     }
     lines.push(format!(
-        "Predicted error, the model taken for true: {} {output} rms ({} % of the reference's stroke), {} {output} at most.",
+        "Predicted error, the model taken for true: {} {output} rms ({} % of the reference's stroke), {} \
+         {output} at most.",
         significant(s.predicted_rms_error, 3),
         significant(s.predicted_rms_percent_of_stroke, 3),
         significant(s.predicted_max_error, 3)
@@ -304,8 +314,8 @@ fn text(s: &InverseSummary) -> String {
     }
     match (s.bandwidth_hz, s.error_at_bandwidth, s.noise_gain) {
         (Some(bandwidth), Some(error), Some(gain)) => lines.push(format!(
-            "Bandwidth: {} Hz, where {} % of the reference is missing. White noise on the reference is {} times as large at the output \
-             of the hysteresis: 5 nm become {} nm.",
+            "Bandwidth: {} Hz, where {} % of the reference is missing. White noise on the reference is {} \
+             times as large at the output of the hysteresis: 5 nm become {} nm.",
             significant(bandwidth, 3),
             significant(100.0 * error, 2),
             significant(gain, 2),

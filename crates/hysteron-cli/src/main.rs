@@ -1,7 +1,7 @@
 //! The `hysteron` command: from measured records to an identified, validated, reported model.
 //!
-//! One file a subcommand; the numbers are the library's. Results go to standard output, messages and progress to
-//! standard error. Exit code 0: done; 1: could not (bad data, no fit); 2: wrong usage.
+//! One file a subcommand; the numbers are the library's. Results go to standard output, messages and progress
+//! to standard error. Exit code 0: done; 1: could not (bad data, no fit); 2: wrong usage.
 
 use std::process::ExitCode;
 
@@ -46,15 +46,17 @@ mod validate;
 
 use failure::Failure;
 
-/// Gives memory that was used back to the next search, where the system's allocator would have it cleared anew.
+/// Gives memory that was used back to the next search, where the system's allocator would have it cleared
+/// anew.
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-/// Models of piezo actuators from measured records: Bouc–Wen hysteresis followed by fractional-order dynamics.
+/// Models of piezo actuators from measured records: hysteresis followed by fractional-order dynamics.
 #[derive(Parser)]
 #[command(name = "hysteron", version, propagate_version = true, arg_required_else_help = true)]
 #[command(
-    after_help = "Exit codes: 0 done, 1 could not (bad data, no fit), 2 wrong usage, 130 or 143 interrupted (SIGINT, SIGTERM).\n\
+    after_help = "Exit codes: 0 done, 1 could not (bad data, no fit), 2 wrong usage, 130 or 143 interrupted \
+    (SIGINT, SIGTERM).\n\
     Results go to standard output, messages and progress to standard error."
 )]
 struct Cli {

@@ -67,7 +67,8 @@ impl Loaded {
         })
     }
 
-    /// The inputs of the file at `path`, as the model takes them, with an output measured beside them in the model's unit.
+    /// The inputs of the file at `path`, as the model takes them, with an output measured beside them in the
+    /// model's unit.
     ///
     /// # Errors
     /// As [`Self::read_record`].
@@ -264,7 +265,8 @@ impl Loaded {
     /// Why the file gives no band.
     pub fn no_band(&self, error: &IdentifyError) -> Failure {
         Failure::new(format!("cannot draw a band around {}", self.path.display())).because(error).hint(
-            "identify the model anew: a joint fit, or one of slow records alone, writes what a band needs; two steps and ARX do not",
+            "identify the model anew: a joint fit, or one of slow records alone, writes what a band needs; \
+             two steps and ARX do not",
         )
     }
 
@@ -284,8 +286,8 @@ impl Loaded {
                 match e {
                     SimulationError::NoSampleRate => failure.advised(Some(Advice::Resample)),
                     SimulationError::SampleRate { model_hz, .. } => failure.hint(format!(
-                        "hysteron prepare {record} --rate {model_hz}Hz -o OUT.csv, or identify the model again with \
-                         --scheme tustin, which holds at other rates"
+                        "hysteron prepare {record} --rate {model_hz}Hz -o OUT.csv, or identify the model \
+                         again with --scheme tustin, which holds at other rates"
                     )),
                     SimulationError::NotSettled { .. } => {
                         failure.hint("leave --settled out: the record starts from rest")
@@ -299,12 +301,12 @@ impl Loaded {
             RunError::TooFewSamples { .. } => {
                 scoring().because(error).hint("record at least one loop, with a hundred samples or more")
             }
-            RunError::ConstantOutput { .. } => scoring()
-                .because(error)
-                .hint("check that the sensor was on; choose the column with --output"),
+            RunError::ConstantOutput { .. } => {
+                scoring().because(error).hint("check that the sensor was on; choose the column with --output")
+            }
             RunError::ConstantInput { .. } => scoring().because(error).hint(
-                "choose the column with --input; for a step from another voltage say --rest-voltage VOLTS (a model with \
-                 dynamics follows it)",
+                "choose the column with --input; for a step from another voltage say --rest-voltage VOLTS (a \
+                 model with dynamics follows it)",
             ),
             error => simulating().because(error),
         }
@@ -335,8 +337,8 @@ impl Loaded {
                 "choose the column with --{flag}, or correct the unit in its header and convert its numbers"
             ),
             SignalRole::Input | SignalRole::Output => format!(
-                "choose the column with --{flag}, correct the unit in its header, or say what it means with --scale, e.g. \
-                 --scale {letter}=2.5{symbol}/{per}",
+                "choose the column with --{flag}, correct the unit in its header, or say what it means with \
+                 --scale, e.g. --scale {letter}=2.5{symbol}/{per}",
                 letter = if signal == SignalRole::Input { "u" } else { "y" },
                 symbol = own.symbol(),
                 per = found.symbol()

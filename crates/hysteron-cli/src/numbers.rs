@@ -1,5 +1,5 @@
-//! Numbers on the command line: what is wrong with one is said in words. Their flags take values that begin with a hyphen
-//! (`allow_hyphen_values`), so that −1 gets here and is not taken for a flag.
+//! Numbers on the command line: what is wrong with one is said in words. Their flags take values that begin
+//! with a hyphen (`allow_hyphen_values`), so that −1 gets here and is not taken for a flag.
 
 use std::str::FromStr;
 

@@ -18,8 +18,8 @@ use crate::result_flags::ResultFlags;
 /// Compare the optimisers on the article's two identification problems, over many seeds with one budget.
 #[derive(Args)]
 #[command(
-    after_help = "Success is an RMSE within 1 % of the best that a least-squares fit polished from the truth reaches. \
-    The result does not depend on the number of threads.\n\n\
+    after_help = "Success is an RMSE within 1 % of the one that a least-squares fit from the true parameters \
+    reaches. The result does not depend on the number of threads.\n\n\
     Example: hysteron optimizers --report optimizers.html"
 )]
 pub struct Optimizers {

@@ -1,5 +1,5 @@
-//! Files to be written, looked at before the work whose result they are to hold: a fit of minutes must not end in a folder that
-//! does not exist, nor in place of the record it was made from.
+//! Files to be written, looked at before the work whose result they are to hold: a fit of minutes must not
+//! end in a folder that does not exist, nor in place of the record it was made from.
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -11,8 +11,8 @@ use hysteron_io::atomic_file::{AtomicWriteError, check_writable};
 
 use crate::failure::Failure;
 
-/// A file that the command line names to be written. Files to be read are [`PathBuf`]: by their types [`check_distinct`] tells
-/// them apart.
+/// A file that the command line names to be written. Files to be read are [`PathBuf`]: by their types
+/// [`check_distinct`] tells them apart.
 #[derive(Clone, Debug)]
 pub struct OutFile(PathBuf);
 
@@ -74,8 +74,8 @@ fn given<T: Clone + Send + Sync + 'static>(matches: &ArgMatches) -> impl Iterato
     matches.ids().filter_map(of).flatten()
 }
 
-/// Whether two paths lead to one file, through links or not; terminals and pipes may well be one. A second hard link is another file: writing
-/// replaces the name, not the content.
+/// Whether two paths lead to one file, through links or not; terminals and pipes may well be one. A second
+/// hard link is another file: writing replaces the name, not the content.
 fn is_same(a: &Path, b: &Path) -> bool {
     let resolved = |path: &Path| match path.canonicalize() {
         Ok(found) => found.is_file().then_some(found),

@@ -19,21 +19,22 @@ use crate::output::{self, OutFile};
 /// Cut, join, scale, detrend and resample records into one new record.
 #[derive(Args)]
 #[command(
-    after_help = "The order is fixed: rename, drop; --where, --from, --to, then --turns in what these keep (in every record); join, in the order \
-    given; scale; remove means, then trends; resample. Flags behind --rename name columns by their new names. \
-    All other columns are kept, but for one of words that --where asks about.\n\n\
+    after_help = "The order is fixed: rename, drop; --where, --from, --to, then --turns in what these keep \
+    (in every record); join, in the order given; scale; remove means, then trends; resample. Flags behind \
+    --rename name columns by their new names. All other columns are kept, except a column of words that \
+    --where uses.\n\n\
     Records are joined by their own time stamps, which must increase from record to record.\n\n\
-    --rate filters what the new rate cannot carry; a column of labels (a segment's number) keeps its value until the next. Stamps that are not uniform (segments of different rates) are interpolated within \
-    what was measured: a gap, longer than three of its neighbours' periods, is bridged by a straight line, and what lies in it is \
-    marked 0 in the column valid.\n\n\
-    The file written is a header line t_s,u_V,…,valid and one line a sample, or an NPZ or MAT file of the same columns. Numbers that are missing or not \
-    finite are refused where they are kept.\n\n\
+    --rate applies an anti-aliasing low-pass; a column of labels (a segment's number) is held. Non-uniform \
+    time stamps (segments of different rates) are interpolated; a gap, longer than three of its neighbours' \
+    sample periods, is bridged by a straight line, whose samples are 0 in the column valid.\n\n\
+    The file written is a header line t_s,u_V,…,valid and one line a sample, or an NPZ or MAT file of the \
+    same columns. Numbers that are missing or not finite are refused where they are kept.\n\n\
     Example: hysteron prepare run.csv --from 1.5s --to 20s -o steady.csv\n\
     Example: hysteron prepare scan.csv --where segment=2..7 --rate 500Hz -o scan_500.csv\n\
     Example: hysteron prepare run_1.csv run_2.csv --rename ch1=u_V --scale y=2.5um/V --detrend y -o both.npz"
 )]
 pub struct PrepareCommand {
-    /// The records, in the order of time
+    /// The records, in order of time
     #[arg(value_name = "RECORD", required = true)]
     records: Vec<PathBuf>,
 
@@ -45,22 +46,22 @@ pub struct PrepareCommand {
     #[arg(long, value_name = "OLD=NEW", value_parser = str::parse::<Rename>)]
     rename: Vec<Rename>,
 
-    /// Columns that are left out, by their new names
+    /// Columns to leave out, by their new names
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
     drop: Vec<String>,
 
     #[command(flatten)]
     cut: CutFlags,
 
-    /// Turning points of the drive between which samples are kept, counted from 1, e.g. 1:5, 3: or :5
+    /// Keep samples between two turning points of the drive, counted from 1, e.g. 1:5, 3: or :5
     #[arg(long, value_name = "FIRST:LAST", value_parser = str::parse::<Turns>, help_heading = "Part of the record")]
     turns: Option<Turns>,
 
-    /// Drive whose turning points are meant: its name, with or without unit, or its number from 1
+    /// Drive of --turns: its name, with or without unit, or its number from 1
     #[arg(long, value_name = "COL", requires = "turns", help_heading = "Part of the record")]
     input: Option<String>,
 
-    /// What a column's numbers mean, e.g. y=2.5um/V or u=15V/V; may be repeated
+    /// Scale factor of a column, e.g. y=2.5um/V or u=15V/V; may be repeated
     #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = str::parse::<Scale>)]
     scales: Vec<Scale>,
 
@@ -68,7 +69,7 @@ pub struct PrepareCommand {
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
     remove_mean: Vec<String>,
 
-    /// Columns whose straight-line trend is removed, the mean with it
+    /// Columns whose linear trend is removed, the mean with it
     #[arg(long, value_name = "COL,COL…", value_delimiter = ',')]
     detrend: Vec<String>,
 

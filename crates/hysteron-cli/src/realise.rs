@@ -16,13 +16,14 @@ use crate::numbers::{positive, share};
 /// Turn a model into a fixed number of real poles and pole pairs for a controller's sample rate.
 #[derive(Args)]
 #[command(
-    after_help = "The poles of the dynamics are kept, a branch cut becomes real poles, their number grown until the response follows the batch \
-    simulation's to the accuracy, a share of the range. Printed: taps and sections x <- x + g (w - x), output c x (real parts for a pair), the \
-    largest error of the response over the band, that against a simulation of a sweep over the model's own range, and the time a sample took on \
-    this machine. --json holds every number to all digits.\n\n\
-    A model that creeps for ever is realised down to --lowest-frequency (else a thousandth of the lowest frequency of the records it was identified \
-    from); a decade more costs two or three states.\n\n\
-    Example: hysteron realise model.json --sample-rate 10000 --accuracy 1e-5"
+    after_help = "The poles of the dynamics are kept, a branch cut becomes real poles, their number grown \
+    until the response follows the batch simulation's to the accuracy, a share of the range. Printed: taps \
+    and sections x <- x + g (w - x), output c x (real parts for a pair), the largest error of the response \
+    over the band, that against a simulation of a sweep over the model's own range, and the time a sample \
+    took on this machine. --json holds every number to all digits.\n\nA model that creeps for ever is \
+    realised down to --lowest-frequency (else a thousandth of the lowest frequency of the records it was \
+    identified from); a decade more costs two or three states.\n\nExample: hysteron realise model.json \
+    --sample-rate 10000 --accuracy 1e-5"
 )]
 pub struct Realise {
     /// The model file
@@ -37,7 +38,7 @@ pub struct Realise {
     #[arg(long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true)]
     accuracy: f64,
 
-    /// Frequency down to which a model that creeps for ever is realised
+    /// Lowest frequency to realise, for a model whose creep has no end
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
@@ -58,7 +59,8 @@ impl Realise {
     }
 }
 
-/// What a realisation is off the batch simulation along that sweep, and its frequencies \[Hz\]; with a remark where that is more than the accuracy.
+/// What a realisation is off the batch simulation along that sweep, and its frequencies \[Hz\]; with a remark
+/// where that is more than the accuracy.
 ///
 /// # Errors
 /// As [`verify`].
@@ -77,15 +79,16 @@ pub fn along_sweep(
 fn remark_sweep(found: &Verification, accuracy: f64) {
     if found.largest > accuracy {
         console::note(&format!(
-            "along the sweep the difference to the batch simulation is {} of the range, more than {}: what is beyond the dynamics' error lies between \
-             the samples (see docs/theory/realisation.md)",
+            "along the sweep the difference to the batch simulation is {} of the range, more than {}: what \
+             is beyond the dynamics' error lies between the samples (see docs/theory/realisation.md)",
             significant(found.largest, 2),
             significant(accuracy, 2)
         ));
     }
 }
 
-/// The realisation of a loaded model. Where it creeps for ever and nobody names a lowest frequency, down to one that its records suggest.
+/// The realisation of a loaded model. Where it creeps for ever and nobody names a lowest frequency, down to
+/// one that its records suggest.
 ///
 /// # Errors
 /// As [`realise`], with what to do about it.
@@ -98,8 +101,8 @@ pub fn realised(
     let stopped = where_creep_stops(loaded, sample_rate_hz, *options);
     if let (None, Some(low)) = (options.lowest_frequency_hz, stopped.lowest_frequency_hz) {
         console::note(&format!(
-            "the model creeps for ever; realised down to {} Hz, a thousandth of the lowest frequency of its records \
-             (--lowest-frequency says otherwise)",
+            "the model creeps for ever; realised down to {} Hz, a thousandth of the lowest frequency of its \
+             records (--lowest-frequency says otherwise)",
             significant(low, 3)
         ));
     }
@@ -118,12 +121,18 @@ pub fn where_creep_stops(
 fn cannot(model: &Path, error: &RealiseError) -> Failure {
     let failure = Failure::new(format!("cannot realise {}", model.display())).because(error);
     match error {
-        RealiseError::LowestFrequency => {
-            failure.hint("give --lowest-frequency HZ, e.g. the inverse of the longest time the controller runs")
-        }
-        RealiseError::SampleRate { scheme: "ARX", .. } => failure
-            .hint("identify the model from records of the controller's rate, or with dynamics that hold at any rate"),
-        RealiseError::SampleRate { .. } => failure.hint("identify it with --scheme tustin, which holds at other rates"),
+        RealiseError::LowestFrequency => failure.hint(
+            "give --lowest-frequency HZ, e.g. the inverse of the longest time the controller \
+                runs",
+        ),
+        RealiseError::SampleRate { scheme: "ARX", .. } => failure.hint(
+            "identify the model from records of the controller's rate, or with dynamics that hold at \
+                any rate",
+        ),
+        RealiseError::SampleRate { .. } => failure.hint(
+            "identify it with --scheme tustin, which holds at \
+            other rates",
+        ),
         RealiseError::Accuracy { .. } => failure.hint("ask for less with --accuracy"),
         _ => failure,
     }

@@ -22,13 +22,14 @@ use crate::numbers::number;
 use crate::output::{self, OutFile};
 use crate::start::StartFlags;
 
-/// Find gain, delay and offset of a model again from short records, and hold the rest of it.
+/// Re-estimate gain, delay and offset of a model from short records, with all other parameters held.
 #[derive(Args)]
 #[command(
-    after_help = "y = offset + g * model(u, delay): g scales the hysteresis block's output, the shape of the loop stays. The \
-    old model is the prior: the covariance in its file says how well gain and delay are known with the rest held (without one, the \
-    standard errors of `linear` and of the delay). A gain or delay that differs by more than 3 combined standard errors has changed, and is taken from \
-    the records alone. The offset is that of the first record.\n\n\
+    after_help = "y = offset + g * model(u, delay): g scales the hysteresis block's output, the shape of the \
+    loop stays. The old model is the prior: the covariance in its file says how well gain and delay are \
+    known with the rest held (without one, the standard errors of `linear` and of the delay). A gain or \
+    delay that differs by more than 3 combined standard errors has changed, and is taken from the records \
+    alone. The offset is that of the first record.\n\n\
     Example: hysteron recalibrate model.json today.csv -o model-today.json\n\
     Example: hysteron recalibrate model.json part1.csv part2.csv --continued -o model-today.json"
 )]
@@ -37,7 +38,7 @@ pub struct Recalibrate {
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
 
-    /// The records; a second with some turns of the drive is enough
+    /// The records; a second that contains some turning points of the drive is enough
     #[arg(value_name = "RECORD", required = true)]
     records: Vec<PathBuf>,
 
@@ -49,7 +50,7 @@ pub struct Recalibrate {
     #[arg(long)]
     continued: bool,
 
-    /// Refuse records of which the recalibrated model explains less than this share, in %
+    /// Least fit of a record by the recalibrated model, in %, below which it is refused
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
     least_fit: f64,
 
@@ -175,7 +176,8 @@ fn verdict(name: &str, change: &Change) -> String {
             format!("verdict: {name}: the records do not determine it; it is held at its old value.\n")
         } else {
             format!(
-                "verdict: {name}: the records put it on the edge of what is searched, {}; it is held there, without a standard error.\n",
+                "verdict: {name}: the records put it on the edge of what is searched, {}; it is held there, \
+                 without a standard error.\n",
                 significant(change.value, 4)
             )
         };
@@ -195,12 +197,13 @@ fn verdict(name: &str, change: &Change) -> String {
     let times = significant(times, 2);
     if change.is_significant() {
         format!(
-            "verdict: {name}: the device has changed: {times} combined standard errors from the old value, more than {SIGNIFICANT}{prior}; \
-             the new value is that of the records alone.\n"
+            "verdict: {name}: the device has changed: {times} combined standard errors from the old value, \
+             more than {SIGNIFICANT}{prior}; the new value is that of the records alone.\n"
         )
     } else {
         format!(
-            "verdict: {name}: no significant change: {times} combined standard errors from the old value{prior}.\n"
+            "verdict: {name}: no significant change: {times} combined standard errors from the old \
+             value{prior}.\n"
         )
     }
 }
@@ -209,8 +212,8 @@ fn explain(error: &IdentifyError) -> Failure {
     let failure = Failure::new("the model was not recalibrated").because(error);
     match error {
         IdentifyError::OtherDevice { .. } => failure.hint(
-            "check the columns (--input, --output) and that it is the same device; identify it anew with hysteron identify; \
-             --least-fit 0 hands the model out all the same",
+            "check the columns (--input, --output) and that it is the same device; identify it anew with \
+             hysteron identify; --least-fit 0 hands the model out all the same",
         ),
         error => failure.advised(error.advice()),
     }

@@ -21,20 +21,20 @@ use crate::output;
 /// Largest truth or plan file read, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Measure on a simulated test bench whose truth is known: records to try the other commands on.
+/// Measure on a simulated test bench with known truth: records to try the other commands on.
 #[derive(Args)]
 #[command(
-    after_help = "Plays the article's campaign (1 Hz loop, 1-100 Hz sweep, sines of 10, 20, 50 and 100 Hz), or the drives given \
-    with --drive, and writes one record each, with the truth and the plan in force, into the folder. \
-    The default truth lies outside every model class that hysteron identifies.\n\n\
-    Example: hysteron rig --out-dir bench --seed 1"
+    after_help = "Plays the article's campaign (1 Hz loop, 1-100 Hz sweep, sines of 10, 20, 50 and 100 Hz), \
+    or the drives given with --drive, and writes one record each, with the truth and the plan in force, into \
+    the folder. The default truth lies outside every model class that hysteron identifies.\n\nExample: \
+    hysteron rig --out-dir bench --seed 1"
 )]
 pub struct Rig {
     /// True parameters of the simulated bench: JSON, all keys optional (truth.json of an earlier run, edited)
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
 
-    /// Folder the records are written into; made if it does not exist
+    /// Output folder; made if it does not exist
     #[arg(long, value_name = "DIR")]
     out_dir: PathBuf,
 
@@ -46,7 +46,8 @@ pub struct Rig {
     #[arg(long, value_name = "FILE", conflicts_with = "drives")]
     plan: Option<PathBuf>,
 
-    /// Play the drive in this file, e.g. one written by hysteron excite, instead of the campaign; may be repeated
+    /// Play the drive in this file, e.g. one written by hysteron excite, instead of the campaign; may be
+    /// repeated
     #[arg(long = "drive", value_name = "FILE")]
     drives: Vec<PathBuf>,
 

@@ -29,8 +29,8 @@ pub fn within_band(score: &Score) -> Option<String> {
     let BandScore { inside_percent, measurement, model } = score.band?;
     let unit = score.unit.to_string();
     Some(format!(
-        "{}: {} % of the samples lie within the 95 % band of a new measurement, ± {} {unit} at its widest (± {} {unit} of it from the \
-         errors of the parameters).",
+        "{}: {} % of the samples lie within the 95 % band of a new measurement, ± {} {unit} at its widest (± \
+         {} {unit} of it from the errors of the parameters).",
         score.record,
         significant(inside_percent, 3),
         significant(measurement, 3),
@@ -85,7 +85,8 @@ pub fn residual_tests(score: &Score) -> Option<String> {
     let own = scores.whiteness.as_ref()?;
     let input = scores.input_correlation.as_ref()?;
     Some(format!(
-        "{}: the residual's autocorrelation leaves its 99 % bounds at {}, its correlation with the input at {}.",
+        "{}: the residual's autocorrelation leaves its 99 % bounds at {}, its correlation with the input at \
+         {}.",
         score.record,
         outside(own),
         outside(input)
@@ -95,7 +96,8 @@ pub fn residual_tests(score: &Score) -> Option<String> {
 /// Records up to which the table of a fit has a column a record: it then fits a narrow terminal.
 const SIDE_BY_SIDE: usize = 3;
 
-/// The table of a fit for people: a column a record for a few records, a row a record for more and for several outputs.
+/// The table of a fit for people: a column a record for a few records, a row a record for more and for
+/// several outputs.
 pub fn table(records: &[Score]) -> Table {
     let scored: Vec<(&str, &Score)> = records.iter().map(|score| ("", score)).collect();
     let (header, rows) = cells(&scored);
@@ -110,7 +112,8 @@ pub fn table(records: &[Score]) -> Table {
     table
 }
 
-/// A row a record, whatever their number, with the names of the models that were scored on them; the models of a record stand below each other.
+/// A row a record, whatever their number, with the names of the models that were scored on them; the models
+/// of a record stand below each other.
 pub fn table_of_models(scored: &[(&str, &Score)]) -> Table {
     if scored.iter().any(|(_, score)| score.axes.is_some()) {
         return axes_table(scored);
@@ -203,7 +206,8 @@ fn axes_table(scored: &[(&str, &Score)]) -> Table {
     table
 }
 
-/// The score from the start that the model file assumes, in a sentence; `None` where the record was simulated from it.
+/// The score from the start that the model file assumes, in a sentence; `None` where the record was simulated
+/// from it.
 pub fn without_estimated_start(score: &Score) -> Option<String> {
     let without = score.without_estimated_start.as_ref()?;
     Some(without_help(score, without.rmse, without.max_abs_error))
@@ -217,7 +221,8 @@ pub fn run_without_estimated_start(without: &Score) -> String {
 fn without_help(score: &Score, rmse: f64, max_abs_error: f64) -> String {
     let unit = score.unit.to_string();
     format!(
-        "{}: from the start that the model file assumes, without the one estimated from the record: {} {}, {} {}.",
+        "{}: from the start that the model file assumes, without the one estimated from the record: {} {}, \
+         {} {}.",
         score.record,
         console::in_unit("RMSE", &unit),
         significant(rmse, 4),
@@ -226,16 +231,17 @@ fn without_help(score: &Score, rmse: f64, max_abs_error: f64) -> String {
     )
 }
 
-/// What the score says about device and range, in a sentence; `None` where the model file does not tell how its training scored.
+/// What the score says about device and range, in a sentence; `None` where the model file does not tell how
+/// its training scored.
 pub fn verdict(score: &Score) -> Option<String> {
     let verdict = score.verdict.as_ref()?;
     Some(format!("{}: {}: {}.", score.record, verdict.judgement.name(), verdict.why))
 }
 
 /// What the scores of several outputs mean.
-pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation − offset over all outputs, the offset of each sensor estimated unless \
-    --fixed-offset is given; of mean period: the same of the mean over the record's periods, in which noise counts less; level: rms \
-    of the inputs.";
+pub const AXES_EXPLANATION: &str = "RMSE: root mean square of y − simulation − offset over all outputs, the \
+    offset of each sensor estimated unless --fixed-offset is given; of mean period: the same of the mean \
+    over the record's periods, in which noise counts less; level: rms of the inputs.";
 
 /// File names where they tell the paths apart, else the paths as given.
 pub fn short_names(paths: Vec<String>) -> Vec<String> {

@@ -19,12 +19,12 @@ use crate::start::StartFlags;
 /// Simulate a model's output for the drive in a file.
 #[derive(Args)]
 #[command(
-    after_help = "The file written holds the time (where the input has one), the drive and the model's output, \
-    in the model's units, e.g. t_s,u_V,y_um: a record that every other command reads. An output measured in the input file is kept \
-    beside it as y_measured_um.\n\n\
-    --band adds the ends of a 95 % band, e.g. y_low_um,y_high_um, from the errors in the model file: of the model's output about \
-    its mean (a sensor has its own zero), or of a new measurement, which scatters about it as the records identified from did. \
-    Both take the model class for true.\n\n\
+    after_help = "The file written holds the time (where the input has one), the drive and the model's \
+    output, in the model's units, e.g. t_s,u_V,y_um: a record that every other command reads. An output \
+    measured in the input file is kept beside it as y_measured_um.\n\n\
+    --band adds the limits of a 95 % band, e.g. y_low_um,y_high_um, from the standard errors in the model \
+    file: of the model's output about its mean (a sensor has its own zero), or of a new measurement, whose \
+    residual has the distribution of the training residuals. Both assume that the model class is true.\n\n\
     Example: hysteron simulate model.json drive.csv -o simulated.csv --band measurement\n\
     Example: hysteron simulate model.json part1.csv part2.csv --continued -o run.csv"
 )]
@@ -37,7 +37,8 @@ pub struct Simulate {
     #[arg(value_name = "INPUT.csv", required = true)]
     input_files: Vec<PathBuf>,
 
-    /// The files are consecutive parts of one run on one clock: simulated at one go from the start of the first
+    /// The files are consecutive parts of one run on one clock: simulated at one go from the start of the
+    /// first
     #[arg(long)]
     continued: bool,
 
@@ -45,7 +46,7 @@ pub struct Simulate {
     #[arg(short, long = "out", value_name = "OUT.csv|npz|mat")]
     out: OutFile,
 
-    /// Add the ends of a 95 % band around the output
+    /// Add the limits of a 95 % prediction band
     #[arg(long, value_enum)]
     band: Option<BandArg>,
 

@@ -12,11 +12,11 @@ use crate::numbers::{number, positive};
 /// How a simulation starts, where the model file's own assumption does not hold.
 #[derive(Args, Clone, Debug)]
 pub struct StartFlags {
-    /// The device rested at this voltage before the record (the model file's assumption if not given)
+    /// Voltage at rest before the record [default: as the model file assumes]
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "settled")]
     rest_voltage: Option<f64>,
 
-    /// The record repeats with this period and had been running for some periods before it begins
+    /// Period of a record in periodic steady state, in s
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     settled: Option<f64>,
 }

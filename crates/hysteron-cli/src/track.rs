@@ -1,4 +1,5 @@
-//! `hysteron track`: a reference followed sample by sample, without compensation, by feedforward, by feedback and by both.
+//! `hysteron track`: a reference followed sample by sample, without compensation, by feedforward, by feedback
+//! and by both.
 
 use std::path::PathBuf;
 
@@ -28,16 +29,20 @@ use crate::remarks;
 use crate::result_flags::ResultFlags;
 use crate::rig::read_or_default;
 
-/// Follow a reference in closed loop on the simulated bench or on the model itself, and say what each controller leaves
+/// Simulate tracking of a reference by each controller, on the simulated bench or on the model itself, and
+/// compare errors
 #[derive(Args)]
 #[command(
-    after_help = "Everything is simulated. The reference's sample rate is the controller's; each voltage is held for one period, and the reading at the \
-    beginning of one period makes the drive of the next. Before the reference the stage rests at its first value, where its sensor is zeroed; errors are \
-    those of the displacement, not of the reading, their mean taken off.\n\n\
-    Feedback is tuned from the model: of the laws that keep --gain-margin, --phase-margin and a sensitivity of at most 2, the one that leaves least of a \
-    wandering disturbance. Where the model was identified up to a frequency only, the loop's gain stays below 1/(gain margin) above it.\n\n\
+    after_help = "Everything is simulated. The reference's sample rate is the controller's; each voltage is \
+    held for one period, and the reading at the beginning of one period makes the drive of the next. Before \
+    the reference the stage rests at its first value, where its sensor is zeroed; errors are those of the \
+    true displacement, not of the reading, without their mean.\n\n\
+    Feedback is tuned from the model: of the laws that keep --gain-margin, --phase-margin and a sensitivity \
+    of at most 2, the one that best rejects a random-walk disturbance. Where the model was identified up to \
+    a frequency only, the loop's gain stays below 1/(gain margin) above it.\n\n\
     Example: hysteron track model.json scan.csv --plant rig --range 0:10.5 --report track.html\n\
-    Example: hysteron track model.json scan.csv --controller feedforward --controller feedforward-pi --current 100 --capacitance 10"
+    Example: hysteron track model.json scan.csv --controller feedforward --controller feedforward-pi \
+    --current 100 --capacitance 10"
 )]
 pub struct Track {
     /// The model file
@@ -64,11 +69,13 @@ pub struct Track {
     #[arg(long = "controller", value_parser = one_of(Controller::ALL, Controller::name, Controller::summary))]
     controllers: Vec<Controller>,
 
-    /// Samples of the reference known ahead, for the controllers that are given some [default: as many as make a difference]
+    /// Preview of the reference in samples, for the controllers that have one [default: as many as affect the
+    /// drive]
     #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true)]
     preview: Option<usize>,
 
-    /// Highest frequency of the reference in Hz, for the controllers that predict it [default: that of its fastest swing]
+    /// Highest frequency of the reference in Hz, for the controllers that predict it [default: of its fastest
+    /// swing]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     predict_to: Option<f64>,
 
@@ -92,8 +99,8 @@ pub struct Track {
     #[arg(long, value_name = "UF", value_parser = positive, allow_hyphen_values = true, requires = "current")]
     capacitance: Option<f64>,
 
-    /// Voltage at which the device was without hysteresis memory before it was driven to where it rests [default: 0, where
-    /// --range holds it, else where it rests]
+    /// Voltage at which the device was last demagnetised, before it moved to the voltage at rest [default: 0
+    /// where --range contains it, else the voltage at rest]
     #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true)]
     virgin_voltage: Option<f64>,
 
@@ -105,16 +112,18 @@ pub struct Track {
     #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = positive, allow_hyphen_values = true)]
     phase_margin: f64,
 
-    /// Lowest frequency in Hz of creep that never ends, below which it stops [default: a thousandth of the lowest of the model's records]
+    /// Lowest frequency in Hz of creep that has no end [default: a thousandth of the lowest of the model's
+    /// records]
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]
     lowest_frequency: Option<f64>,
 
-    /// Seconds at the beginning that are not scored [default: a quarter of the reference]; at the end it is what is known ahead
+    /// Seconds at the beginning that are not scored [default: a quarter of the reference]; at the end the
+    /// preview is not scored
     #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
     skip: Option<f64>,
 
-    /// Lowest and highest of the sines by which the bandwidths are measured, in Hz; they have the stroke and the middle of the reference where it is scored [default: 1e-4 to
-    /// 0.1 of the sample rate]
+    /// Lowest and highest frequency of the sines by which bandwidths are measured, in Hz; their stroke and
+    /// mean are those of the scored reference [default: 1e-4 to 0.1 of the sample rate]
     #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true)]
     sines: Option<[f64; 2]>,
 

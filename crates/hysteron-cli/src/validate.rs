@@ -23,11 +23,12 @@ use crate::result_flags::ResultFlags;
 use crate::scores;
 use crate::start::StartFlags;
 
-/// Score models on records they may not have seen: simulation from the start of each record, not prediction.
+/// Score models on held-out records by simulation in free run, not by one-step prediction.
 #[derive(Args)]
 #[command(
-    after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual is added to the \
-    simulation and printed as the offset. A record that cannot be scored does not stop the others; the exit code then is 1.\n\n\
+    after_help = "Each record's sensor has its own zero: unless --fixed-offset is given, the mean residual \
+    is added to the simulation and printed as the offset. A record that cannot be scored does not stop the \
+    others; the exit code then is 1.\n\n\
     Example: hysteron validate model.json run1.csv run2.csv --skip 0.5\n\
     Example: hysteron validate old.json new.json run1.csv --report validation.html\n\
     Example: hysteron validate model.json run1.csv -o scored.csv"
@@ -41,25 +42,26 @@ pub struct Validate {
     #[arg(value_name = "RECORD", required = true)]
     files: Vec<PathBuf>,
 
-    /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter period where a model
-    /// without dynamics meets a drive that starts with a jump]
+    /// Seconds at the start of each record that are simulated but not scored [default: 0; a quarter of a
+    /// period for a model without dynamics where the drive starts with a jump]
     #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_hyphen_values = true)]
     skip: Option<f64>,
 
-    /// Compare with the model's own offset instead of estimating each record's sensor offset
+    /// Use the offset in the model instead of estimating the sensor offset of each record
     #[arg(long)]
     fixed_offset: bool,
 
-    /// The records are consecutive parts of one run on one clock: simulated at one go from the start of the first, with one offset
+    /// The records are consecutive parts of one run on one clock: simulated at one go from the start of the
+    /// first, with one offset
     #[arg(long, conflicts_with = "band")]
     continued: bool,
 
-    /// Say how many samples lie within the 95 % band of a new measurement, from the errors in the model file
+    /// Report the coverage of the 95 % prediction band, from the standard errors in the model file
     #[arg(long)]
     band: bool,
 
-    /// File for the samples that were scored: drive, measured output, model, residual (CSV, or NPZ or MAT by its name); one record, or
-    /// one run
+    /// File for the samples that were scored: drive, measured output, model, residual (CSV, or NPZ or MAT by
+    /// its name); one record, or one run
     #[arg(short, long = "output-file", value_name = "OUT.csv|npz|mat")]
     out: Option<PathBuf>,
 
@@ -214,7 +216,8 @@ impl Validate {
         Ok(Scored { loaded, shown, runs: Vec::new(), failed })
     }
 
-    /// Scores of the records as parts of runs: one that cannot be read leaves a hole in its run, so that nothing is scored.
+    /// Scores of the records as parts of runs: one that cannot be read leaves a hole in its run, so that
+    /// nothing is scored.
     fn of_runs(&self, loaded: Loaded, paths: &[&PathBuf]) -> Result<Scored, Failure> {
         loaded.hammerstein(Capability::Runs)?;
         let part = |path: &&PathBuf| loaded.read_part(path, &self.columns, &self.axes);
@@ -296,7 +299,8 @@ impl Validate {
         let offset = if self.fixed_offset {
             "The offset is the model's own (--fixed-offset)."
         } else {
-            "The offset of each record's sensor was estimated from the record: the mean residual, added to the simulation."
+            "The offset of each record's sensor was estimated from the record: the mean residual, added to \
+             the simulation."
         };
         let lines = |sentence: fn(&Score) -> Option<String>| {
             let line = |(model, score): &(&str, &Score)| {

@@ -126,7 +126,8 @@ fn retain_texts(
     Ok(())
 }
 
-/// All columns that are read have one length, of at least two samples. Time, else the first of them, says which.
+/// All columns that are read have one length, of at least two samples. Time, else the first of them, says
+/// which.
 fn check_lengths(columns: &Columns, roles: &[Role]) -> Result<usize, IoError> {
     let file = &columns.headings.file;
     let read = || (0..roles.len()).filter(|&i| roles[i] != Role::Skipped);

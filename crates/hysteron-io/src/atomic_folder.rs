@@ -30,12 +30,14 @@ pub fn temporary_folder() -> io::Result<tempfile::TempDir> {
     tempfile::tempdir()
 }
 
-/// Writes all `files` into `folder`, made where it does not exist. Files of other names stay as they are; one of the same name is
-/// replaced where it holds `mark`, as all files written this way do. Everything is written beside its place first, and then
-/// renamed; what was replaced is put back where a later rename fails. A symbolic link to a file stays, and that file is replaced or made.
+/// Writes all `files` into `folder`, made where it does not exist. Files of other names stay as they are; one
+/// of the same name is replaced where it holds `mark`, as all files written this way do. Everything is
+/// written beside its place first, and then renamed; what was replaced is put back where a later rename
+/// fails. A symbolic link to a file stays, and that file is replaced or made.
 ///
 /// # Errors
-/// [`IoError::Foreign`] for a file of the same name without the mark; [`IoError::Folder`]. Nothing has changed then.
+/// [`IoError::Foreign`] for a file of the same name without the mark; [`IoError::Folder`]. Nothing has
+/// changed then.
 pub fn write_folder(folder: &Path, files: &[NamedFile], mark: &[u8]) -> Result<(), IoError> {
     for file in files {
         check(&folder.join(&file.name), mark)?;

@@ -56,7 +56,8 @@ pub(crate) struct Headings {
 #[derive(Debug)]
 pub(crate) struct Columns {
     pub headings: Headings,
-    /// One list of numbers a heading; empty for those not read. Of a column of texts, which of its [`Self::texts`].
+    /// One list of numbers a heading; empty for those not read. Of a column of texts, which of its
+    /// [`Self::texts`].
     pub values: Vec<Vec<f64>>,
     /// One list a heading: the different texts of a column of texts, in the order in which they first stand.
     pub texts: Vec<Vec<String>>,
@@ -239,7 +240,8 @@ impl Columns {
 }
 
 impl SampleLines {
-    /// Notes that `sample` and those behind it, up to the next one noted, stand in `line` and the lines below.
+    /// Notes that `sample` and those behind it, up to the next one noted, stand in `line` and the lines
+    /// below.
     pub fn note(&mut self, sample: usize, line: u64) {
         if self.line(sample) != Some(line) {
             self.0.push((sample, line));

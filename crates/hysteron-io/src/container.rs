@@ -1,4 +1,5 @@
-//! Files of named arrays: what they hold, and how it becomes columns. The rules are the same for every such format.
+//! Files of named arrays: what they hold, and how it becomes columns. The rules are the same for every such
+//! format.
 
 use std::ops::Range;
 
@@ -107,7 +108,8 @@ impl Held {
         }
     }
 
-    /// The columns: a vector itself, those of a high matrix, the rows of a wide one. `None` for anything else.
+    /// The columns: a vector itself, those of a high matrix, the rows of a wide one. `None` for anything
+    /// else.
     fn columns(&self, index: usize) -> Option<Vec<Column>> {
         let (rows, columns) = self.matrix()?;
         let (name, unit) = self.name_and_unit();
@@ -183,10 +185,12 @@ pub(crate) fn shape_of_texts(letters: &[usize]) -> Vec<usize> {
     if texts.iter().all(|&n| n == 1) { Vec::new() } else { texts.to_vec() }
 }
 
-/// Reads the wanted columns of a file that holds these arrays; `values` gives the numbers of one of them, in the order of memory.
+/// Reads the wanted columns of a file that holds these arrays; `values` gives the numbers of one of them, in
+/// the order of memory.
 ///
-/// A vector is a column, whatever dimensions of length 1 it has besides; a matrix of at most 16 columns or rows gives one column
-/// each. Single numbers are no columns where there are others, but may give the sample rate.
+/// A vector is a column, whatever dimensions of length 1 it has besides; a matrix of at most 16 columns or
+/// rows gives one column each. Single numbers are no columns where there are others, but may give the sample
+/// rate.
 pub(crate) fn columns(
     input: Input<'_>,
     held: &[Held],

@@ -30,7 +30,8 @@ pub fn contents(path: &Path, options: &ReadOptions) -> Result<Vec<Content>, IoEr
     list(&path.display().to_string(), open(path)?, options)
 }
 
-/// [`contents`] of a file in memory; `name` stands for the file in messages, and its extension may choose the format.
+/// [`contents`] of a file in memory; `name` stands for the file in messages, and its extension may choose the
+/// format.
 ///
 /// # Errors
 /// As [`contents`].

@@ -9,18 +9,20 @@ use hysteron_model::record::Record;
 use crate::IoError;
 use crate::write::{check, headers};
 
-/// Writes a record as comma-separated text that [`read_record`](crate::read_record) reads back to the same numbers: column `t_s`
-/// where there is a time base, one column a channel (`u_V`), `valid` where there is a mask. The file is complete or not there.
+/// Writes a record as comma-separated text that [`read_record`](crate::read_record) reads back to the same
+/// numbers: column `t_s` where there is a time base, one column a channel (`u_V`), `valid` where there is a
+/// mask. The file is complete or not there.
 ///
 /// # Errors
-/// [`IoError::Record`] where the record is not sound ([`Record::check`]) or a channel has the header of time or mask,
-/// [`IoError::Write`].
+/// [`IoError::Record`] where the record is not sound ([`Record::check`]) or a channel has the header of time
+/// or mask, [`IoError::Write`].
 pub fn write_csv(path: &Path, record: &Record) -> Result<(), IoError> {
     check(path, record)?;
     Ok(write_atomically_with(path, |out| write_csv_to(out, record))?)
 }
 
-/// Writes the text of [`write_csv`] to any sink. The record must be sound ([`Record::check`]): rows end with its shortest channel.
+/// Writes the text of [`write_csv`] to any sink. The record must be sound ([`Record::check`]): rows end with
+/// its shortest channel.
 ///
 /// # Errors
 /// Whatever the sink returns.

@@ -59,7 +59,8 @@ pub enum IoError {
     },
     /// Numbers in the first line.
     #[error(
-        "{place}: found {columns} number(s) where the column names should be; add a header line above, e.g. `{suggestion}`, with the units that hold"
+        "{place}: found {columns} number(s) where the column names should be; add a header line above, e.g. \
+         `{suggestion}`, with the units that hold"
     )]
     NoHeader {
         /// Where it stands.
@@ -81,7 +82,8 @@ pub enum IoError {
     },
     /// Columns of different lengths.
     #[error(
-        "{place}: {found} samples where `{reference}` has {expected}; cut them to one length, or choose other columns"
+        "{place}: {found} samples where `{reference}` has {expected}; cut them to one length, or choose \
+         other columns"
     )]
     LengthMismatch {
         /// Where it stands.
@@ -105,7 +107,8 @@ pub enum IoError {
     },
     /// An array of something else than real numbers.
     #[error(
-        "{place}: found values of type {found}, expected real numbers of 8 to 64 bits or bool; convert it (`.astype(float)`), or choose other columns"
+        "{place}: found values of type {found}, expected real numbers of 8 to 64 bits or bool; convert it \
+         (`.astype(float)`), or choose other columns"
     )]
     ArrayType {
         /// Where it stands.
@@ -115,7 +118,8 @@ pub enum IoError {
     },
     /// An array that is no column.
     #[error(
-        "{place}: shape {found}, expected a column: (n,), (n, 1) or (1, n); save each column under a name of its own, or choose other columns"
+        "{place}: shape {found}, expected a column: (n,), (n, 1) or (1, n); save each column under a name of \
+         its own, or choose other columns"
     )]
     ArrayShape {
         /// Where it stands.
@@ -125,7 +129,8 @@ pub enum IoError {
     },
     /// An array without names of columns.
     #[error(
-        "{place}: an array of shape {found} without column names; save named ones with their units, e.g. `numpy.savez(\"record.npz\", t_s=t, u_V=u, y_um=y)`"
+        "{place}: an array of shape {found} without column names; save named ones with their units, e.g. \
+         `numpy.savez(\"record.npz\", t_s=t, u_V=u, y_um=y)`"
     )]
     NoNames {
         /// The file.
@@ -163,7 +168,8 @@ pub enum IoError {
     },
     /// More bytes than allowed.
     #[error(
-        "`{}` is larger than {limit_bytes} bytes{}; raise the limit (`max_bytes`) if this is meant, or crop the file",
+        "`{}` is larger than {limit_bytes} bytes{}; raise the limit (`max_bytes`) if this is meant, or crop \
+         the file",
         place.file,
         place.in_brackets("stopped in ")
     )]
@@ -193,7 +199,8 @@ pub enum IoError {
     },
     /// A line without end.
     #[error(
-        "{place}: longer than {limit} bytes; expected text with one line a sample, is this a binary file or one with other line ends?"
+        "{place}: longer than {limit} bytes; expected text with one line a sample, is this a binary file or \
+         one with other line ends?"
     )]
     LineTooLong {
         /// Where it stands.
@@ -255,7 +262,8 @@ pub enum IoError {
     },
     /// A choice that several columns match.
     #[error(
-        "{place}: `{asked}`, the {role}, could be any of {candidates}; write the name with its unit, or the column's number"
+        "{place}: `{asked}`, the {role}, could be any of {candidates}; write the name with its unit, or the \
+         column's number"
     )]
     AmbiguousColumn {
         /// Where it stands.
@@ -289,7 +297,8 @@ pub enum IoError {
     },
     /// A frequency response, not samples in time.
     #[error(
-        "{place}: column `{column}` makes this look like a frequency response, not a record in time; expected columns such as `t_s,u_V,y_um`"
+        "{place}: column `{column}` makes this look like a frequency response, not a record in time; \
+         expected columns such as `t_s,u_V,y_um`"
     )]
     FrequencyResponse {
         /// Where it stands.
@@ -299,7 +308,8 @@ pub enum IoError {
     },
     /// No frequency column where a frequency response is wanted.
     #[error(
-        "{place}: no frequency among the columns {found}; expected columns such as `f_Hz,re,im` or `f_Hz,magnitude,phase_deg`"
+        "{place}: no frequency among the columns {found}; expected columns such as `f_Hz,re,im` or \
+         `f_Hz,magnitude,phase_deg`"
     )]
     NoFrequency {
         /// Where it stands.
@@ -309,7 +319,8 @@ pub enum IoError {
     },
     /// Frequencies without a complex value.
     #[error(
-        "{place}: no complex response among the columns {found}; expected real and imaginary part (`re,im`, `stage_re,stage_im`) or magnitude and phase (`magnitude,phase_deg`, `magnitude_dB,phase_rad`)"
+        "{place}: no complex response among the columns {found}; expected real and imaginary part (`re,im`, \
+         `stage_re,stage_im`) or magnitude and phase (`magnitude,phase_deg`, `magnitude_dB,phase_rad`)"
     )]
     NoResponse {
         /// Where it stands.
@@ -355,7 +366,8 @@ pub enum IoError {
     },
     /// No channel besides time and mask.
     #[error(
-        "{place}: no channel besides {found}; expected columns such as `t_s,u_V,y_um`; is the delimiter none of comma, semicolon, tab?"
+        "{place}: no channel besides {found}; expected columns such as `t_s,u_V,y_um`; is the delimiter none \
+         of comma, semicolon, tab?"
     )]
     NoChannels {
         /// Where it stands.
@@ -375,7 +387,8 @@ pub enum IoError {
     },
     /// An empty field.
     #[error(
-        "{place}: empty, expected a number; cut the record there or fill the gap and mark it 0 in a `valid` column"
+        "{place}: empty, expected a number; cut the record there or fill the gap and mark it 0 in a `valid` \
+         column"
     )]
     MissingValue {
         /// Where it stands.
@@ -383,7 +396,8 @@ pub enum IoError {
     },
     /// NaN, an infinity, or a number too large for a double.
     #[error(
-        "{place}: `{found}` is not a finite number; cut the record there or fill the gap and mark it 0 in a `valid` column"
+        "{place}: `{found}` is not a finite number; cut the record there or fill the gap and mark it 0 in a \
+         `valid` column"
     )]
     NotFinite {
         /// Where it stands.
@@ -393,7 +407,9 @@ pub enum IoError {
     },
     /// Decimal commas in a comma-separated file.
     #[error(
-        "{place}: {found} fields where the header has {expected}: decimal commas in a comma-separated file cannot be told from delimiters; export it with semicolons or tabs between the columns, or with decimal points"
+        "{place}: {found} fields where the header has {expected}: decimal commas in a comma-separated file \
+         cannot be told from delimiters; export it with semicolons or tabs between the columns, or with \
+         decimal points"
     )]
     DecimalCommas {
         /// Where it stands.
@@ -405,7 +421,8 @@ pub enum IoError {
     },
     /// Decimal commas and decimal points in one file.
     #[error(
-        "{place}: `{found}` mixes with the decimal {other} of line {other_line}; thousands separators are not read, write all numbers in one way"
+        "{place}: `{found}` mixes with the decimal {other} of line {other_line}; thousands separators are \
+         not read, write all numbers in one way"
     )]
     MixedDecimalMarks {
         /// Where it stands.
@@ -433,7 +450,8 @@ pub enum IoError {
     },
     /// A last line that stops in the middle.
     #[error(
-        "{place}: the last line is cut off after {found} of {expected} fields; was the recording interrupted? Delete that line to use the rest"
+        "{place}: the last line is cut off after {found} of {expected} fields; was the recording \
+         interrupted? Delete that line to use the rest"
     )]
     Truncated {
         /// Where it stands.
@@ -453,7 +471,8 @@ pub enum IoError {
     },
     /// Time that runs backwards.
     #[error(
-        "{place}: time runs backwards, {after} s after {before} s; sort the rows, or split the file where the clock was reset"
+        "{place}: time runs backwards, {after} s after {before} s; sort the rows, or split the file where \
+         the clock was reset"
     )]
     TimeDecreases {
         /// Where it stands.

@@ -28,11 +28,12 @@ pub struct ResponseOptions {
 
 /// Reads a frequency response.
 ///
-/// Columns: frequency `f`, `freq` or `frequency` in Hz (or `f_kHz`, `f_MHz`, `omega_rad_per_s`); real and imaginary part `re`,
-/// `im`, or magnitude and phase `magnitude` (`magnitude_dB`), `phase_deg` (`phase_rad`), each behind a name and an
-/// underscore where there are several responses (`stage_re`, `ampV_re`); with or without a standard deviation `std`
-/// (√E|error|², of the complex value). A unit stands at the end (`re_um_per_V`). Other columns are not read. Lines may be
-/// in any order; frequencies must differ and be above 0.
+/// Columns: frequency `f`, `freq` or `frequency` in Hz (or `f_kHz`, `f_MHz`, `omega_rad_per_s`); real and
+/// imaginary part `re`, `im`, or magnitude and phase `magnitude` (`magnitude_dB`), `phase_deg` (`phase_rad`),
+/// each behind a name and an underscore where there are several responses (`stage_re`, `ampV_re`); with or
+/// without a standard deviation `std` (√E|error|², of the complex value). A unit stands at the end
+/// (`re_um_per_V`). Other columns are not read. Lines may be in any order; frequencies must differ and be
+/// above 0.
 ///
 /// # Errors
 /// Any [`IoError`]; it names the file, and line and column where there are any.
@@ -250,7 +251,8 @@ impl Group {
     }
 }
 
-/// Of several frequency columns the one in the group of the response, or next around it: the column, and its factor to hertz.
+/// Of several frequency columns the one in the group of the response, or next around it: the column, and its
+/// factor to hertz.
 fn nearest_frequency(
     columns: &[Heading],
     frequencies: &[(usize, f64)],

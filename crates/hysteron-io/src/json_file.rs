@@ -1,4 +1,5 @@
-//! JSON files of what is neither a record nor a model: settings of the bench, searches of an interrupted fit, results.
+//! JSON files of what is neither a record nor a model: settings of the bench, searches of an interrupted fit,
+//! results.
 
 use std::fs::File;
 use std::io::Read;

@@ -22,12 +22,14 @@ const UINT32: u32 = 6;
 const DOUBLE: u32 = 9;
 const MATRIX: u32 = 14;
 
-/// Writes a record as MATLAB's `save -v6` does, one variable a column, that [`read_record`](crate::read_record) reads back to the
-/// same numbers: `t_s` where there is a time base, one a channel (`u_V`), `valid` (logical) where there is a mask. The same
-/// record makes the same bytes. The file is complete or not there.
+/// Writes a record as MATLAB's `save -v6` does, one variable a column, that
+/// [`read_record`](crate::read_record) reads back to the same numbers: `t_s` where there is a time base, one
+/// a channel (`u_V`), `valid` (logical) where there is a mask. The same record makes the same bytes. The file
+/// is complete or not there.
 ///
 /// # Errors
-/// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a channel whose name is none of MATLAB, or of more than 4 GiB.
+/// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a channel whose name is none of
+/// MATLAB, or of more than 4 GiB.
 pub fn write_mat(path: &Path, record: &Record) -> Result<(), IoError> {
     check(path, record)?;
     let headers = headers(record);

@@ -201,8 +201,8 @@ impl Array {
         self.shape.iter().map(|&n| usize::try_from(n).unwrap_or(usize::MAX)).collect()
     }
 
-    /// Reads the values behind the header: one list for each of the numbers that stand at these offsets of an element. An error
-    /// says what is wrong with them.
+    /// Reads the values behind the header: one list for each of the numbers that stand at these offsets of an
+    /// element. An error says what is wrong with them.
     pub fn read_values(
         &self,
         mut source: impl Read,

@@ -12,9 +12,9 @@ use crate::atomic_file::write_atomically;
 use crate::place::{Part, Place};
 use crate::write::{check, headers};
 
-/// Writes a record as numpy's `savez` does, one array a column, that [`read_record`](crate::read_record) reads back to the same
-/// numbers: `t_s` where there is a time base, one a channel (`u_V`), `valid` (bool) where there is a mask. The same record makes
-/// the same bytes. The file is complete or not there.
+/// Writes a record as numpy's `savez` does, one array a column, that [`read_record`](crate::read_record)
+/// reads back to the same numbers: `t_s` where there is a time base, one a channel (`u_V`), `valid` (bool)
+/// where there is a mask. The same record makes the same bytes. The file is complete or not there.
 ///
 /// # Errors
 /// Those of [`write_csv`](crate::write_csv); [`IoError::Malformed`] for a record that no archive holds.

@@ -10,8 +10,9 @@ use crate::IoError;
 use crate::columns::{Heading, Headings, list_arrays};
 use crate::place::{Part, Place};
 
-/// For each column, whether it is outside of the record that the chosen ones make: of another length, of another group although
-/// the record has a column of this name, or not readable. Without a choice, all columns must make one record. In a text, all do.
+/// For each column, whether it is outside of the record that the chosen ones make: of another length, of
+/// another group although the record has a column of this name, or not readable. Without a choice, all
+/// columns must make one record. In a text, all do.
 ///
 /// # Errors
 /// [`IoError::ChooseArrays`] where nothing is chosen and lengths or names speak against one record.
@@ -35,7 +36,8 @@ pub(crate) fn set_apart(
         None => common_length(headings, &candidates)?,
     };
     for (i, column) in columns.iter().enumerate().filter(|(i, _)| !is_named(*i)) {
-        // Without a choice an array of texts that is as long as the record is refused, not passed over, as in a text.
+        // Without a choice an array of texts that is as long as the record is refused, not passed over, as in
+        // a text.
         let is_passed_over = column.is_alias() || (column.is_unreadable() && !nothing_is_chosen);
         apart[i] = length(i) != samples || is_passed_over;
     }
@@ -80,8 +82,8 @@ fn nearness(columns: &[Heading], column: usize, chosen: &[usize]) -> usize {
     if chosen.iter().any(holds) { group.len() + 1 } else { 0 }
 }
 
-/// The length of all candidates, else that of the only ones that make a record by their names; empty arrays do not count beside
-/// others.
+/// The length of all candidates, else that of the only ones that make a record by their names; empty arrays
+/// do not count beside others.
 fn common_length(headings: &Headings, candidates: &[usize]) -> Result<Option<usize>, IoError> {
     let columns = &headings.columns;
     let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -108,7 +110,8 @@ fn common_length(headings: &Headings, candidates: &[usize]) -> Result<Option<usi
     Err(choose(headings, &columns[other], format!("{own} samples where `{first}` has {samples}")))
 }
 
-/// Whether columns of one length have an input and an output by name or unit, and the file no time that only others have.
+/// Whether columns of one length have an input and an output by name or unit, and the file no time that only
+/// others have.
 fn names_a_record(columns: &[Heading], own: &[usize], all: &[usize]) -> bool {
     let is_time = |i: &usize| columns[*i].is_named_as_time();
     let has_rate = |i: &usize| columns[*i].array.as_ref().is_some_and(|array| array.has_rate);
@@ -126,7 +129,8 @@ fn names_a_record(columns: &[Heading], own: &[usize], all: &[usize]) -> bool {
     Record { name, time, channels, valid: None, source: None }.names_input_and_output()
 }
 
-/// The note that arrays of other lengths than the record's are no part of it, if there are any among those skipped.
+/// The note that arrays of other lengths than the record's are no part of it, if there are any among those
+/// skipped.
 pub(crate) fn left_out(
     headings: &Headings,
     samples: usize,

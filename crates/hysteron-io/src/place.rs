@@ -11,7 +11,8 @@ pub struct Place {
     pub part: Part,
 }
 
-/// Line, cell or array of a file. Lines and columns count from 1, as editors do; samples of an array from 0, as numpy does.
+/// Line, cell or array of a file. Lines and columns count from 1, as editors do; samples of an array from 0,
+/// as numpy does.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Part {

@@ -61,7 +61,8 @@ pub fn read_part(path: &Path, options: &ReadOptions) -> Result<PartRead, IoError
     Ok(PartRead { record, file_samples, chosen })
 }
 
-/// Reads a record from memory; `name` stands for the file in messages, and its extension may choose the format.
+/// Reads a record from memory; `name` stands for the file in messages, and its extension may choose the
+/// format.
 ///
 /// # Errors
 /// As [`read_record`].
@@ -90,7 +91,8 @@ pub fn read_input_output_bytes(
     selected(name, bytes, options)
 }
 
-/// Reads a record and takes its drive alone: as the options name it, otherwise by the rules of [`Record::drive`].
+/// Reads a record and takes its drive alone: as the options name it, otherwise by the rules of
+/// [`Record::drive`].
 ///
 /// # Errors
 /// As [`read_record`]; [`IoError::Record`] where the drive cannot be decided.
@@ -98,7 +100,8 @@ pub fn read_drive(path: &Path, options: &ReadOptions) -> Result<Driven, IoError>
     read_alone(path, options, |record, chosen| record.driven(chosen.input.as_deref()))
 }
 
-/// Reads a record and takes the reference alone: as the options name it, otherwise by the rules of [`Record::reference`].
+/// Reads a record and takes the reference alone: as the options name it, otherwise by the rules of
+/// [`Record::reference`].
 ///
 /// # Errors
 /// As [`read_record`]; [`IoError::Record`] where the reference cannot be decided.

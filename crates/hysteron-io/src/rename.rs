@@ -39,7 +39,8 @@ impl FromStr for Rename {
     }
 }
 
-/// The headings with new names; all old ones are looked up before any is changed, so that two may be exchanged.
+/// The headings with new names; all old ones are looked up before any is changed, so that two may be
+/// exchanged.
 pub(crate) fn renamed(headings: &Headings, renames: &[Rename]) -> Result<Headings, IoError> {
     let mut new = headings.clone();
     for Rename { from, to } in renames {

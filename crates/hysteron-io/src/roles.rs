@@ -259,7 +259,8 @@ fn time_column(
     let by_name: Vec<usize> =
         (0..columns.len()).filter(|&i| columns[i].is_named_as_time()).filter(free).collect();
     if by_name.is_empty() {
-        // A lone unit of time makes a time column, but never of a column that is named as an input or an output.
+        // A lone unit of time makes a time column, but never of a column that is named as an input or an
+        // output.
         let by_unit: Vec<usize> = (0..columns.len())
             .filter(|&i| is_time(&columns[i]) && !columns[i].name.starts_with(['u', 'y', 'U', 'Y']))
             .filter(free)

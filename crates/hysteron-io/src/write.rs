@@ -6,8 +6,8 @@ use hysteron_model::record::{Record, RecordError, TimeBase};
 
 use crate::{IoError, write_csv, write_mat, write_npz};
 
-/// Writes a record: as NPZ to a file `NAME.npz` ([`write_npz`]), as MAT to `NAME.mat` ([`write_mat`]), as CSV to any other
-/// ([`write_csv`]).
+/// Writes a record: as NPZ to a file `NAME.npz` ([`write_npz`]), as MAT to `NAME.mat` ([`write_mat`]), as CSV
+/// to any other ([`write_csv`]).
 ///
 /// # Errors
 /// Those of [`write_csv`].

@@ -1,4 +1,5 @@
-//! HDF5 files, MAT files of version 7.3 among them: the numbers that h5py reads, and that no damage makes the reader panic.
+//! HDF5 files, MAT files of version 7.3 among them: the numbers that h5py reads, and that no damage makes the
+//! reader panic.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 mod damage;

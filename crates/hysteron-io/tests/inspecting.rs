@@ -45,7 +45,8 @@ fn the_shipped_record_of_a_real_stack() {
     let periods = found.periods.unwrap();
     assert_eq!((periods.period_samples, periods.count), (200.0, 40));
     assert!((1..=5).contains(&periods.settling), "{}", periods.settling);
-    // From the mean loop of periods 3 to 40, crossing 1.8 V on straight lines between samples (computed apart): 10.188 µm.
+    // From the mean loop of periods 3 to 40, crossing 1.8 V on straight lines between samples (computed
+    // apart): 10.188 µm.
     let shape = found.loop_shape.unwrap();
     assert_eq!(shape.sense, Some(LoopSense::CounterClockwise));
     assert!((shape.opening - 10.19).abs() < 0.05, "{}", shape.opening);

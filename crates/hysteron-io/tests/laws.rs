@@ -74,7 +74,8 @@ proptest! {
                 TimeBase::Uniform { start_s, sample_rate_hz, .. },
                 TimeBase::Uniform { start_s: start, sample_rate_hz: rate, jitter_samples },
             ) => {
-                // A start of 100 s at 1e5 Hz leaves 1.4e-14 s · 1e5 Hz = 1.4e-9 samples to the stamps' rounding.
+                // A start of 100 s at 1e5 Hz leaves 1.4e-14 s · 1e5 Hz = 1.4e-9 samples to the stamps'
+                // rounding.
                 prop_assert!(*jitter_samples < 1e-8, "{}", jitter_samples);
                 prop_assert_eq!(start, start_s);
                 prop_assert!((rate / sample_rate_hz - 1.0).abs() * record.len() as f64 <= 1.01e-6);

@@ -1,4 +1,5 @@
-//! MAT files: the numbers that SciPy reads, what is refused, what is written, and that no damage makes the reader panic.
+//! MAT files: the numbers that SciPy reads, what is refused, what is written, and that no damage makes the
+//! reader panic.
 #![allow(clippy::unwrap_used, clippy::print_stderr)]
 
 mod damage;

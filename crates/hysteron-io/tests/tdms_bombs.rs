@@ -11,7 +11,8 @@ fn reads_the_file_given() {
     read_given();
 }
 
-/// A segment: its contents by the bits of the table, metadata and raw data, and the lengths of both that it tells.
+/// A segment: its contents by the bits of the table, metadata and raw data, and the lengths of both that it
+/// tells.
 fn segment(flags: u32, metadata: &[u8], raw: &[u8]) -> Vec<u8> {
     let mut bytes = b"TDSm".to_vec();
     bytes.extend([flags, 4713].map(u32::to_le_bytes).concat());

@@ -1,12 +1,13 @@
 //! Simulation of article Eq. 13 on a 1–100 Hz sweep at 10 kHz: one line of JSON per measurement.
 //!
-//! `cargo bench -p hysteron-model --bench fractional_simulation`. Times are minima over repetitions, one thread, plan
-//! and workspace reused. Run without `--bench` it does the smallest case once.
+//! `cargo bench -p hysteron-model --bench fractional_simulation`. Times are minima over repetitions, one
+//! thread, plan and workspace reused. Run without `--bench` it does the smallest case once.
 //!
 //! - `simulate`: forward transform of the input, G, inverse transform;
 //! - `candidate`: input transformed before, as a population search does;
-//! - `response`, `linearise`: the frequency response of a fractional resonance with delay, and with its derivatives applied to three
-//!   inputs, as a joint fit does; of drives that are band-limited, straight and held between their samples;
+//! - `response`, `linearise`: the frequency response of a fractional resonance with delay, and with its
+//!   derivatives applied to three inputs, as a joint fit does; of drives that are band-limited, straight and
+//!   held between their samples;
 //! - `fft`: the inverse real FFT of the same length alone;
 //! - `causal`, `recursion`: the O(N log² N) and O(N²) recursions, where they take a bearable time.
 

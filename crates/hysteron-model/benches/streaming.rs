@@ -1,12 +1,15 @@
 //! A realised model sample by sample, and a short memory beside it: one line of JSON per measurement.
 //!
-//! `cargo bench -p hysteron-model --bench streaming`. Nanoseconds a sample along a 1–100 Hz sweep at 10 kHz, one thread, the least of many turns
-//! that all contestants take one after the other. Every model is article Eq. 13 to 1e-5 of the range with a delay of 3.37 samples.
+//! `cargo bench -p hysteron-model --bench streaming`. Nanoseconds a sample along a 1–100 Hz sweep at 10 kHz,
+//! one thread, the least of many turns that all contestants take one after the other. Every model is article
+//! Eq. 13 to 1e-5 of the range with a delay of 3.37 samples.
 //!
-//! - `n = 1`, `n = 2`, `n = 1.5`: Bouc–Wen, single and double precision; `means`: moves looked at half-way (scheme `band-limited`);
+//! - `n = 1`, `n = 2`, `n = 1.5`: Bouc–Wen, single and double precision; `means`: moves looked at half-way
+//!   (scheme `band-limited`);
 //! - `inverse`: the voltage for a reference known so many samples ahead;
 //! - `plays`: twelve; `dynamics`: no hysteresis; `static`: no dynamics;
-//! - `short memory`: Eq. 13 alone by Grünwald–Letnikov over the last 1000 samples, and its error against all of them.
+//! - `short memory`: Eq. 13 alone by Grünwald–Letnikov over the last 1000 samples, and its error against all
+//!   of them.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
@@ -82,8 +85,8 @@ fn inverse<T: Real>(model: &Model, preview: usize, drive: &[f64]) -> Pass {
     })
 }
 
-/// x_k = (b v_k − Σ_{j=1…1000} W_j x_{k−j})/W₀, W_j = Σᵢ aᵢ h^−αᵢ w_j of the order αᵢ: both kernels merged, the past kept twice so that
-/// the sum is one run.
+/// x_k = (b v_k − Σ_{j=1…1000} W_j x_{k−j})/W₀, W_j = Σᵢ aᵢ h^−αᵢ w_j of the order αᵢ: both kernels merged,
+/// the past kept twice so that the sum is one run.
 struct ShortMemory {
     kernel: Vec<f64>,
     gain: f64,

@@ -25,7 +25,8 @@ pub enum DynamicsError {
     },
     /// An order is not finite or negative.
     #[error(
-        "order {index} of the {part} must be a real number ≥ 0 (complex orders are not supported), but it is {order}"
+        "order {index} of the {part} must be a real number ≥ 0 (complex orders are not supported), but it is \
+         {order}"
     )]
     Order {
         /// `numerator` or `denominator`.
@@ -37,7 +38,8 @@ pub enum DynamicsError {
     },
     /// The terms are not in strictly ascending order.
     #[error(
-        "the terms of the {part} must be in ascending order without repeats, but order {order} (term {index}) follows {before}"
+        "the terms of the {part} must be in ascending order without repeats, but order {order} (term \
+         {index}) follows {before}"
     )]
     NotAscending {
         /// `numerator` or `denominator`.
@@ -61,8 +63,8 @@ pub enum DynamicsError {
     },
     /// No inverse up to this frequency.
     #[error(
-        "the bandwidth of the inverse is {bandwidth_hz} Hz: it must be above 0 and below {highest_hz} Hz, half the sample rate, and \
-         the plant must pass something there"
+        "the bandwidth of the inverse is {bandwidth_hz} Hz: it must be above 0 and below {highest_hz} Hz, \
+         half the sample rate, and the plant must pass something there"
     )]
     Bandwidth {
         /// The bandwidth given \[Hz\].
@@ -91,7 +93,8 @@ pub enum DynamicsError {
     },
     /// A derivative was asked for that was not computed.
     #[error(
-        "derivative {which} of the response is not there; it has {found} (none unless last computed with tangents)"
+        "derivative {which} of the response is not there; it has {found} (none unless last computed with \
+         tangents)"
     )]
     NoTangent {
         /// The derivative asked for, from 0.
@@ -140,8 +143,8 @@ pub enum DynamicsError {
     OutputNotFinite,
     /// Tustin was asked for an improper transfer function.
     #[error(
-        "the tustin scheme needs a proper transfer function, but the highest orders are {numerator} over {denominator}; \
-         use grunwald-letnikov or bdf2"
+        "the tustin scheme needs a proper transfer function, but the highest orders are {numerator} over \
+         {denominator}; use grunwald-letnikov or bdf2"
     )]
     Improper {
         /// Highest order of the numerator.
@@ -151,8 +154,8 @@ pub enum DynamicsError {
     },
     /// G(0) = ∞ under an initial condition that needs it.
     #[error(
-        "the gain at zero frequency is infinite (lowest orders {numerator} over {denominator}), so a state of rest or a \
-         steady state does not exist; give the model a low-frequency corner, or start from zero"
+        "the gain at zero frequency is infinite (lowest orders {numerator} over {denominator}), so a state \
+         of rest or a steady state does not exist; give the model a low-frequency corner, or start from zero"
     )]
     InfiniteDcGain {
         /// Lowest order of the numerator.
@@ -162,10 +165,12 @@ pub enum DynamicsError {
     },
     /// The transfer function is unstable.
     #[error(
-        "the transfer function is unstable: {poles} pole(s) in the right half-plane; its response grows without bound"
+        "the transfer function is unstable: {poles} pole(s) in the right half-plane; its response grows \
+         without bound"
     )]
     Unstable {
-        /// Poles in the right half-plane, each of a pair counted; under a scheme, those of the sampled system.
+        /// Poles in the right half-plane, each of a pair counted; under a scheme, those of the sampled
+        /// system.
         poles: usize,
     },
     /// A pole sits on the imaginary axis and the steady state does not exist.
@@ -188,8 +193,8 @@ pub enum DynamicsError {
     NoInputCoefficients,
     /// The data do not determine a coefficient of a linear fit.
     #[error(
-        "the data do not determine unknown {column} of {columns} (outputs first, then inputs, then offsets): lower the \
-         orders, or use a record with more excitation"
+        "the data do not determine unknown {column} of {columns} (outputs first, then inputs, then offsets): \
+         lower the orders, or use a record with more excitation"
     )]
     Dependent {
         /// Position of the unknown, from 0.
@@ -199,7 +204,8 @@ pub enum DynamicsError {
     },
     /// The transfer function is not of the form of article Eq. 13.
     #[error(
-        "gain, natural frequency and damping need the form b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀) with b, c₀ > 0, but this is {form}"
+        "gain, natural frequency and damping need the form b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀) with b, c₀ > 0, \
+         but this is {form}"
     )]
     NotSecondOrder {
         /// The transfer function, printed.
@@ -219,8 +225,8 @@ pub enum DynamicsError {
     },
     /// Tustin was asked for an improper operator: its response at the Nyquist frequency is infinite.
     #[error(
-        "tustin needs a proper operator (numerator order ≤ denominator order), but the orders are {numerator} over \
-         {denominator} and it would diverge; use grunwald-letnikov or bdf2"
+        "tustin needs a proper operator (numerator order ≤ denominator order), but the orders are \
+         {numerator} over {denominator} and it would diverge; use grunwald-letnikov or bdf2"
     )]
     ImproperOperator {
         /// Highest order of the numerator.
@@ -236,7 +242,8 @@ pub enum DynamicsError {
     },
     /// The result of an operator left the range of floating-point numbers.
     #[error(
-        "sample {index} of the result is not finite: the system grows without bound or the input is not finite"
+        "sample {index} of the result is not finite: the system grows without bound or the input is not \
+         finite"
     )]
     ResultNotFinite {
         /// First such sample.

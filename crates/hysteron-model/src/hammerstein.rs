@@ -1,11 +1,12 @@
 //! The Hammerstein model: hysteresis block followed by the dynamic block (article Fig. 3).
 //!
-//! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (SPEC §4). A delay commutes with rate-independent
-//! hysteresis, so it is applied to v: band-limited under the `band-limited` scheme, else linearly between samples. Where G(0)
-//! is infinite (creep), what the device crept before the record counts as offset, and G's gain at rest as 1.
+//! y(t) = offset + (G ∗ v)(t − delay), v = hysteresis\[u\] (`docs/theory/hammerstein.md`). A delay commutes
+//! with rate-independent hysteresis, so it is applied to v: band-limited under the `band-limited` scheme,
+//! else by linear interpolation. Where G(0) is infinite (creep), creep from before the record counts as
+//! offset, and the static gain of G as 1.
 //!
-//! On time stamps that are not uniform every step is exact ([`StampedPlan`]), whatever the scheme; the drive goes along straight
-//! lines between them, or is held.
+//! On time stamps that are not uniform every step is exact ([`StampedPlan`]), whatever the scheme; the drive
+//! goes along straight lines between them, or is held.
 
 use crate::Memory;
 use crate::dynamics::delay::delay_in_place;
@@ -42,12 +43,13 @@ pub struct Model {
 /// Periods run before a record that starts [`Start::Settled`]: Bouc–Wen memory fades as e^(−β · path length).
 pub const SETTLING_PERIODS: usize = 4;
 
-/// Steps a sample period in which a hysteresis operator follows a band-limited drive: a turning point between samples is
-/// missed by less than (π/2/8)²/2 = 2 % of the amplitude at half the sample rate, and less as the square of the frequency.
+/// Steps a sample period in which a hysteresis operator follows a band-limited drive: a turning point between
+/// samples is missed by less than (π/2/8)²/2 = 2 % of the amplitude at half the sample rate, and less as the
+/// square of the frequency.
 pub const FINER: usize = 8;
 
-/// Whether the output of the hysteresis block is joined by straight lines through samples that keep its means: where the
-/// drive goes along straight lines and the scheme has no rule of its own.
+/// Whether the output of the hysteresis block is joined by straight lines through samples that keep its
+/// means: where the drive goes along straight lines and the scheme has no rule of its own.
 #[doc(hidden)]
 pub fn joins_means(scheme: Scheme, inter_sample: InterSample) -> bool {
     scheme == Scheme::BandLimited && inter_sample == InterSample::Linear
@@ -76,7 +78,8 @@ pub fn extend<'a>(start: &Start, u: &'a [f64]) -> Result<(Cow<'a, [f64]>, usize,
 }
 
 impl Model {
-    /// Response of the dynamic block with its delay at frequencies \[Hz\]: G(iω) e^(−iωτ); a static model is its delay.
+    /// Response of the dynamic block with its delay at frequencies \[Hz\]: G(iω) e^(−iωτ); a static model is
+    /// its delay.
     ///
     /// # Errors
     /// [`SimulationError::NoSampleRate`] for an ARX block without its rate.
@@ -125,9 +128,10 @@ impl Model {
         Ok(y)
     }
 
-    /// As [`Self::simulate`] for a model that belongs to one sample rate (an ARX block, the `grunwald-letnikov` scheme) over
-    /// a drive of another rate: the drive is read at the model's rate and the output at the record's, both linearly
-    /// between samples. Right for a drive that is slow against both rates. Other models are simulated as they are.
+    /// As [`Self::simulate`] for a model that belongs to one sample rate (an ARX block, the
+    /// `grunwald-letnikov` scheme) over a drive of another rate: the drive is read at the model's rate and
+    /// the output at the record's, both linearly between samples. Right for a drive that is slow against both
+    /// rates. Other models are simulated as they are.
     ///
     /// # Errors
     /// As [`Self::simulate`], but for [`SimulationError::SampleRate`].
@@ -220,8 +224,8 @@ impl Model {
         })
     }
 
-    /// Output v of the static block \[µm\], before delay and dynamics. Hysteresis that sees the rate asks when the samples
-    /// were taken.
+    /// Output v of the static block \[µm\], before delay and dynamics. Hysteresis that sees the rate asks
+    /// when the samples were taken.
     ///
     /// # Errors
     /// [`SimulationError::Hysteresis`], [`SimulationError::Period`].
@@ -345,8 +349,8 @@ fn with_prologue(times_s: &[f64], prologue: usize) -> Vec<f64> {
     times_before(times_s, period, 0..period).chain(times_s.iter().copied()).collect()
 }
 
-/// Times of `rows` of a cycle of `period` samples, that a record begins with, in every cycle that ran before it
-/// ([`Start::Settled`]).
+/// Times of `rows` of a cycle of `period` samples, that a record begins with, in every cycle that ran before
+/// it ([`Start::Settled`]).
 #[doc(hidden)]
 pub fn times_before(
     times_s: &[f64],
@@ -374,7 +378,8 @@ fn between(x: &[f64], at: f64) -> f64 {
     (1.0 - fraction) * x.get(k).copied().unwrap_or(0.0) + fraction * x.get(next).copied().unwrap_or(0.0)
 }
 
-/// The signal `v` at its knots, read at the times `wanted` less a delay: held or on straight lines, 0 before the first knot.
+/// The signal `v` at its knots, read at the times `wanted` less a delay: held or on straight lines, 0 before
+/// the first knot.
 fn delayed(knots_s: &[f64], v: &[f64], wanted_s: &[f64], delay_s: f64, hold: bool) -> Vec<f64> {
     let mut at = 0;
     let read = |time: &f64| {

@@ -1,9 +1,10 @@
 //! Feedforward: the drive that makes a model's output follow a reference known ahead.
 //!
-//! The controller's converter holds each voltage for one period, and hysteresis is rate independent, so that its output v is held as
-//! well: v is what the linear part sees of a staircase, whatever the family. The reference goes backwards through the model: through
-//! the regularised inverse of the dynamics as they answer held samples ([`crate::dynamics::Inverse`]: delay, hold and creep
-//! included, looking ahead), then through the hysteresis, exact in one step ([`Hysteresis::follow`]).
+//! The controller's converter holds each voltage for one period, and hysteresis is rate independent, so that
+//! its output v is held as well: v is what the linear part sees of a staircase, whatever the family. The
+//! reference goes backwards through the model: through the regularised inverse of the dynamics as they answer
+//! held samples ([`crate::dynamics::Inverse`]: delay, hold and creep included, looking ahead), then through
+//! the hysteresis, exact in one step ([`Hysteresis::follow`]).
 //!
 //! [`Hysteresis::follow`]: crate::hysteresis::Hysteresis::follow
 
@@ -28,7 +29,8 @@ pub const ERROR_AT_BANDWIDTH: f64 = 1e-3;
 /// Bandwidth as a share of the sample rate, where nobody says otherwise.
 pub const BANDWIDTH_SHARE: f64 = 0.05;
 
-/// Share of the reference that is missing at what counts as the bandwidth of a law that works sample by sample.
+/// Share of the reference that is missing at what counts as the bandwidth of a law that works sample by
+/// sample.
 const ERROR_OF_A_LAW: f64 = 0.01;
 /// Cycles of the bandwidth, at the beginning of a record, over which learning sets in.
 const FIRST_CYCLES: f64 = 2.0;
@@ -47,17 +49,18 @@ pub struct InverseOptions {
     /// Largest rate of the drive \[V/s\]; infinite for none.
     #[serde(with = "crate::unlimited")]
     pub slew_v_per_s: f64,
-    /// What the device does before. [`Start::AsIdentified`]: it rests where it gives the first value of the reference;
+    /// What the device does before. [`Start::AsIdentified`]: it rests where it gives the first value of the
+    /// reference;
     /// [`Start::Settled`]: it has been following the reference, a whole number of periods, for long.
     pub start: Start,
-    /// Voltage \[V\] at which it was free of hysteresis memory and from which it was driven, without turning, to where it rests;
-    /// `None`: where it rests.
+    /// Voltage \[V\] at which it was free of hysteresis memory and from which it was driven, without turning,
+    /// to where it rests; `None`: where it rests.
     pub virgin_v: Option<f64>,
 }
 
 impl InverseOptions {
-    /// Voltage at which a device with this drive was free of hysteresis memory, where nobody says: switched on, 0 V, if the range
-    /// holds it.
+    /// Voltage at which a device with this drive was free of hysteresis memory, where nobody says: switched
+    /// on, 0 V, if the range holds it.
     pub fn switched_on([low, high]: [f64; 2]) -> Option<f64> {
         (low..=high).contains(&0.0).then_some(0.0)
     }
@@ -88,7 +91,8 @@ pub struct InverseDrive {
     pub at_range: usize,
     /// Samples at which its largest rate did.
     pub at_slew: usize,
-    /// What the inverse of the dynamics does; `None` for a static model, whose inverse is exact at every frequency.
+    /// What the inverse of the dynamics does; `None` for a static model, whose inverse is exact at every
+    /// frequency.
     pub dynamics: Option<InverseOfDynamics>,
 }
 
@@ -132,8 +136,8 @@ pub enum InversionError {
     },
     /// The last run is not one of this reference.
     #[error(
-        "the last run has {drive} samples of its drive and {measured} of its output, the reference has {samples}: all must be the same \
-         and the drive within the range"
+        "the last run has {drive} samples of its drive and {measured} of its output, the reference has \
+         {samples}: all must be the same and the drive within the range"
     )]
     LastRun {
         /// Samples of the drive.
@@ -145,8 +149,8 @@ pub enum InversionError {
     },
     /// No voltage gives the first value of the reference.
     #[error(
-        "the reference begins at {}, which no input from {} to {} holds: at rest these give {} to {}; begin the reference between \
-         them, or give the input at which the device rests",
+        "the reference begins at {}, which no input from {} to {} holds: at rest these give {} to {}; begin \
+         the reference between them, or give the input at which the device rests",
         short(*reference),
         short(*low),
         short(*high),
@@ -167,8 +171,8 @@ pub enum InversionError {
     },
     /// No voltage gives the first value of the reference, and the output falls somewhere in the range.
     #[error(
-        "the hysteresis has no inverse over the range from {} to {}: near the input {} its output at rest falls as the input rises; give \
-         a smaller range",
+        "the hysteresis has no inverse over the range from {} to {}: near the input {} its output at rest \
+         falls as the input rises; give a smaller range",
         short(*low),
         short(*high),
         short(*near)
@@ -183,7 +187,8 @@ pub enum InversionError {
     },
     /// A reference that repeats was to be followed one sample at a time.
     #[error(
-        "a reference that repeats is followed as a whole: one sample at a time it has no steady state to begin in"
+        "a reference that repeats is followed as a whole: one sample at a time it has no steady state to \
+         begin in"
     )]
     Repeats,
     /// The reference is not a whole number of the periods it is said to repeat with.
@@ -196,7 +201,8 @@ pub enum InversionError {
     },
     /// A hysteretic displacement was given where the voltage at which the device was virgin is needed.
     #[error(
-        "one sample at a time the device begins where it was virgin: give that input, not its hysteretic displacement"
+        "one sample at a time the device begins where it was virgin: give that input, not its hysteretic \
+         displacement"
     )]
     Displacement,
     /// The model does not run sample by sample, or not from where the device rests.
@@ -233,7 +239,8 @@ pub enum InversionError {
 }
 
 impl Model {
-    /// The drive that makes the output follow `reference` \[µm\] at `sample_rate_hz`, the rate of the controller.
+    /// The drive that makes the output follow `reference` \[µm\] at `sample_rate_hz`, the rate of the
+    /// controller.
     ///
     /// # Errors
     /// [`InversionError`].
@@ -251,12 +258,13 @@ impl Model {
         task.drive(&wanted)
     }
 
-    /// The drive for the next run after a `last` one of the same reference, from what was left of it (iterative learning,
-    /// S. Arimoto, S. Kawamura, F. Miyazaki, *J. Robot. Syst.* 1 (1984) 123–140, doi:10.1002/rob.4620010203):
-    /// v ← v + W (r − y), v the output of the hysteresis, W the inverse of the dynamics. What the model and the device have in common is
-    /// taken off in one run; what is left shrinks by |1 − W P'| a run, P' the device's response, and so falls wherever the model
-    /// is within 100 % of it. The mean of what is left counts as the sensor's own zero and is not learned: learned, it would be a jump from rest.
-    /// What does not repeat (noise, drift) is not learned away but passed on.
+    /// The drive for the next run after a `last` one of the same reference, from what was left of it
+    /// (iterative learning, S. Arimoto, S. Kawamura, F. Miyazaki, *J. Robot. Syst.* 1 (1984) 123–140,
+    /// doi:10.1002/rob.4620010203): v ← v + W (r − y), v the output of the hysteresis, W the inverse of the
+    /// dynamics. What the model and the device have in common is taken off in one run; what is left shrinks
+    /// by |1 − W P'| a run, P' the device's response, and so falls wherever the model is within 100 % of it.
+    /// The mean of what is left counts as the sensor's own zero and is not learned: learned, it would be a
+    /// jump from rest. What does not repeat (noise, drift) is not learned away but passed on.
     ///
     /// # Errors
     /// [`InversionError`].
@@ -290,7 +298,8 @@ impl Model {
         let zero = left().sum::<f64>() / samples as f64;
         let mut left: Vec<f64> = left().map(|e| e - zero).collect();
         if let (false, Some(figures)) = (task.periodic, task.linear.figures()) {
-            // The drive cannot begin before the record, so that what is left at its beginning would be learned again and again.
+            // The drive cannot begin before the record, so that what is left at its beginning would be
+            // learned again and again.
             let first = (FIRST_CYCLES * sample_rate_hz / figures.bandwidth_hz).ceil();
             for (k, e) in left.iter_mut().enumerate().take(first as usize) {
                 *e *= (FRAC_PI_2 * k as f64 / first).sin().powi(2);
@@ -335,11 +344,13 @@ impl Model {
 }
 
 impl Compensation {
-    /// The drive along `reference` \[µm\], made one sample at a time: what the law previews is known ahead, what lies beyond is not looked at; after its
-    /// end the reference stays where it is. Of `options` the limits and the start count; bandwidth and error are the law's.
+    /// The drive along `reference` \[µm\], made one sample at a time: what the law previews is known ahead,
+    /// what lies beyond is not looked at; after its end the reference stays where it is. Of `options` the
+    /// limits and the start count; bandwidth and error are the law's.
     ///
     /// # Errors
-    /// [`InversionError`]; a reference that repeats is refused, for its steady state belongs to the whole of it.
+    /// [`InversionError`]; a reference that repeats is refused, for its steady state belongs to the whole of
+    /// it.
     pub fn follow(
         &self,
         reference: &[f64],

@@ -12,8 +12,8 @@ pub enum SimulationError {
     NoSampleRate,
     /// The model's parameters belong to one sample rate.
     #[error(
-        "the model ({scheme}) belongs to the sample rate it was identified at, {model_hz} Hz, and the record has \
-         {record_hz} Hz"
+        "the model ({scheme}) belongs to the sample rate it was identified at, {model_hz} Hz, and the record \
+         has {record_hz} Hz"
     )]
     SampleRate {
         /// What ties the model to its rate: a scheme, or `ARX`.
@@ -39,7 +39,8 @@ pub enum SimulationError {
     Dynamics(#[from] DynamicsError),
     /// A start with a hysteresis memory, which an oscillator at rest does not have.
     #[error(
-        "an oscillator starts from rest without force, or settled on a period; a hysteresis memory does not apply"
+        "an oscillator starts from rest without force, or settled on a period; a hysteresis memory does not \
+         apply"
     )]
     Memory,
     /// A parameter of an oscillator is out of range.
@@ -98,8 +99,8 @@ pub enum SimulationError {
     NotPeriodic,
     /// The motion leaves the range of numbers.
     #[error(
-        "the motion runs away before sample {index}: the parameters let z grow without limit (for α > 0 keep β + γ > 0 \
-         and β − γ ≥ 0) or the motion is not damped"
+        "the motion runs away before sample {index}: the parameters let z grow without limit (for α > 0 keep \
+         β + γ > 0 and β − γ ≥ 0) or the motion is not damped"
     )]
     RunsAway {
         /// Number of the sample, from 0.
@@ -107,7 +108,8 @@ pub enum SimulationError {
     },
     /// No periodic steady state was found.
     #[error(
-        "no steady state after {periods} periods: the state still changes by {change:e} of its size in a period"
+        "no steady state after {periods} periods: the state still changes by {change:e} of its size in a \
+         period"
     )]
     NotSettled {
         /// Periods simulated.

@@ -5,17 +5,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::Unit;
 
-/// What happened before a record's first sample. `M` is how the memory at rest is given: [`Memory`] for a model, the number in
-/// the operator's own scale for a hysteresis operator, the whole state for an oscillator, nothing for a linear block.
+/// What happened before a record's first sample. `M` is how the memory at rest is given: [`Memory`] for a
+/// model, the number in the operator's own scale for a hysteresis operator, the whole state for an
+/// oscillator, nothing for a linear block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Start<M = Memory> {
     /// As the model file assumes ([`crate::Model`]); without one, at rest at the first sample.
     #[default]
     AsIdentified,
-    /// The device rested at this voltage, free of hysteresis memory (z = 0), and moves to u(0) in one sample period.
-    /// With `voltage_v` = u(0) this is SPEC §3 `rest`, with 0 V (drive off) it is `zero`. An oscillator rests without force,
-    /// whatever the voltage.
+    /// The device rested at this voltage, demagnetised (z = 0), and moves to u(0) in one sample period.
+    /// `voltage_v` = u(0) is the condition `rest` of `docs/theory/fractional.md`, 0 V (drive off) its `zero`.
+    /// An oscillator rests without force, whatever the voltage.
     Rest {
         /// Voltage before the first sample \[V\].
         voltage_v: f64,
@@ -31,15 +32,16 @@ pub enum Start<M = Memory> {
     Settled {
         /// Samples of a period; `None`: the record's own, which for a block of a model is the whole record.
         period_samples: Option<usize>,
-        /// Voltage at which the device was virgin before it moved, without turning, to where the first period began \[V\]; `None`: it
-        /// was virgin there.
+        /// Voltage at which the device was virgin before it moved, without turning, to where the first period
+        /// began \[V\]; `None`: it was virgin there.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         virgin_at_v: Option<f64>,
     },
 }
 
-/// The start of a linear block, whose memory follows from the input before: [`Start::AsIdentified`]: at rest at the first sample's
-/// input, so that v − v(0) is simulated and G(0) v(0) added; [`Start::Rest`]: at rest at this input.
+/// The start of a linear block, whose memory follows from the input before: [`Start::AsIdentified`]: at rest
+/// at the first sample's input, so that v − v(0) is simulated and G(0) v(0) added; [`Start::Rest`]: at rest
+/// at this input.
 pub type LinearStart = Start<std::convert::Infallible>;
 
 /// What a hysteresis operator remembers where a record begins, in one number.
@@ -48,7 +50,8 @@ pub type LinearStart = Start<std::convert::Infallible>;
 pub enum Memory {
     /// Hysteretic displacement z \[µm\], of Bouc–Wen.
     Displacement(f64),
-    /// Voltage \[V\] at which the device was virgin before it moved, without turning, to where it rested; of every other family.
+    /// Voltage \[V\] at which the device was virgin before it moved, without turning, to where it rested; of
+    /// every other family.
     VirginAt(f64),
 }
 

@@ -1,4 +1,5 @@
-//! Promise: weights that adapt come close to the best there are, and swing beyond the step that is stated, not below.
+//! Promise: weights that adapt come close to the best there are, and swing beyond the step that is stated,
+//! not below.
 
 #![allow(clippy::unwrap_used)] // A failure is a failed test.
 
@@ -30,7 +31,8 @@ fn path(taps: &[f64]) -> Vec<(f64, Complex64)> {
         .collect()
 }
 
-/// A disturbance of one frequency along `taps`, learnt through `modelled`: rms of the error of the last thousandth of it over the first.
+/// A disturbance of one frequency along `taps`, learnt through `modelled`: rms of the error of the last
+/// thousandth of it over the first.
 fn left(taps: &[f64], modelled: &[f64], frequency_hz: f64, rate: f64) -> f64 {
     const SAMPLES: usize = 100_000;
     let mut weights = [0.0; WEIGHTS];
@@ -54,7 +56,8 @@ fn left(taps: &[f64], modelled: &[f64], frequency_hz: f64, rate: f64) -> f64 {
     if left.is_finite() { left } else { f64::INFINITY }
 }
 
-/// 6 samples late and then a pole; a sample is 18° of the sine: models 2, 4 and 6 samples off are 36°, 72° and 108° off.
+/// 6 samples late and then a pole; a sample is 18° of the sine: models 2, 4 and 6 samples off are 36°, 72°
+/// and 108° off.
 #[test]
 fn weights_swing_beyond_their_limit_and_not_below() {
     let late = |samples: usize| -> Vec<f64> {
@@ -87,8 +90,9 @@ fn weights_swing_beyond_their_limit_and_not_below() {
     }
 }
 
-/// A level behind a delay of d samples: an integral whose error is d + 1 samples old swings at 2 sin(π/(2 (2 d + 1))) (its characteristic roots meet the unit
-/// circle there), a sine, each of its two directions having half of the power, at about twice that.
+/// A level behind a delay of d samples: an integral whose error is d + 1 samples old swings at 2 sin(π/(2 (2
+/// d + 1))) (its characteristic roots meet the unit circle there), a sine, each of its two directions having
+/// half of the power, at about twice that.
 #[test]
 fn behind_a_delay_the_limit_is_that_of_the_formula() {
     for delay in [0_usize, 1, 5, 20] {

@@ -67,7 +67,8 @@ fn sine(frequency_hz: f64, samples: usize) -> Vec<f64> {
     (0..samples).map(at).collect()
 }
 
-/// L = k e^(−sτ)/s: |L| = 1 at k, where the angle is 90° + kτ; −180° at π/2τ, where |L| = 2kτ/π; least |1 + L| by search.
+/// L = k e^(−sτ)/s: |L| = 1 at k, where the angle is 90° + kτ; −180° at π/2τ, where |L| = 2kτ/π; least |1 +
+/// L| by search.
 #[test]
 fn an_integral_behind_a_delay_has_the_margins_of_its_formula() {
     let late = 1e-3;
@@ -115,7 +116,8 @@ fn a_notch_takes_off_the_resonance_it_is_made_for() {
     for f in [1.0, 100.0, 250.0, 280.0, 400.0] {
         let (s, w) = (Complex64::new(0.0, TAU * f), TAU * 280.0);
         let exact = (s * s + 0.04 * w * s + w * w) / (s * s + 1.4 * w * s + w * w) / s;
-        // The integral is a sum from the present sample on, the pair is held: half a sample ahead and half late.
+        // The integral is a sum from the present sample on, the pair is held: half a sample ahead and half
+        // late.
         let apart = (law.response(f) - exact).norm() * TAU * f;
         assert!(apart < 3.0 * PI * f / RATE_HZ, "{f} Hz: {apart}");
     }
@@ -250,7 +252,8 @@ fn an_amplifier_holds_back_beyond_the_frequency_of_its_formula() {
     let limited = LoopSettings { slew_v_per_s: slew, ..settings() };
     let made = Loop::new(&model(0.0), &limited, &Strategy::new("inverse", inverse(None))).unwrap();
     let own = reach(&made.line, &made.dynamics, RATE_HZ, RANGE_V, 2000.0, 4.0);
-    // Towards the resonance less voltage is needed; beyond it, but for the damping, 4π f ((f/280 Hz)² − 1) V/s reach 2000 V/s at 339.4 Hz.
+    // Towards the resonance less voltage is needed; beyond it, but for the damping, 4π f ((f/280 Hz)² − 1)
+    // V/s reach 2000 V/s at 339.4 Hz.
     assert!((own.amplitude_v - 2.0).abs() < 1e-3 && (own.highest_hz / 339.4 - 1.0).abs() < 5e-3, "{own:?}");
     let made = Loop::new(
         &model(0.0),

@@ -1,4 +1,5 @@
-//! Promise: fractional derivatives and integrals of sampled data against known answers, and the laws they obey.
+//! Promise: fractional derivatives and integrals of sampled data against known answers, and the laws they
+//! obey.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,7 +1,8 @@
-//! The public Bouc–Wen benchmark (J. P. Noël, M. Schoukens, *Hysteretic benchmark with a dynamic nonlinearity*, 2016)
-//! with its true parameters: what the drive does between samples decides the error (SPEC §2).
+//! The public Bouc–Wen benchmark (J. P. Noël, M. Schoukens, *Hysteretic benchmark with a dynamic
+//! nonlinearity*, 2016) with its true parameters: the inter-sample rule of the drive decides the error.
 //!
-//! The data state no licence of their own: they are read through `HYSTERON_DATA` and the test is skipped without.
+//! The data state no licence of their own: they are read through `HYSTERON_DATA` and the test is skipped
+//! without.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use std::path::{Path, PathBuf};

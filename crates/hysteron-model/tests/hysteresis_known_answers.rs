@@ -1,4 +1,5 @@
-//! The hysteresis block against numbers that are not its own: SPEC §2 for the article's Table 2, closed forms, an oracle.
+//! The hysteresis block against independent numbers: a Runge–Kutta prototype of the article's Table 2, closed
+//! forms, an oracle.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use std::f64::consts::PI;
@@ -20,7 +21,7 @@ fn sine(per_period: usize, periods: usize) -> Vec<f64> {
 }
 
 #[test]
-fn table_2_gives_the_clockwise_loop_of_spec() {
+fn table_2_gives_a_clockwise_loop() {
     // 400 samples a period: samples 100 and 300 are at 5 V.
     let u = sine(400, 3);
     let mut v = vec![0.0; u.len()];
@@ -34,7 +35,8 @@ fn table_2_gives_the_clockwise_loop_of_spec() {
     assert!(table_2().admissibility().is_bounded());
 }
 
-/// Difference of explicit Euler, scored on the second and third period: (root mean square, maximum), % of stroke.
+/// Difference of explicit Euler, scored on the second and third period: (root mean square, maximum), % of
+/// stroke.
 fn euler_error(model: &BoucWen, per_period: usize) -> (f64, f64) {
     let u = sine(per_period, 3);
     let mut v = vec![0.0; u.len()];
@@ -61,8 +63,7 @@ fn explicit_euler_errs_by_a_per_cent_and_converges_to_the_exact_step() {
     let model = table_2();
     let (coarse, middle, fine) =
         (euler_error(&model, 20), euler_error(&model, 100), euler_error(&model, 10_000));
-    // SPEC §2 gives 0.23 % of stroke rms at 100 samples a period and 1.3 % at 20, for a drive it does not state. For this
-    // drive these are the largest errors; the rms is smaller.
+    // Largest error, in per cent of stroke, at 100 and at 20 samples a period (docs/theory/bouc-wen.md).
     assert!((middle.1 - 0.23).abs() < 0.01, "{middle:?}");
     assert!((coarse.1 - 1.3).abs() < 0.05, "{coarse:?}");
     // Root mean square, as an independent Runge–Kutta prototype of the same drive has it.
@@ -238,7 +239,8 @@ fn drive_between_samples() {
     assert_eq!(up(InterSample::Linear, RecordEnds::Open), [0.0, 1.0, 2.0, 1.5, 1.0]);
     assert_eq!(up(InterSample::Linear, RecordEnds::Periodic), [0.0, 1.0, 2.0, 1.5, 1.0, 0.5]);
     assert_eq!(InterSample::Linear.upsample(&u, 0, RecordEnds::Open), Err(HysteresisError::Factor));
-    // A trigonometric polynomial below the Nyquist frequency is met between the samples, odd and even lengths.
+    // A trigonometric polynomial below the Nyquist frequency is met between the samples, odd and even
+    // lengths.
     let wave = |t: f64| 1.0 + (2.0 * PI * t).sin() - 0.3 * (6.0 * PI * t + 0.4).cos();
     for samples in [9_usize, 16] {
         let u: Vec<f64> = (0..samples).map(|k| wave(k as f64 / samples as f64)).collect();

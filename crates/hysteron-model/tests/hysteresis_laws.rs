@@ -1,7 +1,8 @@
 //! Laws of the Bouc–Wen block that hold for every parameter set of the bounded class.
 //!
-//! Wiping-out (a larger excursion erases the memory of smaller ones, minor loops close) is *not* among them: Bouc–Wen
-//! violates it. What does hold is fading memory: any two histories approach each other under a common drive.
+//! Wiping-out (a larger excursion erases the memory of smaller ones, minor loops close) is *not* among them:
+//! Bouc–Wen violates it. What does hold is fading memory: any two histories approach each other under a
+//! common drive.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_model::Start;

@@ -6,7 +6,8 @@ use hysteron_model::hysteresis::{BoucWenState, HysteresisError, Sensitivities, U
 use hysteron_rt::Dual;
 use proptest::prelude::*;
 
-/// Step of the differences where ζ is some 1 V: their truncation is some (10 V · H)⁶, their rounding some ε/H.
+/// Step of the differences where ζ is some 1 V: their truncation is some (10 V · H)⁶, their rounding some
+/// ε/H.
 const H: f64 = 1e-3;
 
 /// The sixth-order central difference quotient of a vector, with step `h`.
@@ -33,8 +34,8 @@ fn sensitivities([beta, gamma, n]: [f64; 3], u: &[f64], start: Start<f64>, expon
     out
 }
 
-/// How far off ζ may be. A steady state is taken as settled where a period changes ζ by 1e-13 of its size, and what is left then
-/// grows to 1/(1 − m) of that, m = ∂ζ_end/∂ζ(0): a weak loop forgets slowly.
+/// How far off ζ may be. A steady state is taken as settled where a period changes ζ by 1e-13 of its size,
+/// and what is left then grows to 1/(1 − m) of that, m = ∂ζ_end/∂ζ(0): a weak loop forgets slowly.
 fn inaccuracy(shape: [f64; 3], u: &[f64], start: Start<f64>, zeta: &[f64]) -> f64 {
     let size = zeta.iter().fold(0.0_f64, |m, z| m.max(z.abs()));
     if start != Start::PERIODIC {
@@ -45,10 +46,11 @@ fn inaccuracy(shape: [f64; 3], u: &[f64], start: Start<f64>, zeta: &[f64]) -> f6
     1e-13 * size / (1.0 - sensitivities(shape, u, settled, false).d_start[last])
 }
 
-/// Every derivative within 1e-9 of the largest of its kind, and what the inaccuracy of ζ makes of the differences.
+/// Every derivative within 1e-9 of the largest of its kind, and what the inaccuracy of ζ makes of the
+/// differences.
 ///
-/// Samples at which ζ changes sign within reach of the differences are left out: the second derivative jumps there.
-/// False where that happens at a turning point, from which it would spread.
+/// Samples at which ζ changes sign within reach of the differences are left out: the second derivative jumps
+/// there. False where that happens at a turning point, from which it would spread.
 fn meets_differences(shape: [f64; 3], u: &[f64], start: Start<f64>) -> Result<bool, TestCaseError> {
     let got = sensitivities(shape, u, start, true);
     let [beta, gamma, n] = shape;

@@ -1,4 +1,5 @@
-//! Promise: whether an operator can be inverted is decided by the exact condition of its family where there is one, else along drives.
+//! Promise: whether an operator can be inverted is decided by the exact condition of its family where there
+//! is one, else along drives.
 #![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_model::hysteresis::{

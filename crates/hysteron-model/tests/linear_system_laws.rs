@@ -166,7 +166,8 @@ proptest! {
         let expected = if unstable > 0 { Stability::Unstable { poles: unstable } } else { Stability::Stable };
         prop_assert_eq!(stability(&tf), expected);
         prop_assert_eq!(simulated.is_err(), unstable > 0, "{}: {:?}", tf, simulated);
-        // Schemes that damp are judged by their own poles, δ(z) = s h: z = 1 − s h, and 2 − √(1 + 2 s h) for BDF2.
+        // Schemes that damp are judged by their own poles, δ(z) = s h: z = 1 − s h, and 2 − √(1 + 2 s h) for
+        // BDF2.
         for scheme in [Scheme::GrunwaldLetnikov, Scheme::Bdf2] {
             let moduli: Vec<f64> = poles
                 .iter()

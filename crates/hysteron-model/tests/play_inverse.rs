@@ -1,4 +1,5 @@
-//! Promise: the inverses of the Prandtl–Ishlinskii block undo it from both sides, and are refused where there is none.
+//! Promise: the inverses of the Prandtl–Ishlinskii block undo it from both sides, and are refused where there
+//! is none.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_model::Start;

@@ -1,5 +1,6 @@
-//! Promise: the Prandtl–Ishlinskii block agrees with numbers worked out by hand and with the rule of Masing and Madelung,
-//! which knows no plays: a list of turning points, the loading curve, and its branches at twice the size.
+//! Promise: the Prandtl–Ishlinskii block agrees with numbers worked out by hand and with the rule of Masing
+//! and Madelung, which knows no plays: a list of turning points, the loading curve, and its branches at twice
+//! the size.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_model::Start;

@@ -1,6 +1,7 @@
 //! Promise: laws of the Prandtl–Ishlinskii block that hold for every parameter set.
 //!
-//! A play takes maxima and minima of rounded sums, and rounding keeps order. So most laws hold to the last bit.
+//! A play takes maxima and minima of rounded sums, and rounding keeps order. So most laws hold to the last
+//! bit.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
 use hysteron_model::Start;

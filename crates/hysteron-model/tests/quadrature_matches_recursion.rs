@@ -1,8 +1,8 @@
 //! Promise: the O(N log N) simulation agrees with the O(N²) recursion within 1e-9 of the largest output on
 //! article Eq. 13, up to N = 1e5.
 //!
-//! Up to N = 1e4 the judge is the plain recursion (article Eq. 4). At N = 1e5 it is the same recursion by divide
-//! and conquer, which the first test holds to the plain one within 1e-12.
+//! Up to N = 1e4 the judge is the plain recursion (article Eq. 4). At N = 1e5 it is the same recursion by
+//! divide and conquer, which the first test holds to the plain one within 1e-12.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,5 @@
-//! Promise: a realisation does, sample by sample, what the batch simulation of its model does, to the accuracy named.
+//! Promise: a realisation does, sample by sample, what the batch simulation of its model does, to the
+//! accuracy named.
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
@@ -79,7 +80,8 @@ fn a_realisation_is_the_batch_simulation_to_the_named_accuracy() {
 
 #[test]
 fn the_step_response_of_eq_13_has_its_sixteen_digit_values() {
-    // A step is a held input: continuous poles answer it exactly, so what is seen is the accuracy of the poles.
+    // A step is a held input: continuous poles answer it exactly, so what is seen is the accuracy of the
+    // poles.
     let reference = [
         (10, 0.642_547_372_734_257_5),
         (50, 0.966_959_160_158_473_5),
@@ -130,7 +132,8 @@ fn whole_orders_multiple_poles_arx_and_delay_alone_are_realised() {
         Dynamics::Arx(Arx { a: vec![], b: vec![0.5, 0.3, 0.2] }),
     ];
     for (case, dynamics) in cases.into_iter().enumerate() {
-        // A direct path shows what a polygon holds above half the sample rate, which the batch simulation leaves out.
+        // A direct path shows what a polygon holds above half the sample rate, which the batch simulation
+        // leaves out.
         let direct = matches!(&dynamics, Dynamics::Integer(g) if g.high_frequency_gain() != 0.0);
         let schemes = if direct { &[Scheme::Tustin][..] } else { &[Scheme::Tustin, Scheme::BandLimited] };
         for &scheme in schemes {
@@ -171,7 +174,8 @@ fn creep_is_realised_down_to_the_frequency_named() {
     }
 }
 
-/// The relaxations of creep beside fractional modes are poles on the branch cut, most of them far below the band.
+/// The relaxations of creep beside fractional modes are poles on the branch cut, most of them far below the
+/// band.
 #[test]
 fn logarithmic_creep_beside_fractional_modes_is_realised() {
     for (creep_start_s, scheme) in

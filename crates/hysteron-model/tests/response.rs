@@ -1,5 +1,5 @@
-//! Promise: a frequency response applied to a spectrum is what the simulation does, with an exact delay, and its
-//! derivatives are those of the simulated output.
+//! Promise: a frequency response applied to a spectrum is what the simulation does, with an exact delay, and
+//! its derivatives are those of the simulated output.
 
 #![allow(clippy::unwrap_used)]
 
@@ -136,7 +136,8 @@ fn the_linear_delay_is_the_one_in_time() {
                     found.iter_mut().for_each(|y| *y += tf.dc_gain() * before);
                     let difference =
                         found.iter().zip(&expected).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
-                    // What is aliased, 1e-10 of the response, is all there is where the delay exceeds the record.
+                    // What is aliased, 1e-10 of the response, is all there is where the delay exceeds the
+                    // record.
                     assert!(
                         difference < ROUNDING || shift > samples as f64,
                         "{scheme} {shift}: {difference:e}"
@@ -166,8 +167,8 @@ fn the_band_limited_delay_is_exact_for_a_smooth_pulse_under_every_scheme() {
     }
 }
 
-/// A start with a corner is not band-limited: it rings, alternating, and by r^−k the ringing does not die away. A G that
-/// falls off towards half the sample rate takes it away but for the first samples.
+/// A start with a corner is not band-limited: it rings, alternating, and by r^−k the ringing does not die
+/// away. A G that falls off towards half the sample rate takes it away but for the first samples.
 #[test]
 fn what_the_band_limited_delay_makes_of_a_corner() {
     let samples = 10_000usize;

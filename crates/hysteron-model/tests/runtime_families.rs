@@ -1,4 +1,5 @@
-//! Promise: every family that `hysteron-rt` runs is the library's own, sample by sample: forwards, in single precision, and inverted.
+//! Promise: every family that `hysteron-rt` runs is the library's own, sample by sample: forwards, in single
+//! precision, and inverted.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
 
@@ -20,7 +21,8 @@ const RATE_HZ: f64 = 1e3;
 /// Voltages go from here to there.
 const RANGE: [f64; 2] = [-2.0, 10.0];
 
-/// A model of every family of columns; those that relax also with weights of a device that lags, and Dahl's with a knee below 1.
+/// A model of every family of columns; those that relax also with weights of a device that lags, and Dahl's
+/// with a knee below 1.
 fn models(inter_sample: InterSample) -> Vec<Model> {
     let all = examples(RANGE, 500.0, 1.0).unwrap().into_iter();
     let families = all.filter(|hysteresis| matches!(hysteresis, Hysteresis::Family(_)));

@@ -1,5 +1,5 @@
-//! Promise: the error of each scheme for article Eq. 13 on a 1–100 Hz sweep at 10 kHz (1.7e-2, 7.2e-4, 1.8e-4 of
-//! the largest output), against a reference that owes nothing to any of them at that rate.
+//! Promise: the error of each scheme for article Eq. 13 on a 1–100 Hz sweep at 10 kHz (1.7e-2, 7.2e-4, 1.8e-4
+//! of the largest output), against a reference that owes nothing to any of them at that rate.
 //!
 //! Reference: Tustin at 16 and 32 times the rate, extrapolated to step 0 (Richardson, second order); 8 and 16
 //! times give the same within 1e-10.

@@ -37,8 +37,8 @@ fn known_cases() {
     assert_eq!(stability(&plant(&[(1e200, 0.0), (1e-20, 1.1), (1e-200, 2.0)])), Stability::Stable);
 }
 
-/// The damping at which a plant with α₂ > 2 turns stable, from D(iω) = 0: exact, incommensurate, and resolved to
-/// a part in a million on both sides.
+/// The damping at which a plant with α₂ > 2 turns stable, from D(iω) = 0: exact, incommensurate, and resolved
+/// to a part in a million on both sides.
 #[test]
 fn the_limit_of_stability_of_an_incommensurate_plant() {
     let (alpha1, alpha2, omega) = (1.0523, 2.0384, 2000f64);
@@ -64,7 +64,8 @@ fn the_limit_of_stability_of_an_incommensurate_plant() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Matignon: with w = s^q the poles are the zeros w = ρ e^(±iφ) of a polynomial, unstable where |φ| < qπ/2.
+    /// Matignon: with w = s^q the poles are the zeros w = ρ e^(±iφ) of a polynomial, unstable where |φ| <
+    /// qπ/2.
     #[test]
     fn commensurate_orders_agree_with_matignon(
         q in 0.2f64..1.6,
@@ -86,8 +87,8 @@ proptest! {
         let unstable = 2 * zeros.iter().filter(|(_, phi)| *phi < q * FRAC_PI_2).count();
         let expected = if unstable > 0 { Stability::Unstable { poles: unstable } } else { Stability::Stable };
         prop_assert_eq!(stability(&plant(&terms)), expected);
-        // On the main sheet |arg s| < π, that is |arg w| < qπ, which with q > 1 goes past the half turn: both φ and
-        // 2π − φ may lie on it.
+        // On the main sheet |arg s| < π, that is |arg w| < qπ, which with q > 1 goes past the half turn: both
+        // φ and 2π − φ may lie on it.
         let arguments = || zeros.iter().flat_map(|(_, phi)| [*phi, TAU - phi]);
         let near_cut = arguments().any(|argument| (argument - q * PI).abs() < 1e-3);
         let distinct = zeros.iter().enumerate().all(|(i, a)| {

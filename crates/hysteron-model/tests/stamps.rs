@@ -1,5 +1,5 @@
-//! Promise: on stamps of any spacing the dynamics, and every hysteresis in front of them, put out what they do on a fine common grid, and
-//! the derivatives are those of that output.
+//! Promise: on stamps of any spacing the dynamics, and every hysteresis in front of them, put out what they
+//! do on a fine common grid, and the derivatives are those of that output.
 
 #![allow(clippy::unwrap_used)]
 
@@ -47,7 +47,8 @@ fn forms() -> Vec<(DynamicForm, Vec<f64>)> {
     modes.into_iter().flat_map(with).collect()
 }
 
-/// Steps of the common grid at which the input is known: three rates, a gap, and a stretch of irregular stamps.
+/// Steps of the common grid at which the input is known: three rates, a gap, and a stretch of irregular
+/// stamps.
 fn knots() -> Vec<usize> {
     let segments = [(0, 32, 300), (10_000, 160, 60), (40_000, 16, 400)];
     let mut knots: Vec<usize> = segments
@@ -199,7 +200,8 @@ fn range(y: &[f64]) -> f64 {
     high - low
 }
 
-/// Largest difference at the knots between stamps and the common grid, made finer by a factor, as a share of the range.
+/// Largest difference at the knots between stamps and the common grid, made finer by a factor, as a share of
+/// the range.
 fn off_the_common_grid(model: &Model, finer: usize) -> f64 {
     let knots = knots();
     let times = seconds(&knots);
@@ -251,8 +253,8 @@ fn plays_that_see_the_rate_put_out_on_stamps_what_they_do_on_the_common_grid() {
     }
 }
 
-/// Where nothing smooths the jumps of plays that slow down, a grid is no oracle: it puts a jump somewhere within a step. Samples added on
-/// the straight lines of the drive must change nothing.
+/// Where nothing smooths the jumps of plays that slow down, a grid is no oracle: it puts a jump somewhere
+/// within a step. Samples added on the straight lines of the drive must change nothing.
 #[test]
 fn samples_added_on_straight_lines_change_nothing() {
     let knots = knots();
@@ -286,7 +288,8 @@ fn samples_added_on_straight_lines_change_nothing() {
             let error =
                 few.iter().zip(&kept).map(|(y, k)| (y - more[*k]).abs()).fold(0.0, f64::max) / range(&few);
             println!("{name}, delay {delay_s} s: {error:.1e}");
-            // Nothing smooths the corner at which a play begins to move, and between knots it is read from a straight line.
+            // Nothing smooths the corner at which a play begins to move, and between knots it is read from a
+            // straight line.
             let corners = matches!(dynamics, Dynamics::None) || name == "creep";
             let tolerance = if corners { 5.0 * TOLERANCE } else { TOLERANCE };
             assert!(error < tolerance, "{name} {delay_s}: {error:e}");
@@ -356,8 +359,9 @@ fn plays_that_see_the_rate_are_differentiated_on_stamps() {
     }
 }
 
-/// Three drives one after another with pauses at 0 V between them; the second at another rate changes nothing of the first, and of the
-/// third nothing once a swing beyond all before has wiped out what the plays remember.
+/// Three drives one after another with pauses at 0 V between them; the second at another rate changes nothing
+/// of the first, and of the third nothing once a swing beyond all before has wiped out what the plays
+/// remember.
 #[test]
 fn the_rate_of_one_segment_is_its_own() {
     let swings = |size: f64, count: usize, times: &mut Vec<f64>, input: &mut Vec<f64>, period_s: f64| {

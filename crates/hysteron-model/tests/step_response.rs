@@ -1,5 +1,5 @@
-//! Promise: the step response of article Eq. 13 against its reference values (continuous time, 16 digits), the
-//! errors per scheme, and the order of convergence of each.
+//! Promise: the step response of article Eq. 13 against its reference values (continuous time, 16 digits),
+//! the errors per scheme, and the order of convergence of each.
 
 #![allow(clippy::unwrap_used)]
 
@@ -46,7 +46,8 @@ fn errors_at_ten_kilohertz_are_those_of_each_scheme() {
 fn halving_the_step_shows_the_order_of_each_scheme() {
     for (scheme, order) in [(Scheme::GrunwaldLetnikov, 1.0), (Scheme::Bdf2, 2.0), (Scheme::Tustin, 2.0)] {
         let (coarse, fine) = (errors(scheme, 8), errors(scheme, 16));
-        // At 5 and 10 ms. (At 1 ms the first two terms of Grünwald–Letnikov's error nearly cancel at these steps.)
+        // At 5 and 10 ms. (At 1 ms the first two terms of Grünwald–Letnikov's error nearly cancel at these
+        // steps.)
         for k in [1, 2] {
             let observed = (coarse[k] / fine[k]).log2();
             println!("{scheme} at {} ms: order {observed:.3}", REFERENCE[k].0);

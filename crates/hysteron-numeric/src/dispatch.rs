@@ -104,32 +104,33 @@ dispatched! {
 }
 
 dispatched! {
-    /// out = numerator / denominator · factor, element by element, the first two as (re, im) pairs of slices. A
-    /// zero denominator gives a value that is not finite.
+    /// out = numerator / denominator · factor, element by element, the first two as (re, im) pairs of slices.
+    /// A zero denominator gives a value that is not finite.
     multiply_quotient => multiply_quotient_kernel(
         numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), factor: &[Complex64],
         out: &mut [Complex64])
 }
 
 dispatched! {
-    /// Adds (coefficient + weight · (log_abs + i·angle)) · power to `sum`, element by element; pairs are (re, im).
-    /// With weight 0, coefficient · power.
+    /// Adds (coefficient + weight · (log_abs + i·angle)) · power to `sum`, element by element; pairs are (re,
+    /// im). With weight 0, coefficient · power.
     accumulate_tangent => accumulate_tangent_kernel(
         coefficient: f64, weight: f64, log: (&[f64], &[f64]), power: (&[f64], &[f64]),
         sum: (&mut [f64], &mut [f64]))
 }
 
 dispatched! {
-    /// value = numerator / denominator, weight = factor / denominator and out = value · factor, element by element;
-    /// pairs are (re, im).
+    /// value = numerator / denominator, weight = factor / denominator and out = value · factor, element by
+    /// element; pairs are (re, im).
     quotient_parts => quotient_parts_kernel(
         numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), factor: &[Complex64],
         value: (&mut [f64], &mut [f64]), weight: (&mut [f64], &mut [f64]), out: &mut [Complex64])
 }
 
 dispatched! {
-    /// out = (numerator − value · denominator) · weight, element by element, pairs (re, im): with the derivatives of
-    /// numerator and denominator, and value and weight of [`quotient_parts`], the derivative of its `out`.
+    /// out = (numerator − value · denominator) · weight, element by element, pairs (re, im): with the
+    /// derivatives of numerator and denominator, and value and weight of [`quotient_parts`], the derivative
+    /// of its `out`.
     quotient_tangent => quotient_tangent_kernel(
         numerator: (&[f64], &[f64]), denominator: (&[f64], &[f64]), value: (&[f64], &[f64]),
         weight: (&[f64], &[f64]), out: &mut [Complex64])
@@ -147,8 +148,8 @@ dispatched! {
 }
 
 dispatched! {
-    /// to = (from + before) · (coarse · fine) + after, element by element, on the shortest of the slices; false if any
-    /// result is not finite.
+    /// to = (from + before) · (coarse · fine) + after, element by element, on the shortest of the slices;
+    /// false if any result is not finite.
     scale => scale_kernel(
         from: &[f64], before: f64, coarse: f64, fine: &[f64], after: f64, to: &mut [f64]) -> bool
 }
@@ -164,8 +165,8 @@ dispatched! {
 }
 
 dispatched! {
-    /// `out[i]` = Σ_j kernel\[j\] · x\[i · step + j\], for as many as `x` reaches: a filter of which every `step`-th output
-    /// is worked out. In eight interleaved sums each.
+    /// `out[i]` = Σ_j kernel\[j\] · x\[i · step + j\], for as many as `x` reaches: a filter of which every
+    /// `step`-th output is worked out. In eight interleaved sums each.
     filter_every => filter_every_kernel(kernel: &[f64], step: usize, x: &[f64], out: &mut [f64])
 }
 

@@ -1,4 +1,5 @@
-//! Derivatives of a bank of two-state modes and lags under feedback through plays, a block of parameters at once.
+//! Derivatives of a bank of two-state modes and lags under feedback through plays, a block of parameters at
+//! once.
 
 use super::InstructionSet;
 use super::dispatch::feedback_tangent;
@@ -33,8 +34,8 @@ pub struct Forcing {
     pub factor: f64,
 }
 
-/// The linear system along a trajectory, x⁺ = A x + H w, y = C x + D w, z = R x, w_i = Σ over the channels of i of their laws, and
-/// the trajectory. Matrices row by row.
+/// The linear system along a trajectory, x⁺ = A x + H w, y = C x + D w, z = R x, w_i = Σ over the channels of
+/// i of their laws, and the trajectory. Matrices row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct FeedbackTangent<'a> {
     /// Modes: pairs of states; lags follow them.
@@ -83,8 +84,8 @@ pub struct TangentState {
 }
 
 impl FeedbackTangent<'_> {
-    /// Derivatives of every output at every sample, from derivatives 0 at the first step: `out` holds, output by output, one
-    /// [`Lanes`] a sample.
+    /// Derivatives of every output at every sample, from derivatives 0 at the first step: `out` holds, output
+    /// by output, one [`Lanes`] a sample.
     ///
     /// `out` has outputs · samples entries; what the trajectory does not reach stays as it is.
     pub fn run(&self, set: InstructionSet, forcing: &[Forcing], state: &mut TangentState, out: &mut [Lanes]) {

@@ -13,7 +13,8 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// √(Σ rᵢ² / N), the cost of a residual vector (article Eq. 7); +∞ if any residual is not finite or there is none.
+/// √(Σ rᵢ² / N), the cost of a residual vector (article Eq. 7); +∞ if any residual is not finite or there is
+/// none.
 pub fn root_mean_square(residuals: &[f64]) -> f64 {
     // Eight interleaved sums do not wait for one another; the order of summation is fixed.
     let mut sums = [0.0; 8];

@@ -7,9 +7,9 @@ use super::triangular;
 /// What is left of a gradient by rounding, as a share of the sizes that it comes from.
 const ROUNDING: f64 = 1e-13;
 
-/// c ≥ 0 that minimises ‖`target` − Σ c_j `columns`_j‖: the active-set method of C. L. Lawson and R. J. Hanson, *Solving Least
-/// Squares Problems* (1974), ch. 23, doi:10.1137/1.9781611971217, on the triangular factor of columns and target. Columns that
-/// depend on others, or are zero, get 0.
+/// c ≥ 0 that minimises ‖`target` − Σ c_j `columns`_j‖: the active-set method of C. L. Lawson and R. J.
+/// Hanson, *Solving Least Squares Problems* (1974), ch. 23, doi:10.1137/1.9781611971217, on the triangular
+/// factor of columns and target. Columns that depend on others, or are zero, get 0.
 pub fn non_negative_least_squares(columns: &[&[f64]], target: &[f64]) -> Vec<f64> {
     let count = columns.len();
     let mut all = columns.to_vec();

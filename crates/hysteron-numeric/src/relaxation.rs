@@ -1,11 +1,12 @@
-//! Exponential relaxation over many moves at once: all that hysteresis with n = 1 needs to know of a move before it
-//! knows where it starts from.
+//! Exponential relaxation over many moves at once: all that hysteresis with n = 1 needs to know of a move
+//! before it knows where it starts from.
 
 use super::InstructionSet;
 use super::dispatch::{relaxations, relaxations_with_slopes};
 use super::elementary::exp;
 
-/// A row of moves Δu and, with d = |Δu| and κ ≥ 0 the rate in the direction of each, what a relaxation makes of them.
+/// A row of moves Δu and, with d = |Δu| and κ ≥ 0 the rate in the direction of each, what a relaxation makes
+/// of them.
 #[derive(Clone, Debug)]
 pub struct Relaxations {
     /// Δu.
@@ -31,9 +32,9 @@ impl Relaxations {
         Self { moves: none, decay: none, reach: none, slope: none }
     }
 
-    /// Computes `decay` and `reach` of the first `count` moves at the rates `up` and `down` ≥ 0, and `slope` where
-    /// asked for; what the row holds beyond them is void. The first two are within 3, the slope within 30 units in the
-    /// last place.
+    /// Computes `decay` and `reach` of the first `count` moves at the rates `up` and `down` ≥ 0, and `slope`
+    /// where asked for; what the row holds beyond them is void. The first two are within 3, the slope within
+    /// 30 units in the last place.
     pub fn compute(&mut self, set: InstructionSet, (up, down): (f64, f64), count: usize, slopes: bool) {
         let count = count.next_multiple_of(Self::LANES).min(Self::MOST);
         if slopes {

@@ -1,9 +1,9 @@
 //! Many relaxations behind one input that goes along straight lines, moved together.
 //!
-//! Between two corners of the input, ξ' = λ (u − ξ) with u = u₀ + s t has the solution
-//! ξ(t) = ξ₀ + g (u₀ − ξ₀ − s/λ) + s t, g = 1 − e^(−λt): one exponential function a relaxation and a step, whatever the step's length.
-//! Its derivative in λ, D' = −λ D + u − ξ, goes along where it is asked for:
-//! D(t) = D₀ − g D₀ + t (1 − g) (u₀ − ξ₀ − s/λ) + g s/λ². Where λt is small for a whole row of relaxations, a few terms of the series
+//! Between two corners of the input, ξ' = λ (u − ξ) with u = u₀ + s t has the solution ξ(t) = ξ₀ + g (u₀ − ξ₀
+//! − s/λ) + s t, g = 1 − e^(−λt): one exponential function a relaxation and a step, whatever the step's
+//! length. Its derivative in λ, D' = −λ D + u − ξ, goes along where it is asked for: D(t) = D₀ − g D₀ + t (1
+//! − g) (u₀ − ξ₀ − s/λ) + g s/λ². Where λt is small for a whole row of relaxations, a few terms of the series
 //! of g are enough.
 
 use super::dispatch::{InstructionSet, bank_advance, bank_read};
@@ -105,8 +105,8 @@ impl BankWeights {
 }
 
 impl RelaxationBank {
-    /// Takes these rates λₖ > 0 \[rad/s\], best in ascending order, and the states 0, with their derivatives where asked for. Keeps
-    /// its buffers.
+    /// Takes these rates λₖ > 0 \[rad/s\], best in ascending order, and the states 0, with their derivatives
+    /// where asked for. Keeps its buffers.
     pub fn reset(&mut self, rates: &[f64], with_derivatives: bool) {
         in_lanes(rates.iter().copied(), &mut self.rates);
         self.fastest.clear();
@@ -131,7 +131,8 @@ impl RelaxationBank {
         bank_advance(set, self, line);
     }
 
-    /// One sum over the states at the end of a line of the input for each of `weights`, added to `sums`; the states stay where they are.
+    /// One sum over the states at the end of a line of the input for each of `weights`, added to `sums`; the
+    /// states stay where they are.
     pub fn read(&mut self, set: InstructionSet, line: Line, weights: &[BankWeights], sums: &mut [f64]) {
         bank_read(set, self, line, weights, sums);
     }

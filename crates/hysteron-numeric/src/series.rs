@@ -1,4 +1,5 @@
-//! Power series of many short stretches at once, one lane a stretch: multiplied, raised to a power, evaluated.
+//! Power series of many short stretches at once, one lane a stretch: multiplied, raised to a power,
+//! evaluated.
 
 use super::InstructionSet;
 use super::dispatch::{series_evaluate, series_power, series_product};

@@ -12,9 +12,9 @@ const SHARE: usize = 16 * BLOCK;
 
 /// R of the QR factorisation of `columns`, all of one length.
 ///
-/// Householder reflections over blocks of rows, the factor of the blocks before on top of each; then of the factors of all
-/// shares (Demmel, Grigori, Hoemmen and Langou 2012, doi:10.1137/080731992). Which rows come together does not depend on the
-/// threads.
+/// Householder reflections over blocks of rows, the factor of the blocks before on top of each; then of the
+/// factors of all shares (Demmel, Grigori, Hoemmen and Langou 2012, doi:10.1137/080731992). Which rows come
+/// together does not depend on the threads.
 pub fn triangular(columns: &[&[f64]]) -> DMatrix<f64> {
     let width = columns.len();
     let rows = columns.first().map_or(0, |column| column.len());

@@ -1,5 +1,5 @@
-//! Promise: the array kernels are as accurate as the standard library's functions to a rounding or two, and give
-//! the same bits whichever instruction set runs them.
+//! Promise: the array kernels are as accurate as the standard library's functions to a rounding or two, and
+//! give the same bits whichever instruction set runs them.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,9 +1,10 @@
 //! Artificial bee colony, Karaboga and Basturk 2007, doi:10.1007/s10898-007-9149-x.
 //!
-//! Employed bees and onlookers (roulette on 1/(1 + J)) move one random component, v_j = x_j + φ (x_j − x_kj) with φ
-//! uniform in [−1, 1] and a random partner k ≠ i; clipped to the box, accepted if better. A source that failed more
-//! often than its limit gives way to a random one, at most one a generation. Phases propose all, evaluate all, then
-//! accept in index order. A generation costs 2·SN evaluations, and one more where the scout fires.
+//! Employed bees and onlookers (roulette on 1/(1 + J)) move one random component, v_j = x_j + φ (x_j − x_kj)
+//! with φ uniform in [−1, 1] and a random partner k ≠ i; clipped to the box, accepted if better. A source
+//! that failed more often than its limit gives way to a random one, at most one a generation. Phases propose
+//! all, evaluate all, then accept in index order. A generation costs 2·SN evaluations, and one more where the
+//! scout fires.
 
 use super::OptimizeError;
 use super::algorithm::check_population;

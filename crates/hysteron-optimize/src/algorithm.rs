@@ -47,7 +47,8 @@ impl Algorithm {
         }
     }
 
-    /// The algorithm of this name, with its own options but for the `population` (of least squares: the number of starts).
+    /// The algorithm of this name, with its own options but for the `population` (of least squares: the
+    /// number of starts).
     ///
     /// # Errors
     /// [`UnknownAlgorithm`].

@@ -89,8 +89,8 @@ impl Bounds {
         }
     }
 
-    /// Checks that there is a parameter, and that every range has finite ends, `low < high` and, where logarithmic,
-    /// `low > 0`.
+    /// Checks that there is a parameter, and that every range has finite ends, `low < high` and, where
+    /// logarithmic, `low > 0`.
     ///
     /// # Errors
     /// [`OptimizeError::NoParameters`], [`OptimizeError::Range`].

@@ -15,11 +15,13 @@ const VERSION: u32 = 1;
 /// processors, another record's cost differs by far more.
 const SAME_COST: f64 = 1e-6;
 
-/// The whole state of a run, serialisable: problem, search box, algorithm, settings, population, the position in the
-/// random streams and the history. [`minimize`](super::minimize()) goes on from it to the same final bits.
+/// The whole state of a run, serialisable: problem, search box, algorithm, settings, population, the position
+/// in the random streams and the history. [`minimize`](super::minimize()) goes on from it to the same final
+/// bits.
 ///
 /// Get one from [`Progress::checkpoint`](super::Progress::checkpoint) each generation or from
-/// [`Outcome::checkpoint`](super::Outcome::checkpoint) at the end. JSON needs `serde_json` with `float_roundtrip`.
+/// [`Outcome::checkpoint`](super::Outcome::checkpoint) at the end. JSON needs `serde_json` with
+/// `float_roundtrip`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Checkpoint {

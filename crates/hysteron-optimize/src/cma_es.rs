@@ -1,18 +1,18 @@
-//! Covariance matrix adaptation evolution strategy, Hansen and Ostermeier 2001, doi:10.1162/106365601750190398, with
-//! the constants of Hansen's tutorial (arXiv:1604.00772), and restarts with twice the population each (IPOP: Auger and
-//! Hansen 2005, doi:10.1109/CEC.2005.1554902).
+//! Covariance matrix adaptation evolution strategy, Hansen and Ostermeier 2001,
+//! doi:10.1162/106365601750190398, with the constants of Hansen's tutorial (arXiv:1604.00772), and restarts
+//! with twice the population each (IPOP: Auger and Hansen 2005, doi:10.1109/CEC.2005.1554902).
 //!
-//! A generation draws λ candidates x = m + σ y, y ~ N(0, C), ranks them, and moves the mean m to the weighted mean of
-//! the better half; the step σ and the covariance C follow from the path that the mean takes. With C = B D² Bᵀ,
-//! y = B D z, z ~ N(0, I):
+//! A generation draws λ candidates x = m + σ y, y ~ N(0, C), ranks them, and moves the mean m to the weighted
+//! mean of the better half; the step σ and the covariance C follow from the path that the mean takes. With C
+//! = B D² Bᵀ, y = B D z, z ~ N(0, I):
 //!
 //! - m ← m + σ ⟨y⟩, ⟨y⟩ = Σ wᵢ y₍ᵢ₎, wᵢ ∝ ln((λ + 1)/2) − ln i, i ≤ λ/2;
 //! - p_σ ← (1 − c_σ) p_σ + √(c_σ (2 − c_σ) μ_eff) B ⟨z⟩,  σ ← σ exp(c_σ/d_σ (‖p_σ‖/E‖N(0, I)‖ − 1));
 //! - p_c ← (1 − c_c) p_c + h_σ √(c_c (2 − c_c) μ_eff) ⟨y⟩;
 //! - C ← (1 − c₁ (1 − (1 − h_σ) c_c (2 − c_c)) − c_μ) C + c₁ p_c p_cᵀ + c_μ Σ wᵢ y₍ᵢ₎ y₍ᵢ₎ᵀ.
 //!
-//! The strategy knows no walls: space is the box mirrored at each of them again and again, so that no weight of a
-//! penalty has to be chosen and a minimum on a wall stays a minimum.
+//! The strategy knows no walls: space is the box mirrored at each of them again and again, so that no weight
+//! of a penalty has to be chosen and a minimum on a wall stays a minimum.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,8 @@ const LONGEST_AXIS: f64 = 1e7;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CmaEsOptions {
-    /// Candidates of a generation λ before the first restart, at least 4; `None`: 4 + ⌊3 ln D⌋ for D parameters.
+    /// Candidates of a generation λ before the first restart, at least 4; `None`: 4 + ⌊3 ln D⌋ for D
+    /// parameters.
     pub population: Option<usize>,
     /// First step σ as a share of the box, 0 < σ ≤ 1.
     pub step: f64,
@@ -129,7 +130,8 @@ impl Distribution {
             && symmetric(&self.covariance)
     }
 
-    /// Whether nothing more can come of this distribution; `ranked`: costs of its last candidates, best first.
+    /// Whether nothing more can come of this distribution; `ranked`: costs of its last candidates, best
+    /// first.
     fn is_spent(&self, ranked: &[f64], axes: &[f64], window: usize) -> bool {
         let (best, worst) = (ranked[0], ranked[ranked.len() - 1]);
         let longest = axes.iter().copied().fold(0.0, f64::max);
@@ -223,8 +225,8 @@ pub(super) fn generation(
 }
 
 impl Distribution {
-    /// Moves mean, step and covariance after a generation; `ranking`: candidates, best first; `y` and `bz` = B z hold a
-    /// candidate a column.
+    /// Moves mean, step and covariance after a generation; `ranking`: candidates, best first; `y` and `bz` =
+    /// B z hold a candidate a column.
     fn adapt(&mut self, constants: &Constants, ranking: &[usize], y: &DMatrix<f64>, bz: &DMatrix<f64>) {
         let Constants { weights, effective, c_sigma, d_sigma, c_c, c_1, c_mu, expected_length } = constants;
         let dimension = self.mean.len();
@@ -315,7 +317,8 @@ mod tests {
         assert!(outcome.cost < 1e-6, "{}", outcome.cost);
     }
 
-    /// The strategy's mark: an ellipsoid of axes 1 : 10⁶, turned, is solved like a sphere, to a tenth of what the others need.
+    /// The strategy's mark: an ellipsoid of axes 1 : 10⁶, turned, is solved like a sphere, to a tenth of what
+    /// the others need.
     #[test]
     fn turned_ellipsoid_is_no_harder_than_its_condition() {
         let n = 6;

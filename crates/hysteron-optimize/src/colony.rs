@@ -30,8 +30,8 @@ impl Colony {
             && self.trials.len() == population
     }
 
-    /// Proposes for each owner in turn, evaluates all proposals, accepts in index order. `propose(colony, i, random,
-    /// candidate)` changes `candidate`, which comes as a copy of source i.
+    /// Proposes for each owner in turn, evaluates all proposals, accepts in index order.
+    /// `propose(colony, i, random, candidate)` changes `candidate`, which comes as a copy of source i.
     pub(super) fn phase(
         &mut self,
         owners: Owners,

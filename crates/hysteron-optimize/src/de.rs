@@ -1,8 +1,8 @@
 //! Differential evolution rand/1/bin, Storn and Price 1997, doi:10.1023/A:1008202821328.
 //!
-//! For each member i, three others r₁, r₂, r₃, all different, make v = x_r₁ + F (x_r₂ − x_r₃); the trial takes each
-//! component from v with probability CR, one for certain, the others from x_i; clipped to the box. It takes the
-//! member's place if it is not worse. A generation proposes all, evaluates all, then accepts.
+//! For each member i, three others r₁, r₂, r₃, all different, make v = x_r₁ + F (x_r₂ − x_r₃); the trial
+//! takes each component from v with probability CR, one for certain, the others from x_i; clipped to the box.
+//! It takes the member's place if it is not worse. A generation proposes all, evaluates all, then accepts.
 
 use super::OptimizeError;
 use super::algorithm::{check_option, check_population};

@@ -1,17 +1,18 @@
 //! DE-ABC: the article's bee colony with differential mutation and chaotic scout, Eqs. 8–12 and Fig. 4.
 //!
-//! One generation of SN food sources, on the unit box, F fixed when it begins, x_best when each phase begins. (With x_best
-//! of the generation before for the onlookers too, fewer runs come home: on the static problem of
-//! `hysteron_article::optimizer_study` 96.8 % instead of 99.0 % of 310 seeds, at the same number of evaluations.)
-//! 1. *Employed bees*, one a source: x' = x_best + F (x_i − x_k) with a random partner k ≠ i (Eq. 8) and
-//!    F = 1 − iter/Iter (Eq. 9; iter counts from 0, so F falls from 1 to 1/Iter). Clipped to the box; accepted if
+//! One generation of SN food sources, on the unit box, F fixed when it begins, x_best when each phase begins.
+//! (With x_best of the generation before for the onlookers too, fewer runs come home: on the static problem
+//! of `hysteron_article::optimizer_study` 96.8 % instead of 99.0 % of 310 seeds, at the same number of
+//! evaluations.)
+//! 1. *Employed bees*, one a source: x' = x_best + F (x_i − x_k) with a random partner k ≠ i (Eq. 8) and F =
+//!    1 − iter/Iter (Eq. 9; iter counts from 0, so F falls from 1 to 1/Iter). Clipped to the box; accepted if
 //!    better, else the source's counter goes up.
 //! 2. *Onlookers*: SN draws by roulette on 1/(1 + J), the same equation, the same acceptance.
-//! 3. *Scout*: at most one a generation, for the source with the largest counter above L, never the best one: K points
-//!    of a chaotic search (Eqs. 10–12), counter back to 0.
+//! 3. *Scout*: at most one a generation, for the source with the largest counter above L, never the best one:
+//!    K points of a chaotic search (Eqs. 10–12), counter back to 0.
 //!
-//! A phase proposes all, evaluates all, then accepts in index order. So a generation costs 2·SN evaluations, and K
-//! more where the scout fires. The article moves one random component; that fails ([`Moved`]).
+//! A phase proposes all, evaluates all, then accepts in index order. So a generation costs 2·SN evaluations,
+//! and K more where the scout fires. The article moves one random component; that fails ([`Moved`]).
 
 use super::algorithm::{check_option, check_population};
 use super::colony::{Colony, Owners};
@@ -38,7 +39,8 @@ pub struct DeAbcOptions {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Moved {
-    /// One random component: the article's wording (j selected randomly). Correlated parameters cannot be found so.
+    /// One random component: the article's wording (j selected randomly). Correlated parameters cannot be
+    /// found so.
     One,
     /// Each with this probability, at least one.
     Binomial {
@@ -194,8 +196,8 @@ fn send_scout(scout: Scout, i: usize, colony: &mut Colony, search: &mut Search<'
     }
 }
 
-/// C⁰ (Eq. 11), which on the unit box is the coordinate itself; a random number where the logistic map would stay on
-/// or fall into a fixed point.
+/// C⁰ (Eq. 11), which on the unit box is the coordinate itself; a random number where the logistic map would
+/// stay on or fall into a fixed point.
 fn chaotic_start(coordinate: f64, random: &mut Stream) -> f64 {
     let mut c = coordinate;
     while [0.0, 0.25, 0.5, 0.75, 1.0].contains(&c) {

@@ -45,7 +45,8 @@ pub enum OptimizeError {
     },
     /// Least squares asked of a problem that has only a cost.
     #[error(
-        "least squares needs residuals, and this problem has only a cost: choose de-abc, abc, de, pso or cma-es"
+        "least squares needs residuals, and this problem has only a cost: choose de-abc, abc, de, pso or \
+         cma-es"
     )]
     NeedsResiduals,
     /// A least-squares problem without residuals.
@@ -75,7 +76,8 @@ pub enum OptimizeError {
     },
     /// Not a checkpoint of this version.
     #[error(
-        "the checkpoint is of format \"{format}\" version {version}, this program reads \"{expected}\" version {expected_version}"
+        "the checkpoint is of format \"{format}\" version {version}, this program reads \"{expected}\" \
+         version {expected_version}"
     )]
     CheckpointFormat {
         /// Format found.
@@ -103,7 +105,8 @@ pub enum OptimizeError {
     },
     /// A checkpoint of another algorithm or other options of it.
     #[error(
-        "the checkpoint is of {found}, asked for is {expected}: resume with the algorithm and options it was started with"
+        "the checkpoint is of {found}, asked for is {expected}: resume with the algorithm and options it was \
+         started with"
     )]
     CheckpointAlgorithm {
         /// Algorithm and options in the checkpoint.
@@ -123,7 +126,8 @@ pub enum OptimizeError {
     },
     /// The cost at the checkpoint's best point is not what the checkpoint says: other data.
     #[error(
-        "the cost at the checkpoint's best point is {now} here and {stored} there: it was made with other data"
+        "the cost at the checkpoint's best point is {now} here and {stored} there: it was made with other \
+         data"
     )]
     CheckpointCost {
         /// Cost in the checkpoint.

@@ -20,8 +20,8 @@ pub(super) trait EvaluateResiduals {
     fn jacobian(&mut self, point: &[f64], columns: &mut [f64]) -> Derivative;
 }
 
-/// Evaluates over threads; each thread keeps its workspace, made when it first works, for the whole run, and an evaluation
-/// allocates nothing.
+/// Evaluates over threads; each thread keeps its workspace, made when it first works, for the whole run, and
+/// an evaluation allocates nothing.
 pub(super) struct Evaluator<'p, P: Problem> {
     problem: &'p P,
     pool: Option<rayon::ThreadPool>,
@@ -44,7 +44,8 @@ impl Refusal {
         self.is_asked_for() && self.found.load(Ordering::Relaxed)
     }
 
-    /// Evaluates a point unless that is refused; once more where a stop asked for meanwhile may have cut short the only point.
+    /// Evaluates a point unless that is refused; once more where a stop asked for meanwhile may have cut
+    /// short the only point.
     fn evaluate(&self, mut feasible: impl FnMut() -> bool) -> bool {
         let before = self.is_asked_for();
         let mut done = !self.is_due() && feasible();

@@ -9,8 +9,8 @@ use super::{
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Finite differences of residuals, where the problem supplies no derivatives. A step that would leave the box, or
-/// where the model cannot be simulated, is taken to the other side.
+/// Finite differences of residuals, where the problem supplies no derivatives. A step that would leave the
+/// box, or where the model cannot be simulated, is taken to the other side.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Differences {
@@ -27,7 +27,8 @@ pub enum Differences {
 }
 
 impl Default for Differences {
-    /// Forward with 1e−7: between the truncation (∝ h) and what an FFT's rounding (1e−13 or so) leaves (∝ 1/h).
+    /// Forward with 1e−7: between the truncation (∝ h) and what an FFT's rounding (1e−13 or so) leaves (∝
+    /// 1/h).
     fn default() -> Self {
         Self::Forward { step: 1e-7 }
     }
@@ -53,12 +54,12 @@ impl Differences {
     }
 }
 
-/// Jacobian ∂rᵢ/∂xⱼ of the residuals at `x`, rows residuals, columns parameters, in the problem's own units: the
-/// problem's own derivatives, or finite differences.
+/// Jacobian ∂rᵢ/∂xⱼ of the residuals at `x`, rows residuals, columns parameters, in the problem's own units:
+/// the problem's own derivatives, or finite differences.
 ///
 /// # Errors
-/// [`OptimizeError::NotDifferentiable`] where the model cannot be simulated at or beside `x`; an invalid box, or `x`
-/// not of its dimension.
+/// [`OptimizeError::NotDifferentiable`] where the model cannot be simulated at or beside `x`; an invalid box,
+/// or `x` not of its dimension.
 pub fn residual_jacobian<P: LeastSquaresProblem>(
     problem: &P,
     x: &[f64],
@@ -146,7 +147,8 @@ impl<'a> UnitResiduals<'a> {
         &self.columns
     }
 
-    /// Makes `point` the current one, simulating it (uncounted) if it is not already; whether it could be simulated.
+    /// Makes `point` the current one, simulating it (uncounted) if it is not already; whether it could be
+    /// simulated.
     pub(super) fn load(&mut self, point: &[f64]) -> bool {
         if self.at == point {
             return true;

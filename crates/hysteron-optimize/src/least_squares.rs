@@ -1,8 +1,9 @@
 //! Bounded least squares from many starts.
 //!
-//! Local fits follow one another in the order of their starts (the given ones first) and share the budget, until the
-//! starts are used up, or enough of them have ended in the same best minimum. An iteration of a fit is a generation
-//! of the run; so is the beginning of a fit. Counted are all evaluations: starts, steps, differences.
+//! Local fits follow one another in the order of their starts (the given ones first) and share the budget,
+//! until the starts are used up, or enough of them have ended in the same best minimum. An iteration of a fit
+//! is a generation of the run; so is the beginning of a fit. Counted are all evaluations: starts, steps,
+//! differences.
 
 use super::algorithm::check_option;
 use super::jacobian::UnitResiduals;
@@ -26,14 +27,16 @@ pub struct LeastSquaresOptions {
     pub starts: usize,
     /// How the other starts are spread.
     pub spread: Starts,
-    /// Stop once this many starts have ended in the same best minimum; `None`: use all starts. Three may agree on a
-    /// wrong one: in 2 of 200 runs of the study's static problem, whose box holds an edge without hysteresis.
+    /// Stop once this many starts have ended in the same best minimum; `None`: use all starts. Three may
+    /// agree on a wrong one: in 2 of 200 runs of the study's static problem, whose box holds an edge without
+    /// hysteresis.
     pub agreement: Option<usize>,
     /// Most iterations of one start.
     pub iterations: usize,
     /// Differences, where the problem supplies no derivatives.
     pub differences: Differences,
-    /// A fit has converged where the cosine between the residuals and every column of the Jacobian is below this.
+    /// A fit has converged where the cosine between the residuals and every column of the Jacobian is below
+    /// this.
     pub gradient_tolerance: f64,
     /// … or where the squared cost falls by less than this, relative, measured and predicted.
     pub cost_tolerance: f64,
@@ -96,7 +99,8 @@ pub enum LocalStatus {
     StepTolerance,
     /// Out of iterations.
     Iterations,
-    /// Given up: at its pace it would have been out of iterations before it came down to the best of the starts before.
+    /// Given up: at its pace it would have been out of iterations before it came down to the best of the
+    /// starts before.
     Abandoned,
     /// The run's budget of evaluations was spent.
     Budget,

@@ -64,7 +64,8 @@ impl Ledger {
         }
     }
 
-    /// Prefers `point` among points of equal cost: a step downhill may be too small to show in the cost's last digit.
+    /// Prefers `point` among points of equal cost: a step downhill may be too small to show in the cost's
+    /// last digit.
     pub(super) fn prefer(&mut self, point: &[f64], cost: f64) {
         if cost <= self.best_cost {
             self.best.copy_from_slice(point);
@@ -130,8 +131,8 @@ impl Search<'_> {
         self.ledger.stream(self.settings)
     }
 
-    /// Evaluates the first candidates that the budget allows, counts them in index order; `costs` is as long as they
-    /// are many.
+    /// Evaluates the first candidates that the budget allows, counts them in index order; `costs` is as long
+    /// as they are many.
     pub(super) fn evaluate(&mut self, candidates: &mut Points, costs: &mut Vec<f64>) {
         candidates.truncate(self.ledger.remaining(self.settings).min(candidates.len()));
         self.evaluator.costs(candidates, costs);
@@ -140,7 +141,8 @@ impl Search<'_> {
         }
     }
 
-    /// Initial population: the given starts, then points drawn uniformly, with their costs (+∞ beyond the budget).
+    /// Initial population: the given starts, then points drawn uniformly, with their costs (+∞ beyond the
+    /// budget).
     pub(super) fn initial_population(&mut self, count: usize) -> (Points, Vec<f64>) {
         let mut points = Points::new(self.dimension());
         let origin = vec![0.0; self.dimension()];

@@ -1,11 +1,10 @@
 //! One local fit: Levenberg–Marquardt in a box.
 //!
-//! At t on the unit box, with residuals r and Jacobian J, a step p minimises
-//! ‖J p + r‖² + λ ‖D p‖² subject to 0 ≤ t + p ≤ 1,
-//! exactly, by an active set ([`bounded_linear`]): so the model always falls, a bound that is active at the solution is
-//! met exactly, and p = 0 only where the Karush–Kuhn–Tucker conditions hold (Kanzow, Yamashita and Fukushima 2004,
-//! doi:10.1016/j.cam.2004.02.013). D holds the largest column norms of J so far (Moré 1978, doi:10.1007/BFb0067700);
-//! λ follows the gain ratio (Nielsen 1999, IMM-REP-1999-05).
+//! At t on the unit box, with residuals r and Jacobian J, a step p minimises ‖J p + r‖² + λ ‖D p‖² subject to
+//! 0 ≤ t + p ≤ 1, exactly, by an active set ([`bounded_linear`]): so the model always falls, a bound that is
+//! active at the solution is met exactly, and p = 0 only where the Karush–Kuhn–Tucker conditions hold
+//! (Kanzow, Yamashita and Fukushima 2004, doi:10.1016/j.cam.2004.02.013). D holds the largest column norms of
+//! J so far (Moré 1978, doi:10.1007/BFb0067700); λ follows the gain ratio (Nielsen 1999, IMM-REP-1999-05).
 
 use super::jacobian::UnitResiduals;
 use super::ledger::Ledger;
@@ -69,8 +68,8 @@ impl LocalFit {
             && self.judged.is_finite()
     }
 
-    /// Whether, going on at the pace of its last iterations, the fit would be out of them before it came down to `best`:
-    /// it creeps along a valley that leads elsewhere. Judged every [`PACE`] iterations.
+    /// Whether, going on at the pace of its last iterations, the fit would be out of them before it came down
+    /// to `best`: it creeps along a valley that leads elsewhere. Judged every [`PACE`] iterations.
     pub(super) fn is_hopeless(&mut self, iterations: usize, best: f64) -> bool {
         if !self.iterations.is_multiple_of(PACE) {
             return false;

@@ -1,9 +1,9 @@
 //! Bounded global and local optimisation: seeded, identical for any number of threads, observable, resumable.
 //!
-//! A problem is a [`Problem`] (a cost over a box) or a [`LeastSquaresProblem`] (a residual vector whose root mean
-//! square is the cost). An [`Algorithm`] is chosen with its options, [`Settings`] say how long it may run, and one
-//! call does the rest: [`minimize`] for a least-squares problem with any algorithm, [`minimize_cost`] for a plain
-//! cost with the population methods.
+//! A problem is a [`Problem`] (a cost over a box) or a [`LeastSquaresProblem`] (a residual vector whose root
+//! mean square is the cost). An [`Algorithm`] is chosen with its options, [`Settings`] say how long it may
+//! run, and one call does the rest: [`minimize`] for a least-squares problem with any algorithm,
+//! [`minimize_cost`] for a plain cost with the population methods.
 //!
 //! | [`Algorithm`] | what it is | source |
 //! | --- | --- | --- |
@@ -15,15 +15,18 @@
 //! | [`LeastSquares`](Algorithm::LeastSquares) | bounded Levenberg–Marquardt from many starts | Kanzow, Yamashita and Fukushima 2004, doi:10.1016/j.cam.2004.02.013 |
 //!
 //! What holds for every one of them:
-//! - The search runs on the unit box: each parameter is scaled to [0, 1], logarithmically where its [`Range`] says so.
-//! - **Bit-identical for a seed whatever the number of threads**: a generation is proposed as a whole, evaluated in
-//!   parallel, accepted in index order; every candidate has a random stream of its own, numbered by the candidate.
-//! - A run ends on its generations, its budget of evaluations, a target cost, stagnation, or the [`Observer`]'s word;
-//!   the best so far is kept, [`Outcome::stopped`] says which it was.
+//! - The search runs on the unit box: each parameter is scaled to [0, 1], logarithmically where its [`Range`]
+//!   says so.
+//! - **Bit-identical for a seed whatever the number of threads**: a generation is proposed as a whole,
+//!   evaluated in parallel, accepted in index order; every candidate has a random stream of its own, numbered
+//!   by the candidate.
+//! - A run ends on its generations, its budget of evaluations, a target cost, stagnation, or the
+//!   [`Observer`]'s word; the best so far is kept, [`Outcome::stopped`] says which it was.
 //! - Every evaluation is counted, those of finite differences and of the scout too.
 //! - A candidate whose cost is not finite has cost +∞ and never wins.
-//! - A [`Checkpoint`] is the whole state of a run, serialisable; resumed, the run ends with the same bits as one that
-//!   was never interrupted. A checkpoint of another problem or other options is refused ([`OptimizeError`]).
+//! - A [`Checkpoint`] is the whole state of a run, serialisable; resumed, the run ends with the same bits as
+//!   one that was never interrupted. A checkpoint of another problem or other options is refused
+//!   ([`OptimizeError`]).
 //!
 //! ```
 //! use hysteron_optimize::{Algorithm, Bounds, DeAbcOptions, Problem, Range, Settings, Unobserved, minimize_cost};

@@ -15,8 +15,9 @@ pub trait Problem: Sync {
     fn workspace(&self) -> Self::Workspace;
     /// Cost at `x`; anything not finite counts as +∞ and never wins.
     fn cost(&self, x: &[f64], workspace: &mut Self::Workspace) -> f64;
-    /// What problem this is (model and data, say a hash of the record), written into checkpoints: resuming a run on a
-    /// problem of another identity is refused. The search box and the cost at the best point are compared in any case.
+    /// What problem this is (model and data, say a hash of the record), written into checkpoints: resuming a
+    /// run on a problem of another identity is refused. The search box and the cost at the best point are
+    /// compared in any case.
     fn identity(&self) -> String {
         String::new()
     }
@@ -24,14 +25,16 @@ pub trait Problem: Sync {
 
 /// A [`Problem`] whose cost is the root mean square of a residual vector.
 ///
-/// [`Problem::cost`] must be [`root_mean_square`](crate::root_mean_square) of the same residuals, so that every algorithm minimises the same
-/// number.
+/// [`Problem::cost`] must be [`root_mean_square`](crate::root_mean_square) of the same residuals, so that
+/// every algorithm minimises the same number.
 pub trait LeastSquaresProblem: Problem {
     /// Number of residuals.
     fn residual_count(&self) -> usize;
-    /// Residuals at `x` into `out` (length [`Self::residual_count`]); `false` where the model cannot be simulated.
+    /// Residuals at `x` into `out` (length [`Self::residual_count`]); `false` where the model cannot be
+    /// simulated.
     fn residuals(&self, x: &[f64], workspace: &mut Self::Workspace, out: &mut [f64]) -> bool;
-    /// Derivatives ∂rᵢ/∂xⱼ at `x`, in the problem's own units, into `out` column by column (`out[j·count + i]`).
+    /// Derivatives ∂rᵢ/∂xⱼ at `x`, in the problem's own units, into `out` column by column
+    /// (`out[j·count + i]`).
     ///
     /// Counted as one evaluation. The default leaves `out` alone and has them taken by finite differences.
     fn jacobian(&self, x: &[f64], workspace: &mut Self::Workspace, out: &mut [f64]) -> Derivative {

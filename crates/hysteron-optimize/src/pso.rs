@@ -1,8 +1,9 @@
 //! Particle swarm with constriction coefficients, Clerc and Kennedy 2002, doi:10.1109/4235.985692.
 //!
-//! v ← w v + c₁ r₁ (p_i − x) + c₂ r₂ (g − x) with r₁, r₂ uniform in [0, 1) for each component, p_i the particle's best
-//! and g the swarm's best of the previous generation; |v| is clamped, x ← x + v. A particle that would leave the box
-//! stops at its wall, its velocity there 0. A generation moves all, evaluates all, then updates the bests.
+//! v ← w v + c₁ r₁ (p_i − x) + c₂ r₂ (g − x) with r₁, r₂ uniform in [0, 1) for each component, p_i the
+//! particle's best and g the swarm's best of the previous generation; |v| is clamped, x ← x + v. A particle
+//! that would leave the box stops at its wall, its velocity there 0. A generation moves all, evaluates all,
+//! then updates the bests.
 
 use super::OptimizeError;
 use super::algorithm::{check_option, check_population};

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct Settings {
     /// Seed of every random number.
     pub seed: u64,
-    /// Generations after the initial population (the article's *Iter*, Eq. 9). Least squares has limits of its own
-    /// ([`LeastSquaresOptions`](super::LeastSquaresOptions)) and does not look at this one.
+    /// Generations after the initial population (the article's *Iter*, Eq. 9). Least squares has limits of
+    /// its own ([`LeastSquaresOptions`](super::LeastSquaresOptions)) and does not look at this one.
     pub generations: usize,
     /// Most cost evaluations; a generation that would pass it is cut short.
     pub budget: Option<usize>,
@@ -18,11 +18,11 @@ pub struct Settings {
     pub target: Option<f64>,
     /// Stop once the best cost no longer falls.
     pub stagnation: Option<Stagnation>,
-    /// Points to begin with, in the problem's own units (clipped to the box): the first members of a population, the
-    /// first starts of least squares.
+    /// Points to begin with, in the problem's own units (clipped to the box): the first members of a
+    /// population, the first starts of least squares.
     pub starts: Vec<Vec<f64>>,
-    /// Threads to evaluate with; `None`: those of the current `rayon` pool. The result does not depend on it, and a
-    /// checkpoint does not record it.
+    /// Threads to evaluate with; `None`: those of the current `rayon` pool. The result does not depend on it,
+    /// and a checkpoint does not record it.
     #[serde(skip)]
     pub threads: Option<usize>,
 }

@@ -3,9 +3,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Random stream of one candidate: xoshiro256++ (Blackman and Vigna 2021, doi:10.1145/3460772) seeded from the run's
-/// seed and the candidate's number, so that no draw depends on which thread asks first, and the position of a run in
-/// its random numbers is a single integer.
+/// Random stream of one candidate: xoshiro256++ (Blackman and Vigna 2021, doi:10.1145/3460772) seeded from
+/// the run's seed and the candidate's number, so that no draw depends on which thread asks first, and the
+/// position of a run in its random numbers is a single integer.
 pub(super) struct Stream(Xoshiro256PlusPlus);
 
 impl Stream {
@@ -28,7 +28,8 @@ impl Stream {
         self.0.random_range(0..count.max(1))
     }
 
-    /// Uniform in 0 … count − 1 without the `excluded`, which are sorted and distinct; needs more than they are.
+    /// Uniform in 0 … count − 1 without the `excluded`, which are sorted and distinct; needs more than they
+    /// are.
     pub(super) fn index_except(&mut self, count: usize, excluded: &[usize]) -> usize {
         let mut index = self.index(count - excluded.len().min(count));
         for &e in excluded {

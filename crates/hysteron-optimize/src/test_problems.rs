@@ -83,8 +83,8 @@ pub(super) fn rosenbrock(bounds: Bounds) -> Residuals<ResidualFunction> {
     Residuals { bounds, count: 2, residuals }
 }
 
-/// Powell's singular function, Moré, Garbow and Hillstrom 1981 (doi:10.1145/355934.355936) no. 13; minimum 0 at 0,
-/// where the Jacobian has rank 2.
+/// Powell's singular function, Moré, Garbow and Hillstrom 1981 (doi:10.1145/355934.355936) no. 13; minimum 0
+/// at 0, where the Jacobian has rank 2.
 pub(super) fn powell_singular() -> Residuals<ResidualFunction> {
     let residuals: ResidualFunction = |x, out| {
         out[0] = x[0] + 10.0 * x[1];

@@ -39,7 +39,8 @@ impl Model {
         ))
     }
 
-    /// The dynamic block at a sample rate [Hz] as sections, and as the matrices A, B, C, D of a state space of one input and output.
+    /// The dynamic block at a sample rate [Hz] as sections, and as the matrices A, B, C, D of a state space
+    /// of one input and output.
     #[pyo3(signature = (sample_rate_hz, accuracy=1e-5, lowest_frequency_hz=None))]
     fn realise<'py>(
         &self,

@@ -82,7 +82,8 @@ impl Model {
 
 #[pymethods]
 impl Model {
-    /// The drive, held between its samples, that makes the output follow a reference: drive, predicted output, summary.
+    /// The drive, held between its samples, that makes the output follow a reference: drive, predicted
+    /// output, summary.
     #[pyo3(signature = (reference, sample_rate_hz, options, last=None))]
     fn invert<'py>(
         &self,
@@ -141,8 +142,8 @@ impl Model {
         Ok(Controller::new(made.map_err(raised)?, limits))
     }
 
-    /// A reference followed by several controllers, on the simulated bench or on the model itself: summary, and the name, drive and
-    /// displacement of each.
+    /// A reference followed by several controllers, on the simulated bench or on the model itself: summary,
+    /// and the name, drive and displacement of each.
     #[pyo3(signature = (reference, sample_rate_hz, options, plant="rig", truth=None, seed=0))]
     #[allow(clippy::too_many_arguments, reason = "keywords of a call from Python")]
     fn track<'py>(

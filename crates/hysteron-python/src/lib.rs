@@ -1,7 +1,9 @@
-//! Native part of the Python package `hysteron_models`: records, fits, models and controllers as Python objects.
+//! Native part of the Python package `hysteron_models`: records, fits, models and controllers as Python
+//! objects.
 //!
-//! Arrays cross as NumPy arrays, options and results as the JSON of the library's own types. Numbers are worked out with the
-//! interpreter released; what words, defaults and plots a user meets is Python's (`python/hysteron_models`).
+//! Arrays cross as NumPy arrays, options and results as the JSON of the library's own types. Numbers are
+//! worked out with the interpreter released; what words, defaults and plots a user meets is Python's
+//! (`python/hysteron_models`).
 
 mod compare;
 mod controller;
@@ -19,7 +21,8 @@ mod work;
 
 use pyo3::prelude::*;
 
-/// Gives memory that was used back to the next search, where the system's allocator would have it cleared anew.
+/// Gives memory that was used back to the next search, where the system's allocator would have it cleared
+/// anew.
 #[global_allocator]
 static GLOBAL: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -213,7 +213,8 @@ impl Model {
         ))
     }
 
-    /// [`Self::score`] with what is left of a new measurement: the output with its offset, the band and the start in words.
+    /// [`Self::score`] with what is left of a new measurement: the output with its offset, the band and the
+    /// start in words.
     #[pyo3(signature = (record, input=None, output=None, from_start=None, band=None))]
     fn predict<'py>(
         &self,
@@ -267,7 +268,8 @@ impl Model {
         runs.into_iter().map(score).collect()
     }
 
-    /// Corrected over a record, sample by sample: what was found as JSON, and the new model, of terms that a model file holds.
+    /// Corrected over a record, sample by sample: what was found as JSON, and the new model, of terms that a
+    /// model file holds.
     #[pyo3(signature = (record, options, input=None, output=None))]
     fn adapt(
         &self,
@@ -305,7 +307,8 @@ impl Model {
         Ok((to_json(&found.summary(&data, &options))?, model.map(Self::from)))
     }
 
-    /// Gain, delay and offset anew from short records, the rest held: the new model, and what was found as JSON.
+    /// Gain, delay and offset anew from short records, the rest held: the new model, and what was found as
+    /// JSON.
     #[pyo3(signature = (records, input=None, output=None, continued=false, least_fit_percent=75.0))]
     fn recalibrate(
         &self,
@@ -344,7 +347,8 @@ impl Model {
     }
 }
 
-/// Autocorrelation of a residual at lags from the first on, and its 99 % bound; `None` where there is too little of it.
+/// Autocorrelation of a residual at lags from the first on, and its 99 % bound; `None` where there is too
+/// little of it.
 #[pyfunction]
 #[pyo3(signature = (series, skip_s=0.0))]
 pub fn residual_correlation<'py>(

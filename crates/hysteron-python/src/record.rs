@@ -29,7 +29,8 @@ impl From<hysteron::Record> for Record {
 
 #[pymethods]
 impl Record {
-    /// Of channels `(name, unit, samples)` at a sample rate [Hz] from `start_s` on, at times [s], or without any.
+    /// Of channels `(name, unit, samples)` at a sample rate [Hz] from `start_s` on, at times [s], or without
+    /// any.
     #[new]
     #[pyo3(signature = (name, channels, sample_rate_hz=None, start_s=0.0, times_s=None, valid=None))]
     fn new(
@@ -165,7 +166,8 @@ impl Reading {
 /// A record, with the names in it of the input and the output that the options name.
 type Found = (Record, Option<String>, Option<String>);
 
-/// Records of files of any format, each with the names in it of the input and the output that the options name.
+/// Records of files of any format, each with the names in it of the input and the output that the options
+/// name.
 #[pyfunction]
 pub fn read(py: Python<'_>, paths: Vec<PathBuf>, options: &str) -> PyResult<Vec<Found>> {
     let options = from_json::<Reading>(options)?.options()?;

@@ -1,4 +1,5 @@
-//! Work with the interpreter released, on threads that belong to this process, told about and stopped by Ctrl-C.
+//! Work with the interpreter released, on threads that belong to this process, told about and stopped by
+//! Ctrl-C.
 
 use std::ops::ControlFlow;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -42,8 +43,8 @@ struct Told {
     cost: Option<f64>,
 }
 
-/// Does work that may take long. `progress(stage, fraction, cost)` is called from this thread; an exception in it, or a signal,
-/// stops the work, whose best so far comes back with the exception.
+/// Does work that may take long. `progress(stage, fraction, cost)` is called from this thread; an exception
+/// in it, or a signal, stops the work, whose best so far comes back with the exception.
 pub fn watched<T: Send>(
     py: Python<'_>,
     threads: Option<usize>,

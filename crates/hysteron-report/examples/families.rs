@@ -1,5 +1,5 @@
-//! The pictures of the theory pages of hysteresis families: the loop of each, and what each parameter does to it.
-//! `cargo run -p hysteron-report --example families -- docs/figures`
+//! The pictures of the theory pages of hysteresis families: the loop of each, and what each parameter does to
+//! it. `cargo run -p hysteron-report --example families -- docs/figures`
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! Draws what hysteresis in feedback looks like: loops of the restoring force, and a resonance that moves with the force.
+//! Draws what hysteresis in feedback looks like: loops of the restoring force, and a resonance that moves
+//! with the force.
 //!
 //! ```text
 //! cargo run --release -p hysteron-report --example oscillator -- FILE.svg
@@ -46,7 +47,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Displacement and restoring force over one steady period (closed) under a sine of this amplitude \[N\] and frequency \[Hz\].
+/// Displacement and restoring force over one steady period (closed) under a sine of this amplitude \[N\] and
+/// frequency \[Hz\].
 fn steady(amplitude: f64, frequency_hz: f64) -> Result<(Vec<f64>, Vec<f64>), Box<dyn std::error::Error>> {
     let u: Vec<f64> = (0..POINTS).map(|k| amplitude * (TAU * k as f64 / POINTS as f64).sin()).collect();
     let rate = POINTS as f64 * frequency_hz;

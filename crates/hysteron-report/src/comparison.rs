@@ -25,7 +25,7 @@ pub fn page(found: &Compared, maker: &Maker) -> Page {
         let error = found.standing(ranking.preferred).map_or(f64::NAN, |s| s.mean);
         result = result.block(Block::Highlights(vec![
             Highlight::new("preferred structure", preferred.candidate.to_string(), ""),
-            Highlight::new("error on unseen data", significant(error, 3), found.unit.as_str()),
+            Highlight::new("held-out error", significant(error, 3), found.unit.as_str()),
             Highlight::new("noise floor", significant(comparison.noise_floor, 3), found.unit.as_str()),
             Highlight::new("parameters", preferred.parameters.to_string(), ""),
         ]));
@@ -50,7 +50,7 @@ pub fn page(found: &Compared, maker: &Maker) -> Page {
 }
 
 fn axis(found: &Compared) -> Axis {
-    Axis::log("error on unseen data", found.unit.as_str())
+    Axis::log("held-out error", found.unit.as_str())
 }
 
 /// Positions of `count` lines, the first on top.
@@ -84,17 +84,19 @@ fn errors(found: &Compared) -> Figure {
         .series(noise_floor(comparison, order.len()))
         .series(Series::line("standard error over the folds", bar_x, bar_y, Style::line(Colour::Blue)))
         .series(marks("training RMSE", training, &at, points(Colour::Orange)))
-        .series(marks("unseen data", means, &at, points(Colour::Blue)));
-    Figure::new("Simulated error on unseen data")
+        .series(marks("held-out RMSE", means, &at, points(Colour::Blue)));
+    Figure::new("Held-out error of the simulation")
         .panel(panel)
         .panel_height(LINE_PX * order.len().max(3) as f64)
         .captioned(
-            "Mean over the folds of the RMSE on what the fit left out, with its standard error; beside it the error on the data of the fit. Folds are \
-             harder or easier for all candidates alike, so bars may overlap where the paired differences in the table are clear.",
+            "Mean over the folds of the held-out RMSE, with its standard error, and the training RMSE. Folds \
+             are harder or easier for all candidates alike, so that bars may overlap although the paired \
+             differences in the table are significant.",
         )
 }
 
-/// Error over cost, each candidate by its name, on two logarithmic axes; those that no other beats in both on a line.
+/// Error over cost, each candidate by its name, on two logarithmic axes; those that no other beats in both on
+/// a line.
 fn cost_picture(found: &Compared) -> Figure {
     let comparison = &found.comparison;
     let mut points: Vec<(f64, f64, String)> = found
@@ -141,9 +143,9 @@ fn cost_picture(found: &Compared) -> Figure {
         panel = panel.name(x, y, name);
     }
     Figure::new("Error against cost").panel(panel).panel_height(COST_PX).captioned(
-        "Error on unseen data (mean over the folds) over the time that one sample of the realised model takes: hysteresis, dynamics to 1e-5 of the range \
-         and delay, double precision. Best of several turns that all candidates took along the same drive on this machine: differences of ten per cent \
-         are its noise.",
+        "Held-out error (mean over the folds) against the time of one sample of the realised model: \
+         hysteresis, dynamics to 1e-5 of the range and delay, double precision. Minimum of several runs of \
+         each candidate along the same drive on this machine, reproducible to about ten per cent.",
     )
 }
 
@@ -198,7 +200,7 @@ fn table(found: &Compared) -> Table {
     let columns = [
         Column::text("structure"),
         Column::number("parameters", ""),
-        Column::number("error on unseen data", unit),
+        Column::number("held-out error", unit),
         Column::number("above the best", unit),
         Column::number("training RMSE", unit),
         Column::number("AIC", ""),
@@ -232,8 +234,9 @@ fn fold_table(found: &Compared) -> Table {
     })
 }
 
-/// One row: candidate, parameters, error on left-out data ± its standard error, difference to the best ± its standard
-/// error, training error, AIC and BIC above their lowest, time of a sample, whether its hysteresis has an inverse.
+/// One row: candidate, parameters, error on left-out data ± its standard error, difference to the best ± its
+/// standard error, training error, AIC and BIC above their lowest, time of a sample, whether its hysteresis
+/// has an inverse.
 pub fn cells(found: &Compared, index: usize) -> [String; 9] {
     let comparison = &found.comparison;
     let costs = found.costs.get(index);
@@ -307,7 +310,7 @@ fn baselines_section(found: &Compared) -> Option<Section> {
         Column::number("parameters", ""),
         Column::number("lag interval", "ms"),
         Column::text("lags of y, u"),
-        Column::number("error on unseen data", unit),
+        Column::number("held-out error", unit),
         Column::number("training RMSE", unit),
         Column::number("time", "s"),
     ];

@@ -143,8 +143,8 @@ fn levels(found: &EmpiricalResponse) -> Figure {
         figure = figure.panel(lines);
     }
     figure.captioned(
-        "Noise from the scatter between periods, distortion from that between realisations; lines in the band that are not excited \
-         show distortion of odd and of even order above the noise.",
+        "Noise from the scatter between periods, distortion from that between realisations; lines in the \
+         band that are not excited show distortion of odd and of even order above the noise.",
     )
 }
 
@@ -162,5 +162,5 @@ pub fn cells(candidate: &Candidate, best: f64) -> [String; 6] {
 }
 
 /// What the criterion means.
-pub const ABOUT_AIC: &str = "AIC: Akaike's criterion, lower is better; it takes residuals for independent, which those of a wrong structure are \
-    not, so read small differences as none.";
+pub const ABOUT_AIC: &str = "AIC: Akaike's criterion, lower is better; it takes residuals for independent, \
+    which those of a wrong structure are not, so read small differences as none.";

@@ -11,7 +11,8 @@ use crate::number::{significant, with_std_error};
 use crate::page::{Block, Column, Page, Section, Table};
 use hysteron_model::model_file::typographic;
 
-/// Scores shown, by their keys in the model file, with heading and whether they are in the unit of the output.
+/// Scores shown, by their keys in the model file, with heading and whether they are in the unit of the
+/// output.
 const SHOWN: [(&str, &str, bool); 4] = [
     ("samples", "samples", false),
     ("rmse", "RMSE", true),

@@ -56,7 +56,8 @@ pub struct BandWidths {
 }
 
 impl RecordCurves {
-    /// Of a record and its simulation, to which `offset` is added; the first `left_out` samples were not scored.
+    /// Of a record and its simulation, to which `offset` is added; the first `left_out` samples were not
+    /// scored.
     pub fn new(data: &InputOutput, simulated: &[f64], offset: f64, left_out: usize) -> Self {
         let InputOutput { name, time, u, y, valid, .. } = data;
         let samples = u.len();
@@ -154,9 +155,10 @@ impl RecordCurves {
         let share = 100.0 * all.iter().filter(inside).count() as f64 / all.len().max(1) as f64;
         let largest = band.model.iter().copied().fold(0.0, f64::max);
         format!(
-            " Bands around the model: the dark one (± {} {} at its widest) holds the output of the model with the true parameters in 95 of \
-             100 campaigns, the pale one 95 % of new measurements; it holds {} % of these. Both take the model class for true: what it misses is \
-             in the scatter of the residual, not in the dark band.",
+            " Bands around the model: the dark one (± {} {} at its widest) holds the output of the model \
+             with the true parameters in 95 of 100 campaigns, the pale one 95 % of new measurements; it \
+             holds {} % of these. Both take the model class for true: what it misses is in the scatter of \
+             the residual, not in the dark band.",
             significant(largest, 2),
             self.output.1,
             significant(share, 3)
@@ -179,15 +181,18 @@ impl RecordCurves {
         )))
     }
 
-    /// Gain and phase at the oscillations of a record in segments, measured and model, and how the output creeps at its rests; `None`
-    /// for a record with fewer than two oscillations.
+    /// Gain and phase at the oscillations of a record in segments, measured and model, and how the output
+    /// creeps at its rests; `None` for a record with fewer than two oscillations.
     pub fn segments_figure(&self) -> Option<Figure> {
         let figure = sines::figure(&self.name, &self.gain_unit, &self.sines)?;
         let rests = self.segments.iter().filter_map(|(own, model)| Some((own, own.creep?, model.creep?)));
         let rests = rests.map(|(own, measured, model)| {
             let (measured, model) = (significant(measured, 3), significant(model, 3));
             let (unit, at) = (&self.output.1, significant(own.start_s, 4));
-            format!(" At rest from {at} s on the output creeps by {measured} {unit}, the model's by {model} {unit}.")
+            format!(
+                " At rest from {at} s on the output creeps by {measured} {unit}, the model's by {model} \
+                {unit}."
+            )
         });
         let caption = format!("{}{}", figure.caption, rests.collect::<String>());
         Some(figure.captioned(caption))
@@ -224,9 +229,10 @@ impl RecordCurves {
             outside.push(format!("{} of {} lags {title}", test.outside, test.lags));
         }
         Some(figure.captioned(format!(
-            "Correlation of the residual of record {}. Noise alone would stay within the 99 % bounds (dashed) at all but about one \
-             lag in a hundred; outside are {}. What is outside is structure that the model does not describe: creep, minor loops, \
-             dynamics (positive lags of the input), or a delay that is too long (negative lags).",
+            "Correlation of the residual of record {}. Noise alone would stay within the 99 % bounds \
+             (dashed) at all but about one lag in a hundred; outside are {}. What is outside is structure \
+             that the model does not describe: creep, minor loops, dynamics (positive lags of the input), or \
+             a delay that is too long (negative lags).",
             self.name,
             outside.join(" and ")
         )))

@@ -7,7 +7,8 @@ use hysteron_identify::{GainPhase, SineResponse};
 /// Width of the bars behind the model's points \[px\].
 const BAR_PX: f64 = 9.0;
 
-/// What one panel shows of measured and model: values and half the widths of their intervals, NaN where there is none.
+/// What one panel shows of measured and model: values and half the widths of their intervals, NaN where there
+/// is none.
 struct Shown {
     measured: Vec<(f64, f64)>,
     model: Vec<(f64, f64)>,
@@ -42,7 +43,8 @@ impl Shown {
     }
 }
 
-/// Gain and phase at the sines, measured and of the model, and their difference; `None` of fewer than two sines. `record`: its name.
+/// Gain and phase at the sines, measured and of the model, and their difference; `None` of fewer than two
+/// sines. `record`: its name.
 pub(crate) fn figure(record: &str, gain_unit: &str, sines: &[SineResponse]) -> Option<Figure> {
     if sines.len() < 2 {
         return None;
@@ -85,21 +87,22 @@ fn caption(record: &str, gain: &Shown, phase: &Shown) -> String {
         format!("± {} % and ± {}° at its widest", significant(gain, 2), significant(phase, 2))
     };
     let mut text = format!(
-        "Fundamental of the output over that of the input in every oscillating segment of record {record}, measured and in the free run of \
-         the model; on the right the difference."
+        "Fundamental of the output over that of the input in every oscillating segment of record {record}, \
+         measured and in the free run of the model; on the right the difference."
     );
     let [scatter_gain, scatter_phase] = [widest(&gain.measured), widest(&phase.measured)];
     if scatter_gain.is_finite() {
         text += &format!(
-            " Thin bars: 95 % interval of what was measured, by the scatter of the output about the sine ({}).",
+            " Thin bars: 95 % interval of what was measured, by the scatter of the output about the sine \
+             ({}).",
             about(scatter_gain, scatter_phase)
         );
     }
     let [model_gain, model_phase] = [widest(&gain.model), widest(&phase.model)];
     if model_gain.is_finite() {
         text += &format!(
-            " Wide bars: 95 % band of the model, from the uncertainty of its parameters ({}); it takes the model class for true, so that \
-             points farther apart than both bars show what the class misses.",
+            " Wide bars: 95 % band of the model, from the uncertainty of its parameters ({}); it takes the \
+             model class for true, so that points farther apart than both bars show what the class misses.",
             about(model_gain, model_phase)
         );
     }

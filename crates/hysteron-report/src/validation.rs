@@ -24,8 +24,8 @@ pub struct Validated<'a> {
     pub records: &'a [(Signals, Score)],
 }
 
-/// The page of a validation: every record with its score, for each of the models with their files; `maker`: who made it, and by which
-/// command.
+/// The page of a validation: every record with its score, for each of the models with their files; `maker`:
+/// who made it, and by which command.
 pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
     let name = match models {
         [Validated { model, .. }] => {
@@ -35,8 +35,8 @@ pub fn page(models: &[Validated<'_>], maker: &Maker) -> Page {
     };
     let scored = Section::new("Scores")
         .block(Block::paragraph(
-            "The model was simulated in free run, from the start of each record: no measured output is used. Unless its own counts, the \
-             offset of each sensor was estimated from the record.",
+            "The model was simulated in free run, from the start of each record: no measured output is used. \
+             Unless its own counts, the offset of each sensor was estimated from the record.",
         ))
         .block(scores(models))
         .blocks(verdicts(models));

@@ -22,7 +22,8 @@ impl<'a> BoucWenState<'a> {
         BoucWenState { polynomial, alpha, beta, gamma, n, drive_v: 0.0, z: 0.0 }
     }
 
-    /// Hysteresis output \[µm\] after the drive went monotonically to `drive_v`; not finite once the state has diverged.
+    /// Hysteresis output \[µm\] after the drive went monotonically to `drive_v`; not finite once the state
+    /// has diverged.
     pub fn step(&mut self, drive_v: f64) -> f64 {
         let du = drive_v - self.drive_v;
         if du != 0.0 {
@@ -92,10 +93,10 @@ impl<'a> BoucWenState<'a> {
 mod tests {
     use super::*;
 
-    /// Table 2 of the article as printed, third period of a 0–10 V loop from rest: clockwise, at 5 V 11.59 µm going up and
-    /// 8.61 going down (converging to 11.56 and 8.60 in later periods).
+    /// Table 2 of the article as printed, third period of a 0–10 V loop from rest: clockwise, at 5 V 11.59 µm
+    /// going up and 8.61 going down (converging to 11.56 and 8.60 in later periods).
     #[test]
-    fn table_2_gives_the_loop_of_the_specification() {
+    fn table_2_gives_a_clockwise_loop() {
         let polynomial = [2.0, 0.0031];
         let mut bw = BoucWenState::new(&polynomial, -1.2039, 0.1111, 0.0024, 1.0);
         let mut up = 0.0;

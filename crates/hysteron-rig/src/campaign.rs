@@ -34,7 +34,8 @@ pub struct CampaignRun {
     pub run: RigRun,
 }
 
-/// Which records are made; the default is the article's campaign (sampling rate and voltage span are not printed there).
+/// Which records are made; the default is the article's campaign (sampling rate and voltage span are not
+/// printed there).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CampaignPlan {
@@ -156,7 +157,8 @@ impl CampaignPlan {
     }
 }
 
-/// Plays a campaign, each record from rest, over as many threads as rayon has; the result does not depend on their number.
+/// Plays a campaign, each record from rest, over as many threads as rayon has; the result does not depend on
+/// their number.
 ///
 /// # Errors
 /// The first [`RigError`] in the order of the records.

@@ -25,7 +25,8 @@ pub enum RigError {
     },
     /// The numerator's highest order is above the denominator's.
     #[error(
-        "truth: the transfer function is improper, numerator order {numerator_order} above denominator order {denominator_order}"
+        "truth: the transfer function is improper, numerator order {numerator_order} above denominator order \
+         {denominator_order}"
     )]
     Improper {
         /// Highest order of the numerator.
@@ -43,8 +44,8 @@ pub enum RigError {
     },
     /// Poles and branch cut do not add up to the transfer function.
     #[error(
-        "truth: the transfer function could not be split into poles and branch cut, relative error {error:.1e} remains \
-         (repeated poles, or a pole on the negative real axis of a fractional plant)"
+        "truth: the transfer function could not be split into poles and branch cut, relative error \
+         {error:.1e} remains (repeated poles, or a pole on the negative real axis of a fractional plant)"
     )]
     Decomposition {
         /// Largest error over the checked frequencies, relative to the largest gain.
@@ -80,7 +81,8 @@ pub enum RigError {
     },
     /// A converter that draws a line to the next sample, in a loop that does not know it yet.
     #[error(
-        "truth: the converter draws straight lines to samples that a controller does not know yet; set dac to \"hold\""
+        "truth: the converter draws straight lines to samples that a controller does not know yet; set dac \
+         to \"hold\""
     )]
     Ahead,
     /// A parameter of a waveform is outside what makes sense.
@@ -105,7 +107,8 @@ pub enum RigError {
     },
     /// The waveform would be absurdly long.
     #[error(
-        "{waveform}: {samples:.3e} samples asked for, at most {max} are made; lower the sample rate or the duration"
+        "{waveform}: {samples:.3e} samples asked for, at most {max} are made; lower the sample rate or the \
+         duration"
     )]
     TooLong {
         /// Kind of waveform.
@@ -117,7 +120,8 @@ pub enum RigError {
     },
     /// A sample leaves the amplifier's voltage range.
     #[error(
-        "sample {sample} at {} s is {} V, outside the amplifier's {low_v} V to {high_v} V; change low_v/high_v of the waveform",
+        "sample {sample} at {} s is {} V, outside the amplifier's {low_v} V to {high_v} V; change \
+         low_v/high_v of the waveform",
         short(*.time_s),
         short(*.value_v)
     )]
@@ -152,8 +156,8 @@ pub enum RigError {
     },
     /// Charging the actuator's capacitance that fast takes more current than the amplifier has.
     #[error(
-        "from sample {sample} at {} s the actuator of {capacitance_f} F draws {} A, the amplifier gives {limit_a} A; \
-         lower the frequency or the amplitude",
+        "from sample {sample} at {} s the actuator of {capacitance_f} F draws {} A, the amplifier gives \
+         {limit_a} A; lower the frequency or the amplitude",
         short(*.time_s),
         short(*.current_a)
     )]

@@ -1,4 +1,5 @@
-//! What the bench as a whole promises: accuracy of the computation, and that the default stage looks like a real one.
+//! What the bench as a whole promises: accuracy of the computation, and that the default stage looks like a
+//! real one.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +17,8 @@ fn stroke(y: &[f64]) -> f64 {
     high - low
 }
 
-/// Opening of the last period's loop at mid-range drive, % of stroke; positive: counter-clockwise (down branch above).
+/// Opening of the last period's loop at mid-range drive, % of stroke; positive: counter-clockwise (down
+/// branch above).
 fn opening_percent(truth: &Truth, frequency_hz: f64, periods: f64) -> f64 {
     let per_period = 2000;
     let run =
@@ -61,7 +63,8 @@ fn loops_hardly_change_below_5_hz_and_clearly_by_100_hz() {
     let apart = |f: f64| 100.0 * relative_difference(&last_period(f), &slow);
     let (five_apart, hundred_apart) = (apart(5.0), apart(100.0));
     println!(
-        "largest distance from the 1 Hz loop, % of stroke: 2 Hz {:.2}, 5 Hz {five_apart:.2}, 10 Hz {:.2}, 100 Hz {hundred_apart:.2}",
+        "largest distance from the 1 Hz loop, % of stroke: 2 Hz {:.2}, 5 Hz {five_apart:.2}, 10 Hz {:.2}, \
+         100 Hz {hundred_apart:.2}",
         apart(2.0),
         apart(10.0)
     );
@@ -84,7 +87,8 @@ fn four_times_the_oversampling_changes_the_default_bench_by_less_than_1e_6_of_st
     }
 }
 
-/// SPEC: Eq. 13 driven by a unit step of the hysteresis output, the step held from t = 0.
+/// Step response of Eq. 13, the step held from t = 0, against the values of `step_response.rs` in
+/// `hysteron-model`.
 #[test]
 fn article_plant_stepped_on_the_grid_gives_the_reference_step_response() {
     let mut truth = Truth::article().with_ideal_sensor();
@@ -118,8 +122,8 @@ fn article_plant_stepped_on_the_grid_gives_the_reference_step_response() {
     }
 }
 
-/// Without hysteresis the bench is linear: its steady sine is amplifier × creep × modes × delay, times sinc² of the
-/// straight lines between the samples of the command.
+/// Without hysteresis the bench is linear: its steady sine is amplifier × creep × modes × delay, times sinc²
+/// of the straight lines between the samples of the command.
 #[test]
 fn a_linear_bench_has_the_frequency_response_of_its_parts() {
     let Plant::PlayStack(stack) = Truth::default().plant else { panic!("default truth") };
@@ -135,7 +139,8 @@ fn a_linear_bench_has_the_frequency_response_of_its_parts() {
         };
         let truth = Truth { plant: Plant::PlayStack(linear), ..Truth::default() };
         let y = measure(&truth, &sine(fs, f, 80.0), 1, 0).unwrap().y_true_um;
-        // Fundamental of the last period (the mode's transient has decayed by e^−71), with creep's drift over it removed.
+        // Fundamental of the last period (the mode's transient has decayed by e^−71), with creep's drift over
+        // it removed.
         let (before, last) = (&y[y.len() - 200..y.len() - 100], &y[y.len() - 100..]);
         let drift = last.iter().zip(before).map(|(a, b)| a - b).sum::<f64>() / 100.0;
         let mut fundamental = Complex64::ZERO;

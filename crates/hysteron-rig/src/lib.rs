@@ -1,13 +1,14 @@
 //! A simulated test bench: known truth, realistic records.
 //!
-//! The truth is either the user's ([`Plant::BoucWenFractional`]) or the default, which lies outside every model class this
-//! library identifies ([`PlayStack`]): asymmetric plays, two modes, fractional creep, amplifier lag, delay, 16-bit converter,
-//! noise. [`measure`] plays one waveform; [`run_campaign`] the article's set of records; [`LiveRig`] stands in a loop with a
-//! controller.
+//! The truth is either the user's ([`Plant::BoucWenFractional`]) or the default, which lies outside every
+//! model class this library identifies ([`PlayStack`]): asymmetric plays, two modes, fractional creep,
+//! amplifier lag, delay, 16-bit converter, noise. [`measure`] plays one waveform; [`run_campaign`] the
+//! article's set of records; [`LiveRig`] stands in a loop with a controller.
 //!
-//! The bench shares no code with the simulators it is used to test. It works in continuous time: operators without
-//! memory of rate are stepped exactly on a grid at least 20 times finer than the record, and linear dynamics, fractional
-//! ones included, are split into poles and branch cut and propagated exactly for an input linear over each grid step.
+//! The bench shares no code with the simulators it is used to test. It works in continuous time: operators
+//! without memory of rate are stepped exactly on a grid at least 20 times finer than the record, and linear
+//! dynamics, fractional ones included, are split into poles and branch cut and propagated exactly for an
+//! input linear over each grid step.
 
 mod bouc_wen;
 mod campaign;
@@ -40,7 +41,8 @@ use hysteron_model::record::{Channel, Record, Unit};
 /// One experiment on the bench: the record an experimenter would have, and what only the bench knows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigRun {
-    /// Channels `u` \[V\] (the command) and `y` \[µm\] (the sensor's reading); the name begins with `simulated_`.
+    /// Channels `u` \[V\] (the command) and `y` \[µm\] (the sensor's reading); the name begins with
+    /// `simulated_`.
     pub record: Record,
     /// True displacement \[µm\], before sensor and converter.
     pub y_true_um: Vec<f64>,

@@ -7,8 +7,8 @@ use super::period::Periods;
 use super::sensor::SensorState;
 use super::truth::{Dac, Truth};
 
-/// The simulated bench, driven one period at a time by a converter that holds. Along the same drive it gives what [`measure`](super::measure)
-/// gives, bit by bit.
+/// The simulated bench, driven one period at a time by a converter that holds. Along the same drive it gives
+/// what [`measure`](super::measure) gives, bit by bit.
 ///
 /// ```
 /// use hysteron_rig::{Dac, LiveRig, Truth};
@@ -28,7 +28,8 @@ pub struct LiveRig<'a> {
 }
 
 impl<'a> LiveRig<'a> {
-    /// A bench that has rested at the voltage `rest_v` for ever; `seed` and `stream` of its noise as in [`measure`](super::measure).
+    /// A bench that has rested at the voltage `rest_v` for ever; `seed` and `stream` of its noise as in
+    /// [`measure`](super::measure).
     ///
     /// # Errors
     /// As [`measure`](super::measure); [`RigError::Ahead`] for a truth whose converter draws straight lines.
@@ -48,7 +49,8 @@ impl<'a> LiveRig<'a> {
         Ok(LiveRig { periods, sensor: SensorState::new(&truth.sensor, sample_rate_hz, seed, stream) })
     }
 
-    /// Holds `drive_v` for one period. What is seen is seen at its beginning: a drive made from it comes a period later.
+    /// Holds `drive_v` for one period. What is seen is seen at its beginning: a drive made from it comes a
+    /// period later.
     ///
     /// # Errors
     /// [`RigError::Drive`] for a voltage that is not finite, [`RigError::Diverged`].

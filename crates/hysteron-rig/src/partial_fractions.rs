@@ -6,9 +6,9 @@
 //! G(s) = d + Σ_j r_j/(s − p_j) + ∫₀^∞ ρ(x) / (s + c + x) dx,     ρ(x) = −Im G(−c + x e^{iπ}) / π .
 //! ```
 //!
-//! With x = e^q the trapezoidal rule in q converges geometrically, so the integral becomes a sum of real poles whose number
-//! grows with the logarithms of accuracy and bandwidth only. The sum is compared with G on the imaginary axis, and the step
-//! in q is halved until they agree: accuracy is checked, not presumed.
+//! With x = e^q the trapezoidal rule in q converges geometrically, so the integral becomes a sum of real
+//! poles whose number grows with the logarithms of accuracy and bandwidth only. The sum is compared with G on
+//! the imaginary axis, and the step in q is halved until they agree: accuracy is checked, not presumed.
 
 use std::f64::consts::PI;
 
@@ -115,7 +115,8 @@ impl PartialFractions {
     }
 }
 
-/// Appends the trapezoidal sum over ln x of the cut, outwards from the middle of the band until nothing is added any more.
+/// Appends the trapezoidal sum over ln x of the cut, outwards from the middle of the band until nothing is
+/// added any more.
 fn sample_cut(splitting: &Splitting<'_>, step: f64, largest: f64, real: &mut Vec<RealPole>) {
     let (low, high) = splitting.band_rad_s;
     let middle = 0.5 * (low.ln() + high.ln());

@@ -84,8 +84,8 @@ impl<'a> Periods<'a> {
         })
     }
 
-    /// One period, in which the drive goes from `start_v` (where it jumps to) to `end_v`: displacement and output of the hysteresis at its
-    /// beginning \[µm\].
+    /// One period, in which the drive goes from `start_v` (where it jumps to) to `end_v`: displacement and
+    /// output of the hysteresis at its beginning \[µm\].
     pub fn next(&mut self, start_v: f64, end_v: f64) -> Result<(f64, f64), RigError> {
         let diverged =
             RigError::Diverged { time_s: self.period as f64 / self.sample_rate_hz, drive_v: start_v };

@@ -164,9 +164,9 @@ mod tests {
 
     const STEP_S: f64 = 5e-6;
 
-    /// SPEC: unit step response of article Eq. 13, 16 digits.
+    /// Unit step response of article Eq. 13, 16 digits, as in `step_response.rs` of `hysteron-model`.
     #[test]
-    fn article_plant_has_the_step_response_of_the_specification() {
+    fn article_plant_has_the_reference_step_response() {
         let g = Truth::article().plant.dynamics(STEP_S).unwrap();
         let reference = [
             (1e-3, 0.6425473727342575),

@@ -1,11 +1,13 @@
-//! The true hysteresis that no Bouc–Wen model matches: a stack of asymmetric play operators behind a bent line.
+//! The true hysteresis that no Bouc–Wen model matches: a stack of asymmetric play operators behind a bent
+//! line.
 
 use serde::{Deserialize, Serialize};
 
 /// One play operator with its weight.
 ///
-/// w(t) = max(u(t) − rising, min(u(t) + falling, w(t⁻))), w = 0 before anything happened. With rising = falling = r this is
-/// the backlash of half-width r; unequal thresholds make the two branches of a loop differ.
+/// w(t) = max(u(t) − rising, min(u(t) + falling, w(t⁻))), w = 0 before anything happened. With rising =
+/// falling = r this is the backlash of half-width r; unequal thresholds make the two branches of a loop
+/// differ.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Play {
@@ -37,8 +39,8 @@ impl<'a> PlayStates<'a> {
         }
     }
 
-    /// Hysteresis output \[µm\] after the drive went monotonically to `drive_v`. Exact: a play depends on the sequence of
-    /// its extremes only.
+    /// Hysteresis output \[µm\] after the drive went monotonically to `drive_v`. Exact: a play depends on the
+    /// sequence of its extremes only.
     pub fn step(&mut self, drive_v: f64) -> f64 {
         let mut s = self.linear_um_per_v * drive_v;
         for (play, w) in self.plays.iter().zip(&mut self.states_v) {

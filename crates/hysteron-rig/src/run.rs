@@ -9,7 +9,8 @@ use hysteron_model::record::{Channel, Record, TimeBase, Unit};
 
 /// Plays one waveform on the bench, which has rested at the waveform's first voltage.
 ///
-/// `stream` numbers the record within a campaign: with the same seed, different streams have independent noise.
+/// `stream` numbers the record within a campaign: with the same seed, different streams have independent
+/// noise.
 ///
 /// # Errors
 /// Any [`RigError`]: a truth or a drive that makes no sense, unstable dynamics, a diverging hysteresis.

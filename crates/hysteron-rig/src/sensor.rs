@@ -6,7 +6,8 @@ use rand_xoshiro::rand_core::SeedableRng;
 
 use super::truth::{Adc, Sensor};
 
-/// Random stream number `index` of a seed: streams do not overlap (2^128 numbers each) and do not depend on threads.
+/// Random stream number `index` of a seed: streams do not overlap (2^128 numbers each) and do not depend on
+/// threads.
 fn stream(seed: u64, index: usize) -> Xoshiro256PlusPlus {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     for _ in 0..index {

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Play;
 
-/// The whole bench: plant, drive electronics and sensor. Every field has a default; `{}` is the default bench.
+/// The whole bench: plant, drive electronics and sensor. Every field has a default; `{}` is the default
+/// bench.
 ///
 /// ```text
 /// command u ─► DAC ─► plant (amplifier ─► hysteresis ─► dynamics ─► delay) ─► sensor (offset, drift, noise, ADC) ─► record
@@ -27,7 +28,8 @@ pub struct Truth {
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Plant {
-    /// Amplifier lag, asymmetric plays, two modes, creep, delay: outside every model class this library identifies.
+    /// Amplifier lag, asymmetric plays, two modes, creep, delay: outside every model class this library
+    /// identifies.
     PlayStack(PlayStack),
     /// Bouc–Wen hysteresis, fractional transfer function, delay: the article's class, to test recovery.
     BoucWenFractional(BoucWenFractional),

@@ -7,7 +7,8 @@ impl Truth {
     /// Checks every number.
     ///
     /// # Errors
-    /// [`RigError::Parameter`] or [`RigError::EmptyList`] naming the first field that makes no sense, [`RigError::Improper`].
+    /// [`RigError::Parameter`] or [`RigError::EmptyList`] naming the first field that makes no sense,
+    /// [`RigError::Improper`].
     pub fn validate(&self) -> Result<(), RigError> {
         if !(20..=10_000).contains(&self.oversampling) {
             return Err(wrong(

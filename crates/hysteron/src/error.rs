@@ -1,4 +1,4 @@
-//! What can go wrong.
+//! Errors of the facade.
 
 use hysteron_export::ExportError;
 use hysteron_io::IoError;
@@ -20,12 +20,13 @@ pub enum Error {
     /// The model cannot be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
-    /// A task has every option of its own.
-    #[error("a task was given with every option of its own: give hysteresis, dynamics, creep and seed in it")]
+    /// Single options beside a task, which contains all of them.
+    #[error("a task contains all options: set hysteresis, dynamics, creep and seed in the task")]
     OptionsOfTask,
     /// Options of a Hammerstein model with another kind.
     #[error(
-        "hysteresis, dynamics, creep and seed belong to a Hammerstein model, not to {kind}: give a task for it"
+        "hysteresis, dynamics, creep and seed belong to a Hammerstein model, not to {kind}: give a task for \
+         it"
     )]
     OptionsOfKind {
         /// The kind asked for.

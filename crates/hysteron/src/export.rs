@@ -9,7 +9,7 @@ use hysteron_model::realise::{RealiseOptions, realise};
 
 use crate::{Error, Model};
 
-/// What to write.
+/// Form of an export.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {

@@ -18,7 +18,7 @@ use serde::{Serialize, Serializer};
 
 use crate::{Error, Model, Report};
 
-/// An identification to be run: records and what is asked of it. What is not asked is chosen from the records.
+/// Builder of an identification: records and options. Options that are not set are chosen from the records.
 pub struct Identify<'a> {
     records: &'a [Record],
     kind: Option<Kind>,
@@ -33,7 +33,7 @@ pub struct Identify<'a> {
 }
 
 impl<'a> Identify<'a> {
-    /// Of these records, all of one device.
+    /// An identification from these records of one device.
     pub fn new(records: &'a [Record]) -> Self {
         Self {
             records,
@@ -49,7 +49,8 @@ impl<'a> Identify<'a> {
         }
     }
 
-    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry over.
+    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry
+    /// over.
     #[must_use]
     pub fn continued(mut self) -> Self {
         self.options.continued = true;
@@ -63,7 +64,7 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Kind of model with every option of its identification, in the place of the single ones.
+    /// Kind of model with all options of its identification, in place of the single options.
     #[must_use]
     pub fn task(mut self, task: Task) -> Self {
         self.task = Some(task);
@@ -89,7 +90,7 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Family of the hysteresis block of a Hammerstein model, instead of what the records ask for.
+    /// Family of the hysteresis block of a Hammerstein model; else the default for the records.
     #[must_use]
     pub fn hysteresis(mut self, family: HysteresisForm) -> Self {
         self.options.hysteresis = Choice::Given(family);
@@ -117,21 +118,22 @@ impl<'a> Identify<'a> {
         self
     }
 
-    /// Told about the progress; may stop the fit, whose best so far is then the result.
+    /// Callback for progress; it may stop the fit, and the best model so far is then the result.
     #[must_use]
     pub fn watch(mut self, told: impl FnMut(&Event<'_>) -> ControlFlow<()> + Send + 'a) -> Self {
         self.watch = Watch::new(told);
         self
     }
 
-    /// What stops the fit from another thread; the best so far is then the result.
+    /// Handle that stops the fit from another thread; the best model so far is then the result.
     #[must_use]
     pub fn stop(mut self, stop: &Stop) -> Self {
         self.stop = stop.clone();
         self
     }
 
-    /// Goes on from the searches of an interrupted fit of the same records with the same options, to the same final bits.
+    /// Resumes an interrupted fit of the same records with the same options; the final result is
+    /// bit-identical.
     #[must_use]
     pub fn resume(mut self, searches: Searches) -> Self {
         self.resume = Some(searches);
@@ -141,8 +143,8 @@ impl<'a> Identify<'a> {
     /// Runs the identification.
     ///
     /// # Errors
-    /// [`Error::Model`] for records that cannot be used; [`Error::Identify`] where no model describes them; [`Error::OptionsOfTask`],
-    /// [`Error::OptionsOfKind`] for options that would count for nothing.
+    /// [`Error::Model`] for records that cannot be used; [`Error::Identify`] where no model describes them;
+    /// [`Error::OptionsOfTask`], [`Error::OptionsOfKind`] for options that would have no effect.
     pub fn run(self) -> Result<Fit, Error> {
         let kind = match (self.kind, self.inputs.len()) {
             (Some(kind), _) => kind,
@@ -193,7 +195,8 @@ fn maker() -> Maker {
     }
 }
 
-/// An identified model and what is to be known about it. As JSON it is what `hysteron identify --json` prints.
+/// An identified model with its scores, parameters and findings; its JSON is the output of
+/// `hysteron identify --json`.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// The model.
@@ -242,7 +245,7 @@ impl Fit {
         self.found.interrupted
     }
 
-    /// What [`Identify::resume`] goes on from.
+    /// State of the searches, for [`Identify::resume`].
     pub fn searches(&self) -> &Searches {
         &self.found.resume
     }
@@ -252,7 +255,8 @@ impl Fit {
         &self.found
     }
 
-    /// The report of the fit: for a Hammerstein model with curves, for the other kinds numbers, errors, scores and findings.
+    /// The report of the fit: for a Hammerstein model with curves, for the other kinds numbers, errors,
+    /// scores and findings.
     ///
     /// # Errors
     /// [`Error::Model`] where the data of the model are not sound.

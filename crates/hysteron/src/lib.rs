@@ -1,8 +1,10 @@
-//! Hysteron: measured records of a piezo actuator go in, a checked model comes out, and a controller runs its inverse.
+//! Hysteron: measured records of a piezo actuator go in, a checked model comes out, and a controller runs its
+//! inverse.
 //!
-//! The model is a Hammerstein model, hysteresis followed by fractional-order dynamics with delay, after L. Yang, Z. Zhao, Y. Zhang
-//! and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042; or an oscillator, modes or branches ([`Kind`]). Units at every
-//! surface: V, µm, s, Hz.
+//! The model is a Hammerstein model, hysteresis followed by fractional-order dynamics with delay, after L.
+//! Yang, Z. Zhao, Y. Zhang and D. Li, *Micromachines* 13 (2022) 42, doi:10.3390/mi13010042; or an oscillator,
+//! modes or branches ([`Kind`]). Units at every surface: V, µm, s, Hz. [`prelude`] has the types that most
+//! programs need.
 //!
 //! ```
 //! use hysteron::prelude::*;
@@ -51,8 +53,43 @@
 //! # }
 //! ```
 //!
-//! What a kind of model does not do yet is one error, [`Unsupported`]. The crates behind this one have the parts: `hysteron-model`
-//! (records, hysteresis, dynamics, simulation, inversion), `hysteron-identify`, `hysteron-io`, `hysteron-report`, `hysteron-export`.
+//! # Guided tour, in the order of the data
+//!
+//! **Files to records.** [`read`] takes files of any known format; [`read_with`] takes [`ReadOptions`]:
+//! columns chosen, renamed ([`Rename`]), left out, and a [`Cut`] by time, by [`Turns`] of the drive, or by
+//! [`Condition`]s on the value of a column ([`Admitted`]). [`contents`] lists what a file holds, one
+//! [`Content`] an array. A [`Record`] is [`Channel`]s, each with its [`Unit`], on a [`TimeBase`]. [`Prepare`]
+//! joins, scales, detrends and resamples records; the result, [`Prepared`], has a [`PreparedSummary`].
+//! [`write`](write()) writes a record. A [`Signal`] is one channel with its time base: a drive or a
+//! reference; [`InterSample`] is what it does between its samples.
+//!
+//! **Records to a model.** [`Identify`] takes records and options; options that are not set are chosen from
+//! the records. The hysteresis block is a [`HysteresisForm`]; the dynamic block a [`DynamicsChoice`],
+//! discretised by a [`Scheme`], with [`Creep`] as a factor. Every option of a kind is in its [`Task`]: the
+//! [`Method`], the [`RecordRole`] of each record. While it runs, a [`Watch`] receives [`Event`]s, a [`Stop`]
+//! ends it from another thread, and [`Searches`] are the state from which an interrupted fit is resumed.
+//!
+//! **The result.** A [`Fit`] holds the [`Model`], its numbers as [`FitParameter`]s with standard errors,
+//! training scores, and [`Finding`]s, each of a [`FindingKind`]: verdict, advice, warning. [`Fit::report`]
+//! makes a [`Report`], one HTML page.
+//!
+//! **Simulation and scores.** [`Model::load`] reads a model file of any [`Kind`]. [`Model::simulate`] runs a
+//! drive from a [`Start`]. [`Model::score`] compares with a record as [`Scoring`] says ([`OffsetTreatment`]
+//! of the sensor's offset): a [`Score`] holds the [`Scores`] of every output, a [`RunScore`] those of a run
+//! in parts; a [`Remark`] says where the model extrapolates.
+//!
+//! **Its inverse.** [`Model::invert`] makes the drive for a reference within [`Limits`];
+//! [`Model::controller`] is a [`Controller`] that steps sample by sample. [`Model::export`] writes an
+//! [`Export`] for a [`Target`], C99, `no_std` Rust or FMU, in a [`Precision`].
+//!
+//! **Errors.** [`Error`] is that of the layer where it arose. Not every [`Kind`] has every [`Capability`];
+//! one that is missing is the error [`Unsupported`].
+//!
+//! # Behind the facade
+//!
+//! `hysteron-model` (records, hysteresis, dynamics, simulation, inversion), `hysteron-identify`,
+//! `hysteron-io`, `hysteron-report`, `hysteron-export`, and `hysteron-rt`, the arithmetic of one sample
+//! without `std`. Rooms, rules and three walks through the code: `docs/architecture.md`.
 #![forbid(unsafe_code)]
 
 mod error;
@@ -99,7 +136,8 @@ pub use hysteron_model::validate::{OffsetTreatment, Scores, Scoring};
 
 use std::path::Path;
 
-/// Reads records, each from a file of any format that is known: CSV, MAT, HDF5, TDMS, NPY, NPZ, XLSX, LVM, GCS, JPK.
+/// Reads records, each from a file of any format that is known: CSV, MAT, HDF5, TDMS, NPY, NPZ, XLSX, LVM,
+/// GCS, JPK.
 ///
 /// # Errors
 /// [`Error::File`] for the first file that is no readable record; it names file, line and column.
@@ -107,8 +145,8 @@ pub fn read<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Re
     read_with(paths, &ReadOptions::default())
 }
 
-/// Reads records as the options say: columns chosen, renamed and left out, and of each record the part that is to be kept. What
-/// else is done before a fit is [`Prepare`].
+/// Reads records as the options say: columns chosen, renamed and left out, and of each record the part that
+/// is to be kept. What else is done before a fit is [`Prepare`].
 ///
 /// ```
 /// use hysteron::prelude::*;
@@ -142,7 +180,8 @@ pub fn read_with<P: AsRef<Path>>(
     paths.into_iter().map(|path| Ok(hysteron_io::read_record(path.as_ref(), options)?)).collect()
 }
 
-/// What a file holds: the columns of a text, the arrays of a file of named arrays with their paths, shapes and units.
+/// Contents of a file: the columns of a text, the arrays of a file of named arrays with their paths, shapes
+/// and units.
 ///
 /// # Errors
 /// As [`read`].

@@ -67,8 +67,8 @@ impl Model {
         })
     }
 
-    /// How well the model describes a record, simulated from the start that explains it best. Columns are the model's own, else chosen
-    /// by name and unit.
+    /// How well the model describes a record, simulated from the start that explains it best. Columns are the
+    /// model's own, else chosen by name and unit.
     ///
     /// # Errors
     /// [`Error::Model`].
@@ -76,8 +76,8 @@ impl Model {
         Ok(self.0.score(&self.signals(record)?, Start::AsIdentified, &scoring)?)
     }
 
-    /// How well the model describes consecutive records of one run, simulated at one go from the start that explains the first best. A
-    /// record that begins before the one before it ends starts another run.
+    /// How well the model describes consecutive records of one run, simulated at one go from the start that
+    /// explains the first best. A record that begins before the one before it ends starts another run.
     ///
     /// # Errors
     /// [`Error::Model`].
@@ -112,8 +112,8 @@ impl Model {
         })
     }
 
-    /// A controller at its rate \[Hz\] that knows the reference up to the present sample: reference in, voltage out. It starts at rest at the
-    /// voltage of the range next to 0 V.
+    /// A controller at its rate \[Hz\] that knows the reference up to the present sample: reference in,
+    /// voltage out. It starts at rest at the voltage of the range next to 0 V.
     ///
     /// # Errors
     /// [`Error::Model`].

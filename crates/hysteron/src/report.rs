@@ -1,4 +1,4 @@
-//! A page that shows a result.
+//! Report of a result as a page.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! Promise: every relative link of the documentation points to a file or folder that exists, README names the two
-//! commands, and the page of metrics says what the program computes.
+//! Promise: every relative link of the documentation points to a file or folder that exists, README names the
+//! two commands, and the page of metrics says what the program computes.
 
 #![allow(
     clippy::unwrap_used,

@@ -1,7 +1,7 @@
-//! An atomic force microscope's scanner (`piezo-afm-z15um`, measured): 13 s cycles of ramps of 3 µm, rests with creep and sines of
-//! 10 nm at six frequencies, each segment at a rate of its own. Cycles are left out in turn, and later cycles are run freely after
-//! a fit of the earlier ones: families of hysteresis and kinds of creep, and the gain and phase at the sines. Another set, a year
-//! later, is of ramps of 0.2 s alone.
+//! An atomic force microscope's scanner (`piezo-afm-z15um`, measured): 13 s cycles of ramps of 3 µm, rests
+//! with creep and sines of 10 nm at six frequencies, each segment at a rate of its own. Cycles are left out
+//! in turn, and later cycles are run freely after a fit of the earlier ones: families of hysteresis and kinds
+//! of creep, and the gain and phase at the sines. Another set, a year later, is of ramps of 0.2 s alone.
 
 use std::env;
 use std::io::{Write, stdout};

@@ -1,9 +1,10 @@
-//! What limits the fit of the default bench, which lies outside the model class? The error of the whole model, of its
-//! dynamics alone and of its hysteresis alone, in the pattern of the article's Table 3.
+//! What limits the fit of the default bench, which lies outside the model class? The error of the whole
+//! model, of its dynamics alone and of its hysteresis alone, in the pattern of the article's Table 3.
 //!
-//! The bench knows the true output v of its hysteresis. *Dynamics alone*: G and delay are identified with v as the drive and
-//! followed from it. *Hysteresis alone*: the Bouc–Wen block is identified with v as the output (with a lag for the
-//! amplifier in front of it) and what it gives is put through the true dynamics of the bench.
+//! The bench knows the true output v of its hysteresis. *Dynamics alone*: G and delay are identified with v
+//! as the drive and followed from it. *Hysteresis alone*: the Bouc–Wen block is identified with v as the
+//! output (with a lag for the amplifier in front of it) and what it gives is put through the true dynamics of
+//! the bench.
 
 use hysteron_identify::{CampaignRecord, Choice, Demands, DynamicsChoice, Options, Watch, identify};
 use hysteron_model::Start;

@@ -17,7 +17,8 @@ use crate::device::{Device, HIGH_V};
 /// Standard deviation of the noise \[µm\].
 pub const NOISE_UM: f64 = 0.005;
 
-/// Points a sample of a band-limited drive, joined by straight lines: at 20 samples a cycle these leave 2e-5 of it out.
+/// Points a sample of a band-limited drive, joined by straight lines: at 20 samples a cycle these leave 2e-5
+/// of it out.
 const FINER: usize = 20;
 
 /// A drive from 0 V to [`HIGH_V`].
@@ -61,7 +62,8 @@ pub fn play(truth: &Truth, drives: &[Excitation], seed: u64) -> Outcome<Vec<Camp
         .collect()
 }
 
-/// The record without noise of a drive that does between its samples what `rule` says. `drive` makes the drive at a rate.
+/// The record without noise of a drive that does between its samples what `rule` says. `drive` makes the
+/// drive at a rate.
 pub fn true_record(
     device: &Device,
     rule: InterSample,
@@ -89,7 +91,8 @@ fn normal(rng: &mut Xoshiro256PlusPlus) -> f64 {
     radius.sqrt() * ((rng.next_u64() >> 11) as f64 * UNIT * TAU).cos()
 }
 
-/// The records with noise e_k = `memory` e_{k−1} + √(1 − `memory`²) · white, of standard deviation [`NOISE_UM`].
+/// The records with noise e_k = `memory` e_{k−1} + √(1 − `memory`²) · white, of standard deviation
+/// [`NOISE_UM`].
 pub fn with_noise(records: &[CampaignRecord], memory: f64, seed: u64) -> Vec<CampaignRecord> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut records = records.to_vec();
@@ -109,7 +112,8 @@ pub fn record(name: &str, rate_hz: f64, u: &[f64], y: &[f64]) -> Outcome<Campaig
     Ok(CampaignRecord { data, role: None })
 }
 
-/// What `hysteron identify --dynamics fractional` does, on one thread: the campaigns of a study run beside each other.
+/// What `hysteron identify --dynamics fractional` does, on one thread: the campaigns of a study run beside
+/// each other.
 pub fn cold() -> Options {
     Options { dynamics: DynamicsChoice::Fractional, threads: Some(1), ..Options::default() }
 }

@@ -1,9 +1,10 @@
 //! Do the 95 % intervals of a joint fit hold the truth in 95 of 100 campaigns, for every parameter?
 //!
-//! The true records, a slow loop of nested amplitudes and a sweep, come from the simulated bench once for each kind of drive
-//! (held between samples, straight, band-limited), in continuous time and through an ideal sensor; each campaign adds its
-//! own noise to them, white or coloured, and is identified from the true parameters on, the rule between samples from the
-//! records: the study is of the intervals, not of the search.
+//! The true records, a slow loop of nested amplitudes and a sweep, come from the simulated bench once for
+//! each kind of drive (held between samples, straight, band-limited), in continuous time and through an ideal
+//! sensor; each campaign adds its own noise to them, white or coloured, and is identified from the true
+//! parameters on, the rule between samples from the records: the study is of the intervals, not of the
+//! search.
 
 use std::io::{Write, stdout};
 

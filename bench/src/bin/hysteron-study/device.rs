@@ -39,9 +39,9 @@ impl Device {
 
     /// A device drawn at random (`seed`) from wide ranges; never an unstable one.
     ///
-    /// Stroke 10 to 50 µm at 10 V before hysteresis, bent by up to 15 % and 10 %; loops of either sense, of a tenth to a
-    /// half of that, closed on themselves by 0.8 to 12 time constants over the range; 120 to 1500 Hz; orders 1.75 to 2.1 and 0.6 to
-    /// 1.2; delays up to 0.5 ms.
+    /// Stroke 10 to 50 µm at 10 V before hysteresis, bent by up to 15 % and 10 %; loops of either sense, of a
+    /// tenth to a half of that, closed on themselves by 0.8 to 12 time constants over the range; 120 to 1500
+    /// Hz; orders 1.75 to 2.1 and 0.6 to 1.2; delays up to 0.5 ms.
     pub fn random(seed: u64) -> Outcome<Self> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut uniform = |low: f64, high: f64| {

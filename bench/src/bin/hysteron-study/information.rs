@@ -1,6 +1,7 @@
-//! Do intervals hold where the records lack information? Devices drawn at random, each recorded so that the delay, the resonance or the
-//! creep cannot be told, and identified from nothing with the options by default. What a record does not carry must be left out of the
-//! model, be reported as not determined, or come with an interval that holds.
+//! Do intervals hold where the records lack information? Devices drawn at random, each recorded so that the
+//! delay, the resonance or the creep cannot be told, and identified from nothing with the options by default.
+//! What a record does not carry must be left out of the model, be reported as not determined, or come with an
+//! interval that holds.
 
 use std::collections::BTreeMap;
 use std::io::{Write, stdout};
@@ -48,7 +49,8 @@ impl Lacking {
     }
 }
 
-/// Creep C(s) = 1 + k s^−μ of the benches that lack its information: k, about the share that has crept after a second, and μ.
+/// Creep C(s) = 1 + k s^−μ of the benches that lack its information: k, about the share that has crept after
+/// a second, and μ.
 const CREEP: f64 = 0.01;
 const CREEP_ORDER: f64 = 0.15;
 

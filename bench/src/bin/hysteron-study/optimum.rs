@@ -1,5 +1,6 @@
-//! Does a cold start find the global optimum? Random devices in the class, each measured and identified twice: from
-//! nothing, and from the truth on. A cold fit that is no worse than the other has reached the global optimum.
+//! Does a cold start find the global optimum? Random devices in the class, each measured and identified
+//! twice: from nothing, and from the truth on. A cold fit that is no worse than the other has reached the
+//! global optimum.
 
 use std::io::{Write, stdout};
 use std::time::Instant;

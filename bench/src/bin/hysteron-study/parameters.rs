@@ -1,5 +1,5 @@
-//! How well are devices of the class recovered? Parameters in standard errors, and the model's error on a record that no
-//! fit has seen against the truth without noise.
+//! How well are devices of the class recovered? Parameters in standard errors, and the model's error on a
+//! record that no fit has seen against the truth without noise.
 
 use std::time::Instant;
 

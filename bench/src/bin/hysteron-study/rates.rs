@@ -1,6 +1,6 @@
-//! Do the estimates depend on the sample rate? One device in continuous time, recorded at several rates under drives that
-//! are held between samples, straight or band-limited, and identified by the default scheme, the rule between samples from
-//! the records; under straight drives by `grunwald-letnikov` too.
+//! Do the estimates depend on the sample rate? One device in continuous time, recorded at several rates under
+//! drives that are held between samples, straight or band-limited, and identified by the default scheme, the
+//! rule between samples from the records; under straight drives by `grunwald-letnikov` too.
 
 use std::io::{Write, stdout};
 

@@ -1,5 +1,5 @@
-//! Does the result depend on the seed of the search? One campaign, the default simulated bench, which lies outside the model
-//! class; `identify` without options but the seed.
+//! Does the result depend on the seed of the search? One campaign, the default simulated bench, which lies
+//! outside the model class; `identify` without options but the seed.
 
 use std::io::{Write, stdout};
 

@@ -1,7 +1,8 @@
-//! What does the loop add? The default bench, which lies outside the model class, behind a converter that holds, identified from nested loops and a sweep;
-//! references that nobody has measured are followed sample by sample, without compensation, by feedforward, by feedback, and by both. The reading of one
-//! period makes the drive of the next. Errors are of the true displacement, its mean taken off (the sensor has a zero of its own), in per cent of the
-//! reference's stroke, rms, over the last three quarters.
+//! What does the loop add? The default bench, which lies outside the model class, behind a converter that
+//! holds, identified from nested loops and a sweep; references that nobody has measured are followed sample
+//! by sample, without compensation, by feedforward, by feedback, and by both. The reading of one period makes
+//! the drive of the next. Errors are of the true displacement, its mean taken off (the sensor has a zero of
+//! its own), in per cent of the reference's stroke, rms, over the last three quarters.
 
 use std::f64::consts::TAU;
 
@@ -68,7 +69,8 @@ fn campaign(seed: u64) -> Outcome<Vec<CampaignRecord>> {
         .collect()
 }
 
-/// Highest frequency of the random reference, up to which it is predicted, and the noise it is taken to carry.
+/// Highest frequency of the random reference, up to which it is predicted, and the noise it is taken to
+/// carry.
 const BAND: Prediction = Prediction::Band { highest_hz: 100.0, noise: 1e-3 };
 /// Creep that never ends is followed down to this frequency \[Hz\].
 const LOWEST_HZ: f64 = 0.01;
@@ -264,7 +266,8 @@ pub fn study(seed: usize) -> Outcome<()> {
     limits(&model, &settings, seed)
 }
 
-/// Highest frequency by formula of a sine within an amplifier's current, and the share of samples that it holds back just below and just above.
+/// Highest frequency by formula of a sine within an amplifier's current, and the share of samples that it
+/// holds back just below and just above.
 fn limits(model: &Model, settings: &LoopSettings, seed: u64) -> Outcome<()> {
     let slew_v_per_s = slew_of_current(CURRENT_A, CAPACITANCE_F);
     let settings = LoopSettings { slew_v_per_s, ..*settings };

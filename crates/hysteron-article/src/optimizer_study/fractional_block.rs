@@ -11,14 +11,14 @@ const SAMPLES: usize = 2000;
 const SAMPLE_RATE_HZ: f64 = 1000.0;
 const NOISE_UM: f64 = 0.02;
 
-/// Fit of (b, c₁, c₀, α₂, α₁) of b/(s^α₂ + c₁ s^α₁ + c₀), orders and coefficients at once. Input is a linear 1–100 Hz
-/// chirp of 1 µm amplitude, 2 s at 1 kHz (2000 samples); truth is article Eq. 13 under the same scheme (Tustin, from
-/// rest), with normal noise of 0.02 µm. Coefficients span three decades and are scaled logarithmically; unstable
-/// candidates have cost +∞.
+/// Fit of (b, c₁, c₀, α₂, α₁) of b/(s^α₂ + c₁ s^α₁ + c₀), orders and coefficients at once. Input is a linear
+/// 1–100 Hz chirp of 1 µm amplitude, 2 s at 1 kHz (2000 samples); truth is article Eq. 13 under the same
+/// scheme (Tustin, from rest), with normal noise of 0.02 µm. Coefficients span three decades and are scaled
+/// logarithmically; unstable candidates have cost +∞.
 ///
-/// How hard the problem is hangs on the noise: behind the article's own drive (Table 2's hysteresis from 0 to 10 V,
-/// ten times the amplitude) the same noise leaves a valley so narrow that DE-ABC succeeds in 26 % of 31 runs and DE
-/// in all.
+/// How hard the problem is hangs on the noise: behind the article's own drive (Table 2's hysteresis from 0 to
+/// 10 V, ten times the amplitude) the same noise leaves a valley so narrow that DE-ABC succeeds in 26 % of 31
+/// runs and DE in all.
 #[derive(Debug)]
 pub struct FractionalBlock {
     bounds: Bounds,
@@ -37,9 +37,9 @@ pub struct FractionalWorkspace {
 
 impl FractionalBlock {
     /// The problem in one sentence.
-    pub const DESCRIPTION: &'static str = "linear 1-100 Hz chirp of 1 um amplitude, 2 s at 1 kHz (2000 samples), \
-        article Eq. 13 as truth (Tustin, from rest), normal noise of 0.02 um; b, c1, c0 (three decades each) and the \
-        orders alpha2, alpha1 sought at once";
+    pub const DESCRIPTION: &'static str = "linear 1-100 Hz chirp of 1 um amplitude, 2 s at 1 kHz (2000 \
+        samples), article Eq. 13 as truth (Tustin, from rest), normal noise of 0.02 um; b, c1, c0 (three \
+        decades each) and the orders alpha2, alpha1 sought at once";
 
     /// Article Eq. 13 in the order of the parameters: b, c₁, c₀, α₂, α₁.
     pub const TRUTH: [f64; 5] = [5.2589e6, 3081.0, 5.4955e6, 2.0384, 1.0523];

@@ -1,10 +1,10 @@
 //! The optimisers compared on the article's two identification problems.
 //!
-//! Does the article's DE-ABC beat differential evolution and the plain bee colony, does its chaotic scout matter, and
-//! what does a derivative-based fit need? Every [`Competitor`] runs on every [`StudyProblem`] from many seeds with
-//! the same budget of evaluations; counted is how many it takes to come within 1 % of the best RMSE that can be
-//! reached (that of a least-squares fit polished from the truth). All compete inside the same box, on the same noise
-//! realisation; only the optimiser's seed changes.
+//! Does the article's DE-ABC beat differential evolution and the plain bee colony, does its chaotic scout
+//! matter, and what does a derivative-based fit need? Every [`Competitor`] runs on every [`StudyProblem`]
+//! from many seeds with the same budget of evaluations; counted is how many it takes to come within 1 % of
+//! the best RMSE that can be reached (that of a least-squares fit polished from the truth). All compete
+//! inside the same box, on the same noise realisation; only the optimiser's seed changes.
 //!
 //! Measured with the default options (success, median evaluations to 1 %; 31 seeds, 7 550 evaluations):
 //!
@@ -21,9 +21,9 @@
 //! | multi-start least squares | 100 %, 50 | 100 %, 86 |
 //! | DE-ABC 5 %, then least squares | 100 %, 350 | 100 %, 344 |
 //!
-//! DE-ABC is 1.7 to 1.9 times as fast as DE and less reliable: over 1000 seeds it succeeds on the static block in 97.9 %; now and
-//! then its population collapses before it has reached the minimum. At its default limit the chaotic scout changes
-//! nothing that counts.
+//! DE-ABC is 1.7 to 1.9 times as fast as DE and less reliable: over 1000 seeds it succeeds on the static
+//! block in 97.9 %; now and then its population collapses before it has reached the minimum. At its default
+//! limit the chaotic scout changes nothing that counts.
 //!
 //! ```no_run
 //! use hysteron_article::optimizer_study::{StudyOptions, run_study};

@@ -16,12 +16,13 @@ pub struct StudyOptions {
     pub seeds: usize,
     /// Seed of the first run.
     pub first_seed: u64,
-    /// Cost evaluations of a run, at least 200. A population method makes 50 a generation, so 7 550 are an initial
-    /// population and the article's 150 generations.
+    /// Cost evaluations of a run, at least 200. A population method makes 50 a generation, so 7 550 are an
+    /// initial population and the article's 150 generations.
     pub budget: usize,
     /// Seed of the measurement noise, the same for all runs.
     pub noise_seed: u64,
-    /// Threads the runs are spread over; `None`: those of the current `rayon` pool. The result does not depend on it.
+    /// Threads the runs are spread over; `None`: those of the current `rayon` pool. The result does not
+    /// depend on it.
     #[serde(skip)]
     pub threads: Option<usize>,
 }
@@ -47,7 +48,8 @@ impl Default for StudyOptions {
 pub enum StudyProblem {
     /// The five parameters of the improved Bouc–Wen model ([`StaticBlock`](super::StaticBlock)).
     StaticBlock,
-    /// Orders and coefficients of the fractional transfer function ([`FractionalBlock`](super::FractionalBlock)).
+    /// Orders and coefficients of the fractional transfer function
+    /// ([`FractionalBlock`](super::FractionalBlock)).
     FractionalBlock,
 }
 

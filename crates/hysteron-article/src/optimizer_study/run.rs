@@ -14,14 +14,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Success is an RMSE within this factor of the best that can be reached.
 const SUCCESS: f64 = 1.01;
 
-/// Runs every competitor on every problem from every seed, the runs spread over threads; the result does not depend on
-/// their number. `watch` is told after every run.
+/// Runs every competitor on every problem from every seed, the runs spread over threads; the result does not
+/// depend on their number. `watch` is told after every run.
 ///
-/// With the default options (620 runs of up to 7 550 simulations of 2000 samples) this takes about two minutes on two
-/// cores.
+/// With the default options (620 runs of up to 7 550 simulations of 2000 samples) this takes about two
+/// minutes on two cores.
 ///
 /// # Errors
-/// [`ArticleError::StudyOption`]; [`ArticleError::StudyStopped`] if it was stopped; [`ArticleError::Optimize`] if a run failed.
+/// [`ArticleError::StudyOption`]; [`ArticleError::StudyStopped`] if it was stopped;
+/// [`ArticleError::Optimize`] if a run failed.
 pub fn run_study(options: &StudyOptions, watch: &Watch<'_>) -> Result<Study, ArticleError> {
     options.validate()?;
     let ticker = Ticker {

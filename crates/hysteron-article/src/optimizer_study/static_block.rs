@@ -11,8 +11,8 @@ const SAMPLES: usize = 2000;
 const SAMPLE_RATE_HZ: f64 = 1000.0;
 const NOISE_UM: f64 = 0.012;
 
-/// Fit of (quadratic, linear, α, β, γ), n = 1, to two periods of u = 5 − 5 cos 2πt V at 1 kHz (2000 samples), from
-/// rest at 0 V; truth is the article's Table 2, with normal noise of 0.012 µm.
+/// Fit of (quadratic, linear, α, β, γ), n = 1, to two periods of u = 5 − 5 cos 2πt V at 1 kHz (2000 samples),
+/// from rest at 0 V; truth is the article's Table 2, with normal noise of 0.012 µm.
 #[derive(Clone, Debug)]
 pub struct StaticBlock {
     bounds: Bounds,
@@ -22,8 +22,9 @@ pub struct StaticBlock {
 
 impl StaticBlock {
     /// The problem in one sentence.
-    pub const DESCRIPTION: &'static str = "u = 5 - 5 cos 2 pi t V, two periods at 1 kHz (2000 samples), article \
-        Table 2 as truth with n = 1, normal noise of 0.012 um; quadratic, linear, alpha, beta, gamma sought at once";
+    pub const DESCRIPTION: &'static str = "u = 5 - 5 cos 2 pi t V, two periods at 1 kHz (2000 samples), \
+        article Table 2 as truth with n = 1, normal noise of 0.012 um; quadratic, linear, alpha, beta, gamma \
+        sought at once";
 
     /// Article Table 2 in the order of the parameters: quadratic \[µm/V²\], linear, α \[µm/V\], β, γ \[1/V\].
     pub const TRUTH: [f64; 5] = [0.0031, 2.0, -1.2039, 0.1111, 0.0024];

@@ -13,9 +13,9 @@ pub struct Quartiles {
     pub upper: f64,
 }
 
-/// Median and quartiles of `values`, interpolated between order statistics at (N − 1) p (Hyndman and Fan 1996,
-/// doi:10.1080/00031305.1996.10473566, definition 7); `None` for no values. An infinite neighbour counts only where
-/// it has a weight.
+/// Median and quartiles of `values`, interpolated between order statistics at (N − 1) p (Hyndman and Fan
+/// 1996, doi:10.1080/00031305.1996.10473566, definition 7); `None` for no values. An infinite neighbour
+/// counts only where it has a weight.
 pub fn quartiles(values: &[f64]) -> Option<Quartiles> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

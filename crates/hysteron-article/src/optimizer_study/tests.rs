@@ -39,7 +39,8 @@ fn least_squares_needs_a_few_hundred_evaluations_on_either_problem() {
     let competitors = [Competitor::LeastSquares, Competitor::DeAbcThenLeastSquares];
     for problem in StudyProblem::ALL {
         let table = study_of(problem, &competitors, 3, 1000);
-        // Noise of N samples, less what five fitted parameters take up: σ √(1 ± 1/√(2N)), within four times that.
+        // Noise of N samples, less what five fitted parameters take up: σ √(1 ± 1/√(2N)), within four times
+        // that.
         assert!(
             (table.reachable_rmse / table.noise_um - 1.0).abs() < 4.0 * 0.016,
             "{}",

@@ -25,7 +25,8 @@ pub(super) fn section(found: &Reproduction) -> Section {
         .in_columns(2)
         .panel_height(290.0)
         .captioned(
-            "Figure 1. Last period of every sine, 0–10 V. Left: where the article calls the loop unchanged. Right: where it opens.",
+            "Figure 1. Last period of every sine, 0–10 V. Left: where the article calls the loop unchanged. \
+             Right: where it opens.",
         );
     let mut table = Table::new([
         Column::number("frequency", "Hz"),
@@ -36,8 +37,9 @@ pub(super) fn section(found: &Reproduction) -> Section {
     ])
     .captioned("Loops against frequency: how far each is from the 1 Hz loop.")
     .note(
-        "Opening: down branch minus up branch at mid-range drive; positive is counter-clockwise. Distance: from the 1 Hz loop at \
-         the same phase of the drive, each loop about its own mean, in % of the 1 Hz stroke.",
+        "Opening: down branch minus up branch at mid-range drive; positive is counter-clockwise. Distance: \
+         from the 1 Hz loop at the same phase of the drive, each loop about its own mean, in % of the 1 Hz \
+         stroke.",
     );
     let distance = |d: f64| if d == 0.0 { "—".to_owned() } else { significant(d, 2) };
     for l in loops {
@@ -49,13 +51,11 @@ pub(super) fn section(found: &Reproduction) -> Section {
             distance(l.rms_distance_percent),
         ]);
     }
-    Section::new("Figure 1: the loop and its frequency")
-        .block(figure)
-        .block(table)
-        .block(Block::paragraph(
-            "The claim that the loop hardly changes below 5 Hz is what allows the article to take the 1 Hz loop as static. The \
-             distance at 5 Hz is the price: it is in every error of the static block from the start.",
-        ))
+    Section::new("Figure 1: the loop and its frequency").block(figure).block(table).block(Block::paragraph(
+        "The claim that the loop hardly changes below 5 Hz is what allows the article to take the 1 Hz \
+             loop as static. The distance at 5 Hz is the price: it is in every error of the static block \
+             from the start.",
+    ))
 }
 
 /// A period with its first sample appended, so that the loop is drawn closed.

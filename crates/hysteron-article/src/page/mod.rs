@@ -27,8 +27,8 @@ const SIMULATED: &str = "simulated bench";
 pub fn page(found: &Reproduction) -> Page {
     Page::new("The article, reproduced")
         .subtitled(
-            "Rate-Dependent Modeling of Piezoelectric Actuators for Nano Manipulation Based on Fractional Hammerstein \
-             Model: its experiments on a simulated bench, its claims put to the test",
+            "Rate-Dependent Modeling of Piezoelectric Actuators for Nano Manipulation Based on Fractional \
+             Hammerstein Model: its experiments on a simulated bench, its claims put to the test",
         )
         .section(overview::summary(found))
         .section(overview::readings(found))

@@ -50,10 +50,10 @@ pub(super) fn transfer_function_section(found: &Reproduction) -> Section {
         table = table.row(cells);
     }
     table = table.note(format!(
-        "Fractional and integer order: by DE-ABC, orders and coefficients at once, {} generations of 50 evaluations, as the article \
-         does. The rows by least squares are not in the article; they show what each structure could reach, so that a bad search and a \
-         bad structure are not confused. The bench is not a plant of this form: its coefficients cannot be compared one by one with the \
-         printed ones.",
+        "Fractional and integer order: by DE-ABC, orders and coefficients at once, {} generations of 50 \
+         evaluations, as the article does. The rows by least squares are not in the article; they show what \
+         each structure could reach, so that a bad search and a bad structure are not confused. The bench is \
+         not a plant of this form: its coefficients cannot be compared one by one with the printed ones.",
         found.plan.generations
     ));
     let formula = found.models.model(ModelKind::Fractional).and_then(|m| m.eq13).map(|g| {
@@ -76,8 +76,9 @@ pub(super) fn transfer_function_section(found: &Reproduction) -> Section {
     let mut section = Section::new("Eq. 13: the dynamic block").blocks(formula).block(table);
     if !ended.is_empty() {
         section = section.block(Block::warning(format!(
-            "Some parameters ended at an end of their range: {}. Without a delay the structure of Eq. 13 bends its orders to stand in \
-             for the bench's delay and creep; such a fit describes the records, not the stage.",
+            "Some parameters ended at an end of their range: {}. Without a delay the structure of Eq. 13 \
+             bends its orders to stand in for the bench's delay and creep; such a fit describes the records, \
+             not the stage.",
             ended.join("; ")
         )));
     }
@@ -98,10 +99,11 @@ pub(super) fn table_3_section(found: &Reproduction) -> Section {
     let mut section = Section::new("Table 3 and Figures 8–11: the models at 10, 20, 50 and 100 Hz")
         .block(table_3(found))
         .block(Block::paragraph(
-            "Read the order with care. Eq. 7 counts the mean error, and the bench creeps from rest, so records of different speed lie at \
-             different heights; the table at the end of this section also has the errors with the mean taken off. ARX is fitted by linear least squares \
-             on the equation error, with an intercept that its simulation does not use. Integer order without a delay has no means but its pole to \
-             follow the bench's delay.",
+            "Read the order with care. Eq. 7 counts the mean error, and the bench creeps from rest, so \
+             records of different speed lie at different heights; the table at the end of this section also \
+             has the errors with the mean taken off. ARX is fitted by linear least squares on the equation \
+             error, with an intercept that its simulation does not use. Integer order without a delay has no \
+             means but its pole to follow the bench's delay.",
         ));
     for (number, curves) in (8..).zip(&found.models.curves) {
         section = section.block(sine_figure(number, curves));
@@ -155,9 +157,9 @@ fn table_3(found: &Reproduction) -> Table {
         ],
         rows,
         notes: vec![
-            "Simulation from rest over the whole sine, no offset estimated (Eq. 7). The article claims that ARX is far inferior and \
-             prints no number for it. Classic Bouc–Wen: linear input function, no dynamics; the others: the quadratic block of Table 2 \
-             in front of their dynamics."
+            "Simulation from rest over the whole sine, no offset estimated (Eq. 7). The article claims that \
+             ARX is far inferior and prints no number for it. Classic Bouc–Wen: linear input function, no \
+             dynamics; the others: the quadratic block of Table 2 in front of their dynamics."
                 .into(),
         ],
         ..ComparisonTable::default()
@@ -206,7 +208,8 @@ fn sine_figure(number: usize, curves: &SineCurves) -> Figure {
         .in_columns(2)
         .panel_height(230.0)
         .captioned(format!(
-            "Figure {number}. At {f} Hz: (a) the last period as a loop, (b) the last two periods over time; below, measured minus model."
+            "Figure {number}. At {f} Hz: (a) the last period as a loop, (b) the last two periods over time; \
+             below, measured minus model."
         ));
     figure.panels = panels.into();
     figure
@@ -255,8 +258,8 @@ fn all_models(found: &Reproduction) -> Table {
         table = if fit.kind == ModelKind::Default { table.highlighted_row(cells) } else { table.row(cells) };
     }
     table.note(
-        "Own offset: RMSE with the mean error taken off, as if each record's sensor zero were unknown; the bench creeps, and a fast \
-         record lies lower than a slow one. Evaluations: of all searches of the model; the static block of the quadratic models is \
-         searched once and counted in each.",
+        "Own offset: RMSE with the mean error taken off, as if each record's sensor zero were unknown; the \
+         bench creeps, and a fast record lies lower than a slow one. Evaluations: of all searches of the \
+         model; the static block of the quadratic models is searched once and counted in each.",
     )
 }

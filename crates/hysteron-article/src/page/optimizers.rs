@@ -17,9 +17,9 @@ pub(super) fn section(found: &Reproduction) -> Section {
     let variants: Vec<&Contender> = de_abc.chain(&study.contenders[split..]).collect();
     Section::new("Table 1 and Figure 6: the optimisers")
         .block(Block::paragraph(format!(
-            "Static fit of the 1 Hz loop, five parameters, {} seeds each, {} generations. The article shows one run of each \
-             algorithm and no spread. Best RMSE within reach of the model: {} µm (least squares from many starts, {} evaluations in \
-             all).",
+            "Static fit of the 1 Hz loop, five parameters, {} seeds each, {} generations. The article shows \
+             one run of each algorithm and no spread. Best RMSE within reach of the model: {} µm (least \
+             squares from many starts, {} evaluations in all).",
             found.plan.runs,
             found.plan.generations,
             significant(study.reachable_um, 5),
@@ -27,14 +27,16 @@ pub(super) fn section(found: &Reproduction) -> Section {
         )))
         .block(table(found))
         .block(
-            figure("Figure 6. Convergence of DE, ABC and DE-ABC", study.contenders[..split].iter()).captioned(format!(
-                "Figure 6. Best RMSE so far by generation: median of {} runs, quartiles shaded.",
-                found.plan.runs
-            )),
+            figure("Figure 6. Convergence of DE, ABC and DE-ABC", study.contenders[..split].iter())
+                .captioned(format!(
+                    "Figure 6. Best RMSE so far by generation: median of {} runs, quartiles shaded.",
+                    found.plan.runs
+                )),
         )
         .block(figure("Figure 6b. Variants of DE-ABC", variants.into_iter()).captioned(
-            "Figure 6b (not in the article). DE-ABC with and without its chaotic scout, with the scout sent after 10 failures instead of SN·D, and in the literal \
-             reading in which one random component moves.",
+            "Figure 6b (not in the article). DE-ABC with and without its chaotic scout, with the scout sent \
+             after 10 failures instead of SN·D, and in the literal reading in which one random component \
+             moves.",
         ))
         .block(Block::paragraph(scout(study)))
 }
@@ -86,8 +88,9 @@ fn table(found: &Reproduction) -> Table {
         table.notes.push(format!("{}: {}.", c.name, c.variant));
     }
     table.notes.push(
-        "Within 1 %: runs that end within 1 % of the best RMSE in reach. Evaluations to 1 %: median over all runs, a run that never \
-         comes there counted as infinite. The printed fitness has no unit and a residual of its own; only its ratios can be compared."
+        "Within 1 %: runs that end within 1 % of the best RMSE in reach. Evaluations to 1 %: median over all \
+         runs, a run that never comes there counted as infinite. The printed fitness has no unit and a \
+         residual of its own; only its ratios can be compared."
             .into(),
     );
     table
@@ -114,7 +117,9 @@ fn scout(study: &OptimizerStudy) -> String {
         study.contender(name).map_or_else(String::new, |c| significant(100.0 - c.success_percent, 2))
     };
     format!(
-        "DE-ABC ends more than 1 % above the best fit in {} % of its runs, DE in {} %. The chaotic scout: with the default limit of SN·D failures, {} over all runs; switched off, {}; after 10 failures already, {}.",
+        "DE-ABC ends more than 1 % above the best fit in {} % of its runs, DE in {} %. The chaotic scout: \
+         with the default limit of SN·D failures, {} over all runs; switched off, {}; after 10 failures \
+         already, {}.",
         missed("DE-ABC"),
         missed("DE"),
         words("DE-ABC"),

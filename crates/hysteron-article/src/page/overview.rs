@@ -1,4 +1,5 @@
-//! What the reader must know first: that the bench is simulated, what became of the claims, how the text was read.
+//! What the reader must know first: that the bench is simulated, what became of the claims, how the text was
+//! read.
 
 use crate::{Claim, ModelKind, Reproduction, Verdict};
 
@@ -29,8 +30,9 @@ pub(super) fn summary(found: &Reproduction) -> Section {
             Highlight::new("classic Bouc–Wen", worst(ModelKind::Classic), "µm (largest RMSE)"),
         ]))
         .block(Block::warning(format!(
-            "The article's data are not public. Everything under “here” was computed on a simulated bench ({}), which lies \
-             outside every model class compared. Compare order and ratios with the printed numbers, not absolute values.",
+            "The article's data are not public. Everything under “here” was computed on a simulated bench \
+             ({}), which lies outside every model class compared. Compare order and ratios with the printed \
+             numbers, not absolute values.",
             found.bench
         )))
         .block(Block::Heading("The article's claims".into()))
@@ -71,41 +73,46 @@ pub(super) fn readings(found: &Reproduction) -> Section {
         .map(|(name, low, high)| format!("{name} {} … {}", significant(*low, 3), significant(*high, 3)))
         .collect();
     Section::new("How the article was read").block(Block::paragraph(
-        "The text leaves much open. These readings were chosen; where one departs from the words, it says why.",
+        "The text leaves much open. These readings were chosen; where one departs from the words, it says \
+         why.",
     )).block(Block::list([
         format!(
-            "Drive: 0–10 V, cosine from rest at 0 V; sample rate {} Hz. Neither the voltage span nor the rate is printed.",
+            "Drive: 0–10 V, cosine from rest at 0 V; sample rate {} Hz. Neither the voltage span nor the \
+             rate is printed.",
             plan.sample_rate_hz
         ),
         format!(
-            "Sweep 1–100 Hz, linear in time (the default law of MATLAB's chirp), {} s. Validation sines of {} s that no fit has seen.",
+            "Sweep 1–100 Hz, linear in time (the default law of MATLAB's chirp), {} s. Validation sines of \
+             {} s that no fit has seen.",
             plan.sweep_s, plan.sine_s
         ),
         format!(
-            "The 1 Hz loop (three periods) is used at every {}th sample, {} samples: a rate-independent block loses nothing by it.",
+            "The 1 Hz loop (three periods) is used at every {}th sample, {} samples: a rate-independent \
+             block loses nothing by it.",
             plan.loop_decimation, found.optimizers.samples
         ),
-        "Eq. 1 with n = 1 (n is not printed) and z = 0 at rest; no sensor offset and no delay, since the article has neither. \
-         Fitness is Eq. 7, the RMSE."
+        "Eq. 1 with n = 1 (n is not printed) and z = 0 at rest; no sensor offset and no delay, since the \
+         article has neither. Fitness is Eq. 7, the RMSE."
             .into(),
         format!(
-            "The search box is ours, made from the record's slope and range: {}. The printed one is garbled (below). \
-             Eq. 13 is searched as gain, natural frequency, damping and the two orders.",
+            "The search box is ours, made from the record's slope and range: {}. The printed one is garbled \
+             (below). Eq. 13 is searched as gain, natural frequency, damping and the two orders.",
             search_box.join(", ")
         ),
         format!(
-            "SN = 25 food sources, so 50 evaluations a generation, {} generations; DE with a population of 50 spends the same.",
+            "SN = 25 food sources, so 50 evaluations a generation, {} generations; DE with a population of \
+             50 spends the same.",
             plan.generations
         ),
-        "Eq. 8 moves all components. The text says that one random component moves; that fails (Table 1, last row), so we depart \
-         from it. Phases propose a generation, evaluate it, then accept."
+        "Eq. 8 moves all components. The text says that one random component moves; that fails (Table 1, \
+         last row), so we depart from it. Phases propose a generation, evaluate it, then accept."
             .into(),
-        "Eq. 12 as printed can only move up and leaves the box: a coordinate above the box is wrapped back. The scout is sent \
-         after SN·D failures of a source; the article prints no L."
+        "Eq. 12 as printed can only move up and leaves the box: a coordinate above the box is wrapped back. \
+         The scout is sent after SN·D failures of a source; the article prints no L."
             .into(),
         "“Classic” Bouc–Wen is Eq. 1 without the quadratic term; the article calls it symmetrical.".into(),
-        "The dynamic block is simulated by convolution quadrature with Tustin's rule. The article's Grünwald–Letnikov sums would \
-         bias the parameters by the sample rate (last section)."
+        "The dynamic block is simulated by convolution quadrature with Tustin's rule. The article's \
+         Grünwald–Letnikov sums would bias the parameters by the sample rate (last section)."
             .into(),
     ]))
 }
@@ -115,7 +122,7 @@ pub(super) fn repeat(found: &Reproduction) -> Section {
     Section::new("How to repeat it")
         .block(Block::code(format!("hysteron article --out-dir DIR --seed {}{quick}", found.plan.seed)))
         .block(Block::paragraph(
-            "The same seed gives the same bytes, whatever the number of threads. Beside this page: figures/ (SVG), tables/ (CSV, \
-             every number in full), article.json (everything, curves too).",
+            "The same seed gives the same bytes, whatever the number of threads. Beside this page: figures/ \
+             (SVG), tables/ (CSV, every number in full), article.json (everything, curves too).",
         ))
 }

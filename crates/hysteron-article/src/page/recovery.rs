@@ -9,18 +9,20 @@ pub(super) fn section(found: &Reproduction) -> Section {
     let prototype = found.recovery.cases.iter().find(|c| c.case.prototype);
     Section::new("The article's own plant as the truth")
         .block(Block::paragraph(
-            "Table 2 followed by Eq. 13, noise-free, measured on the bench with an ideal sensor. First each block from its own data: the static \
-             block from a loop without dynamics, the dynamic block from the exact hysteresis output. Then both together the two-step way, \
-             where the 1 Hz loop has already passed through the dynamics and step 1 takes it for static. Fits by least squares, so that what is \
-             shown is the minimum of the criterion and not the luck of a search.",
+            "Table 2 followed by Eq. 13, noise-free, measured on the bench with an ideal sensor. First each \
+             block from its own data: the static block from a loop without dynamics, the dynamic block from \
+             the exact hysteresis output. Then both together the two-step way, where the 1 Hz loop has \
+             already passed through the dynamics and step 1 takes it for static. Fits by least squares, so \
+             that what is shown is the minimum of the criterion and not the luck of a search.",
         ))
         .block(readings(&found.recovery.cases))
         .block(table(&found.recovery.cases))
         .blocks(prototype.map(beside_the_prototype))
         .block(Block::paragraph(
-            "The size of the bias, and even its sign, depends on readings that the article does not print: whether a sensor offset is estimated, \
-             the law of the sweep, how many periods the loop has, the simulation scheme. The fit itself looks good in every case. So the \
-             coefficients of Eq. 13 belong to the procedure as much as to the stage.",
+            "The size of the bias, and even its sign, depends on readings that the article does not print: \
+             whether a sensor offset is estimated, the law of the sweep, how many periods the loop has, the \
+             simulation scheme. The fit itself looks good in every case. So the coefficients of Eq. 13 \
+             belong to the procedure as much as to the stage.",
         ))
 }
 
@@ -101,7 +103,8 @@ fn table(cases: &[RecoveredBlocks]) -> Table {
             printed::TABLE_2.gamma
         ))
         .note(
-            "Grünwald–Letnikov fits to less than the noise of a real sensor and returns other coefficients all the same: they belong to that scheme and that sample rate.",
+            "Grünwald–Letnikov fits to less than the noise of a real sensor and returns other coefficients \
+             all the same: they belong to that scheme and that sample rate.",
         )
 }
 
@@ -119,7 +122,7 @@ fn beside_the_prototype(found: &RecoveredBlocks) -> Table {
     .row(["b [%]".to_owned(), signed(p.b_percent, 0), signed(b, 1)])
     .row(["α₂".to_owned(), signed(p.alpha2, 2), signed(order, 3)])
     .note(
-        "The prototype's figures come out when no offset is estimated, the 1 Hz loop has three periods from rest, the sweep is linear and lasts \
-         10 s, and the scheme is Tustin's.",
+        "The prototype's figures come out when no offset is estimated, the 1 Hz loop has three periods from \
+         rest, the sweep is linear and lasts 10 s, and the scheme is Tustin's.",
     )
 }

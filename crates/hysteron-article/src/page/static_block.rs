@@ -38,15 +38,16 @@ pub(super) fn section(found: &Reproduction) -> Section {
             .collect(),
         notes: vec![
             format!(
-                "By DE-ABC, {} generations of 50. RE here is ‖y − ŷ‖₁ / ‖y − min y‖₁. Stroke of the record {} µm, so the RMSE is {} % \
-                 of it. Units are not printed in the article, µm and V presumed.",
+                "By DE-ABC, {} generations of 50. RE here is ‖y − ŷ‖₁ / ‖y − min y‖₁. Stroke of the record \
+                 {} µm, so the RMSE is {} % of it. Units are not printed in the article, µm and V presumed.",
                 found.plan.generations,
                 significant(study.stroke_um, 4),
                 significant(study.rmse_percent, 2)
             ),
             format!(
-                "The sign of α differs because the printed block runs clockwise: at 5 V it stands at {} µm going up and {} µm coming \
-                 down, displacement ahead of voltage. Real stacks, and this bench, run counter-clockwise.",
+                "The sign of α differs because the printed block runs clockwise: at 5 V it stands at {} µm \
+                 going up and {} µm coming down, displacement ahead of voltage. Real stacks, and this bench, \
+                 run counter-clockwise.",
                 significant(found.contradictions.at_5_v_um.0, 4),
                 significant(found.contradictions.at_5_v_um.1, 4)
             ),
@@ -62,11 +63,14 @@ pub(super) fn section(found: &Reproduction) -> Section {
         .in_columns(2)
         .panel_height(290.0)
         .captioned(
-            "Figure 7. Loop measured on the bench and improved Bouc–Wen model (left), residual over time (right). What is left is \
-             creep from rest and the bend of the loop that a quadratic cannot follow.",
+            "Figure 7. Loop measured on the bench and improved Bouc–Wen model (left), residual over time \
+             (right). What is left is creep from rest and the bend of the loop that a quadratic cannot \
+             follow.",
         );
-    Section::new("Table 2 and Figure 7: the static block").block(table.to_table()).block(figure).block(Block::info(
-        "One amplitude at one frequency cannot separate β from γ well, nor rank hysteresis models: the article's Table 2, and ours, are \
-         fits of one loop.",
-    ))
+    Section::new("Table 2 and Figure 7: the static block").block(table.to_table()).block(figure).block(
+        Block::info(
+            "One amplitude at one frequency cannot separate β from γ well, nor rank hysteresis models: the \
+         article's Table 2, and ours, are fits of one loop.",
+        ),
+    )
 }

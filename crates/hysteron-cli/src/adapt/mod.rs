@@ -23,15 +23,18 @@ use crate::numbers::{count, positive};
 use crate::output::{self, OutFile};
 use crate::start::StartFlags;
 
-/// Follow a drifting device: correct a model over a record sample by sample, and say when it no longer fits.
+/// Track a drifting device: correct a model sample by sample by recursive estimation, with a monitor of the
+/// residual.
 #[derive(Args)]
 #[command(
-    after_help = "y = fixed + sum of coefficient * regressor; the regressors follow from the drive alone. Terms are offset, gain (of the model's \
-    output), power=N (change of the coefficient of u^N) and creep=SECONDS (the model's output behind a lag); the rest of the model is held. Recursive least squares \
-    (rls) forgets with the memory given; nlms moves by a share of every error. Each coefficient starts as uncertain as moves the output by a tenth of \
-    its stroke.\n\n\
-    The monitor sums what the corrected model leaves, in units of --noise, and alarms where the mean has moved by half of it or the spread grown by a half. \
-    For residuals that are not white learn from fewer samples (--every), or state a noise that covers them.\n\n\
+    after_help = "y = fixed + sum of coefficient * regressor; the regressors follow from the drive alone. \
+    Terms are offset, gain (of the model's output), power=N (change of the coefficient of u^N) and \
+    creep=SECONDS (the model's output behind a lag); the rest of the model is held. rls is recursive least \
+    squares with exponential forgetting, nlms the normalised LMS gradient. The initial standard deviation of \
+    each coefficient moves the output by a tenth of its stroke.\n\n\
+    The monitor is a cumulative-sum test of the residual over --noise: it raises an alarm where the mean has \
+    shifted by half a standard deviation or the standard deviation has grown by a half. For coloured \
+    residuals use fewer samples (--every) or a larger --noise.\n\n\
     Example: hysteron adapt model.json today.csv -o model-today.json\n\
     Example: hysteron adapt model.json day.csv --terms offset,gain,power=2 --memory 2 --json"
 )]
@@ -40,41 +43,41 @@ pub struct Adapt {
     #[arg(value_name = "MODEL.json")]
     model: PathBuf,
 
-    /// The record to run through
+    /// The record
     #[arg(value_name = "RECORD")]
     record: PathBuf,
 
-    /// How coefficients are moved
+    /// Estimator of the coefficients
     #[arg(long, value_enum, default_value_t = Method::Rls)]
     method: Method,
 
-    /// Coefficients that may move, up to six, separated by commas
+    /// Coefficients to estimate, up to six, separated by commas
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = Term::from_str, default_value = "offset,gain")]
     terms: Vec<Term>,
 
-    /// Memory of rls in s (a fifth of the record if not given)
+    /// Memory of rls in s, the time constant of forgetting [default: a fifth of the record]
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     memory: Option<f64>,
 
-    /// Step of nlms, below 2
+    /// Step size of nlms, below 2
     #[arg(long, value_name = "SHARE", value_parser = positive, allow_hyphen_values = true, default_value_t = 0.05)]
     step: f64,
 
-    /// Standard deviation of a residual where the model fits, in the output's unit (the largest training RMSE
-    /// in the model file if not given, else the record's noise floor)
+    /// Standard deviation of the residual where the model fits, in the output's unit [default: the largest
+    /// training RMSE in the model file, else the record's noise floor]
     #[arg(long, value_name = "SIZE", value_parser = positive, allow_hyphen_values = true)]
     noise: Option<f64>,
 
-    /// Learn from every K-th sample (if not given 40 to the period of the fastest drive, fewer where what no coefficients explain stays
-    /// alike for longer): what a model leaves of samples close together is no noise
+    /// Use every K-th sample, because residuals of neighbouring samples are correlated [default: 40 samples a
+    /// period of the fastest drive, fewer where the residual stays correlated for longer]
     #[arg(long, value_name = "K", value_parser = count::<usize>, allow_hyphen_values = true)]
     every: Option<usize>,
 
-    /// Mean number of samples learnt from to a false alarm, at least
+    /// Mean run length to a false alarm, in samples used, at least
     #[arg(long, value_name = "SAMPLES", value_parser = positive, allow_hyphen_values = true, default_value_t = 1e6)]
     run_length: f64,
 
-    /// After an alarm, be as uncertain as at the start: a jump is followed at once
+    /// Reset the covariance to its initial value after an alarm, so that a jump is followed at once
     #[arg(long)]
     reopen: bool,
 

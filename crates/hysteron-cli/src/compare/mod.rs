@@ -19,28 +19,33 @@ use crate::output::{self, OutFile};
 use crate::progress;
 use crate::result_flags::ResultFlags;
 
-/// Compare structures by their simulated error on data they were not fitted to, and say which the records support.
+/// Compare structures by held-out simulation error (cross-validation), and say which of them the records
+/// support.
 #[derive(Args)]
-#[command(
-    after_help = "Each record (or part of one, where there are fewer than three of different content) is left out in turn, every candidate \
-    fitted to the rest and simulated on what was left out. Records that are one experiment repeated are refused, with what to \
-    measure instead.\n\n\
-    Without --candidates: a search. The usual dynamic blocks (none, integer1 to integer4, arx, fractional ones), then about the best so far the kinds of creep, the families of \
-    hysteresis that are quick to fit, other polynomial degrees and n free; again until nothing is better. Six minutes of processor time for four records of 45 000 samples together. \
-    A candidate is \
-    BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK one of none, integer1 to integer12, modes4 to modes12 (resonances in parallel), arx, oe, bj, srivc, fractional, fractional-free-lowest, \
-    two-fractional, CREEP one of creep (fractional), log-creep, kelvin-voigt (two elements); the polynomial is a cubic, n = 1, and the family bouc-wen if not said. The families are those of identify \
-    --hysteresis, with their usual number of elements.\n\n\
-    Beside the error stands what a candidate costs a controller: nanoseconds a sample of its realisation to 1e-5 (hysteron realise), all \
-    candidates timed in turns along the same drive. These hold for this machine and this run, and relative to each other. And whether its hysteresis \
-    has an inverse: always, on records (every move along them raised the output) or no.\n\n\
+#[command(after_help = "Cross-validation: each record (or part of one, where there are fewer than three of \
+    different content) is held out in turn, every candidate is fitted to the rest and simulated on the \
+    held-out record. Records that repeat one experiment are refused, with what to measure instead.\n\n\
+    Without --candidates: a search. The usual dynamic blocks (none, integer1 to integer4, arx, fractional \
+    ones), then about the best so far the kinds of creep, the families of hysteresis that are quick to fit, \
+    other polynomial degrees and n free; again until nothing is better. Six minutes of processor time for \
+    four records of 45 000 samples together. A candidate is BLOCK[+CREEP][+degreeN][+n-free][+FAMILY], BLOCK \
+    one of none, integer1 to integer12, modes4 to modes12 (resonances in parallel), arx, oe, bj, srivc, \
+    fractional, fractional-free-lowest, two-fractional, CREEP one of creep (fractional), log-creep, \
+    kelvin-voigt (two elements); the polynomial is a cubic, n = 1, and the family bouc-wen if not said. The \
+    families are those of identify --hysteresis, with their usual number of elements.\n\n\
+    Beside the error the table has the cost in a controller: nanoseconds a sample of the realisation to 1e-5 \
+    (hysteron realise), timed along the same drive for all candidates, on this machine; ratios are more \
+    reliable than times. It also says whether the hysteresis has an inverse: always, on records (every move \
+    along them raised the output) or no.\n\n\
     Ctrl-C prints what is finished.\n\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --report compare.html\n\
-    Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o model.json\n\
+    Example: hysteron compare loop.csv sweep.csv --candidates none,integer2,fractional,fractional+degree2 -o \
+    model.json\n\
     Example: hysteron compare loop_1hz.csv sweep.csv sine_*.csv --candidates fractional+creep --baselines\n\
-    Example: hysteron compare cycle_*.csv --continued --candidates integer1,integer1+kelvin-voigt+preisach-density\n\
-    Example: hysteron compare loops.csv sweep.csv --candidates fractional+creep,fractional+creep+prandtl-ishlinskii,fractional+creep+dahl"
-)]
+    Example: hysteron compare cycle_*.csv --continued --candidates \
+    integer1,integer1+kelvin-voigt+preisach-density\n\
+    Example: hysteron compare loops.csv sweep.csv --candidates \
+    fractional+creep,fractional+creep+prandtl-ishlinskii,fractional+creep+dahl")]
 pub struct Compare {
     /// The records
     #[arg(value_name = "RECORD", required = true)]
@@ -50,11 +55,12 @@ pub struct Compare {
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = candidate)]
     candidates: Vec<Candidate>,
 
-    /// The records are consecutive parts of one run on one clock: each part is left out in turn, memory and creep carry over
+    /// The records are consecutive parts of one run on one clock: each part is left out in turn; hysteresis
+    /// memory and creep carry over
     #[arg(long, conflicts_with = "baselines")]
     continued: bool,
 
-    /// Train black-box NARX models (polynomial, kernel, neural) on the same folds, to compare with
+    /// Train black-box NARX models (polynomial, kernel, neural) on the same folds as baselines
     #[arg(long)]
     baselines: bool,
 

@@ -11,7 +11,7 @@ fn header(unit: &str) -> [String; 9] {
     [
         "structure".into(),
         "parameters".into(),
-        error("error on unseen data"),
+        error("held-out error"),
         error("above the best"),
         error("training RMSE"),
         "AIC".into(),
@@ -52,7 +52,7 @@ fn baselines(found: &Compared) -> String {
         "parameters",
         "lag interval [ms]",
         "lags of y, u",
-        &error("error on unseen data"),
+        &error("held-out error"),
         &error("training RMSE"),
         "time [s]",
     ]);

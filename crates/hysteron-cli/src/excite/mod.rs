@@ -17,9 +17,10 @@ use waves::Wave;
 /// Write a drive waveform as a record t_s,u_V ready for a DAQ.
 #[derive(Args)]
 #[command(
-    after_help = "Example: hysteron excite sweep --from 1 --to 100 --duration 10 --sample-rate 10000 --high 10 -o sweep.csv\n\n\
-    A campaign needs at least a slow loop (nested-loops) and something fast (sweep or multisine). \
-    hysteron excite WAVEFORM --help explains each waveform."
+    after_help = "Example: hysteron excite sweep --from 1 --to 100 --duration 10 --sample-rate 10000 --high \
+    10 -o sweep.csv\n\n\
+    A campaign needs at least a slow loop (nested-loops) and something fast (sweep or multisine). hysteron \
+    excite WAVEFORM --help explains each waveform."
 )]
 pub struct Excite {
     #[command(subcommand)]
@@ -49,7 +50,7 @@ pub struct Drive {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
     soft_end: f64,
 
-    /// Seed of whatever is random
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true)]
     seed: u64,
 

@@ -23,11 +23,11 @@ pub enum Wave {
     Staircase(Staircase),
     /// Fast axis of a raster scan with smooth turnarounds
     Raster(Raster),
-    /// Sine of decaying amplitude that wipes out the actuator's past
+    /// Sine of decaying amplitude, which demagnetises the actuator (wipes out its hysteresis memory)
     Decaying(Decaying),
     /// Sine whose frequency runs from one to another
     Sweep(Sweep),
-    /// Many sines at multiples of 1/period, of low crest factor: a sharp frequency response and its distortions
+    /// Multisine of low crest factor: frequency response with its nonlinear distortion
     Multisine(Multisine),
     /// Noise between two frequencies
     Random(Random),
@@ -126,7 +126,7 @@ pub struct Decaying {
     /// Number of cycles
     #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = positive, allow_hyphen_values = true)]
     cycles: f64,
-    /// Amplitude of each cycle over that of the one before
+    /// Ratio of the amplitudes of successive cycles
     #[arg(long, value_name = "RATIO", default_value_t = 0.85, value_parser = positive, allow_hyphen_values = true)]
     ratio: f64,
     #[command(flatten)]
@@ -144,7 +144,7 @@ pub struct Sweep {
     /// Duration in s
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     duration: f64,
-    /// How the frequency runs
+    /// Frequency law
     #[arg(long, value_enum, default_value_t = Law::Logarithmic)]
     law: Law,
     #[command(flatten)]
@@ -154,9 +154,9 @@ pub struct Sweep {
 /// How a sweep's frequency runs.
 #[derive(Clone, Copy, ValueEnum)]
 enum Law {
-    /// Equal time for equal differences
+    /// Linear: equal time for equal differences of frequency
     Linear,
-    /// Equal time for every octave
+    /// Logarithmic: equal time for every octave
     Logarithmic,
 }
 
@@ -177,10 +177,11 @@ pub struct Multisine {
     /// Which multiples of 1/period are excited
     #[arg(long, value_enum, default_value_t = LineChoice::Full)]
     lines: LineChoice,
-    /// Of how many consecutive odd lines one is left out, with --lines odd-with-detection
+    /// Size of a group of consecutive odd lines of which one is a detection line, with --lines
+    /// odd-with-detection
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = count::<u32>, allow_hyphen_values = true)]
     detection_group: u32,
-    /// How the phases are chosen
+    /// Choice of the phases
     #[arg(long, value_enum, default_value_t = PhaseChoice::Optimised)]
     phases: PhaseChoice,
     #[command(flatten)]
@@ -192,20 +193,20 @@ pub struct Multisine {
 enum LineChoice {
     /// All
     Full,
-    /// Odd ones: even-order distortion shows at the even ones
+    /// Odd lines: even-order distortion appears at the even lines
     Odd,
-    /// Odd ones but one of every group: odd-order distortion shows at those left out
+    /// Odd lines but one of every group: odd-order distortion appears at the lines left out
     OddWithDetection,
 }
 
 /// How the phases of a multisine are chosen.
 #[derive(Clone, Copy, ValueEnum)]
 enum PhaseChoice {
-    /// Independent, uniform
+    /// Independent, uniformly distributed
     Random,
     /// Schroeder's formula
     Schroeder,
-    /// The lowest crest factor that repeated clipping finds
+    /// Low crest factor by iterated clipping
     Optimised,
 }
 

@@ -1,4 +1,4 @@
-//! `hysteron frequency-response`: structures fitted to a measured frequency response, and told apart.
+//! `hysteron frequency-response`: structures fitted to a measured frequency response, and compared.
 
 mod text;
 
@@ -24,13 +24,16 @@ use crate::numbers::positive;
 use crate::output::{self, OutFile};
 use crate::result_flags::ResultFlags;
 
-/// Fit structures to a measured frequency response, or to records of periodic multisines, and say what each explains.
+/// Fit structures to a measured frequency response, or to records of periodic multisines, and compare their
+/// errors.
 #[derive(Args)]
 #[command(
-    after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; with a column std every point counts by its \
-    uncertainty, else by its relative error. Several responses in one file (stage_re,stage_im,ampV_re,…) are chosen by name. \
-    Records of one multisine (same lines, other phases) give the response, its noise and its distortion.\n\n\
-    Example: hysteron frequency-response frf.csv --response stage --over ampV --band 1:30 --report frf.html\n\
+    after_help = "A frequency response has columns such as f_Hz,re,im or f_Hz,magnitude_dB,phase_deg; points \
+    are weighted by a column std where there is one, else by relative error. Several responses in one file \
+    (stage_re,stage_im,ampV_re,…) are chosen by name. Records of one multisine (same lines, other phases) \
+    give the response, its noise and its distortion.\n\n\
+    Example: hysteron frequency-response frf.csv --response stage --over ampV --band 1:30 --report \
+    frf.html\n\
     Example: hysteron frequency-response run1.csv run2.csv run3.csv --structure modes -o model.json"
 )]
 pub struct FrequencyResponseCommand {
@@ -38,7 +41,7 @@ pub struct FrequencyResponseCommand {
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 
-    /// Structure to fit (repeatable) [default: those that answer what lies behind this response]
+    /// Structure to fit (repeatable) [default: the structures usual for this kind of response]
     #[arg(long = "structure", value_parser = one_of(Family::ALL, Family::name, Family::summary))]
     structures: Vec<Family>,
 
@@ -46,7 +49,7 @@ pub struct FrequencyResponseCommand {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
     modes: Option<u8>,
 
-    /// Use the points between two frequencies in Hz only
+    /// Frequency band to fit, in Hz
     #[arg(long, value_name = "LOW:HIGH", value_parser = band)]
     band: Option<(f64, f64)>,
 
@@ -134,14 +137,15 @@ impl FrequencyResponseCommand {
         }
         if self.response.is_some() || self.over.is_some() {
             return Err(Failure::usage(
-                "--response and --over choose among the columns of one file with a frequency response; these files are records",
+                "--response and --over choose among the columns of one file with a frequency response; these \
+                 files are records",
             ));
         }
         let records = self.columns.read_all(&self.files)?;
         let options = EmpiricalOptions { period_s: self.period, settling_periods: self.settling };
         let found = empirical_response(&records, &options).map_err(|e| {
-            let play = "play a multisine (hysteron excite multisine) of at least two periods, and again with other seeds to \
-                        tell distortion from noise";
+            let play = "play a multisine (hysteron excite multisine) of at least two periods, and again with \
+                        other seeds to tell distortion from noise";
             let flags = e.advice().map_or_else(String::new, |a| format!("; {}", advice::in_flags(&a)));
             Failure::new("cannot take a frequency response from the records")
                 .because(&e)
@@ -165,8 +169,8 @@ impl FrequencyResponseCommand {
         if self.band.is_none() {
             let (lowest, highest) = response.range_hz();
             console::note(&format!(
-                "outside of {} to {} Hz the points scatter by more than 30 % of their value: left out as noise (--band {lowest}:{highest} \
-                 takes them all)",
+                "outside of {} to {} Hz the points scatter by more than 30 % of their value: left out as \
+                 noise (--band {lowest}:{highest} takes them all)",
                 significant(low, 4),
                 significant(high, 4)
             ));
@@ -202,8 +206,8 @@ fn write_model(path: &Path, found: &Explained) -> Result<String, Failure> {
         ));
     }
     Ok(format!(
-        "wrote {}: {}, which leaves {error} % rms; the file format asks for a hysteresis block, which is v = u without hysteresis \
-         here.{start}",
+        "wrote {}: {}, which leaves {error} % rms; the file format asks for a hysteresis block, which is v = \
+         u without hysteresis here.{start}",
         path.display(),
         written.name
     ))

@@ -13,7 +13,7 @@ pub(super) enum StructureArg {
     Hammerstein,
     /// A mass on a hysteretic spring: resonances move with the amplitude
     Oscillator,
-    /// Several axes: structural modes with hysteresis in feedback, that move with the level of the drive
+    /// Several axes: structural modes with hysteresis in feedback, scheduled by the level of the drive
     Modes,
 }
 

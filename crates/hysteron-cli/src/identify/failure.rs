@@ -27,27 +27,30 @@ pub(super) fn explain(error: &IdentifyError, kind: Kind) -> Failure {
         IdentifyError::Optimize(e) if e.is_of_checkpoint() => failure.hint(RESUME),
         IdentifyError::Resume => failure.hint(RESUME),
         IdentifyError::ModelClass { .. } => failure.hint(
-            "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 hands the model \
-             out all the same; --dynamic FILE names a record that carries dynamics; --degree 1 --fix alpha=0 is a linear device",
+            "look at the record with hysteron inspect; check the columns (--input, --output); --least-fit 0 \
+             hands the model out all the same; --dynamic FILE names a record that carries dynamics; --degree \
+             1 --fix alpha=0 is a linear device",
         ),
         IdentifyError::NoOscillator { .. } => failure.hint(
-            "check the columns (--input is the force, --output the displacement) and their signs; without a resonance in the \
-             record identify a Hammerstein model (leave --structure out)",
+            "check the columns (--input is the force, --output the displacement) and their signs; without a \
+             resonance in the record identify a Hammerstein model (leave --structure out)",
         ),
         IdentifyError::OscillatorClass { .. } => failure.hint(
-            "look at the record with hysteron inspect; --initial free for a record cut out of motion; --least-fit 0 hands \
-             the model out all the same",
+            "look at the record with hysteron inspect; --initial free for a record cut out of motion; \
+             --least-fit 0 hands the model out all the same",
         ),
         IdentifyError::AxesClass { .. } if kind == Kind::Modes => failure.hint(
-            "check the columns and their order (--inputs, --outputs); --least-fit 0 hands the model out all the same",
+            "check the columns and their order (--inputs, --outputs); --least-fit 0 hands the model out all \
+             the same",
         ),
         IdentifyError::AxesClass { .. } => failure.hint(
-            "check the columns and their order (--inputs, --outputs); several modes a path need --structure modes; --least-fit 0 hands \
-             the model out all the same",
+            "check the columns and their order (--inputs, --outputs); several modes a path need --structure \
+             modes; --least-fit 0 hands the model out all the same",
         ),
         IdentifyError::Axes(AxesError::NotPeriodic { .. }) if kind == Kind::Modes => failure.hint(
-            "drive the inputs with periodic multisines of different phases, two periods or more; --initial periodic takes each record for \
-             one period of a steady state; --structure hammerstein fits records that do not repeat",
+            "drive the inputs with periodic multisines of different phases, two periods or more; --initial \
+             periodic takes each record for one period of a steady state; --structure hammerstein fits \
+             records that do not repeat",
         ),
         IdentifyError::Axes(AxesError::Dependent { .. }) if kind == Kind::Modes => {
             failure.hint("add records whose inputs have other phases, at the same level")

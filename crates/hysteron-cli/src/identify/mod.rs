@@ -49,23 +49,26 @@ use crate::result_flags::ResultFlags;
 /// Identify a model from measured records: hysteresis block, dynamic block, model file, report.
 #[derive(Args)]
 #[command(
-    after_help = "With no flag the structure is what the records support: polynomial degree by evidence, fractional dynamics \
-    where a record is much faster than the slowest one, delay and lag from a start from rest where none is. Which record is \
-    slow is recognised; --static and --dynamic say it.\n\n\
-    Records that carry dynamics are fitted jointly: both blocks, the delay, each record's offset and the hysteresis memory \
-    it starts with, from several starts, on thinned records first and all samples last. --method two-step is the article's \
-    way: hysteresis from the slow records, then dynamics from the others. Slow records alone, and --dynamics arx, oe, bj and srivc, go that way.\n\n\
-    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (other families: the names in their model files), \
-    offset, delay [s]; joint: \
-    natural_frequency [Hz], damping, natural_frequency_2, damping_2, …, lag [s], order2, order1, order0, share, share_2, …, creep, creep_order, creep_per_decade, creep_start [s], creep_1, creep_time_1 [s], …, memory_1, memory_2, … (beta, gamma and \
-    memory of alpha = 1); two-step: lag [s], gain.\n\n\
-    --inputs u1_V,u2_V --outputs y1_nm,y2_nm fits several axes at once: structural modes with the hysteresis of each actuator in feedback, \
-    from records of periodic multisines with different phases, one model for all amplitudes. They print the influence matrix.\n\n\
-    --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of force and displacement \
-    around a resonance; a force that repeats is taken to be in its steady state, another one to start from rest (--initial). Held \
-    with --fix: mass, damping, n.\n\n\
-    Ctrl-C writes the best so far to MODEL.partial.json, which every command reads, and leaves MODEL.json as it was (exit code 130, 143 after \
-    SIGTERM); --resume MODEL.partial.json goes on from there.\n\n\
+    after_help = "Without flags the structure is the one that the records support: polynomial degree by BIC; \
+    fractional dynamics where a record is much faster than the slowest one, else delay and lag from a start \
+    from rest. Slow and fast records are recognised; --static and --dynamic override it.\n\n\
+    Records that carry dynamics are fitted jointly: both blocks, the delay, offset and initial hysteresis \
+    memory of each record, from several starts, first on decimated records, then on all samples. --method \
+    two-step is the article's way: hysteresis from the slow records, then dynamics from the others. Slow \
+    records alone, and --dynamics arx, oe, bj and srivc, go that way.\n\n\
+    Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (other families: \
+    the names in their model files), offset, delay [s]; joint: natural_frequency [Hz], damping, \
+    natural_frequency_2, damping_2, …, lag [s], order2, order1, order0, share, share_2, …, creep, \
+    creep_order, creep_per_decade, creep_start [s], creep_1, creep_time_1 [s], …, memory_1, memory_2, … \
+    (beta, gamma and memory of alpha = 1); two-step: lag [s], gain.\n\n\
+    --inputs u1_V,u2_V --outputs y1_nm,y2_nm fits several axes at once: structural modes with the hysteresis \
+    of each actuator in feedback, from records of periodic multisines with different phases, one model for \
+    all amplitudes. They print the influence matrix.\n\n\
+    --structure oscillator fits a mass on a hysteretic spring, m y'' + c y' + k y + z = u, to records of \
+    force and displacement around a resonance; a periodic force is assumed to be in steady state, any other \
+    to start from rest (--initial). Held with --fix: mass, damping, n.\n\n\
+    Ctrl-C writes the best so far to MODEL.partial.json, which every command reads, and leaves MODEL.json as \
+    it was (exit code 130, 143 after SIGTERM); --resume MODEL.partial.json goes on from there.\n\n\
     Example: hysteron identify loop_1hz.csv -o model.json --report report.html\n\
     Example: hysteron identify loop_1hz.csv sweep.csv -o model.json --optimizer de-abc --seed 7\n\
     Example: hysteron identify multisine.csv --structure oscillator -o oscillator.json\n\
@@ -88,12 +91,13 @@ pub struct Identify {
     #[arg(short, long = "output-model", value_name = "MODEL.json")]
     out: OutFile,
 
-    /// Where the hysteresis is: ahead of linear dynamics, or in feedback [default: hammerstein; modes with --inputs]
+    /// Structure: hysteresis ahead of linear dynamics, or in feedback [default: hammerstein; modes with
+    /// --inputs]
     #[arg(long, value_enum)]
     structure: Option<StructureArg>,
 
-    /// Hysteresis block [default: bouc-wen; activated-plays where small oscillations lie beside wide moves in a record on
-    /// uneven stamps]
+    /// Hysteresis block [default: bouc-wen; activated-plays for a record with non-uniform time stamps that
+    /// has small oscillations beside wide moves]
     #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary))]
     hysteresis: Option<HysteresisForm>,
 
@@ -102,7 +106,7 @@ pub struct Identify {
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     elements: Option<usize>,
 
-    /// Dynamic block; if not given, what the records support
+    /// Dynamic block [default: the one that the records support]
     #[arg(long, value_parser = one_of(DynamicsChoice::ALL, DynamicsChoice::name, DynamicsChoice::summary))]
     dynamics: Option<DynamicsChoice>,
 
@@ -114,7 +118,8 @@ pub struct Identify {
     #[arg(long, value_name = "N", default_value_t = 2)]
     order: usize,
 
-    /// Creep factor of the dynamics (joint) [default: fractional where the records ask for it, none beside --dynamics]
+    /// Creep factor of the dynamics (joint) [default: fractional where the records ask for it, none beside
+    /// --dynamics]
     #[arg(long, value_name = "KIND", value_parser = one_of(Creep::USUAL, Creep::name, Creep::summary))]
     creep: Option<Creep>,
 
@@ -122,12 +127,13 @@ pub struct Identify {
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     creep_elements: Option<usize>,
 
-    /// What happened before each record (joint)
+    /// Initial state of each record (joint)
     #[arg(long, value_parser = one_of(Initial::ALL, Initial::name, Initial::summary), default_value = "auto")]
     initial: Initial,
 
-    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry over; the drive goes
-    /// along a straight line through the pauses. A record that begins before the one before it ends starts another run
+    /// The records are consecutive parts of one run on one clock: hysteresis memory, creep and offset carry
+    /// over; the drive is interpolated linearly through the pauses. A record that overlaps the one before it
+    /// starts another run
     #[arg(long)]
     continued: bool,
 
@@ -143,8 +149,8 @@ pub struct Identify {
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     generations: Option<usize>,
 
-    /// Population: food sources of de-abc and abc [default: 25], members of de and particles of pso [default: 50],
-    /// starts of least-squares [default: 20]
+    /// Population: food sources of de-abc and abc [default: 25], members of de and particles of pso [default:
+    /// 50], starts of least-squares [default: 20]
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     population: Option<usize>,
 
@@ -156,7 +162,7 @@ pub struct Identify {
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true)]
     threads: Option<usize>,
 
-    /// Go on from the searches of an interrupted identification
+    /// Resume the searches of an interrupted identification
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
 
@@ -168,7 +174,8 @@ pub struct Identify {
     #[arg(long, value_name = "VALUE|free", value_parser = exponent, allow_hyphen_values = true)]
     n: Option<ChoiceArg<f64>>,
 
-    /// Delay between input and output in seconds; a given delay stands for the whole time shift of a quasi-static record
+    /// Delay between input and output in seconds; a given delay stands for the whole time shift of a
+    /// quasi-static record
     #[arg(long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay, allow_hyphen_values = true)]
     delay: ChoiceArg<f64>,
 
@@ -180,21 +187,22 @@ pub struct Identify {
     #[arg(long, value_name = "NAME=LOW:HIGH", value_parser = name_range, allow_hyphen_values = true)]
     bound: Vec<(String, f64, f64)>,
 
-    /// Model whose parameters every search tries first
+    /// Model whose parameters are the first start of every search
     #[arg(long, value_name = "MODEL.json")]
     start: Option<PathBuf>,
 
-    /// Simulation scheme of the dynamic block [default: band-limited for a joint fit of records that start smoothly, else
-    /// tustin]
+    /// Simulation scheme of the dynamic block [default: band-limited for a joint fit of records that start
+    /// smoothly, else tustin]
     #[arg(long, value_parser = one_of(Scheme::ALL, Scheme::name, Scheme::summary))]
     scheme: Option<Scheme>,
 
-    /// What the drive does between its samples: auto, or hold for a converter without filter that shares the recorder's clock, linear,
-    /// band-limited [default: auto: what the records tell, else linear; band-limited for an oscillator]
+    /// Inter-sample rule of the drive: auto; hold, for a zero-order hold that shares the recorder's clock;
+    /// linear; band-limited [default: auto, recognised from the records, else linear; band-limited for an
+    /// oscillator]
     #[arg(long, value_name = "RULE", value_parser = inter_sample())]
     inter_sample: Option<ChoiceArg<InterSample>>,
 
-    /// Hand out the model even if it explains less than this share of a record's variation, in %
+    /// Least fit of a record, in %, below which no model is returned
     #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
     least_fit: f64,
 
@@ -237,7 +245,8 @@ impl Identify {
         for score in &found.scores {
             remarks::tell(Path::new(&score.record), &found.model, &score.simulation.remarks);
         }
-        // Where the result goes elsewhere, its warnings still reach the user; those about units came with the records.
+        // Where the result goes elsewhere, its warnings still reach the user; those about units came with the
+        // records.
         if self.result.json || !std::io::stdout().is_terminal() {
             let warnings = found.findings.iter().filter(|f| f.kind == FindingKind::Warning);
             warnings.filter(|f| f.topic != "units").for_each(|f| console::warning(&advice::text(f)));
@@ -295,7 +304,8 @@ impl Identify {
         self.axes.read_all(&self.records, self.columns.of_drive()).map(FitRecords::Several)
     }
 
-    /// The report; with the structures next to an identified Hammerstein model, unless there is no time for them.
+    /// The report; with the structures next to an identified Hammerstein model, unless there is no time for
+    /// them.
     fn page(
         &self,
         records: &FitRecords,

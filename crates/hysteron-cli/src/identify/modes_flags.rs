@@ -8,19 +8,20 @@ use crate::numbers::{count, positive, whole};
 /// What can be said about scheduled modes.
 #[derive(Args, Clone, Debug)]
 pub struct ModesFlags {
-    /// Pairs of poles the modes are looked for from [default: as many as follow the response]
+    /// Pairs of poles that the search of modes starts from [default: as many as improve the fit of the
+    /// response]
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
     modes: Option<usize>,
 
-    /// Plays of each hysteresis; 0: polynomials alone [default: 6]
+    /// Plays of each hysteresis operator; 0: polynomials alone [default: 6]
     #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
     plays: Option<usize>,
 
-    /// Leave the hysteresis out: linear modes at each level
+    /// Linear modes at each level, without hysteresis
     #[arg(long, help_heading = "Several axes")]
     linear: bool,
 
-    /// Steps of the simulation a sample, 1 to 8 [default: 2]
+    /// Integration steps a sample, 1 to 8 [default: 2]
     #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
     steps: Option<usize>,
 

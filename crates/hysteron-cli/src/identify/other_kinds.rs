@@ -58,7 +58,8 @@ impl Identify {
         Ok(Task::Modes(self.modes.options(whole_records, self.least_fit)))
     }
 
-    /// Flags of the Hammerstein model mean nothing to another structure; what was asked for is not silently left out.
+    /// Flags of the Hammerstein model mean nothing to another structure; what was asked for is not silently
+    /// left out.
     fn refuse_flags_but(
         &self,
         structure: &str,

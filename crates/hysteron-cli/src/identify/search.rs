@@ -20,14 +20,16 @@ impl Identify {
     }
 }
 
-/// State of the searches of an interrupted identification, from the file of the searches or from the model beside it.
+/// State of the searches of an interrupted identification, from the file of the searches or from the model
+/// beside it.
 pub(super) fn read_searches(path: &Path) -> Result<Searches, Failure> {
     let beside = path.to_str().and_then(|path| path.strip_suffix(".partial.json"));
     let beside = beside.map(|stem| PathBuf::from(format!("{stem}.searches.json")));
     let path = beside.as_deref().unwrap_or(path);
     load_json(path, MAX_RESUME_BYTES).map_err(|e| {
-        Failure::new(format!("cannot resume from {}", path.display()))
-            .because(e)
-            .hint("it must be the MODEL.partial.json (or MODEL.searches.json) that an interrupted identification wrote")
+        Failure::new(format!("cannot resume from {}", path.display())).because(e).hint(
+            "it must be the MODEL.partial.json (or MODEL.searches.json) that an interrupted \
+                identification wrote",
+        )
     })
 }

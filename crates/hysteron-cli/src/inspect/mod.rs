@@ -17,14 +17,14 @@ use crate::console;
 use crate::failure::Failure;
 use crate::output::{self, OutFile};
 
-/// Show what is in a record: rate, jitter, range, frequency, periods, noise floor, delay, loop, saturation, warnings; and what the
-/// records together can determine.
+/// Describe a record (rate, jitter, range, frequency, periods, noise floor, delay, loop, saturation,
+/// warnings) and what the records together can determine.
 #[derive(Args)]
 #[command(
-    after_help = "At the end stands what a model can learn from all the records together, before any fit, and which record to measure \
-    next.\n\n\
-    A file of named arrays (MAT, HDF5, TDMS, XLSX, NPZ, JPK) is listed with paths, shapes and units; where it holds several candidates, choose \
-    with --time, --input and --output.\n\n\
+    after_help = "The last table says, before any fit, which parameters all records together determine, and \
+    which record to measure next.\n\n\
+    A file of named arrays (MAT, HDF5, TDMS, XLSX, NPZ, JPK) is listed with paths, shapes and units; where \
+    it holds several candidates, choose with --time, --input and --output.\n\n\
     Example: hysteron inspect run.csv --plot run.html\n\
     Example: hysteron inspect loop.csv sweep.csv"
 )]
@@ -37,7 +37,8 @@ pub struct Inspect {
     #[arg(long)]
     json: bool,
 
-    /// Draw loop and time curves: an SVG (one record) or a self-contained HTML page, by the file's ending
+    /// Draw loop and time curves: an SVG (one record) or a self-contained HTML page, by the extension of the
+    /// file
     #[arg(long, value_name = "FILE.svg|html", value_parser = plot::target)]
     plot: Option<OutFile>,
 
@@ -98,8 +99,8 @@ impl Inspect {
         console::result(&parts.join("\n"))
     }
 
-    /// Arrays of a file with their paths; empty for a table of text, which is not read for it, and for a file that cannot be
-    /// listed.
+    /// Arrays of a file with their paths; empty for a table of text, which is not read for it, and for a file
+    /// that cannot be listed.
     fn contents(&self, path: &Path) -> Vec<Content> {
         match holds_named_arrays(path) {
             Ok(true) => contents(path, &self.columns.options()).unwrap_or_default(),

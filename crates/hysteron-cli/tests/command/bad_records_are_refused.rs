@@ -1,5 +1,5 @@
-//! A record that cannot be used is refused with exit code 1, the file, the place and what to do; nothing is printed on
-//! standard output and no file is written.
+//! A record that cannot be used is refused with exit code 1, the file, the place and what to do; nothing is
+//! printed on standard output and no file is written.
 
 use crate::bench::{Bench, good_record};
 

@@ -1,4 +1,5 @@
-//! `excite` writes records ready for a DAQ, inside the limits asked for, and refuses what an amplifier cannot play.
+//! `excite` writes records ready for a DAQ, inside the limits asked for, and refuses what an amplifier cannot
+//! play.
 
 use crate::bench::Bench;
 
@@ -41,7 +42,8 @@ fn detection_lines_are_told_and_random_waves_repeat_by_seed() {
     let command = format!("excite multisine --from 1 --to 40 --period 1 --lines odd-with-detection {COMMON}");
     let json: serde_json::Value = serde_json::from_str(&bench.run(&command).stdout).unwrap();
     let lines = |key: &str| json[key].as_array().unwrap().len();
-    // Of the 20 odd multiples of 1 Hz up to 40 Hz one in every four is left out; the 20 even ones are all silent.
+    // Of the 20 odd multiples of 1 Hz up to 40 Hz one in every four is left out; the 20 even ones are all
+    // silent.
     assert_eq!((lines("excited_hz"), lines("odd_detection_hz"), lines("even_detection_hz")), (15, 5, 20));
 
     let drive = |seed: u32| {

@@ -1,5 +1,5 @@
-//! `frequency-response` fits structures to a response or to multisine records, says what each explains, and writes the one a
-//! model file can hold.
+//! `frequency-response` fits structures to a response or to multisine records, says what each explains, and
+//! writes the one a model file can hold.
 
 use crate::bench::model_data;
 use hysteron_model::Start;

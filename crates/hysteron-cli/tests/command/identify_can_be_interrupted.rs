@@ -33,7 +33,8 @@ fn an_interrupted_fit_keeps_the_best_and_resumes_to_the_same_bits() {
             .unwrap()
     };
     bench.write("cut.json", "precious");
-    // Interrupted after the small fits that choose the start, in the search itself: wait longer on a slow machine.
+    // Interrupted after the small fits that choose the start, in the search itself: wait longer on a slow
+    // machine.
     let reached = [1, 3, 9].into_iter().find_map(|seconds| {
         let child = start("-o cut.json --generations 400000");
         std::thread::sleep(Duration::from_secs(seconds));
@@ -54,7 +55,8 @@ fn an_interrupted_fit_keeps_the_best_and_resumes_to_the_same_bits() {
     });
     let reached = reached.unwrap();
 
-    // A resumed run must be of the same length; go on from the interrupted state to the end of a run cut short.
+    // A resumed run must be of the same length; go on from the interrupted state to the end of a run cut
+    // short.
     let text = std::fs::read_to_string(bench.path("cut.searches.json")).unwrap();
     let total = reached + 3;
     let shorter = text.replace("\"generations\":400000", &format!("\"generations\":{total}"));

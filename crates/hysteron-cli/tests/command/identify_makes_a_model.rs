@@ -1,5 +1,5 @@
-//! One command turns a measured record into a model file and a report; what cannot be identified is refused with a
-//! reason, and nothing half-written stays behind.
+//! One command turns a measured record into a model file and a report; what cannot be identified is refused
+//! with a reason, and nothing half-written stays behind.
 
 use crate::bench::model_data;
 use crate::bench::{Bench, Run, static_model};

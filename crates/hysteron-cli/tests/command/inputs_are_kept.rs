@@ -1,4 +1,5 @@
-//! No file is both read and written, and none written twice: exit code 2 before anything is done, with the name of the file.
+//! No file is both read and written, and none written twice: exit code 2 before anything is done, with the
+//! name of the file.
 
 use crate::bench::{Bench, good_record};
 

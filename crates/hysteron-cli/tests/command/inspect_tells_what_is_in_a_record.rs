@@ -1,12 +1,12 @@
-//! `inspect` tells what is in a record; what stands in the way of a good model is a warning in plain words, there and in
-//! `validate`, not a failure.
+//! `inspect` tells what is in a record; what stands in the way of a good model is a warning in plain words,
+//! there and in `validate`, not a failure.
 
 use serde_json::Value;
 
 use crate::bench::Bench;
 
-/// Ten periods of a 2 Hz sine of 0 to 100 V at 200 Hz and an output that lags, opening the loop. `f` makes of sample k, u and y
-/// the delay of its time stamp, u and y.
+/// Ten periods of a 2 Hz sine of 0 to 100 V at 200 Hz and an output that lags, opening the loop. `f` makes of
+/// sample k, u and y the delay of its time stamp, u and y.
 fn record(header: &str, f: impl Fn(usize, f64, f64) -> (f64, f64, f64)) -> String {
     let rows = (0..1000).map(|k| {
         let t = k as f64 / 200.0;

@@ -50,7 +50,8 @@ fn the_model_follows_the_drive_that_was_made_for_it() {
     // Nanometres become the model's µm.
     bench.write("scan.csv", scan("nm", 1e3));
     let made = summary(&bench.run("invert stage.json scan.csv -o drive.csv --range 1:100 --json"));
-    // What is left is the first samples: the drive cannot begin before the reference, the delay notwithstanding.
+    // What is left is the first samples: the drive cannot begin before the reference, the delay
+    // notwithstanding.
     assert!(made["predicted_rms_percent_of_stroke"].as_f64().unwrap() < 0.02, "{made}");
     assert_eq!((&made["samples_at_range"], &made["bandwidth_hz"]), (&Value::from(0), &Value::from(50.0)));
     let drive = std::fs::read_to_string(bench.path("drive.csv")).unwrap();
@@ -88,7 +89,8 @@ fn a_drive_made_one_sample_at_a_time_knows_what_it_previews_and_predicts_the_res
     let (whole, previewed) = (made(""), made("--preview 60"));
     let (predicted, neither) = (made("--predict-to 20"), made("--preview 0"));
     println!("whole {whole} %, preview {previewed} %, prediction {predicted} %, neither {neither} %");
-    // Either way the first samples are missed, as many as the delay lasts; one sample at a time the drive sets out from rest, without a jump.
+    // Either way the first samples are missed, as many as the delay lasts; one sample at a time the drive
+    // sets out from rest, without a jump.
     assert!(whole < 0.02 && previewed < 0.03, "{previewed} {whole}");
     assert!(predicted < 0.1 * neither && neither > 1.0, "{predicted} {neither}");
     for flags in ["--preview 3 --periodic", "--predict-to 20 --learn-from scan.csv", "--predict-to 0"] {

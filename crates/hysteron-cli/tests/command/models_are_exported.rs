@@ -1,4 +1,5 @@
-//! `export` writes a model as source: all files or none, under names that compile, with what is known about the model.
+//! `export` writes a model as source: all files or none, under names that compile, with what is known about
+//! the model.
 
 use std::process::Command;
 

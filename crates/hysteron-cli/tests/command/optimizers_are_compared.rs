@@ -1,4 +1,5 @@
-//! `optimizers` compares as a table, as JSON and as a page; the result depends on the seed and not on the threads.
+//! `optimizers` compares as a table, as JSON and as a page; the result depends on the seed and not on the
+//! threads.
 
 use serde_json::Value;
 

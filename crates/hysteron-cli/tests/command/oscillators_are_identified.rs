@@ -1,5 +1,5 @@
-//! `identify --structure oscillator` turns a record of force and displacement into a file that `validate` and `simulate` accept.
-//! The records are simulated.
+//! `identify --structure oscillator` turns a record of force and displacement into a file that `validate` and
+//! `simulate` accept. The records are simulated.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;

@@ -1,5 +1,5 @@
-//! What cannot be written is found before any work is done: exit code 1, the path and what to do about it, nothing left
-//! behind, and no word of temporary files.
+//! What cannot be written is found before any work is done: exit code 1, the path and what to do about it,
+//! nothing left behind, and no word of temporary files.
 
 use crate::bench::{Bench, good_record};
 

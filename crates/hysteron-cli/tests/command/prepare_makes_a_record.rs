@@ -1,10 +1,10 @@
-//! `prepare` makes one record of parts of records, which every other command reads; a part is taken inline by those that read
-//! records.
+//! `prepare` makes one record of parts of records, which every other command reads; a part is taken inline by
+//! those that read records.
 
 use crate::bench::{Bench, good_record};
 
-/// A record of three segments: 1 s at 100 Hz, 0.1 s at 1 kHz, and 1 s at 100 Hz behind a pause of 5 s. The output is 0.3 µm/V
-/// and a drift of 2 µm/s.
+/// A record of three segments: 1 s at 100 Hz, 0.1 s at 1 kHz, and 1 s at 100 Hz behind a pause of 5 s. The
+/// output is 0.3 µm/V and a drift of 2 µm/s.
 fn segments() -> String {
     let mut text = "t_s,drive_V,y_um,segment\n".to_owned();
     let parts = [(0.0, 100, 0.01), (1.0, 100, 0.001), (6.1, 100, 0.01)];

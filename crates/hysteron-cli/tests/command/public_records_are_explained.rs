@@ -1,5 +1,6 @@
-//! Measured records of others, read where they lie: as good a model as the class gives, or a plain word that it does not fit.
-//! Their licences do not let all of them be copied here; without the folder of `HYSTERON_DATA` the tests say that they skip.
+//! Measured records of others, read where they lie: as good a model as the class gives, or a plain word that
+//! it does not fit. Their licences do not let all of them be copied here; without the folder of
+//! `HYSTERON_DATA` the tests say that they skip.
 
 use crate::bench::Bench;
 use serde_json::Value;
@@ -23,8 +24,8 @@ fn scores(bench: &Bench, command: &str, key: &str) -> Vec<f64> {
     told["records"].as_array().unwrap().iter().map(|record| record[key].as_f64().unwrap()).collect()
 }
 
-/// Two cycles to fit, the next four to check. Published and measured elsewhere, rms in % of stroke: Bouc–Wen n = 1 0.59,
-/// n free 0.32, with a cubic 0.216; a sparse regression of its authors 0.254.
+/// Two cycles to fit, the next four to check. Published and measured elsewhere, rms in % of stroke: Bouc–Wen
+/// n = 1 0.59, n free 0.32, with a cubic 0.216; a sparse regression of its authors 0.254.
 #[test]
 fn one_hertz_loop_is_predicted_as_well_as_bouc_wen_can() {
     let Some(file) = public("piezo-sine-1hz/sine_1hz_150v.csv") else { return };
@@ -62,8 +63,8 @@ fn fractional_process_with_a_dead_band_is_fitted_to_its_noise() {
     assert!((order - 0.671).abs() < 0.015, "{order}");
 }
 
-/// A soft electrostatic actuator, whose force grows with the square of the voltage: another thing than a piezo stack. The
-/// joint optimum, which CMA-ES reaches too, leaves a third of the fastest record.
+/// A soft electrostatic actuator, whose force grows with the square of the voltage: another thing than a
+/// piezo stack. The joint optimum, which CMA-ES reaches too, leaves a third of the fastest record.
 #[test]
 fn soft_actuator_is_said_to_be_described_poorly() {
     let Some(file) = public("hasel-multifreq/sine_0p5Hz.csv") else { return };
@@ -89,7 +90,8 @@ fn soft_actuator_is_said_to_be_described_poorly() {
     }
 }
 
-/// One sine and steps do not determine a fractional resonance: no number has an error bar that is rounding, no correlation leaves ±1.
+/// One sine and steps do not determine a fractional resonance: no number has an error bar that is rounding,
+/// no correlation leaves ±1.
 #[test]
 fn what_records_do_not_determine_has_no_error_bar() {
     let Some(sine) = public("hasel-multifreq/sine_1p5Hz.csv") else { return };
@@ -142,7 +144,8 @@ fn a_response_under_noise_is_fitted_where_it_says_something() {
     assert!(findings.contains("none of these describes the response"), "{findings}");
 }
 
-/// Stages under servo: the output is straight, the drive carries the hysteresis. Open-loop records are not taken for such.
+/// Stages under servo: the output is straight, the drive carries the hysteresis. Open-loop records are not
+/// taken for such.
 #[test]
 fn a_record_under_servo_is_recognised() {
     let closed = "piezo-afm-cellhesion-100um/jpk00842_2016-06-15_50um_hold5s.csv";

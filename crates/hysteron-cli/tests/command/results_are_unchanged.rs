@@ -1,5 +1,6 @@
-//! Fits, scores and simulations are those on record in `tests/unchanged/`, for every family, dynamics, kind and method. The
-//! models on record are of version 1 of the file format. How records are made anew stands beside them.
+//! Fits, scores and simulations are those on record in `tests/unchanged/`, for every family, dynamics, kind
+//! and method. The models on record are of version 1 of the file format. How records are made anew stands
+//! beside them.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -292,8 +293,8 @@ fn shorten(model: &mut Value) {
     round_errors(model);
 }
 
-/// Keeps the models that are on record: only what they and the fits give is made anew. `HYSTERON_RECORD_WITH` names another
-/// program to make it with.
+/// Keeps the models that are on record: only what they and the fits give is made anew. `HYSTERON_RECORD_WITH`
+/// names another program to make it with.
 #[test]
 #[ignore = "writes the records that the other tests here compare with"]
 fn records_are_made_anew() {

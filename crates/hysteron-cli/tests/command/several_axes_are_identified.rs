@@ -1,5 +1,5 @@
-//! `identify --inputs … --outputs …` turns records of several axes into a file that `validate` and `simulate` accept. The records
-//! are simulated.
+//! `identify --inputs … --outputs …` turns records of several axes into a file that `validate` and `simulate`
+//! accept. The records are simulated.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -61,7 +61,8 @@ fn device() -> ScheduledModes {
     d
 }
 
-/// Two periods of the device under multisines up to 400 Hz of this level, as a file, with a little noise on the outputs.
+/// Two periods of the device under multisines up to 400 Hz of this level, as a file, with a little noise on
+/// the outputs.
 pub fn csv(level: f64, seed: u64) -> String {
     let mut state = seed;
     let mut random = || {

@@ -1,5 +1,5 @@
-//! `compare` ranks structures by what they predict, refuses where nothing is left to predict; `inspect` says before any fit what
-//! the records determine.
+//! `compare` ranks structures by what they predict, refuses where nothing is left to predict; `inspect` says
+//! before any fit what the records determine.
 
 use crate::bench::model_data;
 use std::path::Path;
@@ -67,7 +67,7 @@ fn the_table_is_for_people() {
     let run = bench.run(&format!("compare {LOOP} {SWEEP} --candidates none,integer2"));
     assert_eq!(run.exit_code, 0, "{run:?}");
     for part in [
-        "error on unseen data [µm]",
+        "held-out error [µm]",
         "ns a sample",
         "inverse",
         "Preferred: ",
@@ -167,7 +167,8 @@ fn a_slow_loop_does_not_pass_its_width_off_as_a_delay() {
     let delay = statement(&both, "delay");
     assert_eq!(delay["determined"], true, "{delay}");
     let milliseconds: f64 = delay["text"].as_str().unwrap().split(' ').next().unwrap().parse().unwrap();
-    // Dead time 0.123 ms, amplifier and mechanics below their resonance add to it; far from the 20 ms of the loop.
+    // Dead time 0.123 ms, amplifier and mechanics below their resonance add to it; far from the 20 ms of the
+    // loop.
     assert!((0.123..0.4).contains(&milliseconds), "{delay}");
     assert_eq!(statement(&both, "dynamics")["determined"], true);
     assert!(both["campaign"]["measure_next"].as_str().unwrap().contains("half and a quarter"), "{both}");

@@ -112,7 +112,8 @@ fn on_the_model_itself_the_inverse_is_exact_and_a_slow_amplifier_is_seen() {
     assert!(run.stdout.contains("Simulated") && run.stdout.contains("phase margin"), "{}", run.stdout);
 }
 
-/// The uncompensated stage leaves its loop, which no formula of a linear model knows of; the inverse of a linear stage is what its formula says.
+/// The uncompensated stage leaves its loop, which no formula of a linear model knows of; the inverse of a
+/// linear stage is what its formula says.
 #[test]
 fn bandwidths_are_measured_and_a_difference_is_said() {
     let bench = bench(2000);

@@ -1,4 +1,5 @@
-//! `validate --json` prints one object of exactly the promised shape; lengths are in µm, other outputs in their unit.
+//! `validate --json` prints one object of exactly the promised shape; lengths are in µm, other outputs in
+//! their unit.
 
 use crate::bench::{Bench, good_record, static_model, triangle};
 use hysteron_model::model_file::SignalUnits;
@@ -251,7 +252,8 @@ fn another_device_and_another_range_are_told() {
     );
 }
 
-/// Slow drive tells no delay from the width of a loop: none is put into the model. A training record scores the same whoever scores it.
+/// Slow drive tells no delay from the width of a loop: none is put into the model. A training record scores
+/// the same whoever scores it.
 #[test]
 fn a_slow_record_gives_a_model_without_delay_and_the_same_score_twice() {
     let bench = Bench::new();

@@ -1,6 +1,7 @@
 //! Delimiters, quotes and decimal marks.
 
-/// Splits a line into fields, trimmed and unquoted. Quotes protect delimiters; a doubled quote inside is one quote.
+/// Splits a line into fields, trimmed and unquoted. Quotes protect delimiters; a doubled quote inside is one
+/// quote.
 ///
 /// # Errors
 /// The number of the column (from 1) whose quote is not closed.
@@ -34,8 +35,8 @@ pub(crate) fn split_fields(line: &[u8], delimiter: u8) -> Result<Vec<Vec<u8>>, u
     Ok(fields)
 }
 
-/// Delimiter of a file, from its header and its first line of data: the first of tab, semicolon, comma that cuts both into the same
-/// number (at least 2) of fields; else the one that cuts the header into most.
+/// Delimiter of a file, from its header and its first line of data: the first of tab, semicolon, comma that
+/// cuts both into the same number (at least 2) of fields; else the one that cuts the header into most.
 pub(crate) fn detect_delimiter(header: &[u8], first_row: &[u8]) -> u8 {
     let count = |line: &[u8], d: u8| split_fields(line, d).map_or_else(|column| column, |f| f.len());
     let candidates = [b'\t', b';', b','];

@@ -1,7 +1,7 @@
 //! Blocks of lines that hold plain numbers, many lines at once.
 //!
-//! What is read here is what reading line by line gives. Whatever is not plain (comments, quotes, decimal commas, an error) is
-//! left to that.
+//! What is read here is what reading line by line gives. Whatever is not plain (comments, quotes, decimal
+//! commas, an error) is left to that.
 
 use rayon::prelude::*;
 
@@ -10,8 +10,8 @@ use crate::options::{MAX_LINE_BYTES, MAX_NUMBER_BYTES};
 /// Bytes that one thread takes at a time.
 const PART: usize = 1 << 16;
 
-/// Number of lines, and the numbers of each column that is to be `read` (empty for the others). `None` unless every line of
-/// `block`, all of them whole, is one finite number a column.
+/// Number of lines, and the numbers of each column that is to be `read` (empty for the others). `None` unless
+/// every line of `block`, all of them whole, is one finite number a column.
 pub(crate) fn plain_columns(block: &[u8], delimiter: u8, read: &[bool]) -> Option<(usize, Vec<Vec<f64>>)> {
     let mut parts = Vec::new();
     let mut rest = block;

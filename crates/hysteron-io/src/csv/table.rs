@@ -51,8 +51,8 @@ impl Table {
         }
     }
 
-    /// Adds a block of whole lines below line `before`, if they hold plain numbers; returns their number. `None`: they have
-    /// to go through [`Self::push_row`].
+    /// Adds a block of whole lines below line `before`, if they hold plain numbers; returns their number.
+    /// `None`: they have to go through [`Self::push_row`].
     pub fn push_block(&mut self, block: &[u8], before: u64) -> Option<u64> {
         if block.is_empty()
             || self.wanted.contains(&Wanted::Texts)
@@ -95,7 +95,8 @@ impl Table {
         Ok(())
     }
 
-    /// Explains a wrong number of fields; one empty field more (a delimiter at the end of the line) is accepted.
+    /// Explains a wrong number of fields; one empty field more (a delimiter at the end of the line) is
+    /// accepted.
     fn check_count(&self, found: usize, line: Line<'_>) -> Result<(), IoError> {
         let expected = self.columns.len();
         let trailing = found == expected + 1 && line.bytes.last() == Some(&self.delimiter);
@@ -205,7 +206,8 @@ impl Table {
         let hint = if is_spreadsheet_error(text.as_bytes()) {
             ": the spreadsheet it comes from could not compute this cell"
         } else if self.rows == 1 {
-            "; if this is a second header line, put the units into the column names (`u_V`) and delete it or begin it with #"
+            "; if this is a second header line, put the units into the column names (`u_V`) and delete it or \
+             begin it with #"
         } else if !line.ended {
             "; the file ends in this line: was the recording interrupted? Delete it to use the rest"
         } else if text.contains(['.', ',']) && text.chars().all(|c| c.is_ascii_digit() || ".,'- ".contains(c))

@@ -1,5 +1,5 @@
-//! Classes of MATLAB 7.3 in HDF5. The elements of a cell array, and the fields of an array of structures, are references to datasets
-//! and groups in `#refs#`.
+//! Classes of MATLAB 7.3 in HDF5. The elements of a cell array, and the fields of an array of structures, are
+//! references to datasets and groups in `#refs#`.
 
 use std::collections::HashMap;
 
@@ -47,7 +47,8 @@ impl References {
         (class == "cell").then(|| self.of(dataset))?
     }
 
-    /// What a field of an array of structures refers to, one element behind the other; `None` for another dataset.
+    /// What a field of an array of structures refers to, one element behind the other; `None` for another
+    /// dataset.
     pub fn of_structures(&self, dataset: &Dataset) -> Option<Result<Vec<u64>, Error>> {
         let is_classless = text(&dataset.attributes(), "MATLAB_class").is_none();
         is_classless.then(|| self.of(dataset))?

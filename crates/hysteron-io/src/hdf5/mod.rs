@@ -1,5 +1,5 @@
-//! HDF5 files, and with them MAT files of version 7.3: datasets by their paths, `group/dataset`, those of MATLAB `rec.u`,
-//! `signals(2).values`, `runs{1}`.
+//! HDF5 files, and with them MAT files of version 7.3: datasets by their paths, `group/dataset`, those of
+//! MATLAB `rec.u`, `signals(2).values`, `runs{1}`.
 
 mod matlab;
 mod number;

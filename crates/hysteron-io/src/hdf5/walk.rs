@@ -24,7 +24,8 @@ pub(super) struct Walk<'a> {
     datasets: Vec<Option<Dataset>>,
     /// Addresses of the datasets.
     known: HashSet<u64>,
-    /// Addresses of the groups and cells around the place gone through: they may be linked to within themselves.
+    /// Addresses of the groups and cells around the place gone through: they may be linked to within
+    /// themselves.
     around: Vec<u64>,
     /// Groups and references gone through so far.
     visits: usize,
@@ -116,7 +117,8 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Takes up the fields of an array of structures, one structure behind the other; `path` with the separator behind it.
+    /// Takes up the fields of an array of structures, one structure behind the other; `path` with the
+    /// separator behind it.
     fn structures(&mut self, path: &str, fields: &[(String, Vec<u64>)]) -> Result<(), Error> {
         let count = fields.iter().map(|(_, elements)| elements.len()).max().unwrap_or(0);
         let array = path.strip_suffix('.').unwrap_or(path);

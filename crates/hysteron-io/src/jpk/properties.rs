@@ -79,7 +79,8 @@ impl Properties {
     }
 }
 
-/// Key and value, between them `=`, `:` or spaces; a backslash takes the meaning from the character behind it.
+/// Key and value, between them `=`, `:` or spaces; a backslash takes the meaning from the character behind
+/// it.
 fn entry(line: &str) -> (String, String) {
     let mut chars = line.chars().peekable();
     let mut key = String::new();
@@ -122,7 +123,8 @@ mod tests {
 
     #[test]
     fn escapes_are_taken_out() {
-        let text = "#Wed Feb 04\n channel.t=11\\:25\\:21\nlcd-info.a\\=b : \\u00b5m\nchannel.empty=\nchannel.no\nother=1\n";
+        let text = "#Wed Feb 04\n channel.t=11\\:25\\:21\nlcd-info.a\\=b : \
+            \\u00b5m\nchannel.empty=\nchannel.no\nother=1\n";
         let properties = Properties::new(text.as_bytes());
         assert_eq!(properties.get("channel.t"), Some("11:25:21"));
         assert_eq!(properties.get("lcd-info.a=b"), Some("\u{b5}m"));

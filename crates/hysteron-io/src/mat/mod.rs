@@ -1,4 +1,5 @@
-//! MAT files of versions 4 to 7: variables and the fields of structures, each by its path `rec.u`, `signals(2).values`, `runs{1}`.
+//! MAT files of versions 4 to 7: variables and the fields of structures, each by its path `rec.u`,
+//! `signals(2).values`, `runs{1}`.
 //!
 //! Format: The MathWorks, *MAT-File Format*, R2019b. A MAT file of version 7.3 is an HDF5 file.
 

@@ -101,8 +101,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Takes up the matrix in a range of the variable. `group`: path in front of its name, with the separator; `name`: its own
-    /// where it stands in a structure or a cell.
+    /// Takes up the matrix in a range of the variable. `group`: path in front of its name, with the
+    /// separator; `name`: its own where it stands in a structure or a cell.
     fn matrix(
         &mut self,
         range: std::ops::Range<usize>,

@@ -435,9 +435,9 @@ impl Layout {
         self.places.get(found).map(|&place| place as usize)
     }
 
-    /// Number of values of each channel in a last chunk that is not whole, and their place: of interleaved channels those in
-    /// the file, of others, in a file that ends there, as many of each as there are of all; in a file that goes
-    /// on, the chunk is a shorter one.
+    /// Number of values of each channel in a last chunk that is not whole, and their place: of interleaved
+    /// channels those in the file, of others, in a file that ends there, as many of each as there are of all;
+    /// in a file that goes on, the chunk is a shorter one.
     fn rest(&self, left: u64, segment: &Segment) -> Vec<Rest> {
         let bytes = |part: &Part| part.data_type.bytes().unwrap_or(1) as u64;
         let mut offset = 0u64;
@@ -496,7 +496,8 @@ fn read_value(bytes: &mut Bytes<'_>) -> Result<Value, String> {
     })
 }
 
-/// Names in a path: `/'group'/'channel'`, quotes in names doubled; `/` is the file. `None` for one that is no such path.
+/// Names in a path: `/'group'/'channel'`, quotes in names doubled; `/` is the file. `None` for one that is no
+/// such path.
 fn components(path: &str) -> Option<Vec<String>> {
     let mut names = Vec::new();
     let mut rest = path;

@@ -21,12 +21,13 @@ const MOST_ADDRESSES_KB: u64 = 8 << 20;
 pub struct Reading {
     pub peak_kb: u64,
     pub took: Duration,
-    /// Refusals of its contents, of its record, and of its record with the first column as input; empty where it was read.
+    /// Refusals of its contents, of its record, and of its record with the first column as input; empty where
+    /// it was read.
     pub refusals: Vec<String>,
 }
 
-/// Reads the file in a process that runs `test` of this binary, which must be [`read_given`]. Panics where it takes more memory or
-/// time than reading may.
+/// Reads the file in a process that runs `test` of this binary, which must be [`read_given`]. Panics where it
+/// takes more memory or time than reading may.
 pub fn read_apart(path: &Path, test: &str) -> Reading {
     let mut command = if cfg!(unix) {
         let mut limited = Command::new("sh");
@@ -81,8 +82,9 @@ pub fn read_given() {
 /// A hostile file: what it is, its bytes, and what one of its refusals must say, if anything.
 pub type Bomb = (&'static str, Box<dyn Fn() -> Vec<u8>>, Option<&'static str>);
 
-/// Reads each as a file of this name, in a process that runs the binary's `reads_the_file_given`. Panics where one takes more memory or
-/// time than reading may, is not refused as it must be, or gives a message that nobody reads.
+/// Reads each as a file of this name, in a process that runs the binary's `reads_the_file_given`. Panics
+/// where one takes more memory or time than reading may, is not refused as it must be, or gives a message
+/// that nobody reads.
 pub fn each_within_limits(file: &str, bombs: impl IntoIterator<Item = Bomb>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(file);

@@ -7,10 +7,11 @@ use crate::hysteresis::{BoucWen, Hysteresis};
 use crate::record::InterSample;
 use crate::start::Start;
 
-/// y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn), v_n = u_n − z\[u_n\]: v_n in the unit of the inputs, G_mn a pair of poles of gain 1.
+/// y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn), v_n = u_n − z\[u_n\]: v_n in the unit of the inputs,
+/// G_mn a pair of poles of gain 1.
 ///
-/// The hysteresis of an actuator is that of its drive alone and shared by the paths from it; there is none of the motion of the
-/// others (for that see [`super::ScheduledModes`]).
+/// The hysteresis of an actuator is that of its drive alone and shared by the paths from it; there is none of
+/// the motion of the others (for that see [`super::ScheduledModes`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoupledHammerstein {
     /// One operator an input, with the polynomial u.
@@ -68,8 +69,8 @@ impl CoupledHammerstein {
         branch(actuator, path).map(Some)
     }
 
-    /// Outputs for the samples of each input, one list an output; every input rested at its first sample before, or the
-    /// first `settled` samples repeat for long.
+    /// Outputs for the samples of each input, one list an output; every input rested at its first sample
+    /// before, or the first `settled` samples repeat for long.
     ///
     /// # Errors
     /// [`AxesError::Channels`]; [`AxesError::Branch`].

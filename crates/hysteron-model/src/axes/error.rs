@@ -33,7 +33,8 @@ pub enum AxesError {
     },
     /// Channels of one side in different units.
     #[error(
-        "record `{record}`: the {role}s are in different units, {first} and {other}: their errors cannot be pooled"
+        "record `{record}`: the {role}s are in different units, {first} and {other}: their errors cannot be \
+         pooled"
     )]
     Units {
         /// Record.
@@ -53,8 +54,8 @@ pub enum AxesError {
     },
     /// The drive does not repeat.
     #[error(
-        "record `{record}`: its inputs do not repeat with one period of a whole number of samples at least twice: modes are \
-         identified from a steady state"
+        "record `{record}`: its inputs do not repeat with one period of a whole number of samples at least \
+         twice: modes are identified from a steady state"
     )]
     NotPeriodic {
         /// Record.
@@ -76,8 +77,8 @@ pub enum AxesError {
     },
     /// The records do not tell the inputs apart.
     #[error(
-        "the {inputs} inputs of these {records} records are not independent at {frequency_hz} Hz: drive them with different \
-         phases, in {inputs} records or more"
+        "the {inputs} inputs of these {records} records are not independent at {frequency_hz} Hz: drive them \
+         with different phases, in {inputs} records or more"
     )]
     Dependent {
         /// Inputs.
@@ -155,12 +156,14 @@ pub enum AxesError {
     },
     /// The feedback of the hysteresis diverges.
     #[error(
-        "the simulated motion leaves the range of numbers: the hysteresis in feedback is unstable under this drive"
+        "the simulated motion leaves the range of numbers: the hysteresis in feedback is unstable under this \
+         drive"
     )]
     RunsAway,
     /// No steady state.
     #[error(
-        "no steady state after {periods} periods: the output still changes by {change:e} of its rms in a period"
+        "no steady state after {periods} periods: the output still changes by {change:e} of its rms in a \
+         period"
     )]
     NotSettled {
         /// Periods simulated.

@@ -1,9 +1,10 @@
 //! Matrix of frequency responses from periodic records by the local polynomial method.
 //!
-//! Around each line the response is a polynomial of second degree in frequency, Y(k + r) = Σ_d G_d r^d U(k + r): the window of neighbouring
-//! lines of all records together gives the least squares for all its coefficients, of which G_0 is the response
-//! (R. Pintelon, J. Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed., Wiley 2012, ch. 7;
-//! doi:10.1002/9781118287422). Fewer records than inputs are enough where their phases differ from line to line.
+//! Around each line the response is a polynomial of second degree in frequency, Y(k + r) = Σ_d G_d r^d U(k +
+//! r): the window of neighbouring lines of all records together gives the least squares for all its
+//! coefficients, of which G_0 is the response (R. Pintelon, J. Schoukens, *System Identification: A Frequency
+//! Domain Approach*, 2nd ed., Wiley 2012, ch. 7; doi:10.1002/9781118287422). Fewer records than inputs are
+//! enough where their phases differ from line to line.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -36,7 +37,8 @@ pub struct FrequencyMatrix {
     pub values: Vec<Complex64>,
 }
 
-/// Spectrum of each of `channels` interleaved channels, X_k = Σ x_j e^(−2πijk/N)/N, row by row of the lines 0 … N/2.
+/// Spectrum of each of `channels` interleaved channels, X_k = Σ x_j e^(−2πijk/N)/N, row by row of the lines 0
+/// … N/2.
 pub fn spectrum(x: &[f64], channels: usize) -> Vec<Complex64> {
     let samples = x.len() / channels.max(1);
     let fft = RealFft::new(samples);
@@ -105,7 +107,8 @@ impl FrequencyMatrix {
         &self.values[index * entries..(index + 1) * entries]
     }
 
-    /// Mean of the real parts over the frequencies from `low_hz` to `high_hz`, row by row; over the lowest one where there is none between.
+    /// Mean of the real parts over the frequencies from `low_hz` to `high_hz`, row by row; over the lowest
+    /// one where there is none between.
     pub fn mean_real(&self, low_hz: f64, high_hz: f64) -> Vec<f64> {
         let inside = |&k: &usize| (low_hz..=high_hz).contains(&self.frequency_hz[k]);
         let mut chosen: Vec<usize> = (0..self.len()).filter(inside).collect();

@@ -29,13 +29,15 @@ impl InfluenceMatrix {
         Self { inputs, outputs, values, singular_values }
     }
 
-    /// Mean real part of a frequency response over its slow lines, from 1/600 to 1/50 of its highest frequency.
+    /// Mean real part of a frequency response over its slow lines, from 1/600 to 1/50 of its highest
+    /// frequency.
     pub fn of_response(response: &FrequencyMatrix) -> Self {
         let top = response.frequency_hz.last().copied().unwrap_or(1.0);
         Self::new(response.inputs, response.outputs, response.mean_real(BAND.0 * top, BAND.1 * top))
     }
 
-    /// Largest over smallest singular value; infinite where the outputs do not tell all actuators apart (or the other way round).
+    /// Largest over smallest singular value; infinite where the outputs do not tell all actuators apart (or
+    /// the other way round).
     pub fn condition_number(&self) -> f64 {
         match (self.singular_values.first(), self.singular_values.last()) {
             (Some(largest), Some(smallest)) => largest / smallest,
@@ -43,8 +45,8 @@ impl InfluenceMatrix {
         }
     }
 
-    /// Inputs × outputs, row by row: the drives for a unit of each output, by the pseudo-inverse (inverse where it is square).
-    /// `None` where it is singular.
+    /// Inputs × outputs, row by row: the drives for a unit of each output, by the pseudo-inverse (inverse
+    /// where it is square). `None` where it is singular.
     pub fn inverse(&self) -> Option<Vec<f64>> {
         /// Singular value over the largest that counts as zero.
         const SINGULAR: f64 = 1e-9;

@@ -3,7 +3,8 @@
 use super::AxesError;
 use crate::record::{Channel, Record, Source, TimeBase, Unit};
 
-/// Inputs and outputs of a [`Record`] in the units a fit works in: voltages in V, lengths in µm, angles in µrad.
+/// Inputs and outputs of a [`Record`] in the units a fit works in: voltages in V, lengths in µm, angles in
+/// µrad.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxesRecord {
     /// Name of the record.
@@ -31,12 +32,12 @@ pub struct AxesRecord {
 }
 
 impl AxesRecord {
-    /// The channels of these names (bare, `u1`, or with the unit, `u1_V`; else ignoring case), in this order. `outputs` may be empty
-    /// for a drive alone.
+    /// The channels of these names (bare, `u1`, or with the unit, `u1_V`; else ignoring case), in this order.
+    /// `outputs` may be empty for a drive alone.
     ///
     /// # Errors
-    /// [`AxesError::NoInputs`] without inputs, [`AxesError::NoSuchChannel`], [`AxesError::Twice`], [`AxesError::Units`],
-    /// [`AxesError::NotUniform`].
+    /// [`AxesError::NoInputs`] without inputs, [`AxesError::NoSuchChannel`], [`AxesError::Twice`],
+    /// [`AxesError::Units`], [`AxesError::NotUniform`].
     pub fn new(record: &Record, inputs: &[String], outputs: &[String]) -> Result<Self, AxesError> {
         record.check()?;
         if inputs.is_empty() {

@@ -15,7 +15,8 @@ pub struct AxesScores {
     pub max_abs_error: f64,
     /// 100 · (1 − ‖e‖/‖y − ȳ‖) over all outputs, each about its own mean \[%\]; `None` for a constant record.
     pub fit_percent: Option<f64>,
-    /// √(mean e²) of the mean period against the first simulated one, means of both off, where the record repeats.
+    /// √(mean e²) of the mean period against the first simulated one, means of both off, where the record
+    /// repeats.
     pub mean_period_rmse: Option<f64>,
 }
 
@@ -29,7 +30,8 @@ fn variance_of(y: &[f64], valid: Option<&[bool]>) -> f64 {
 }
 
 impl AxesScores {
-    /// Scores simulated outputs (one list an output) against a record; `period`: its mean period, where it repeats.
+    /// Scores simulated outputs (one list an output) against a record; `period`: its mean period, where it
+    /// repeats.
     ///
     /// # Errors
     /// [`AxesError`].

@@ -8,8 +8,8 @@ const WHOLE: f64 = 0.1;
 /// Similarity of every input with itself a period later with which all of them repeat (1: exactly).
 const REPEATS: f64 = 0.98;
 
-/// One period of a record in its steady state: the mean over the settled periods. Samples are interleaved, all channels of the
-/// first sample first.
+/// One period of a record in its steady state: the mean over the settled periods. Samples are interleaved,
+/// all channels of the first sample first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SteadyPeriod {
     /// Name of the record.

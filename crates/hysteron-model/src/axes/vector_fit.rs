@@ -1,9 +1,9 @@
 //! Common poles and residues of all entries of a frequency response, in the z plane.
 //!
-//! Relaxed vector fitting: with poles p, σ(z) = Σ c̃ φ_p(z) + d̃ and (σ G)(z) = Σ c φ_p(z) + d are linear in their coefficients; the zeros
-//! of σ are the next poles (B. Gustavsen, A. Semlyen, doi:10.1109/61.772353; relaxed: B. Gustavsen, doi:10.1109/TPWRD.2005.860281). Each
-//! entry's own coefficients are eliminated first, so that entries share nothing but σ (D. Deschrijver et al.,
-//! doi:10.1109/LMWC.2008.922585).
+//! Relaxed vector fitting: with poles p, σ(z) = Σ c̃ φ_p(z) + d̃ and (σ G)(z) = Σ c φ_p(z) + d are linear in
+//! their coefficients; the zeros of σ are the next poles (B. Gustavsen, A. Semlyen, doi:10.1109/61.772353;
+//! relaxed: B. Gustavsen, doi:10.1109/TPWRD.2005.860281). Each entry's own coefficients are eliminated first,
+//! so that entries share nothing but σ (D. Deschrijver et al., doi:10.1109/LMWC.2008.922585).
 
 use nalgebra::DMatrix;
 
@@ -61,7 +61,8 @@ impl VectorFit {
         Self { z, entries, held }
     }
 
-    /// Poles after `passes` relocations from pairs `start`, by ascending angle; after as many as `go_on` allows, which is asked before each.
+    /// Poles after `passes` relocations from pairs `start`, by ascending angle; after as many as `go_on`
+    /// allows, which is asked before each.
     ///
     /// # Errors
     /// [`AxesError::NoPoles`].
@@ -79,8 +80,9 @@ impl VectorFit {
         Ok(poles)
     }
 
-    /// Residues of the pairs, of the real poles and the held ones, and the constants: one list of complex numbers an entry, in this
-    /// order (real poles and constants have no imaginary part). Linear least squares.
+    /// Residues of the pairs, of the real poles and the held ones, and the constants: one list of complex
+    /// numbers an entry, in this order (real poles and constants have no imaginary part). Linear least
+    /// squares.
     ///
     /// # Errors
     /// [`AxesError::NoPoles`] where poles coincide.
@@ -118,8 +120,8 @@ impl VectorFit {
         Ok((left.norm_squared() / self.entries.len().max(1) as f64).sqrt())
     }
 
-    /// Real and imaginary parts below each other: 1/(z−p) + 1/(z−p̄), i/(z−p) − i/(z−p̄) of the pairs, 1/(z−p) of the real poles;
-    /// then, if asked for, of the held ones and a constant.
+    /// Real and imaginary parts below each other: 1/(z−p) + 1/(z−p̄), i/(z−p) − i/(z−p̄) of the pairs,
+    /// 1/(z−p) of the real poles; then, if asked for, of the held ones and a constant.
     fn basis(&self, poles: &CommonPoles, with_held: bool) -> DMatrix<f64> {
         let one = Complex64::new(1.0, 0.0);
         let i = Complex64::new(0.0, 1.0);

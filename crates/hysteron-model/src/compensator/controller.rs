@@ -47,7 +47,8 @@ self_cell!(
     }
 );
 
-/// The inverse of a model, sample by sample: reference in, voltage out. It owns its coefficients and its memory.
+/// The inverse of a model, sample by sample: reference in, voltage out. It owns its coefficients and its
+/// memory.
 pub struct Controller {
     cell: Cell,
     preview: usize,
@@ -55,7 +56,8 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// The controller of a model at its rate \[Hz\], at rest and virgin at the voltage of the range next to 0 V.
+    /// The controller of a model at its rate \[Hz\], at rest and virgin at the voltage of the range next to 0
+    /// V.
     ///
     /// # Errors
     /// As [`Compensation::new`] and [`CompensatorParts::new`].
@@ -73,8 +75,8 @@ impl Controller {
         Ok(Self { cell, preview, sample_rate_hz })
     }
 
-    /// The voltage for the next period. `reference` is the newest that is known, [`Self::preview`] samples ahead; one that is not
-    /// finite counts as the one before.
+    /// The voltage for the next period. `reference` is the newest that is known, [`Self::preview`] samples
+    /// ahead; one that is not finite counts as the one before.
     pub fn step(&mut self, reference: f64) -> Drive<f64> {
         self.cell.with_dependent_mut(|_, compensator| compensator.step(reference))
     }
@@ -84,8 +86,8 @@ impl Controller {
         self.cell.with_dependent(|_, compensator| compensator.displacement())
     }
 
-    /// Puts the stage at rest, its hysteresis virgin, at `voltage` \[V\], moved into the range; the displacement there \[µm\]. A voltage
-    /// that is not finite changes nothing.
+    /// Puts the stage at rest, its hysteresis virgin, at `voltage` \[V\], moved into the range; the
+    /// displacement there \[µm\]. A voltage that is not finite changes nothing.
     pub fn rest_at(&mut self, voltage: f64) -> f64 {
         self.cell.with_dependent_mut(|_, compensator| {
             let rested = compensator.rest_at(voltage);

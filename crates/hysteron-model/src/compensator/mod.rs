@@ -1,14 +1,17 @@
-//! The inverse of a model, sample by sample: for a reference that is known a few samples ahead, or not at all.
+//! The inverse of a model, sample by sample: for a reference that is known a few samples ahead, or not at
+//! all.
 //!
-//! [`crate::invert`] knows the whole reference; a controller knows it up to now, or for a short preview. Sought is, sample by sample, the
-//! output v of the hysteresis that makes
+//! [`crate::invert`] knows the whole reference; a controller knows it up to now, or for a short preview.
+//! Sought is, sample by sample, the output v of the hysteresis that makes
 //!
 //! Σ (r − y)² + λ Σ (Δ²v)²
 //!
-//! smallest over all time to come, y the answer of the dynamics to held samples of v: a linear regulator with preview (M. Tomizuka,
-//! *J. Dyn. Syst. Meas. Control* 97 (1975) 172–179, doi:10.1115/1.3426902) on the realised dynamics ([`crate::realise`]). With enough preview it is the inverse of
-//! [`crate::invert`]; what of the reference is not known is predicted ([`Prediction`]), and the prediction is folded into the gains. The hysteresis
-//! is inverted exactly, one step at a time, by `hysteron-rt`, where all of it runs: [`hysteron_rt::Compensator`].
+//! smallest over all time to come, y the answer of the dynamics to held samples of v: a linear regulator with
+//! preview (M. Tomizuka, *J. Dyn. Syst. Meas. Control* 97 (1975) 172–179, doi:10.1115/1.3426902) on the
+//! realised dynamics ([`crate::realise`]). With enough preview it is the inverse of [`crate::invert`]; what
+//! of the reference is not known is predicted ([`Prediction`]), and the prediction is folded into the gains.
+//! The hysteresis is inverted exactly, one step at a time, by `hysteron-rt`, where all of it runs:
+//! [`hysteron_rt::Compensator`].
 
 mod controller;
 mod parts;
@@ -34,10 +37,12 @@ use riccati::{StateSpace, regulator};
 
 /// Samples that gains on the reference may reach ahead, the delay not counted; and samples to predict in all.
 const MOST_AHEAD: usize = 4096;
-/// Share of the largest gain below which a gain on the reference is next to nothing; that many of them in a row end the preview.
+/// Share of the largest gain below which a gain on the reference is next to nothing; that many of them in a
+/// row end the preview.
 const NEGLIGIBLE: f64 = 1e-10;
 const IN_A_ROW: usize = 32;
-/// Share of the sum of the gains on the reference that a preview of nobody's choosing may leave to prediction.
+/// Share of the sum of the gains on the reference that a preview of nobody's choosing may leave to
+/// prediction.
 const LEFT_TO_PREDICTION: f64 = 1e-4;
 /// Angles at which noise is added up.
 const ANGLES: usize = 4096;
@@ -135,7 +140,8 @@ impl Compensation {
             section_gains.push([re, if section.is_pair() { kept.next().unwrap_or(0.0) } else { 0.0 }]);
         }
         let on_inputs: Vec<f64> = kept.collect();
-        // Held at a displacement, states and inputs all stand at v (the imaginary part of a pair at 0): these add up to v.
+        // Held at a displacement, states and inputs all stand at v (the imaginary part of a pair at 0): these
+        // add up to v.
         let held: f64 = section_gains.iter().map(|[re, _]| re).sum::<f64>() + on_inputs.iter().sum::<f64>();
         let ahead = ahead(&plant, &gains, (1.0 - held) / gain);
         let late = dynamics.delay_samples;
@@ -174,8 +180,9 @@ impl Compensation {
         forward * back(self.preview).conj() / self.without_feedback(frequency_hz)
     }
 
-    /// From a displacement that is added to the whole reference at once, as [`hysteron_rt::Compensator::step_against`] takes a disturbance off, to
-    /// what the stage does: the way that a correction by feedback goes.
+    /// From a displacement that is added to the whole reference at once, as
+    /// [`hysteron_rt::Compensator::step_against`] takes a disturbance off, to what the stage does: the way
+    /// that a correction by feedback goes.
     pub fn correction(&self, frequency_hz: f64) -> Complex64 {
         let all: f64 = self.reference.iter().sum();
         let dynamics = self.dynamics.response(frequency_hz, self.sample_rate_hz);
@@ -303,8 +310,8 @@ fn feedback(plant: &StateSpace, weight: f64) -> Option<riccati::Regulator> {
     regulator(plant, &q, &s, plant.d * plant.d + weight)
 }
 
-/// Gains on the reference from the present sample (that which v moves first) on: f₀ = d/w, fⱼ = bᵀ(A − bK)ᵀʲ⁻¹(c − dK)ᵀ/w. They add up to
-/// `sum`, what holds a displacement: what is cut off is on the last.
+/// Gains on the reference from the present sample (that which v moves first) on: f₀ = d/w, fⱼ = bᵀ(A −
+/// bK)ᵀʲ⁻¹(c − dK)ᵀ/w. They add up to `sum`, what holds a displacement: what is cut off is on the last.
 fn ahead(plant: &StateSpace, found: &riccati::Regulator, sum: f64) -> Vec<f64> {
     let closed = (&plant.a - &plant.b * &found.gains).transpose();
     let mut q = (&plant.c - plant.d * &found.gains).transpose();

@@ -25,11 +25,12 @@ pub struct CompensatorParts<T> {
 }
 
 impl<T: Real> CompensatorParts<T> {
-    /// The parts of a law within the voltages `range_v` and the rate `slew_v_per_s` (infinite for none), rounded to `T`.
+    /// The parts of a law within the voltages `range_v` and the rate `slew_v_per_s` (infinite for none),
+    /// rounded to `T`.
     ///
     /// # Errors
-    /// [`InversionError::NotInvertible`] for a hysteresis that has no inverse within the range; as [`RuntimeParts::new`];
-    /// [`InversionError::Option`] for limits that leave no room.
+    /// [`InversionError::NotInvertible`] for a hysteresis that has no inverse within the range; as
+    /// [`RuntimeParts::new`]; [`InversionError::Option`] for limits that leave no room.
     pub fn new(
         compensation: &Compensation,
         range_v: [f64; 2],
@@ -82,7 +83,8 @@ impl<T: Real> CompensatorParts<T> {
         })
     }
 
-    /// The compensator, at rest and virgin at the voltage of its range next to 0 V. What it remembered before is forgotten.
+    /// The compensator, at rest and virgin at the voltage of its range next to 0 V. What it remembered before
+    /// is forgotten.
     ///
     /// # Errors
     /// [`RealiseError::Rounded`] where the coefficients are not finite in this number type.
@@ -95,7 +97,8 @@ impl<T: Real> CompensatorParts<T> {
     }
 }
 
-/// Whether every move within the range raises the output: by the exact condition of the family, else along loops of all sizes.
+/// Whether every move within the range raises the output: by the exact condition of the family, else along
+/// loops of all sizes.
 fn invertible(hysteresis: &Hysteresis, [low, high]: [f64; 2], interval_s: f64) -> Result<(), InversionError> {
     let samples = TURNS * SAMPLES_A_TURN;
     let loops: Vec<f64> = (0..samples)

@@ -27,8 +27,9 @@ pub(super) struct Regulator {
     pub cost: DMatrix<f64>,
 }
 
-/// The stabilising solution, by structure-preserving doubling (E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, *Int. J. Control* 77 (2004)
-/// 767–788, doi:10.1080/00207170410001714988); `None` where it does not settle.
+/// The stabilising solution, by structure-preserving doubling (E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S.
+/// Wang, *Int. J. Control* 77 (2004) 767–788, doi:10.1080/00207170410001714988); `None` where it does not
+/// settle.
 pub(super) fn regulator(plant: &StateSpace, q: &DMatrix<f64>, s: &DVector<f64>, r: f64) -> Option<Regulator> {
     let n = plant.b.len();
     let identity = DMatrix::<f64>::identity(n, n);

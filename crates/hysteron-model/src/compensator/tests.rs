@@ -73,7 +73,8 @@ fn impulse_response(dynamics: &LinearRealisation) -> Vec<f64> {
     (0..SAMPLES).map(at).collect()
 }
 
-/// v that makes Σ (r − y)² + λ Σ (Δ²v)² smallest over the record, by least squares on all of its samples at once.
+/// v that makes Σ (r − y)² + λ Σ (Δ²v)² smallest over the record, by least squares on all of its samples at
+/// once.
 fn all_at_once(law: &Compensation, weight: f64, r: &[f64]) -> DVector<f64> {
     let h = impulse_response(&law.dynamics);
     let mut system = DMatrix::zeros(2 * SAMPLES, SAMPLES);

@@ -14,8 +14,9 @@ const TRANSFORM: usize = 4096;
 const TAIL: f64 = 1e-3;
 /// Weights in a period of the highest frequency.
 const PER_PERIOD: f64 = 8.0;
-/// Lines of the flat spectrum that the weights are whitened for, and what is added to it for noise, as a share of its power: a hundredth, rms. Less
-/// is learnt faster still, by weights so large that they answer to what a reference has beside its band.
+/// Lines of the flat spectrum that the weights are whitened for, and what is added to it for noise, as a
+/// share of its power: a hundredth, rms. Less is learnt faster still, by weights so large that they answer to
+/// what a reference has beside its band.
 const LINES: usize = 400;
 const NOISE: f64 = 1e-4;
 /// Frequencies at which the step's limit is looked for, beside a level.
@@ -58,7 +59,8 @@ pub struct AdaptiveFilter {
     pub whitening: Vec<f64>,
     /// Share of the error that a step takes off.
     pub rate: f64,
-    /// The share beyond which a level or a sine up to the highest frequency, alone, makes the weights swing, the model taken for true.
+    /// The share beyond which a level or a sine up to the highest frequency, alone, makes the weights swing,
+    /// the model taken for true.
     pub limit: f64,
     /// Where it is least \[Hz\]; 0: a level.
     pub limit_at_hz: f64,
@@ -67,9 +69,11 @@ pub struct AdaptiveFilter {
 }
 
 impl AdaptiveFilter {
-    /// From `path`, the way of a correction to the displacement at rising frequencies \[Hz\] up to half the sample rate, and the same at any frequency.
+    /// From `path`, the way of a correction to the displacement at rising frequencies \[Hz\] up to half the
+    /// sample rate, and the same at any frequency.
     ///
-    /// The step is the share of its limit that leaves the gain margin and, of a loop that is an integral and a delay, the phase margin asked for.
+    /// The step is the share of its limit that leaves the gain margin and, of a loop that is an integral and
+    /// a delay, the phase margin asked for.
     ///
     /// # Errors
     /// [`ControlError::Number`], [`ControlError::NoGain`] where no step is stable.
@@ -125,7 +129,8 @@ impl AdaptiveFilter {
             .sum()
     }
 
-    /// The least [`step_limit`] up to the highest frequency where a correction goes along `path`, and where it is \[Hz\].
+    /// The least [`step_limit`] up to the highest frequency where a correction goes along `path`, and where
+    /// it is \[Hz\].
     pub fn limit_on(&self, path: &[(f64, Complex64)]) -> (f64, f64) {
         let low = SLOW * self.sample_rate_hz;
         let ratio = (self.adaptive.highest_hz / low).max(1.0);
@@ -136,7 +141,8 @@ impl AdaptiveFilter {
             .fold((f64::INFINITY, 0.0), |least, next| if next.0 < least.0 { next } else { least })
     }
 
-    /// R⁻¹ for a reference of all frequencies up to the highest alike, scaled so that x'ᵀ R⁻¹ x' has the mean of |x|² of as many samples.
+    /// R⁻¹ for a reference of all frequencies up to the highest alike, scaled so that x'ᵀ R⁻¹ x' has the mean
+    /// of |x|² of as many samples.
     fn whitened(&self) -> Option<Vec<f64>> {
         let count = self.adaptive.weights;
         let line = |k: usize| self.adaptive.highest_hz * (k as f64 + 0.5) / LINES as f64;
@@ -155,8 +161,9 @@ impl AdaptiveFilter {
         scale.is_finite().then(|| (inverse * scale).iter().copied().collect())
     }
 
-    /// Rms of what the best constant weights leave of an `error` from sample `from` on, its mean taken off, `known` being what they see: the Wiener optimum of
-    /// this filter for this reference, the answer to corrections taken for the model's.
+    /// Rms of what the best constant weights leave of an `error` from sample `from` on, its mean taken off,
+    /// `known` being what they see: the Wiener optimum of this filter for this reference, the answer to
+    /// corrections taken for the model's.
     pub fn optimum(&self, known: &[f64], error: &[f64], from: usize) -> f64 {
         let filtered: Vec<f64> = (0..known.len())
             .map(|k| {
@@ -183,17 +190,20 @@ impl AdaptiveFilter {
     }
 }
 
-/// The largest step that filtered-x LMS stands for a sine of one frequency \[Hz\] alone (0: for a level), the correction going along `path` (at rising
-/// frequencies \[Hz\] from next to 0 to half the sample rate) and the model having the answer `modelled` at that frequency.
+/// The largest step that filtered-x LMS stands for a sine of one frequency \[Hz\] alone (0: for a level), the
+/// correction going along `path` (at rising frequencies \[Hz\] from next to 0 to half the sample rate) and
+/// the model having the answer `modelled` at that frequency.
 ///
-/// With the step divided by the filtered reference's power and weights over whole half periods, what is between error and correction is linear and
-/// does not change with time (J. R. Glover, *IEEE Trans. Acoust. Speech Signal Process.* 25 (1977) 484–491, doi:10.1109/TASSP.1977.1162997): with ŝ e^{jφ} the model's
+/// With the step divided by the filtered reference's power and weights over whole half periods, what is
+/// between error and correction is linear and does not change with time (J. R. Glover, *IEEE Trans. Acoust.
+/// Speech Signal Process.* 25 (1977) 484–491, doi:10.1109/TASSP.1977.1162997): with ŝ e^{jφ} the model's
 /// answer, q the delay of one sample,
 ///
 /// H = rate/ŝ · (cos(ω − φ) q − cos φ q²)/(1 − 2 cos ω q + q²),
 ///
-/// a resonator at ω around which the path closes the loop. For a small step it is stable where path and model differ by less than 90° at ω
-/// (S. D. Snyder, C. H. Hansen, *IEEE Trans. Signal Process.* 42 (1994) 950–953, doi:10.1109/78.285659), else by none: 0. As the step grows it first swings where path · H = −1.
+/// a resonator at ω around which the path closes the loop. For a small step it is stable where path and model
+/// differ by less than 90° at ω (S. D. Snyder, C. H. Hansen, *IEEE Trans. Signal Process.* 42 (1994) 950–953,
+/// doi:10.1109/78.285659), else by none: 0. As the step grows it first swings where path · H = −1.
 pub fn step_limit(
     path: &[(f64, Complex64)],
     modelled: Complex64,
@@ -241,7 +251,8 @@ pub fn step_limit(
     least
 }
 
-/// The answer to one sample, from the response, by the inverse discrete Fourier transform, up to where next to nothing follows.
+/// The answer to one sample, from the response, by the inverse discrete Fourier transform, up to where next
+/// to nothing follows.
 fn answer(response: &dyn Fn(f64) -> Complex64, sample_rate_hz: f64) -> Vec<f64> {
     let half: Vec<Complex64> = (0..=TRANSFORM / 2)
         .map(|k| response((k as f64).max(1e-9) / TRANSFORM as f64 * sample_rate_hz))

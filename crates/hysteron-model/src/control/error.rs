@@ -66,8 +66,8 @@ pub enum ControlError {
     NoRange,
     /// Too few samples are scored.
     #[error(
-        "nothing is left to score: the reference has {samples} samples, {skipped} of them skipped at its beginning and {ahead} at \
-         its end, where what is to be known ahead is not there"
+        "nothing is left to score: the reference has {samples} samples, {skipped} of them skipped at its \
+         beginning and {ahead} at its end, where what is to be known ahead is not there"
     )]
     NothingScored {
         /// Samples of the reference.
@@ -85,7 +85,8 @@ pub enum ControlError {
     },
     /// Sines that are too slow.
     #[error(
-        "the sines begin at {} Hz, with a period of a million samples or more; the lowest that is played is {} Hz",
+        "the sines begin at {} Hz, with a period of a million samples or more; the lowest that is played is \
+         {} Hz",
         short(*begin_hz),
         short(*lowest_hz)
     )]

@@ -18,12 +18,14 @@ pub struct StraightLine {
     pub offset: f64,
     /// Displacement a volt.
     pub slope: f64,
-    /// Largest slope of the hysteresis over the line's: by so much the gain of a loop is larger than its linear part.
+    /// Largest slope of the hysteresis over the line's: by so much the gain of a loop is larger than its
+    /// linear part.
     pub steepest: f64,
 }
 
 impl StraightLine {
-    /// Least squares through slow loops of four sizes over the range; `slow_gain` is the gain of the dynamics along them.
+    /// Least squares through slow loops of four sizes over the range; `slow_gain` is the gain of the dynamics
+    /// along them.
     ///
     /// # Errors
     /// What the hysteresis refuses.

@@ -18,7 +18,8 @@ const ABOUT: usize = 41;
 /// Margins of a loop L, feedback negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// Factor by which the gain of the loop may rise, or fall where it must not fall; infinite where no gain does harm.
+    /// Factor by which the gain of the loop may rise, or fall where it must not fall; infinite where no gain
+    /// does harm.
     pub gain: f64,
     /// Frequency \[Hz\] at which it would swing then.
     pub gain_at_hz: f64,
@@ -28,12 +29,14 @@ pub struct Margins {
     pub crossover_hz: f64,
     /// Least |1 + L|: one over the largest sensitivity.
     pub modulus: f64,
-    /// Whether the closed loop is stable: L has no unstable pole, at most one at rest (an integral), and does not encircle −1.
+    /// Whether the closed loop is stable: L has no unstable pole, at most one at rest (an integral), and does
+    /// not encircle −1.
     pub is_stable: bool,
 }
 
 impl Margins {
-    /// Of a loop at rising frequencies \[Hz\] up to half the sample rate, dense enough for each step to turn by less than half a turn.
+    /// Of a loop at rising frequencies \[Hz\] up to half the sample rate, dense enough for each step to turn
+    /// by less than half a turn.
     pub fn of(points: &[(f64, Complex64)]) -> Self {
         let mut found = Self {
             gain: f64::INFINITY,
@@ -73,13 +76,15 @@ impl Margins {
             // At half the sample rate L is real.
             consider_gain(*f, last.re);
         }
-        // 1 + L begins at an angle of 0, or of −90° behind an integral, and ends at 0 unless −1 was encircled.
+        // 1 + L begins at an angle of 0, or of −90° behind an integral, and ends at 0 unless −1 was
+        // encircled.
         found.is_stable = turned.abs() < 0.5 * PI;
         found
     }
 }
 
-/// Frequencies \[Hz\] on which the loop around some dynamics is looked at: dense about their resonances, up to half the sample rate.
+/// Frequencies \[Hz\] on which the loop around some dynamics is looked at: dense about their resonances, up
+/// to half the sample rate.
 pub fn loop_frequencies(dynamics: &LinearRealisation, sample_rate_hz: f64) -> Vec<f64> {
     let half = 0.5 * sample_rate_hz;
     let decades = (0.5 / LOWEST).log10();

@@ -1,4 +1,5 @@
-//! The closed loop: feedforward, feedback and both, tuned from the identified model with stated margins, and played on a plant.
+//! The closed loop: feedforward, feedback and both, tuned from the identified model with stated margins, and
+//! played on a plant.
 //!
 //! ```text
 //! reference ─┬────────────► + ─► inverse, or a straight line ─► drive ─► stage ─┬─► displacement
@@ -6,9 +7,11 @@
 //!                ▲─────────────────────────────────────────── reading ◄────────┘
 //! ```
 //!
-//! Feedback acts on the displacement, ahead of the inverse ([`crate::compensator`]): what it adds to the reference passes the limits and the
-//! memory of the hysteresis as the reference does. Where the reading of one period makes the drive of the next, the loop is late by that period, by the
-//! hold and by the plant's own delay; all of it is in the loops that are tuned ([`tune`]) and whose [`Margins`] are stated. Theory: `docs/theory/control.md`.
+//! Feedback acts on the displacement, ahead of the inverse ([`crate::compensator`]): what it adds to the
+//! reference passes the limits and the memory of the hysteresis as the reference does. Where the reading of
+//! one period makes the drive of the next, the loop is late by that period, by the hold and by the plant's
+//! own delay; all of it is in the loops that are tuned ([`tune`]) and whose [`Margins`] are stated. Theory:
+//! `docs/theory/control.md`.
 
 mod adaptive;
 mod amplifier;

@@ -6,7 +6,8 @@ use super::{AdaptiveParts, ControlError, FeedbackParts, Loop, StageError};
 use crate::compensator::CompensatorParts;
 use crate::realise::{Realisation, RuntimeParts};
 
-/// Samples for which the stage is seen at rest before the reference begins: its sensor is zeroed on their mean.
+/// Samples for which the stage is seen at rest before the reference begins: its sensor is zeroed on their
+/// mean.
 const RESTED: usize = 1000;
 
 /// Reading and displacement of a stage at the beginning of a period.
@@ -88,8 +89,9 @@ enum Driver<'a> {
     Inverse(Box<Compensator<'a, f64>>),
 }
 
-/// Plays a reference from rest at its first value, the hysteresis having been driven there from `virgin_v` (`None`: virgin there). What is ahead of its end
-/// stays where it ends. The reading at the beginning of one period makes the drive of the next.
+/// Plays a reference from rest at its first value, the hysteresis having been driven there from `virgin_v`
+/// (`None`: virgin there). What is ahead of its end stays where it ends. The reading at the beginning of one
+/// period makes the drive of the next.
 ///
 /// # Errors
 /// [`ControlError`].

@@ -16,7 +16,8 @@ pub struct TrackingScore {
 }
 
 impl TrackingScore {
-    /// From sample `from` on; all of it NaN where nothing is left, the percentages infinite or NaN where the reference does not move.
+    /// From sample `from` on; all of it NaN where nothing is left, the percentages infinite or NaN where the
+    /// reference does not move.
     pub fn of(displacement: &[f64], reference: &[f64], from: usize) -> Self {
         let errors = || reference.iter().zip(displacement).skip(from).map(|(r, y)| r - y);
         let count = errors().count() as f64;

@@ -180,8 +180,9 @@ impl Loop {
         Self { adaptive: None, ..self.clone() }
     }
 
-    /// By how much, at most, the way of a correction on a plant differs in phase from the model's \[degrees\], and where \[Hz\], from sines that the inverse alone
-    /// followed: behind the same law, what they answered over what they should have is plant over model.
+    /// By how much, at most, the way of a correction on a plant differs in phase from the model's
+    /// \[degrees\], and where \[Hz\], from sines that the inverse alone followed: behind the same law, what
+    /// they answered over what they should have is plant over model.
     pub fn phase_error(&self, alone: &[SineAnswer]) -> Option<(f64, f64)> {
         let (inverse, adaptive) = (self.inverse.as_ref()?, self.adaptive.as_ref()?);
         let errors = alone

@@ -12,8 +12,8 @@ use crate::hammerstein::Model;
 use crate::realise::{LinearRealisation, RealiseOptions, held};
 use hysteron_numeric::Complex64;
 
-/// Frequency of the slow loops that the straight line goes through, as a share of the sample rate: 1 Hz at 10 kHz. (Of a model that creeps for ever the
-/// gain at rest says nothing.)
+/// Frequency of the slow loops that the straight line goes through, as a share of the sample rate: 1 Hz at 10
+/// kHz. (Of a model that creeps for ever the gain at rest says nothing.)
 pub(super) const SLOW: f64 = 1e-4;
 /// |1 − T| of a sine whose error is 1 % of its stroke, rms: the stroke is 2 √2 times its rms.
 const ONE_PERCENT: f64 = 0.02 * std::f64::consts::SQRT_2;

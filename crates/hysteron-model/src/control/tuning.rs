@@ -26,7 +26,8 @@ pub struct Wanted {
     pub phase_deg: f64,
     /// Least |1 + L|.
     pub modulus: f64,
-    /// Frequency \[Hz\] above which the phase of the model is not trusted: there |L| stays below 1/`gain` whatever its phase. `None`: it is trusted everywhere.
+    /// Frequency \[Hz\] above which the phase of the model is not trusted: there |L| stays below 1/`gain`
+    /// whatever its phase. `None`: it is trusted everywhere.
     pub trusted_to_hz: Option<f64>,
 }
 
@@ -44,8 +45,8 @@ pub struct Tuned {
     pub law: FeedbackLaw,
     /// Margins of its loop.
     pub margins: Margins,
-    /// √Σ |S|²/f over frequencies evenly spread on a logarithmic scale, S = 1/(1 + L): what is left of a disturbance that wanders (its spectrum falling
-    /// as 1/f²), up to a factor.
+    /// √Σ |S|²/f over frequencies evenly spread on a logarithmic scale, S = 1/(1 + L): what is left of a
+    /// disturbance that wanders (its spectrum falling as 1/f²), up to a factor.
     pub left: f64,
 }
 
@@ -62,9 +63,11 @@ pub enum LawFamily {
 
 /// The law of a family that leaves least of a wandering disturbance among those that keep the margins.
 ///
-/// Each form (corner, order) gets the largest gain that keeps them (as K. J. Åström, H. Panagopoulos, T. Hägglund, *Automatica* 34 (1998) 585–601,
-/// doi:10.1016/S0005-1098(98)00011-9, do for PI with the sensitivity alone; I. Podlubny, *IEEE Trans. Autom. Control* 44 (1999) 208–214, doi:10.1109/9.739144,
-/// for PI^λ), the form that leaves least is kept. `plant` is the rest of the loop at rising frequencies \[Hz\], the period of the computation included.
+/// Each form (corner, order) gets the largest gain that keeps them (as K. J. Åström, H. Panagopoulos, T.
+/// Hägglund, *Automatica* 34 (1998) 585–601, doi:10.1016/S0005-1098(98)00011-9, do for PI with the
+/// sensitivity alone; I. Podlubny, *IEEE Trans. Autom. Control* 44 (1999) 208–214, doi:10.1109/9.739144, for
+/// PI^λ), the form that leaves least is kept. `plant` is the rest of the loop at rising frequencies \[Hz\],
+/// the period of the computation included.
 ///
 /// # Errors
 /// [`ControlError`].
@@ -172,8 +175,9 @@ fn left(points: &[(f64, Complex64)]) -> f64 {
     points.windows(2).map(|p| 0.5 * (density(&p[0]) + density(&p[1])) * (p[1].0 - p[0].0)).sum::<f64>().sqrt()
 }
 
-/// The largest gain of a disturbance observer that keeps the margins, and its loop's: S = 1 − G g q/(1 − (1 − g) q), G the way from its correction to the
-/// displacement, q the period of the computation. On the model it is stable at any gain; the margins say how far the device may differ.
+/// The largest gain of a disturbance observer that keeps the margins, and its loop's: S = 1 − G g q/(1 − (1 −
+/// g) q), G the way from its correction to the displacement, q the period of the computation. On the model it
+/// is stable at any gain; the margins say how far the device may differ.
 ///
 /// # Errors
 /// [`ControlError::NoGain`].

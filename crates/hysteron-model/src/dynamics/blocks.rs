@@ -55,8 +55,8 @@ impl Polynomial {
     }
 }
 
-/// scale · e^(rate·k), as the product of a coarse and a fine table: less memory to read than one table, for one
-/// rounding more.
+/// scale · e^(rate·k), as the product of a coarse and a fine table: less memory to read than one table, for
+/// one rounding more.
 #[derive(Debug)]
 pub(super) struct Exponential {
     coarse: Vec<f64>,

@@ -9,9 +9,9 @@ impl TransferFunction {
     /// simulating on purpose what [`super::SimulationPlan`] refuses as unstable.
     ///
     /// # Errors
-    /// [`DynamicsError::InfiniteDcGain`] under `Rest`; [`DynamicsError::PeriodicRecursion`]; [`DynamicsError::InputNotFinite`];
-    /// [`DynamicsError::NoWeights`] for `BandLimited`, [`DynamicsError::ImproperOperator`] under `Tustin`,
-    /// [`DynamicsError::ResultNotFinite`].
+    /// [`DynamicsError::InfiniteDcGain`] under `Rest`; [`DynamicsError::PeriodicRecursion`];
+    /// [`DynamicsError::InputNotFinite`]; [`DynamicsError::NoWeights`] for `BandLimited`,
+    /// [`DynamicsError::ImproperOperator`] under `Tustin`, [`DynamicsError::ResultNotFinite`].
     pub fn simulate_causal(
         &self,
         input: &[f64],

@@ -9,31 +9,35 @@ pub const MOST_CREEP_ELEMENTS: usize = 4;
 
 /// Creep factor C(s) of a [`super::DynamicForm`], 1 for fast motion.
 ///
-/// Fractional creep is a power law without an end, logarithmic creep grows by the same amount every decade of time, a
-/// Kelvin–Voigt chain comes to an end. Sources: H. Jung, D.-G. Gweon, "Creep characteristics of piezoelectric actuators",
-/// *Review of Scientific Instruments* 71 (2000) 1896, doi:10.1063/1.1150559 (logarithmic); D. Croft, G. Shed,
-/// S. Devasia, "Creep, hysteresis, and vibration compensation for piezoactuators", *Journal of Dynamic Systems,
-/// Measurement, and Control* 123 (2001) 35, doi:10.1115/1.1341197 (chain of springs and dampers).
+/// Fractional creep is a power law without an end, logarithmic creep grows by the same amount every decade of
+/// time, a Kelvin–Voigt chain comes to an end. Sources: H. Jung, D.-G. Gweon, "Creep characteristics of
+/// piezoelectric actuators", *Review of Scientific Instruments* 71 (2000) 1896, doi:10.1063/1.1150559
+/// (logarithmic); D. Croft, G. Shed, S. Devasia, "Creep, hysteresis, and vibration compensation for
+/// piezoactuators", *Journal of Dynamic Systems, Measurement, and Control* 123 (2001) 35,
+/// doi:10.1115/1.1341197 (chain of springs and dampers).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Creep {
     /// C = 1.
     #[default]
     None,
-    /// C = 1 + k s^−μ, parameters `creep` (k, in s^−μ: seconds to the power −μ) and `creep_order` (μ). A unit step is
-    /// followed by 1 + k t^μ/Γ(1 + μ): for the small μ of creep, k is about the share that has crept after one second.
+    /// C = 1 + k s^−μ, parameters `creep` (k, in s^−μ: seconds to the power −μ) and `creep_order` (μ). A unit
+    /// step is followed by 1 + k t^μ/Γ(1 + μ): for the small μ of creep, k is about the share that has crept
+    /// after one second.
     Fractional,
-    /// A unit step is followed by 1 + γ log₁₀(1 + t/t₀), parameters `creep_per_decade` (γ) and `creep_start` (t₀, s).
+    /// A unit step is followed by 1 + γ log₁₀(1 + t/t₀), parameters `creep_per_decade` (γ) and `creep_start`
+    /// (t₀, s).
     ///
-    /// Its transform 1 + γ/ln 10 · e^(s t₀) E₁(s t₀) is no ratio of powers of s, but a spectrum of relaxations:
-    /// ln(1 + t/t₀) = ∫ (1 − e^(−t/τ)) e^(−t₀/τ) dτ/τ (Frullani). The trapezoidal rule in ln τ makes it a
-    /// chain with two time constants a decade, t₀ 10^(−1/2) to t₀ 10^6, and known weights ½ γ e^(−t₀/τ); the last one
-    /// carries what lies beyond it. The step differs by less than 4e-4 γ up to 1e4 t₀ and 1e-3 γ up to 1e5 t₀, the
-    /// transform by less than 1e-3 γ (`tests/creep.rs`); after that creep comes to an end, so that G(0) is finite.
+    /// Its transform 1 + γ/ln 10 · e^(s t₀) E₁(s t₀) is no ratio of powers of s, but a spectrum of
+    /// relaxations: ln(1 + t/t₀) = ∫ (1 − e^(−t/τ)) e^(−t₀/τ) dτ/τ (Frullani). The trapezoidal rule in ln τ
+    /// makes it a chain with two time constants a decade, t₀ 10^(−1/2) to t₀ 10^6, and known weights ½ γ
+    /// e^(−t₀/τ); the last one carries what lies beyond it. The step differs by less than 4e-4 γ up to 1e4 t₀
+    /// and 1e-3 γ up to 1e5 t₀, the transform by less than 1e-3 γ (`tests/creep.rs`); after that creep comes
+    /// to an end, so that G(0) is finite.
     Logarithmic,
-    /// C = 1 + Σ kᵢ/(1 + τᵢ s): a unit step is followed by 1 + Σ kᵢ (1 − e^(−t/τᵢ)), springs with dampers beside them in
-    /// series with a spring. Parameters `creep_1` (k₁ ≥ 0), `creep_time_1` (τ₁, s), `creep_2`, … Exchanging elements
-    /// is the same C.
+    /// C = 1 + Σ kᵢ/(1 + τᵢ s): a unit step is followed by 1 + Σ kᵢ (1 − e^(−t/τᵢ)), springs with dampers
+    /// beside them in series with a spring. Parameters `creep_1` (k₁ ≥ 0), `creep_time_1` (τ₁, s), `creep_2`,
+    /// … Exchanging elements is the same C.
     KelvinVoigt {
         /// Number of elements, 1 to [`MOST_CREEP_ELEMENTS`].
         elements: usize,
@@ -67,13 +71,11 @@ impl Creep {
     pub fn summary(self) -> &'static str {
         match self {
             Self::None => "no creep",
-            Self::Fractional => "1 + k s^-mu: a power law without an end",
+            Self::Fractional => "1 + k s^-mu: a power law, unbounded",
             Self::Logarithmic => {
                 "1 + gamma log10(1 + t/t0) after a unit step: the same amount every decade of time"
             }
-            Self::KelvinVoigt { .. } => {
-                "1 + sum of k/(1 + tau s): springs and dampers, creep that comes to an end"
-            }
+            Self::KelvinVoigt { .. } => "1 + sum of k/(1 + tau s): springs and dampers, creep that settles",
         }
     }
 
@@ -146,9 +148,9 @@ const PER_DECADE: f64 = 2.0;
 
 /// 1/τ of the elements in 1/t₀ and their weights in γ: τ = t₀ 10^((j − 1)/2), weight ½ e^(−t₀/τ).
 ///
-/// The rule's error is the aliasing of the spectrum of the integrand in ln τ, at most
-/// 4 |Γ(2πi · 2/ln 10)|/ln 10 = 3.5e-4 of γ. Of what lies beyond the last element, which for t ≪ τ grows as t/τ, the last
-/// one takes the slope: Σ 10^(−j/2) over j ≥ 1.
+/// The rule's error is the aliasing of the spectrum of the integrand in ln τ, at most 4 |Γ(2πi · 2/ln 10)|/ln
+/// 10 = 3.5e-4 of γ. Of what lies beyond the last element, which for t ≪ τ grows as t/τ, the last one takes
+/// the slope: Σ 10^(−j/2) over j ≥ 1.
 fn spectrum() -> [(f64, f64); ELEMENTS] {
     let ratio = 10f64.powf(-1.0 / PER_DECADE);
     std::array::from_fn(|j| {

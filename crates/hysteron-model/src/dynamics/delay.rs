@@ -1,7 +1,8 @@
 //! Pure delay: shifting a sampled signal by a fraction of a sample.
 //!
-//! The signal is taken between its samples by the [`InterSample`] rule and read τ earlier. Never by e^(−τ δ(z)/h):
-//! that costs a gain and phase error of 0.03–0.24 at 1 kHz (SPEC §3).
+//! The signal is interpolated between its samples by the [`InterSample`] rule and read τ earlier. The factor
+//! e^(−τ δ(z)/h) is not used: its gain and phase are wrong near the Nyquist frequency
+//! (`docs/theory/fractional.md`).
 
 use std::f64::consts::PI;
 
@@ -13,8 +14,8 @@ use hysteron_numeric::fft::{RealFft, fast_length};
 
 /// `signal` delayed by `delay_s` ≥ 0 seconds: y(t) = x(t − τ), with x = `before` ahead of the first sample.
 ///
-/// `BandLimited` turns the phase of the signal's FFT, continued at its end by reflection and fading; it is exact
-/// for a signal that is band-limited and joins `before` smoothly.
+/// `BandLimited` turns the phase of the signal's FFT, continued at its end by reflection and fading; it is
+/// exact for a signal that is band-limited and joins `before` smoothly.
 ///
 /// # Errors
 /// [`DynamicsError::Parameter`] for a delay that is negative or not finite, [`DynamicsError::SampleRate`],
@@ -66,8 +67,8 @@ pub fn delay_linear(
     Ok(())
 }
 
-/// Delays `x` by `samples` ≥ 0 in place, on straight lines between samples; the first line runs from `before`, one
-/// sample ahead. A negative or undefined delay is none.
+/// Delays `x` by `samples` ≥ 0 in place, on straight lines between samples; the first line runs from
+/// `before`, one sample ahead. A negative or undefined delay is none.
 #[doc(hidden)]
 pub fn delay_in_place(x: &mut [f64], samples: f64, before: f64) {
     if samples.is_nan() || samples <= 0.0 {

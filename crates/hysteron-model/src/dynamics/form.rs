@@ -21,15 +21,17 @@ pub enum Modes {
     /// G = 1.
     None,
     /// Gain 1 at zero frequency, the product of pairs ω²/P(f, ζ, 2, 1, 0) and, where the order is odd, a lag
-    /// 1/(1 + T s). The parameters of the second pair are named with `_2`, and so on. Exchanging pairs is the same G.
+    /// 1/(1 + T s). The parameters of the second pair are named with `_2`, and so on. Exchanging pairs is the
+    /// same G.
     Integer {
         /// Number of poles, 1 to [`MOST_INTEGER_POLES`].
         order: usize,
     },
-    /// Resonances in parallel, Σ w_k ω_k²/(s² + 2ζ_k ω_k s + ω_k²) with Σ w_k = 1, and behind them a lag 1/(1 + T s) where
-    /// asked for: gain 1 at zero frequency. Unlike the product of [`Modes::Integer`] they have zeros between them. Shares
-    /// `share` (w₁), `share_2`, … but for the last, which is what the others leave of 1; a share may be negative (a
-    /// resonance that moves against the others). Exchanging resonances is the same G.
+    /// Resonances in parallel, Σ w_k ω_k²/(s² + 2ζ_k ω_k s + ω_k²) with Σ w_k = 1, and behind them a lag 1/(1 +
+    /// T s) where asked for: gain 1 at zero frequency. Unlike the product of [`Modes::Integer`] they have
+    /// zeros between them. Shares `share` (w₁), `share_2`, … but for the last, which is what the others leave
+    /// of 1; a share may be negative (a resonance that moves against the others). Exchanging resonances is
+    /// the same G.
     Resonances {
         /// Number of resonances, 1 to [`MOST_RESONANCES`].
         count: usize,
@@ -40,15 +42,15 @@ pub enum Modes {
     Fractional,
     /// b / P(f, ζ, α₂, α₁, α₀) with b = |P(2πi·1 Hz)|: |G| = 1 at 1 Hz, since G(0) is infinite unless α₀ = 0.
     FractionalFreeLowest,
-    /// w G₁ + (1 − w) G₂, both as [`Modes::Fractional`], in parallel. Share w; the parameters of the second mode
-    /// are named with `_2`. Exchanging the modes and w with 1 − w is the same G.
+    /// w G₁ + (1 − w) G₂, both as [`Modes::Fractional`], in parallel. Share w; the parameters of the second
+    /// mode are named with `_2`. Exchanging the modes and w with 1 − w is the same G.
     TwoFractional,
 }
 
 /// A family of transfer functions: fast modes, and creep where asked for.
 ///
-/// G = modes · creep. As a [`TransferFunction`]: products of polynomials; terms are sorted, and where orders coincide
-/// their coefficients are added (the derivatives stay exact there).
+/// G = modes · creep. As a [`TransferFunction`]: products of polynomials; terms are sorted, and where orders
+/// coincide their coefficients are added (the derivatives stay exact there).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DynamicForm {
     /// Poles of the fast part.
@@ -92,15 +94,16 @@ static SECOND: [FormParameter; 5] = [
     free("share", "", false).is("share of the first mode in the gain at rest"),
 ];
 
-/// Room for the derivatives and terms of a form. A form of the first sort has at most 11 parameters and polynomials of 12
-/// terms, one of the second 26 and 45, and two fractional modes with logarithmic creep 135 terms.
+/// Room for the derivatives and terms of a form. A form of the first sort has at most 11 parameters and
+/// polynomials of 12 terms, one of the second 26 and 45, and two fractional modes with logarithmic creep 135
+/// terms.
 const SMALL: (usize, usize) = (11, 12);
 const LARGE: (usize, usize) = (26, 45);
 const LONG: (usize, usize) = (11, 135);
 
 impl DynamicForm {
-    /// The parameters, in the order in which their values are given. None of modes or elements that there are too many
-    /// of, which the other functions refuse.
+    /// The parameters, in the order in which their values are given. None of modes or elements that there are
+    /// too many of, which the other functions refuse.
     pub fn parameters(&self) -> Vec<FormParameter> {
         self.list().copied().collect()
     }
@@ -121,9 +124,10 @@ impl DynamicForm {
     /// The transfer function at these parameters.
     ///
     /// # Errors
-    /// [`DynamicsError::ParameterCount`]; [`DynamicsError::Parameter`] for a value that is not finite, a frequency,
-    /// lag or time that is not positive, a negative order or Kelvin–Voigt creep, or a form with more poles, resonances
-    /// or elements than there may be, or none; what [`TransferFunction::validate`] refuses.
+    /// [`DynamicsError::ParameterCount`]; [`DynamicsError::Parameter`] for a value that is not finite, a
+    /// frequency, lag or time that is not positive, a negative order or Kelvin–Voigt creep, or a form with
+    /// more poles, resonances or elements than there may be, or none; what [`TransferFunction::validate`]
+    /// refuses.
     pub fn transfer_function(&self, p: &[f64]) -> Result<TransferFunction, DynamicsError> {
         let mut tf = TransferFunction { numerator: Vec::new(), denominator: Vec::new() };
         self.write_to(p, &mut tf)?;

@@ -1,8 +1,10 @@
-//! The frequencies of a plan, and ln s at them: point by point where it bends, elsewhere as short power series.
+//! The frequencies of a plan, and ln s at them: point by point where it bends, elsewhere as short power
+//! series.
 //!
-//! Away from s = 0 (and from the pole of `Tustin` at half the sample rate) ln s changes so little from one frequency to
-//! the next that over a run of them a power of s is a polynomial of the frequency, to the last bit: exp of a power series.
-//! A candidate then costs exponentials a run instead of a frequency, and all terms of a polynomial in s add up to one.
+//! Away from s = 0 (and from the pole of `Tustin` at half the sample rate) ln s changes so little from one
+//! frequency to the next that over a run of them a power of s is a polynomial of the frequency, to the last
+//! bit: exp of a power series. A candidate then costs exponentials a run instead of a frequency, and all
+//! terms of a polynomial in s add up to one.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,8 +18,9 @@ const REACH: f64 = 1.0 / 32.0;
 const SHORTEST_RUN: usize = 64;
 /// Lengths of runs are multiples of this, so that vectors are full.
 const LANES: usize = 16;
-/// A series is cut off behind the power n where (half of the run / that distance)^(n + 1) is below this. What it is
-/// multiplied by, in powers of s about s = 0 a binomial coefficient, is of the size of 1 for the orders that occur.
+/// A series is cut off behind the power n where (half of the run / that distance)^(n + 1) is below this. What
+/// it is multiplied by, in powers of s about s = 0 a binomial coefficient, is of the size of 1 for the orders
+/// that occur.
 const CUT: f64 = 1.2e-16;
 
 /// Bins 0 ..= length/2.
@@ -102,9 +105,9 @@ impl Circle {
         Complex64::new(self.damping, TAU * bin / self.length as f64)
     }
 
-    /// How far from there, in bins, ln s is smooth: to s = 0, or three quarters of the way to the pole of `Tustin` at
-    /// x = πi, since powers of s grow towards it; `GrunwaldLetnikov` and `Bdf2` are polynomials in e^(−x), which grow
-    /// everywhere.
+    /// How far from there, in bins, ln s is smooth: to s = 0, or three quarters of the way to the pole of
+    /// `Tustin` at x = πi, since powers of s grow towards it; `GrunwaldLetnikov` and `Bdf2` are polynomials
+    /// in e^(−x), which grow everywhere.
     fn distance(&self, bin: f64) -> f64 {
         let x = self.place(bin);
         let other = match self.scheme {
@@ -166,7 +169,8 @@ impl Circle {
     }
 }
 
-/// n times coefficient n of ln g, g = 1 − c e^(−x − step t): with gₙ those of g, n gₙ = Σ k lₖ gₙ₋ₖ, k from 1 to n.
+/// n times coefficient n of ln g, g = 1 − c e^(−x − step t): with gₙ those of g, n gₙ = Σ k lₖ gₙ₋ₖ, k from 1
+/// to n.
 fn one_minus(c: f64, x: Complex64, step: Complex64) -> [Complex64; SeriesPanel::TERMS] {
     let (radius, gap) = ((-x.re).exp(), -(-x.re).exp_m1());
     let (sin, cos) = x.im.sin_cos();
@@ -225,7 +229,8 @@ mod tests {
                             let want =
                                 Complex64::from_polar((order * log_abs[bin]).exp(), order * angle[bin]);
                             let error = (Complex64::new(re, im) - want).norm() / want.norm();
-                            // Both round the exponent, order · ln s, and the angle, which Tustin magnifies near π.
+                            // Both round the exponent, order · ln s, and the angle, which Tustin magnifies
+                            // near π.
                             let exponent = log_abs[bin].hypot(angle[bin]);
                             let theta = TAU * bin as f64 / length as f64;
                             let angle = if scheme == Scheme::Tustin { theta / (PI - theta) } else { 0.0 };

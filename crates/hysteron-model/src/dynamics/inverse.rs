@@ -1,13 +1,15 @@
-//! The inverse of a response for a drive known ahead: as exact as asked for up to a bandwidth, quiet above it.
+//! The inverse of a response for a drive known ahead: as exact as asked for up to a bandwidth, quiet above
+//! it.
 //!
-//! A plant that lags cannot be inverted at every frequency: at half the sample rate it passes next to nothing, and its plain
-//! inverse rings there (that of the Tustin form with a pole at −1). Sought is the input v that makes
+//! A plant that lags cannot be inverted at every frequency: at half the sample rate it passes next to
+//! nothing, and its plain inverse rings there (that of the Tustin form with a pole at −1). Sought is the
+//! input v that makes
 //!
 //! Σ |r − P v|² + λ Σ |Δ²v|²
 //!
-//! smallest, P the plant from held samples to samples, delay included, Δ² the second difference. Its answer is W r,
-//! W = P̄/(|P|² + λ|1 − z|⁴), which looks ahead: r must be known. What is left of r is
-//! 1 − P W = λ|1 − z|⁴/(|P|² + λ|1 − z|⁴), a real number between 0 and 1 at every frequency: no phase error.
+//! smallest, P the plant from held samples to samples, delay included, Δ² the second difference. Its answer
+//! is W r, W = P̄/(|P|² + λ|1 − z|⁴), which looks ahead: r must be known. What is left of r is 1 − P W = λ|1
+//! − z|⁴/(|P|² + λ|1 − z|⁴), a real number between 0 and 1 at every frequency: no phase error.
 
 use std::f64::consts::PI;
 
@@ -41,8 +43,8 @@ impl SimulationPlan {
     /// The response of an ARX block with a delay \[s\], band-limited between samples.
     ///
     /// # Errors
-    /// [`DynamicsError::Length`] for a response of another plan; [`DynamicsError::Parameter`] for a delay that is negative
-    /// or not finite.
+    /// [`DynamicsError::Length`] for a response of another plan; [`DynamicsError::Parameter`] for a delay
+    /// that is negative or not finite.
     pub fn arx_response(
         &self,
         arx: &Arx,
@@ -70,9 +72,9 @@ impl SimulationPlan {
     /// The regularised inverse of a response. λ is what leaves `aim.error` of r at the bandwidth.
     ///
     /// # Errors
-    /// [`DynamicsError::Length`] for a response of another plan; [`DynamicsError::Bandwidth`] for a bandwidth that is not
-    /// between 0 and half the sample rate, or where the plant passes nothing; [`DynamicsError::Parameter`] for an error that is not
-    /// between 0 and 1.
+    /// [`DynamicsError::Length`] for a response of another plan; [`DynamicsError::Bandwidth`] for a bandwidth
+    /// that is not between 0 and half the sample rate, or where the plant passes nothing;
+    /// [`DynamicsError::Parameter`] for an error that is not between 0 and 1.
     pub fn inverse(&self, plant: &Response, aim: InverseAim) -> Result<Inverse, DynamicsError> {
         check_length("response", plant.values.len(), self.bins())?;
         let InverseAim { bandwidth_hz, error } = aim;

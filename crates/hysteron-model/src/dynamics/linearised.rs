@@ -143,8 +143,8 @@ impl<const P: usize> Number for Dual<f64, P> {
 struct SumTerm<S> {
     coefficient: S,
     order: S,
-    /// The order is a whole number whatever the parameters are: such terms are merged at once, with and without
-    /// derivatives alike.
+    /// The order is a whole number whatever the parameters are: such terms are merged at once, with and
+    /// without derivatives alike.
     is_whole: bool,
 }
 

@@ -19,17 +19,18 @@ const ALIASING: f64 = 1e-10;
 /// Largest logarithm of a term of a polynomial, whose square must stay in range.
 pub(super) const LARGEST: f64 = 345.0;
 
-/// Shortest transform: in a record of a few samples the response may still grow past them, and what is aliased
-/// would be large against what is seen.
+/// Shortest transform: in a record of a few samples the response may still grow past them, and what is
+/// aliased would be large against what is seen.
 const SHORTEST: usize = 256;
 
-/// Everything about a simulation that depends on the record but not on the candidate: made once, shared by all
-/// threads, used for any number of transfer functions.
+/// Everything about a simulation that depends on the record but not on the candidate: made once, shared by
+/// all threads, used for any number of transfer functions.
 ///
 /// y = r^−k · IFFT( G(s) · FFT(r^k u_k) ), s = δ(r e^(−iθ))/h, L ≥ 2N, r^L = 1e-10 (Lubich's convolution
-/// quadrature; for `BandLimited` s = σ + iω with r = e^(−σh)). Holds FFT plans and ln s, point by point at the
-/// lowest frequencies and as power series over runs of the others, so that there a candidate costs one polynomial a
-/// frequency, whatever its orders. With [`Start::PERIODIC`] r = 1 and L = N: the exact steady state.
+/// quadrature; for `BandLimited` s = σ + iω with r = e^(−σh)). Holds FFT plans and ln s, point by point at
+/// the lowest frequencies and as power series over runs of the others, so that there a candidate costs one
+/// polynomial a frequency, whatever its orders. With [`Start::PERIODIC`] r = 1 and L = N: the exact steady
+/// state.
 ///
 /// Error against the O(N²) recursion: below 1e-9 of the largest output on article Eq. 13 up to N = 1e5
 /// (`tests/quadrature_matches_recursion.rs`).
@@ -46,7 +47,8 @@ pub struct SimulationPlan {
     pub(super) frequencies: Frequencies,
     /// r^k for the samples of the input.
     decay: Exponential,
-    /// What its continuation is multiplied by, `BandLimited` only: fading times r^k, from one past the last sample.
+    /// What its continuation is multiplied by, `BandLimited` only: fading times r^k, from one past the last
+    /// sample.
     fade: Vec<f64>,
     /// r^−k / L for the samples of the output.
     growth: Exponential,
@@ -229,8 +231,9 @@ impl SimulationPlan {
     /// nothing.
     ///
     /// # Errors
-    /// [`DynamicsError::Unstable`], for which this simulation would be silently wrong: by [`stability`], and under
-    /// `GrunwaldLetnikov` and `Bdf2`, which may damp a growing plant, by the winding of the denominator along
+    /// [`DynamicsError::Unstable`], for which this simulation would be silently wrong: by [`stability`], and
+    /// under `GrunwaldLetnikov` and `Bdf2`, which may damp a growing plant, by the winding of the denominator
+    /// along
     /// |z| = 1, only computed for a plant that is unstable in continuous time. Such a plant can be simulated by
     /// [`TransferFunction::simulate_causal`]. [`DynamicsError::InfiniteDcGain`] under `Rest` and `Periodic`,
     /// [`DynamicsError::Improper`] under `Tustin`, [`DynamicsError::Undamped`] under `Periodic`,
@@ -313,9 +316,9 @@ impl SimulationPlan {
         }
     }
 
-    /// Poles z of the sampled system with |z| < 1, by the winding of the denominator along |z| = 1. (Along the
-    /// circle |z| = r of the simulation a growth of up to r^−N = 1e5 within the record would pass, and at that the
-    /// aliased part is as large as the response.)
+    /// Poles z of the sampled system with |z| < 1, by the winding of the denominator along |z| = 1. (Along
+    /// the circle |z| = r of the simulation a growth of up to r^−N = 1e5 within the record would pass, and at
+    /// that the aliased part is as large as the response.)
     fn sampled_poles(&self, tf: &TransferFunction) -> usize {
         let (log_abs, angle) = self.unit_circle.get_or_init(|| {
             // Just inside, where z = 1 and s = 0 is left out: growth by e^0.01 is what is tolerated.
@@ -400,8 +403,8 @@ impl InputSpectrum {
         Self { bins: Vec::new(), level: 0.0 }
     }
 
-    /// What was taken off the input before the transform: its first sample under [`Start::AsIdentified`], the input before it under
-    /// [`Start::Rest`], else 0.
+    /// What was taken off the input before the transform: its first sample under [`Start::AsIdentified`], the
+    /// input before it under [`Start::Rest`], else 0.
     pub fn level(&self) -> f64 {
         self.level
     }

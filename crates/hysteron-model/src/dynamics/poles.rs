@@ -11,13 +11,15 @@ use hysteron_numeric::Complex64;
 const HAIR: f64 = 1e-9;
 
 impl TransferFunction {
-    /// Poles of G on the main sheet |arg s| < π \[rad/s\], pairs as both members, by descending frequency |s|.
+    /// Poles of G on the main sheet |arg s| < π \[rad/s\], pairs as both members, by descending frequency
+    /// |s|.
     ///
-    /// A denominator with real orders has finitely many, usually one resonant pair; the rest of its memory is the
-    /// branch cut along the negative real axis. Their number is known from the argument principle; they are
-    /// found by Newton's method in ln s from starts all over the sheet. With whole orders the negative real axis
-    /// belongs to the sheet and all zeros of the polynomial are returned; a factor s^k counts as no pole, nor
-    /// does a zero of multiplicity m count more than once. Relative accuracy about 1e-12 for simple poles.
+    /// A denominator with real orders has finitely many, usually one resonant pair; the rest of its memory is
+    /// the branch cut along the negative real axis. Their number is known from the argument principle; they
+    /// are found by Newton's method in ln s from starts all over the sheet. With whole orders the negative
+    /// real axis belongs to the sheet and all zeros of the polynomial are returned; a factor s^k counts as no
+    /// pole, nor does a zero of multiplicity m count more than once. Relative accuracy about 1e-12 for simple
+    /// poles.
     ///
     /// Article Eq. 13: −1441.298 ± 1062.396i.
     ///

@@ -5,8 +5,8 @@ use super::{
     StampedResponse, StampedWorkspace, TransferFunction, Workspace,
 };
 
-/// A [`SimulationPlan`] or a [`StampedPlan`], with one set of calls. What belongs to another plan is refused with
-/// [`DynamicsError::Length`].
+/// A [`SimulationPlan`] or a [`StampedPlan`], with one set of calls. What belongs to another plan is refused
+/// with [`DynamicsError::Length`].
 #[derive(Debug)]
 pub enum RecordPlan {
     /// Of a uniform record.

@@ -1,13 +1,13 @@
-//! Frequency response of a candidate on a plan's frequencies, with its derivatives: computed once, applied to any
-//! number of inputs.
+//! Frequency response of a candidate on a plan's frequencies, with its derivatives: computed once, applied to
+//! any number of inputs.
 //!
 //! With N = Σ b s^β and D = Σ a s^α, G = N/D and E the factor of the delay,
 //!
 //! - d(G E) = (dN − G dD)/D · E, dN = Σ (db + b dβ ln s) s^β: the powers are those of the value;
 //! - d(G E)/dτ = G dE/dτ.
 //!
-//! G is taken at the s of the plan's scheme, δ(z)/h. The delay and the signal between its samples are taken at the true
-//! s, z = e^(−sh), so they do not depend on the scheme.
+//! G is taken at the s of the plan's scheme, δ(z)/h. The delay and the signal between its samples are taken
+//! at the true s, z = e^(−sh), so they do not depend on the scheme.
 
 use super::images::SUMS;
 use super::tangent::Tangent;
@@ -19,10 +19,10 @@ use hysteron_numeric::{Complex64, multiply};
 /// How signals go between their samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Sampling {
-    /// Rule of the delay. `BandLimited` is e^(−sτ), exact for a band-limited signal; one that starts with a corner
-    /// rings by about a tenth of the corner, which a G that falls off towards half the sample rate takes away but
-    /// for the first samples. `Linear` is what [`super::delay::delay_linear`] does; `Hold` a delay by whole samples,
-    /// rounded up, with derivative zero.
+    /// Rule of the delay. `BandLimited` is e^(−sτ), exact for a band-limited signal; one that starts with a
+    /// corner rings by about a tenth of the corner, which a G that falls off towards half the sample rate
+    /// takes away but for the first samples. `Linear` is what [`super::delay::delay_linear`] does; `Hold` a
+    /// delay by whole samples, rounded up, with derivative zero.
     pub delay: InterSample,
     /// What the input of the dynamics does between its samples, under the scheme `BandLimited`; the other
     /// schemes have a rule of their own and do not look at it. The staircase of `Hold` and the polygon of
@@ -80,8 +80,8 @@ impl SimulationPlan {
     /// sample rate.
     ///
     /// # Errors
-    /// As [`SimulationPlan::simulate_spectrum`]; [`DynamicsError::Parameter`] for a delay that is negative or not
-    /// finite; [`DynamicsError::Length`] for a response of another plan.
+    /// As [`SimulationPlan::simulate_spectrum`]; [`DynamicsError::Parameter`] for a delay that is negative or
+    /// not finite; [`DynamicsError::Length`] for a response of another plan.
     pub fn response(
         &self,
         tf: &TransferFunction,
@@ -92,12 +92,13 @@ impl SimulationPlan {
         self.respond(tf, None, delay_s, sampling, response)
     }
 
-    /// The frequency response with its derivative in each parameter, and in the delay \[1/s\] as the last. Allocates
-    /// nothing, as [`SimulationPlan::response`]; the values are the same to the last bit.
+    /// The frequency response with its derivative in each parameter, and in the delay \[1/s\] as the last.
+    /// Allocates nothing, as [`SimulationPlan::response`]; the values are the same to the last bit.
     ///
-    /// A derivative that is zero (a parameter that moves no term, the delay by the `Hold` rule) costs nothing. The
-    /// derivative in the delay by the `Linear` rule is that from the right. Under [`crate::Start::PERIODIC`] the
-    /// derivatives at zero frequency are those of the quotient of the lowest terms, their orders held.
+    /// A derivative that is zero (a parameter that moves no term, the delay by the `Hold` rule) costs
+    /// nothing. The derivative in the delay by the `Linear` rule is that from the right. Under
+    /// [`crate::Start::PERIODIC`] the derivatives at zero frequency are those of the quotient of the lowest
+    /// terms, their orders held.
     ///
     /// # Errors
     /// As [`SimulationPlan::response`]; [`DynamicsError::Tangents`] for a response made for another number of
@@ -131,12 +132,12 @@ impl SimulationPlan {
         self.apply_bins(&response.values, input, workspace, output)
     }
 
-    /// As [`SimulationPlan::apply`] for derivative `which` of the response: a parameter's, or the delay's, which is
-    /// the last.
+    /// As [`SimulationPlan::apply`] for derivative `which` of the response: a parameter's, or the delay's,
+    /// which is the last.
     ///
     /// # Errors
-    /// As [`SimulationPlan::apply`]; [`DynamicsError::NoTangent`] where there is no such derivative, or the response
-    /// was last computed without.
+    /// As [`SimulationPlan::apply`]; [`DynamicsError::NoTangent`] where there is no such derivative, or the
+    /// response was last computed without.
     pub fn apply_tangent(
         &self,
         response: &Response,

@@ -33,8 +33,8 @@ impl SecondOrder {
     /// The transfer function b / (s^α₂ + c₁ s^α₁ + c₀ s^α₀).
     ///
     /// # Errors
-    /// [`DynamicsError::Parameter`] for a natural frequency that is not positive or a value that is not finite;
-    /// what [`TransferFunction::validate`] refuses (orders not ascending).
+    /// [`DynamicsError::Parameter`] for a natural frequency that is not positive or a value that is not
+    /// finite; what [`TransferFunction::validate`] refuses (orders not ascending).
     pub fn to_transfer_function(&self) -> Result<TransferFunction, DynamicsError> {
         let mut tf = TransferFunction {
             numerator: vec![Term::new(0.0, 0.0)],

@@ -1,4 +1,5 @@
-//! Factors on a plan's frequencies: e^(−s x h) for a delay of x samples, and what the input does between its samples.
+//! Factors on a plan's frequencies: e^(−s x h) for a delay of x samples, and what the input does between its
+//! samples.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,7 +12,8 @@ use hysteron_numeric::{Complex64, InstructionSet, rotate, rotate_and_add};
 
 /// z^x on the frequencies z = e^(−damping − 2πi·bin/length).
 ///
-/// Phases are reduced to turns with whole samples in whole numbers, so they are as accurate for 10⁵ samples as for one.
+/// Phases are reduced to turns with whole samples in whole numbers, so they are as accurate for 10⁵ samples
+/// as for one.
 struct Shift {
     whole: usize,
     fraction: f64,
@@ -60,8 +62,9 @@ impl Shift {
 }
 
 impl SimulationPlan {
-    /// The plan for inputs that were low-passed and of which every `factor`-th sample was kept: what they do between their
-    /// samples by [`Sampling::reconstruction`], they do between those they had before, a `factor`-th of a period apart.
+    /// The plan for inputs that were low-passed and of which every `factor`-th sample was kept: what they do
+    /// between their samples by [`Sampling::reconstruction`], they do between those they had before, a
+    /// `factor`-th of a period apart.
     #[must_use]
     pub fn of_thinned_inputs(mut self, factor: usize) -> Self {
         self.drive_period = 1.0 / factor.max(1) as f64;

@@ -79,7 +79,8 @@ impl Series {
     }
 }
 
-/// Numerator and denominator, or their derivatives, over one block of frequencies; as series over the panel it is in.
+/// Numerator and denominator, or their derivatives, over one block of frequencies; as series over the panel
+/// it is in.
 #[derive(Clone, Debug)]
 pub(super) struct Polynomials {
     pub(super) numerator: Block,
@@ -166,8 +167,8 @@ pub(super) struct Candidate<'a> {
 }
 
 impl Candidate<'_> {
-    /// Works out numerator and denominator and, for every tangent that is not zero, their derivatives, block by block of
-    /// at most [`BLOCK`] frequencies, each once, and hands them to `each`.
+    /// Works out numerator and denominator and, for every tangent that is not zero, their derivatives, block
+    /// by block of at most [`BLOCK`] frequencies, each once, and hands them to `each`.
     pub(super) fn over(
         &self,
         frequencies: &Frequencies,
@@ -194,13 +195,15 @@ impl Candidate<'_> {
     }
 
     /// Numerator and denominator are both worked out over s^shift: with many orders their values, which
-    /// nothing but their quotient is asked of, would leave the range of numbers at high frequencies. 0 up to order 8. The
-    /// series of the runs hold sums of such powers to 3e-12 of their terms' size up to order 17, to 1e-10 up to 27.
+    /// nothing but their quotient is asked of, would leave the range of numbers at high frequencies. 0 up to
+    /// order 8. The series of the runs hold sums of such powers to 3e-12 of their terms' size up to order 17,
+    /// to 1e-10 up to 27.
     fn shift(&self) -> f64 {
         shift(self.tf)
     }
 
-    /// Calls `each` with every order in turn and the terms of this order, above and below: they share one power.
+    /// Calls `each` with every order in turn and the terms of this order, above and below: they share one
+    /// power.
     fn orders(&self, mut each: impl FnMut(f64, [Option<(Part, usize, Term)>; 2])) {
         let mut next = [0, 0];
         loop {
@@ -444,8 +447,8 @@ mod tests {
                     for ((found, expected), size) in found.iter().zip(expected).zip(sizes) {
                         let error = (found - expected).norm();
                         worst = worst.max(error / size);
-                        // Exponents of up to 60 are rounded to half a unit. High powers need more terms of a series
-                        // than there are.
+                        // Exponents of up to 60 are rounded to half a unit. High powers need more terms of a
+                        // series than there are.
                         let allowed = match shift(tf) {
                             0.0 => 5e-14,
                             few if few <= 8.0 => 3e-12,

@@ -6,8 +6,8 @@ use std::fmt;
 use super::{DynamicsError, Term};
 use hysteron_numeric::Complex64;
 
-/// G(s) = Σ b s^β / Σ a s^α, terms in ascending order (article Eq. 6), any number of them, orders real ≥ 0 and
-/// not necessarily commensurate. s in rad/s, on the main sheet |arg s| ≤ π.
+/// G(s) = Σ b s^β / Σ a s^α, terms in ascending order (article Eq. 6), any number of them, orders real ≥ 0
+/// and not necessarily commensurate. s in rad/s, on the main sheet |arg s| ≤ π.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
     /// Numerator terms, ascending order.
@@ -35,8 +35,8 @@ impl TransferFunction {
         }
     }
 
-    /// Checks the terms: finite coefficients, at least one of them non-zero in each polynomial, orders finite,
-    /// ≥ 0 and strictly ascending. Allocates nothing.
+    /// Checks the terms: finite coefficients, at least one of them non-zero in each polynomial, orders
+    /// finite, ≥ 0 and strictly ascending. Allocates nothing.
     ///
     /// # Errors
     /// [`DynamicsError::NoTerms`], [`DynamicsError::Coefficient`], [`DynamicsError::Order`],

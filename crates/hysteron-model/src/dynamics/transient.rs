@@ -24,11 +24,12 @@ impl TransferFunction {
         self.simulate_from_zero(&step, sample_rate_hz, scheme)
     }
 
-    /// Response to a unit impulse at t = 0 (unit of G times 1/s), sampled as [`TransferFunction::step_response`]:
-    /// the response to one sample of height `sample_rate_hz`, the convolution quadrature weights over h.
+    /// Response to a unit impulse at t = 0 (unit of G times 1/s), sampled as
+    /// [`TransferFunction::step_response`]: the response to one sample of height `sample_rate_hz`, the
+    /// convolution quadrature weights over h.
     ///
-    /// Second order away from t = 0 under `Bdf2` and `Tustin`; the value at t = 0 is G(δ(0)/h)/h. A G that does
-    /// not vanish at high frequency has a δ-function in its response, which appears as G(∞)/h there.
+    /// Second order away from t = 0 under `Bdf2` and `Tustin`; the value at t = 0 is G(δ(0)/h)/h. A G that
+    /// does not vanish at high frequency has a δ-function in its response, which appears as G(∞)/h there.
     ///
     /// # Errors
     /// As [`SimulationPlan::new`] and [`SimulationPlan::simulate`].

@@ -13,8 +13,8 @@ const DIRECT: usize = 128;
 /// (Hairer, Lubich, Schlichte 1985, doi:10.1137/0906037).
 ///
 /// Unlike the one-transform simulation of [`crate::dynamics::SimulationPlan`] it makes no assumption of
-/// stability: the error grows no faster than the response. Agrees with the plain recursion within 1e-12 of the
-/// largest value on article Eq. 13.
+/// stability: the error grows no faster than the response. Agrees with the plain recursion within 1e-12 of
+/// the largest value on article Eq. 13.
 ///
 /// # Errors
 /// As [`super::simulate_recursion`].

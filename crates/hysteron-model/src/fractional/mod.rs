@@ -5,7 +5,8 @@
 //! [`Scheme`]. For K = sᵅ and δ = 1 − z that is the Grünwald–Letnikov sum, article Eq. 3.
 //!
 //! - [`weights`]: the series of δ(z)ᵅ.
-//! - [`differintegral`]: Dᵅ of samples, any real α, O(N log N); [`differintegral_direct`] is its O(N²) oracle.
+//! - [`differintegral`]: Dᵅ of samples, any real α, O(N log N); [`differintegral_direct`] is its O(N²)
+//!   oracle.
 //! - [`simulate_recursion`]: article Eq. 4, the O(N²) oracle of every simulator; [`simulate_causal`] is the
 //!   same recursion in O(N log² N), exact for unstable systems too.
 //! - [`convolution_weights`]: the series of any K(δ(z)/h).

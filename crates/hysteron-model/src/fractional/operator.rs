@@ -12,8 +12,8 @@ use hysteron_numeric::convolution::causal_convolution;
 /// [`differintegral_direct`] within 1e-12 of the largest value.
 ///
 /// # Errors
-/// [`DynamicsError::OperatorOrder`], [`DynamicsError::SampleRate`]; [`DynamicsError::ImproperOperator`] for `Tustin`
-/// with α > 0, which diverges; [`DynamicsError::NoWeights`] for `BandLimited`;
+/// [`DynamicsError::OperatorOrder`], [`DynamicsError::SampleRate`]; [`DynamicsError::ImproperOperator`] for
+/// `Tustin` with α > 0, which diverges; [`DynamicsError::NoWeights`] for `BandLimited`;
 /// [`DynamicsError::ResultNotFinite`].
 ///
 /// ```

@@ -10,9 +10,9 @@ const ALIASING: f64 = 1e-10;
 
 /// First `count` weights ω_j of Σ ω_j z^j = K(δ(z)/h), so that (K u)_k ≈ Σ_j ω_j u_{k−j}.
 ///
-/// `operator` is K(s), real on the positive real axis and analytic in the right half-plane; it is evaluated at
-/// s = δ(z)/h on |z| = r < 1 (Lubich 1988, doi:10.1007/BF01398686). ω_j carries an error of about 1e-10 of the
-/// largest |K| on the circle times the sample's own r^−j ≤ 1e5 in rounding.
+/// `operator` is K(s), real on the positive real axis and analytic in the right half-plane; it is evaluated
+/// at s = δ(z)/h on |z| = r < 1 (Lubich 1988, doi:10.1007/BF01398686). ω_j carries an error of about 1e-10 of
+/// the largest |K| on the circle times the sample's own r^−j ≤ 1e5 in rounding.
 ///
 /// # Errors
 /// [`DynamicsError::SampleRate`], [`DynamicsError::ResultNotFinite`] where K is not finite on the circle.

@@ -7,7 +7,8 @@ use crate::dynamics_error::{DynamicsError, check_result, check_sample_rate};
 /// Response of Σ numerator / Σ denominator to `input`, zero before the first sample, by the O(N²) recursion
 /// (article Eq. 4):
 ///
-/// x_k = (Σ_j n_j u_{k−j} − Σ_{j≥1} d_j x_{k−j}) / d₀, d_j = Σ_i a_i h^−α_i w_j^(α_i), n_j likewise from b, β.
+/// x_k = (Σ_j n_j u_{k−j} − Σ_{j≥1} d_j x_{k−j}) / d₀, d_j = Σ_i a_i h^−α_i w_j^(α_i), n_j likewise from b,
+/// β.
 ///
 /// Any number of terms, any scheme that has weights, stable or not. The oracle of the fast simulators. Under
 /// `Tustin` both series are first multiplied by (1 + z)^α_n: with whole orders this is the usual difference

@@ -8,8 +8,8 @@ use std::str::FromStr;
 use crate::unknown_name::UnknownName;
 use hysteron_numeric::Complex64;
 
-/// How a transfer function in s is simulated on sampled data (convolution quadrature: s → δ(z)/h, z the
-/// unit delay, h the sample period; SPEC §3).
+/// Discretisation of a transfer function in s: convolution quadrature, s → δ(z)/h, with z the unit delay and
+/// h the sample period (`docs/theory/fractional.md`).
 ///
 /// All three substitutions map |z| < 1 into the right half-plane. Error of the simulated article Eq. 13 on
 /// a 1–100 Hz chirp at 10 kHz: 1.7e-2, 7.2e-4 and 1.8e-4 of the maximum for `GrunwaldLetnikov`, `Bdf2` and
@@ -56,13 +56,13 @@ impl Scheme {
     }
 
     /// Whether parameters identified under this scheme hold at their own sample rate only. True for
-    /// `GrunwaldLetnikov`: fitted to exact data at 10 kHz it returns b +65 % and α₂ + 0.095 (SPEC §3).
+    /// `GrunwaldLetnikov`, whose parameters absorb its first-order error (`docs/theory/fractional.md`).
     pub const fn parameters_belong_to_sample_rate(self) -> bool {
         matches!(self, Self::GrunwaldLetnikov)
     }
 
-    /// Whether a plant that is unstable in continuous time may be stable under this scheme: δ maps the unit disc
-    /// into a part of the right half-plane (`Tustin`: onto all of it).
+    /// Whether a plant that is unstable in continuous time may be stable under this scheme: δ maps the unit
+    /// disc into a part of the right half-plane (`Tustin`: onto all of it).
     pub const fn may_damp(self) -> bool {
         matches!(self, Self::GrunwaldLetnikov | Self::Bdf2)
     }

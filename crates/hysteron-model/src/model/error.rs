@@ -54,8 +54,8 @@ pub enum RunError {
     },
     /// A rest voltage or a memory is given to a model that knows none.
     #[error(
-        "a model of the kind \"{kind}\" starts from rest at its first sample, or settled on a period: a rest voltage or a \
-         hysteresis memory does not apply"
+        "a model of the kind \"{kind}\" starts from rest at its first sample, or settled on a period: a rest \
+         voltage or a hysteresis memory does not apply"
     )]
     RestVoltage {
         /// The kind of the model.

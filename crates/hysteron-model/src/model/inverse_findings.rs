@@ -11,8 +11,9 @@ use hysteron_numeric::display::{short, short_to};
 pub const FAR_FROM_REST: f64 = 1.25;
 
 impl Hammerstein {
-    /// Gain at rest over that at the lowest frequency of the records it was identified from, and that frequency \[Hz\]; infinite for
-    /// a model that creeps for ever. `None` for a static model, or one whose records had no frequency.
+    /// Gain at rest over that at the lowest frequency of the records it was identified from, and that
+    /// frequency \[Hz\]; infinite for a model that creeps for ever. `None` for a static model, or one whose
+    /// records had no frequency.
     pub fn gain_at_rest(&self) -> Option<(f64, f64)> {
         let (Dynamics::Integer(g) | Dynamics::Fractional(g)) = &self.law().dynamics else { return None };
         let lowest_hz = self.data().valid_range.as_ref()?.frequency.as_ref()?.low;
@@ -20,8 +21,8 @@ impl Hammerstein {
         (over > 0.0 && !over.is_nan()).then_some((over, lowest_hz))
     }
 
-    /// What keeps the drive `found` from following its reference, or makes it follow the model rather than the device: limits that
-    /// hold it back, and what the model only extrapolates of a rest.
+    /// What keeps the drive `found` from following its reference, or makes it follow the model rather than
+    /// the device: limits that hold it back, and what the model only extrapolates of a rest.
     pub fn findings_on_drive(&self, found: &InverseDrive, range: [f64; 2]) -> Vec<Finding> {
         let mut findings = Vec::new();
         let mut say = |topic, text: String, advice| {
@@ -31,8 +32,9 @@ impl Hammerstein {
         let input = Unit::new(&self.data().units.input).spaced();
         if found.at_range > 0 {
             let text = format!(
-                "The drive is clipped at its range, {} to {}{input}, in {} of {samples} samples: the reference asks for more. Take a wider \
-                 range where device and amplifier allow it, move the reference's offset, or reduce its amplitude.",
+                "The drive is clipped at its range, {} to {}{input}, in {} of {samples} samples: the \
+                 reference asks for more. Take a wider range where device and amplifier allow it, move the \
+                 reference's offset, or reduce its amplitude.",
                 short(range[0]),
                 short(range[1]),
                 found.at_range
@@ -41,22 +43,24 @@ impl Hammerstein {
         }
         if found.at_slew > 0 {
             let text = format!(
-                "The drive is clipped at its largest rate in {} of {samples} samples: the reference is too fast for it. Slow the reference \
-                 down, round its turns, or allow a higher rate.",
+                "The drive is clipped at its largest rate in {} of {samples} samples: the reference is too \
+                 fast for it. Slow the reference down, round its turns, or allow a higher rate.",
                 found.at_slew
             );
             say("slew", text, Advice::DriveRate);
         }
         match self.gain_at_rest() {
             Some((over, _)) if over.is_infinite() => {
-                let text = "The model creeps for ever: its gain at rest is infinite, so that a reference that is held is met by a drive that \
-                            keeps falling, and the rest before it is only a convention. Identify it with creep that ends.";
+                let text = "The model creeps for ever: its gain at rest is infinite, so that a reference \
+                            that is held is met by a drive that keeps falling, and the rest before it is \
+                            only a convention. Identify it with creep that ends.";
                 say("rest", text.to_owned(), Advice::CreepThatEnds);
             }
             Some((over, lowest_hz)) if over.max(1.0 / over) > FAR_FROM_REST => {
                 let text = format!(
-                    "At rest the model's gain is {} times that at {} Hz, the slowest it was identified with: drives for levels that are held \
-                     are extrapolated by that factor. Identify it with a slower record or held levels, and creep that ends.",
+                    "At rest the model's gain is {} times that at {} Hz, the slowest it was identified with: \
+                     drives for levels that are held are extrapolated by that factor. Identify it with a \
+                     slower record or held levels, and creep that ends.",
                     short_to(over, 2),
                     short(lowest_hz)
                 );

@@ -8,7 +8,8 @@ use crate::invert::InverseDrive;
 use crate::model_file::SignalUnits;
 use crate::record::{Keyed, key_in, range_of};
 
-/// What an inverse asks of the drive and what it leaves. As JSON, quantities in the units of input and output have keys that end in them.
+/// What an inverse asks of the drive and what it leaves. As JSON, quantities in the units of input and output
+/// have keys that end in them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InverseSummary {
     /// Samples of the reference.
@@ -50,7 +51,8 @@ pub struct InverseSummary {
 }
 
 impl InverseSummary {
-    /// Of the `found` drive for a reference; `band`: half of the 95 % band of the model's output at its widest.
+    /// Of the `found` drive for a reference; `band`: half of the 95 % band of the model's output at its
+    /// widest.
     pub fn new(
         reference: &[f64],
         found: &InverseDrive,

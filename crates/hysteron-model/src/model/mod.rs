@@ -1,7 +1,8 @@
 //! A model of any kind: its data and what it does.
 //!
-//! A [`Model`] is made from the bytes of a model file ([`Model::from_json`]) or from an identification. [`Model::simulate`] and
-//! [`Model::score`] take every kind; what a kind does not do is one error, [`Unsupported`].
+//! A [`Model`] is made from the bytes of a model file ([`Model::from_json`]) or from an identification.
+//! [`Model::simulate`] and [`Model::score`] take every kind; what a kind does not do is one error,
+//! [`Unsupported`].
 
 mod capability;
 mod checked_realisation;
@@ -92,8 +93,8 @@ impl Hammerstein {
         remark.into_iter().collect()
     }
 
-    /// The same options; where the model creeps for ever and no lowest frequency is named, a thousandth of the lowest frequency of
-    /// the records it was identified from.
+    /// The same options; where the model creeps for ever and no lowest frequency is named, a thousandth of
+    /// the lowest frequency of the records it was identified from.
     pub fn realise_options(&self, sample_rate_hz: f64, options: RealiseOptions) -> RealiseOptions {
         let frequency = self.data.valid_range.as_ref().and_then(|range| range.frequency.as_ref());
         let low = frequency.map(|f| CREEP_BELOW_RECORDS * f.low).filter(|low| *low > 0.0);

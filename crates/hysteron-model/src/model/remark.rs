@@ -36,8 +36,8 @@ pub enum Remark {
         /// Their unit.
         unit: Unit,
     },
-    /// The model was identified on settled periodic records, or takes one to be settled; this drive does not repeat, and the
-    /// device is taken to start at rest.
+    /// The model was identified on settled periodic records, or takes one to be settled; this drive does not
+    /// repeat, and the device is taken to start at rest.
     DoesNotRepeat,
     /// The record is explained better from another start than the one expected.
     StartChosen {
@@ -46,13 +46,14 @@ pub enum Remark {
         /// The start expected.
         expected: Start,
     },
-    /// The drive starts with a jump, which a model without dynamics cannot follow: so many samples are not scored.
+    /// The drive starts with a jump, which a model without dynamics cannot follow: so many samples are not
+    /// scored.
     LeftOut {
         /// Number of samples.
         samples: usize,
     },
-    /// A drive or a reference swings faster than what the model was identified with: beyond that it extrapolates, and an error
-    /// predicted for it says nothing of that.
+    /// A drive or a reference swings faster than what the model was identified with: beyond that it
+    /// extrapolates, and an error predicted for it says nothing of that.
     Fast {
         /// Which signal.
         signal: SignalRole,
@@ -74,7 +75,8 @@ impl Remark {
             }
             Self::Extrapolates { input, identified, unit } => (
                 format!(
-                    "the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it extrapolates",
+                    "the input runs from {} to {} {unit}, the model was identified from {} to {} {unit}: it \
+                     extrapolates",
                     short(input.0),
                     short(input.1),
                     short(identified.0),
@@ -84,8 +86,8 @@ impl Remark {
             ),
             Self::LevelExtrapolates { level, identified, unit } => (
                 format!(
-                    "the inputs have {} {unit} rms, the model was identified from {} to {} {unit}: it extrapolates, with the \
-                     modes of the nearest level",
+                    "the inputs have {} {unit} rms, the model was identified from {} to {} {unit}: it \
+                     extrapolates, with the modes of the nearest level",
                     short(*level),
                     short(identified.0),
                     short(identified.1),
@@ -98,8 +100,8 @@ impl Remark {
             ),
             Self::DoesNotRepeat => (
                 format!(
-                    "the model was identified on settled periodic records; this drive does not repeat and is taken to start at \
-                     rest{}",
+                    "the model was identified on settled periodic records; this drive does not repeat and is \
+                     taken to start at rest{}",
                     if model.rests_at_a_voltage() { " at its first sample" } else { "" }
                 ),
                 start,
@@ -115,14 +117,15 @@ impl Remark {
             }
             Self::LeftOut { samples } => (
                 format!(
-                    "the drive starts with a jump, which a model without dynamics cannot follow: its first {samples} samples \
-                     are not scored"
+                    "the drive starts with a jump, which a model without dynamics cannot follow: its first \
+                     {samples} samples are not scored"
                 ),
                 Some(Advice::ScoreAll),
             ),
             Self::Fast { signal, fastest_hz, identified_hz } => (
                 format!(
-                    "the {} swings at up to {} Hz, the model was identified up to {} Hz: beyond that it extrapolates{}",
+                    "the {} swings at up to {} Hz, the model was identified up to {} Hz: beyond that it \
+                     extrapolates{}",
                     signal.name(),
                     short(*fastest_hz),
                     short(*identified_hz),

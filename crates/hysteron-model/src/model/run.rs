@@ -16,7 +16,8 @@ use crate::validate::{OffsetTreatment, ScoreError, Scores, Scoring, choose_start
 
 /// A level beyond those identified by this share deserves a remark.
 const LEVEL_SLACK: f64 = 0.02;
-/// Fewest samples that say anything about a model: with two, and the offset estimated from them, any line fits.
+/// Fewest samples that say anything about a model: with two, and the offset estimated from them, any line
+/// fits.
 const FEWEST_SAMPLES: usize = 3;
 /// Variation of a simulation, over its size, that is rounding.
 const ROUNDING: f64 = 1e-9;
@@ -44,8 +45,8 @@ impl Simulation {
 }
 
 impl Simulation {
-    /// The inputs, the model's `outputs` in `unit` under these names, the ends of a `band` around one output (`y_low`, `y_high`), and
-    /// what was measured beside them (`y_measured`), with its mask.
+    /// The inputs, the model's `outputs` in `unit` under these names, the ends of a `band` around one output
+    /// (`y_low`, `y_high`), and what was measured beside them (`y_measured`), with its mask.
     ///
     /// # Errors
     /// [`RecordError`] where the signals are not those of the simulation.
@@ -82,8 +83,8 @@ impl Simulation {
 }
 
 impl Model {
-    /// The model's output for a drive, in free run: no measured output is used. [`Start::AsIdentified`] takes the start that the
-    /// model file assumes; a drive of several axes that repeats is in its steady state.
+    /// The model's output for a drive, in free run: no measured output is used. [`Start::AsIdentified`] takes
+    /// the start that the model file assumes; a drive of several axes that repeats is in its steady state.
     ///
     /// # Errors
     /// [`RunError`]: other units or channels, no or another sample rate where one is needed, a motion that cannot be simulated.
@@ -112,8 +113,9 @@ impl Model {
         }
     }
 
-    /// Scores of the model on a record, simulated from its start. [`Start::AsIdentified`]: from the start that explains the record
-    /// best, the one that the model file assumes unless another is better by more than 1 %; a hysteresis memory is estimated.
+    /// Scores of the model on a record, simulated from its start. [`Start::AsIdentified`]: from the start
+    /// that explains the record best, the one that the model file assumes unless another is better by more
+    /// than 1 %; a hysteresis memory is estimated.
     ///
     /// # Errors
     /// As [`Self::simulate`]; a record that says nothing about a model.
@@ -157,8 +159,8 @@ impl Model {
         Ok(Score { verdict, without_estimated_start, ..Score::of_single(record, unit, scores, simulation) })
     }
 
-    /// Scores of the model on a run of several records. [`Start::AsIdentified`]: from the start that explains the first record best,
-    /// as [`Self::score`] finds it; the later ones do not help.
+    /// Scores of the model on a run of several records. [`Start::AsIdentified`]: from the start that explains
+    /// the first record best, as [`Self::score`] finds it; the later ones do not help.
     ///
     /// # Errors
     /// As [`Self::score`]; [`RunError::Signals`] for models of several inputs and outputs.
@@ -205,8 +207,8 @@ impl Model {
         }
     }
 
-    /// The unit of a signal that model and record agree on: the record's, or the model's where the record gives none (which goes
-    /// to `remarks`).
+    /// The unit of a signal that model and record agree on: the record's, or the model's where the record
+    /// gives none (which goes to `remarks`).
     ///
     /// # Errors
     /// [`RunError::Unit`].
@@ -432,7 +434,8 @@ impl Prepared {
     }
 }
 
-/// The unit that a model (`own`, a header symbol) and a record agree on: the record's, or the model's where the record gives none.
+/// The unit that a model (`own`, a header symbol) and a record agree on: the record's, or the model's where
+/// the record gives none.
 fn agreed_unit(
     signal: SignalRole,
     own: &str,
@@ -479,7 +482,8 @@ fn hammerstein_start(file: &ModelFile, record: &InputOutput, remarks: &mut Vec<R
     }
 }
 
-/// The start that an oscillator's file assumes: for a settled one the drive's own period; `None` where it has none.
+/// The start that an oscillator's file assumes: for a settled one the drive's own period; `None` where it has
+/// none.
 fn own_start(file: &OscillatorFile, record: &InputOutput) -> Option<Start> {
     if file.start() != Start::PERIODIC {
         return Some(Start::ZERO);
@@ -500,8 +504,8 @@ fn oscillate(
     Ok(y)
 }
 
-/// A score says nothing of one or two samples, nor where nothing moves: a sensor that stood still, or a drive that did (unless
-/// the model, started elsewhere, still moves towards it).
+/// A score says nothing of one or two samples, nor where nothing moves: a sensor that stood still, or a drive
+/// that did (unless the model, started elsewhere, still moves towards it).
 fn check_meaningful(record: &InputOutput, simulated: &[f64]) -> Result<(), RunError> {
     let valid = |k: usize| record.is_valid(k);
     let range = |x: &[f64]| {

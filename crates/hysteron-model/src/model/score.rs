@@ -12,10 +12,10 @@ use crate::validate::Scores;
 
 /// How well a model describes a record.
 ///
-/// As JSON, quantities in the unit of the outputs have keys that end in it (`rmse_um`), and `unit` names it where it is not µm;
-/// `start` is there where a hysteresis memory was estimated, with the score from the model file's own start in
-/// `without_estimated_start`, `verdict` where the file holds scores of its training. Several outputs: the figures are pooled over them, then `outputs` has
-/// each of them.
+/// As JSON, quantities in the unit of the outputs have keys that end in it (`rmse_um`), and `unit` names it
+/// where it is not µm; `start` is there where a hysteresis memory was estimated, with the score from the
+/// model file's own start in `without_estimated_start`, `verdict` where the file holds scores of its
+/// training. Several outputs: the figures are pooled over them, then `outputs` has each of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
     /// Name of the record: the path of its file, where it has one.
@@ -34,7 +34,8 @@ pub struct Score {
     pub axes: Option<AxesScore>,
     /// How the 95 % band of a new measurement holds the record, where it was asked for.
     pub band: Option<BandScore>,
-    /// Scores from the start that the model file assumes, where a hysteresis memory was estimated from the record.
+    /// Scores from the start that the model file assumes, where a hysteresis memory was estimated from the
+    /// record.
     pub without_estimated_start: Option<Box<Scores>>,
     /// What the score says about device and range, where the model file tells how the training scored.
     pub verdict: Option<Verdict>,
@@ -42,15 +43,16 @@ pub struct Score {
     pub simulation: Simulation,
 }
 
-/// How well a model describes a run of several records, simulated at one go from the start of the first, with one offset.
+/// How well a model describes a run of several records, simulated at one go from the start of the first, with
+/// one offset.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunScore {
     /// Each part of the run, with the offset of the whole.
     pub records: Vec<Score>,
     /// The whole run.
     pub whole: Score,
-    /// The whole run from the start that the model file assumes, without the memory that the first record tells of; `None` where
-    /// that is the same.
+    /// The whole run from the start that the model file assumes, without the memory that the first record
+    /// tells of; `None` where that is the same.
     pub whole_without_estimated_start: Option<Score>,
 }
 
@@ -94,8 +96,8 @@ impl Score {
         }
     }
 
-    /// Every sample of a record as it was scored: drive, measured output `y`, the model's `y_model` with the offset, `residual`
-    /// y − y_model. Samples that are not valid are marked.
+    /// Every sample of a record as it was scored: drive, measured output `y`, the model's `y_model` with the
+    /// offset, `residual` y − y_model. Samples that are not valid are marked.
     ///
     /// # Errors
     /// [`RecordError`] where the record is not that of the score.

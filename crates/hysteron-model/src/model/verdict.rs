@@ -12,7 +12,8 @@ const AS_IN_TRAINING: f64 = 2.0;
 /// A gain explains an error where it removes this share of it, and differs from one by so much.
 const EXPLAINED: f64 = 0.4;
 const OTHER_GAIN: f64 = 0.02;
-/// A loop this many times as wide or as narrow is another one, where the difference exceeds so many times the error of the training.
+/// A loop this many times as wide or as narrow is another one, where the difference exceeds so many times the
+/// error of the training.
 const OTHER_WIDTH: f64 = 1.25;
 const BEYOND_ERROR: f64 = 3.0;
 /// Excess over the range of the identification, as a share of it, that does not count.
@@ -59,8 +60,8 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// The verdict on a record with its simulation and scores; `training`: the scores in the model file. `None` where none of them
-    /// is of a record that was fitted, or the record's output is constant.
+    /// The verdict on a record with its simulation and scores; `training`: the scores in the model file.
+    /// `None` where none of them is of a record that was fitted, or the record's output is constant.
     pub(super) fn of(
         training: &[ScoreEntry],
         range: Option<&ValidRange>,
@@ -175,7 +176,8 @@ mod tests {
         (0..2000).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) / 1000.0).sin()).collect()
     }
 
-    /// The verdict on a record of 0.2 µm/V times `gain` with a small error, of a model of 0.2 µm/V identified to ±10 V, 5 Hz.
+    /// The verdict on a record of 0.2 µm/V times `gain` with a small error, of a model of 0.2 µm/V identified
+    /// to ±10 V, 5 Hz.
     fn judged(amplitude: f64, hz: f64, gain: f64) -> Verdict {
         let u = drive(amplitude, hz);
         let model: Vec<f64> = u.iter().map(|u| 0.2 * u).collect();

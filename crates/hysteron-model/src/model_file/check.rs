@@ -11,14 +11,14 @@ use crate::hysteresis::{FamilyForm, HysteresisForm};
 
 const BOUC_WEN_NAMES: &str =
     "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and alpha, beta, gamma, n";
-const FAMILY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, the shape numbers of the kind, and \
-                            weight_1, weight_2 … without gaps";
-const PLAY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and threshold_1, weight_1, \
-                          threshold_2, weight_2 … without gaps";
+const FAMILY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, the shape \
+                            numbers of the kind, and weight_1, weight_2 … without gaps";
+const PLAY_NAMES: &str = "linear, quadratic, cubic, quartic, quintic, degree_6 … without gaps, and \
+                          threshold_1, weight_1, threshold_2, weight_2 … without gaps";
 
 impl ModelFile {
-    /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter names,
-    /// terms that suit the kind of dynamics, a correlation matrix that is one.
+    /// Checks everything that is not a matter of types: version, finite numbers, ranges, units, parameter
+    /// names, terms that suit the kind of dynamics, a correlation matrix that is one.
     ///
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.

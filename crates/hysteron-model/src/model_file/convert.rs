@@ -62,7 +62,8 @@ impl Units {
 }
 
 impl ModelFile {
-    /// File of a model whose signals have the given units; without standard errors, range, provenance or scores.
+    /// File of a model whose signals have the given units; without standard errors, range, provenance or
+    /// scores.
     pub fn from_model(model: &Model, signals: SignalUnits) -> Self {
         let units = Units::new(&signals);
         let hysteresis = HysteresisBlock {

@@ -1,7 +1,7 @@
 //! How the estimates of the numbers in a model file hang together.
 //!
-//! Standard errors stand at the numbers themselves; beside them the file holds their correlation R, so that nothing is said
-//! twice: the covariance is σ_i R_ij σ_j.
+//! Standard errors stand at the numbers themselves; beside them the file holds their correlation R, so that
+//! nothing is said twice: the covariance is σ_i R_ij σ_j.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -71,8 +71,8 @@ fn bounded<'de, T: Deserialize<'de>, D: Deserializer<'de>>(deserializer: D) -> R
     deserializer.deserialize_seq(List(PhantomData))
 }
 
-/// Names of the numbers of a transfer function as a model file has them, with their values: coefficient and order of every
-/// term, numerator first.
+/// Names of the numbers of a transfer function as a model file has them, with their values: coefficient and
+/// order of every term, numerator first.
 pub fn transfer_function_numbers(g: &TransferFunction) -> (Vec<String>, Vec<f64>) {
     let lists = [("numerator", &g.numerator), ("denominator", &g.denominator)];
     let terms = lists.into_iter().flat_map(|(list, terms)| terms.iter().enumerate().map(move |t| (list, t)));
@@ -86,7 +86,8 @@ pub fn transfer_function_numbers(g: &TransferFunction) -> (Vec<String>, Vec<f64>
         .unzip()
 }
 
-/// Which term a name such as `denominator[1].order` speaks of: is it of the denominator, its place, is it the order.
+/// Which term a name such as `denominator[1].order` speaks of: is it of the denominator, its place, is it the
+/// order.
 fn term(name: &str) -> Option<(bool, usize, bool)> {
     let (list, rest) = name.split_once('[')?;
     let (place, what) = rest.split_once("].")?;
@@ -132,8 +133,8 @@ pub fn number_mut<'a>(model: &'a mut Model, name: &str) -> Option<&'a mut f64> {
     }
 }
 
-/// Shrinks a matrix of correlations towards the unit matrix until no eigenvalue is negative: those of parameters that are nearly
-/// dependent are zero but for rounding, of either sign.
+/// Shrinks a matrix of correlations towards the unit matrix until no eigenvalue is negative: those of
+/// parameters that are nearly dependent are zero but for rounding, of either sign.
 fn lift(matrix: &mut [CorrelationRow]) {
     let count = matrix.len();
     let lowest = DMatrix::from_fn(count, count, |i, j| matrix[i].0[j]).symmetric_eigenvalues().min();
@@ -178,8 +179,8 @@ impl ModelFile {
         }
     }
 
-    /// Takes standard errors and correlation from a covariance of numbers of the model, each named once. Numbers that the
-    /// model does not have, and those without a positive finite variance, are left out.
+    /// Takes standard errors and correlation from a covariance of numbers of the model, each named once.
+    /// Numbers that the model does not have, and those without a positive finite variance, are left out.
     pub fn set_covariance(&mut self, names: &[String], covariance: &DMatrix<f64>) {
         let mut kept = Vec::new();
         for (i, name) in names.iter().enumerate() {

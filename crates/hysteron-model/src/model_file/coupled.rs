@@ -12,8 +12,8 @@ use super::{
 use crate::axes::{CoupledErrors, CoupledHammerstein, Path};
 use crate::hysteresis::BoucWen;
 
-/// A file of the format `hysteron-model`, kind `branches`: y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn), v_n = u_n − z_n,
-/// ż_n = α u̇_n − β |u̇_n| z_n − γ u̇_n |z_n|, G_mn a pair of poles of gain 1.
+/// A file of the format `hysteron-model`, kind `branches`: y_m = offset_m + Σ_n K_mn (G_mn ∗ v_n)(t − τ_mn),
+/// v_n = u_n − z_n, ż_n = α u̇_n − β |u̇_n| z_n − γ u̇_n |z_n|, G_mn a pair of poles of gain 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "the file of coupled branches (a JSON object)")]
 pub struct CoupledFile {
@@ -179,7 +179,8 @@ impl CoupledFile {
         })
     }
 
-    /// Checks everything that is not a matter of types: format and version, names, lengths of lists, finite numbers, ranges, units.
+    /// Checks everything that is not a matter of types: format and version, names, lengths of lists, finite
+    /// numbers, ranges, units.
     ///
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.

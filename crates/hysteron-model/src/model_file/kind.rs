@@ -13,7 +13,8 @@ pub enum Kind {
     Hammerstein,
     /// A mass on a hysteretic spring: one input, one output.
     Oscillator,
-    /// Structural modes with hysteresis in feedback, scheduled by the level of the drive: several inputs and outputs.
+    /// Structural modes with hysteresis in feedback, scheduled by the level of the drive: several inputs and
+    /// outputs.
     Modes,
     /// Sums of Hammerstein branches: several inputs and outputs.
     Branches,

@@ -1,9 +1,11 @@
 //! The versioned model file: a model is data.
 //!
-//! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 2`, the `kind` of model ([`Kind`]), its numbers, and how they
-//! were made. [`read`] takes every kind, and the files of version 1, which had a format a kind. The keys of a Hammerstein
-//! model are those of [`ModelFile`]; of the other kinds [`OscillatorFile`], [`ModesFile`], [`CoupledFile`]. Every number of the model is a [`Quantity`] `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of
-//! column headers (`um`, `V`, `A_per_m`):
+//! `MODEL.json` holds `"format": "hysteron-model"`, `"version": 2`, the `kind` of model ([`Kind`]), its
+//! numbers, and how they were made. [`read`] takes every kind, and the files of version 1, which had a format
+//! a kind. The keys of a Hammerstein model are those of [`ModelFile`]; of the other kinds [`OscillatorFile`],
+//! [`ModesFile`], [`CoupledFile`]. Every number of the model is a [`Quantity`]
+//! `{"value": …, "unit": …, "std_error": …|null}`. Units are the suffixes of column headers (`um`, `V`,
+//! `A_per_m`):
 //!
 //! | number | unit |
 //! | --- | --- |
@@ -18,15 +20,16 @@
 //! | `delay` | `s` |
 //! | `offset` | `um` |
 //!
-//! There is no constant term among the parameters: the one output offset is `offset`. For `"kind": "arx"` the order
-//! is the power of z⁻¹: the numerator holds b₀, b₁, …, the denominator 1, a₁, a₂, …. For `"kind": "none"` both lists
-//! are empty (or absent). Terms are in ascending order.
+//! There is no constant term among the parameters: the one output offset is `offset`. For `"kind": "arx"` the
+//! order is the power of z⁻¹: the numerator holds b₀, b₁, …, the denominator 1, a₁, a₂, …. For
+//! `"kind": "none"` both lists are empty (or absent). Terms are in ascending order.
 //!
-//! Reading is strict: an unknown version, key, kind or parameter, a missing key, a wrong unit, a number that is not
-//! finite or not allowed is a [`ModelFileError`] that names the place. Keys that are not part of the mathematics
-//! (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`, `correlation` and `std_error`) may
-//! be absent. Writing is atomic, and a file that could not be read back is never written. Numbers survive
-//! writing and reading bit for bit. [`json_schema`] is the same in JSON Schema.
+//! Reading is strict: an unknown version, key, kind or parameter, a missing key, a wrong unit, a number that
+//! is not finite or not allowed is a [`ModelFileError`] that names the place. Keys that are not part of the
+//! mathematics (`name`, `units`, `normalisation`, `start`, `valid_range`, `provenance`, `scores`,
+//! `correlation` and `std_error`) may be absent. Writing is atomic, and a file that could not be read back is
+//! never written. Numbers survive writing and reading bit for bit. [`json_schema`] is the same in JSON
+//! Schema.
 
 mod check;
 mod convert;
@@ -155,9 +158,9 @@ impl Default for SignalUnits {
 pub struct HysteresisBlock {
     /// Which model.
     pub kind: HysteresisKind,
-    /// Its parameters by name: `linear`, `quadratic`, …, then for `bouc-wen` `alpha`, `beta`, `gamma`, `n`, for
-    /// `prandtl-ishlinskii` `threshold_1`, `threshold_2`, …, `weight_1`, `weight_2`, …; for other kinds their shape numbers, then
-    /// `weight_1`, `weight_2`, ….
+    /// Its parameters by name: `linear`, `quadratic`, …, then for `bouc-wen` `alpha`, `beta`, `gamma`, `n`,
+    /// for `prandtl-ishlinskii` `threshold_1`, `threshold_2`, …, `weight_1`, `weight_2`, …; for other kinds
+    /// their shape numbers, then `weight_1`, `weight_2`, ….
     pub parameters: Parameters,
 }
 
@@ -272,7 +275,8 @@ impl ValidRange {
         )
     }
 
-    /// Highest frequency of the swings of a signal, where it is beyond those covered, and the highest covered \[Hz\].
+    /// Highest frequency of the swings of a signal, where it is beyond those covered, and the highest covered
+    /// \[Hz\].
     pub fn exceeded_by(&self, signal: &[f64], time: &TimeBase) -> Option<(f64, f64)> {
         /// Excess that is worth a remark.
         const FASTER: f64 = 1.1;

@@ -9,10 +9,11 @@ use super::json;
 use super::{FORMAT, Kind, ModelFileError, Provenance, SignalUnits, VERSION, ValidRange};
 use crate::axes::{FeedbackStrain, InfluenceMatrix, LevelLaw, ScheduledModes, StrainLaw};
 
-/// A file of the format `hysteron-model`, kind `modes`: the numbers of [`ScheduledModes`], whose documentation has the equations.
+/// A file of the format `hysteron-model`, kind `modes`: the numbers of [`ScheduledModes`], whose
+/// documentation has the equations.
 ///
-/// Matrices are lists row by row. Units: inputs in `units.input`, outputs in `units.output`; strains, strokes and stresses in the
-/// unit of the inputs; states are numbers without a unit of their own.
+/// Matrices are lists row by row. Units: inputs in `units.input`, outputs in `units.output`; strains, strokes
+/// and stresses in the unit of the inputs; states are numbers without a unit of their own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, expecting = "the file of scheduled modes (a JSON object)")]
 pub struct ModesFile {
@@ -180,7 +181,8 @@ impl InfluenceEntry {
 }
 
 impl ModesFile {
-    /// File of a model whose channels have these names and units; without influence, range, provenance or scores.
+    /// File of a model whose channels have these names and units; without influence, range, provenance or
+    /// scores.
     pub fn new(
         model: &ScheduledModes,
         units: SignalUnits,
@@ -266,8 +268,8 @@ impl ModesFile {
         }
     }
 
-    /// Checks everything that is not a matter of types: format and version, names, lengths of lists, finite numbers, ranges, stable
-    /// poles.
+    /// Checks everything that is not a matter of types: format and version, names, lengths of lists, finite
+    /// numbers, ranges, stable poles.
     ///
     /// # Errors
     /// [`ModelFileError`] naming the first offending place.

@@ -43,8 +43,8 @@ pub struct OscillatorFile {
     pub inter_sample: InterSample,
     /// Sample rate the oscillator was identified at, in Hz.
     pub sample_rate_hz: f64,
-    /// What it is assumed to have done before a record's first sample, where nobody says otherwise: `rest` without memory, or
-    /// `settled` on the record's period.
+    /// What it is assumed to have done before a record's first sample, where nobody says otherwise: `rest`
+    /// without memory, or `settled` on the record's period.
     #[serde(default)]
     pub(super) start: StartKind,
     /// What the records covered; outside of it the model extrapolates.
@@ -119,7 +119,8 @@ fn shape_of_any_n(signals: &SignalUnits) -> String {
 }
 
 impl OscillatorFile {
-    /// File of an oscillator whose signals have the given units; without standard errors, range, provenance or scores.
+    /// File of an oscillator whose signals have the given units; without standard errors, range, provenance
+    /// or scores.
     pub fn new(
         oscillator: &Oscillator,
         signals: SignalUnits,

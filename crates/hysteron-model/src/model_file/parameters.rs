@@ -38,8 +38,8 @@ impl Parameters {
     }
 }
 
-/// Name of the coefficient of uⁱ, i = `degree` ≥ 1: `linear`, `quadratic`, `cubic`, `quartic`, `quintic`, then
-/// `degree_6`, `degree_7`, ….
+/// Name of the coefficient of uⁱ, i = `degree` ≥ 1: `linear`, `quadratic`, `cubic`, `quartic`, `quintic`,
+/// then `degree_6`, `degree_7`, ….
 pub fn polynomial_name(degree: usize) -> Cow<'static, str> {
     const NAMES: [&str; 5] = ["linear", "quadratic", "cubic", "quartic", "quintic"];
     match degree.checked_sub(1).and_then(|i| NAMES.get(i)) {
@@ -71,7 +71,8 @@ impl<'de> Deserialize<'de> for Parameters {
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Parameters, A::Error> {
                 let mut entries: Vec<(String, Quantity)> = Vec::new();
                 while let Some((name, quantity)) = map.next_entry::<String, Quantity>()? {
-                    // Bounded, so that the search for duplicates cannot take quadratic time in a hostile file.
+                    // Bounded, so that the search for duplicates cannot take quadratic time in a hostile
+                    // file.
                     if entries.len() >= MAX_PARAMETERS {
                         return Err(A::Error::custom(format!("more than {MAX_PARAMETERS} parameters")));
                     }
@@ -104,7 +105,8 @@ impl JsonSchema for Parameters {
         }
         json_schema!({
             "type": "object",
-            "description": "Parameters of bouc-wen: polynomial coefficients without gaps, alpha, beta, gamma, n.",
+            "description": "Parameters of bouc-wen: polynomial coefficients without gaps, alpha, beta, \
+                gamma, n.",
             "properties": properties,
             "patternProperties": { "^degree_([6-9]|[1-9][0-9]+)$": quantity },
             "required": ["linear", "alpha", "beta", "gamma", "n"],

@@ -12,7 +12,8 @@ use crate::start::Start;
 pub(super) struct StartEntry {
     /// At rest, or in a settled periodic motion.
     pub(super) kind: StartKind,
-    /// For `rest`: the input at which the device rested, in the input's unit; null for each record's first sample.
+    /// For `rest`: the input at which the device rested, in the input's unit; null for each record's first
+    /// sample.
     #[serde(default)]
     pub(super) voltage: Option<Quantity>,
 }
@@ -29,8 +30,9 @@ pub(super) enum StartKind {
 }
 
 impl ModelFile {
-    /// What the device is assumed to have done before a record, where nobody says otherwise; [`Start::AsIdentified`]: it rested at the
-    /// record's own first sample, [`Start::PERIODIC`]: the drive's own period has been running for long.
+    /// What the device is assumed to have done before a record, where nobody says otherwise;
+    /// [`Start::AsIdentified`]: it rested at the record's own first sample, [`Start::PERIODIC`]: the drive's
+    /// own period has been running for long.
     pub fn start(&self) -> Start {
         match (&self.start.voltage, self.start.kind) {
             (Some(voltage), _) => Start::Rest { voltage_v: voltage.value },

@@ -120,7 +120,8 @@ fn a_covariance_leaves_out_what_is_not_known() {
 
 #[test]
 fn a_covariance_that_rounding_spoiled_is_written_and_read() {
-    // Three parameters that cannot be told apart: the lowest eigenvalue of the correlation is about -1e-7, not 0.
+    // Three parameters that cannot be told apart: the lowest eigenvalue of the correlation is about -1e-7,
+    // not 0.
     let off = 1.0 - 1e-7;
     let spoiled = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 1.0, 1.0, 1.0, off, 1.0, off, 1.0]);
     assert!(spoiled.clone().symmetric_eigenvalues().min() < -1e-8);
@@ -311,7 +312,8 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         (
             "/hysteresis/kind",
             Some(json!("plasticity")),
-            "hysteresis.kind: no hysteresis family is called `plasticity`: expected one of bouc-wen, prandtl-ishlinskii",
+            "hysteresis.kind: no hysteresis family is called `plasticity`: expected one of bouc-wen, \
+             prandtl-ishlinskii",
         ),
         ("/delay", None, "missing field `delay`"),
         ("/sample_rate_hz", None, "missing field `sample_rate_hz`"),
@@ -355,7 +357,8 @@ fn every_refusal_names_the_place_and_what_is_expected() {
         (
             "/dynamics/denominator/2/coefficient/value",
             Some(json!(0)),
-            "dynamics.denominator[2].coefficient.value: expected a coefficient of the highest order that is not 0",
+            "dynamics.denominator[2].coefficient.value: expected a coefficient of the highest order that is \
+             not 0",
         ),
         (
             "/dynamics/denominator/2/coefficient/unit",
@@ -546,7 +549,8 @@ proptest! {
         prop_assert!(parsed(&bytes).is_err());
     }
 
-    /// A valid file with a few bytes overwritten, cut or repeated is read or refused, and what is read is sound.
+    /// A valid file with a few bytes overwritten, cut or repeated is read or refused, and what is read is
+    /// sound.
     #[test]
     fn mutated_files_never_panic_and_never_pass_unsound(
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0_u8..4), 1..6),

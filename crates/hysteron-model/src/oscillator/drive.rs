@@ -17,9 +17,10 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The force `u` sampled at `sample_rate_hz`, followed with `steps` steps a sample ([`super::Oscillator::steps`]). What it does
-    /// between samples is `rule`'s to say: on the public benchmark, 5 to 21 samples a period, straight lines leave an
-    /// error of 1.1 % where the band-limited force leaves 0.04 %.
+    /// The force `u` sampled at `sample_rate_hz`, followed with `steps` steps a sample
+    /// ([`super::Oscillator::steps`]). What it does between samples is `rule`'s to say: on the public
+    /// benchmark, 5 to 21 samples a period, straight lines leave an error of 1.1 % where the band-limited
+    /// force leaves 0.04 %.
     ///
     /// # Errors
     /// [`SimulationError::TooShort`], [`SimulationError::BadSampleRate`], [`SimulationError::Steps`],
@@ -74,8 +75,8 @@ impl Drive {
         self.ends
     }
 
-    /// The force at the beginning, the middle and the end of every step that leads from one sample to the next; one item an
-    /// interval. Where the force repeats, the last interval leads back to the first sample.
+    /// The force at the beginning, the middle and the end of every step that leads from one sample to the
+    /// next; one item an interval. Where the force repeats, the last interval leads back to the first sample.
     pub(super) fn intervals(&self) -> impl Iterator<Item = Interval<'_>> {
         let per_sample = 2 * self.steps;
         let first = self.force.first().copied().unwrap_or(0.0);

@@ -2,8 +2,9 @@
 //!
 //! m ÿ + c ẏ + k y + z = u,  ż = α ẏ − β |ẏ| z |z|ⁿ⁻¹ − γ ẏ |z|ⁿ,  n ≥ 1.
 //!
-//! In a Hammerstein model ([`crate::hammerstein`]) hysteresis is ahead of linear dynamics; here it is a restoring force within
-//! them, so that resonances move with the amplitude. At small motion z ≈ α y: the stiffness is k + α.
+//! In a Hammerstein model ([`crate::hammerstein`]) hysteresis is ahead of linear dynamics; here it is a
+//! restoring force within them, so that resonances move with the amplitude. At small motion z ≈ α y: the
+//! stiffness is k + α.
 //!
 //! * [`Oscillator`]: the parameters; [`Oscillator::simulate`], and with exact derivatives
 //!   [`Oscillator::simulate_with_sensitivities`].
@@ -12,10 +13,10 @@
 //!
 //! Identified by `hysteron_identify::oscillator`.
 //!
-//! Sources: R. Bouc 1967; Y.-K. Wen, *J. Eng. Mech. Div. ASCE* 102 (1976) 249–263; F. Ikhouane, J. Rodellar, *Systems with
-//! Hysteresis*, Wiley 2007, doi:10.1002/9780470513200; J. P. Noël, M. Schoukens, *Hysteretic benchmark with a dynamic
-//! nonlinearity*, Workshop on Nonlinear System Identification Benchmarks, Brussels 2016, which writes βγ for β and
-//! βδ for γ.
+//! Sources: R. Bouc 1967; Y.-K. Wen, *J. Eng. Mech. Div. ASCE* 102 (1976) 249–263; F. Ikhouane, J. Rodellar,
+//! *Systems with Hysteresis*, Wiley 2007, doi:10.1002/9780470513200; J. P. Noël, M. Schoukens, *Hysteretic
+//! benchmark with a dynamic nonlinearity*, Workshop on Nonlinear System Identification Benchmarks, Brussels
+//! 2016, which writes βγ for β and βδ for γ.
 
 mod drive;
 mod record;
@@ -84,8 +85,8 @@ impl Oscillator {
         Self { mass, damping, stiffness, alpha, beta, gamma, n }
     }
 
-    /// Checks that every parameter is finite, m > 0 and n ≥ 1. Nothing else: parameters with which motion can run away are
-    /// simulated as long as it does not.
+    /// Checks that every parameter is finite, m > 0 and n ≥ 1. Nothing else: parameters with which motion can
+    /// run away are simulated as long as it does not.
     ///
     /// # Errors
     /// [`SimulationError::Parameter`], the first found.
@@ -113,11 +114,11 @@ impl Oscillator {
         0.5 * self.damping / ((self.stiffness + self.alpha).max(0.0) * self.mass).sqrt()
     }
 
-    /// Steps from one sample to the next with which simulations are made: none longer than 0.03 rad of the natural frequency at
-    /// small motion, at least four.
+    /// Steps from one sample to the next with which simulations are made: none longer than 0.03 rad of the
+    /// natural frequency at small motion, at least four.
     ///
-    /// The error of a step is that of the corners of ż, where ẏ or z change sign: second order, measured on the public
-    /// benchmark 5e-5 of the rms displacement at ten steps a sample (0.030 rad).
+    /// The error of a step is that of the corners of ż, where ẏ or z change sign: second order, measured on
+    /// the public benchmark 5e-5 of the rms displacement at ten steps a sample (0.030 rad).
     pub fn steps(&self, sample_rate_hz: f64) -> usize {
         let angle = std::f64::consts::TAU * self.natural_frequency_hz() / sample_rate_hz;
         (angle / LONGEST_STEP).ceil().clamp(FEWEST_STEPS, MOST_STEPS) as usize

@@ -7,14 +7,14 @@ use super::step::{Motion, State};
 use super::{Drive, Oscillator, OscillatorState, SimulationError};
 use crate::start::Start;
 
-/// Derivatives: with respect to the seven parameters in the order of [`Oscillator::NAMES`], then to y, ẏ and z at the first
-/// sample.
+/// Derivatives: with respect to the seven parameters in the order of [`Oscillator::NAMES`], then to y, ẏ and
+/// z at the first sample.
 pub const PARTIALS: usize = 10;
 /// Number of parameters.
 const PARAMETERS: usize = 7;
 
-/// Displacements and their derivatives, to be used again and again: a call that finds buffers of the right length allocates
-/// nothing.
+/// Displacements and their derivatives, to be used again and again: a call that finds buffers of the right
+/// length allocates nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
     /// Displacement at every sample.
@@ -61,10 +61,10 @@ impl Tangent {
 }
 
 impl Oscillator {
-    /// Displacement with its derivatives under the force of `drive`, into `out`; returns the state at the last sample, of a force that
-    /// repeats that at the end of the period. The displacement is that of [`Self::simulate`], to the last bit, and the derivatives
-    /// are exact for it. From [`Start::PERIODIC`] they are those of the steady state: the ones with respect to the first
-    /// state are then 0.
+    /// Displacement with its derivatives under the force of `drive`, into `out`; returns the state at the
+    /// last sample, of a force that repeats that at the end of the period. The displacement is that of
+    /// [`Self::simulate`], to the last bit, and the derivatives are exact for it. From [`Start::PERIODIC`]
+    /// they are those of the steady state: the ones with respect to the first state are then 0.
     ///
     /// # Errors
     /// As [`Self::simulate`]; [`SimulationError::NotContracting`] where a steady state has no derivatives.
@@ -124,7 +124,8 @@ fn follow(
     Ok((x, s))
 }
 
-/// Total derivatives of a steady state x₀ = x(T; x₀, θ) from those at fixed x₀: ∂x₀/∂θ = (1 − ∂x(T)/∂x₀)⁻¹ ∂x(T)/∂θ.
+/// Total derivatives of a steady state x₀ = x(T; x₀, θ) from those at fixed x₀: ∂x₀/∂θ = (1 − ∂x(T)/∂x₀)⁻¹
+/// ∂x(T)/∂θ.
 fn close_period(end: &Tangent, out: &mut Response) -> Result<(), SimulationError> {
     let rows = [&end.y, &end.v, &end.z];
     let left = Matrix3::from_fn(|i, j| f64::from(u8::from(i == j)) - rows[i][PARAMETERS + j]);

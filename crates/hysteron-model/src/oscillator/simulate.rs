@@ -12,8 +12,8 @@ impl From<OscillatorState> for Start<OscillatorState> {
     }
 }
 
-/// The state at the first sample: without memory at rest, where the force sets in with that sample, whatever it was before;
-/// `None` for a steady state under the force, which repeats.
+/// The state at the first sample: without memory at rest, where the force sets in with that sample, whatever
+/// it was before; `None` for a steady state under the force, which repeats.
 pub(super) fn first_state(
     start: Start<OscillatorState>,
     drive: &Drive,
@@ -35,8 +35,9 @@ pub(super) fn first_state(
 }
 
 impl Oscillator {
-    /// Displacement under the force of `drive` into `out` (one value a sample); returns the state at the last sample, of a force that
-    /// repeats that at the end of the period. Classical Runge–Kutta scheme of fourth order with the steps of the drive. Allocates nothing.
+    /// Displacement under the force of `drive` into `out` (one value a sample); returns the state at the last
+    /// sample, of a force that repeats that at the end of the period. Classical Runge–Kutta scheme of fourth
+    /// order with the steps of the drive. Allocates nothing.
     ///
     /// # Errors
     /// [`SimulationError`]: a parameter or a state out of range, an output of another length than the drive, a motion that runs
@@ -96,8 +97,8 @@ const PERIODS: usize = 400;
 /// Change of the state over a period, as a share of its largest value, below which it is steady.
 const STEADY: f64 = 1e-10;
 
-/// Steady state: the period from rest, again and again, until its end is its beginning. `out` holds the last one. Hysteresis and
-/// damping forget, mostly within a period or two.
+/// Steady state: the period from rest, again and again, until its end is its beginning. `out` holds the last
+/// one. Hysteresis and damping forget, mostly within a period or two.
 pub(super) fn settle(
     oscillator: &Oscillator,
     drive: &Drive,

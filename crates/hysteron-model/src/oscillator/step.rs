@@ -1,8 +1,8 @@
 //! One step of the classical Runge–Kutta scheme of fourth order, with and without derivatives.
 //!
-//! The derivatives are those of the step itself, not of the differential equation it approximates: each stage carries its own
-//! (E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, §II.1 and §I.14,
-//! doi:10.1007/978-3-540-78862-1).
+//! The derivatives are those of the step itself, not of the differential equation it approximates: each stage
+//! carries its own (E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed.
+//! 1993, §II.1 and §I.14, doi:10.1007/978-3-540-78862-1).
 
 use super::sensitivities::{PARTIALS, Tangent};
 use super::{Oscillator, OscillatorState};

@@ -15,8 +15,9 @@ pub struct Cost {
     pub nanoseconds: f64,
 }
 
-/// Realises `models` for `sample_rate_hz` and times them along the same drive in turns. Comparable with each other, not with another
-/// run or machine; `now` is a clock. A model that cannot be realised is no error of the others.
+/// Realises `models` for `sample_rate_hz` and times them along the same drive in turns. Comparable with each
+/// other, not with another run or machine; `now` is a clock. A model that cannot be realised is no error of
+/// the others.
 pub fn side_by_side(
     models: &[&Model],
     sample_rate_hz: f64,

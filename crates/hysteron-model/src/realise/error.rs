@@ -20,7 +20,8 @@ pub enum RealiseError {
     },
     /// The model's parameters belong to one sample rate.
     #[error(
-        "the model ({scheme}) belongs to {model_hz} Hz, the rate it was identified at, and cannot run at {rate_hz} Hz"
+        "the model ({scheme}) belongs to {model_hz} Hz, the rate it was identified at, and cannot run at \
+         {rate_hz} Hz"
     )]
     SampleRate {
         /// What ties the model to its rate: a scheme, or `ARX`.
@@ -30,16 +31,17 @@ pub enum RealiseError {
         /// Rate asked for \[Hz\].
         rate_hz: f64,
     },
-    /// The gain at zero frequency is infinite, or not reached in any time that matters: the model is realised down to some
-    /// frequency, which nobody has named.
+    /// The gain at zero frequency is infinite, or not reached in any time that matters: the model is realised
+    /// down to some frequency, which nobody has named.
     #[error(
-        "the model creeps for ever (its gain at zero frequency is infinite, or not reached in any time that matters): name the \
-         lowest frequency to realise it down to"
+        "the model creeps for ever (its gain at zero frequency is infinite, or not reached in any time that \
+         matters): name the lowest frequency to realise it down to"
     )]
     LowestFrequency,
     /// The dynamics are not stable.
     #[error(
-        "the dynamics are not stable ({poles} poles in the right half-plane or on the imaginary axis) and cannot run sample by sample"
+        "the dynamics are not stable ({poles} poles in the right half-plane or on the imaginary axis) and \
+         cannot run sample by sample"
     )]
     Unstable {
         /// Number of such poles; 0 where it is not known.
@@ -47,7 +49,8 @@ pub enum RealiseError {
     },
     /// The accuracy is not reached.
     #[error(
-        "the dynamics cannot be realised to {wanted:e} of the range: {poles} real poles beside those of the model leave {reached:e}"
+        "the dynamics cannot be realised to {wanted:e} of the range: {poles} real poles beside those of the \
+         model leave {reached:e}"
     )]
     Accuracy {
         /// Accuracy asked for.

@@ -34,8 +34,8 @@ impl Fitted {
     }
 }
 
-/// Least squares over `points` for the weights of `poles` and of `taps` taps. The gain at rest, where there is one to meet, is
-/// met exactly, by the first tap. `None` where the equations cannot be solved.
+/// Least squares over `points` for the weights of `poles` and of `taps` taps. The gain at rest, where there
+/// is one to meet, is met exactly, by the first tap. `None` where the equations cannot be solved.
 pub(super) fn weights(
     target: Target<'_>,
     at_rest: Option<f64>,

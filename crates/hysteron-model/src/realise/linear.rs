@@ -41,8 +41,8 @@ pub struct LinearRealisation {
     pub rest_gain: f64,
     /// Largest |error of the response| over the band, as a share of `reference_gain`.
     pub frequency_error: f64,
-    /// The gain that errors are measured against: that at rest (at the lowest frequency where it is infinite); the largest where that is
-    /// next to nothing.
+    /// The gain that errors are measured against: that at rest (at the lowest frequency where it is
+    /// infinite); the largest where that is next to nothing.
     pub reference_gain: f64,
     /// The band \[Hz\]: from rest, or the lowest frequency, to half the sample rate.
     pub band_hz: (f64, f64),
@@ -72,15 +72,16 @@ impl LinearRealisation {
         self.taps.iter().sum::<f64>() + self.sections.iter().map(|s| s.weight.re).sum::<f64>()
     }
 
-    /// Σ |weights| over the gain that errors are measured against: what the rounding of a coefficient is amplified by.
+    /// Σ |weights| over the gain that errors are measured against: what the rounding of a coefficient is
+    /// amplified by.
     pub fn amplification(&self) -> f64 {
         let taps: f64 = self.taps.iter().map(|tap| tap.abs()).sum();
         let sections: f64 = self.sections.iter().map(|s| s.weight.norm()).sum();
         (taps + sections) / self.reference_gain
     }
 
-    /// The same as x⁺ = A x + B w, v = C x + D w of one input and one output: a register of the past inputs that delay and taps reach,
-    /// then the sections, real and imaginary part of a pair.
+    /// The same as x⁺ = A x + B w, v = C x + D w of one input and one output: a register of the past inputs
+    /// that delay and taps reach, then the sections, real and imaginary part of a pair.
     pub fn state_space(&self) -> StateSpace {
         let depth = self.delay_samples + self.taps.len();
         let n = depth + self.states();
@@ -268,7 +269,8 @@ impl<'a> Problem<'a> {
         Ok(problem)
     }
 
-    /// Highest angle that is fitted: images of the sampled spectrum are answers to G above half the sample rate.
+    /// Highest angle that is fitted: images of the sampled spectrum are answers to G above half the sample
+    /// rate.
     fn high(&self) -> f64 {
         if self.target.is_continuous() { TAU * f64::from(IMAGES) } else { PI }
     }
@@ -318,8 +320,8 @@ impl<'a> Problem<'a> {
         Err(RealiseError::Accuracy { wanted: self.accuracy, reached, poles: MOST_POLES })
     }
 
-    /// Largest error over the band, as a share of the reference: on the s-plane of the sampled answer to straight lines or held
-    /// samples, all images of which are taken to add up.
+    /// Largest error over the band, as a share of the reference: on the s-plane of the sampled answer to
+    /// straight lines or held samples, all images of which are taken to add up.
     fn error(&self, fitted: &Fitted, check: &[Point]) -> f64 {
         let error =
             |theta: f64| (fitted.at(self.target, theta) - self.target.at(theta)).norm() / self.reference;

@@ -14,7 +14,8 @@ const PER_DECADE: usize = 12;
 const DECADES: (i32, i32) = (-12, 12);
 /// Poles are spread over ln x as this power of the density: weak ends of the cut get fewer.
 const SPREAD: f64 = 0.2;
-/// Steps a decade in which poles on the cut are looked for, and what the denominator is there at most, as a share of its terms.
+/// Steps a decade in which poles on the cut are looked for, and what the denominator is there at most, as a
+/// share of its terms.
 const ON_CUT_PER_DECADE: usize = 48;
 const ON_CUT: f64 = 1e-9;
 /// Relative distance of the members of a multiple pole.
@@ -27,8 +28,8 @@ pub(super) struct Cut {
 }
 
 impl Cut {
-    /// The cut between two frequencies \[rad/s\], without ends that hold less than `share` together. A pole on the cut makes its density
-    /// infinite there: more than `most` counts as that.
+    /// The cut between two frequencies \[rad/s\], without ends that hold less than `share` together. A pole
+    /// on the cut makes its density infinite there: more than `most` counts as that.
     pub fn new(target: Target<'_>, (low, high): (f64, f64), share: f64, most: f64) -> Self {
         let width = std::f64::consts::LN_10 / PER_DECADE as f64;
         let exponents = DECADES.0 * PER_DECADE as i32..DECADES.1 * PER_DECADE as i32;
@@ -84,9 +85,10 @@ pub(super) fn of_transfer_function(target: Target<'_>, found: &[Complex64], coun
     upper.flat_map(|&s| side_by_side(s, copies)).flat_map(|s| target.poles_of(s)).collect()
 }
 
-/// Poles of G that lie on its branch cut \[rad/s\], which no search of the main sheet finds: where the denominator has a factor of whole orders,
-/// as creep by relaxations beside fractional modes has, it vanishes on both sides of the cut at once. Between two of them, apart
-/// by more than a step, the denominator turns round.
+/// Poles of G that lie on its branch cut \[rad/s\], which no search of the main sheet finds: where the
+/// denominator has a factor of whole orders, as creep by relaxations beside fractional modes has, it vanishes
+/// on both sides of the cut at once. Between two of them, apart by more than a step, the denominator turns
+/// round.
 pub(super) fn on_the_cut(g: &TransferFunction) -> Vec<f64> {
     // The denominator on the upper side of the cut at e^ln_x, and what rounding is measured by.
     let at = |ln_x: f64| {

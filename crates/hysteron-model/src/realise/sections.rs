@@ -46,8 +46,8 @@ pub(super) struct Discrete {
     pub sections: Vec<Section>,
 }
 
-/// The sampled answer of poles on the s-plane to an input that goes along straight lines between its samples, or is held, read a
-/// `fraction` of a sample earlier: exact.
+/// The sampled answer of poles on the s-plane to an input that goes along straight lines between its samples,
+/// or is held, read a `fraction` of a sample earlier: exact.
 pub(super) fn of_continuous(fitted: &Fitted, rule: InterSample, fraction: f64) -> Discrete {
     let held = rule == InterSample::Hold;
     let direct: f64 = fitted.taps.iter().sum();
@@ -61,7 +61,8 @@ pub(super) fn of_continuous(fitted: &Fitted, rule: InterSample, fraction: f64) -
     for &(pole, weight) in &fitted.poles {
         let (gain, c) = answer(pole.place, held, fraction);
         let a = 1.0 - gain;
-        // (c₀ + c₁q + c₂q²)/(1 − aq) = c₀ + (c₁ + ac₀)q + q²(c₂ + a(c₁ + ac₀))/(1 − aq), or one tap less where c₂ = 0.
+        // (c₀ + c₁q + c₂q²)/(1 − aq) = c₀ + (c₁ + ac₀)q + q²(c₂ + a(c₁ + ac₀))/(1 − aq), or one tap less
+        // where c₂ = 0.
         let mut carried = Complex64::ZERO;
         for (k, c) in c.into_iter().take(last).enumerate() {
             carried = carried * a + c;
@@ -74,10 +75,12 @@ pub(super) fn of_continuous(fitted: &Fitted, rule: InterSample, fraction: f64) -
     Discrete { taps, sections }
 }
 
-/// g = 1 − a and the numbers by which the last three inputs move the state (their sum is g), for ẋ = −p (w − x), place = p h.
+/// g = 1 − a and the numbers by which the last three inputs move the state (their sum is g), for ẋ = −p (w −
+/// x), place = p h.
 fn answer(place: Complex64, held: bool, fraction: f64) -> (Complex64, [Complex64; 3]) {
     let gain = -expm1(place);
-    // Of a stretch of length t (in samples): the constant moves the state by 1 − e^(pt), what rises by 1 over it by its second.
+    // Of a stretch of length t (in samples): the constant moves the state by 1 − e^(pt), what rises by 1 over
+    // it by its second.
     let stretch = |t: f64| {
         let forget = -expm1(place * t);
         let rise = if t == 0.0 { Complex64::ZERO } else { 1.0 - mean_of_exp(place * t) };
@@ -114,7 +117,8 @@ fn mean_of_exp(x: Complex64) -> Complex64 {
     (1..=10).rev().fold(Complex64::ONE, |sum, k| 1.0 + sum * x / f64::from(k + 1))
 }
 
-/// Sections fitted on the q-plane, behind a delay of a `fraction` of a sample on straight lines: (1 − f) + f q times them.
+/// Sections fitted on the q-plane, behind a delay of a `fraction` of a sample on straight lines: (1 − f) + f
+/// q times them.
 pub(super) fn of_sampled(fitted: &Fitted, fraction: f64) -> Discrete {
     let f = fraction;
     let own = fitted.taps.len();

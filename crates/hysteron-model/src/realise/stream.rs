@@ -204,8 +204,8 @@ impl Stream<'_> {
     }
 }
 
-/// Nanoseconds a sample of each stream along `drive`: the least of `rounds` passes, which the streams take in turn, so that whatever else
-/// the machine does meets all of them; `now` is a clock, from any time on.
+/// Nanoseconds a sample of each stream along `drive`: the least of `rounds` passes, which the streams take in
+/// turn, so that whatever else the machine does meets all of them; `now` is a clock, from any time on.
 ///
 /// # Errors
 /// As [`Stream::step`].

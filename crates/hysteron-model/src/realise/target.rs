@@ -10,8 +10,9 @@ use hysteron_numeric::Complex64;
 
 /// The response without delay, on one of two planes.
 ///
-/// Under a scheme that replaces s by δ(q)/h the batch simulation is a response in q, and so is ARX. Under `BandLimited` it is G on
-/// the imaginary axis; poles are fitted there, and what the input does between its samples is worked out exactly afterwards.
+/// Under a scheme that replaces s by δ(q)/h the batch simulation is a response in q, and so is ARX. Under
+/// `BandLimited` it is G on the imaginary axis; poles are fitted there, and what the input does between its
+/// samples is worked out exactly afterwards.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Target<'a> {
     Continuous { g: &'a TransferFunction, rate_hz: f64 },
@@ -104,7 +105,8 @@ impl Target<'_> {
             Scheme::Tustin => y / (1.0 + 0.5 * y),
             Scheme::GrunwaldLetnikov => y / (1.0 + y),
             Scheme::Bdf2 => {
-                // q = 2 ∓ √(1 − 2y), both on the sheet. The farther one, and all of the cut beyond y = ½, where q is complex, have
+                // q = 2 ∓ √(1 − 2y), both on the sheet. The farther one, and all of the cut beyond y = ½,
+                // where q is complex, have
                 // |q| ≥ 2: taps answer for them.
                 if y.im == 0.0 && y.re >= 0.5 {
                     return Vec::new();

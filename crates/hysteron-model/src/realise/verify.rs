@@ -50,7 +50,8 @@ pub fn verify(realisation: &Realisation, drive: &[f64]) -> Result<Verification, 
     Ok(Verification { largest: largest / range, rms: rms / range, range, samples })
 }
 
-/// A drive between two voltages: a logarithmic sweep between two frequencies \[Hz\] at full, then at half amplitude.
+/// A drive between two voltages: a logarithmic sweep between two frequencies \[Hz\] at full, then at half
+/// amplitude.
 pub fn sweep(
     voltages: (f64, f64),
     frequencies_hz: (f64, f64),

@@ -10,8 +10,8 @@ impl Channel {
         Channel { name: name.to_string(), unit: Unit::new(unit), samples }
     }
 
-    /// Column header that [`split_header`] takes apart again: `u_V`; `x [counts]` where the unit is not a known one; `y` or
-    /// `x_s []` where there is none.
+    /// Column header that [`split_header`] takes apart again: `u_V`; `x [counts]` where the unit is not a
+    /// known one; `y` or `x_s []` where there is none.
     pub fn header(&self) -> String {
         header_of(&self.name, &self.unit)
     }
@@ -67,8 +67,9 @@ pub fn header_of(name: &str, unit: &Unit) -> String {
 
 /// Takes a column header apart into name and unit.
 ///
-/// The unit is the longest suffix behind an underscore that is a known unit (`u_V`, `u_cmd_V`, `H_A_per_m`, `y1_nm`; `in`, inches, behind
-/// the name of a displacement alone), or stands in brackets, known or not (`Voltage (V)`, `y [µm]`). A header without one has the empty unit.
+/// The unit is the longest suffix behind an underscore that is a known unit (`u_V`, `u_cmd_V`, `H_A_per_m`,
+/// `y1_nm`; `in`, inches, behind the name of a displacement alone), or stands in brackets, known or not
+/// (`Voltage (V)`, `y [µm]`). A header without one has the empty unit.
 pub fn split_header(header: &str) -> (String, Unit) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {

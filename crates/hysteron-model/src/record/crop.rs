@@ -30,7 +30,8 @@ impl Record {
     /// (2.5 µm/V: factor 2.5, unit `um`).
     ///
     /// # Errors
-    /// [`RecordError::NoSuchChannel`], [`RecordError::BadScale`], [`RecordError::NotFinite`] where a product overflows.
+    /// [`RecordError::NoSuchChannel`], [`RecordError::BadScale`], [`RecordError::NotFinite`] where a product
+    /// overflows.
     pub fn with_channel_scaled(&self, name: &str, factor: f64, unit: Unit) -> Result<Record, RecordError> {
         let index = self.position(name, ColumnRole::Scaled)?;
         if !factor.is_finite() || factor == 0.0 {

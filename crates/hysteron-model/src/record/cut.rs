@@ -29,7 +29,8 @@ pub struct Cut {
     pub turns: Option<Turns>,
 }
 
-/// Condition on the values of a column, parsed from `segment=2`, `segment=2..7`, `segment=2..` or `segment=ramp`.
+/// Condition on the values of a column, parsed from `segment=2`, `segment=2..7`, `segment=2..` or
+/// `segment=ramp`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
@@ -133,8 +134,8 @@ impl Cut {
         *self == Cut::default()
     }
 
-    /// Indices of the samples of a record that are kept, in order. The record's samples need not be finite: those that are not
-    /// satisfy no condition.
+    /// Indices of the samples of a record that are kept, in order. The record's samples need not be finite:
+    /// those that are not satisfy no condition.
     ///
     /// # Errors
     /// Those of [`Record::cut`].
@@ -232,13 +233,13 @@ impl Record {
         self.time.extent_s(self.len())
     }
 
-    /// The samples that a [`Cut`] keeps. Stamps stay as they are: where samples are left out between others, or segments of
-    /// different rates are kept, the time base is not uniform; a segment of one rate is.
+    /// The samples that a [`Cut`] keeps. Stamps stay as they are: where samples are left out between others,
+    /// or segments of different rates are kept, the time base is not uniform; a segment of one rate is.
     ///
     /// # Errors
     /// [`RecordError::EmptyCut`] where fewer than two samples are kept; [`RecordError::NoTimes`];
-    /// [`RecordError::NoSuchChannel`]; [`RecordError::TextCondition`]; [`RecordError::TooFewTurns`], and for turning points
-    /// those of [`Record::drive`].
+    /// [`RecordError::NoSuchChannel`]; [`RecordError::TextCondition`]; [`RecordError::TooFewTurns`], and for
+    /// turning points those of [`Record::drive`].
     pub fn cut(&self, cut: &Cut) -> Result<Record, RecordError> {
         if cut.is_whole() {
             return Ok(self.clone());

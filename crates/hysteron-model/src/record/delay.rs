@@ -1,7 +1,7 @@
 //! Delay between drive and output, without mistaking the width of the loop for it.
 //!
-//! A hysteresis loop lags by the same *angle* at every frequency, a delay by the same *time*. One steady frequency cannot tell
-//! them apart; a start from rest, or several frequencies, can.
+//! A hysteresis loop lags by the same *angle* at every frequency, a delay by the same *time*. One steady
+//! frequency cannot tell them apart; a start from rest, or several frequencies, can.
 
 use std::f64::consts::TAU;
 
@@ -23,7 +23,8 @@ pub enum DelayFinding {
     FromStartUp(StartUp),
     /// From the phase over frequency: φ(f) = −φ₀ − 2π f τ.
     FromPhase {
-        /// τ \[s\]: dead time together with every lag that grows with frequency (amplifier, mechanics well below resonance).
+        /// τ \[s\]: dead time together with every lag that grows with frequency (amplifier, mechanics well
+        /// below resonance).
         delay_s: f64,
         /// Its standard error \[s\].
         std_error_s: f64,
@@ -43,8 +44,9 @@ pub enum DelayFinding {
     Unknown,
 }
 
-/// Estimates the delay of the output behind the drive: from a start-up out of rest where there is one, else from the phase over at
-/// least a factor of three in frequency, else an upper bound from the one frequency there is. `None` without a uniform time base.
+/// Estimates the delay of the output behind the drive: from a start-up out of rest where there is one, else
+/// from the phase over at least a factor of three in frequency, else an upper bound from the one frequency
+/// there is. `None` without a uniform time base.
 pub fn find_delay(
     data: &InputOutput,
     kind: &ExcitationKind,
@@ -84,8 +86,8 @@ fn inseparable(data: &InputOutput, kind: &ExcitationKind, periods: Option<&Perio
     Some(DelayFinding::Inseparable { frequency_hz, at_most_s: (-phase_rad / (TAU * frequency_hz)).max(0.0) })
 }
 
-/// Response at the one frequency of a record's drive (`frequency`, per sample), over its settled periods. `None` without a
-/// uniform time base.
+/// Response at the one frequency of a record's drive (`frequency`, per sample), over its settled periods.
+/// `None` without a uniform time base.
 pub fn fundamental_response(
     data: &InputOutput,
     frequency: f64,
@@ -117,8 +119,9 @@ fn principal(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-/// Responses at the driven frequencies of a record of several, from the averaged cross spectrum: from the lowest up to where
-/// the gain leaves 1/`spread` … `spread` of its value there, or half the Nyquist frequency; those with a coherence above 0.8.
+/// Responses at the driven frequencies of a record of several, from the averaged cross spectrum: from the
+/// lowest up to where the gain leaves 1/`spread` … `spread` of its value there, or half the Nyquist
+/// frequency; those with a coherence above 0.8.
 pub fn low_frequency_responses(data: &InputOutput, periods: Option<&Periods>, spread: f64) -> Vec<Response> {
     driven_responses(data, periods, spread).unwrap_or_default()
 }
@@ -166,8 +169,9 @@ fn driven_responses(data: &InputOutput, periods: Option<&Periods>, spread: f64) 
     Some(used.map(response).collect())
 }
 
-/// Delay by a straight line through the phases φ(f) = −φ₀ − 2π f τ, in ascending frequency: up to where the gain leaves
-/// 0.7 … 1.4 of that of the lowest. `None` below three frequencies or a factor of three between the lowest and the highest.
+/// Delay by a straight line through the phases φ(f) = −φ₀ − 2π f τ, in ascending frequency: up to where the
+/// gain leaves 0.7 … 1.4 of that of the lowest. `None` below three frequencies or a factor of three between
+/// the lowest and the highest.
 pub fn delay_from_phase(responses: &[Response]) -> Option<DelayFinding> {
     let first = responses.first()?;
     let level = |r: &&Response| (1.0 / SPREAD..SPREAD).contains(&(r.gain / first.gain));
@@ -253,7 +257,8 @@ mod tests {
     use super::super::{TimeBase, excitation_kind, find_periods};
     use super::*;
 
-    /// Sum of play operators (half-widths 0.1 … 0.8), started from rest, with dead time; the drive given as a function of time.
+    /// Sum of play operators (half-widths 0.1 … 0.8), started from rest, with dead time; the drive given as a
+    /// function of time.
     fn bench(rate: f64, n: usize, delay_s: f64, gain: f64, drive: impl Fn(f64) -> f64) -> InputOutput {
         let mut plays = [0.0f64; 8];
         let mut output = |u: f64| {

@@ -33,14 +33,15 @@ impl Record {
         Ok((changed, Trend { mean, per_s: 0.0, mean_time_s: 0.0 }))
     }
 
-    /// The record with the least-squares line through a channel's valid samples taken from the channel, and that line.
+    /// The record with the least-squares line through a channel's valid samples taken from the channel, and
+    /// that line.
     ///
-    /// A drive that does not begin and end alike leaves a slope of its own, which is taken away as well; for a periodic drive
-    /// [`super::linear_drift`] tells the drift apart from the motion.
+    /// A drive that does not begin and end alike leaves a slope of its own, which is taken away as well; for
+    /// a periodic drive [`super::linear_drift`] tells the drift apart from the motion.
     ///
     /// # Errors
-    /// [`RecordError::NoSuchChannel`]; [`RecordError::NoTimes`]; [`RecordError::TooShort`] with fewer than two valid samples;
-    /// [`RecordError::TimeStandsStill`] where these are of one time.
+    /// [`RecordError::NoSuchChannel`]; [`RecordError::NoTimes`]; [`RecordError::TooShort`] with fewer than
+    /// two valid samples; [`RecordError::TimeStandsStill`] where these are of one time.
     pub fn with_trend_removed(&self, channel: &str) -> Result<(Record, Trend), RecordError> {
         let index = self.position(channel, ColumnRole::Detrended)?;
         let valid = self.valid_indices(2, "a trend")?;

@@ -29,7 +29,8 @@ pub enum RecordError {
     },
     /// Channels, times or mask of different lengths.
     #[error(
-        "record `{record}`: {what} has {got} entries where the first channel has {expected} samples; all must be of one length"
+        "record `{record}`: {what} has {got} entries where the first channel has {expected} samples; all \
+         must be of one length"
     )]
     LengthMismatch {
         /// Name of the record.
@@ -43,7 +44,8 @@ pub enum RecordError {
     },
     /// NaN or infinity in a channel.
     #[error(
-        "record `{record}`, channel `{channel}`, sample {index}: {value} is not a finite number; cut the record there, or fill the gap from its neighbours and mark it 0 in a `valid` column"
+        "record `{record}`, channel `{channel}`, sample {index}: {value} is not a finite number; cut the \
+         record there, or fill the gap from its neighbours and mark it 0 in a `valid` column"
     )]
     NotFinite {
         /// Name of the record.
@@ -57,7 +59,8 @@ pub enum RecordError {
     },
     /// A channel name that no file could carry back.
     #[error(
-        "record `{record}`: `{}` is not a channel name; use printable characters, not empty, no blanks at the ends",
+        "record `{record}`: `{}` is not a channel name; use printable characters, not empty, no blanks at \
+         the ends",
         name.escape_debug()
     )]
     BadChannelName {
@@ -114,7 +117,8 @@ pub enum RecordError {
     },
     /// One channel only, where an input and an output are needed.
     #[error(
-        "record `{record}` has only one channel besides time, {channel}: a fit needs two, the drive (e.g. `u_V`) and the displacement (e.g. `y_um`); measure both in one file"
+        "record `{record}` has only one channel besides time, {channel}: a fit needs two, the drive (e.g. \
+         `u_V`) and the displacement (e.g. `y_um`); measure both in one file"
     )]
     OnlyOneChannel {
         /// Name of the record.
@@ -134,7 +138,8 @@ pub enum RecordError {
     },
     /// A channel whose unit cannot belong to its role.
     #[error(
-        "record `{record}`: channel `{channel}` is in {unit}, which cannot be the unit of the {role}; expected {expected}: correct the unit in the column's header, or choose another column"
+        "record `{record}`: channel `{channel}` is in {unit}, which cannot be the unit of the {role}; \
+         expected {expected}: correct the unit in the column's header, or choose another column"
     )]
     WrongUnit {
         /// Name of the record.
@@ -150,7 +155,8 @@ pub enum RecordError {
     },
     /// Time stamps that run backwards.
     #[error(
-        "record `{record}`: time runs backwards at sample {index}: {after} s follows {before} s; sort the rows, or split the file where the clock was reset"
+        "record `{record}`: time runs backwards at sample {index}: {after} s follows {before} s; sort the \
+         rows, or split the file where the clock was reset"
     )]
     TimeDecreases {
         /// Name of the record.
@@ -164,7 +170,8 @@ pub enum RecordError {
     },
     /// All time stamps are the same.
     #[error(
-        "record `{record}`: all {samples} time stamps are {time_s} s; write time with more digits, or leave the column out and give the sample rate"
+        "record `{record}`: all {samples} time stamps are {time_s} s; write time with more digits, or leave \
+         the column out and give the sample rate"
     )]
     TimeStandsStill {
         /// Name of the record.
@@ -184,7 +191,8 @@ pub enum RecordError {
     },
     /// A given sample rate that the time column contradicts.
     #[error(
-        "record `{record}`: the sample rate given is {given_hz} Hz, but {samples} samples span {} s by the time column, {} Hz; correct the one or drop the other",
+        "record `{record}`: the sample rate given is {given_hz} Hz, but {samples} samples span {} s by the \
+         time column, {} Hz; correct the one or drop the other",
         short(*.duration_s),
         short(*.measured_hz)
     )]
@@ -202,7 +210,8 @@ pub enum RecordError {
     },
     /// A step that needs uniform sampling.
     #[error(
-        "record `{record}`: {purpose} needs uniform sampling, but {found}; resample it first, or give the sample rate if the stamps are only badly written"
+        "record `{record}`: {purpose} needs uniform sampling, but {found}; resample it first, or give the \
+         sample rate if the stamps are only badly written"
     )]
     NotUniform {
         /// Name of the record.
@@ -226,7 +235,8 @@ pub enum RecordError {
     },
     /// A factor that cannot scale a channel.
     #[error(
-        "record `{record}`, channel `{channel}`: cannot scale by {factor}; the factor must be finite and not zero"
+        "record `{record}`, channel `{channel}`: cannot scale by {factor}; the factor must be finite and not \
+         zero"
     )]
     BadScale {
         /// Name of the record.
@@ -265,7 +275,8 @@ pub enum RecordError {
     },
     /// A signal that never changes.
     #[error(
-        "record `{record}`: channel `{channel}` is constant ({}) over all samples, so {purpose} is not possible; was the drive connected, the right column chosen?",
+        "record `{record}`: channel `{channel}` is constant ({}) over all samples, so {purpose} is not \
+         possible; was the drive connected, the right column chosen?",
         short(*.value)
     )]
     ConstantSignal {
@@ -298,7 +309,8 @@ pub enum RecordError {
     },
     /// A cut that keeps next to nothing.
     #[error(
-        "record `{record}`: the cut keeps {kept} of {samples} samples, at least 2 are needed; the record holds {holds}"
+        "record `{record}`: the cut keeps {kept} of {samples} samples, at least 2 are needed; the record \
+         holds {holds}"
     )]
     EmptyCut {
         /// Name of the record.
@@ -346,8 +358,8 @@ pub enum RecordError {
     },
     /// Records that overlap in time.
     #[error(
-        "record `{later}` begins at {begins_s} s, before `{earlier}` ends at {ends_s} s: time must increase from record \
-         to record; give them in order, and cut what overlaps"
+        "record `{later}` begins at {begins_s} s, before `{earlier}` ends at {ends_s} s: time must increase \
+         from record to record; give them in order, and cut what overlaps"
     )]
     JoinOrder {
         /// Name of the record before.
@@ -373,7 +385,8 @@ pub enum RecordError {
     },
     /// A frequency that is not positive and finite, or not above the one before.
     #[error(
-        "frequency response `{name}`, point {index}: frequency {value} Hz; frequencies must be positive, finite and strictly ascending"
+        "frequency response `{name}`, point {index}: frequency {value} Hz; frequencies must be positive, \
+         finite and strictly ascending"
     )]
     ResponseFrequency {
         /// The response.
@@ -397,7 +410,8 @@ pub enum RecordError {
     },
     /// A standard deviation that is not positive and finite.
     #[error(
-        "frequency response `{name}`, {frequency_hz} Hz: the standard deviation is {found}; it must be positive and finite"
+        "frequency response `{name}`, {frequency_hz} Hz: the standard deviation is {found}; it must be \
+         positive and finite"
     )]
     ResponseUncertainty {
         /// The response.

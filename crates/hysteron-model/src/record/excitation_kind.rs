@@ -71,7 +71,8 @@ impl ExcitationKind {
         }
     }
 
-    /// Lowest and highest frequency \[per sample\], the same for one frequency; `None` where it has none (ramps, steps).
+    /// Lowest and highest frequency \[per sample\], the same for one frequency; `None` where it has none
+    /// (ramps, steps).
     pub fn span(&self) -> Option<(f64, f64)> {
         match *self {
             Self::Wave { frequency, .. } => Some((frequency, frequency)),
@@ -82,7 +83,8 @@ impl ExcitationKind {
     }
 }
 
-/// Classifies a drive by its holds, the distances between its turning points (of more than 2 % of its range), and its spectrum.
+/// Classifies a drive by its holds, the distances between its turning points (of more than 2 % of its range),
+/// and its spectrum.
 pub fn excitation_kind(u: &[f64]) -> ExcitationKind {
     let Some((start, end)) = active_range(u) else {
         let (low, high) = range_of(u);
@@ -129,7 +131,8 @@ pub fn excitation_kind(u: &[f64]) -> ExcitationKind {
     ExcitationKind::Broadband { from, to }
 }
 
-/// Whether more than half of the samples repeat their predecessor, and at least half of the other moves exceed 2 % of the range.
+/// Whether more than half of the samples repeat their predecessor, and at least half of the other moves
+/// exceed 2 % of the range.
 fn is_held(u: &[f64], span: f64) -> bool {
     let held = u.windows(2).filter(|w| (w[1] - w[0]).abs() <= 1e-9 * span).count();
     let jumps = u.windows(2).filter(|w| (w[1] - w[0]).abs() > 0.02 * span).count();
@@ -137,7 +140,8 @@ fn is_held(u: &[f64], span: f64) -> bool {
     2 * held >= u.len() && jumps >= 1 && 2 * jumps >= moves
 }
 
-/// Frequency at the place `at`, on the line through the half periods `near` and `next`; within a factor of 4 of that of `near`.
+/// Frequency at the place `at`, on the line through the half periods `near` and `next`; within a factor of 4
+/// of that of `near`.
 fn extrapolated(places: &[f64], halves: &[f64], near: usize, next: usize, at: f64) -> f64 {
     let frequency = |i: usize| 0.5 / halves[i];
     let centre = |i: usize| places[i] + 0.5 * halves[i];

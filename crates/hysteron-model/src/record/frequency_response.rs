@@ -22,8 +22,8 @@ pub struct FrequencyResponse {
     pub frequency_hz: Vec<f64>,
     /// Values, in `unit`.
     pub values: Vec<Complex64>,
-    /// Standard deviation σ of each value, in `unit`: σ² = E|error|², half of it in the real and half in the imaginary
-    /// part. `None`: unknown.
+    /// Standard deviation σ of each value, in `unit`: σ² = E|error|², half of it in the real and half in the
+    /// imaginary part. `None`: unknown.
     pub std_dev: Option<Vec<f64>>,
     /// Output unit per input unit as in column headers (`um_per_V`); empty where nobody said.
     pub unit: String,
@@ -67,8 +67,8 @@ impl FrequencyResponse {
         }
     }
 
-    /// Checks lengths, frequencies (positive, finite, strictly ascending), values (finite) and standard deviations
-    /// (positive, finite).
+    /// Checks lengths, frequencies (positive, finite, strictly ascending), values (finite) and standard
+    /// deviations (positive, finite).
     ///
     /// # Errors
     /// [`RecordError::ResponseLength`], [`RecordError::ResponseFrequency`], [`RecordError::ResponseValue`],
@@ -123,9 +123,10 @@ impl FrequencyResponse {
         }
     }
 
-    /// How far each point lies off its neighbours: |error| of a local quadratic in ln f through the two points on either side, over what
-    /// noise of unit deviation would give, the median of eleven such (of a Rayleigh distribution, whose median is √(ln 2) σ). An estimate
-    /// of the noise where the response is smooth over a few points; larger at a resonance that only few points show.
+    /// How far each point lies off its neighbours: |error| of a local quadratic in ln f through the two
+    /// points on either side, over what noise of unit deviation would give, the median of eleven such (of a
+    /// Rayleigh distribution, whose median is √(ln 2) σ). An estimate of the noise where the response is
+    /// smooth over a few points; larger at a resonance that only few points show.
     pub fn scatter(&self) -> Vec<f64> {
         let x: Vec<f64> = self.frequency_hz.iter().map(|f| f.ln()).collect();
         let n = self.len();
@@ -150,8 +151,9 @@ impl FrequencyResponse {
         (0..n).map(|i| middle(i) / 2f64.ln().sqrt()).collect()
     }
 
-    /// The points that say more than noise: without those at either end that scatter by more than 30 % of their value. `None` where
-    /// that leaves out nothing, where the uncertainty is known, or where nothing is left.
+    /// The points that say more than noise: without those at either end that scatter by more than 30 % of
+    /// their value. `None` where that leaves out nothing, where the uncertainty is known, or where nothing is
+    /// left.
     pub fn band_above_noise(&self) -> Option<(f64, f64)> {
         if self.std_dev.is_some() {
             return None;
@@ -176,8 +178,9 @@ impl FrequencyResponse {
             .then(|| (self.frequency_hz[first], self.frequency_hz[last - 1]))
     }
 
-    /// This response over another at the same frequencies, e.g. stage over amplifier voltage from two responses to one
-    /// command. Independent uncertainties are combined to first order; where only one is known it is taken alone.
+    /// This response over another at the same frequencies, e.g. stage over amplifier voltage from two
+    /// responses to one command. Independent uncertainties are combined to first order; where only one is
+    /// known it is taken alone.
     ///
     /// # Errors
     /// [`RecordError::OtherFrequencies`]; [`RecordError::ResponseValue`] for a zero divisor.
@@ -285,7 +288,8 @@ mod tests {
         }
     }
 
-    /// A first-order lag of 100 Hz under noise of 0.01: the scatter is that noise, and beyond some kilohertz there is nothing else.
+    /// A first-order lag of 100 Hz under noise of 0.01: the scatter is that noise, and beyond some kilohertz
+    /// there is nothing else.
     #[test]
     fn scatter_is_the_noise_and_the_band_ends_where_it_drowns_the_response() {
         let mut rng = rand_xoshiro::Xoshiro256PlusPlus::seed_from_u64(3);

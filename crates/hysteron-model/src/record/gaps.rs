@@ -22,8 +22,8 @@ pub struct Gap {
 }
 
 impl TimeBase {
-    /// Gaps: intervals between stamps longer than three times the periods on both sides, where a period is the median of three
-    /// intervals. A change of the rate is none; nor are equal stamps of a coarse clock.
+    /// Gaps: intervals between stamps longer than three times the periods on both sides, where a period is
+    /// the median of three intervals. A change of the rate is none; nor are equal stamps of a coarse clock.
     pub fn gaps(&self) -> Vec<Gap> {
         let TimeBase::NonUniform { times_s } = self else { return Vec::new() };
         // Intervals between stamps that differ, with the sample that each begins behind.

@@ -21,7 +21,8 @@ pub struct Inspection {
     pub masked_samples: usize,
     /// Sample rate \[Hz\].
     pub sample_rate_hz: Option<f64>,
-    /// Largest deviation of a time stamp from the grid \[sample periods\]; `None` without a uniform time base.
+    /// Largest deviation of a time stamp from the grid \[sample periods\]; `None` without a uniform time
+    /// base.
     pub jitter_samples: Option<f64>,
     /// Last less first time \[s\].
     pub duration_s: Option<f64>,
@@ -45,7 +46,8 @@ pub struct Inspection {
     pub drift: Option<LinearDrift>,
     /// Delay of the output.
     pub delay: Option<DelayFinding>,
-    /// Loop of output over input, over the settled periods; `None` for a drive that makes no loop (broadband, steps).
+    /// Loop of output over input, over the settled periods; `None` for a drive that makes no loop (broadband,
+    /// steps).
     pub loop_shape: Option<LoopShape>,
     /// Samples of the input held at an end of its range.
     pub input_clipping: Clipping,
@@ -174,7 +176,8 @@ impl Inspection {
         let unit = data.y_unit.spaced();
         if u_low == u_high {
             findings.push(warning(format!(
-                "The input `{}` is constant ({}{}): nothing can be identified. Was the drive connected, the right column chosen?",
+                "The input `{}` is constant ({}{}): nothing can be identified. Was the drive connected, the \
+                 right column chosen?",
                 data.input,
                 short(u_low),
                 data.u_unit.spaced()
@@ -197,7 +200,8 @@ impl Inspection {
                     (low, high) => format!("{low} samples at its smallest and {high} at its largest value"),
                 };
                 findings.push(warning(format!(
-                    "The {what} `{name}` looks saturated: {ends}, entered and left steeply. Mark them 0 in a `valid` column, or record again within the range."
+                    "The {what} `{name}` looks saturated: {ends}, entered and left steeply. Mark them 0 in a \
+                     `valid` column, or record again within the range."
                 )));
             }
         }
@@ -205,18 +209,22 @@ impl Inspection {
         implausible_units(data, fastest_hz).into_iter().for_each(|text| findings.push(warning(text)));
         match &data.time {
             TimeBase::Unknown => findings.push(warning(
-                "There is no time column and no sample rate: a static fit is possible, dynamics are not. Give the sample rate if it is known."
+                "There is no time column and no sample rate: a static fit is possible, dynamics are not. \
+                 Give the sample rate if it is known."
                     .to_string(),
             ).with_advice(Advice::GiveSampleRate)),
             TimeBase::NonUniform { .. } if !self.segments.is_empty() => {
                 let text = format!(
-                    "{} segments at rates of their own: a Hammerstein model is fitted to and simulated on them as they are; what needs one rate takes the record resampled.",
+                    "{} segments at rates of their own: a Hammerstein model is fitted to and simulated on \
+                     them as they are; what needs one rate takes the record resampled.",
                     self.segments.len()
                 );
                 findings.push(Finding::new(FindingKind::Verdict, "record", text).with_advice(Advice::Resample));
             }
             TimeBase::NonUniform { .. } => findings.push(warning(format!(
-                "The time stamps are not uniform (longest distance {} times the median): a Hammerstein model is fitted to and simulated on them as they are; what needs one rate takes the record resampled, or the rate if the stamps are only written coarsely.",
+                "The time stamps are not uniform (longest distance {} times the median): a Hammerstein model \
+                 is fitted to and simulated on them as they are; what needs one rate takes the record \
+                 resampled, or the rate if the stamps are only written coarsely.",
                 self.largest_gap.map_or("unknown".to_string(), |g| format!("{g:.3}"))
             )).with_advice(Advice::Resample)),
             TimeBase::Uniform { jitter_samples, .. } if *jitter_samples > 0.01 => findings.push(warning(format!(
@@ -227,7 +235,8 @@ impl Inspection {
         if let Some(shape) = &self.loop_shape {
             if shape.butterfly {
                 findings.push(warning(
-                    "The output turns twice as often as the input: a butterfly loop (polarisation reversal). No Bouc-Wen model of an actuator can follow it."
+                    "The output turns twice as often as the input: a butterfly loop (polarisation reversal). \
+                     No Bouc-Wen model of an actuator can follow it."
                         .to_string(),
                 ));
             } else if shape.sense == Some(LoopSense::Clockwise)
@@ -235,15 +244,18 @@ impl Inspection {
                 && matches!(data.y_unit.base().0, Quantity::Length | Quantity::Angle)
             {
                 findings.push(warning(format!(
-                    "The loop runs clockwise: the output leads the input by {:.1} % of the stroke at mid-range. A piezo stack lags; are input and output swapped, or is the input measured behind the actuator?",
+                    "The loop runs clockwise: the output leads the input by {:.1} % of the stroke at \
+                     mid-range. A piezo stack lags; are input and output swapped, or is the input measured \
+                     behind the actuator?",
                     shape.opening_percent
                 )));
             }
         }
         if let Some(Servo { output, input }) = servo(data) {
             findings.push(warning(format!(
-                "The output moves along straight lines (to {} % of a move), the drive does not ({} %): this was taken under servo. The drive carries \
-                 the hysteresis and answers the sensor, so that a model of the stage from it is one of the closed loop; record it open loop.",
+                "The output moves along straight lines (to {} % of a move), the drive does not ({} %): this \
+                 was taken under servo. The drive carries the hysteresis and answers the sensor, so that a \
+                 model of the stage from it is one of the closed loop; record it open loop.",
                 short_to(100.0 * output, 2),
                 short_to(100.0 * input, 2)
             )));
@@ -252,7 +264,8 @@ impl Inspection {
             && step > 1e-3 * stroke
         {
             findings.push(warning(format!(
-                "The output is quantised in steps of {step:.4}{unit}, {:.2} % of its range: no model can be verified below that.",
+                "The output is quantised in steps of {step:.4}{unit}, {:.2} % of its range: no model can be \
+                 verified below that.",
                 100.0 * step / stroke
             )));
         }
@@ -261,7 +274,8 @@ impl Inspection {
             && rate / highest < 10.0
         {
             findings.push(warning(format!(
-                "Only {:.1} samples a period at {highest:.4} Hz: what happens between samples matters; prefer the band-limited rule or sample faster.",
+                "Only {:.1} samples a period at {highest:.4} Hz: what happens between samples matters; \
+                 prefer the band-limited rule or sample faster.",
                 rate / highest
             )));
         }
@@ -294,7 +308,8 @@ impl Inspection {
                 };
                 note(format!("The drive is a {shape} of {frequency}; {loops}."));
                 note(
-                    "One frequency only: how the loop changes with frequency cannot be determined from this record; add a sweep."
+                    "One frequency only: how the loop changes with frequency cannot be determined from this \
+                     record; add a sweep."
                         .to_string(),
                 );
             }
@@ -308,7 +323,8 @@ impl Inspection {
                 note(format!("The drive is held at {levels} levels, with jumps between them."))
             }
             (ExcitationKind::Ramps { reversals }, _) => note(format!(
-                "The drive goes through a few strokes ({reversals} {}): good for the static loop, silent on dynamics.",
+                "The drive goes through a few strokes ({reversals} {}): good for the static loop, silent on \
+                 dynamics.",
                 if *reversals == 1 { "reversal" } else { "reversals" }
             )),
             _ => {}
@@ -349,7 +365,8 @@ impl Inspection {
                 None => "closed to 0.1 %",
             };
             note(format!(
-                "The loop is open by {:.3}{unit} at mid-range, {:.1} % of the {:.3}{unit} stroke, {sense}.{once}",
+                "The loop is open by {:.3}{unit} at mid-range, {:.1} % of the {:.3}{unit} stroke, \
+                 {sense}.{once}",
                 shape.opening.abs(),
                 shape.opening_percent,
                 shape.stroke
@@ -357,11 +374,13 @@ impl Inspection {
         }
         match &self.delay {
             Some(DelayFinding::FromStartUp(s)) => note(format!(
-                "{} the output starts {:.2} ms late ({:.2} to {:.2} ms fit as well) and follows with a lag of {:.2} ms{}.",
+                "{} the output starts {:.2} ms late ({:.2} to {:.2} ms fit as well) and follows with a lag \
+                 of {:.2} ms{}.",
                 if s.rest_recorded {
                     "After the drive jumps out of rest"
                 } else {
-                    "The first output lies outside the settled loop, as if the drive had jumped to its first value from rest;"
+                    "The first output lies outside the settled loop, as if the drive had jumped to its first \
+                     value from rest;"
                 },
                 1e3 * s.delay_s,
                 1e3 * s.delay_range_s.0,
@@ -375,7 +394,8 @@ impl Inspection {
             )),
             Some(DelayFinding::FromPhase { delay_s, std_error_s, constant_lag_rad, band_hz }) => {
                 note(format!(
-                    "Delay {:.3} ± {:.3} ms (dead time and every lag that grows with frequency) beside a constant lag of {:.1}° (hysteresis, creep), from the phase between {} and {}.",
+                    "Delay {:.3} ± {:.3} ms (dead time and every lag that grows with frequency) beside a \
+                     constant lag of {:.1}° (hysteresis, creep), from the phase between {} and {}.",
                     1e3 * delay_s,
                     1e3 * std_error_s,
                     constant_lag_rad.to_degrees(),
@@ -384,7 +404,9 @@ impl Inspection {
                 ))
             }
             Some(DelayFinding::Inseparable { frequency_hz, at_most_s }) => note(format!(
-                "The delay cannot be told from loop width: on one steady frequency ({}) both only shift the output, together by {:.3} ms, so the delay is at most that. A sweep, or a start from rest that a first-order lag describes, would tell them apart.",
+                "The delay cannot be told from loop width: on one steady frequency ({}) both only shift the \
+                 output, together by {:.3} ms, so the delay is at most that. A sweep, or a start from rest \
+                 that a first-order lag describes, would tell them apart.",
                 hz(*frequency_hz),
                 1e3 * at_most_s
             )),

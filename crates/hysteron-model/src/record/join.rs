@@ -6,12 +6,14 @@ use super::{Channel, Record, RecordError, TimeBase};
 const SAME_GRID_PERIODS: f64 = 1e-6;
 
 impl Record {
-    /// The records one behind the other, with the columns of the first. Pieces of one grid are uniform again; a pause or another
-    /// rate makes the time base non-uniform. The mask is that of the records, all valid where a record has none.
+    /// The records one behind the other, with the columns of the first. Pieces of one grid are uniform again;
+    /// a pause or another rate makes the time base non-uniform. The mask is that of the records, all valid
+    /// where a record has none.
     ///
     /// # Errors
-    /// [`RecordError::JoinColumns`] where columns, units or the time base differ in kind; [`RecordError::JoinOrder`] where a record
-    /// begins before the one before it ends; [`RecordError::NoChannels`] of no records; those of [`Record::check`].
+    /// [`RecordError::JoinColumns`] where columns, units or the time base differ in kind;
+    /// [`RecordError::JoinOrder`] where a record begins before the one before it ends;
+    /// [`RecordError::NoChannels`] of no records; those of [`Record::check`].
     pub fn joined(records: &[Record]) -> Result<Record, RecordError> {
         let Some((first, others)) = records.split_first() else {
             return Err(RecordError::NoChannels { record: String::new() });
@@ -167,7 +169,8 @@ mod tests {
     }
 
     proptest! {
-        /// The parts of a cut record, joined, are the record: to the last bit on a grid, and with the very stamps off it.
+        /// The parts of a cut record, joined, are the record: to the last bit on a grid, and with the very
+        /// stamps off it.
         #[test]
         fn parts_joined_are_the_record(
             steps in prop::collection::vec(0.02..1.0f64, 3..60),

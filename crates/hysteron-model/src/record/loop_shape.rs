@@ -18,7 +18,8 @@ pub struct LoopShape {
     pub input_range: (f64, f64),
     /// Largest less smallest output, in its unit.
     pub stroke: f64,
-    /// Output coming down less output going up, both at the middle of the input's range, in the output's unit.
+    /// Output coming down less output going up, both at the middle of the input's range, in the output's
+    /// unit.
     pub opening: f64,
     /// |`opening`| in % of `stroke`.
     pub opening_percent: f64,
@@ -26,16 +27,17 @@ pub struct LoopShape {
     pub sense: Option<LoopSense>,
     /// Slope of the straight line from the lowest to the highest input: sign of the gain.
     pub gain: f64,
-    /// Whether the output turns about twice as often as the input: two minima a period, as a ferroelectric driven through
-    /// polarisation reversal has.
+    /// Whether the output turns about twice as often as the input: two minima a period, as a ferroelectric
+    /// driven through polarisation reversal has.
     pub butterfly: bool,
     /// The record holds one loop alone, which ends where it began and is taken to repeat.
     pub taken_to_repeat: bool,
 }
 
-/// Shape of the loop of `y` over `u`. The opening is the mean over all passes through the middle of the input's range between
-/// reversals at least 80 % of the range apart (over all passes, if there are none such), read between samples on a straight line.
-/// `None` where the input or the output is constant, or the input does not pass its middle both ways.
+/// Shape of the loop of `y` over `u`. The opening is the mean over all passes through the middle of the
+/// input's range between reversals at least 80 % of the range apart (over all passes, if there are none
+/// such), read between samples on a straight line. `None` where the input or the output is constant, or the
+/// input does not pass its middle both ways.
 pub fn loop_shape(u: &[f64], y: &[f64]) -> Option<LoopShape> {
     let n = u.len().min(y.len());
     let (u, y) = (&u[..n], &y[..n]);
@@ -45,7 +47,8 @@ pub fn loop_shape(u: &[f64], y: &[f64]) -> Option<LoopShape> {
     if !(span > 0.0 && stroke > 0.0) {
         return None;
     }
-    // A record of few strokes that ends where it began is taken twice over, so that no stroke is cut by its ends.
+    // A record of few strokes that ends where it began is taken twice over, so that no stroke is cut by its
+    // ends.
     let gap = |x: &[f64], range: f64| (x[0] - x[n - 1]).abs() <= 0.05 * range;
     if gap(u, span) && gap(y, stroke) && turning_points(u, 0.2 * span).len() < 6 {
         let (twice_u, twice_y) = (u.repeat(2), y.repeat(2));
@@ -117,8 +120,8 @@ fn shape_of(
     })
 }
 
-/// Whether the output turns at least 1.6 times as often as the input, counting moves above 20 % of the input's range and 10 % of the
-/// stroke (one wing of a butterfly that does not quite switch is that small).
+/// Whether the output turns at least 1.6 times as often as the input, counting moves above 20 % of the
+/// input's range and 10 % of the stroke (one wing of a butterfly that does not quite switch is that small).
 fn is_butterfly(u: &[f64], y: &[f64], span: f64, stroke: f64) -> bool {
     let input = turning_points(u, 0.2 * span).len() as f64;
     let output = turning_points(y, 0.1 * stroke).len() as f64;

@@ -1,13 +1,15 @@
 //! Measured records: named channels with units on one time base.
 //!
-//! A [`Record`] holds the channels of a file; [`Record::input_output`] takes the two that a fit works with, in its units, as
-//! [`InputOutput`]. Preparation returns new records: [`Record::cut`], [`Record::joined`], [`Record::with_channel_scaled`],
-//! [`Record::with_trend_removed`], [`Record::resampled`], and several of these in turn [`Prepare`]; [`InputOutput::cropped`],
-//! [`InputOutput::decimated`], [`InputOutput::with_offset_removed`], [`InputOutput::with_drift_removed`]. What a record holds is found by [`find_periods`], [`noise_floor`], [`linear_drift`],
-//! [`find_delay`], [`loop_shape`], [`excitation_kind`], and all at once, with the reasons in plain words, by [`inspect`].
+//! A [`Record`] holds the channels of a file; [`Record::input_output`] takes the two that a fit works with,
+//! in its units, as [`InputOutput`]. Preparation returns new records: [`Record::cut`], [`Record::joined`],
+//! [`Record::with_channel_scaled`], [`Record::with_trend_removed`], [`Record::resampled`], and several of
+//! these in turn [`Prepare`]; [`InputOutput::cropped`], [`InputOutput::decimated`],
+//! [`InputOutput::with_offset_removed`], [`InputOutput::with_drift_removed`]. What a record holds is found by
+//! [`find_periods`], [`noise_floor`], [`linear_drift`], [`find_delay`], [`loop_shape`], [`excitation_kind`],
+//! and all at once, with the reasons in plain words, by [`inspect`].
 //!
-//! A time base is asked for the time of a sample ([`TimeBase::time_s`]) or for its rate, where it has one; only here is it known
-//! what kinds there are, so that segments of different rates are one kind more.
+//! A time base is asked for the time of a sample ([`TimeBase::time_s`]) or for its rate, where it has one;
+//! only here is it known what kinds there are, so that segments of different rates are one kind more.
 
 mod channel;
 mod crop;
@@ -127,10 +129,12 @@ pub enum TimeBase {
         start_s: f64,
         /// Sample rate \[Hz\].
         sample_rate_hz: f64,
-        /// Largest deviation of a time stamp from the uniform grid, in sample periods (0 where made or given).
+        /// Largest deviation of a time stamp from the uniform grid, in sample periods (0 where made or
+        /// given).
         jitter_samples: f64,
     },
-    /// One time stamp \[s\] a sample, increasing but not uniform: fine for a static fit, refused for dynamics.
+    /// One time stamp \[s\] a sample, increasing but not uniform: fine for a static fit, refused for
+    /// dynamics.
     NonUniform {
         /// Time stamps \[s\].
         times_s: Vec<f64>,
@@ -203,8 +207,8 @@ impl Record {
         }
     }
 
-    /// Checks what every step relies on: at least one channel and two samples, all channels, stamps and mask of one length,
-    /// finite samples, distinct printable names, a usable time base.
+    /// Checks what every step relies on: at least one channel and two samples, all channels, stamps and mask
+    /// of one length, finite samples, distinct printable names, a usable time base.
     ///
     /// # Errors
     /// The first of these that does not hold.
@@ -334,7 +338,8 @@ mod tests {
         let err = made(vec![Channel::new("u", "V", two(5)), Channel::new("y", "um", two(4))]).unwrap_err();
         assert_eq!(
             err.to_string(),
-            "record `r`: channel `y` has 4 entries where the first channel has 5 samples; all must be of one length"
+            "record `r`: channel `y` has 4 entries where the first channel has 5 samples; all must be of one \
+             length"
         );
         let err = made(vec![Channel::new("u", "V", vec![0.0, f64::INFINITY])]).unwrap_err();
         assert!(err.to_string().contains("sample 1: inf"), "{err}");

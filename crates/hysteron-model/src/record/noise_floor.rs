@@ -15,21 +15,21 @@ pub struct NoiseFloor {
 /// How a [`NoiseFloor`] was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseMethod {
-    /// From successive periods: rms of (y_(m+1) − y_m, its straight-line trend removed) / √2. Whatever repeats, and any
-    /// slow drift, cancels.
+    /// From successive periods: rms of (y_(m+1) − y_m, its straight-line trend removed) / √2. Whatever
+    /// repeats, and any slow drift, cancels.
     PeriodRepeats {
         /// Differences of two periods it rests on.
         pairs: usize,
     },
-    /// From fourth differences y_(k−2) − 4y_(k−1) + 6y_k − 4y_(k+1) + y_(k+2), median of the absolute value / 0.6745 / √70: an upper
-    /// bound where the motion itself is rough within five samples.
+    /// From fourth differences y_(k−2) − 4y_(k−1) + 6y_k − 4y_(k+1) + y_(k+2), median of the absolute value /
+    /// 0.6745 / √70: an upper bound where the motion itself is rough within five samples.
     FourthDifferences,
     /// Steps of the converter hide the noise: step / √12, the rounding that they leave.
     Quantisation,
 }
 
-/// Estimates the noise floor of the output: from period repeats where two settled periods are there, else from fourth
-/// differences. `None` below five samples.
+/// Estimates the noise floor of the output: from period repeats where two settled periods are there, else
+/// from fourth differences. `None` below five samples.
 pub fn noise_floor(data: &InputOutput, periods: Option<&Periods>) -> Option<NoiseFloor> {
     if let Some(periods) = periods
         && periods.count >= periods.settling + 2
@@ -111,7 +111,8 @@ mod tests {
 
     #[test]
     fn repeats_give_the_noise_whatever_the_loop_and_the_drift() {
-        // 19 pairs of 198 degrees of freedom, neighbours sharing a period: the estimate scatters by about 1.5 %.
+        // 19 pairs of 198 degrees of freedom, neighbours sharing a period: the estimate scatters by about 1.5
+        // %.
         for drift in [0.0, 1e-3] {
             let data = record(0.05, drift);
             let floor = noise_floor(&data, find_periods(&data).ok().as_ref()).unwrap();
@@ -122,7 +123,8 @@ mod tests {
 
     #[test]
     fn fourth_differences_give_it_where_nothing_repeats() {
-        // 4000 correlated differences: the median scatters by about 3 %; the motion leaves 20 (2π/200)⁴ = 2e-5.
+        // 4000 correlated differences: the median scatters by about 3 %; the motion leaves 20 (2π/200)⁴ =
+        // 2e-5.
         let floor = noise_floor(&record(0.05, 0.0), None).unwrap();
         assert_eq!(floor.method, NoiseMethod::FourthDifferences);
         assert!((floor.rms / 0.05 - 1.0).abs() < 0.1, "{}", floor.rms);

@@ -18,7 +18,8 @@ pub struct Periods {
     pub count: usize,
     /// Whole periods at the start, of `count`, in which the output has not settled to repeating.
     pub settling: usize,
-    /// Least similarity of the drive with itself 1, 2, 4 … periods later: 2Σ u_k u_(k+P) / Σ (u_k² + u_(k+P)²), mean removed.
+    /// Least similarity of the drive with itself 1, 2, 4 … periods later: 2Σ u_k u_(k+P) / Σ (u_k² +
+    /// u_(k+P)²), mean removed.
     pub similarity: f64,
 }
 
@@ -33,7 +34,8 @@ impl Periods {
         self.first_sample(self.settling)
     }
 
-    /// Period m of `samples`, of `floor(period)` samples; read between samples by a cubic through four where the period is not whole.
+    /// Period m of `samples`, of `floor(period)` samples; read between samples by a cubic through four where
+    /// the period is not whole.
     pub(crate) fn one(&self, samples: &[f64], m: usize) -> Vec<f64> {
         let length = self.period_samples.floor() as usize;
         let from = self.start as f64 + m as f64 * self.period_samples;
@@ -41,9 +43,10 @@ impl Periods {
     }
 }
 
-/// Finds the period of the drive by its normalised autocorrelation (the smallest lag whose peak reaches 99 % of the highest
-/// among lags up to half the record), refined over as many periods as there are; and the periods in which the output
-/// still settles: those before the last change between successive periods above twice the typical one.
+/// Finds the period of the drive by its normalised autocorrelation (the smallest lag whose peak reaches 99 %
+/// of the highest among lags up to half the record), refined over as many periods as there are; and the
+/// periods in which the output still settles: those before the last change between successive periods above
+/// twice the typical one.
 ///
 /// # Errors
 /// [`RecordError::TooShort`] below 8 samples, [`RecordError::ConstantSignal`], [`RecordError::NotPeriodic`].
@@ -73,8 +76,8 @@ pub fn find_periods(data: &InputOutput) -> Result<Periods, RecordError> {
     Ok(periods)
 }
 
-/// Samples between the leading and the trailing rest of the drive: one sample before the first and up to the last change. `None` if
-/// it never changes.
+/// Samples between the leading and the trailing rest of the drive: one sample before the first and up to the
+/// last change. `None` if it never changes.
 pub(crate) fn active_range(u: &[f64]) -> Option<(usize, usize)> {
     let first = u.windows(2).position(|w| w[0] != w[1])?;
     let last = u.windows(2).rposition(|w| w[0] != w[1])?;
@@ -84,7 +87,8 @@ pub(crate) fn active_range(u: &[f64]) -> Option<(usize, usize)> {
     (end > start + 4).then_some((start, end))
 }
 
-/// Period \[samples\] of a signal and its least similarity 1, 2, 4, 8 … periods later; `None` where the autocorrelation has no peak.
+/// Period \[samples\] of a signal and its least similarity 1, 2, 4, 8 … periods later; `None` where the
+/// autocorrelation has no peak.
 pub(crate) fn period_of(x: &[f64]) -> Option<(f64, f64)> {
     let similarity = self_similarity(x);
     let longest = x.len() / 2;
@@ -134,8 +138,8 @@ pub(crate) fn period_of(x: &[f64]) -> Option<(f64, f64)> {
     Some((period, least))
 }
 
-/// 2Σ x_k x_(k+l) / Σ (x_k² + x_(k+l)²) for lags 0..=N/2, mean removed (the normalised square difference of McLeod and Wyvill,
-/// "A smarter way to find pitch", ICMC 2005).
+/// 2Σ x_k x_(k+l) / Σ (x_k² + x_(k+l)²) for lags 0..=N/2, mean removed (the normalised square difference of
+/// McLeod and Wyvill, "A smarter way to find pitch", ICMC 2005).
 fn self_similarity(x: &[f64]) -> Vec<f64> {
     let n = x.len();
     let mean = x.iter().sum::<f64>() / n as f64;

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::TimeBase;
 
-/// Largest deviation from an even grid within a piece, in its periods: what a logger rounds its stamps by. Neighbouring segments
-/// whose rates differ by more are told apart at their first sample.
+/// Largest deviation from an even grid within a piece, in its periods: what a logger rounds its stamps by.
+/// Neighbouring segments whose rates differ by more are told apart at their first sample.
 const TOLERANCE_PERIODS: f64 = 0.01;
 /// Fewest samples of a piece; shorter ones are single stamps.
 const FEWEST_SAMPLES: usize = 8;
@@ -36,7 +36,8 @@ impl Piece {
 }
 
 impl TimeBase {
-    /// The pieces of a base of this many samples, in their order: one where it is uniform, none where it is unknown.
+    /// The pieces of a base of this many samples, in their order: one where it is uniform, none where it is
+    /// unknown.
     pub fn pieces(&self, samples: usize) -> Vec<Piece> {
         match self {
             Self::Uniform { start_s, sample_rate_hz, .. } => {
@@ -47,8 +48,8 @@ impl TimeBase {
         }
     }
 
-    /// Times of the samples \[s\], within pieces on their even grid, so that rounding of the stamps is no jitter. `None` where they
-    /// are unknown.
+    /// Times of the samples \[s\], within pieces on their even grid, so that rounding of the stamps is no
+    /// jitter. `None` where they are unknown.
     pub fn times_s(&self, samples: usize) -> Option<Vec<f64>> {
         if *self == Self::Unknown {
             return None;
@@ -56,8 +57,8 @@ impl TimeBase {
         Some(times_of(&self.pieces(samples)))
     }
 
-    /// Shortest time between samples that many of them have \[s\]: that of the fastest piece, or the median of single stamps. `None`
-    /// where it is unknown.
+    /// Shortest time between samples that many of them have \[s\]: that of the fastest piece, or the median
+    /// of single stamps. `None` where it is unknown.
     pub fn shortest_period_s(&self, samples: usize) -> Option<f64> {
         if let Self::NonUniform { times_s } = self {
             let pieces = pieces(times_s).into_iter().map(|piece| piece.period_s);

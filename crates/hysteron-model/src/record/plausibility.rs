@@ -1,9 +1,9 @@
 //! Magnitudes that no piezo actuator has: almost always a unit that the file's header gets wrong.
 //!
-//! Limits, with room to spare on either side of what is sold: strokes of amplified stacks and benders end at about 1 to
-//! 2 mm, of tip-tilt stages at about 50 mrad; nothing is identified from a nanometre; stacks are driven with up to 200 V,
-//! high-voltage stacks, tubes and macro-fibre patches with up to 1.5 kV; displacement sensors end at some 10 kHz.
-//! Crossing a limit is a question to the user, never a refusal.
+//! Limits, with room to spare on either side of what is sold: strokes of amplified stacks and benders end at
+//! about 1 to 2 mm, of tip-tilt stages at about 50 mrad; nothing is identified from a nanometre; stacks are
+//! driven with up to 200 V, high-voltage stacks, tubes and macro-fibre patches with up to 1.5 kV;
+//! displacement sensors end at some 10 kHz. Crossing a limit is a question to the user, never a refusal.
 
 use hysteron_numeric::display::short;
 
@@ -14,13 +14,15 @@ const STROKE_UM: (f64, f64) = (1e-3, 2e3);
 const STROKE_URAD: (f64, f64) = (1e-3, 2e5);
 /// Largest |u| \[V\].
 const LARGEST_V: f64 = 2e3;
-/// A sample rate \[Hz\] that is doubted where the drive takes more than [`SAMPLES_A_CYCLE`] for its fastest cycle.
+/// A sample rate \[Hz\] that is doubted where the drive takes more than [`SAMPLES_A_CYCLE`] for its fastest
+/// cycle.
 const FAST_SAMPLING_HZ: f64 = 1e5;
 const SAMPLES_A_CYCLE: f64 = 50.0;
 /// A fastest cycle \[s\] that is doubted.
 const SLOWEST_CYCLE_S: f64 = 600.0;
 
-/// What in a record cannot be of a piezo actuator, in plain words. `fastest_hz`: the drive's highest frequency, if known.
+/// What in a record cannot be of a piezo actuator, in plain words. `fastest_hz`: the drive's highest
+/// frequency, if known.
 pub fn implausible_units(data: &InputOutput, fastest_hz: Option<f64>) -> Vec<String> {
     [stroke(data), voltage(data), time(data, fastest_hz)].into_iter().flatten().collect()
 }
@@ -43,8 +45,8 @@ fn stroke(data: &InputOutput) -> Option<String> {
     let (size, unit) = readable(stroke, scales);
     let name = &data.output;
     Some(format!(
-        "A stroke of {} {unit} is implausible for a piezo actuator (expected {}): is the column `{name}` really in the \
-         unit its header names?",
+        "A stroke of {} {unit} is implausible for a piezo actuator (expected {}): is the column `{name}` \
+         really in the unit its header names?",
         short(size),
         if quantity == Quantity::Length { "1 nm to 2 mm" } else { "1 nrad to 200 mrad" }
     ))
@@ -60,8 +62,8 @@ fn voltage(data: &InputOutput) -> Option<String> {
     let largest = factor * high.abs().max(low.abs());
     (largest > LARGEST_V && largest.is_finite()).then(|| {
         format!(
-            "A drive of {} kV is implausible for a piezo actuator (expected at most 2 kV): is the column `{}` really in the \
-             unit its header names?",
+            "A drive of {} kV is implausible for a piezo actuator (expected at most 2 kV): is the column \
+             `{}` really in the unit its header names?",
             short(1e-3 * largest),
             data.input
         )
@@ -73,7 +75,8 @@ fn time(data: &InputOutput, fastest_hz: Option<f64>) -> Option<String> {
     let asked = "is the time column really in the unit its header names, or the sample rate right?";
     if rate >= FAST_SAMPLING_HZ && rate > SAMPLES_A_CYCLE * fastest {
         return Some(format!(
-            "{} kHz is a very fast sampling for a drive that takes {:.0} samples a cycle (sensors end at some 10 kHz): {asked}",
+            "{} kHz is a very fast sampling for a drive that takes {:.0} samples a cycle (sensors end at \
+             some 10 kHz): {asked}",
             short(1e-3 * rate),
             rate / fastest
         ));

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::turning_points::range_of;
 use super::{Gap, Record, RecordError, Scale, TimeBase};
 
-/// What is done to records, in this order: joined to one, scaled, mean and trend removed, resampled. Nothing by default but the
-/// joining. What is cut out of each record before is a [`super::Cut`].
+/// What is done to records, in this order: joined to one, scaled, mean and trend removed, resampled. Nothing
+/// by default but the joining. What is cut out of each record before is a [`super::Cut`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Prepare {
@@ -112,8 +112,8 @@ impl Prepare {
     /// One record of several.
     ///
     /// # Errors
-    /// Those of [`Record::joined`], [`Scale::apply`], [`Record::with_mean_removed`], [`Record::with_trend_removed`] and
-    /// [`Record::resampled`].
+    /// Those of [`Record::joined`], [`Scale::apply`], [`Record::with_mean_removed`],
+    /// [`Record::with_trend_removed`] and [`Record::resampled`].
     pub fn run(&self, records: &[Record]) -> Result<Prepared, RecordError> {
         let mut record = Record::joined(records)?;
         let gaps = record.time.gaps();

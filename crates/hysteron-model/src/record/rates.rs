@@ -20,8 +20,8 @@ pub struct Pace {
     pub interval_s: f64,
 }
 
-/// How the drive `u` \[V\] at `times_s` \[s\] comes to each of its samples, on a straight line from the one before; a device at rest
-/// comes to the first without rate and in no time.
+/// How the drive `u` \[V\] at `times_s` \[s\] comes to each of its samples, on a straight line from the one
+/// before; a device at rest comes to the first without rate and in no time.
 pub fn paces_on(times_s: &[f64], u: &[f64]) -> Vec<Pace> {
     let moves = times_s.windows(2).zip(u.windows(2));
     let paces = moves.map(|(times, u)| {

@@ -22,10 +22,10 @@ const MAX_SAMPLES: f64 = (1u64 << 29) as f64;
 const FINEST: f64 = 4096.0;
 
 impl Record {
-    /// The record at another sample rate, over the same time: its channels as [`InputOutput::resampled`]. But a channel of
-    /// labels (the number of a segment, the frequency in it), which a filter would smear, keeps its last value until the next: one
-    /// that changes in at most one of a hundred steps, and is no voltage, length or angle, and not the input or output by the rules of
-    /// [`Record::select`].
+    /// The record at another sample rate, over the same time: its channels as [`InputOutput::resampled`]. But
+    /// a channel of labels (the number of a segment, the frequency in it), which a filter would smear, keeps
+    /// its last value until the next: one that changes in at most one of a hundred steps, and is no voltage,
+    /// length or angle, and not the input or output by the rules of [`Record::select`].
     ///
     /// # Errors
     /// As [`InputOutput::resampled`].
@@ -61,19 +61,22 @@ fn holds_labels(channel: &Channel) -> bool {
 impl InputOutput {
     /// The record at another sample rate, over the same time.
     ///
-    /// Uniform samples are interpolated with a Kaiser-windowed sinc of 2 · 32 zero crossings, cut off at 0.92 of the lower Nyquist
-    /// frequency (so nothing aliases); within that distance of the ends the kernel is what is left of it, scaled to
-    /// unit gain at zero frequency. Measured on a sine at 0.4 of the old rate's Nyquist frequency: error below 1e-4 of
-    /// the amplitude, away from the ends. A new sample is valid where its two old neighbours are.
+    /// Uniform samples are interpolated with a Kaiser-windowed sinc of 2 · 32 zero crossings, cut off at 0.92
+    /// of the lower Nyquist frequency (so nothing aliases); within that distance of the ends the kernel is
+    /// what is left of it, scaled to unit gain at zero frequency. Measured on a sine at 0.4 of the old rate's
+    /// Nyquist frequency: error below 1e-4 of the amplitude, away from the ends. A new sample is valid where
+    /// its two old neighbours are.
     ///
-    /// Non-uniform samples are taken apart at their gaps ([`TimeBase::gaps`]). A part that is uniform is treated as above. Any
-    /// other is joined by straight lines (through the middle where stamps are equal), to a multiple of the new rate that follows
-    /// its closest samples, and then filtered to the new rate as above: nothing aliases, but the lines damp what is near the
-    /// Nyquist frequency of the old samples. Samples within a gap lie on the straight line across it and are not valid.
+    /// Non-uniform samples are taken apart at their gaps ([`TimeBase::gaps`]). A part that is uniform is
+    /// treated as above. Any other is joined by straight lines (through the middle where stamps are equal),
+    /// to a multiple of the new rate that follows its closest samples, and then filtered to the new rate as
+    /// above: nothing aliases, but the lines damp what is near the Nyquist frequency of the old samples.
+    /// Samples within a gap lie on the straight line across it and are not valid.
     ///
     /// # Errors
-    /// [`RecordError::BadSampleRate`]; [`RecordError::NoTimes`] without a time base; [`RecordError::TooShort`] where fewer than
-    /// two samples would be left; [`RecordError::BadSetting`] above 2²⁹ samples.
+    /// [`RecordError::BadSampleRate`]; [`RecordError::NoTimes`] without a time base;
+    /// [`RecordError::TooShort`] where fewer than two samples would be left; [`RecordError::BadSetting`]
+    /// above 2²⁹ samples.
     pub fn resampled(&self, sample_rate_hz: f64) -> Result<InputOutput, RecordError> {
         let columns = [self.u.as_slice(), self.y.as_slice()];
         let Some(new) = resampled(&self.name, &self.time, self.valid.as_deref(), &columns, sample_rate_hz)?
@@ -216,7 +219,8 @@ impl NonUniform<'_> {
         (places, columns, in_gap)
     }
 
-    /// Filtered values of a part without gaps at the times of `grid`; `None` where straight lines are all there is to have.
+    /// Filtered values of a part without gaps at the times of `grid`; `None` where straight lines are all
+    /// there is to have.
     fn part(&self, part: Range<usize>, grid: &[f64]) -> Option<Vec<Vec<f64>>> {
         let times = &self.times_s[part.clone()];
         let columns: Vec<&[f64]> = self.columns.iter().map(|x| &x[part.clone()]).collect();
@@ -256,7 +260,8 @@ fn shortest_period(times_s: &[f64]) -> Option<f64> {
     (rank < periods.len()).then(|| *periods.select_nth_unstable_by(rank, f64::total_cmp).1)
 }
 
-/// Places of increasing times among stamps, in indices of these; within the stamps. The middle between equal ones.
+/// Places of increasing times among stamps, in indices of these; within the stamps. The middle between equal
+/// ones.
 fn places_in(times_s: &[f64], at: &[f64]) -> Vec<f64> {
     let n = times_s.len();
     if n < 2 {
@@ -304,9 +309,10 @@ fn filtered(columns: &[&[f64]], places: &[f64], cutoff: f64) -> Vec<Vec<f64>> {
     new
 }
 
-/// A low-pass ahead of taking every `factor`-th sample: a Kaiser-windowed sinc that reaches `reach` new samples to either
-/// side, an odd number of values with the sum 1. What lies above half the new rate is stopped to 5e-5; the pass band,
-/// kept to 5e-5 (both from a reach of 16 on), ends as far below as the reach allows, at 0.5 − 2.87/reach of the new rate.
+/// A low-pass ahead of taking every `factor`-th sample: a Kaiser-windowed sinc that reaches `reach` new
+/// samples to either side, an odd number of values with the sum 1. What lies above half the new rate is
+/// stopped to 5e-5; the pass band, kept to 5e-5 (both from a reach of 16 on), ends as far below as the reach
+/// allows, at 0.5 − 2.87/reach of the new rate.
 #[doc(hidden)]
 pub fn low_pass(factor: usize, reach: usize) -> Vec<f64> {
     // Kaiser's rule for the width of the transition, A = 90 dB: (A − 7.95)/14.36 over the length.
@@ -334,7 +340,8 @@ fn windowed_sinc(d: f64, cutoff: f64, reach: f64) -> f64 {
     sinc * bessel_i0(KAISER_BETA * (1.0 - (d / reach).powi(2)).max(0.0).sqrt())
 }
 
-/// Modified Bessel function I₀ by its power series (all terms positive; 40 of them suffice to 1e-15 below 10).
+/// Modified Bessel function I₀ by its power series (all terms positive; 40 of them suffice to 1e-15 below
+/// 10).
 fn bessel_i0(x: f64) -> f64 {
     let quarter = 0.25 * x * x;
     let (mut term, mut sum) = (1.0, 1.0);

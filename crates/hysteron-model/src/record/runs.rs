@@ -7,8 +7,8 @@ use super::{InputOutput, RecordError, TimeBase};
 /// Consecutive records as one: the device was not reset between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// All samples, on their common clock. Between the parts the drive is unknown and goes along a straight line; nothing is scored
-    /// there, since there are no samples.
+    /// All samples, on their common clock. Between the parts the drive is unknown and goes along a straight
+    /// line; nothing is scored there, since there are no samples.
     pub data: InputOutput,
     /// The parts, in order.
     pub parts: Vec<RunPart>,
@@ -24,11 +24,12 @@ pub struct RunPart {
 }
 
 impl Run {
-    /// The records as runs: one continues the record before it unless it begins before that ends, which starts a new run.
+    /// The records as runs: one continues the record before it unless it begins before that ends, which
+    /// starts a new run.
     ///
     /// # Errors
-    /// [`RecordError::NotUniform`] for a record without times; [`RecordError::JoinColumns`] for other units than those of the part
-    /// before; those of [`TimeBase::from_times`].
+    /// [`RecordError::NotUniform`] for a record without times; [`RecordError::JoinColumns`] for other units
+    /// than those of the part before; those of [`TimeBase::from_times`].
     pub fn of(records: &[InputOutput]) -> Result<Vec<Self>, RecordError> {
         let mut groups: Vec<Vec<&InputOutput>> = Vec::new();
         for record in records {
@@ -82,8 +83,8 @@ impl Run {
 }
 
 impl Run {
-    /// The first part, and the drive of the first sample of the next one where there is one, which does not count: it says how long
-    /// the pause between parts is.
+    /// The first part, and the drive of the first sample of the next one where there is one, which does not
+    /// count: it says how long the pause between parts is.
     pub fn beginning(&self) -> InputOutput {
         let Some(RunPart { samples, data }) = self.parts.first() else { return self.data.clone() };
         match self.data.cropped(0..samples.end + 1) {
@@ -96,8 +97,8 @@ impl Run {
     }
 }
 
-/// Whether records follow each other on one clock, as parts of one run do: each begins after the one before ends, by no more than
-/// the two last.
+/// Whether records follow each other on one clock, as parts of one run do: each begins after the one before
+/// ends, by no more than the two last.
 pub fn follow_each_other(records: &[&InputOutput]) -> bool {
     let extents: Option<Vec<(f64, f64)>> = records.iter().map(|r| r.time.extent_s(r.len())).collect();
     extents.is_some_and(|extents| {

@@ -1,5 +1,5 @@
-//! Segments of a record: its stretches of even sampling, wide motion and rest at a level apart, what the drive does in each, and
-//! what the output answers.
+//! Segments of a record: its stretches of even sampling, wide motion and rest at a level apart, what the
+//! drive does in each, and what the output answers.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -18,12 +18,15 @@ const MOST: usize = 1000;
 const HELD: f64 = 1e-3;
 /// Share of a held segment over which its first and its last output are averaged.
 const END: f64 = 0.05;
-/// Range of the drive over which it counts as resting at a level, small oscillations included, as a share of that of the record.
+/// Range of the drive over which it counts as resting at a level, small oscillations included, as a share of
+/// that of the record.
 const LEVEL: f64 = 0.02;
-/// Rest at a level that is a segment of its own: so many samples and such a share of those at one rate, at least.
+/// Rest at a level that is a segment of its own: so many samples and such a share of those at one rate, at
+/// least.
 const REST_SAMPLES: usize = 40;
 const REST_SHARE: f64 = 0.2;
-/// Frequencies on either side of a sine at which its scatter is sought, in lines of the whole periods, and fewest of them.
+/// Frequencies on either side of a sine at which its scatter is sought, in lines of the whole periods, and
+/// fewest of them.
 const NEIGHBOURS: usize = 6;
 const FEWEST_NEIGHBOURS: usize = 2;
 /// Lines from which on the window leaves nothing of a sine, and little of a drift beside its straight line.
@@ -63,8 +66,8 @@ pub struct Segment {
 }
 
 impl InputOutput {
-    /// The record in stretches of even sampling, each a record with a uniform time base: the record itself where its own base is
-    /// uniform or unknown. Stamps that belong to none are left out.
+    /// The record in stretches of even sampling, each a record with a uniform time base: the record itself
+    /// where its own base is uniform or unknown. Stamps that belong to none are left out.
     pub fn in_segments(&self) -> Vec<InputOutput> {
         let mut segments: Vec<InputOutput> = self.parts().into_iter().map(|(_, part)| part).collect();
         if segments.is_empty() {
@@ -73,7 +76,8 @@ impl InputOutput {
         segments
     }
 
-    /// The segments with their samples; none where the time base is uniform or unknown, or its stamps are irregular.
+    /// The segments with their samples; none where the time base is uniform or unknown, or its stamps are
+    /// irregular.
     fn parts(&self) -> Vec<(Range<usize>, InputOutput)> {
         if !matches!(self.time, TimeBase::NonUniform { .. }) {
             return Vec::new();
@@ -105,7 +109,8 @@ impl InputOutput {
         parts
     }
 
-    /// What the drive does in each stretch of even sampling and what the output answers; empty where there is one only.
+    /// What the drive does in each stretch of even sampling and what the output answers; empty where there is
+    /// one only.
     pub fn segments(&self) -> Vec<Segment> {
         let range = span(&self.u);
         let parts = self.parts();
@@ -115,7 +120,8 @@ impl InputOutput {
         parts.into_iter().filter_map(|(samples, part)| segment(&part, samples, range)).collect()
     }
 
-    /// Longest time over which the drive rests at a level, small oscillations about it included \[s\]; 0 without a time base.
+    /// Longest time over which the drive rests at a level, small oscillations about it included \[s\]; 0
+    /// without a time base.
     pub fn longest_hold_s(&self) -> f64 {
         let at = |k: usize| self.time.time_s(k).unwrap_or(0.0);
         let mut longest = 0f64;
@@ -127,15 +133,16 @@ impl InputOutput {
 }
 
 impl Segment {
-    /// Output over input at this segment's sine, of the input `u` and an output `y` of the whole record: linear in `y`. `None` where the
-    /// segment is not a sine or wave.
+    /// Output over input at this segment's sine, of the input `u` and an output `y` of the whole record:
+    /// linear in `y`. `None` where the segment is not a sine or wave.
     pub fn response(&self, u: &[f64], y: &[f64]) -> Option<Complex<f64>> {
         let frequency = self.gain.and(self.drive.high_hz)? / self.sample_rate_hz;
         response(u.get(self.samples.clone())?, y.get(self.samples.clone())?, frequency)
     }
 }
 
-/// Calls `found` with the longest stretch over which `u` stays within a range of `most`, for each end of such a stretch.
+/// Calls `found` with the longest stretch over which `u` stays within a range of `most`, for each end of such
+/// a stretch.
 fn rests(u: &[f64], most: f64, mut found: impl FnMut(Range<usize>)) {
     // Places of the largest values so far, each larger than those after it, and of the smallest.
     let (mut highs, mut lows) = (VecDeque::new(), VecDeque::new());
@@ -200,7 +207,8 @@ fn whole_periods(samples: usize, frequency: f64) -> Option<usize> {
     (periods >= 3.0 && count <= samples).then_some(count)
 }
 
-/// Component of all of `x` about its mean at a frequency (per sample) under a Hann window, which suppresses creep and drift.
+/// Component of all of `x` about its mean at a frequency (per sample) under a Hann window, which suppresses
+/// creep and drift.
 fn component(x: &[f64], frequency: f64) -> Complex<f64> {
     let samples = x.len() as f64;
     let mean = x.iter().sum::<f64>() / samples;
@@ -227,8 +235,8 @@ fn without_drift(y: &[f64], frequency: f64) -> Vec<f64> {
     y.iter().enumerate().map(|(k, y)| y - slope * k as f64).collect()
 }
 
-/// Standard error of the real and of the imaginary part of a `response`: what the output does beside it at neighbouring
-/// frequencies, where the window leaves nothing of the sine, away from drift and harmonics.
+/// Standard error of the real and of the imaginary part of a `response`: what the output does beside it at
+/// neighbouring frequencies, where the window leaves nothing of the sine, away from drift and harmonics.
 fn response_error(u: &[f64], y: &[f64], frequency: f64, response: Complex<f64>) -> Option<f64> {
     let count = whole_periods(u.len().min(y.len()), frequency)?;
     let (u, y) = (&u[..count], without_drift(&y[..count], frequency));
@@ -290,7 +298,8 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// A ramp at 1 kHz, a hold at 100 Hz with an output that creeps by 0.2, a sine of 200 Hz at 10 kHz whose output lags by 30°.
+    /// A ramp at 1 kHz, a hold at 100 Hz with an output that creeps by 0.2, a sine of 200 Hz at 10 kHz whose
+    /// output lags by 30°.
     fn record() -> InputOutput {
         let (mut times, mut u, mut y) = (Vec::new(), Vec::new(), Vec::new());
         let mut push = |t: f64, drive: f64, output: f64| {

@@ -114,17 +114,19 @@ impl Role {
 impl Record {
     /// Decides which channel is the input and which the output.
     ///
-    /// A named channel is taken (exactly as written; else ignoring case). Otherwise, for the input, the first rule that names
-    /// somebody decides: (1) the channel `u`; (2) channels `u…` (`u1`, `u_cmd`); (3) `input`, `voltage`, `drive`, `command`;
-    /// (4) channels in a unit of voltage. For the output likewise: `y`; `y…`; `output`, `displacement`, `position`, `stroke`;
-    /// channels in a unit of length or angle. Where a rule names several, a command is preferred to its measurement for
-    /// the input (`u_cmd` to `u_meas`, said in the notes; the measured one may be chosen), a measurement for the output; else it is an
-    /// error. Where no rule names anybody and there are exactly two channels, the first is the input and the second
-    /// the output (noted).
+    /// A named channel is taken (exactly as written; else ignoring case). Otherwise, for the input, the first
+    /// rule that names somebody decides: (1) the channel `u`; (2) channels `u…` (`u1`, `u_cmd`); (3) `input`,
+    /// `voltage`, `drive`, `command`; (4) channels in a unit of voltage. For the output likewise: `y`; `y…`;
+    /// `output`, `displacement`, `position`, `stroke`; channels in a unit of length or angle. Where a rule
+    /// names several, a command is preferred to its measurement for the input (`u_cmd` to `u_meas`, said in
+    /// the notes; the measured one may be chosen), a measurement for the output; else it is an error. Where
+    /// no rule names anybody and there are exactly two channels, the first is the input and the second the
+    /// output (noted).
     ///
     /// # Errors
     /// [`RecordError::NoSuchChannel`], [`RecordError::AmbiguousChannel`], [`RecordError::NoCandidate`],
-    /// [`RecordError::OnlyOneChannel`], [`RecordError::SameChannel`], [`RecordError::WrongUnit`] (time as input or output).
+    /// [`RecordError::OnlyOneChannel`], [`RecordError::SameChannel`], [`RecordError::WrongUnit`] (time as
+    /// input or output).
     pub fn select(&self, choice: &ChannelChoice) -> Result<Selection, RecordError> {
         let mut notes = Vec::new();
         let named_input = self.named(choice.input.as_deref(), Role::Input)?;
@@ -155,14 +157,16 @@ impl Record {
         Ok(Selection { input, output, notes })
     }
 
-    /// Whether names and units say which channel is the input and which the output, each by a rule of [`Record::select`].
+    /// Whether names and units say which channel is the input and which the output, each by a rule of
+    /// [`Record::select`].
     pub fn names_input_and_output(&self) -> bool {
         let mut notes = Vec::new();
         let input = self.guess(Role::Input, None, &mut notes);
         input.is_ok_and(|input| self.guess(Role::Output, Some(input), &mut notes).is_ok())
     }
 
-    /// Input and output by [`Record::select`], voltages in V, lengths in µm, angles in µrad; other units as they are.
+    /// Input and output by [`Record::select`], voltages in V, lengths in µm, angles in µrad; other units as
+    /// they are.
     ///
     /// # Errors
     /// As [`Record::select`] and [`Record::check`].
@@ -191,7 +195,8 @@ impl Record {
         }
     }
 
-    /// The input channel alone, by the same rules; a record with one channel has it as its input whatever its name.
+    /// The input channel alone, by the same rules; a record with one channel has it as its input whatever its
+    /// name.
     ///
     /// # Errors
     /// As [`Record::select`] for the input, and [`Record::check`].
@@ -210,8 +215,9 @@ impl Record {
         Ok(Driven { drive, measured })
     }
 
-    /// The reference alone (`--reference`): a channel named so, else the only one, else by the rules of [`Record::select`] with
-    /// the names `r`; `r…`; `reference`, `target`, `setpoint`, `trajectory`; a unit of length or angle.
+    /// The reference alone (`--reference`): a channel named so, else the only one, else by the rules of
+    /// [`Record::select`] with the names `r`; `r…`; `reference`, `target`, `setpoint`, `trajectory`; a unit
+    /// of length or angle.
     ///
     /// # Errors
     /// As [`Record::drive`].
@@ -279,8 +285,8 @@ impl Record {
             (None, Some(output)) => Ok((1 - output, output)),
             _ => {
                 let text = format!(
-                    "neither name nor unit says which channel drives and which responds: the first, {}, is taken as the \
-                     input and the second, {}, as the output; choose others if that is wrong",
+                    "neither name nor unit says which channel drives and which responds: the first, {}, is \
+                     taken as the input and the second, {}, as the output; choose others if that is wrong",
                     self.channels[0].label(),
                     self.channels[1].label()
                 );

@@ -2,8 +2,9 @@
 
 use super::turning_points::range_of;
 
-/// Step of the converter, where the samples lie on one: the smallest distance between different values, if at least 95 % of the distances
-/// between neighbouring values are within 5 % of a multiple of it. `None` for values that lie on no grid.
+/// Step of the converter, where the samples lie on one: the smallest distance between different values, if at
+/// least 95 % of the distances between neighbouring values are within 5 % of a multiple of it. `None` for
+/// values that lie on no grid.
 pub fn quantisation_step(samples: &[f64]) -> Option<f64> {
     let mut values = samples.to_vec();
     values.sort_unstable_by(f64::total_cmp);
@@ -42,9 +43,10 @@ impl Clipping {
     }
 }
 
-/// Counts samples in runs of at least four equal values at an end of the range that the signal enters and leaves steeply: half a
-/// run's length outside the run it is more than 12 quantisation steps away. (A rounded top read through a converter
-/// is only 3 steps away there.) Runs longer than `longest_run` are taken for intended rests.
+/// Counts samples in runs of at least four equal values at an end of the range that the signal enters and
+/// leaves steeply: half a run's length outside the run it is more than 12 quantisation steps away. (A rounded
+/// top read through a converter is only 3 steps away there.) Runs longer than `longest_run` are taken for
+/// intended rests.
 pub fn clipping(samples: &[f64], longest_run: usize) -> Clipping {
     let (low, high) = range_of(samples);
     if high <= low {

@@ -1,4 +1,5 @@
-//! Whether a record was taken under servo: the output then follows the reference, and the drive carries the hysteresis.
+//! Whether a record was taken under servo: the output then follows the reference, and the drive carries the
+//! hysteresis.
 
 use super::InputOutput;
 use super::turning_points::{span, turning_points};
@@ -8,13 +9,15 @@ const WIDE: f64 = 0.5;
 const ENDS: f64 = 0.1;
 /// Fewest samples of a move.
 const FEWEST: usize = 50;
-/// An output that runs along straight lines to this share of a move, and a drive that does not to that, is a servo's.
+/// An output that runs along straight lines to this share of a move, and a drive that does not to that, is a
+/// servo's.
 const STRAIGHT: f64 = 0.002;
 const BENT: f64 = 0.005;
 /// … and that is so many times less straight.
 const TIMES: f64 = 5.0;
 
-/// How straight the moves of a record are: rms departure from a straight line in time over the size of the move.
+/// How straight the moves of a record are: rms departure from a straight line in time over the size of the
+/// move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
     /// Of the output.
@@ -23,8 +26,8 @@ pub struct Servo {
     pub input: f64,
 }
 
-/// The straightness of the moves of a record whose output is driven along straight lines by a drive that is bent; `None` for others, and
-/// for records without time or wide moves.
+/// The straightness of the moves of a record whose output is driven along straight lines by a drive that is
+/// bent; `None` for others, and for records without time or wide moves.
 pub fn servo(data: &InputOutput) -> Option<Servo> {
     let valid = |k: usize| data.is_valid(k);
     let kept: Vec<usize> = (0..data.len()).filter(|&k| valid(k)).collect();
@@ -38,7 +41,8 @@ pub fn servo(data: &InputOutput) -> Option<Servo> {
     ends.push(y.len().checked_sub(1)?);
     let mut moves: Vec<Servo> = Vec::new();
     for two in ends.windows(2) {
-        // From where the move has begun to where it has not ended yet: a rest before or after it is none of it.
+        // From where the move has begun to where it has not ended yet: a rest before or after it is none of
+        // it.
         let (from, to) = (y[two[0]], y[two[1]]);
         let within = |k: &usize| {
             let share = (y[*k] - from) / (to - from);

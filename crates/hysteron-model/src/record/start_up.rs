@@ -16,7 +16,8 @@ pub struct StartUp {
     pub lag_s: f64,
     /// Rms of the fit in % of the output's move in it.
     pub misfit_percent: f64,
-    /// Whether the rest itself is in the record; if not, the drive is taken to have jumped at the first sample.
+    /// Whether the rest itself is in the record; if not, the drive is taken to have jumped at the first
+    /// sample.
     pub rest_recorded: bool,
 }
 
@@ -25,11 +26,12 @@ const REST_SAMPLES: usize = 20;
 /// Sub-steps of one sample in the fit.
 const SUB_STEPS: usize = 10;
 
-/// Looks for a start out of rest and fits y = a + b (L u) + c (L step) behind a dead time, with L a first-order lag: over the first
-/// samples, up to 25 or the drive's first turn, so that hysteresis stays on one branch. A start is either a jump of
-/// the drive by at least 20 % of its range after 20 samples of rest, or a record whose first output lies outside the range of its
-/// settled periods by more than 1 % of the stroke, as if the drive had jumped to its first value there. `None` where there is none, or
-/// where no dead time and lag explain it to 10 % of the move.
+/// Looks for a start out of rest and fits y = a + b (L u) + c (L step) behind a dead time, with L a
+/// first-order lag: over the first samples, up to 25 or the drive's first turn, so that hysteresis stays on
+/// one branch. A start is either a jump of the drive by at least 20 % of its range after 20 samples of rest,
+/// or a record whose first output lies outside the range of its settled periods by more than 1 % of the
+/// stroke, as if the drive had jumped to its first value there. `None` where there is none, or where no dead
+/// time and lag explain it to 10 % of the move.
 pub fn fit_start_up(data: &InputOutput, periods: Option<&Periods>) -> Option<StartUp> {
     let rate = data.sample_rate_hz()?;
     let (index, rest_recorded) = start_index(data, periods)?;
@@ -82,7 +84,8 @@ fn start_index(data: &InputOutput, periods: Option<&Periods>) -> Option<(usize, 
     (outside > 0.01 * (y_high - y_low)).then_some((0, false))
 }
 
-/// The drive's first branch at every sub-step, what a lag makes of it and of a step, and room for their delayed samples.
+/// The drive's first branch at every sub-step, what a lag makes of it and of a step, and room for their
+/// delayed samples.
 struct Branch {
     fine: Vec<f64>,
     fine_lagged: Vec<f64>,
@@ -134,7 +137,8 @@ impl Branch {
     }
 }
 
-/// Rms of y about its least-squares fit by 1, p and q (Gram–Schmidt; a regressor that the others explain is left out).
+/// Rms of y about its least-squares fit by 1, p and q (Gram–Schmidt; a regressor that the others explain is
+/// left out).
 fn residual_rms(y: &[f64], p: &[f64], q: &[f64]) -> f64 {
     let n = y.len() as f64;
     let centred = |x: &[f64]| -> Vec<f64> {

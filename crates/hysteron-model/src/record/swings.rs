@@ -15,14 +15,16 @@ const FEWEST_REVERSALS: usize = 3;
 /// Lowest and highest frequency at which a drive swings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swings {
-    /// One over twice the longest time between wide reversals, or than the record where there are none \[Hz\].
+    /// One over twice the longest time between wide reversals, or than the record where there are none
+    /// \[Hz\].
     pub slowest_hz: f64,
     /// Of the fastest piece, small swings included \[Hz\].
     pub fastest_hz: f64,
 }
 
 impl Swings {
-    /// Swings of a drive on time stamps; of a uniform one by its wide reversals alone. `None` without a time base.
+    /// Swings of a drive on time stamps; of a uniform one by its wide reversals alone. `None` without a time
+    /// base.
     pub fn of(u: &[f64], time: &TimeBase) -> Option<Self> {
         if let TimeBase::Uniform { sample_rate_hz, .. } = time {
             let hz = sample_rate_hz / (2.0 * shortest_swing(u) as f64);

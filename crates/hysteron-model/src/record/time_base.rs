@@ -2,10 +2,11 @@
 
 use super::{RecordError, TimeBase};
 
-/// Largest deviation from the least-squares grid, in sample periods, up to which time stamps count as uniform.
+/// Largest deviation from the least-squares grid, in sample periods, up to which time stamps count as
+/// uniform.
 ///
-/// A tenth of a sample is what a stamp rounded to a fifth of the period makes. A missing sample moves its neighbours by about
-/// half a period and is never accepted.
+/// A tenth of a sample is what a stamp rounded to a fifth of the period makes. A missing sample moves its
+/// neighbours by about half a period and is never accepted.
 pub const UNIFORM_TOLERANCE_SAMPLES: f64 = 0.1;
 /// The same for a part of a record whose stamps are uneven as a whole.
 const PART_TOLERANCE_SAMPLES: f64 = 0.01;
@@ -25,20 +26,22 @@ impl TimeBase {
     /// Time base from measured stamps \[s\].
     ///
     /// The grid t_k = a + b k is fitted by least squares. Where no stamp deviates from it by more than
-    /// [`UNIFORM_TOLERANCE_SAMPLES`] periods, the base is uniform with rate 1/b, and the largest deviation is its jitter; the
-    /// rate is rounded to the fewest digits (of itself or of the period) that move no sample by more than a tenth of the jitter or
-    /// 1e-6 of a period, so that 0.005 s reads as 200 Hz. Otherwise the stamps are kept. Equal neighbouring stamps are
-    /// allowed (loggers with a coarse clock write them) and make the base non-uniform.
+    /// [`UNIFORM_TOLERANCE_SAMPLES`] periods, the base is uniform with rate 1/b, and the largest deviation is
+    /// its jitter; the rate is rounded to the fewest digits (of itself or of the period) that move no sample
+    /// by more than a tenth of the jitter or 1e-6 of a period, so that 0.005 s reads as 200 Hz. Otherwise the
+    /// stamps are kept. Equal neighbouring stamps are allowed (loggers with a coarse clock write them) and
+    /// make the base non-uniform.
     ///
     /// # Errors
-    /// [`RecordError::TooShort`] below two stamps, [`RecordError::NotFinite`], [`RecordError::TimeDecreases`],
-    /// [`RecordError::TimeStandsStill`].
+    /// [`RecordError::TooShort`] below two stamps, [`RecordError::NotFinite`],
+    /// [`RecordError::TimeDecreases`], [`RecordError::TimeStandsStill`].
     pub fn from_times(record: &str, times_s: Vec<f64>) -> Result<Self, RecordError> {
         Self::from_times_within(UNIFORM_TOLERANCE_SAMPLES, record, times_s)
     }
 
     /// Time base of a part of uneven stamps: a grid where the part is one but for the rounding of stamps,
-    /// [`PART_TOLERANCE_SAMPLES`]; else the very stamps, which a few neighbours that lie nearly evenly by chance keep as well.
+    /// [`PART_TOLERANCE_SAMPLES`]; else the very stamps, which a few neighbours that lie nearly evenly by
+    /// chance keep as well.
     ///
     /// # Errors
     /// As [`TimeBase::from_times`].
@@ -64,11 +67,12 @@ impl TimeBase {
         Ok(TimeBase::Uniform { start_s: start, sample_rate_hz: rate, jitter_samples: jitter })
     }
 
-    /// Uniform base at a given rate, where a time column exists as well: the column gives the start and the jitter.
+    /// Uniform base at a given rate, where a time column exists as well: the column gives the start and the
+    /// jitter.
     ///
     /// # Errors
-    /// As [`TimeBase::from_times`]; [`RecordError::BadSampleRate`]; [`RecordError::RateContradictsTime`] where the column's mean
-    /// rate differs by more than [`GIVEN_RATE_TOLERANCE`].
+    /// As [`TimeBase::from_times`]; [`RecordError::BadSampleRate`]; [`RecordError::RateContradictsTime`]
+    /// where the column's mean rate differs by more than [`GIVEN_RATE_TOLERANCE`].
     pub fn from_times_at_rate(
         record: &str,
         times_s: &[f64],
@@ -244,7 +248,8 @@ fn rounded_rate(rate_hz: f64, tolerance: f64) -> f64 {
     rate_hz
 }
 
-/// `value` rounded to this many significant decimal digits; the decimal text decides, so that no power of ten rounds.
+/// `value` rounded to this many significant decimal digits; the decimal text decides, so that no power of ten
+/// rounds.
 fn with_significant_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }

@@ -11,8 +11,9 @@ pub struct LinearDrift {
     pub std_error: f64,
 }
 
-/// Drift of the output: least-squares line through the means of the settled periods (each mean free of the motion), or, without
-/// periods, through all valid samples (there a motion that does not repeat passes for drift: use with care).
+/// Drift of the output: least-squares line through the means of the settled periods (each mean free of the
+/// motion), or, without periods, through all valid samples (there a motion that does not repeat passes for
+/// drift: use with care).
 ///
 /// # Errors
 /// [`RecordError::NotUniform`]; [`RecordError::TooShort`] with fewer than three settled periods, or samples.

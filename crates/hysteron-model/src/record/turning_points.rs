@@ -11,9 +11,9 @@ pub struct TurningPoint {
     pub is_maximum: bool,
 }
 
-/// Shortest time between two reversals \[samples\] that are more than a tenth of the range apart, but for a tenth of them,
-/// which a start or an end may cut short; with one reversal the longer way to or from it (half of a single period), without any the
-/// whole length. At least 1.
+/// Shortest time between two reversals \[samples\] that are more than a tenth of the range apart, but for a
+/// tenth of them, which a start or an end may cut short; with one reversal the longer way to or from it (half
+/// of a single period), without any the whole length. At least 1.
 pub fn shortest_swing(samples: &[f64]) -> usize {
     let (low, high) = range_of(samples);
     let turns = turning_points(samples, 0.1 * (high - low));
@@ -25,8 +25,8 @@ pub fn shortest_swing(samples: &[f64]) -> usize {
     swings.get(swings.len() / 10).copied().unwrap_or(samples.len()).max(1)
 }
 
-/// Extrema between which the signal moves by more than `threshold`, in order, alternating maximum and minimum; the
-/// two ends are none.
+/// Extrema between which the signal moves by more than `threshold`, in order, alternating maximum and
+/// minimum; the two ends are none.
 ///
 /// Noise below the threshold makes no turning point (a dead band, as in rainflow counting).
 pub fn turning_points(samples: &[f64], threshold: f64) -> Vec<TurningPoint> {

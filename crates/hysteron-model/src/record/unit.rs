@@ -17,7 +17,8 @@ pub enum Quantity {
     Other,
 }
 
-/// Unit of a channel: its symbol as in a column header's suffix (`V`, `mV`, `um`, `nm`, `urad`, `A_per_m`, …; empty: none given).
+/// Unit of a channel: its symbol as in a column header's suffix (`V`, `mV`, `um`, `nm`, `urad`, `A_per_m`, …;
+/// empty: none given).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Unit(String);
 
@@ -40,8 +41,8 @@ impl Unit {
         if self.0.is_empty() { String::new() } else { format!(" {self}") }
     }
 
-    /// Whether a header's suffix may be read as this unit: one that [`Unit::base`] converts, another usual one, never converted (`A`, `mA`, `T`, `N`,
-    /// `Hz`, `kg`, `inch`, …), or a quotient of two (`A_per_m`).
+    /// Whether a header's suffix may be read as this unit: one that [`Unit::base`] converts, another usual
+    /// one, never converted (`A`, `mA`, `T`, `N`, `Hz`, `kg`, `inch`, …), or a quotient of two (`A_per_m`).
     pub fn is_known(&self) -> bool {
         match self.0.split_once("_per_") {
             Some((over, under)) => is_simple(over) && is_simple(under),

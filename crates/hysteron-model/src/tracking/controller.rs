@@ -20,11 +20,11 @@ pub enum Controller {
     FractionalPi,
     /// Straight line and an integral behind a notch on the resonance.
     NotchIntegral,
-    /// Inverse of the model, the reference known ahead.
+    /// Inverse of the model with preview of the reference.
     Feedforward,
     /// Inverse, the reference predicted from its past.
     Predicted,
-    /// Inverse, nothing known or predicted.
+    /// Inverse without preview or prediction.
     Causal,
     /// Inverse with preview, and PI.
     FeedforwardPi,
@@ -38,7 +38,7 @@ pub enum Controller {
     PredictedObserver,
     /// Inverse with preview, and adaptive feedforward (filtered-x LMS).
     FeedforwardLms,
-    /// Inverse without either, and adaptive feedforward (filtered-x LMS).
+    /// Inverse without preview or prediction, and adaptive feedforward (filtered-x LMS).
     CausalLms,
 }
 
@@ -47,7 +47,7 @@ pub enum Controller {
 pub enum ControllerFamily {
     /// Straight line.
     Line,
-    /// Inverse, the reference known ahead.
+    /// Inverse with preview of the reference.
     Preview,
     /// Inverse, the reference predicted.
     Predicted,
@@ -127,16 +127,18 @@ impl Controller {
             Self::Pi => "Straight line and PI",
             Self::FractionalPi => "Straight line and fractional PI^λ",
             Self::NotchIntegral => "Straight line and an integral behind a notch on the resonance",
-            Self::Feedforward => "Inverse of the model, the reference known ahead",
+            Self::Feedforward => "Inverse of the model with preview of the reference",
             Self::Predicted => "Inverse, the reference predicted from its past",
-            Self::Causal => "Inverse, nothing known or predicted",
+            Self::Causal => "Inverse without preview or prediction",
             Self::FeedforwardPi => "Inverse with preview, and PI",
             Self::FeedforwardFractionalPi => "Inverse with preview, and fractional PI^λ",
             Self::FeedforwardObserver => "Inverse with preview, and disturbance observer",
             Self::PredictedPi => "Inverse with prediction, and PI",
             Self::PredictedObserver => "Inverse with prediction, and disturbance observer",
             Self::FeedforwardLms => "Inverse with preview, and adaptive feedforward (filtered-x LMS)",
-            Self::CausalLms => "Inverse without either, and adaptive feedforward (filtered-x LMS)",
+            Self::CausalLms => {
+                "Inverse without preview or prediction, and adaptive feedforward (filtered-x LMS)"
+            }
         }
     }
 

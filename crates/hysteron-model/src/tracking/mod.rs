@@ -1,7 +1,8 @@
-//! A reference followed by several controllers on one plant, each with its error, bandwidths, margins and adaptation.
+//! A reference followed by several controllers on one plant, each with its error, bandwidths, margins and
+//! adaptation.
 //!
-//! [`track`] makes every controller ready from the model ([`crate::control`]), plays it on the plant, scores what is left of the
-//! reference and measures by sines how far up it follows.
+//! [`track`] makes every controller ready from the model ([`crate::control`]), plays it on the plant, scores
+//! what is left of the reference and measures by sines how far up it follows.
 
 mod controller;
 mod options;
@@ -68,7 +69,8 @@ pub struct PlantDescription {
     pub words: String,
 }
 
-/// Plays every controller of `options` on `plant`. `reference` is in the unit of the model's output and uniformly sampled.
+/// Plays every controller of `options` on `plant`. `reference` is in the unit of the model's output and
+/// uniformly sampled.
 ///
 /// # Errors
 /// [`ControlError`]: a reference or options that leave nothing to play; a controller that was asked for and cannot be made or
@@ -119,7 +121,8 @@ pub fn track(
     })
 }
 
-/// The sound ones. Where all controllers were asked for the others are left out, unless none remains; else the first error.
+/// The sound ones. Where all controllers were asked for the others are left out, unless none remains; else
+/// the first error.
 fn sorted_out<T>(
     outcomes: Vec<(Controller, Result<T, ControlError>)>,
     all: bool,

@@ -35,7 +35,8 @@ pub struct TrackOptions {
     /// Largest rate of the drive, in its unit per second; infinite: not limited.
     #[serde(with = "crate::unlimited")]
     pub slew_per_s: f64,
-    /// Voltage of the device without hysteresis memory, before the reference; `None`: 0 where the range holds it, else at rest.
+    /// Voltage of the device without hysteresis memory, before the reference; `None`: 0 where the range holds
+    /// it, else at rest.
     pub virgin_v: Option<f64>,
     /// Margins of the feedback. Its highest trusted frequency is that of the model's records.
     pub margins: Wanted,
@@ -43,7 +44,8 @@ pub struct TrackOptions {
     pub realise: RealiseOptions,
     /// Time at the beginning that is not scored \[s\]; `None`: a quarter of the reference.
     pub skip_s: Option<f64>,
-    /// Lowest and highest of the sines by which bandwidths are measured \[Hz\]; `None`: 1e-4 to 0.1 of the sample rate.
+    /// Lowest and highest of the sines by which bandwidths are measured \[Hz\]; `None`: 1e-4 to 0.1 of the
+    /// sample rate.
     pub sines_hz: Option<[f64; 2]>,
 }
 

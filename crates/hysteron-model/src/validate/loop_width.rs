@@ -1,15 +1,16 @@
 //! Opening of a hysteresis loop at mid-range input.
 
-/// Fraction of the input range by which the input must pass the middle, on both sides, for a passage to count: a
-/// noisy input that dithers about the middle makes no passages of its own.
+/// Fraction of the input range by which the input must pass the middle, on both sides, for a passage to
+/// count: a noisy input that dithers about the middle makes no passages of its own.
 const CLEARANCE: f64 = 0.05;
 
-/// Opening of the loop at mid-range input: mean output of the downward passages through the middle of the input's
-/// range minus that of the upward passages, in the output's unit, over the samples where `scored` holds.
+/// Opening of the loop at mid-range input: mean output of the downward passages through the middle of the
+/// input's range minus that of the upward passages, in the output's unit, over the samples where `scored`
+/// holds.
 ///
 /// Positive for a counter-clockwise loop (the output lags the input, as in a piezo actuator), negative for a
-/// clockwise one. The output at the middle is interpolated linearly; where the input crosses the middle more than
-/// once in one passage, the crossings are averaged. `None` without at least one passage each way.
+/// clockwise one. The output at the middle is interpolated linearly; where the input crosses the middle more
+/// than once in one passage, the crossings are averaged. `None` without at least one passage each way.
 pub fn loop_opening(u: &[f64], y: &[f64], scored: &[bool]) -> Option<f64> {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (u, _) in u.iter().zip(scored).filter(|(_, s)| **s) {

@@ -10,9 +10,10 @@ const COARSE: usize = 9;
 /// The memory is found to this share of its range.
 const PRECISION: f64 = 1e-5;
 
-/// The start at rest at u(0) with the memory from which `model` explains the record best (smallest RMSE), its RMSE and the
-/// simulation from it. The memory is searched over [`Hysteresis::memory_range`](crate::hysteresis::Hysteresis::memory_range): first on a grid, then by
-/// golden section. `None` where there is no memory to search.
+/// The start at rest at u(0) with the memory from which `model` explains the record best (smallest RMSE), its
+/// RMSE and the simulation from it. The memory is searched over
+/// [`Hysteresis::memory_range`](crate::hysteresis::Hysteresis::memory_range): first on a grid, then by golden
+/// section. `None` where there is no memory to search.
 ///
 /// # Errors
 /// [`ScoreError`] where the record cannot be scored.

@@ -23,8 +23,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scoring {
-    /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0. `None`: none, but what a model
-    /// without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is scored.
+    /// Seconds at the start of the record that are simulated but not scored \[s\], ≥ 0. `None`: none, but
+    /// what a model without dynamics cannot follow ([`unfollowed_start`]), where a [`Model`](crate::Model) is
+    /// scored.
     pub skip_s: Option<f64>,
     /// What is done about the constant difference between the record and the simulation.
     pub offset: OffsetTreatment,
@@ -41,17 +42,19 @@ pub enum OffsetTreatment {
     Fixed,
 }
 
-/// How well a simulation ŷ agrees with a record y, over the scored samples (SPEC §6).
+/// Agreement of a simulation ŷ with a record y over the scored samples; definitions in `docs/metrics.md`.
 ///
-/// e = y − ŷ − offset. A ratio is `None` where its denominator is zero (a constant record) and where the record
-/// does not hold what it needs; no field is ever NaN or infinite. Output quantities are in the record's output unit.
+/// e = y − ŷ − offset. A ratio is `None` where its denominator is zero (a constant record) and where the
+/// record does not hold what it needs; no field is ever NaN or infinite. Output quantities are in the
+/// record's output unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scores {
     /// Samples that were scored.
     pub samples: usize,
     /// Samples that were not: skipped at the start, or masked as not valid.
     pub skipped_samples: usize,
-    /// Constant added to the simulation before the comparison, on top of the model's own offset; 0 where fixed.
+    /// Constant added to the simulation before the comparison, on top of the model's own offset; 0 where
+    /// fixed.
     pub offset: f64,
     /// Whether `offset` was estimated from this record.
     pub offset_estimated: bool,
@@ -93,7 +96,8 @@ pub enum ScoreError {
     },
     /// Too little is left to score.
     #[error(
-        "only {scored} of {total} samples are left to score ({masked} not valid, the rest skipped); need at least {need}"
+        "only {scored} of {total} samples are left to score ({masked} not valid, the rest skipped); need at \
+         least {need}"
     )]
     TooFewSamples {
         /// Samples left.
@@ -146,7 +150,8 @@ const NEED_SAMPLES: usize = 2;
 /// Scores the simulation `simulated` (same unit and length as the record's output) against `record`.
 ///
 /// # Errors
-/// [`ScoreError`] if lengths differ, a scored sample is not finite, or fewer than two samples are left to score.
+/// [`ScoreError`] if lengths differ, a scored sample is not finite, or fewer than two samples are left to
+/// score.
 pub fn score(record: &InputOutput, simulated: &[f64], scoring: &Scoring) -> Result<Scores, ScoreError> {
     let Compared { scored, y, mut e } = compared(record, simulated, scoring.skip_s.unwrap_or(0.0))?;
     let (total, samples) = (record.y.len(), y.len());
@@ -295,14 +300,16 @@ pub fn definitions() -> &'static [Definition] {
             "offset",
             "offset",
             "output",
-            "constant added to the simulation before the comparison (mean residual; 0 where fixed), on top of the model's own",
+            "constant added to the simulation before the comparison (mean residual; 0 where fixed), on top \
+             of the model's own",
         ),
         row("stroke", "stroke", "output", "max y − min y over the scored samples"),
         row(
             "rmse",
             "RMSE",
             "output",
-            "root mean square of e = y − simulation − offset; simulation from the start, not one-step prediction",
+            "root mean square of e = y − simulation − offset; simulation from the start, not one-step \
+             prediction",
         ),
         row("max_abs_error", "max error", "output", "largest |e|"),
         row("rmse_percent_of_stroke", "RMSE / stroke", "%", "100 · RMSE / stroke"),
@@ -319,19 +326,22 @@ pub fn definitions() -> &'static [Definition] {
             "loop_width_error_percent",
             "loop width error",
             "%",
-            "opening of the simulated loop minus that of the measured loop at mid-range input, 100 · difference / stroke",
+            "opening of the simulated loop minus that of the measured loop at mid-range input, 100 · \
+             difference / stroke",
         ),
         row(
             "whiteness",
             "residual whiteness",
             "1",
-            "autocorrelation of e at lags 1 … 25; a white residual stays within ±2.576/√N at 99 % of the lags",
+            "autocorrelation of e at lags 1 … 25; a white residual stays within ±2.576/√N at 99 % of the \
+             lags",
         ),
         row(
             "input_correlation",
             "residual–input correlation",
             "1",
-            "correlation of e with the input at lags −25 … 25; 99 % within ±2.576/√N where nothing of the input is left in a white e",
+            "correlation of e with the input at lags −25 … 25; 99 % within ±2.576/√N where nothing of the \
+             input is left in a white e",
         ),
     ];
     TABLE

@@ -9,12 +9,13 @@ use crate::start::Start;
 /// Ends that differ by less than this share of the range close a loop.
 const CLOSED: f64 = 0.03;
 
-/// Share of its range that a drive goes through in a cycle, and by which it may miss at its end where it began.
+/// Share of its range that a drive goes through in a cycle, and by which it may miss at its end where it
+/// began.
 const CYCLE: f64 = 0.7;
 const BACK: f64 = 0.06;
 
-/// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off), settled on
-/// its own period where it repeats from the beginning or is one closed loop.
+/// The start a record can be thought to have had: at rest at its first sample, at rest at zero (drive off),
+/// settled on its own period where it repeats from the beginning or is one closed loop.
 pub fn possible_starts(record: &InputOutput, range_v: Option<(f64, f64)>) -> Vec<Start> {
     let mut starts = Vec::new();
     if let Some(&first) = record.u.first() {
@@ -32,8 +33,8 @@ pub fn possible_starts(record: &InputOutput, range_v: Option<(f64, f64)>) -> Vec
     starts
 }
 
-/// End of the range over which a device was driven before, where the record stays within it: what that left behind shows as a level
-/// until the record goes as far. The end farther from where it begins.
+/// End of the range over which a device was driven before, where the record stays within it: what that left
+/// behind shows as a level until the record goes as far. The end farther from where it begins.
 fn wider(record: &InputOutput, range_v: Option<(f64, f64)>) -> Option<f64> {
     let ((low, high), first) = (range_v?, *record.u.first()?);
     let own = range_of(&record.u);
@@ -41,8 +42,8 @@ fn wider(record: &InputOutput, range_v: Option<(f64, f64)>) -> Option<f64> {
     (farther > own.1 || farther < own.0).then_some(farther)
 }
 
-/// Samples of the first cycle of a drive on uneven stamps: those before it is back where it began, most of its range behind it.
-/// `None` where it does not come back.
+/// Samples of the first cycle of a drive on uneven stamps: those before it is back where it began, most of
+/// its range behind it. `None` where it does not come back.
 pub fn first_cycle(record: &InputOutput) -> Option<usize> {
     let TimeBase::NonUniform { times_s } = &record.time else { return None };
     let end = cycle(&record.u)?;
@@ -65,8 +66,8 @@ fn cycle(u: &[f64]) -> Option<usize> {
     Some(back + nearer.count())
 }
 
-/// Samples of the period that a record may be settled on: where the drive repeats from the first sample on (`periods`, if
-/// they were found), or the whole record, where it is one closed loop.
+/// Samples of the period that a record may be settled on: where the drive repeats from the first sample on
+/// (`periods`, if they were found), or the whole record, where it is one closed loop.
 pub fn settled_period(record: &InputOutput, periods: Option<Periods>) -> Option<usize> {
     match periods {
         Some(p) => (p.start == 0 && p.count >= 2).then(|| p.period_samples.round() as usize),
@@ -74,8 +75,9 @@ pub fn settled_period(record: &InputOutput, periods: Option<Periods>) -> Option<
     }
 }
 
-/// Samples at the start of a record that a model without dynamics cannot follow, because the drive jumps there from its
-/// rest: a quarter of the drive's shortest period, 0 without a jump of more than 2 % of its range.
+/// Samples at the start of a record that a model without dynamics cannot follow, because the drive jumps
+/// there from its rest: a quarter of the drive's shortest period, 0 without a jump of more than 2 % of its
+/// range.
 pub fn unfollowed_start(record: &InputOutput, start: &Start) -> usize {
     const JUMP: f64 = 0.02;
     let Start::Rest { voltage_v } = *start else { return 0 };
@@ -99,14 +101,16 @@ fn closes(x: &[f64]) -> bool {
     }
 }
 
-/// The start among `preferred` and [`possible_starts`] from which `model` explains the record best (smallest RMSE), and
-/// the simulation from it. A record's initial state is unknown like its sensor's zero: this is its estimate, one choice
-/// of at most four, and the preferred one unless another is better by more than 1 %. Where the device rested at u(0) with a
-/// memory of earlier motion that explains the record better than all of them by more than 1 %, that start is taken, with the
-/// estimated memory z ([`Start::Remembering`]). `range_v`: smallest and largest voltage of the records that the model comes from.
+/// The start among `preferred` and [`possible_starts`] from which `model` explains the record best (smallest
+/// RMSE), and the simulation from it. A record's initial state is unknown like its sensor's zero: this is its
+/// estimate, one choice of at most four, and the preferred one unless another is better by more than 1 %.
+/// Where the device rested at u(0) with a memory of earlier motion that explains the record better than all
+/// of them by more than 1 %, that start is taken, with the estimated memory z ([`Start::Remembering`]).
+/// `range_v`: smallest and largest voltage of the records that the model comes from.
 ///
 /// # Errors
-/// [`ScoreError`] where the model cannot be simulated from the preferred start, or the record cannot be scored.
+/// [`ScoreError`] where the model cannot be simulated from the preferred start, or the record cannot be
+/// scored.
 pub fn choose_start(
     model: &Model,
     record: &InputOutput,

@@ -1,4 +1,5 @@
-//! Plays with thermally activated edges: against a plain integration of their equation, and in the limits where they are known.
+//! Plays with thermally activated edges: against a plain integration of their equation, and in the limits
+//! where they are known.
 
 use super::*;
 use hysteron_model::hysteresis::{ActivatedPlays, DriveGrid};

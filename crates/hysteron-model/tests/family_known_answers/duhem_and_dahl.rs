@@ -4,8 +4,9 @@ use super::*;
 
 #[test]
 fn the_duhem_loop_by_hand() {
-    // From rest y₀ = (1 − e^(−bu))/b; settled between ±A it is tanh(bA)/b at the top. y₁ = (u − 1/b)/b + c e^(−bu) going up
-    // and its mirror image going down, so that c = A/(b sinh bA) and y₁ = (A coth(bA) − 1/b)/b at both ends.
+    // From rest y₀ = (1 − e^(−bu))/b; settled between ±A it is tanh(bA)/b at the top. y₁ = (u − 1/b)/b + c
+    // e^(−bu) going up and its mirror image going down, so that c = A/(b sinh bA) and y₁ = (A coth(bA) −
+    // 1/b)/b at both ends.
     let (b, a) = (0.4_f64, 3.0);
     let y = column(&Duhem { degree: 0 }, &[b], &[1.0, 2.5], REST);
     for (y, u) in y.iter().zip([1.0, 2.5]) {

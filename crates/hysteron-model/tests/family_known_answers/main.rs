@@ -1,5 +1,5 @@
-//! Promise: every family of hysteresis columns agrees with numbers worked out by hand, with another family where theory
-//! makes them equal, and with a plain integration of its own equation.
+//! Promise: every family of hysteresis columns agrees with numbers worked out by hand, with another family
+//! where theory makes them equal, and with a plain integration of its own equation.
 #![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
 
 mod activated_plays;

@@ -17,7 +17,8 @@ fn rate_dependent(
 
 #[test]
 fn a_play_that_widens_with_the_rate_by_hand() {
-    // r = 1 V, λ = 0.1 s; at 10 Hz a step of 1 V is 10 V/s and the half-width 2 V. Standing still it is 1 V again.
+    // r = 1 V, λ = 0.1 s; at 10 Hz a step of 1 V is 10 V/s and the half-width 2 V. Standing still it is 1 V
+    // again.
     let model = PrandtlIshlinskii::new(vec![1.0], vec![1.0], vec![1.0]).unwrap();
     let u = [0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 3.5];
     let v = rate_dependent(&model, 0.1, &u, 10.0, Start::Rest { voltage_v: 0.0 });

@@ -1,4 +1,5 @@
-//! Promise: laws of every family of hysteresis columns, whatever its parameters, and where a law does not hold.
+//! Promise: laws of every family of hysteresis columns, whatever its parameters, and where a law does not
+//! hold.
 #![allow(clippy::unwrap_used, clippy::panic)] // Helpers outside the test functions; a failure is a failed test.
 
 mod any_input;
@@ -150,8 +151,9 @@ fn difference(step: f64, f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     (0..a.len()).map(|i| ((a[i] - d[i]) + 8.0 * (c[i] - b[i])) / (12.0 * step)).collect()
 }
 
-/// Exact derivatives against differences of the plain simulation. Where differences of two step sizes disagree (a kink
-/// between their points) nothing is compared; cases with many of them are rejected, of which proptest allows few.
+/// Exact derivatives against differences of the plain simulation. Where differences of two step sizes
+/// disagree (a kink between their points) nothing is compared; cases with many of them are rejected, of which
+/// proptest allows few.
 fn derivatives_are_differences<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
@@ -207,8 +209,8 @@ fn derivatives_are_differences<K: ColumnKernel>(
     Ok(())
 }
 
-/// A device that was virgin at `virgin` and moved to `rest` is one that was driven there in a sample of its own: columns,
-/// derivatives, and what they are before the first sample, to the last bit.
+/// A device that was virgin at `virgin` and moved to `rest` is one that was driven there in a sample of its
+/// own: columns, derivatives, and what they are before the first sample, to the last bit.
 fn a_memory_is_a_move<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],

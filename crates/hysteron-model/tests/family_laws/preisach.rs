@@ -71,8 +71,8 @@ proptest! {
 proptest! {
     #![proptest_config(config(30))]
 
-    /// The sum that is kept up move by move is that of the plane's columns, over more moves than one reckoning of it, on the diagonal
-    /// and off it, beyond the levels too.
+    /// The sum that is kept up move by move is that of the plane's columns, over more moves than one
+    /// reckoning of it, on the diagonal and off it, beyond the levels too.
     #[test]
     fn a_density_is_its_plane_with_its_weights(
         turns in vec(-7.0..7.0_f64, 1..12), count in 1..9_usize, rest in -3.0..3.0_f64, h in 0.0..2.0_f64,

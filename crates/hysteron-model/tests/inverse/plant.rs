@@ -1,5 +1,5 @@
-//! A plant in continuous time that is not the library's: exact exponentials, hysteresis by Runge–Kutta, each voltage held for a period of
-//! the controller.
+//! A plant in continuous time that is not the library's: exact exponentials, hysteresis by Runge–Kutta, each
+//! voltage held for a period of the controller.
 
 use std::f64::consts::TAU;
 

@@ -49,13 +49,15 @@ fn rest(reference: &[f64]) -> f64 {
 
 #[test]
 fn with_preview_it_is_the_inverse_of_the_whole_reference() {
-    // The inverse of the whole reference leaves out the images of the sampled spectrum: 1e-4 of the answer at 500 Hz.
+    // The inverse of the whole reference leaves out the images of the sampled spectrum: 1e-4 of the answer at
+    // 500 Hz.
     for (frequency_hz, amplitude, allowed) in [(20.0, 5.0, 1e-5), (100.0, 5.0, 1e-5), (500.0, 1.5, 1e-3)] {
         let reference = reference(frequency_hz, amplitude);
         let whole = model().invert(&reference, RATE_HZ, &InverseOptions::within(RANGE_V)).unwrap();
         // As long as the gains reach.
         let own: Vec<f64> = drive(&law(Some(4000), Prediction::Stays), &reference, rest_of(&whole));
-        // The whole drive cannot begin before the record and does not know it; nor does it know that the reference stays where it ends.
+        // The whole drive cannot begin before the record and does not know it; nor does it know that the
+        // reference stays where it ends.
         let compared = 100..SAMPLES - 100;
         let pairs = whole.drive[compared.clone()].iter().zip(&own[compared]);
         let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -96,8 +98,8 @@ fn a_plant_in_continuous_time_follows_with_a_short_preview_and_with_none() {
     }
 }
 
-/// A voltage put out a time δ late is held from the one before for so long: with white jitter the error is the motion of δ's rms, less what the stage
-/// filters away.
+/// A voltage put out a time δ late is held from the one before for so long: with white jitter the error is
+/// the motion of δ's rms, less what the stage filters away.
 #[test]
 fn a_jittering_clock_costs_no_more_than_the_motion_in_the_meantime() {
     let (frequency_hz, amplitude) = (100.0, 5.0);
@@ -107,7 +109,8 @@ fn a_jittering_clock_costs_no_more_than_the_motion_in_the_meantime() {
     let mut state = 12345_u64;
     let mut late = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        // 0 to 4 of 20 steps: a fifth of a period at most, 7.1 µs rms about the mean, which is a delay of 10 µs.
+        // 0 to 4 of 20 steps: a fifth of a period at most, 7.1 µs rms about the mean, which is a delay of 10
+        // µs.
         (state >> 33) as usize % 5
     };
     let at: Vec<usize> = (0..SAMPLES).map(|k| k * FINER + late()).collect();

@@ -132,7 +132,8 @@ fn what_repeats_is_learned_from_run_to_run() {
     }
     println!("rms error from run to run: {errors:?} µm");
     assert!(errors[1] < 0.1 * errors[0] && errors[2] < 0.05 * errors[0], "{errors:?}");
-    // The device rests half a micrometre beside the beginning of the reference, which no run can mend and none makes worse.
+    // The device rests half a micrometre beside the beginning of the reference, which no run can mend and
+    // none makes worse.
     assert!(errors.windows(2).all(|w| w[1] < w[0]), "{errors:?}");
 }
 

@@ -18,8 +18,9 @@ fn cost(x: &[f64]) -> f64 {
     if x[0] > 0.24 { f64::INFINITY } else { (x[0] - 0.1).abs() + (x[1] - 0.7).abs() }
 }
 
-/// Runs one generation from the sources (0.2, 0.6), the best, and (0.4, 0.3), with iter = 3 of Iter = 4: F = 1/4. With
-/// two sources the partner is the other one, and a source of infinite cost draws no onlooker: nothing is random.
+/// Runs one generation from the sources (0.2, 0.6), the best, and (0.4, 0.3), with iter = 3 of Iter = 4: F =
+/// 1/4. With two sources the partner is the other one, and a source of infinite cost draws no onlooker:
+/// nothing is random.
 fn one_generation(options: &DeAbcOptions, cost: fn(&[f64]) -> f64) -> (Colony, Ledger) {
     let mut sources = Points::new(2);
     let costs = [[0.2, 0.6], [0.4, 0.3]].map(|x| {
@@ -50,10 +51,10 @@ fn assert_close(found: &[f64], expected: &[f64]) {
 fn one_generation_is_the_one_computed_by_hand() {
     let options = DeAbcOptions { population: 2, scout: Scout::Off, ..DeAbcOptions::default() };
     let (colony, ledger) = one_generation(&options, cost);
-    // Employed (Eqs. 8, 9): (0.2, 0.6) + ¼ ((0.2, 0.6) − (0.4, 0.3)) = (0.15, 0.675), cost 0.075 < 0.2: taken.
-    //   (0.2, 0.6) + ¼ ((0.4, 0.3) − (0.2, 0.6)) = (0.25, 0.525), infeasible: not taken, counter 1.
+    // Employed (Eqs. 8, 9): (0.2, 0.6) + ¼ ((0.2, 0.6) − (0.4, 0.3)) = (0.15, 0.675), cost 0.075 < 0.2:
+    // taken. (0.2, 0.6) + ¼ ((0.4, 0.3) − (0.2, 0.6)) = (0.25, 0.525), infeasible: not taken, counter 1.
     // Onlookers, both on the first, which is x_best now: (0.15, 0.675) + ¼ ((0.15, 0.675) − (0.4, 0.3)) =
-    //   (0.0875, 0.76875), cost 0.08125 > 0.075: neither is taken, counter 2.
+    // (0.0875, 0.76875), cost 0.08125 > 0.075: neither is taken, counter 2.
     assert_close(colony.sources.get(0), &[0.15, 0.675]);
     assert_close(colony.sources.get(1), &[0.4, 0.3]);
     assert_close(&colony.costs[..1], &[0.075]);
@@ -69,8 +70,8 @@ fn one_moved_component_leaves_the_other_at_the_source() {
         DeAbcOptions { population: 2, scout: Scout::Off, moved: Moved::One, ..DeAbcOptions::default() };
     let (colony, _) =
         one_generation(&options, |x| if x[0] > 0.24 { f64::INFINITY } else { 1.0 - x[1] + x[0] });
-    // From (0.2, 0.6) a bee reaches (0.15, 0.6) or (0.2, 0.675), both better; an onlooker then moves one component of
-    // that: both components are x_best,j + ¼ Δ or untouched, never anything else.
+    // From (0.2, 0.6) a bee reaches (0.15, 0.6) or (0.2, 0.675), both better; an onlooker then moves one
+    // component of that: both components are x_best,j + ¼ Δ or untouched, never anything else.
     let found = colony.sources.get(0);
     let first = [0.2, 0.15, 0.15 + 0.25 * (0.15 - 0.4), 0.2 + 0.25 * (0.2 - 0.4)];
     let second = [0.6, 0.675, 0.675 + 0.25 * (0.675 - 0.3), 0.6 + 0.25 * (0.6 - 0.3)];
@@ -82,8 +83,8 @@ fn one_moved_component_leaves_the_other_at_the_source() {
 fn with_scout(chaos: Chaos, keeps: ScoutKeeps, iterates: usize) -> (Colony, Ledger) {
     let scout = Scout::Chaotic { iterates, chaos, keeps };
     let options = DeAbcOptions { population: 2, scout, limit: Some(0), ..DeAbcOptions::default() };
-    // The first source is the best, and every proposal is worse than both: counters 1 + onlookers, the second is
-    // scouted. Chaotic points from (0.4, 0.3): C¹ = (0.96, 0.84), C² = (0.1536, 0.5376).
+    // The first source is the best, and every proposal is worse than both: counters 1 + onlookers, the second
+    // is scouted. Chaotic points from (0.4, 0.3): C¹ = (0.96, 0.84), C² = (0.1536, 0.5376).
     one_generation(&options, |x| match x {
         [0.2, 0.6] => 1.0,
         [0.4, 0.3] => 2.0,

@@ -19,8 +19,8 @@ fn exact([a, b]: [f64; 2]) -> DMatrix<f64> {
 #[test]
 fn differences_agree_with_the_derivatives_by_hand() {
     let problem = Residuals { bounds: bounds(), count: 2, residuals };
-    // Inside, and on two edges of the box, where the differences are one-sided. Central ones err by h²/6 (ln 1000)³ =
-    // 6e-9 on the logarithmic scale, one-sided ones by h/2 ln 1000 = 3e-5 of the derivative.
+    // Inside, and on two edges of the box, where the differences are one-sided. Central ones err by h²/6 (ln
+    // 1000)³ = 6e-9 on the logarithmic scale, one-sided ones by h/2 ln 1000 = 3e-5 of the derivative.
     for (x, tolerance) in [([0.7, 0.4], 6e-9), ([3.0, 0.4], 6e-9), ([-1.0, 10.0], 2e-4)] {
         let central = residual_jacobian(&problem, &x, Differences::central()).unwrap();
         let error = (&central - exact(x)).abs().max() / exact(x).abs().max();

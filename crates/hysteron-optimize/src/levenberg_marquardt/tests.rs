@@ -57,7 +57,8 @@ fn kowalik_osborne_ends_at_the_published_minimum() {
 
 #[test]
 fn active_bound_of_rosenbrock_is_met_exactly() {
-    // On x₁ = ½ the minimum is x₂ = ¼, cost ½² = ¼; the multiplier of x₁ ≤ ½ is 2(1 − ½) = 1 > 0: a KKT point.
+    // On x₁ = ½ the minimum is x₂ = ¼, cost ½² = ¼; the multiplier of x₁ ≤ ½ is 2(1 − ½) = 1 > 0: a KKT
+    // point.
     let mut bounds = cube(2, -5.0, 5.0);
     bounds.ranges[0].high = 0.5;
     let outcome = fit(&rosenbrock(bounds), &[-1.2, 1.0]);

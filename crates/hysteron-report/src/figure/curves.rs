@@ -91,7 +91,8 @@ pub(crate) fn swatch(out: &mut String, s: &Swatch) {
         let (x, y, length) = (number(s.x), number(s.y - 6.0), number(s.length));
         put!(
             out,
-            "<g class=\"span\"><rect x=\"{x}\" y=\"{y}\" width=\"{length}\" height=\"12\" fill=\"#eceff2\"/></g>"
+            "<g class=\"span\"><rect x=\"{x}\" y=\"{y}\" width=\"{length}\" height=\"12\" \
+             fill=\"#eceff2\"/></g>"
         );
         return;
     };
@@ -102,7 +103,8 @@ pub(crate) fn swatch(out: &mut String, s: &Swatch) {
         let length = number(s.length);
         put!(
             out,
-            "<rect x=\"{x}\" y=\"{top}\" width=\"{length}\" height=\"10\" fill=\"currentColor\" fill-opacity=\".18\"/>"
+            "<rect x=\"{x}\" y=\"{top}\" width=\"{length}\" height=\"10\" fill=\"currentColor\" \
+             fill-opacity=\".18\"/>"
         );
     }
     if style.marker == Marker::Bar {

@@ -7,8 +7,8 @@ use super::passes::by_passes;
 ///
 /// * A curve whose `x` never decreases (a time curve) keeps the first, lowest, highest and last point of
 ///   each column of width `cell`, in their order.
-/// * Any other curve (a loop) is drawn pass by pass between the turns of `x`, each whole, to half a `cell`; a pass that lies on
-///   those drawn before is left out, so that forty equal periods cost as much as one.
+/// * Any other curve (a loop) is drawn pass by pass between the turns of `x`, each whole, to half a `cell`; a
+///   pass that lies on those drawn before is left out, so that forty equal periods cost as much as one.
 ///
 /// Cells grow until at most `limit` points remain (or 48, if `limit` is smaller).
 ///

@@ -30,7 +30,8 @@ fn fits(format: &fn(f64) -> String, cells: &[Vec<f64>], all: f64) -> bool {
     })
 }
 
-/// Draws `cells`, row by row from the top; positive values in one colour, negative ones in the other, the paler the smaller.
+/// Draws `cells`, row by row from the top; positive values in one colour, negative ones in the other, the
+/// paler the smaller.
 pub(super) fn draw(out: &mut String, cells: &[Vec<f64>], placed: &PlacedPanel) {
     let f = placed.frame;
     let h = f.h / cells.len().max(1) as f64;
@@ -42,8 +43,8 @@ pub(super) fn draw(out: &mut String, cells: &[Vec<f64>], placed: &PlacedPanel) {
             let (x, y) = (f.x + j as f64 * w, f.y + i as f64 * h);
             put!(
                 out,
-                "<g class=\"{}\" color=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"currentColor\" \
-                 fill-opacity=\"{}\"/></g>",
+                "<g class=\"{}\" color=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" \
+                 fill=\"currentColor\" fill-opacity=\"{}\"/></g>",
                 colour.class(),
                 colour.hex(),
                 number(x),

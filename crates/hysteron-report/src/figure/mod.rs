@@ -215,8 +215,8 @@ pub struct Figure {
     pub title: String,
     /// Second line, drawn smaller; say `simulated` here when the data are.
     pub subtitle: String,
-    /// Caption under the figure on a page, which numbers it unless the title starts with `Figure `; becomes the
-    /// description of a stand-alone SVG.
+    /// Caption under the figure on a page, which numbers it unless the title starts with `Figure `; becomes
+    /// the description of a stand-alone SVG.
     pub caption: String,
     /// Panels in reading order.
     pub panels: Vec<Panel>,

@@ -96,7 +96,8 @@ pub(crate) fn draw(out: &mut String, panel: &Panel, placed: &PlacedPanel) {
             let [px, py, x, y] = [point.0, point.1, x, y].map(number);
             put!(
                 out,
-                "<path class=\"leader\" d=\"M{px} {py}L{x} {y}\" stroke=\"#9aa3ab\" stroke-width=\".8\" fill=\"none\"/>"
+                "<path class=\"leader\" d=\"M{px} {py}L{x} {y}\" stroke=\"#9aa3ab\" stroke-width=\".8\" \
+                 fill=\"none\"/>"
             );
         }
         let (x, y, text) = (number(place.x), number(place.y + LINE - 3.0), escape(&name.text));

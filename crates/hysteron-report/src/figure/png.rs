@@ -13,7 +13,8 @@ pub enum PngError {
     NoFont,
     /// The picture would have no or too many pixels.
     #[error(
-        "a scale of {scale} gives a picture of {width_px:.0} × {height_px:.0} px; choose one that gives 1 to 20 000 px"
+        "a scale of {scale} gives a picture of {width_px:.0} × {height_px:.0} px; choose one that gives 1 to \
+         20 000 px"
     )]
     Size {
         /// Scale asked for.

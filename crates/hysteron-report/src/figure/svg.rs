@@ -132,7 +132,8 @@ fn draw_panel(out: &mut String, panel: &Panel, placed: &PlacedPanel, id: &str, i
     }
     put!(
         out,
-        "<rect class=\"frame\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"none\" stroke=\"#5b646c\"/>"
+        "<rect class=\"frame\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" fill=\"none\" \
+         stroke=\"#5b646c\"/>"
     );
     panel_texts(out, placed);
     out.push_str("</g>");
@@ -145,7 +146,8 @@ fn panel_texts(out: &mut String, placed: &PlacedPanel) {
         let (x, y, title) = (number(f.x), number(placed.title_y), escape(&placed.title));
         put!(
             out,
-            "<text class=\"t\" x=\"{x}\" y=\"{y}\" font-size=\"{PANEL_TITLE}\" font-weight=\"600\">{title}</text>"
+            "<text class=\"t\" x=\"{x}\" y=\"{y}\" font-size=\"{PANEL_TITLE}\" \
+             font-weight=\"600\">{title}</text>"
         );
     }
     if placed.show_x_labels && !placed.x.title.is_empty() {
@@ -158,7 +160,8 @@ fn panel_texts(out: &mut String, placed: &PlacedPanel) {
         let title = escape(&fit(&placed.y.title, SMALL, f.h + 30.0));
         put!(
             out,
-            "<text class=\"t\" transform=\"translate({x} {y}) rotate(-90)\" text-anchor=\"middle\">{title}</text>"
+            "<text class=\"t\" transform=\"translate({x} {y}) rotate(-90)\" \
+             text-anchor=\"middle\">{title}</text>"
         );
     }
     for entry in &placed.legend {

@@ -20,9 +20,9 @@ pub struct Ticks {
 /// Ranges narrower than this cannot be divided by powers of ten that a double holds.
 pub(crate) const SMALLEST_SPAN: f64 = 1e-280;
 
-/// Ticks of an axis from `low` to `high` with at most `limit` labelled positions (`limit` is taken between
-/// 2 and 10). An empty set when the limits are not finite, not ordered, closer than 1e-280, or (on a logarithmic axis) not
-/// positive.
+/// Ticks of an axis from `low` to `high` with at most `limit` labelled positions (`limit` is taken between 2
+/// and 10). An empty set when the limits are not finite, not ordered, closer than 1e-280, or (on a
+/// logarithmic axis) not positive.
 pub fn ticks(scale: Scale, low: f64, high: f64, limit: usize) -> Ticks {
     let limit = limit.clamp(2, 10);
     let span = high - low;

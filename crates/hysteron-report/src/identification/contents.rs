@@ -267,8 +267,9 @@ fn convergence_note(found: &Identification, unit: &str) -> String {
         return String::new();
     }
     format!(
-        "The search ends at {} {unit} where the score is {} {unit}: the fit allows for a slow creep of each quasi-static record so \
-         that it does not distort the loop; the model has no creep, and the score counts what it leaves.",
+        "The search ends at {} {unit} where the score is {} {unit}: the fit allows for a slow creep of each \
+         quasi-static record so that it does not distort the loop; the model has no creep, and the score \
+         counts what it leaves.",
         significant(search.outcome.cost, 3),
         significant(record.scores.rmse, 3)
     )
@@ -292,10 +293,12 @@ fn structures(others: &Result<Neighbours, IdentifyError>) -> Vec<StructureRow> {
 fn about_structures(found: &Identification, others: &Result<Neighbours, IdentifyError>) -> String {
     match others {
         Ok(others) => format!(
-            "Each fitted to the same records, from the identified model on, thinned where they are oversampled; shaded: the one identified. \
-             The polynomial is a cubic where no degree is named. RMSE over all samples, on the data of the fit: a richer structure always has a lower one. \
-             BIC counts parameters against it, over the {:.0} independent samples (of {}) that the residuals are worth; differences below 10 mean \
-             little. What a structure predicts is told by records that it was not fitted to: hysteron compare {}.",
+            "Each fitted to the same records, from the identified model on, thinned where they are \
+             oversampled; shaded: the one identified. The polynomial is a cubic where no degree is named. \
+             RMSE over all samples, on the data of the fit: a richer structure always has a lower one. BIC \
+             counts parameters against it, over the {:.0} independent samples (of {}) that the residuals are \
+             worth; differences below 10 mean little. What a structure predicts is told by records that it \
+             was not fitted to: hysteron compare {}.",
             others.independent_samples,
             others.samples,
             found
@@ -312,7 +315,8 @@ fn about_structures(found: &Identification, others: &Result<Neighbours, Identify
     }
 }
 
-/// Half the widths of the bands: by the fit, else out of the model file. `None` where nothing is known of them.
+/// Half the widths of the bands: by the fit, else out of the model file. `None` where nothing is known of
+/// them.
 fn band(fit: &RecordFit, file: &ModelFile) -> Option<BandWidths> {
     let of_file = || {
         let band = PredictionBand::of_file(file, &fit.data.u, &fit.data.time, &fit.start).ok()?;

@@ -1,6 +1,7 @@
 //! The report of an identification: what was measured, what was found, how good it is, how to repeat it.
 //!
-//! [`report`] makes the page from the result. [`IdentificationReportData`] is what it shows, laid out by [`identification_report`].
+//! [`report`] makes the page from the result. [`IdentificationReportData`] is what it shows, laid out by
+//! [`identification_report`].
 
 mod contents;
 mod parameters;
@@ -19,8 +20,9 @@ use hysteron_identify::{Correlation, Identification, IdentifyError};
 use hysteron_model::model_file::ModelFile;
 use hysteron_numeric::number::fixed;
 
-/// The report of an identification, whose model's data are `file`: model, errors, scores, measured against simulated, findings,
-/// how to repeat it. `others`: structures next to the identified one, where they were compared.
+/// The report of an identification, whose model's data are `file`: model, errors, scores, measured against
+/// simulated, findings, how to repeat it. `others`: structures next to the identified one, where they were
+/// compared.
 pub fn report(
     model_name: &str,
     found: &Identification,
@@ -112,7 +114,8 @@ pub struct ParameterRow {
     pub interval: Option<(f64, f64)>,
     /// The interval comes from a profile of the fit instead of the standard error.
     pub is_profiled: bool,
-    /// How it came about when it was not estimated (`fixed`, `at its bound` …), behind the meaning; may be empty.
+    /// How it came about when it was not estimated (`fixed`, `at its bound` …), behind the meaning; may be
+    /// empty.
     pub note: String,
 }
 
@@ -282,7 +285,10 @@ fn model(data: &IdentificationReportData) -> Section {
             table = table.row(cells);
         }
         if data.parameters.iter().any(|p| p.is_profiled) {
-            table = table.note("* by profile likelihood: the fit is not linear enough in this parameter for its standard error.");
+            table = table.note(
+                "* by profile likelihood: the fit is not linear enough in this parameter for \
+                its standard error.",
+            );
         }
         section = section.block(table);
     }
@@ -326,8 +332,8 @@ fn degrees(data: &IdentificationReportData) -> Table {
         Column::number("BIC", ""),
     ];
     let mut table = Table::new(columns).captioned("Polynomial degrees tried").note(
-        "A higher degree is taken where it lowers BIC by more than 10 and keeps the hysteresis bounded; shaded: the one used. BIC \
-         counts only as many samples as are independent.",
+        "A higher degree is taken where it lowers BIC by more than 10 and keeps the hysteresis bounded; \
+         shaded: the one used. BIC counts only as many samples as are independent.",
     );
     for d in &data.degrees {
         let cells = [d.degree.to_string(), significant(d.rmse, 4), fixed(d.bic, 1)];
@@ -339,8 +345,8 @@ fn degrees(data: &IdentificationReportData) -> Table {
 /// Correlation of the estimates of one step.
 fn correlation(c: &Correlation) -> Figure {
     correlation_matrix(format!("Correlation of the parameters: {}", c.step), &c.names, &c.matrix).captioned(format!(
-        "Correlation of the estimates of the step '{}'; condition number {}. Parameters with a correlation near ±1 can hardly be \
-         told apart by these records: only their combination is determined.",
+        "Correlation of the estimates of the step '{}'; condition number {}. Parameters with a correlation \
+         near ±1 can hardly be told apart by these records: only their combination is determined.",
         c.step,
         significant(c.condition_number, 3)
     ))
@@ -360,7 +366,8 @@ fn dynamics(data: &IdentificationReportData) -> Section {
             mark_frequency(&mut figure, at);
         }
         section = section.block(figure.captioned(
-            "Response of the linear block behind the hysteresis, delay included. It is not that of the whole actuator.",
+            "Response of the linear block behind the hysteresis, delay included. It is not that of the whole \
+             actuator.",
         ));
     }
     section

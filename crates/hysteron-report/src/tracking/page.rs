@@ -46,7 +46,8 @@ pub fn page(found: &Tracking, maker: &Maker) -> Page {
     page.footer_line(&maker.program)
 }
 
-/// Error of the sines over frequency: a panel for each family of controllers, the uncompensated stage in each.
+/// Error of the sines over frequency: a panel for each family of controllers, the uncompensated stage in
+/// each.
 fn over_frequency(found: &Tracking) -> Figure {
     let curve = |run: &ControllerRun| -> (Vec<f64>, Vec<f64>) {
         let answers = run.followed.iter().flat_map(|followed| &followed.answers);
@@ -99,8 +100,9 @@ fn over_frequency(found: &Tracking) -> Figure {
         figure = figure.panel(panel);
     }
     figure.captioned(
-        "Sines as large as the reference that were played: what is left, rms in per cent of the stroke, noise and harmonics included. ● where it rises above 1 %, \
-         ■ where less than 1/√2 of the sine is left. Simulated.",
+        "Sines as large as the reference that were played: what is left, rms in per cent of the stroke, \
+         noise and harmonics included. ● where it rises above 1 %, ■ where less than 1/√2 of the sine is \
+         left. Simulated.",
     )
 }
 
@@ -158,7 +160,10 @@ fn left_over(found: &Tracking) -> Figure {
             .series(Series::line(run.controller.words(), time, error, Style::nth(place)));
         figure = figure.panel(panel);
     }
-    figure.captioned("Reference less displacement, mean taken off: the first controller and those that leave least. Each panel has its own scale.")
+    figure.captioned(
+        "Reference less displacement, mean taken off: the first controller and those that leave \
+        least. Each panel has its own scale.",
+    )
 }
 
 fn reach(found: &Tracking) -> Figure {
@@ -171,6 +176,7 @@ fn reach(found: &Tracking) -> Figure {
         Style::nth(0),
     ));
     Figure::new("Bandwidth against amplitude").panel(panel).captioned(
-        "Highest frequency of a sine that the largest rate of the drive does not hold back, by formula from the model.",
+        "Highest frequency of a sine that the largest rate of the drive does not hold back, by formula from \
+         the model.",
     )
 }

@@ -20,7 +20,8 @@ pub fn introduction(found: &Tracking) -> String {
     };
     let [low, high] = found.settings.range_v;
     format!(
-        "Simulated: {} follows {} at {} Hz, driven from {} to {} {}{slew}. Errors are those of the displacement from {} s{to} their mean taken off.",
+        "Simulated: {} follows {} at {} Hz, driven from {} to {} {}{slew}. Errors are those of the \
+         displacement from {} s{to} their mean taken off.",
         found.plant.words,
         found.name,
         short(found.sample_rate_hz),
@@ -37,8 +38,9 @@ pub fn of_runaways(found: &Tracking) -> Option<String> {
         found.runs.iter().filter(|run| run.runs_away()).map(|run| run.controller.words()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "Do not use: {}. The error exceeds the whole stroke: the stage is not held. Where there is feedback its loop oscillates, because the stage is not the model that \
-             the margins are of: identify the model up to higher frequencies, or ask for more margin.",
+            "Do not use: {}. The error exceeds the whole stroke: the stage is not held. Where there is \
+             feedback its loop oscillates, because the stage is not the model that the margins are of: \
+             identify the model up to higher frequencies, or ask for more margin.",
             names.join("; ")
         )
     })
@@ -53,7 +55,8 @@ pub fn of_bandwidths(found: &Tracking) -> String {
         "Formula and sines agree within a tenth.".to_owned()
     } else {
         format!(
-            "For {apart} of {} controllers they are more than a tenth apart (last column): trust what was played.",
+            "For {apart} of {} controllers they are more than a tenth apart (last column): trust what was \
+             played.",
             found.runs.len()
         )
     };
@@ -66,8 +69,9 @@ pub fn of_bandwidths(found: &Tracking) -> String {
         count => format!(" Range or rate of the drive held back sines of {count} controllers."),
     };
     format!(
-        "Bandwidths: up to where 1/√2 of a sine is left (−3 dB), and up to where its error stays below 1 % of its stroke, rms. By formula of the model, taken for linear \
-         and true; and of sines from {} to {} Hz that were played, {} {} about {} {}, hysteresis, limits and noise included. {verdict}{limited}",
+        "Bandwidths: up to where 1/√2 of a sine is left (−3 dB), and up to where its error stays below 1 % \
+         of its stroke, rms. By formula of the model, taken for linear and true; and of sines from {} to {} \
+         Hz that were played, {} {} about {} {}, hysteresis, limits and noise included. {verdict}{limited}",
         significant(sines.range_hz[0], 3),
         significant(sines.range_hz[1], 3),
         significant(sines.amplitude, 3),
@@ -78,6 +82,7 @@ pub fn of_bandwidths(found: &Tracking) -> String {
 }
 
 /// Introduction of the table of adaptations.
-pub const OF_ADAPTATIONS: &str = "Weights that adapt: the step, and the largest at which a level or a sine up to the highest frequency, alone, leaves them \
-    stable if the model is true; by how much the stage differs from the model in phase (the inverse alone, sines), which must stay below 90° for any step; \
-    what is left of the reference, and what the best constant weights would have left.";
+pub const OF_ADAPTATIONS: &str = "Weights that adapt: the step, and the largest at which a level or a sine \
+    up to the highest frequency, alone, leaves them stable if the model is true; by how much the stage \
+    differs from the model in phase (the inverse alone, sines), which must stay below 90° for any step; what \
+    is left of the reference, and what the best constant weights would have left.";

@@ -1,9 +1,9 @@
 //! Drive waveforms for an identification campaign.
 //!
-//! An [`ExcitationSpec`] (serde; what a configuration file or a command line fills in) is checked and turned into an
-//! [`Excitation`], whose limits an amplifier's [`AmplifierLimits`] check and which becomes a record ready for a DAQ.
-//! Every waveform stays inside `low_v … high_v`; the plant is taken to rest at 0 V, and `soft_start_s` leads smoothly from
-//! there to the waveform's first sample.
+//! An [`ExcitationSpec`] (serde; what a configuration file or a command line fills in) is checked and turned
+//! into an [`Excitation`], whose limits an amplifier's [`AmplifierLimits`] check and which becomes a record
+//! ready for a DAQ. Every waveform stays inside `low_v … high_v`; the plant is taken to rest at 0 V, and
+//! `soft_start_s` leads smoothly from there to the waveform's first sample.
 //!
 //! ```
 //! use hysteron_rig::excitation::{AmplifierLimits, ExcitationSpec, SweepLaw, Waveform};

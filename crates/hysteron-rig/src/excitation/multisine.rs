@@ -20,8 +20,8 @@ pub enum Lines {
     Full,
     /// Odd multiples: even-order distortion shows at the even ones.
     Odd,
-    /// Odd multiples but one, chosen at random, of every `group`: odd-order distortion shows at those left out
-    /// (Pintelon and Schoukens 2012, doi:10.1002/9781118287422, §4.3).
+    /// Odd multiples but one, chosen at random, of every `group`: odd-order distortion shows at those left
+    /// out (Pintelon and Schoukens 2012, doi:10.1002/9781118287422, §4.3).
     OddWithDetection {
         /// Consecutive odd multiples of which one is left out, at least 2 (3 or 4 are usual).
         group: u32,

@@ -2,8 +2,8 @@
 
 use super::{Shape, whole_samples};
 
-/// Up to 1, then down to 1 − i/curves and back up for i = 1 … curves, then down to 0, all at one speed. Every turning
-/// point falls on a sample.
+/// Up to 1, then down to 1 − i/curves and back up for i = 1 … curves, then down to 0, all at one speed. Every
+/// turning point falls on a sample.
 pub(super) fn reversal_curves(curves: u32, ramp_s: f64, fs: f64) -> Shape {
     let mut turning = vec![0.0, 1.0];
     for i in 1..=curves {
@@ -39,8 +39,8 @@ pub(super) fn staircase(steps: u32, hold_s: f64, transition_s: f64, fs: f64) -> 
     Shape::plain(values)
 }
 
-/// Forward ramp, return ramp, corners rounded by a moving average over `turnaround` of a line (so: parabolas), scaled
-/// back to 0 … 1 and started at the minimum.
+/// Forward ramp, return ramp, corners rounded by a moving average over `turnaround` of a line (so:
+/// parabolas), scaled back to 0 … 1 and started at the minimum.
 pub(super) fn raster(line_hz: f64, lines: f64, return_fraction: f64, turnaround: f64, fs: f64) -> Shape {
     let samples = (lines / line_hz * fs).round() as usize;
     let (forward, back) = (1.0 - return_fraction, return_fraction);

@@ -21,9 +21,11 @@ pub struct Excitation {
     pub period_samples: Option<usize>,
     /// Frequencies \[Hz\] of the lines of a multisine or a sum of sines; empty for other waveforms.
     pub excited_hz: Vec<f64>,
-    /// Odd multiples of 1/period \[Hz\] in a multisine's band that are not excited: odd-order distortion and noise show there.
+    /// Odd multiples of 1/period \[Hz\] in a multisine's band that are not excited: odd-order distortion and
+    /// noise show there.
     pub odd_detection_hz: Vec<f64>,
-    /// Even multiples of 1/period \[Hz\] in the band that are not excited: even-order distortion and noise show there.
+    /// Even multiples of 1/period \[Hz\] in the band that are not excited: even-order distortion and noise
+    /// show there.
     pub even_detection_hz: Vec<f64>,
 }
 
@@ -57,8 +59,8 @@ impl Excitation {
         self.samples_v.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)))
     }
 
-    /// Crest factor of the waveform proper about its mid-range: half the peak-to-peak value over the standard deviation (√2
-    /// for a sine); 0 where nothing moves.
+    /// Crest factor of the waveform proper about its mid-range: half the peak-to-peak value over the standard
+    /// deviation (√2 for a sine); 0 where nothing moves.
     pub fn crest_factor(&self) -> f64 {
         let end = self.samples_v.len().saturating_sub(self.lead_out_samples);
         let proper = self.samples_v.get(self.lead_in_samples..end).unwrap_or_default();

@@ -28,7 +28,8 @@ pub enum Waveform {
         /// Duration \[s\].
         duration_s: f64,
     },
-    /// Slow loops of different amplitude, each starting and ending at `low_v`: u = low + a·range·(1 − cos 2πft)/2.
+    /// Slow loops of different amplitude, each starting and ending at `low_v`: u = low + a·range·(1 − cos
+    /// 2πft)/2.
     NestedLoops {
         /// Frequency of every loop \[Hz\].
         frequency_hz: f64,
@@ -37,8 +38,9 @@ pub enum Waveform {
         /// Periods of each amplitude.
         periods_each: u32,
     },
-    /// First-order reversal curves: up to `high_v`, then down to a reversal voltage and back up, for reversals that go in
-    /// equal steps from near `high_v` to `low_v`, at last down to `low_v` (Mayergoyz 1986, doi:10.1103/PhysRevLett.56.1518).
+    /// First-order reversal curves: up to `high_v`, then down to a reversal voltage and back up, for
+    /// reversals that go in equal steps from near `high_v` to `low_v`, at last down to `low_v` (Mayergoyz
+    /// 1986, doi:10.1103/PhysRevLett.56.1518).
     ReversalCurves {
         /// Number of curves.
         curves: u32,
@@ -61,7 +63,8 @@ pub enum Waveform {
         /// Number of periods, not necessarily whole.
         periods: f64,
     },
-    /// Fast axis of a raster scan: constant speed up, constant speed back, parabolic turnarounds, from `low_v`.
+    /// Fast axis of a raster scan: constant speed up, constant speed back, parabolic turnarounds, from
+    /// `low_v`.
     Raster {
         /// Lines a second \[Hz\].
         line_hz: f64,
@@ -94,7 +97,8 @@ pub enum Waveform {
         /// Duration \[s\].
         duration_s: f64,
     },
-    /// Equal amplitudes at multiples of 1/period, nothing anywhere else (but the mean), moved and scaled to fill the range.
+    /// Equal amplitudes at multiples of 1/period, nothing anywhere else (but the mean), moved and scaled to
+    /// fill the range.
     Multisine {
         /// Lowest frequency \[Hz\].
         low_hz: f64,
@@ -111,7 +115,8 @@ pub enum Waveform {
         #[serde(default)]
         phases: Phases,
     },
-    /// Gaussian noise with a flat spectrum between two frequencies and none outside, moved and scaled to fill the range.
+    /// Gaussian noise with a flat spectrum between two frequencies and none outside, moved and scaled to fill
+    /// the range.
     Random {
         /// Lowest frequency \[Hz\].
         low_hz: f64,
@@ -188,7 +193,8 @@ impl Waveform {
                 format!("triangle {frequency_hz} Hz, {periods} periods")
             }
             Waveform::Raster { line_hz, lines, return_fraction, turnaround_fraction } => format!(
-                "raster of {lines} lines at {line_hz} Hz, return {return_fraction} and turnarounds {turnaround_fraction} of a line"
+                "raster of {lines} lines at {line_hz} Hz, return {return_fraction} and turnarounds \
+                 {turnaround_fraction} of a line"
             ),
             Waveform::Decaying { frequency_hz, cycles, ratio } => {
                 format!("decaying sine {frequency_hz} Hz, {cycles} cycles, ratio {ratio} a cycle")
@@ -212,7 +218,8 @@ impl Waveform {
                     Phases::Optimised => "phases of optimised crest factor",
                 };
                 format!(
-                    "multisine {low_hz} Hz to {high_hz} Hz, {lines}, {phases}, {periods} periods of {period_s} s"
+                    "multisine {low_hz} Hz to {high_hz} Hz, {lines}, {phases}, {periods} periods of \
+                     {period_s} s"
                 )
             }
             Waveform::Random { low_hz, high_hz, duration_s } => {

@@ -1,7 +1,8 @@
 //! Structural modes whose poles move with the level of the drive, and hysteresis in feedback with them.
 //!
-//! N inputs (actuators), M outputs (sensors), K modes; the state x holds Re q_k, Im q_k of the modes, then one lag a_i an input
-//! (its amplifier). Time runs in [`ScheduledModes::steps`] steps a sample; u between its samples as [`crate::record::InterSample`].
+//! N inputs (actuators), M outputs (sensors), K modes; the state x holds Re q_k, Im q_k of the modes, then
+//! one lag a_i an input (its amplifier). Time runs in [`ScheduledModes::steps`] steps a sample; u between its
+//! samples as [`crate::record::InterSample`].
 //!
 //! ```text
 //! S     = (level / reference)^exponent − 1              level: rms of the inputs about their means, a slow state
@@ -13,14 +14,16 @@
 //! f(z)  = c₂ (z² − s²) + c₃ (z³ − 3 s² z) + Σ_j c_j (P_j[z] − γ_j z)
 //! ```
 //!
-//! P_j are play operators (Prandtl–Ishlinskii, exact for any drive); f is shared by the actuators, f_i is each one's own. There is no loop
-//! without delay: v and σ are taken from the present state, w enters the next one. s² and γ_j are frozen numbers that keep the
-//! terms of f nearly orthogonal to z; they change nothing about the class. Poles and output rows follow the level, input rows do not: their
-//! product would be quadratic in S.
+//! P_j are play operators (Prandtl–Ishlinskii, exact for any drive); f is shared by the actuators, f_i is
+//! each one's own. There is no loop without delay: v and σ are taken from the present state, w enters the
+//! next one. s² and γ_j are frozen numbers that keep the terms of f nearly orthogonal to z; they change
+//! nothing about the class. Poles and output rows follow the level, input rows do not: their product would be
+//! quadratic in S.
 //!
-//! A slow dependence on the level beside the fast hysteresis is what the public steering mirror shows: no law without memory, and no plays,
-//! explain both the distortion within its records and the change between their levels (`docs/theory/scheduled-modes.md`). Linear in
-//! amplitude is the Rayleigh law of ferroelectric ceramics (D. A. Hall, *J. Mater. Sci.* 36 (2001) 4575, doi:10.1023/A:1017959111402).
+//! A slow dependence on the level beside the fast hysteresis is what the public steering mirror shows: no law
+//! without memory, and no plays, explain both the distortion within its records and the change between their
+//! levels (`docs/theory/scheduled-modes.md`). Linear in amplitude is the Rayleigh law of ferroelectric
+//! ceramics (D. A. Hall, *J. Mater. Sci.* 36 (2001) 4575, doi:10.1023/A:1017959111402).
 
 mod level;
 mod simulate;
@@ -184,7 +187,8 @@ impl ScheduledModes {
         response
     }
 
-    /// Checks lengths, finite numbers, ranges, and that every pole is stable over the levels the model holds for.
+    /// Checks lengths, finite numbers, ranges, and that every pole is stable over the levels the model holds
+    /// for.
     ///
     /// # Errors
     /// The first of [`AxesError::Length`], [`AxesError::Value`], [`AxesError::Unstable`].

@@ -176,8 +176,9 @@ pub(super) fn upsampled(
     Ok((0..length).flat_map(|k| fine.iter().map(move |channel| channel[k])).collect())
 }
 
-/// Outputs over one period of inputs `fine` at every step (interleaved, a whole number of samples) that have been running for
-/// `preroll` steps from rest: outputs at every sample, interleaved. `None` where they leave the range of numbers.
+/// Outputs over one period of inputs `fine` at every step (interleaved, a whole number of samples) that have
+/// been running for `preroll` steps from rest: outputs at every sample, interleaved. `None` where they leave
+/// the range of numbers.
 pub fn simulate_steady(model: &ScheduledModes, s: f64, fine: &[f64], preroll: usize) -> Option<Vec<f64>> {
     let mut runner = Runner::new(model, s);
     runner.preroll(fine, preroll);
@@ -190,8 +191,8 @@ impl ScheduledModes {
         self.level.state(period.level)
     }
 
-    /// Outputs in the steady state under one period of inputs (interleaved), band-limited between samples; S is that of the
-    /// period's rms. Outputs interleaved, one row a sample.
+    /// Outputs in the steady state under one period of inputs (interleaved), band-limited between samples; S
+    /// is that of the period's rms. Outputs interleaved, one row a sample.
     ///
     /// # Errors
     /// [`AxesError::RunsAway`], [`AxesError::NotSettled`].
@@ -221,14 +222,16 @@ impl ScheduledModes {
         Err(AxesError::NotSettled { periods: settle + MOST_PERIODS, change })
     }
 
-    /// Outputs for the samples of each input, one list an output: in the steady state under a period of `settled` samples, which
-    /// has been running for long, where it is given; else the inputs of the first sample were held for long.
+    /// Outputs for the samples of each input, one list an output: in the steady state under a period of
+    /// `settled` samples, which has been running for long, where it is given; else the inputs of the first
+    /// sample were held for long.
     ///
     /// In a steady state S is that of the first period; from rest it follows the running rms of the drive
     /// ([`super::LevelTracker`]), from that of the first second on.
     ///
     /// # Errors
-    /// [`AxesError::Channels`], [`AxesError::SampleRate`], [`AxesError::Period`], [`AxesError::RunsAway`], [`AxesError::NotSettled`].
+    /// [`AxesError::Channels`], [`AxesError::SampleRate`], [`AxesError::Period`], [`AxesError::RunsAway`],
+    /// [`AxesError::NotSettled`].
     pub fn simulate(
         &self,
         u: &[Vec<f64>],

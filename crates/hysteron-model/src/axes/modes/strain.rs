@@ -39,7 +39,8 @@ impl StrainLaw {
         POWERS + self.radii.len()
     }
 
-    /// Moves the plays to z and writes the terms of the sum; returns f(z), its slope while no play moves, and which plays moved, a bit each.
+    /// Moves the plays to z and writes the terms of the sum; returns f(z), its slope while no play moves, and
+    /// which plays moved, a bit each.
     pub(super) fn step(&self, z: f64, plays: &mut [f64], terms: &mut [f64]) -> (f64, f64, u32) {
         let s2 = self.variance;
         let [square, cube, rest @ ..] = terms else { return (0.0, 0.0, 0) };

@@ -3,7 +3,8 @@
 use super::simulate::Runner;
 use super::{LevelTracker, ScheduledModes};
 
-/// A simulation that is fed sample by sample, the inputs straight lines between their samples. A sample allocates nothing.
+/// A simulation that is fed sample by sample, the inputs straight lines between their samples. A sample
+/// allocates nothing.
 #[derive(Clone, Debug)]
 pub struct Streaming<'m> {
     runner: Runner<'m>,

@@ -5,8 +5,8 @@ use super::simulate::Runner;
 
 /// A period in its steady state, step by step, and the steps before it from which derivatives are followed.
 ///
-/// Row k of `signals` holds, at step k: the states x, the inputs u, the strains w, the terms of the laws of v (input by input),
-/// those of σ.
+/// Row k of `signals` holds, at step k: the states x, the inputs u, the strains w, the terms of the laws of v
+/// (input by input), those of σ.
 #[derive(Clone, Debug)]
 pub struct Trajectory {
     /// Signals, `width` a step.
@@ -24,8 +24,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Simulates one period of inputs `fine` at every step after `preroll` steps from rest, of which the last `before` are
-    /// kept. `None` where it leaves the range of numbers.
+    /// Simulates one period of inputs `fine` at every step after `preroll` steps from rest, of which the last
+    /// `before` are kept. `None` where it leaves the range of numbers.
     pub fn new(model: &ScheduledModes, s: f64, fine: &[f64], preroll: usize, before: usize) -> Option<Self> {
         let n = model.inputs;
         let count = fine.len() / n;

@@ -59,9 +59,9 @@ pub struct ArxFit {
 ///
 /// y_k + Σ a_i y_{k−i} = Σ b_j v_{k−nk−j} + c_record,
 ///
-/// one constant per record for its sensor offset. The first [`ArxOrders::past`] samples serve as past only, so
-/// nothing is assumed about the time before a record; an equation with any sample not `valid` is left out. The
-/// estimate is biased where the output is noisy (Ljung 1999, §7.3): judge it by simulation.
+/// one constant per record for its sensor offset. The first [`ArxOrders::past`] samples serve as past only,
+/// so nothing is assumed about the time before a record; an equation with any sample not `valid` is left out.
+/// The estimate is biased where the output is noisy (Ljung 1999, §7.3): judge it by simulation.
 ///
 /// # Errors
 /// [`DynamicsError::NoInputCoefficients`] for nb = 0, [`DynamicsError::Length`],
@@ -71,8 +71,8 @@ pub fn fit(records: &[ArxRecord<'_>], orders: ArxOrders) -> Result<ArxFit, Dynam
     fit_after(records, orders, orders.past())
 }
 
-/// [`fit`] with the first `skip` ≥ past samples of each record left out, so that fits of several orders use the
-/// same equations.
+/// [`fit`] with the first `skip` ≥ past samples of each record left out, so that fits of several orders use
+/// the same equations.
 pub(super) fn fit_after(
     records: &[ArxRecord<'_>],
     orders: ArxOrders,

@@ -73,8 +73,8 @@ impl Arx {
         horner(&self.b) / (1.0 + q * horner(&self.a))
     }
 
-    /// Whether every pole lies inside the unit circle, by the Schur–Cohn recursion: all reflection coefficients
-    /// of the denominator are below 1 (Jury 1964). No roots are computed.
+    /// Whether every pole lies inside the unit circle, by the Schur–Cohn recursion: all reflection
+    /// coefficients of the denominator are below 1 (Jury 1964). No roots are computed.
     pub fn is_stable(&self) -> bool {
         let mut a = self.a.clone();
         while let Some(reflection) = a.pop() {
@@ -92,14 +92,15 @@ impl Arx {
         true
     }
 
-    /// Simulates over `input`: the model's own past output is fed back, no measured one. `Rest` starts from
-    /// v = v(0) and y = G(0) v(0) for ever before, `Zero` from zeros, `Periodic` gives the steady state (by FFT).
-    /// `Rest` and `Zero` allocate nothing.
+    /// Simulates over `input`: the model's own past output is fed back, no measured one. `Rest` starts from v
+    /// = v(0) and y = G(0) v(0) for ever before, `Zero` from zeros, `Periodic` gives the steady state (by
+    /// FFT). `Rest` and `Zero` allocate nothing.
     ///
     /// # Errors
     /// [`DynamicsError::Length`], [`DynamicsError::InputNotFinite`], what [`Arx::validate`] refuses,
-    /// [`DynamicsError::InfiniteDcGain`] under `Rest` for an integrating model, [`DynamicsError::UnstableArx`] under
-    /// `Periodic`, [`DynamicsError::OutputNotFinite`] where an unstable model overflows.
+    /// [`DynamicsError::InfiniteDcGain`] under `Rest` for an integrating model,
+    /// [`DynamicsError::UnstableArx`] under `Periodic`, [`DynamicsError::OutputNotFinite`] where an unstable
+    /// model overflows.
     pub fn simulate(
         &self,
         input: &[f64],
@@ -131,8 +132,8 @@ impl Arx {
         if output.iter().all(|y| y.is_finite()) { Ok(()) } else { Err(DynamicsError::OutputNotFinite) }
     }
 
-    /// One-step prediction: y_k from measured outputs up to k − 1 and the input, both constant before the first
-    /// sample. Not a simulation: it looks good for any slow signal.
+    /// One-step prediction: y_k from measured outputs up to k − 1 and the input, both constant before the
+    /// first sample. Not a simulation: it looks good for any slow signal.
     ///
     /// # Errors
     /// [`DynamicsError::Length`], [`DynamicsError::InputNotFinite`], what [`Arx::validate`] refuses.

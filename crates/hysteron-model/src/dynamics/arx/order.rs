@@ -43,8 +43,8 @@ pub struct ArxCandidate {
 }
 
 /// Fits every combination of orders on the same equations and returns those that can be fitted, best first:
-/// stable before unstable, then by the criterion, then fewer coefficients. Unstable candidates have an infinite
-/// score under `SimulatedError`.
+/// stable before unstable, then by the criterion, then fewer coefficients. Unstable candidates have an
+/// infinite score under `SimulatedError`.
 ///
 /// # Errors
 /// The error of the smallest candidate where none can be fitted; see [`super::fit`].

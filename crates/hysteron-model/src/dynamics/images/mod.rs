@@ -12,8 +12,8 @@
 //! lies above half the sample rate, or close to it. Resonances beyond [`NEAR`] times the sample rate are not
 //! resolved.
 //!
-//! A part of G that does not fall off, d, jumps with the staircase. Its sum over all k is closed:
-//! Σ qᵏ/s′ₖ = e^(−s′φ)/(1 − e^(−s′)), q = e^(2πiφ), 0 ≤ φ < 1, continuous from the right; and minus its derivative in s′
+//! A part of G that does not fall off, d, jumps with the staircase. Its sum over all k is closed: Σ qᵏ/s′ₖ =
+//! e^(−s′φ)/(1 − e^(−s′)), q = e^(2πiφ), 0 ≤ φ < 1, continuous from the right; and minus its derivative in s′
 //! for p = 2.
 
 mod weights;

@@ -1,12 +1,14 @@
 //! Simulation of a transfer function on time stamps of any spacing.
 //!
-//! G as a sum of relaxations and resonances, G(s) = d + Σ wₖ λₖ/(s + λₖ) + Σ (Rᵢ/(s − pᵢ) + R̄ᵢ/(s − p̄ᵢ)): each is a first-order
-//! differential equation, which is solved exactly over every step, whatever its length, for an input that goes along straight lines
-//! (or is held) between its knots. The output is exact at any time, so that the delay needs no interpolation. The rates λₖ are fixed
-//! by the record ([`relaxation_fit`]); wₖ follow from G on the imaginary axis by least squares, pᵢ and Rᵢ are those of G
-//! ([`resonant_poles`]). Derivatives in the parameters and in the delay are those of the same sum.
+//! G as a sum of relaxations and resonances, G(s) = d + Σ wₖ λₖ/(s + λₖ) + Σ (Rᵢ/(s − pᵢ) + R̄ᵢ/(s − p̄ᵢ)):
+//! each is a first-order differential equation, which is solved exactly over every step, whatever its length,
+//! for an input that goes along straight lines (or is held) between its knots. The output is exact at any
+//! time, so that the delay needs no interpolation. The rates λₖ are fixed by the record ([`relaxation_fit`]);
+//! wₖ follow from G on the imaginary axis by least squares, pᵢ and Rᵢ are those of G ([`resonant_poles`]).
+//! Derivatives in the parameters and in the delay are those of the same sum.
 //!
-//! Error: below 1e-6 of the range against [`super::SimulationPlan`] on a fine common grid (`tests/stamps.rs`).
+//! Error: below 1e-6 of the range against [`super::SimulationPlan`] on a fine common grid
+//! (`tests/stamps.rs`).
 
 mod knots;
 #[cfg(test)]
@@ -66,8 +68,9 @@ pub struct StampedWorkspace {
 }
 
 impl StampedPlan {
-    /// A plan for an input given at `knots_s` (held between them, or on straight lines) and an output at `outputs_s` \[s\], increasing.
-    /// Before its first knot the input is 0. Two knots at one time are a jump, before which an output of that time is read.
+    /// A plan for an input given at `knots_s` (held between them, or on straight lines) and an output at
+    /// `outputs_s` \[s\], increasing. Before its first knot the input is 0. Two knots at one time are a jump,
+    /// before which an output of that time is read.
     ///
     /// # Errors
     /// [`DynamicsError::TooFewSamples`] below two knots or for a single time.
@@ -109,8 +112,8 @@ impl StampedPlan {
     ///
     /// # Errors
     /// What [`TransferFunction::validate`] refuses; [`DynamicsError::Unstable`], [`DynamicsError::Improper`],
-    /// [`DynamicsError::Parameter`] for a delay that is negative or not finite; [`DynamicsError::OutputNotFinite`] where G is no sum
-    /// of relaxations and resonances.
+    /// [`DynamicsError::Parameter`] for a delay that is negative or not finite;
+    /// [`DynamicsError::OutputNotFinite`] where G is no sum of relaxations and resonances.
     pub fn response(
         &self,
         tf: &TransferFunction,
@@ -174,7 +177,8 @@ impl StampedPlan {
         self.read(response, &[&response.value], input, workspace, &mut [output])
     }
 
-    /// As [`Self::apply`] for derivative `which` of the response: a parameter's, or the delay's, which is the last.
+    /// As [`Self::apply`] for derivative `which` of the response: a parameter's, or the delay's, which is the
+    /// last.
     ///
     /// # Errors
     /// As [`Self::apply`]; [`DynamicsError::NoTangent`].

@@ -9,8 +9,8 @@ use super::Tangents;
 use super::resonant_poles::ResonantPole;
 use hysteron_numeric::Complex64;
 
-/// Distance of neighbouring rates in ln λ. A single relaxation between two of them is followed to about e^(−π²/2h) = 5e-6 of its
-/// size, the smooth density of a branch cut to 2e-7.
+/// Distance of neighbouring rates in ln λ. A single relaxation between two of them is followed to about
+/// e^(−π²/2h) = 5e-6 of its size, the smooth density of a branch cut to 2e-7.
 const SPACING: f64 = 0.4;
 /// The rates reach from this over the duration to this over the shortest step.
 const RATES: (f64, f64) = (0.02, 60.0);
@@ -20,7 +20,8 @@ const FREQUENCIES: (f64, f64) = (0.1, 4.0 * PI);
 const PER_DECADE: usize = 16;
 /// Singular values below this share of the largest are left out: they buy accuracy with weights that cancel.
 const SMALLEST: f64 = 1e-11;
-/// What is constant to this share of the largest response needs no relaxations: resonances and real poles describe all else.
+/// What is constant to this share of the largest response needs no relaxations: resonances and real poles
+/// describe all else.
 const CONSTANT: f64 = 1e-12;
 /// Largest error of the response over the fit, as a share of the largest response.
 const ACCURACY: f64 = 1e-5;

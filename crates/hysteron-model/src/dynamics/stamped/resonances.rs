@@ -1,7 +1,7 @@
 //! States of resonances behind an input that goes along straight lines.
 //!
-//! x' = p x + u with u = u₀ + s t has the solution x(t) = x₀ + m (x₀ + u₀/p + s/p²) − s t/p, m = e^(pt) − 1, and what it does when p
-//! moves is the derivative of that in p.
+//! x' = p x + u with u = u₀ + s t has the solution x(t) = x₀ + m (x₀ + u₀/p + s/p²) − s t/p, m = e^(pt) − 1,
+//! and what it does when p moves is the derivative of that in p.
 
 use super::readout::Readout;
 use hysteron_numeric::{Complex64, InstructionSet, Line, exponentials_less_one};
@@ -98,8 +98,8 @@ impl Resonances {
         }
     }
 
-    /// Adds their share of the output of this number to the sum of each readout, at the end of a line of the input; the states stay
-    /// where they are.
+    /// Adds their share of the output of this number to the sum of each readout, at the end of a line of the
+    /// input; the states stay where they are.
     pub fn read(
         &mut self,
         set: InstructionSet,
