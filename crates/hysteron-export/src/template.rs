@@ -1,7 +1,8 @@
 //! Source text with places to be filled in.
 //!
 //! * `$key`: the text of that key, the longest key that fits.
-//! * `R(x)`: the constant x, a number, a fraction of two or the name of one of the runtime's, as a literal of the number type.
+//! * `R(x)`: the constant x, a number, a fraction of two or the name of one of the runtime's, as a literal of
+//!   the number type.
 //! * `F(f)`: the function f of `<math.h>` in the number type.
 //! * `K(x)`: where the coefficients x are kept.
 //! * Lines `//{ a|b`, `//{ !a` … `//}`: only where one of the flags is set (not set).

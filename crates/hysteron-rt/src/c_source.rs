@@ -1,8 +1,9 @@
 //! The operators in C99, each beside its Rust, for programs that write C.
 //!
-//! Templates, in which `R(x)` is the constant x as a literal of the number type, `F(f)` the function f of `<math.h>` in that type, `K(x)`
-//! the place of the coefficients x, `$key` a name or a size, and lines between `//{ flag` and `//}` hold where the flag is set. The law of one
-//! branch ([`crate::Branch::c_fragment`]) comes between the two.
+//! Templates, in which `R(x)` is the constant x as a literal of the number type, `F(f)` the function f of
+//! `<math.h>` in that type, `K(x)` the place of the coefficients x, `$key` a name or a size, and lines
+//! between `//{ flag` and `//}` hold where the flag is set. The law of one branch
+//! ([`crate::Branch::c_fragment`]) comes between the two.
 
 /// Functions that laws and operators call; each behind those that it calls itself.
 pub const SHARED: &str = concat!(
@@ -15,8 +16,9 @@ pub const SHARED: &str = concat!(
     include_str!("branch/root.c"),
 );
 
-/// Every operator: its output virgin at a voltage (`hysteresis_at_rest`), after a move that is not made (`hysteresis_look`) and after one
-/// that is (`hysteresis_move`), and its memory made virgin (`hysteresis_rest`); with the part of a law that need not be written.
+/// Every operator: its output virgin at a voltage (`hysteresis_at_rest`), after a move that is not made
+/// (`hysteresis_look`) and after one that is (`hysteresis_move`), and its memory made virgin
+/// (`hysteresis_rest`); with the part of a law that need not be written.
 pub const OPERATORS: &str = concat!(
     include_str!("bouc_wen/operator.c"),
     include_str!("branch/law.c"),
@@ -26,7 +28,8 @@ pub const OPERATORS: &str = concat!(
     include_str!("plane/plane.c"),
 );
 
-/// Lines of a header under `//= sizes`, `//= members of the state` and `//= parameters`, operator by operator.
+/// Lines of a header under `//= sizes`, `//= members of the state` and `//= parameters`, operator by
+/// operator.
 const HEADERS: &str = concat!(
     include_str!("bouc_wen/operator.h"),
     include_str!("branch/law.h"),

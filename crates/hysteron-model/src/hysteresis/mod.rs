@@ -2,15 +2,17 @@
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
 //! * [`PrandtlIshlinskii`] (plays) with its inverses.
-//! * [`ColumnKernel`]: the operators of a family that is linear in weights, with a few nonlinear numbers. Each family has a file of
-//!   its name here: its kernel, and its [`FamilyDescription`].
-//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives; [`FamilyForm`] where it is one of
-//!   columns.
-//! * [`Family`]: a model of such a family; [`FamilyStream`] runs it sample by sample. [`DriveGrid`] tells families that see the rate
-//!   how fast the drive is.
-//! * [`Start`]: what happened before the first sample, with a memory in the operator's own scale; [`Sensitivities`] are Bouc–Wen's own.
+//! * [`ColumnKernel`]: the operators of a family that is linear in weights, with a few nonlinear numbers.
+//!   Each family has a file of its name here: its kernel, and its [`FamilyDescription`].
+//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives;
+//!   [`FamilyForm`] where it is one of columns.
+//! * [`Family`]: a model of such a family; [`FamilyStream`] runs it sample by sample. [`DriveGrid`] tells
+//!   families that see the rate how fast the drive is.
+//! * [`Start`]: what happened before the first sample, with a memory in the operator's own scale;
+//!   [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
-//! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises the output.
+//! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises
+//!   the output.
 
 mod activated_plays;
 mod admissibility;
@@ -82,8 +84,8 @@ pub use song_der_kiureghian::SongDerKiureghian;
 
 use crate::start::Start;
 
-/// The list of families, in the order in which they are shown to users. A new one is a line here, its own file with its `mod`, and the law of its moves in
-/// `hysteron-rt`.
+/// The list of families, in the order in which they are shown to users. A new one is a line here, its own
+/// file with its `mod`, and the law of its moves in `hysteron-rt`.
 static FAMILIES: &[&dyn family::ColumnOperators] = &[
     &parallel_bouc_wen::Entry,
     &non_symmetric_bouc_wen::Entry,
@@ -137,9 +139,9 @@ impl Hysteresis {
         }
     }
 
-    /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length). Moves between samples are monotone
-    /// ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of a [`Start::Remembering`] is in the
-    /// operator's own scale: z(0) \[µm\] for Bouc–Wen.
+    /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length). Moves between samples are
+    /// monotone ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of a
+    /// [`Start::Remembering`] is in the operator's own scale: z(0) \[µm\] for Bouc–Wen.
     ///
     /// # Errors
     /// As the model's own `simulate`.
@@ -147,8 +149,9 @@ impl Hysteresis {
         self.simulate_every(1, u, start, out)
     }
 
-    /// As [`Self::simulate`] for a drive `u` given on a time base finer by a factor ([`InterSample::upsample`]):
-    /// `out[k]` belongs to `u[k * factor]`. An operator that sees the rate takes it from the grid.
+    /// As [`Self::simulate`] for a drive `u` given on a time base finer by a factor
+    /// ([`InterSample::upsample`]): `out[k]` belongs to `u[k * factor]`. An operator that sees the rate takes
+    /// it from the grid.
     ///
     /// # Errors
     /// As the model's own `simulate`.
@@ -170,8 +173,8 @@ impl Hysteresis {
         }
     }
 
-    /// Output \[µm\] of an operator at rest at the voltage `rest` \[V\] with a memory (see [`Start::Remembering`]), `None`
-    /// where it is virgin there.
+    /// Output \[µm\] of an operator at rest at the voltage `rest` \[V\] with a memory (see
+    /// [`Start::Remembering`]), `None` where it is virgin there.
     pub fn at_rest(&self, rest: f64, memory: Option<f64>) -> f64 {
         match self {
             Self::BoucWen(model) => model.polynomial_at(rest) - memory.unwrap_or(0.0),
@@ -184,7 +187,8 @@ impl Hysteresis {
         }
     }
 
-    /// Memory of an operator, in its own scale, that was virgin at the voltage `virgin` \[V\] and went to `rest` without turning.
+    /// Memory of an operator, in its own scale, that was virgin at the voltage `virgin` \[V\] and went to
+    /// `rest` without turning.
     ///
     /// # Errors
     /// As the model's own `validate`; voltages that are not finite.
@@ -231,8 +235,8 @@ impl Hysteresis {
         }
     }
 
-    /// The operator whose output is `gain` times that of this one. For Bouc–Wen, with z = g Z: ż = g α u̇ − g¹⁻ⁿ
-    /// (β |u̇| z |z|ⁿ⁻¹ + γ u̇ |z|ⁿ).
+    /// The operator whose output is `gain` times that of this one. For Bouc–Wen, with z = g Z: ż = g α u̇ −
+    /// g¹⁻ⁿ (β |u̇| z |z|ⁿ⁻¹ + γ u̇ |z|ⁿ).
     ///
     /// # Errors
     /// As the model's own `validate`.

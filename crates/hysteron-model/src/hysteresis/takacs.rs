@@ -18,8 +18,9 @@ use super::family::{
 ///
 /// or dy/dx = (1 − s y) (1 + s tanh(x − s a₀)). Takács' loop between ±x_m is f₊ = tanh(x − a₀) + b₁ upwards
 /// and f₋ = tanh(x + a₀) − b₁ downwards, b₁ = ½ (tanh(x_m + a₀) − tanh(x_m − a₀)), whose ends must be known
-/// beforehand. Here a branch is given by the reversal that it began at and the saturation ±1 that lies ahead of
-/// it. The steady loop between ±x_m has A = 1/(1 + b₁) and is Takács' over 1 + b₁; a saturated loop is Takács'.
+/// beforehand. Here a branch is given by the reversal that it began at and the saturation ±1 that lies ahead
+/// of it. The steady loop between ±x_m has A = 1/(1 + b₁) and is Takács' over 1 + b₁; a saturated loop is
+/// Takács'.
 ///
 /// The weight is the saturation \[µm\]; the linear part of T(x) is the polynomial's. Shape: `centre`, `width`
 /// and `coercive` \[V\]. A virgin device stands where ever smaller loops end. A move is exact at any length.

@@ -1,4 +1,5 @@
-//! The hysteresis block in one number type: numbers and memory of the operator that `hysteron-rt` runs a family by.
+//! The hysteresis block in one number type: numbers and memory of the operator that `hysteron-rt` runs a
+//! family by.
 
 use hysteron_rt::{
     ActivatedPlays, BoucWen, BrokenLine, IncrementMemory, ModelError, Operator, Plane, PlayBank, Real,

@@ -30,7 +30,8 @@ impl<T: Real> BranchLaw<T> for Dahl<T> {
 }
 
 impl<T: Real> Dahl<T> {
-    /// With x = 1 − s y/reach: x ← x exp(−ln(1 + (i − 1) q)/(i − 1)), q = xⁱ⁻¹ |Δ|/reach, through i = 1 without a seam; for i < 1 x comes to 0 and stays.
+    /// With x = 1 − s y/reach: x ← x exp(−ln(1 + (i − 1) q)/(i − 1)), q = xⁱ⁻¹ |Δ|/reach, through i = 1
+    /// without a seam; for i < 1 x comes to 0 and stays.
     #[inline]
     fn increment(&self, y: T, by: T) -> T {
         let Self { reach, exponent } = *self;

@@ -7,7 +7,8 @@ use crate::real::Real;
 use crate::series::relaxation;
 
 law_numbers! {
-    /// dyⱼ/du = uʲ − s `rate` yⱼ, j = 0, 1, … (B. D. Coleman, M. L. Hodgdon 1987, doi:10.1007/BF00282052): [`MOST_MOMENTS`] states at most, exact.
+    /// dyⱼ/du = uʲ − s `rate` yⱼ, j = 0, 1, … (B. D. Coleman, M. L. Hodgdon 1987, doi:10.1007/BF00282052):
+    /// [`MOST_MOMENTS`] states at most, exact.
     Duhem {
         /// b > 0.
         rate,

@@ -6,9 +6,10 @@ use crate::increment::IncrementMemory;
 use crate::real::{Real, Scalar};
 
 law_numbers! {
-    /// Quasi-static Jiles–Atherton: one state, the irreversible part p; what is put out is the magnetisation m = p + c (m_an − p),
-    /// m_an = coth(h/a) − a/h, h = u + α m, dp/dh = s (m_an − p)/k where s (m_an − p) > 0, otherwise 0 (D. C. Jiles, D. L. Atherton 1986,
-    /// doi:10.1016/0304-8853(86)90066-1). Exact to 1e-12 for moves of up to [`MOST_PANELS`] − 2 times the smaller of a and k and twice α; longer ones are
+    /// Quasi-static Jiles–Atherton: one state, the irreversible part p; what is put out is the magnetisation
+    /// m = p + c (m_an − p), m_an = coth(h/a) − a/h, h = u + α m, dp/dh = s (m_an − p)/k where s (m_an − p) >
+    /// 0, otherwise 0 (D. C. Jiles, D. L. Atherton 1986, doi:10.1016/0304-8853(86)90066-1). Exact to 1e-12
+    /// for moves of up to [`MOST_PANELS`] − 2 times the smaller of a and k and twice α; longer ones are
     /// divided into [`MOST_PANELS`] parts whatever their length, eight Gauss points each.
     JilesAtherton {
         /// a > 0.
@@ -114,7 +115,8 @@ impl<T: Real> Shape<T> {
         rising_root(excess, u - reach, u + reach, u)
     }
 
-    /// Δp while h moves by `way` from `field` in the direction of `sign`: x ∫ e^(−x(1−θ)) (m_an − p) dθ, x = way/k.
+    /// Δp while h moves by `way` from `field` in the direction of `sign`: x ∫ e^(−x(1−θ)) (m_an − p) dθ, x =
+    /// way/k.
     fn relaxed(self, field: T, p: T, sign: T, way: T) -> T {
         let x = way / self.k;
         let mut sum = T::of(0.0);
@@ -174,7 +176,8 @@ impl<T: Real> Shape<T> {
     }
 }
 
-/// Langevin's function L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that settles soon.
+/// Langevin's function L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that
+/// settles soon.
 #[inline]
 pub fn langevin<S: Scalar>(x: S) -> S {
     let of = |x: f64| S::Real::of(x);

@@ -24,9 +24,10 @@ impl<T: Real> Change<T> {
 
 /// The law of a branch: states y, weights w, v = Σ wⱼ yⱼ; s = sign Δu.
 ///
-/// Its C fragment defines `branch_change`, and `branch_output` and `branch_virgin` where the law does not keep the provided
-/// methods of these names; its numbers are `SHAPE[0]`, `SHAPE[1]`, … there, in the order of the fields. It may call
-/// `relaxation`, `log_distance`, `moments`, `rising_root` and the `increment` of a Bouc–Wen operator with n = 1.
+/// Its C fragment defines `branch_change`, and `branch_output` and `branch_virgin` where the law does not
+/// keep the provided methods of these names; its numbers are `SHAPE[0]`, `SHAPE[1]`, … there, in the order of
+/// the fields. It may call `relaxation`, `log_distance`, `moments`, `rising_root` and the `increment` of a
+/// Bouc–Wen operator with n = 1.
 pub(super) trait BranchLaw<T: Real> {
     /// The law in C99.
     const C: &'static str;
@@ -123,7 +124,8 @@ macro_rules! branch_laws {
         }
 
         impl<T: Real> Branch<T> {
-            /// The law in C99, to be filled in: `R(x)` is a number, `F(f)` a function of `<math.h>`, `SHAPE` the numbers of the law.
+            /// The law in C99, to be filled in: `R(x)` is a number, `F(f)` a function of `<math.h>`, `SHAPE`
+            /// the numbers of the law.
             pub fn c_fragment(&self) -> &'static str {
                 match self { $(Self::$law(_) => <$law<T> as BranchLaw<T>>::C,)+ }
             }

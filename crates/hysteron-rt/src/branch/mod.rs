@@ -1,5 +1,5 @@
-//! Operators whose states follow a differential equation along each branch. A law is a file and its C fragment beside it, a `mod` line, and
-//! a line in the list.
+//! Operators whose states follow a differential equation along each branch. A law is a file and its C
+//! fragment beside it, a `mod` line, and a line in the list.
 
 mod dahl;
 mod duhem;

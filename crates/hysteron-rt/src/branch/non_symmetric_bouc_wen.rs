@@ -6,7 +6,8 @@ use crate::increment::IncrementMemory;
 use crate::real::Real;
 
 law_numbers! {
-    /// dy/du = 1 − (β s + γ sgn y) y + δ s u, β ≥ |γ| (W. Zhu, D.-H. Wang 2012, doi:10.1016/j.sna.2012.03.048): one state, exact.
+    /// dy/du = 1 − (β s + γ sgn y) y + δ s u, β ≥ |γ| (W. Zhu, D.-H. Wang 2012,
+    /// doi:10.1016/j.sna.2012.03.048): one state, exact.
     NonSymmetricBoucWen {
         /// β > 0.
         beta,
@@ -32,8 +33,8 @@ impl<T: Real> BranchLaw<T> for NonSymmetricBoucWen<T> {
     }
 }
 
-/// Where y and 1 + δ s u keep their signs, Δy = t m₀(κt) (s + δu − κy) + δ s t² m₁(κt), t = |Δu|, κ = β + s γ sgn y; a move is split where
-/// one of them changes sign.
+/// Where y and 1 + δ s u keep their signs, Δy = t m₀(κt) (s + δu − κy) + δ s t² m₁(κt), t = |Δu|, κ = β + s γ
+/// sgn y; a move is split where one of them changes sign.
 #[inline]
 fn increment<T: Real>([beta, gamma, delta]: [T; 3], y: T, from: T, to: T) -> T {
     let zero = T::of(0.0);

@@ -6,8 +6,8 @@ use crate::increment::IncrementMemory;
 use crate::real::Real;
 
 law_numbers! {
-    /// dy/du = 1 − |y| (β₁ sgn(u̇y) + β₂ sgn(u u̇) + β₃ sgn(uy) + β₄ s + β₅ sgn y + β₆ sgn u) (J. Song, A. Der Kiureghian 2006,
-    /// doi:10.1061/(ASCE)0733-9399(2006)132:6(610)): one state, exact.
+    /// dy/du = 1 − |y| (β₁ sgn(u̇y) + β₂ sgn(u u̇) + β₃ sgn(uy) + β₄ s + β₅ sgn y + β₆ sgn u) (J. Song, A.
+    /// Der Kiureghian 2006, doi:10.1061/(ASCE)0733-9399(2006)132:6(610)): one state, exact.
     SongDerKiureghian {
         /// β₁.
         beta_1,
@@ -40,7 +40,8 @@ impl<T: Real> BranchLaw<T> for SongDerKiureghian<T> {
 }
 
 impl<T: Real> SongDerKiureghian<T> {
-    /// At u of one sign a move is one of Bouc–Wen with β = β₁ + s (β₃ sgn u + β₅), γ = s (β₂ sgn u + β₄) + β₆ sgn u; it is split where u passes 0.
+    /// At u of one sign a move is one of Bouc–Wen with β = β₁ + s (β₃ sgn u + β₅), γ = s (β₂ sgn u + β₄) + β₆
+    /// sgn u; it is split where u passes 0.
     #[inline]
     fn increment(&self, y: T, from: T, to: T) -> T {
         let zero = T::of(0.0);

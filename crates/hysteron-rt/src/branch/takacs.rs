@@ -7,7 +7,8 @@ use crate::series::relaxation;
 
 law_numbers! {
     /// y = s (1 − A (1 − tanh z)), z = (s (u − `centre`) − `coercive`)/`width`, A such that a branch begins
-    /// where the last one ended: one state, exact. Branches after J. Takács 2001, doi:10.1108/EUM0000000005771.
+    /// where the last one ended: one state, exact. Branches after J. Takács 2001,
+    /// doi:10.1108/EUM0000000005771.
     Takacs {
         /// Voltage in the middle of the loop.
         centre,

@@ -21,7 +21,8 @@ pub enum RuntimeOperator<T = f64> {
         /// Weights wᵢ \[µm/V\].
         weights: Vec<T>,
     },
-    /// v = l\[u\] + plays between other sides ([`hysteron_rt::SidedPlays`]), with a broken line of their mean where it has slopes.
+    /// v = l\[u\] + plays between other sides ([`hysteron_rt::SidedPlays`]), with a broken line of their mean
+    /// where it has slopes.
     SidedPlays {
         /// Their sides.
         sides: Sides<T>,
@@ -123,7 +124,8 @@ impl RuntimeOperator {
     }
 }
 
-/// Σ of the cells with levels from q to p, in the order (1, 0), (2, 0), (2, 1), (3, 0), …; cells in theirs: (0, 0), (1, 0), (1, 1), (2, 0), ….
+/// Σ of the cells with levels from q to p, in the order (1, 0), (2, 0), (2, 1), (3, 0), …; cells in theirs:
+/// (0, 0), (1, 0), (1, 1), (2, 0), ….
 fn everett(intervals: usize, cells: &[f64]) -> Vec<f64> {
     let mut out = Vec::with_capacity(cells.len());
     let mut below = vec![0.0; intervals];
