@@ -1,12 +1,13 @@
 //! C99 source.
 
-use hysteron_model::realise::{Coefficients, OperatorCoefficients, RuntimeParts};
-use hysteron_rt::{BoucWen, Branch, MOST_PANELS, Real, Sides};
+use hysteron_model::realise::{Coefficients, RuntimeParts};
+use hysteron_rt::{Real, c_source};
 
 use crate::error::ExportError;
 use crate::escape::{c_comment, c_string};
 use crate::golden::{Golden, HELD_FROM};
 use crate::number::Precision;
+use crate::operator::{self, Constant, OperatorNumbers, Table};
 use crate::subject::Subject;
 use crate::template::Filling;
 use hysteron_io::NamedFile;
@@ -20,7 +21,7 @@ const HEADER: &str = concat!(
 );
 const SOURCE: &str = concat!(
     include_str!("../templates/c/opening.c"),
-    include_str!("../templates/c/operator.c"),
+    include_str!("../templates/c/hysteresis.c"),
     include_str!("../templates/c/dynamics.c"),
     include_str!("../templates/c/model.c")
 );
@@ -130,10 +131,7 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
         filling.coefficients(name, place);
     }
     sizes(&mut filling, &coefficients);
-    filling.key("REAL_PANELS", literal(T::of(f64::from(MOST_PANELS))));
-    if let OperatorCoefficients::Plane { intervals, .. } = coefficients.operator {
-        filling.key("REAL_INTERVALS", literal(T::of(intervals as f64)));
-    }
+    operator::fill(&mut filling, coefficients.operator);
     let tables = tables(&subject.name, &coefficients, tunable, &literal);
     filling.key("TABLES", tables);
     Ok(filling)
@@ -141,128 +139,23 @@ fn of_type<T: Real + Into<f64>>(subject: &Subject, numbers: Numbers) -> Result<F
 
 fn sizes<T: Real>(filling: &mut Filling, coefficients: &Coefficients<'_, T>) {
     let sections = coefficients.sections;
-    let one = T::of(1.0);
-    let operators = match coefficients.operator {
-        OperatorCoefficients::BoucWen(operators) => operators,
-        _ => &[],
-    };
-    // One law for all: several in parallel have n = 1.
-    let exponent = operators.first().map(BoucWen::n);
-    let [linear, quadratic] = [one, T::of(2.0)].map(|n| exponent == Some(n));
-    let power = exponent.is_some() && !linear && !quadratic;
     let real = real_poles(coefficients).len();
-    let branch = match coefficients.operator {
-        OperatorCoefficients::Branch { law, .. } => Some(law),
-        _ => None,
-    };
-    let [dahl, duhem, song, non_symmetric] = [
-        matches!(branch, Some(Branch::Dahl { .. })),
-        matches!(branch, Some(Branch::Duhem { .. })),
-        matches!(branch, Some(Branch::SongDerKiureghian { .. })),
-        matches!(branch, Some(Branch::NonSymmetric { .. })),
-    ];
-    let activated = matches!(coefficients.operator, OperatorCoefficients::ActivatedPlays { .. });
-    let magnetic = matches!(branch, Some(Branch::JilesAtherton { .. }));
+    for heading in ["sizes", "members of the state", "parameters"] {
+        filling.part(heading, c_source::header_lines(heading).collect::<Vec<_>>().join("\n"));
+    }
     filling
-        .flag("branch", branch.is_some())
-        .flag("dahl", dahl)
-        .flag("duhem", duhem)
-        .flag("song", song)
-        .flag("non_symmetric", non_symmetric)
-        .flag("magnetic", magnetic)
-        .flag("moments", duhem || non_symmetric)
-        .flag("roots", non_symmetric || magnetic)
-        .flag("linear_law", linear || song)
-        .flag("logs", linear || song || dahl)
-        .flag("relaxes", linear || power || song || dahl || duhem || activated)
-        .flag("accumulates", !operators.is_empty() || branch.is_some() || real + sections.pairs.len() > 0)
-        .key("N_ROOT", 5)
-        .flag("bouc_wen", !operators.is_empty())
-        .flag("quadratic_law", quadratic)
-        .flag("power_law", power)
+        .part("shared functions", c_source::SHARED)
+        .part("operators", c_source::OPERATORS)
+        .flag("accumulates", real + sections.pairs.len() > 0)
         .flag("polynomial", !coefficients.polynomial.is_empty())
         .flag("real_poles", real > 0)
         .flag("pairs", !sections.pairs.is_empty())
         .flag("delay", coefficients.delay_samples > 0)
-        .key("N_OPERATORS", operators.len())
         .key("N_POLYNOMIAL", coefficients.polynomial.len())
         .key("N_TAPS", sections.taps.len())
         .key("N_REAL", real)
         .key("N_PAIRS", sections.pairs.len())
         .key("N_DELAY", coefficients.delay_samples);
-    operator_sizes(filling, coefficients.operator);
-}
-
-/// Flags and sizes of plays and planes.
-fn operator_sizes<T: Real>(filling: &mut Filling, operator: OperatorCoefficients<'_, T>) {
-    for key in [
-        "RATE_PARAMETER",
-        "RATE_IN_WORDS",
-        "THROUGH_PARAMETER",
-        "THROUGH_IN_WORDS",
-        "AT_HALF",
-        "AT_END",
-        "AT_REST",
-        "AWAY",
-    ] {
-        filling.key(key, "");
-    }
-    match operator {
-        OperatorCoefficients::BoucWen(operators) => {
-            filling.flag("memoryless", operators.is_empty());
-        }
-        OperatorCoefficients::Branch { law, weights } => {
-            let moments = if matches!(law, Branch::Duhem { .. }) { weights.len() } else { 2 };
-            filling.key("N_STATES", weights.len()).key("N_MOMENTS", moments).key("N_PANELS", MOST_PANELS);
-        }
-        OperatorCoefficients::Plays { weights, .. } => {
-            filling.flag("memoryless", weights.is_empty());
-            filling.flag("plays", !weights.is_empty()).key("N_PLAYS", weights.len());
-        }
-        OperatorCoefficients::SidedPlays { sides, thresholds, weights, corners, slopes, .. } => {
-            let kind = match sides {
-                Sides::Even { widening } if widening > T::of(0.0) => "rate",
-                Sides::Even { .. } => "even",
-                Sides::Below => "below",
-                Sides::Envelopes { .. } => "envelopes",
-                Sides::Ramps { .. } => "ramps",
-            };
-            filling
-                .flag("sided", true)
-                .flag(kind, true)
-                .flag("line", !slopes.is_empty())
-                .key("N_PLAYS", weights.len())
-                .key("N_THRESHOLDS", thresholds.len())
-                .key("N_CORNERS", corners.len());
-            if kind == "rate" {
-                filling
-                    .flag("moves_at_rest", true)
-                    .key("AT_HALF", ", voltage - state->voltage")
-                    .key("AT_END", ", voltage - state->voltage")
-                    .key("AT_REST", ", 0")
-                    .key("AWAY", ", away")
-                    .key("RATE_PARAMETER", ", real du")
-                    .key("RATE_IN_WORDS", " in a sample that moves by du")
-                    .key("THROUGH_PARAMETER", "real middle, real du, ")
-                    .key("THROUGH_IN_WORDS", " through `middle`, in a sample that moves by du,");
-            }
-        }
-        OperatorCoefficients::ActivatedPlays { thresholds, .. } => {
-            filling
-                .flag("activated", true)
-                .flag("moves_at_rest", true)
-                .key("N_PLAYS", thresholds.len())
-                .key("AT_HALF", ", (real)0.5")
-                .key("AT_END", ", 1")
-                .key("AT_REST", ", 1")
-                .key("AWAY", ", 1")
-                .key("RATE_PARAMETER", ", real share")
-                .key("RATE_IN_WORDS", " after that share of a sample");
-        }
-        OperatorCoefficients::Plane { intervals, turns, .. } => {
-            filling.flag("plane", true).key("N_INTERVALS", intervals).key("N_TURNS", turns);
-        }
-    }
 }
 
 /// Gain and weight of each real pole, without the lanes that fill up the last group.
@@ -291,23 +184,14 @@ fn tables<T: Real>(
     let mut table = |comment: &str, declaration: &str, content: &str| {
         out.push_str(&format!("/* {comment} */\nstatic const {declaration} = {{\n{content}\n}};\n"));
     };
-    let operators = |operators: &[BoucWen<T>]| {
-        rows(operators.iter().map(|p| {
-            format!(
-                "{{{}, {}, {}, {}}}",
-                literal(p.alpha()),
-                literal(p.beta()),
-                literal(p.gamma()),
-                literal(p.n())
-            )
-        }))
-    };
+    let numbers = OperatorNumbers::new(coefficients.operator);
+    let of_bouc_wen = numbers.bouc_wen.as_ref().map(|operators| {
+        let four = |numbers: &[T; 4]| format!("{{{}}}", numbers.map(literal).join(", "));
+        (operators.len(), rows(operators.iter().map(four)))
+    });
     let mut opening = String::new();
-    let on_branch = matches!(
-        coefficients.operator,
-        OperatorCoefficients::Branch { law: Branch::SongDerKiureghian { .. }, .. }
-    );
-    if on_branch || matches!(coefficients.operator, OperatorCoefficients::BoucWen(_)) {
+    let on_branch = numbers.names("bouc_wen");
+    if on_branch || of_bouc_wen.is_some() {
         opening = if tunable && !on_branch {
             format!("typedef {name}_bouc_wen bouc_wen;\n\n")
         } else {
@@ -315,114 +199,48 @@ fn tables<T: Real>(
                 .into()
         };
     }
-    let polynomial = all(coefficients.polynomial);
+    let polynomial = (coefficients.polynomial.len(), all(coefficients.polynomial));
+    let weights = numbers.weights.as_ref().filter(|(_, weights)| !weights.is_empty());
+    let weights = weights.map(|(what, weights)| (what, weights.len(), all(weights)));
     if tunable {
-        let mut members = Vec::new();
-        if !coefficients.polynomial.is_empty() {
-            members.push(format!("    {{\n{polynomial}\n    }}"));
-        }
-        match coefficients.operator {
-            OperatorCoefficients::BoucWen(list) => {
-                members.push(format!("    {{\n{}\n    }}", operators(list)))
-            }
-            OperatorCoefficients::Plays { weights, .. }
-            | OperatorCoefficients::SidedPlays { weights, .. }
-            | OperatorCoefficients::Branch { weights, .. } => {
-                members.push(format!("    {{\n{}\n    }}", all(weights)));
-            }
-            OperatorCoefficients::ActivatedPlays { .. } | OperatorCoefficients::Plane { .. } => {}
-        }
+        let members = [
+            Some(&polynomial.1).filter(|_| polynomial.0 > 0),
+            of_bouc_wen.as_ref().map(|(_, operators)| operators),
+            weights.as_ref().map(|(.., weights)| weights),
+        ];
+        let members: Vec<String> =
+            members.into_iter().flatten().map(|numbers| format!("    {{\n{numbers}\n    }}")).collect();
         table(
             "The numbers of the hysteresis to begin with.",
             &format!("{name}_parameters DEFAULTS"),
             &members.join(",\n"),
         );
-    } else if !coefficients.polynomial.is_empty() {
-        table(
-            "Coefficients of u, u^2, ... of the polynomial.",
-            &format!("real POLYNOMIAL[{}]", coefficients.polynomial.len()),
-            &polynomial,
-        );
-    }
-    match coefficients.operator {
-        OperatorCoefficients::BoucWen(list) if !tunable => {
-            table("alpha, beta, gamma, n.", &format!("bouc_wen OPERATORS[{}]", list.len()), &operators(list));
+    } else {
+        if let (size @ 1.., numbers) = &polynomial {
+            let comment = "Coefficients of u, u^2, ... of the polynomial.";
+            table(comment, &format!("real POLYNOMIAL[{size}]"), numbers);
         }
-        OperatorCoefficients::BoucWen(_) => {}
-        OperatorCoefficients::Plays { thresholds, weights } => {
-            table(
-                "Half-widths of the plays.",
-                &format!("real THRESHOLD[{}]", thresholds.len()),
-                &all(thresholds),
-            );
-            if !tunable {
-                table("Weights of the plays.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
-            }
+        if let Some((size, operators)) = &of_bouc_wen {
+            table("alpha, beta, gamma, n.", &format!("bouc_wen OPERATORS[{size}]"), operators);
         }
-        OperatorCoefficients::Branch { law, weights } => {
-            let (comment, shape) = shape(law);
-            table(comment, &format!("real SHAPE[{}]", shape.len()), &all(&shape));
-            if !tunable {
-                table("Weights of the states.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
-            }
-        }
-        OperatorCoefficients::SidedPlays { sides, thresholds, weights, shares, corners, slopes } => {
-            if let Sides::Envelopes { right, left } = sides {
-                for (comment, name, side) in [
-                    ("Rise and centre of the right envelope.", "RIGHT", right),
-                    ("Rise and centre of the left envelope.", "LEFT", left),
-                ] {
-                    table(comment, &format!("real {name}[2]"), &all(&side));
-                }
-            }
-            let (comment, size) = (of_thresholds(sides), thresholds.len());
-            table(comment, &format!("real THRESHOLD[{size}]"), &all(thresholds));
-            if !tunable {
-                table("Weights of the plays.", &format!("real WEIGHT[{}]", weights.len()), &all(weights));
-            }
-            for (comment, name, numbers) in [
-                ("Shares of the plays in their mean.", "SHARE", shares),
-                ("Corners of the line that the mean goes through.", "CORNER", corners),
-                ("Slopes between them, one more.", "SLOPE", slopes),
-            ] {
-                if !numbers.is_empty() {
-                    table(comment, &format!("real {name}[{}]", numbers.len()), &all(numbers));
-                }
-            }
-        }
-        OperatorCoefficients::ActivatedPlays { range, thresholds, slopes, .. } => {
-            for (comment, name, numbers) in [
-                ("Half-widths of the plays.", "THRESHOLD", thresholds),
-                ("Slopes of what they put out, three a play.", "SLOPE", slopes),
-                ("Ends of the range over which these hold.", "RANGE", &range),
-            ] {
-                table(comment, &format!("real {name}[{}]", numbers.len()), &all(numbers));
-            }
-        }
-        OperatorCoefficients::Plane { everett, .. } => {
-            let comment = "Sums over the relays between two levels: (1, 0), (2, 0), (2, 1), (3, 0), ...";
-            table(comment, &format!("real EVERETT[{}]", everett.len()), &all(everett));
+        if let Some((what, size, weights)) = &weights {
+            table(&format!("Weights of the {what}s."), &format!("real WEIGHT[{size}]"), weights);
         }
     }
-    let mut constant = |comment: &str, name: &str, value: T| {
-        out.push_str(&format!("/* {comment} */\nstatic const real {name} = {};\n", literal(value)));
-    };
-    match coefficients.operator {
-        OperatorCoefficients::SidedPlays { sides: Sides::Even { widening }, .. } if widening > T::of(0.0) => {
-            constant("What a half-width grows by for a move of 1 in a sample.", "WIDENING", widening);
-        }
-        OperatorCoefficients::SidedPlays { sides: Sides::Ramps { steepness }, .. } => {
-            constant("Slope of a ramp.", "STEEPNESS", steepness);
-        }
-        OperatorCoefficients::ActivatedPlays { pace: (sigma, interval), .. } => {
-            constant("Activation of the plays.", "SIGMA", sigma);
-            constant("Seconds from sample to sample.", "INTERVAL", interval);
-        }
-        OperatorCoefficients::Plane { range: [low, _], density, .. } => {
-            constant("Lowest level.", "LOWEST", low);
-            constant("Intervals between levels a unit of voltage.", "DENSITY", density);
-        }
-        _ => {}
+    if let Some(law) = numbers.law {
+        let (mut names, mut shape) = (Vec::new(), Vec::new());
+        law.for_each_number(|name, number| {
+            names.push(name);
+            shape.push(number);
+        });
+        let comment = format!("Numbers of the law: {}.", names.join(", "));
+        table(&comment, &format!("real SHAPE[{}]", shape.len()), &all(&shape));
+    }
+    for Table { comment, name, numbers } in &numbers.tables {
+        table(comment, &format!("real {name}[{}]", numbers.len()), &all(numbers));
+    }
+    for Constant { comment, name, value } in numbers.constants.iter().chain(&numbers.of_c) {
+        out.push_str(&format!("/* {comment} */\nstatic const real {name} = {};\n", literal(*value)));
     }
     let mut table = |comment: &str, declaration: &str, content: &str| {
         out.push_str(&format!("/* {comment} */\nstatic const {declaration} = {{\n{content}\n}};\n"));
@@ -461,27 +279,6 @@ fn tables<T: Real>(
         literal(sections.rest_gain),
         literal(coefficients.offset)
     )
-}
-
-/// The numbers of a law, and what they are.
-fn shape<T: Copy>(law: Branch<T>) -> (&'static str, Vec<T>) {
-    match law {
-        Branch::Dahl { reach, exponent } => ("Reach and exponent.", vec![reach, exponent]),
-        Branch::Duhem { rate } => ("Rate.", vec![rate]),
-        Branch::NonSymmetric { beta, gamma, delta } => ("beta, gamma, delta.", vec![beta, gamma, delta]),
-        Branch::SongDerKiureghian { betas } => ("beta_1 to beta_6.", betas.to_vec()),
-        Branch::JilesAtherton { anhysteretic, pinning, reversibility, coupling } => {
-            ("a, k, c, alpha.", vec![anhysteretic, pinning, reversibility, coupling])
-        }
-    }
-}
-
-/// What the thresholds of plays are.
-pub(crate) fn of_thresholds<T>(sides: Sides<T>) -> &'static str {
-    match sides {
-        Sides::Ramps { .. } => "Lines of the grid.",
-        _ => "Half-widths of the plays.",
-    }
 }
 
 /// Texts in rows, separated by commas.

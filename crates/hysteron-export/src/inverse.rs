@@ -21,7 +21,7 @@ const HEADER: &str = concat!(
 );
 const SOURCE: &str = concat!(
     include_str!("../templates/c/opening.c"),
-    include_str!("../templates/c/operator.c"),
+    include_str!("../templates/c/hysteresis.c"),
     include_str!("../templates/c/dynamics.c"),
     include_str!("../templates/c/inverse.c")
 );

@@ -17,6 +17,7 @@ mod fmu;
 mod golden;
 mod inverse;
 mod number;
+mod operator;
 mod rust_crate;
 mod subject;
 mod summary;

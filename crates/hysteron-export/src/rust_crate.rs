@@ -2,15 +2,16 @@
 
 use std::path::Path;
 
-use hysteron_model::realise::{OperatorCoefficients, RuntimeParts};
-use hysteron_rt::{BoucWen, Branch, LANES, Real, Sides};
+use hysteron_model::realise::RuntimeParts;
+use hysteron_rt::{Branch, LANES, Real};
 
-use crate::c::{Numbers, filling, golden_keys, of_thresholds, rows};
+use crate::c::{Numbers, filling, golden_keys, rows};
 use crate::error::ExportError;
 use crate::escape::{rust_comment, toml_string};
 use crate::golden::Golden;
 use crate::inverse::{Inverse, golden_inverse_keys};
 use crate::number::Precision;
+use crate::operator::{Constant, OperatorNumbers, Table};
 use crate::subject::Subject;
 use crate::template::Filling;
 use hysteron_io::NamedFile;
@@ -140,32 +141,10 @@ fn manifest(subject: &Subject, runtime: Runtime<'_>) -> String {
 
 /// The law as an expression.
 fn law_in_rust<T: Real>(law: Branch<T>, literal: &dyn Fn(T) -> String) -> String {
-    let fields = |numbers: &[(&str, T)]| {
-        numbers.iter().map(|(name, x)| format!("{name}: {}", literal(*x))).collect::<Vec<_>>().join(", ")
-    };
-    match law {
-        Branch::Dahl { reach, exponent } => {
-            format!("Branch::Dahl {{ {} }}", fields(&[("reach", reach), ("exponent", exponent)]))
-        }
-        Branch::Duhem { rate } => format!("Branch::Duhem {{ {} }}", fields(&[("rate", rate)])),
-        Branch::NonSymmetric { beta, gamma, delta } => {
-            let fields = fields(&[("beta", beta), ("gamma", gamma), ("delta", delta)]);
-            format!("Branch::NonSymmetric {{ {fields} }}")
-        }
-        Branch::SongDerKiureghian { betas } => {
-            let list = betas.iter().map(|&beta| literal(beta)).collect::<Vec<_>>().join(", ");
-            format!("Branch::SongDerKiureghian {{ betas: [{list}] }}")
-        }
-        Branch::JilesAtherton { anhysteretic, pinning, reversibility, coupling } => {
-            let fields = fields(&[
-                ("anhysteretic", anhysteretic),
-                ("pinning", pinning),
-                ("reversibility", reversibility),
-                ("coupling", coupling),
-            ]);
-            format!("Branch::JilesAtherton {{ {fields} }}")
-        }
-    }
+    let mut numbers = Vec::new();
+    law.for_each_number(|name, number| numbers.push(format!("{name}: {}", literal(number))));
+    let (name, numbers) = (law.name(), numbers.join(", "));
+    format!("Branch::{name}(branch::{name} {{ {numbers} }})")
 }
 
 fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError> {
@@ -186,87 +165,24 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         polynomial.len(),
         &all(polynomial),
     );
-    match coefficients.operator {
-        OperatorCoefficients::BoucWen(operators) => {
-            let four = |p: &BoucWen<T>| {
-                format!(
-                    "[{}, {}, {}, {}]",
-                    literal(p.alpha()),
-                    literal(p.beta()),
-                    literal(p.gamma()),
-                    literal(p.n())
-                )
-            };
-            table(
-                "α, β, γ, n.",
-                "OPERATORS",
-                "[Real; 4]",
-                operators.len(),
-                &rows(operators.iter().map(four)),
-            );
-        }
-        OperatorCoefficients::Plays { thresholds, weights } => {
-            table("Half-widths of the plays.", "THRESHOLD", "Real", thresholds.len(), &all(thresholds));
-            table("Weights of the plays.", "WEIGHT", "Real", weights.len(), &all(weights));
-        }
-        OperatorCoefficients::Branch { law, weights } => {
-            table("Weights of the states.", "WEIGHT", "Real", weights.len(), &all(weights));
-            out.push_str(&format!(
-                "/// The law.\nconst LAW: Branch<Real> = {};\n",
-                law_in_rust(law, &literal)
-            ));
-        }
-        OperatorCoefficients::SidedPlays { sides, thresholds, weights, shares, corners, slopes } => {
-            table(of_thresholds(sides), "THRESHOLD", "Real", thresholds.len(), &all(thresholds));
-            table("Weights of the plays.", "WEIGHT", "Real", weights.len(), &all(weights));
-            for (comment, name, numbers) in [
-                ("Shares of the plays in their mean.", "SHARE", shares),
-                ("Corners of the line that the mean goes through.", "CORNER", corners),
-                ("Slopes between them, one more.", "SLOPE", slopes),
-            ] {
-                if !numbers.is_empty() {
-                    table(comment, name, "Real", numbers.len(), &all(numbers));
-                }
-            }
-            let side = |[rise, centre]: [T; 2]| format!("[{}, {}]", literal(rise), literal(centre));
-            let sides = match sides {
-                Sides::Even { widening } => format!("Sides::Even {{ widening: {} }}", literal(widening)),
-                Sides::Below => "Sides::Below".into(),
-                Sides::Envelopes { right, left } => {
-                    format!("Sides::Envelopes {{ right: {}, left: {} }}", side(right), side(left))
-                }
-                Sides::Ramps { steepness } => {
-                    format!("Sides::Ramps {{ steepness: {} }}", literal(steepness))
-                }
-            };
-            out.push_str(&format!("/// Sides of the plays.\nconst SIDES: Sides<Real> = {sides};\n"));
-        }
-        OperatorCoefficients::ActivatedPlays {
-            pace: (sigma, interval),
-            range: [low, high],
-            thresholds,
-            slopes,
-        } => {
-            table("Half-widths of the plays.", "THRESHOLD", "Real", thresholds.len(), &all(thresholds));
-            table("Slopes of what they put out, three a play.", "SLOPE", "Real", slopes.len(), &all(slopes));
-            let pair = |[a, b]: [T; 2]| format!("{}, {}", literal(a), literal(b));
-            out.push_str(&format!(
-                "/// Activation of the plays, and seconds from sample to sample.\nconst PACE: (Real, Real) = ({});\n\
-                 /// Ends of the range over which the slopes hold.\nconst RANGE: [Real; 2] = [{}];\n",
-                pair([sigma, interval]),
-                pair([low, high])
-            ));
-        }
-        OperatorCoefficients::Plane { range: [low, high], intervals, everett, turns, .. } => {
-            let comment = "Sums over the relays between two levels: (1, 0), (2, 0), (2, 1), (3, 0), …";
-            table(comment, "EVERETT", "Real", everett.len(), &all(everett));
-            out.push_str(&format!(
-                "/// Lowest and highest level.\nconst LEVELS: [Real; 2] = [{}, {}];\n/// Intervals between levels.\nconst INTERVALS: usize = \
-                 {intervals};\n/// Turning points that are remembered at once.\nconst TURNS: usize = {turns};\n",
-                literal(low),
-                literal(high)
-            ));
-        }
+    let numbers = OperatorNumbers::new(coefficients.operator);
+    if let Some(operators) = &numbers.bouc_wen {
+        let four = |numbers: &[T; 4]| format!("[{}]", numbers.map(literal).join(", "));
+        let content = rows(operators.iter().map(four));
+        table("α, β, γ, n.", "OPERATORS", "[Real; 4]", operators.len(), &content);
+    }
+    if let Some((what, weights)) = &numbers.weights {
+        table(&format!("Weights of the {what}s."), "WEIGHT", "Real", weights.len(), &all(weights));
+    }
+    for Table { comment, name, numbers } in &numbers.tables {
+        table(comment, name, "Real", numbers.len(), &all(numbers));
+    }
+    for Constant { comment, name, value } in numbers.constants.iter().chain(&numbers.of_rust) {
+        out.push_str(&format!("/// {comment}\nconst {name}: Real = {};\n", literal(*value)));
+    }
+    if let Some(law) = numbers.law {
+        let law = law_in_rust(law, &literal);
+        out.push_str(&format!("/// The law.\nconst LAW: Branch<Real> = {law};\n"));
     }
     let mut table = |comment: &str, name: &str, kind: &str, size: usize, content: &str| {
         let content = if size == 0 { "[]".to_owned() } else { format!("[\n{content},\n]") };

@@ -1,10 +1,12 @@
 //! Source text with places to be filled in.
 //!
 //! * `$key`: the text of that key, the longest key that fits.
-//! * `R(x)`: the constant x, a number, a fraction of two or the name of one of the runtime's, as a literal of the number type.
+//! * `R(x)`: the constant x, a number, a fraction of two or the name of one of the runtime's, as a literal of
+//!   the number type.
 //! * `F(f)`: the function f of `<math.h>` in the number type.
 //! * `K(x)`: where the coefficients x are kept.
 //! * Lines `//{ a|b`, `//{ !a` … `//}`: only where one of the flags is set (not set).
+//! * A line `//+ part`: the text of that part, filled in as this one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,17 +20,29 @@ pub(crate) struct Filling {
     keys: BTreeMap<String, String>,
     flags: BTreeSet<&'static str>,
     coefficients: BTreeMap<&'static str, String>,
+    parts: BTreeMap<&'static str, String>,
 }
 
 impl Filling {
     pub fn new(precision: Precision) -> Self {
-        Self { precision, keys: BTreeMap::new(), flags: BTreeSet::new(), coefficients: BTreeMap::new() }
+        Self {
+            precision,
+            keys: BTreeMap::new(),
+            flags: BTreeSet::new(),
+            coefficients: BTreeMap::new(),
+            parts: BTreeMap::new(),
+        }
     }
 
     /// Sets `$key`.
     pub fn key(&mut self, key: &str, text: impl ToString) -> &mut Self {
         self.keys.insert(key.to_owned(), text.to_string());
         self
+    }
+
+    /// Sets `$key` to a number.
+    pub fn number(&mut self, key: &str, value: f64) -> &mut Self {
+        self.key(key, self.precision.c_literal(value))
     }
 
     /// The text of `$key`; empty where it is not set.
@@ -57,12 +71,23 @@ impl Filling {
         self
     }
 
+    /// Sets the text of a part.
+    pub fn part(&mut self, name: &'static str, text: impl ToString) -> &mut Self {
+        self.parts.insert(name, text.to_string());
+        self
+    }
+
     /// The text of a template.
     ///
     /// # Errors
     /// [`ExportError::Template`] where it asks for what is not there.
     pub fn fill(&self, template: &str) -> Result<String, ExportError> {
         let mut out = String::with_capacity(2 * template.len());
+        self.lines(template, &mut out)?;
+        Ok(out)
+    }
+
+    fn lines(&self, template: &str, out: &mut String) -> Result<(), ExportError> {
         let mut open: Vec<bool> = Vec::new();
         for line in template.lines() {
             if let Some(condition) = line.trim_start().strip_prefix("//{ ") {
@@ -71,12 +96,17 @@ impl Filling {
                 if open.pop().is_none() {
                     return Err(ExportError::Template { place: "//}".into() });
                 }
-            } else if open.iter().all(|&o| o) {
-                self.line(line, &mut out)?;
+            } else if open.contains(&false) {
+                continue;
+            } else if let Some(part) = line.trim_start().strip_prefix("//+ ") {
+                let unknown = || ExportError::Template { place: line.into() };
+                self.lines(self.parts.get(part.trim()).ok_or_else(unknown)?, out)?;
+            } else {
+                self.line(line, out)?;
                 out.push('\n');
             }
         }
-        if open.is_empty() { Ok(out) } else { Err(ExportError::Template { place: "//{".into() }) }
+        if open.is_empty() { Ok(()) } else { Err(ExportError::Template { place: "//{".into() }) }
     }
 
     fn holds(&self, condition: &str) -> bool {
@@ -151,7 +181,9 @@ mod tests {
             filling.fill(text).unwrap(),
             "  stage_step(0.33333334f, 0.0f, expf(-C[0]), MAXR(2));\nx\n"
         );
-        for bad in ["//}", "//{ on", "$nobody", "R(nobody)", "K(nobody)"] {
+        filling.part("of it", "//{ on\n$name\n//}");
+        assert_eq!(filling.fill("//+ of it\n.").unwrap(), "stage\n.\n");
+        for bad in ["//}", "//{ on", "$nobody", "R(nobody)", "K(nobody)", "//+ nobody"] {
             assert!(filling.fill(bad).is_err(), "{bad}");
         }
     }

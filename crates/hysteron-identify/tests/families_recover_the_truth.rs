@@ -8,7 +8,7 @@ use hysteron_identify::{
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Dynamics, Scheme, Term, TransferFunction};
 use hysteron_model::hammerstein::Model;
-use hysteron_model::hysteresis::HysteresisForm;
+use hysteron_model::hysteresis::{DriveSpan, HysteresisForm, Search};
 use hysteron_model::record::{ChannelChoice, InputOutput, InterSample, TimeBase, Timing};
 use hysteron_model::validate::{Scoring, choose_start, score};
 use hysteron_rig::{CampaignPlan, CampaignRun, Mode, Plant, PlayStack, Role, Truth, run_campaign};
@@ -169,6 +169,65 @@ fn plays_and_bands_come_back() {
         device(form, &[1.2], &[0.0, 10.0, 0.4, 2.5], &[0.3, 0.2, 0.1, 0.1, 0.0, 0.1, 0.2, 0.35, 0.5, 0.7]);
     let found = fitted(&truth, 0.005);
     assert!(unseen(&found, &truth) < 0.001, "{}", unseen(&found, &truth));
+}
+
+/// What the drives of [`every_family_follows_a_device_made_of_it`] span.
+const SPAN: DriveSpan =
+    DriveSpan { stroke: 10.0, ends: [0.0, 10.0], grid: [0.0, 10.0], fastest_rate: 400.0, ..DriveSpan::UNIT };
+
+/// A device of this family, of one or two elements, without dynamics; its output rises with the voltage.
+fn small(usual: HysteresisForm) -> Model {
+    let form = (1..=2).rev().find_map(|count| usual.with_elements(count).ok()).unwrap_or(usual);
+    let weight = |k: usize| {
+        // As large over the stroke as a slope of 0.4 µm/V.
+        let over_the_stroke = 0.4 * SPAN.stroke.powi(1 + form.description().weight_unit(k).input);
+        form.sign() * over_the_stroke * (1.0 + 0.5 * (1.7 * k as f64).sin()) / form.columns() as f64
+    };
+    let weights: Vec<f64> = (0..form.columns()).map(weight).collect();
+    let device = device(form, &[2.0], &form.example(&SPAN), &weights);
+    Model { dynamics: Dynamics::None, delay_s: 0.0, ..device }
+}
+
+/// Loops under a slow beat, between 0 and 10 V.
+fn loops(beat: f64) -> Vec<f64> {
+    let at = |k: u32| {
+        let t = f64::from(k) / 16.0;
+        5.0 - 5.0 * (0.6 + 0.4 * (beat * t).cos()) * t.cos()
+    };
+    (0..480).map(at).collect()
+}
+
+#[test]
+fn every_family_follows_a_device_made_of_it() {
+    for form in HysteresisForm::usual() {
+        let truth = small(form);
+        let data = record(&truth, "loops", loops(0.13), 0.005, 1);
+        let options = Options {
+            hysteresis: Choice::Given(form),
+            dynamics: DynamicsChoice::None,
+            degree: Choice::Given(1),
+            ..Options::default()
+        };
+        let campaign = [CampaignRecord { data, role: Some(RecordRole::QuasiStatic) }];
+        let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
+        // A drive that was not fitted.
+        let u = loops(0.31);
+        let rest = Start::Rest { voltage_v: u[0] };
+        let run = |model: &Model| model.simulate(&u, Some(RATE_HZ), &rest).unwrap();
+        let (wanted, got) = (run(&truth), run(&found.model));
+        let error = wanted.iter().zip(&got).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let [low, high] = wanted.iter().fold([f64::MAX, f64::MIN], |[l, h], y| [l.min(*y), h.max(*y)]);
+        println!("{form:?}: {error:.5} µm of {:.1}", high - low);
+        // Where thresholds or levels lie on a grid of the fit's, they are not those of the device.
+        let held = form.shape_numbers(&SPAN).iter().any(|number| matches!(number.search, Search::Held(_)));
+        let on_a_grid = form.elements() > 2 || (held && form != HysteresisForm::BoucWen);
+        let allowed = if on_a_grid { 0.06 * (high - low) } else { 0.01 };
+        assert!(error < allowed, "{form:?}: {error} µm of {}", high - low);
+        if let Some(uncertainty) = &found.output_uncertainty {
+            let band = uncertainty.band(&u, Some(RATE_HZ), &rest).unwrap();
+            assert!(band.std_dev.iter().all(|error| error.is_finite()), "{form:?}");
+        }
+    }
 }
 
 /// RMSE of each record that was not fitted, in % of its stroke.

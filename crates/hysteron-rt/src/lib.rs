@@ -2,18 +2,21 @@
 //!
 //! * [`BoucWen`]: parameters of the Bouc–Wen operator; [`BoucWen::step`] moves a [`BoucWenState`] to the next
 //!   voltage exactly, whatever the distance, because the operator is rate independent.
-//! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of the step.
-//! * [`SidedPlays`]: plays between other sides (one-sided, generalised, widening with the rate, Krasnosel'skii–Pokrovskii), with a [`BrokenLine`] behind them;
-//!   [`Plane`]: a plane of relays (Preisach) by its Everett function and the [`Turns`] that still count.
-//! * [`Branch`]: Dahl, Duhem, asymmetric Bouc–Wen and Jiles–Atherton, by what a move changes their states by.
-//! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs, taps, delay), voltage
-//!   in, displacement out, in a bounded number of operations a sample.
-//! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`], [`Hysteresis::reach`]);
-//!   [`Observer`]: what stands between model and stage; [`Feedback`]: PI, PI^λ and integral with notch; [`FilteredLms`]: feedforward that adapts.
-//! * [`Rls`], [`Nlms`]: least squares with forgetting and gradient correction of parameters while samples come in;
-//!   [`FitMonitor`] says when they no longer fit.
-//! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of its own
-//!   result with respect to β, γ and n ([`BoucWen::advance_with_sensitivities`]).
+//! * [`PlayBank`]: a weighted sum of play operators (Prandtl–Ishlinskii), its step and the exact inverse of
+//!   the step.
+//! * [`SidedPlays`]: plays between other sides ([`Sides`]), with a [`BrokenLine`] behind them; [`Plane`]: a
+//!   plane of relays by its Everett function and the [`Turns`] that still count.
+//! * [`Branch`]: states that follow a differential equation along each branch, one law a file of [`branch`],
+//!   by what a move changes them by; [`c_source`]: the operators in C99.
+//! * [`Model`]: hysteresis ([`Operator`]) followed by linear dynamics ([`Sections`]: real poles, pole pairs,
+//!   taps, delay), voltage in, displacement out, in a bounded number of operations a sample.
+//! * [`Compensator`]: the inverse, reference in, voltage out, within the amplifier's range and slew ([`Law`],
+//!   [`Hysteresis::reach`]); [`Observer`]: what stands between model and stage; [`Feedback`]: PI, PI^λ and
+//!   integral with notch; [`FilteredLms`]: feedforward that adapts.
+//! * [`Rls`], [`Nlms`]: least squares with forgetting and gradient correction of parameters while samples
+//!   come in; [`FitMonitor`] says when they no longer fit.
+//! * [`Dual`]: a number with its derivatives. Where a step is fed duals it returns the exact derivatives of
+//!   its own result with respect to β, γ and n ([`BoucWen::advance_with_sensitivities`]).
 //! * [`Real`], [`Scalar`]: the two closed sets of numbers the arithmetic is written for.
 //!
 //! ```
@@ -37,7 +40,8 @@
 #![forbid(unsafe_code)]
 
 mod bouc_wen;
-mod branch;
+pub mod branch;
+pub mod c_source;
 mod dual;
 mod increment;
 mod model;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
+use hysteron_rt::branch::{Dahl, Duhem, JilesAtherton, NonSymmetricBoucWen, SongDerKiureghian};
 use hysteron_rt::{Branch, Hysteresis, IncrementMemory, ModelError, Operator, Real, moments};
 use proptest::prelude::*;
 
@@ -25,17 +26,22 @@ const KINDS: [Kind; 5] = [Kind::Dahl, Kind::Duhem, Kind::Zhu, Kind::Song, Kind::
 fn law<T: Real>(kind: Kind) -> Branch<T> {
     let of = |x: f64| T::of(x);
     match kind {
-        Kind::Dahl => Branch::Dahl { reach: of(DAHL[0]), exponent: of(DAHL[1]) },
-        Kind::Duhem => Branch::Duhem { rate: of(RATE) },
-        Kind::Zhu => Branch::NonSymmetric { beta: of(ZHU[0]), gamma: of(ZHU[1]), delta: of(ZHU[2]) },
-        Kind::Song => Branch::SongDerKiureghian { betas: SONG.map(of) },
-        Kind::Jiles => Branch::JilesAtherton {
+        Kind::Dahl => Dahl { reach: of(DAHL[0]), exponent: of(DAHL[1]) }.into(),
+        Kind::Duhem => Duhem { rate: of(RATE) }.into(),
+        Kind::Zhu => NonSymmetricBoucWen { beta: of(ZHU[0]), gamma: of(ZHU[1]), delta: of(ZHU[2]) }.into(),
+        Kind::Song => song(SONG.map(of)),
+        Kind::Jiles => JilesAtherton {
             anhysteretic: of(JILES[0]),
             pinning: of(JILES[1]),
             reversibility: of(JILES[2]),
             coupling: of(JILES[3]),
-        },
+        }
+        .into(),
     }
+}
+
+fn song<T: Real>([beta_1, beta_2, beta_3, beta_4, beta_5, beta_6]: [T; 6]) -> Branch<T> {
+    SongDerKiureghian { beta_1, beta_2, beta_3, beta_4, beta_5, beta_6 }.into()
 }
 
 /// Weights in one type, and memory.
@@ -259,15 +265,15 @@ fn laws_that_are_none_are_refused() {
         assert!(refused(law(kind), &[f64::NAN]));
         assert!(matches!(kind, Kind::Duhem) || refused(law(kind), &[1.0, 1.0]));
     }
-    assert!(refused(Branch::Duhem { rate: 1.0 }, &[1.0; 11]));
+    assert!(refused(Duhem { rate: 1.0 }.into(), &[1.0; 11]));
     let jiles =
-        |coupling| Branch::JilesAtherton { anhysteretic: 1.0, pinning: 1.0, reversibility: 0.2, coupling };
+        |coupling| JilesAtherton { anhysteretic: 1.0, pinning: 1.0, reversibility: 0.2, coupling }.into();
     for law in [
-        Branch::Dahl { reach: 0.0, exponent: 1.0 },
-        Branch::Dahl { reach: 1.0, exponent: -0.1 },
-        Branch::Duhem { rate: f64::INFINITY },
-        Branch::NonSymmetric { beta: 0.1, gamma: 0.2, delta: 0.0 },
-        Branch::SongDerKiureghian { betas: [f64::NAN; 6] },
+        Dahl { reach: 0.0, exponent: 1.0 }.into(),
+        Dahl { reach: 1.0, exponent: -0.1 }.into(),
+        Duhem { rate: f64::INFINITY }.into(),
+        NonSymmetricBoucWen { beta: 0.1, gamma: 0.2, delta: 0.0 }.into(),
+        song([f64::NAN; 6]),
         jiles(3.0),
         jiles(-0.1),
     ] {

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use hysteron_model::realise::{Coefficients, OperatorCoefficients};
-use hysteron_rt::{Branch, Real, Sides};
+use hysteron_model::realise::Coefficients;
+use hysteron_rt::Real;
 
 use super::FmiVersion;
 use crate::escape::xml;
 use crate::inverse::Inverse;
+use crate::operator::OperatorNumbers;
 use crate::subject::Subject;
 
 /// First value reference of a parameter.
@@ -21,7 +22,7 @@ pub(super) struct Parameter {
     pub start: f64,
     /// Where it is in the state of the source.
     pub member: String,
-    pub description: &'static str,
+    pub description: String,
 }
 
 /// Tunable parameters of a model.
@@ -40,7 +41,7 @@ pub(super) fn parameters<T: Real + Into<f64>>(
         unit: per(0),
         start: coefficients.offset.into(),
         member: "offset".into(),
-        description: "Constant of the displacement",
+        description: "Constant of the displacement".into(),
     }];
     for (k, &c) in coefficients.polynomial.iter().enumerate() {
         all.push(Parameter {
@@ -48,64 +49,34 @@ pub(super) fn parameters<T: Real + Into<f64>>(
             unit: per(k + 1),
             start: c.into(),
             member: format!("parameters.polynomial[{k}]"),
-            description: "Coefficient of a power of the voltage",
+            description: "Coefficient of a power of the voltage".into(),
         });
     }
-    // Plays between envelopes, and ramps, are bare numbers.
-    let weighs_output = matches!(
-        coefficients.operator,
-        OperatorCoefficients::SidedPlays { sides: Sides::Envelopes { .. } | Sides::Ramps { .. }, .. }
-    );
-    match coefficients.operator {
-        OperatorCoefficients::ActivatedPlays { .. } | OperatorCoefficients::Plane { .. } => {}
-        OperatorCoefficients::Branch { law, weights } => {
-            for (k, &w) in weights.iter().enumerate() {
-                let power = match law {
-                    Branch::JilesAtherton { .. } => 0,
-                    _ => k + 1,
-                };
-                all.push(Parameter {
-                    name: format!("weight_{}", k + 1),
-                    unit: per(power),
-                    start: w.into(),
-                    member: format!("parameters.weight[{k}]"),
-                    description: "Weight of a state",
-                });
-            }
+    let numbers = OperatorNumbers::new(coefficients.operator);
+    for (k, &[alpha, beta, gamma, n]) in numbers.bouc_wen.iter().flatten().enumerate() {
+        let n: f64 = n.into();
+        let rate = if n == 1.0 { format!("1/{input}") } else { format!("{output}^{}/{input}", 1.0 - n) };
+        for (name, value, unit) in
+            [("alpha", alpha, per(1)), ("beta", beta, rate.clone()), ("gamma", gamma, rate)]
+        {
+            all.push(Parameter {
+                name: format!("{name}_{}", k + 1),
+                unit,
+                start: value.into(),
+                member: format!("parameters.operators[{k}].{name}"),
+                description: "Number of the Bouc-Wen operator".into(),
+            });
         }
-        OperatorCoefficients::BoucWen(operators) => {
-            for (k, p) in operators.iter().enumerate() {
-                let n: f64 = p.n().into();
-                let rate =
-                    if n == 1.0 { format!("1/{input}") } else { format!("{output}^{}/{input}", 1.0 - n) };
-                let description = "Number of the Bouc-Wen operator";
-                for (name, value, unit) in [
-                    ("alpha", p.alpha(), per(1)),
-                    ("beta", p.beta(), rate.clone()),
-                    ("gamma", p.gamma(), rate),
-                ] {
-                    all.push(Parameter {
-                        name: format!("{name}_{}", k + 1),
-                        unit,
-                        start: value.into(),
-                        member: format!("parameters.operators[{k}].{name}"),
-                        description,
-                    });
-                }
-            }
-        }
-        OperatorCoefficients::Plays { weights, .. } | OperatorCoefficients::SidedPlays { weights, .. } => {
-            let per = |power| if weighs_output { per(power - 1) } else { per(power) };
-            for (k, &w) in weights.iter().enumerate() {
-                all.push(Parameter {
-                    name: format!("weight_{}", k + 1),
-                    unit: per(1),
-                    start: w.into(),
-                    member: format!("parameters.weight[{k}]"),
-                    description: "Weight of a play",
-                });
-            }
-        }
+    }
+    let form = subject.realisation.model.hysteresis.form().description();
+    if let Some((what, weights)) = numbers.weights {
+        all.extend(weights.into_iter().enumerate().map(|(k, weight)| Parameter {
+            name: format!("weight_{}", k + 1),
+            unit: form.weight_unit(k).of(input, output),
+            start: weight.into(),
+            member: format!("parameters.weight[{k}]"),
+            description: format!("Weight of a {what}"),
+        }));
     }
     all
 }
@@ -248,7 +219,7 @@ pub(super) fn description(
             }
             for (p, reference) in tuned {
                 variables +=
-                    &line(&p.name, reference, TUNABLE, p.description, &real(&xml(&p.unit), Some(p.start)));
+                    &line(&p.name, reference, TUNABLE, &p.description, &real(&xml(&p.unit), Some(p.start)));
             }
             let unknowns = lines_of(&outputs, &|k| format!("      <Unknown index=\"{k}\"/>\n"));
             format!(
@@ -288,7 +259,7 @@ pub(super) fn description(
                     &p.name,
                     reference,
                     TUNABLE,
-                    p.description,
+                    &p.description,
                     &real(&xml(&p.unit), Some(p.start)),
                 );
             }

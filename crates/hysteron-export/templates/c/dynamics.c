@@ -49,44 +49,7 @@ static void settle($name_state *state, real u, real v)
 {
     int i;
     state->voltage = u;
-//{ bouc_wen
-    for (i = 0; i < $NAME_OPERATORS; i++) {
-        state->z[i] = R(0);
-        state->z_carry[i] = R(0);
-    }
-//}
-//{ branch
-    for (i = 0; i < $NAME_STATES; i++) {
-        state->y[i] = branch_virgin(u);
-        state->y_carry[i] = R(0);
-    }
-//}
-//{ plays
-    for (i = 0; i < $NAME_PLAYS; i++) {
-        state->play[i] = u;
-    }
-//}
-//{ sided
-    for (i = 0; i < $NAME_PLAYS; i++) {
-        state->play[i] = virgin_play(u, i);
-    }
-//}
-//{ activated
-    for (i = 0; i < $NAME_PLAYS; i++) {
-        state->play[i] = R(0);
-    }
-//}
-//{ rate|activated
-    state->rested = 1;
-//}
-//{ plane
-    state->virgin = u;
-    state->plane_virgin = plane_at_rest(u);
-    state->plane = state->plane_virgin;
-    state->kept = 0;
-    state->moved = 0;
-    state->rising = 0;
-//}
+    hysteresis_rest(state, u);
 //{ means
     state->last_v = v;
 //}

@@ -37,19 +37,7 @@ typedef enum {
 #define $NAME_VOLTAGE_HIGH $LIMIT_HIGH
 #define $NAME_VOLTAGE_STEP $LIMIT_STEP
 /* Numbers in the tables of the compensator. */
-//{ bouc_wen
-#define $NAME_OPERATORS $N_OPERATORS
-//}
-//{ branch
-#define $NAME_STATES $N_STATES
-//}
-//{ plays|sided|activated
-#define $NAME_PLAYS $N_PLAYS
-//}
-//{ plane
-/* Turning points that are remembered at once. */
-#define $NAME_TURNS $N_TURNS
-//}
+//+ sizes
 #define $NAME_TAPS $N_TAPS
 //{ real_poles
 #define $NAME_REAL_POLES $N_REAL

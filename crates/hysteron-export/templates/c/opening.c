@@ -13,3 +13,15 @@ $DESCRIPTION
 typedef $name_real real;
 
 $TABLES
+/* Neither infinite nor NaN. */
+static int is_finite(real x)
+{
+    return F(fabs)(x) <= R(MAX);
+}
+
+/* Whether the dynamics can be fed with v: from there on they stay within the range of the number type. */
+static int is_in_range(real v)
+{
+    return F(fabs)(v) <= R(LARGEST);
+}
+

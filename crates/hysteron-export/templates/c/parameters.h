@@ -12,15 +12,7 @@ typedef struct {
 //{ polynomial
     $name_real polynomial[$N_POLYNOMIAL];
 //}
-//{ bouc_wen
-    $name_bouc_wen operators[$NAME_OPERATORS];
-//}
-//{ plays|sided
-    $name_real weight[$NAME_PLAYS];
-//}
-//{ branch
-    $name_real weight[$NAME_STATES];
-//}
+//+ parameters
 } $name_parameters;
 //}
 

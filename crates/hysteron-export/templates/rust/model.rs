@@ -36,7 +36,7 @@ pub mod inverse;
 use hysteron_rt::{BoucWen, IncrementMemory};
 //}
 //{ branch
-use hysteron_rt::{Branch, IncrementMemory};
+use hysteron_rt::{Branch, IncrementMemory, branch};
 //}
 //{ plays
 use hysteron_rt::PlayBank;
@@ -90,6 +90,10 @@ pub const PREVIEW: usize = $N_PREVIEW;
 //}
 
 $TABLES
+//{ plane
+/// Turning points that are remembered at once.
+const TURNS: usize = $N_TURNS;
+//}
 /// What is remembered: the caller's, one for each device.
 #[derive(Clone, Debug)]
 pub struct Memory {
@@ -188,7 +192,22 @@ impl Memory {
         let operator = Operator::Branch { law: LAW, weights: &WEIGHT, memory: &mut self.states };
 //}
 //{ sided
-        let plays = SidedPlays::new(SIDES, &THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;
+//{ even
+        let sides = Sides::Even { widening: 0.0 };
+//}
+//{ rate
+        let sides = Sides::Even { widening: WIDENING };
+//}
+//{ below
+        let sides = Sides::Below;
+//}
+//{ envelopes
+        let sides = Sides::Envelopes { right: RIGHT, left: LEFT };
+//}
+//{ ramps
+        let sides = Sides::Ramps { steepness: STEEPNESS };
+//}
+        let plays = SidedPlays::new(sides, &THRESHOLD, &WEIGHT).map_err(|_| ModelError::Coefficient)?;
 //{ line
         let line = BrokenLine::new(&SHARE, &CORNER, &SLOPE).map_err(|_| ModelError::Coefficient)?;
         let plays = plays.with_line(line).map_err(|_| ModelError::Coefficient)?;
@@ -196,11 +215,11 @@ impl Memory {
         let operator = Operator::SidedPlays { plays, states: &mut self.plays };
 //}
 //{ activated
-        let plays = ActivatedPlays::new(PACE, RANGE, &THRESHOLD, &SLOPE).map_err(|_| ModelError::Coefficient)?;
+        let plays = ActivatedPlays::new((SIGMA, INTERVAL), RANGE, &THRESHOLD, &SLOPE).map_err(|_| ModelError::Coefficient)?;
         let operator = Operator::ActivatedPlays { plays, states: &mut self.plays };
 //}
 //{ plane
-        let plane = Plane::new(LEVELS, INTERVALS, &EVERETT).map_err(|_| ModelError::Coefficient)?;
+        let plane = Plane::new([LOWEST, HIGHEST], $N_INTERVALS, &EVERETT).map_err(|_| ModelError::Coefficient)?;
         let operator = Operator::Plane { plane, turns: Turns::new(&mut self.turns) };
 //}
         let hysteresis = Hysteresis::new(&POLYNOMIAL, operator)?;

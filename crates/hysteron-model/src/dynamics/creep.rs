@@ -44,17 +44,23 @@ pub enum Creep {
     },
 }
 
-static FRACTIONAL: [FormParameter; 2] = [free("creep", "s^-creep_order", false), order("creep_order")];
-static LOGARITHMIC: [FormParameter; 2] = [free("creep_per_decade", "", false), scale("creep_start", "s")];
+static FRACTIONAL: [FormParameter; 2] = [
+    free("creep", "s^-creep_order", false).meaning("k", "size of the creep, factor 1 + k s^−μ"),
+    order("creep_order").meaning("μ", "order of the creep"),
+];
+static LOGARITHMIC: [FormParameter; 2] = [
+    free("creep_per_decade", "", false).meaning("γ", "creep per decade of time, as a share of the step"),
+    scale("creep_start", "s").meaning("t₀", "time from which creep is logarithmic"),
+];
 static KELVIN_VOIGT: [FormParameter; 2 * MOST_CREEP_ELEMENTS] = [
-    not_negative("creep_1"),
-    scale("creep_time_1", "s"),
-    not_negative("creep_2"),
-    scale("creep_time_2", "s"),
-    not_negative("creep_3"),
-    scale("creep_time_3", "s"),
-    not_negative("creep_4"),
-    scale("creep_time_4", "s"),
+    not_negative("creep_1").is("share k of a creep element, k/(1 + τ s)"),
+    scale("creep_time_1", "s").is("time constant τ of a creep element"),
+    not_negative("creep_2").is("share k of a creep element, k/(1 + τ s)"),
+    scale("creep_time_2", "s").is("time constant τ of a creep element"),
+    not_negative("creep_3").is("share k of a creep element, k/(1 + τ s)"),
+    scale("creep_time_3", "s").is("time constant τ of a creep element"),
+    not_negative("creep_4").is("share k of a creep element, k/(1 + τ s)"),
+    scale("creep_time_4", "s").is("time constant τ of a creep element"),
 ];
 
 impl Creep {

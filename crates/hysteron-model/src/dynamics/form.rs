@@ -59,35 +59,39 @@ pub struct DynamicForm {
     pub creep: Creep,
 }
 
-static LAG: [FormParameter; 1] = [scale("lag", "s")];
+static LAG: [FormParameter; 1] = [scale("lag", "s").meaning("T", "time constant of the lag")];
 static PAIRS: [FormParameter; 2 * MOST_RESONANCES] = [
-    scale("natural_frequency", "Hz"),
-    free("damping", "", true),
-    scale("natural_frequency_2", "Hz"),
-    free("damping_2", "", true),
-    scale("natural_frequency_3", "Hz"),
-    free("damping_3", "", true),
-    scale("natural_frequency_4", "Hz"),
-    free("damping_4", "", true),
-    scale("natural_frequency_5", "Hz"),
-    free("damping_5", "", true),
-    scale("natural_frequency_6", "Hz"),
-    free("damping_6", "", true),
+    scale("natural_frequency", "Hz").meaning("ω_n/2π", "natural frequency"),
+    free("damping", "", true).meaning("ζ", "damping"),
+    scale("natural_frequency_2", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
+    free("damping_2", "", true).meaning("ζ", "damping of a further mode"),
+    scale("natural_frequency_3", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
+    free("damping_3", "", true).meaning("ζ", "damping of a further mode"),
+    scale("natural_frequency_4", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
+    free("damping_4", "", true).meaning("ζ", "damping of a further mode"),
+    scale("natural_frequency_5", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
+    free("damping_5", "", true).meaning("ζ", "damping of a further mode"),
+    scale("natural_frequency_6", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
+    free("damping_6", "", true).meaning("ζ", "damping of a further mode"),
 ];
 static SHARES: [FormParameter; MOST_RESONANCES - 1] = [
-    free("share", "", false),
-    free("share_2", "", false),
-    free("share_3", "", false),
-    free("share_4", "", false),
-    free("share_5", "", false),
+    free("share", "", false).is("share of the first mode in the gain at rest"),
+    free("share_2", "", false).is("share of a further mode; the last has what is left of 1"),
+    free("share_3", "", false).is("share of a further mode; the last has what is left of 1"),
+    free("share_4", "", false).is("share of a further mode; the last has what is left of 1"),
+    free("share_5", "", false).is("share of a further mode; the last has what is left of 1"),
 ];
-static ORDERS: [FormParameter; 3] = [order("order2"), order("order1"), order("order0")];
+static ORDERS: [FormParameter; 3] = [
+    order("order2").meaning("α₂", "highest order"),
+    order("order1").meaning("α₁", "middle order"),
+    order("order0").meaning("α₀", "lowest order"),
+];
 static SECOND: [FormParameter; 5] = [
-    scale("natural_frequency_2", "Hz"),
-    free("damping_2", "", true),
-    order("order2_2"),
-    order("order1_2"),
-    free("share", "", false),
+    scale("natural_frequency_2", "Hz").meaning("ω_n/2π", "natural frequency of a further mode"),
+    free("damping_2", "", true).meaning("ζ", "damping of a further mode"),
+    order("order2_2").meaning("α₂", "highest order of the second mode"),
+    order("order1_2").meaning("α₁", "middle order of the second mode"),
+    free("share", "", false).is("share of the first mode in the gain at rest"),
 ];
 
 /// Room for the derivatives and terms of a form. A form of the first sort has at most 11 parameters and
@@ -102,6 +106,14 @@ impl DynamicForm {
     /// too many of, which the other functions refuse.
     pub fn parameters(&self) -> Vec<FormParameter> {
         self.list().copied().collect()
+    }
+
+    /// The parameter of this name, whichever form it is of.
+    pub fn parameter_named(name: &str) -> Option<FormParameter> {
+        let longest = Creep::KelvinVoigt { elements: MOST_CREEP_ELEMENTS };
+        let creep = Creep::USUAL.into_iter().chain([longest]).flat_map(Creep::parameters);
+        let modes: [&[FormParameter]; 5] = [&LAG, &PAIRS, &SHARES, &ORDERS, &SECOND];
+        modes.into_iter().flatten().chain(creep).find(|parameter| parameter.name == name).copied()
     }
 
     /// Number of parameters.

@@ -227,7 +227,8 @@ impl FamilyDescription for Entry {
         };
         let slopes =
             (0..PLAYS).flat_map(|i| (0..SLOPES).map(move |k| (i, k))).map(|(i, k)| slope(i, k)).collect();
-        RuntimeOperator::ActivatedPlays { sigma: parameter(shape, 2), interval_s, range, thresholds, slopes }
+        let pace = (parameter(shape, 2), interval_s);
+        RuntimeOperator::ActivatedPlays { pace, range, thresholds, slopes }
     }
 }
 

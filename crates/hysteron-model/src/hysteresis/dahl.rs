@@ -3,7 +3,7 @@
 //! Sources: P. R. Dahl, *A Solid Friction Model*, Aerospace Corporation TOR-0158(3107–18)-1, 1968; "Solid friction damping
 //! of mechanical vibrations", *AIAA J.* 14 (1976) 1675–1682, doi:10.2514/3.61511.
 
-use hysteron_rt::{Branch, Scalar, log_distance};
+use hysteron_rt::{Scalar, branch, log_distance};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, RelaxingState, parameter, positive, simulate_with_sensitivities};
@@ -129,7 +129,7 @@ impl FamilyDescription for Entry {
 
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
         let [reach, exponent] = [0, 1].map(|index| parameter(shape, index));
-        RuntimeOperator::branch(Branch::Dahl { reach, exponent }, weights)
+        RuntimeOperator::branch(branch::Dahl { reach, exponent }, weights)
     }
 }
 

@@ -4,7 +4,7 @@
 //! soft materials", *Int. J. Eng. Sci.* 24 (1986) 897–919; "On a class of constitutive relations for ferromagnetic
 //! hysteresis", *Arch. Rational Mech. Anal.* 99 (1987) 375–396, doi:10.1007/BF00282052.
 
-use hysteron_rt::{Branch, MOST_MOMENTS, Scalar, moments};
+use hysteron_rt::{MOST_MOMENTS, Scalar, branch, moments};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, parameter, positive, simulate_with_sensitivities};
@@ -177,7 +177,7 @@ impl FamilyDescription for Entry {
     }
 
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
-        RuntimeOperator::branch(Branch::Duhem { rate: parameter(shape, 0) }, weights)
+        RuntimeOperator::branch(branch::Duhem { rate: parameter(shape, 0) }, weights)
     }
 }
 

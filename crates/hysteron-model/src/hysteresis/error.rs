@@ -275,7 +275,7 @@ pub enum HysteresisError {
         /// What it must be.
         must: &'static str,
     },
-    /// Envelopes between which a generalised play has no place.
+    /// Envelopes between which a play has no place.
     #[error(
         "at the input {u} the right envelope lies {by} above the left one, more than twice the narrowest threshold {narrowest}: \
          widen the thresholds or bring the envelopes together"

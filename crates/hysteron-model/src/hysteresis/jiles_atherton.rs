@@ -4,7 +4,7 @@
 //! doi:10.1016/0304-8853(86)90066-1; the freezing of the irreversible part right after a turn after J. H. B. Deane, *IEEE
 //! Trans. Magn.* 30 (1994) 2795–2801.
 
-use hysteron_rt::{Branch, GAUSS_LEGENDRE, Scalar, langevin, langevin_slope, rising_root};
+use hysteron_rt::{GAUSS_LEGENDRE, Scalar, branch, langevin, langevin_slope, rising_root};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, finite, parameter, positive, simulate_with_sensitivities};
@@ -307,7 +307,7 @@ impl FamilyDescription for Entry {
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
         let [anhysteretic, pinning, reversibility, coupling] =
             [0, 1, 2, 3].map(|index| parameter(shape, index));
-        let law = Branch::JilesAtherton { anhysteretic, pinning, reversibility, coupling };
+        let law = branch::JilesAtherton { anhysteretic, pinning, reversibility, coupling };
         RuntimeOperator::branch(law, weights)
     }
 }

@@ -2,15 +2,17 @@
 //!
 //! * [`BoucWen`] (article Eq. 1) and its [`UnitShape`], the two or three numbers that enter nonlinearly.
 //! * [`PrandtlIshlinskii`] (plays) with its inverses.
-//! * [`ColumnKernel`]: the operators of a family that is linear in weights, with a few nonlinear numbers. Each family has a file of
-//!   its name here: its kernel, and its [`FamilyDescription`].
-//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives; [`FamilyForm`] where it is one of
-//!   columns.
-//! * [`Family`]: a model of such a family; [`FamilyStream`] runs it sample by sample. [`DriveGrid`] tells families that see the rate
-//!   how fast the drive is.
-//! * [`Start`]: what happened before the first sample, with a memory in the operator's own scale; [`Sensitivities`] are Bouc–Wen's own.
+//! * [`ColumnKernel`]: the operators of a family that is linear in weights, with a few nonlinear numbers.
+//!   Each family has a file of its name here: its kernel, and its [`FamilyDescription`].
+//! * [`HysteresisForm`]: a family as a fit sees it, run into [`Columns`] with their derivatives;
+//!   [`FamilyForm`] where it is one of columns.
+//! * [`Family`]: a model of such a family; [`FamilyStream`] runs it sample by sample. [`DriveGrid`] tells
+//!   families that see the rate how fast the drive is.
+//! * [`Start`]: what happened before the first sample, with a memory in the operator's own scale;
+//!   [`Sensitivities`] are Bouc–Wen's own.
 //! * [`InterSample`]: how the drive goes from one sample to the next.
-//! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises the output.
+//! * [`Admissibility`]: whether a parameter set can run away; [`Invertibility`]: whether every move raises
+//!   the output.
 
 mod activated_plays;
 mod admissibility;
@@ -21,7 +23,6 @@ mod dead_zone_plays;
 mod drive_grid;
 mod duhem;
 mod error;
-mod families;
 mod family;
 mod follow;
 mod form;
@@ -43,6 +44,7 @@ mod preisach;
 mod rate_dependent_plays;
 mod sensitivities;
 mod song_der_kiureghian;
+mod takacs;
 
 pub use crate::record::InterSample;
 pub use activated_plays::ActivatedPlays;
@@ -82,6 +84,37 @@ pub use song_der_kiureghian::SongDerKiureghian;
 
 use crate::start::Start;
 
+/// The list of families, in the order in which they are shown to users. A new one is a line here, its own
+/// file with its `mod`, and the law of its moves in `hysteron-rt`.
+static FAMILIES: &[&dyn family::ColumnOperators] = &[
+    &parallel_bouc_wen::Entry,
+    &non_symmetric_bouc_wen::Entry,
+    &song_der_kiureghian::Entry,
+    &dahl::Entry,
+    &duhem::Entry,
+    &maxwell_slip::Entry,
+    &one_sided_plays::Entry,
+    &rate_dependent_plays::Entry,
+    &activated_plays::Entry,
+    &dead_zone_plays::Entry,
+    &generalised_play::Entry,
+    &krasnoselskii_pokrovskii::Entry,
+    &preisach::Entry,
+    &preisach::density::Entry,
+    &jiles_atherton::Entry,
+    &takacs::Entry,
+];
+
+impl FamilyForm {
+    /// All families, with their usual numbers of elements.
+    pub fn all() -> impl Iterator<Item = Self> {
+        FAMILIES.iter().map(|&family| {
+            let usual = family.elements().map_or(0, |elements| elements.usual);
+            Self::of(family, usual)
+        })
+    }
+}
+
 /// A rate-independent hysteresis operator.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hysteresis {
@@ -106,9 +139,9 @@ impl Hysteresis {
         }
     }
 
-    /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length). Moves between samples are monotone
-    /// ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of a [`Start::Remembering`] is in the
-    /// operator's own scale: z(0) \[µm\] for Bouc–Wen.
+    /// Output v \[µm\] for the voltages `u` \[V\] into `out` (same length). Moves between samples are
+    /// monotone ([`InterSample::Linear`] and [`InterSample::Hold`] alike). The memory of a
+    /// [`Start::Remembering`] is in the operator's own scale: z(0) \[µm\] for Bouc–Wen.
     ///
     /// # Errors
     /// As the model's own `simulate`.
@@ -116,8 +149,9 @@ impl Hysteresis {
         self.simulate_every(1, u, start, out)
     }
 
-    /// As [`Self::simulate`] for a drive `u` given on a time base finer by a factor ([`InterSample::upsample`]):
-    /// `out[k]` belongs to `u[k * factor]`. An operator that sees the rate takes it from the grid.
+    /// As [`Self::simulate`] for a drive `u` given on a time base finer by a factor
+    /// ([`InterSample::upsample`]): `out[k]` belongs to `u[k * factor]`. An operator that sees the rate takes
+    /// it from the grid.
     ///
     /// # Errors
     /// As the model's own `simulate`.
@@ -139,8 +173,8 @@ impl Hysteresis {
         }
     }
 
-    /// Output \[µm\] of an operator at rest at the voltage `rest` \[V\] with a memory (see [`Start::Remembering`]), `None`
-    /// where it is virgin there.
+    /// Output \[µm\] of an operator at rest at the voltage `rest` \[V\] with a memory (see
+    /// [`Start::Remembering`]), `None` where it is virgin there.
     pub fn at_rest(&self, rest: f64, memory: Option<f64>) -> f64 {
         match self {
             Self::BoucWen(model) => model.polynomial_at(rest) - memory.unwrap_or(0.0),
@@ -153,7 +187,8 @@ impl Hysteresis {
         }
     }
 
-    /// Memory of an operator, in its own scale, that was virgin at the voltage `virgin` \[V\] and went to `rest` without turning.
+    /// Memory of an operator, in its own scale, that was virgin at the voltage `virgin` \[V\] and went to
+    /// `rest` without turning.
     ///
     /// # Errors
     /// As the model's own `validate`; voltages that are not finite.
@@ -200,8 +235,8 @@ impl Hysteresis {
         }
     }
 
-    /// The operator whose output is `gain` times that of this one. For Bouc–Wen, with z = g Z: ż = g α u̇ − g¹⁻ⁿ
-    /// (β |u̇| z |z|ⁿ⁻¹ + γ u̇ |z|ⁿ).
+    /// The operator whose output is `gain` times that of this one. For Bouc–Wen, with z = g Z: ż = g α u̇ −
+    /// g¹⁻ⁿ (β |u̇| z |z|ⁿ⁻¹ + γ u̇ |z|ⁿ).
     ///
     /// # Errors
     /// As the model's own `validate`.

@@ -3,7 +3,7 @@
 //! Source: W. Zhu, D.-H. Wang, "Non-symmetrical Bouc–Wen model for piezoelectric ceramic actuators", *Sens. Actuators A* 181
 //! (2012) 51–60, doi:10.1016/j.sna.2012.03.048.
 
-use hysteron_rt::{Branch, Scalar, moments};
+use hysteron_rt::{Scalar, branch, moments};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, RelaxingState, finite, parameter, simulate_with_sensitivities};
@@ -166,7 +166,7 @@ impl FamilyDescription for Entry {
 
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
         let [beta, gamma, delta] = [0, 1, 2].map(|index| parameter(shape, index));
-        RuntimeOperator::branch(Branch::NonSymmetric { beta, gamma, delta }, weights)
+        RuntimeOperator::branch(branch::NonSymmetricBoucWen { beta, gamma, delta }, weights)
     }
 }
 

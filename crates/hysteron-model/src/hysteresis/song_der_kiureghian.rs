@@ -3,7 +3,7 @@
 //! Source: J. Song, A. Der Kiureghian, "Generalized Bouc–Wen model for highly asymmetric hysteresis", *J. Eng. Mech.* 132
 //! (2006) 610–618, doi:10.1061/(ASCE)0733-9399(2006)132:6(610).
 
-use hysteron_rt::{BoucWen, Branch, Scalar};
+use hysteron_rt::{BoucWen, Scalar, branch};
 
 use super::HysteresisError;
 use super::columns::{ColumnKernel, RelaxingState, finite, parameter, simulate_with_sensitivities};
@@ -140,8 +140,10 @@ impl FamilyDescription for Entry {
     }
 
     fn runtime(&self, _: usize, _: &mut [f64], shape: &[f64], weights: &[f64], _: f64) -> RuntimeOperator {
-        let betas = [0, 1, 2, 3, 4, 5].map(|index| parameter(shape, index));
-        RuntimeOperator::branch(Branch::SongDerKiureghian { betas }, weights)
+        let [beta_1, beta_2, beta_3, beta_4, beta_5, beta_6] =
+            [0, 1, 2, 3, 4, 5].map(|index| parameter(shape, index));
+        let law = branch::SongDerKiureghian { beta_1, beta_2, beta_3, beta_4, beta_5, beta_6 };
+        RuntimeOperator::branch(law, weights)
     }
 }
 

@@ -7,7 +7,7 @@ use super::{
 use crate::dynamics::{Arx, Dynamics, Term, TransferFunction};
 use crate::hammerstein::Model;
 use crate::hysteresis::{
-    BoucWen, Family, FamilyForm, Hysteresis, HysteresisForm, NumberUnit, PrandtlIshlinskii,
+    BoucWen, DriveSpan, Family, FamilyForm, Hysteresis, HysteresisForm, NumberUnit, PrandtlIshlinskii,
 };
 
 /// Units of a model's numbers, from the units of its signals.
@@ -39,31 +39,9 @@ impl Units {
         format!("{}^(1-n)/{}", self.output, self.input)
     }
 
-    /// Of a number of the hysteresis block beside the polynomial; `n`: the Bouc–Wen exponent.
-    pub fn of_number(&self, name: &str, n: f64) -> String {
-        match name {
-            "n" => "1".into(),
-            "beta" | "gamma" => self.shape(n),
-            name if name.starts_with("threshold_") => self.input.clone(),
-            _ => self.polynomial(1),
-        }
-    }
-
     /// Of a number of a family.
     pub fn product(&self, unit: NumberUnit) -> String {
-        let power = |name: &str, power: i32| match power {
-            0 => "1".to_owned(),
-            1 => name.to_owned(),
-            _ => format!("{name}^{power}"),
-        };
-        let output = power(&self.output, unit.output);
-        match unit.input {
-            0 if unit.output == 0 => power("s", unit.time),
-            0 => output,
-            input if input < 0 => format!("{output}/{}", power(&self.input, -input)),
-            input if unit.output == 0 => power(&self.input, input),
-            input => format!("{output}*{}", power(&self.input, input)),
-        }
+        unit.of(&self.input, &self.output)
     }
 
     /// Of |du/dt|.
@@ -175,16 +153,19 @@ fn parameters(block: &Hysteresis, units: &Units) -> Parameters {
     for (i, &coefficient) in block.polynomial().iter().enumerate() {
         parameters.set(&polynomial_name(i + 1), Quantity::new(coefficient, units.polynomial(i + 1)));
     }
-    let n = block.number("n").unwrap_or(1.0);
-    let own = match block {
-        Hysteresis::Family(family) => numbers_of(family.form),
-        Hysteresis::BoucWen(_) | Hysteresis::PrandtlIshlinskii(_) => Vec::new(),
+    let own: Vec<String> = match block {
+        // Of α, β, γ, n: in the file β and γ are those of the article, whose unit goes with n.
+        Hysteresis::BoucWen(b) => {
+            vec![units.polynomial(1), units.shape(b.n), units.shape(b.n), "1".into()]
+        }
+        Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) => {
+            let (form, elements) = (block.form().description(), block.form().elements());
+            let shape = form.shape_numbers(elements, &DriveSpan::UNIT).into_iter().map(|number| number.unit);
+            let weights = (0..block.form().columns()).map(|index| form.weight_unit(index));
+            shape.chain(weights).map(|unit| units.product(unit)).collect()
+        }
     };
-    for (name, value) in block.numbers() {
-        let unit = match own.iter().find(|(own, _)| *own == name) {
-            Some((_, unit)) => units.product(*unit),
-            None => units.of_number(&name, n),
-        };
+    for ((name, value), unit) in block.numbers().into_iter().zip(own) {
         parameters.set(&name, Quantity::new(value, unit));
     }
     parameters

@@ -20,7 +20,7 @@ mod verify;
 pub use cost::{Cost, side_by_side};
 pub use error::RealiseError;
 pub use linear::{LinearRealisation, StateSpace};
-pub use operator::OperatorCoefficients;
+pub use operator::TURNS;
 pub use sections::Section;
 pub(crate) use stream::LinearParts;
 pub use stream::{Coefficients, RuntimeParts, Stream, StreamParts, nanoseconds_per_sample};

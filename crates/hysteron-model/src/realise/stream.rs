@@ -6,8 +6,9 @@ use hysteron_rt::{
     Compensated, LANES, Linear, ModelError, PolePair, Real, RealPoles, Sections, SectionsMemory,
 };
 
-use super::operator::{OperatorCoefficients, OperatorParts, parts};
+use super::operator::{OperatorParts, parts};
 use super::{LinearRealisation, Realisation, RealiseError, Section};
+use crate::hysteresis::RuntimeOperator;
 
 /// Coefficients and memory of a model that `hysteron-rt` runs.
 #[derive(Clone, Debug)]
@@ -25,7 +26,7 @@ pub struct Coefficients<'a, T> {
     /// l\[u\] = Σ_{i≥1} polynomial\[i−1\] uⁱ.
     pub polynomial: &'a [T],
     /// What adds memory to it.
-    pub operator: OperatorCoefficients<'a, T>,
+    pub operator: &'a RuntimeOperator<T>,
     /// The dynamic block.
     pub sections: Sections<'a, T>,
     /// Whole samples of delay in front of it.
@@ -119,7 +120,7 @@ impl<T: Real> RuntimeParts<T> {
         let linear = &self.linear;
         Coefficients {
             polynomial: &self.polynomial,
-            operator: self.operator.coefficients(),
+            operator: self.operator.numbers(),
             sections: linear.sections(),
             delay_samples: linear.delay.len(),
             offset: self.offset,

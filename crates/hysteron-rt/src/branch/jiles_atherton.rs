@@ -1,7 +1,62 @@
 //! Jiles and Atherton's model: its equation is linear in the effective field, and solved by its integral.
 
-use super::root::rising_root;
+use super::law::{BranchLaw, Change, is_positive, law_numbers, single};
+use super::rising_root;
+use crate::increment::IncrementMemory;
 use crate::real::{Real, Scalar};
+
+law_numbers! {
+    /// Quasi-static Jiles–Atherton: one state, the irreversible part p; what is put out is the magnetisation
+    /// m = p + c (m_an − p), m_an = coth(h/a) − a/h, h = u + α m, dp/dh = s (m_an − p)/k where s (m_an − p) >
+    /// 0, otherwise 0 (D. C. Jiles, D. L. Atherton 1986, doi:10.1016/0304-8853(86)90066-1). Exact to 1e-12
+    /// for moves of up to [`MOST_PANELS`] − 2 times the smaller of a and k and twice α; longer ones are
+    /// divided into [`MOST_PANELS`] parts whatever their length, eight Gauss points each.
+    JilesAtherton {
+        /// a > 0.
+        anhysteretic,
+        /// k > 0.
+        pinning,
+        /// c from 0 to 1.
+        reversibility,
+        /// α from 0 to below 3a.
+        coupling,
+    }
+}
+
+impl<T: Real> BranchLaw<T> for JilesAtherton<T> {
+    const C: &'static str = include_str!("jiles_atherton.c");
+
+    fn is_sound(&self, states: usize) -> bool {
+        let Self { anhysteretic, pinning, reversibility, coupling } = *self;
+        let shares = reversibility >= T::of(0.0) && reversibility <= T::of(1.0);
+        let couples = coupling >= T::of(0.0) && coupling < T::of(3.0) * anhysteretic;
+        states == 1 && is_positive(anhysteretic) && is_positive(pinning) && shares && couples
+    }
+
+    #[inline(always)]
+    fn virgin(&self, u: T) -> T {
+        self.shape().virgin(u)
+    }
+
+    #[inline(always)]
+    fn output(&self, state: T, u: T) -> T {
+        let shape = self.shape();
+        shape.magnetisation(shape.frozen_field(u, state), state)
+    }
+
+    #[inline(always)]
+    fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T> {
+        Change::of_one(self.shape().change(single(memory), from, to))
+    }
+}
+
+impl<T: Real> JilesAtherton<T> {
+    #[inline(always)]
+    fn shape(&self) -> Shape<T> {
+        let Self { anhysteretic: a, pinning: k, reversibility: c, coupling: alpha } = *self;
+        Shape { a, k, c, alpha }
+    }
+}
 
 /// Parts of a move at most.
 pub const MOST_PANELS: u8 = 32;
@@ -20,11 +75,11 @@ pub const GAUSS_LEGENDRE: [(f64, f64); 8] = [
 
 /// a, k, c, α.
 #[derive(Clone, Copy)]
-pub(super) struct Shape<T> {
-    pub a: T,
-    pub k: T,
-    pub c: T,
-    pub alpha: T,
+struct Shape<T> {
+    a: T,
+    k: T,
+    c: T,
+    alpha: T,
 }
 
 impl<T: Real> Shape<T> {
@@ -32,7 +87,7 @@ impl<T: Real> Shape<T> {
         langevin(field / self.a)
     }
 
-    pub(super) fn magnetisation(self, field: T, p: T) -> T {
+    fn magnetisation(self, field: T, p: T) -> T {
         p + self.c * (self.anhysteretic(field) - p)
     }
 
@@ -42,13 +97,13 @@ impl<T: Real> Shape<T> {
     }
 
     /// p, virgin at `u`: on the anhysteretic curve, which is m where c = 1.
-    pub(super) fn virgin(self, u: T) -> T {
+    fn virgin(self, u: T) -> T {
         let reversible = Shape { c: T::of(1.0), ..self };
         self.anhysteretic(reversible.frozen_field(u, T::of(0.0)))
     }
 
     /// h at the voltage u while p stays.
-    pub(super) fn frozen_field(self, u: T, p: T) -> T {
+    fn frozen_field(self, u: T, p: T) -> T {
         let one = T::of(1.0);
         let most = if p.abs() > one { p.abs() } else { one };
         let reach = self.alpha * most * (one + T::of(16.0) * T::EPSILON);
@@ -60,7 +115,8 @@ impl<T: Real> Shape<T> {
         rising_root(excess, u - reach, u + reach, u)
     }
 
-    /// Δp while h moves by `way` from `field` in the direction of `sign`: x ∫ e^(−x(1−θ)) (m_an − p) dθ, x = way/k.
+    /// Δp while h moves by `way` from `field` in the direction of `sign`: x ∫ e^(−x(1−θ)) (m_an − p) dθ, x =
+    /// way/k.
     fn relaxed(self, field: T, p: T, sign: T, way: T) -> T {
         let x = way / self.k;
         let mut sum = T::of(0.0);
@@ -72,7 +128,7 @@ impl<T: Real> Shape<T> {
     }
 
     /// Δp of a move of the voltage.
-    pub(super) fn change(self, p: T, from: T, to: T) -> T {
+    fn change(self, p: T, from: T, to: T) -> T {
         let (zero, one) = (T::of(0.0), T::of(1.0));
         let sign = if to < from { -one } else { one };
         let mut field = self.frozen_field(from, p);
@@ -120,7 +176,8 @@ impl<T: Real> Shape<T> {
     }
 }
 
-/// Langevin's function L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that settles soon.
+/// Langevin's function L(x) = coth x − 1/x; by its continued fraction x/(3 + x²/(5 + x²/(7 + …))) where that
+/// settles soon.
 #[inline]
 pub fn langevin<S: Scalar>(x: S) -> S {
     let of = |x: f64| S::Real::of(x);

@@ -73,8 +73,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     /// The block, virgin at 0 V.
     ///
     /// # Errors
-    /// [`ModelError::Memory`] where operators and memory differ in number, [`ModelError::Coefficient`] for a polynomial that is
-    /// not finite, or numbers of a branch that are out of order.
+    /// [`ModelError::Memory`] where operators and memory differ in number, [`ModelError::Coefficient`] for a
+    /// polynomial that is not finite, or numbers of a branch that are out of order.
     pub fn new(polynomial: &'a [T], operator: Operator<'a, T>) -> Result<Self, ModelError<T>> {
         let (expected, found) = match &operator {
             Operator::None => (0, 0),
@@ -134,7 +134,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     /// Makes the block virgin at `virgin`, moves it monotonically to `voltage` and returns its output there.
     ///
     /// # Errors
-    /// As [`Self::step`]; as it was where the output at `virgin` is out of range, virgin there where that at `voltage` is.
+    /// As [`Self::step`]; as it was where the output at `virgin` is out of range, virgin there where that at
+    /// `voltage` is.
     pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
         if !virgin.is_finite() {
             return Err(ModelError::NotFinite);
@@ -149,8 +150,9 @@ impl<'a, T: Real> Hysteresis<'a, T> {
     /// Moves monotonically to `voltage` and returns v.
     ///
     /// # Errors
-    /// [`ModelError::NotFinite`] for the voltage; [`ModelError::Overflow`] where |v| exceeds [`Real::LARGEST`] (inadmissible
-    /// parameters, a voltage out of all reason) or a generalised play has no place to stand. The memory is then as it was.
+    /// [`ModelError::NotFinite`] for the voltage; [`ModelError::Overflow`] where |v| exceeds
+    /// [`Real::LARGEST`] (inadmissible parameters, a voltage out of all reason) or a play has no place
+    /// between its sides. The memory is then as it was.
     #[inline]
     pub fn step(&mut self, voltage: T) -> Result<T, ModelError<T>> {
         self.step_through(voltage, voltage)
@@ -221,7 +223,8 @@ impl<'a, T: Real> Hysteresis<'a, T> {
         Ok((middle, self.step_through(place, voltage)?))
     }
 
-    /// What a monotone move to `voltage` would put out; nothing is moved. Where [`Self::step`] would fail: out of range, or not a number.
+    /// What a monotone move to `voltage` would put out; nothing is moved. Where [`Self::step`] would fail:
+    /// out of range, or not a number.
     #[inline]
     pub fn look(&self, voltage: T) -> T {
         self.look_during(voltage, voltage - self.voltage, T::of(1.0))

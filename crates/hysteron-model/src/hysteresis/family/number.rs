@@ -18,6 +18,23 @@ impl NumberUnit {
     pub(in crate::hysteresis) const OUTPUT: Self = Self { output: 1, ..Self::NONE };
     pub(in crate::hysteresis) const SLOPE: Self = Self { output: 1, input: -1, ..Self::NONE };
     pub(in crate::hysteresis) const TIME: Self = Self { time: 1, ..Self::NONE };
+
+    /// The unit in text, for signals in these units: `um/V^2`, say.
+    pub fn of(self, input: &str, output: &str) -> String {
+        let power = |name: &str, power: i32| match power {
+            0 => "1".to_owned(),
+            1 => name.to_owned(),
+            _ => format!("{name}^{power}"),
+        };
+        let outputs = power(output, self.output);
+        match self.input {
+            0 if self.output == 0 => power("s", self.time),
+            0 => outputs,
+            inputs if inputs < 0 => format!("{outputs}/{}", power(input, -inputs)),
+            inputs if self.output == 0 => power(input, inputs),
+            inputs => format!("{outputs}*{}", power(input, inputs)),
+        }
+    }
 }
 
 /// A shape number θ of a family.

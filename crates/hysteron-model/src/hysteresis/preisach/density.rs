@@ -272,8 +272,8 @@ impl FamilyDescription for Entry {
         let range = ends(shape);
         let weight: f64 = parameter(weights, 0);
         let cells = self.kernel(elements, shape, 1.0).weights(shape.get(2..).unwrap_or_default());
-        let cells = cells.into_iter().map(|cell: f64| weight * cell).collect();
-        RuntimeOperator::Plane { range, intervals: INTERVALS, cells }
+        let cells: Vec<f64> = cells.into_iter().map(|cell: f64| weight * cell).collect();
+        RuntimeOperator::plane(range, INTERVALS, &cells)
     }
 }
 

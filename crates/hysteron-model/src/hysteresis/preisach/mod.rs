@@ -319,7 +319,7 @@ impl FamilyDescription for Entry {
         _: f64,
     ) -> RuntimeOperator {
         let range = ends(shape);
-        RuntimeOperator::Plane { range, intervals, cells: weights.to_vec() }
+        RuntimeOperator::plane(range, intervals, weights)
     }
 }
 

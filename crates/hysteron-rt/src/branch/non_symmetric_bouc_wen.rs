@@ -1,35 +1,42 @@
-//! Bouc–Wen operators without the symmetry of rising and falling.
+//! Zhu's and Wang's law: Bouc–Wen with a term that makes its loop asymmetric.
 
-use super::duhem::moments;
-use super::root::rising_root;
-use crate::bouc_wen::BoucWen;
+use super::law::{BranchLaw, Change, is_positive, law_numbers, single};
+use super::{moments, rising_root};
+use crate::increment::IncrementMemory;
 use crate::real::Real;
 
-/// At u of one sign a move is one of Bouc–Wen with β = β₁ + s (β₃ sgn u + β₅), γ = s (β₂ sgn u + β₄) + β₆ sgn u; it is split where u passes 0.
-#[inline]
-pub(super) fn song_der_kiureghian<T: Real>(betas: [T; 6], y: T, from: T, to: T) -> T {
-    let zero = T::of(0.0);
-    let [b1, b2, b3, b4, b5, b6] = betas;
-    let leg = |negative: bool, y: T, by: T| {
-        let side = |x: T| if negative { -x } else { x };
-        let s = |x: T| if by < zero { -x } else { x };
-        let (beta, gamma) = (b1 + s(side(b3) + b5), s(side(b2) + b4) + side(b6));
-        match BoucWen::unit(beta, gamma, T::of(1.0)) {
-            Ok(operator) => operator.increment(y, by),
-            Err(_) => T::of(f64::NAN),
-        }
-    };
-    if from * to < zero {
-        let first = leg(from < zero, y, -from);
-        return first + leg(to < zero, y + first, to);
+law_numbers! {
+    /// dy/du = 1 − (β s + γ sgn y) y + δ s u, β ≥ |γ| (W. Zhu, D.-H. Wang 2012,
+    /// doi:10.1016/j.sna.2012.03.048): one state, exact.
+    NonSymmetricBoucWen {
+        /// β > 0.
+        beta,
+        /// γ.
+        gamma,
+        /// δ.
+        delta,
     }
-    leg(if to == zero { from < zero } else { to < zero }, y, to - from)
 }
 
-/// Where y and 1 + δ s u keep their signs, Δy = t m₀(κt) (s + δu − κy) + δ s t² m₁(κt), t = |Δu|, κ = β + s γ sgn y; a move is split where
-/// one of them changes sign.
+impl<T: Real> BranchLaw<T> for NonSymmetricBoucWen<T> {
+    const C: &'static str = include_str!("non_symmetric_bouc_wen.c");
+
+    fn is_sound(&self, states: usize) -> bool {
+        let Self { beta, gamma, delta } = *self;
+        states == 1 && is_positive(beta) && beta >= gamma.abs() && delta.is_finite()
+    }
+
+    #[inline(always)]
+    fn change(&self, memory: &[IncrementMemory<T>], from: T, to: T) -> Change<T> {
+        let Self { beta, gamma, delta } = *self;
+        Change::of_one(increment([beta, gamma, delta], single(memory), from, to))
+    }
+}
+
+/// Where y and 1 + δ s u keep their signs, Δy = t m₀(κt) (s + δu − κy) + δ s t² m₁(κt), t = |Δu|, κ = β + s γ
+/// sgn y; a move is split where one of them changes sign.
 #[inline]
-pub(super) fn non_symmetric<T: Real>([beta, gamma, delta]: [T; 3], y: T, from: T, to: T) -> T {
+fn increment<T: Real>([beta, gamma, delta]: [T; 3], y: T, from: T, to: T) -> T {
     let zero = T::of(0.0);
     let s = if to < from { -T::of(1.0) } else { T::of(1.0) };
     let law = [beta, gamma, delta];

@@ -1,0 +1,57 @@
+//{ bouc_wen
+/* The hysteresis, virgin at u. */
+static real hysteresis_at_rest($TUNED_AS_ARGUMENT_FIRSTreal u)
+{
+    return polynomial_at($TUNED_FIRSTu);
+}
+
+//{ looks
+/* Output of the hysteresis after a monotone move to u$RATE_IN_WORDS; nothing is moved. */
+static real hysteresis_look(const $name_state *state, real u$RATE_PARAMETER)
+{
+    real v = polynomial_at($TUNED_FIRSTu);
+    int i;
+    for (i = 0; i < $NAME_OPERATORS; i++) {
+        v = v - (state->z[i] + increment(&K(operators)[i], state->z[i], u - state->voltage));
+    }
+    return v;
+}
+
+//}
+/* Moves monotonically to u: *v is the output of the hysteresis there. 0, and nothing has moved, where that is out of range. */
+static int hysteresis_move($name_state *state, real u, real *v)
+{
+    real z[$NAME_OPERATORS], z_carry[$NAME_OPERATORS];
+    const real du = u - state->voltage;
+    int i;
+    real out = polynomial_at($TUNED_FIRSTu);
+    for (i = 0; i < $NAME_OPERATORS; i++) {
+        z[i] = state->z[i];
+        z_carry[i] = state->z_carry[i];
+        accumulate(&z[i], &z_carry[i], increment(&K(operators)[i], state->z[i], du));
+        out = out - z[i];
+    }
+    if (!is_in_range(out)) {
+        return 0;
+    }
+    for (i = 0; i < $NAME_OPERATORS; i++) {
+        state->z[i] = z[i];
+        state->z_carry[i] = z_carry[i];
+    }
+    state->voltage = u;
+    *v = out;
+    return 1;
+}
+
+/* Makes the memory of the hysteresis virgin at u. */
+static void hysteresis_rest($name_state *state, real u)
+{
+    int i;
+    (void)u;
+    for (i = 0; i < $NAME_OPERATORS; i++) {
+        state->z[i] = R(0);
+        state->z_carry[i] = R(0);
+    }
+}
+
+//}

@@ -1,0 +1,50 @@
+//! The operators in C99, each beside its Rust, for programs that write C.
+//!
+//! Templates, in which `R(x)` is the constant x as a literal of the number type, `F(f)` the function f of
+//! `<math.h>` in that type, `K(x)` the place of the coefficients x, `$key` a name or a size, and lines
+//! between `//{ flag` and `//}` hold where the flag is set. The law of one branch
+//! ([`crate::Branch::c_fragment`]) comes between the two.
+
+/// Functions that laws and operators call; each behind those that it calls itself.
+pub const SHARED: &str = concat!(
+    include_str!("increment.c"),
+    include_str!("series.c"),
+    include_str!("bouc_wen/linear.c"),
+    include_str!("bouc_wen/quadratic.c"),
+    include_str!("bouc_wen/power.c"),
+    include_str!("branch/moments.c"),
+    include_str!("branch/root.c"),
+);
+
+/// Every operator: its output virgin at a voltage (`hysteresis_at_rest`), after a move that is not made
+/// (`hysteresis_look`) and after one that is (`hysteresis_move`), and its memory made virgin
+/// (`hysteresis_rest`); with the part of a law that need not be written.
+pub const OPERATORS: &str = concat!(
+    include_str!("bouc_wen/operator.c"),
+    include_str!("branch/law.c"),
+    include_str!("play/play.c"),
+    include_str!("play/sided.c"),
+    include_str!("play/activated.c"),
+    include_str!("plane/plane.c"),
+);
+
+/// Lines of a header under `//= sizes`, `//= members of the state` and `//= parameters`, operator by
+/// operator.
+const HEADERS: &str = concat!(
+    include_str!("bouc_wen/operator.h"),
+    include_str!("branch/law.h"),
+    include_str!("play/plays.h"),
+    include_str!("plane/plane.h"),
+);
+
+/// The lines of a header that belong under this heading: `sizes`, `members of the state` or `parameters`.
+pub fn header_lines(heading: &str) -> impl Iterator<Item = &'static str> {
+    let mut current = "";
+    HEADERS.lines().filter(move |line| match line.strip_prefix("//= ") {
+        Some(next) => {
+            current = next;
+            false
+        }
+        None => current == heading,
+    })
+}

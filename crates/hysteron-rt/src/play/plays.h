@@ -1,0 +1,18 @@
+//= sizes
+//{ plays|sided|activated
+#define $NAME_PLAYS $N_PLAYS
+//}
+//= members of the state
+//{ plays|sided
+    $name_real play[$NAME_PLAYS];
+//}
+//{ activated
+    $name_real play[$NAME_PLAYS]; /* distances behind the voltage */
+//}
+//{ rate|activated
+    int rested; /* has not moved since it was virgin */
+//}
+//= parameters
+//{ plays|sided
+    $name_real weight[$NAME_PLAYS];
+//}
