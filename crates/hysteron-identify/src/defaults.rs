@@ -3,7 +3,8 @@
 //! Where small oscillations lie beside wide moves, the small loops of a Bouc–Wen model do not close: a small oscillation moves its
 //! level for as long as it lasts. And what creeps after wide moves does not creep in small ones, so that creep behind the
 //! hysteresis cannot say both. Plays with activated edges do: they remember reversals, and creep by how the drive came to rest.
-//! `hysteron-study afm` compares the families on such a device.
+//! What is left at the small oscillations, a gain that falls and a phase that lags a little at every frequency, is the dynamics': a
+//! fractional order carries it, a lag does not. `hysteron-study afm` compares families and dynamics on such a device.
 
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
@@ -15,7 +16,7 @@ use super::options::{Choice, DynamicsChoice, Method, Options};
 /// Oscillations of less than this share of the range of the drive are small.
 const SMALL: f64 = 0.1;
 /// Degree of the polynomial.
-const DEGREE: usize = 3;
+const DEGREE: usize = 2;
 
 /// Amplitude of the smallest oscillation that lies beside wide moves in one record, and that of these; `None` where there is none.
 pub(super) fn beside_wide_moves(facts: &[RecordFacts]) -> Option<(f64, f64)> {
@@ -43,5 +44,5 @@ pub(super) fn resolved(facts: &[RecordFacts], options: &Options) -> Options {
     if options.dynamics != DynamicsChoice::Auto || options.creep != Creep::None {
         return plays;
     }
-    Options { dynamics: DynamicsChoice::Integer, order: 1, ..plays }
+    Options { dynamics: DynamicsChoice::Fractional, ..plays }
 }

@@ -222,8 +222,8 @@ pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
     /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; plays with activated edges where
-    /// small oscillations lie beside wide moves in a record on uneven stamps, then with [`DynamicsChoice::Auto`] and [`Creep::None`] a
-    /// lag.
+    /// small oscillations lie beside wide moves in a record on uneven stamps, then with [`DynamicsChoice::Auto`] and [`Creep::None`]
+    /// fractional dynamics without creep.
     pub hysteresis: Choice<HysteresisForm>,
     /// Dynamic block.
     pub dynamics: DynamicsChoice,

@@ -104,93 +104,121 @@ pub fn study(number: usize) -> Outcome<()> {
     let mut rows = Vec::new();
     let named = |name: &str| HysteresisForm::usual().into_iter().find(|form| form.name() == name);
     let kelvin_voigt = Creep::KelvinVoigt { elements: 3 };
+    let lag = (DynamicsChoice::Integer, 1);
     let candidates = [
-        ("bouc-wen", kelvin_voigt),
-        ("dead-zone-plays", kelvin_voigt),
-        ("krasnoselskii-pokrovskii", kelvin_voigt),
-        ("preisach-density", kelvin_voigt),
-        ("prandtl-ishlinskii", Creep::None),
-        ("prandtl-ishlinskii", Creep::Logarithmic),
-        ("prandtl-ishlinskii", Creep::Fractional),
-        ("prandtl-ishlinskii", kelvin_voigt),
+        ("bouc-wen", kelvin_voigt, lag),
+        ("dead-zone-plays", kelvin_voigt, lag),
+        ("krasnoselskii-pokrovskii", kelvin_voigt, lag),
+        ("preisach-density", kelvin_voigt, lag),
+        ("prandtl-ishlinskii", Creep::None, lag),
+        ("prandtl-ishlinskii", Creep::Logarithmic, lag),
+        ("prandtl-ishlinskii", Creep::Fractional, lag),
+        ("prandtl-ishlinskii", kelvin_voigt, lag),
+        ("activated-plays", Creep::None, (DynamicsChoice::None, 1)),
+        ("activated-plays", Creep::None, lag),
+        ("activated-plays", Creep::None, (DynamicsChoice::Fractional, 2)),
     ];
-    for (name, creep) in candidates {
-        let hysteresis = Choice::Given(named(name).ok_or("no such family")?);
-        let (dynamics, order) = (DynamicsChoice::Integer, 1);
-        let degree = Choice::Given(3);
+    for (name, creep, (dynamics, order)) in candidates {
+        let form = named(name).ok_or("no such family")?;
+        // Of the plays with activated edges as by default, a cubic of the others.
+        let degree = Choice::Given(if name == "activated-plays" { 2 } else { 3 });
+        let hysteresis = Choice::Given(form);
         let options = Options { hysteresis, creep, dynamics, order, degree, ..usual.clone() };
         let scored = identified(&cycles[..6], &options).and_then(|model| free_run(&model, &cycles[6..]));
         let [rms, max] = match scored {
             Ok(score) => errors(&score),
             Err(error) => [error.to_string(), String::new()],
         };
-        rows.push(vec![name.to_owned(), creep.name().to_owned(), rms, max]);
+        rows.push(vec![name.to_owned(), creep.name().to_owned(), dynamics.name().to_owned(), rms, max]);
     }
-    table::print(&["hysteresis", "creep", "rms [%]", "max [%]"], &rows)?;
+    table::print(&["hysteresis", "creep", "dynamics", "rms [%]", "max [%]"], &rows)?;
 
     writeln!(
         stdout(),
         "One cycle left out in turn, its error in a free run over all cycles; gain and phase at its sines\n"
     )?;
-    let (mut rows, mut answers) = (Vec::new(), Vec::new());
-    for left_out in (0..CYCLES).rev().take(number) {
-        let others: Vec<InputOutput> =
-            cycles.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, r)| r.clone()).collect();
-        let model = identified(&others, &usual)?;
-        let score = free_run(&model, &cycles)?;
-        let own = &score.records[left_out];
-        let scores = own.outputs.first();
-        let spread = {
-            let of = |record: &InputOutput| {
-                let residual: Vec<f64> =
-                    record.y.iter().zip(&own.simulation.outputs[0]).map(|(y, model)| y - model).collect();
-                let mean = residual.iter().sum::<f64>() / residual.len() as f64;
-                table::rms(residual.iter().map(|r| r - mean))
-            };
-            scores.map(|s| 100.0 * of(&cycles[left_out]) / s.stroke)
-        };
-        rows.push(vec![
-            format!("0{left_out}"),
-            percent(scores.and_then(|s| s.rmse_percent_of_stroke)),
-            percent(scores.and_then(|s| s.max_percent_of_stroke)),
-            percent(spread),
-        ]);
-        let (measured, modelled) =
-            (sines(&cycles[left_out]), sines(&simulated(&cycles[left_out], &own.simulation)));
-        answers.extend(measured.into_iter().zip(modelled));
-    }
-    table::print(&["left out", "rms [%]", "max [%]", "rms about its mean [%]"], &rows)?;
+    let usual_answers = left_out_in_turn(&cycles, number, &usual, true)?;
+    let lag = Options {
+        hysteresis: Choice::Given(HysteresisForm::activated_plays()),
+        degree: Choice::Given(2),
+        dynamics: DynamicsChoice::Integer,
+        order: 1,
+        ..usual
+    };
+    let with_lag = left_out_in_turn(&cycles, number, &lag, false)?;
     let mut frequencies: Vec<f64> =
-        answers.iter().filter_map(|(m, _)| m.drive.high_hz).map(f64::round).collect();
+        usual_answers.iter().filter_map(|(m, _)| m.drive.high_hz).map(f64::round).collect();
     frequencies.sort_by(f64::total_cmp);
     frequencies.dedup();
     let rows: Vec<Vec<String>> = frequencies
         .iter()
-        .map(|hz| {
-            let own: Vec<_> =
-                answers.iter().filter(|(m, _)| m.drive.high_hz.is_some_and(|f| f.round() == *hz)).collect();
-            let mean = |of: &dyn Fn(&(Segment, Segment)) -> f64| {
-                own.iter().map(|pair| of(pair)).sum::<f64>() / own.len() as f64
-            };
-            let gain = |s: &Segment| s.gain.unwrap_or(f64::NAN);
-            let phase = |s: &Segment| s.phase_deg.unwrap_or(f64::NAN);
-            vec![
-                format!("{hz}"),
-                format!("{:.5}", mean(&|(m, _)| gain(m))),
-                format!("{:+.2}", mean(&|(m, s)| 100.0 * (gain(s) / gain(m) - 1.0))),
-                format!("{:.2}", mean(&|(m, _)| phase(m))),
-                format!("{:+.2}", mean(&|(m, s)| phase(s) - phase(m))),
-            ]
+        .map(|&hz| {
+            let (gain, phase, [gain_error, phase_error]) = at_sine(&usual_answers, hz);
+            let (.., [gain_error_lag, phase_error_lag]) = at_sine(&with_lag, hz);
+            let errors = [gain_error, gain_error_lag, phase_error, phase_error_lag];
+            let errors = errors.map(|error| format!("{error:+.2}"));
+            [format!("{hz}"), format!("{gain:.5}"), format!("{phase:.2}")].into_iter().chain(errors).collect()
         })
         .collect();
     table::print(
         &[
             "sine [Hz]",
             "gain measured [µm/V]",
-            "model's error [%]",
             "phase measured [°]",
-            "model's error [°]",
+            "error of gain [%]",
+            "with a lag instead [%]",
+            "error of phase [°]",
+            "with a lag instead [°]",
         ],
         &rows,
     )
+}
+
+/// Sines of a cycle that was left out, measured and as the model of the others has them.
+type Answers = Vec<(Segment, Segment)>;
+
+/// Leaves out each of the last `number` cycles in turn and runs the model of the others freely over all cycles.
+fn left_out_in_turn(
+    cycles: &[InputOutput],
+    number: usize,
+    options: &Options,
+    tell: bool,
+) -> Outcome<Answers> {
+    let (mut rows, mut answers) = (Vec::new(), Vec::new());
+    for left_out in (0..CYCLES).rev().take(number) {
+        let others: Vec<InputOutput> =
+            cycles.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, r)| r.clone()).collect();
+        let model = identified(&others, options)?;
+        let score = free_run(&model, cycles)?;
+        let (record, own) = (&cycles[left_out], &score.records[left_out]);
+        let scores = own.outputs.first();
+        let residual: Vec<f64> =
+            record.y.iter().zip(&own.simulation.outputs[0]).map(|(y, model)| y - model).collect();
+        let mean = residual.iter().sum::<f64>() / residual.len() as f64;
+        let about_mean = table::rms(residual.iter().map(|r| r - mean));
+        rows.push(vec![
+            format!("0{left_out}"),
+            percent(scores.and_then(|s| s.rmse_percent_of_stroke)),
+            percent(scores.and_then(|s| s.max_percent_of_stroke)),
+            percent(scores.map(|s| 100.0 * about_mean / s.stroke)),
+        ]);
+        answers.extend(sines(record).into_iter().zip(sines(&simulated(record, &own.simulation))));
+    }
+    if tell {
+        table::print(&["left out", "rms [%]", "max [%]", "rms about its mean [%]"], &rows)?;
+    }
+    Ok(answers)
+}
+
+/// Mean gain \[µm/V\] and phase \[°\] measured at a sine, and the model's mean errors \[%, °\].
+fn at_sine(answers: &Answers, hz: f64) -> (f64, f64, [f64; 2]) {
+    let own: Vec<_> =
+        answers.iter().filter(|(m, _)| m.drive.high_hz.is_some_and(|f| f.round() == hz)).collect();
+    let mean = |of: &dyn Fn(&(Segment, Segment)) -> f64| {
+        own.iter().map(|pair| of(pair)).sum::<f64>() / own.len() as f64
+    };
+    let gain = |s: &Segment| s.gain.unwrap_or(f64::NAN);
+    let phase = |s: &Segment| s.phase_deg.unwrap_or(f64::NAN);
+    let errors = [mean(&|(m, s)| 100.0 * (gain(s) / gain(m) - 1.0)), mean(&|(m, s)| phase(s) - phase(m))];
+    (mean(&|(m, _)| gain(m)), mean(&|(m, _)| phase(m)), errors)
 }
