@@ -17,7 +17,6 @@ use super::problem::{JointLayout, JointProblem};
 use super::record::{Ingredients, JointRecord};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{DynamicForm, Sampling, Scheme};
-use hysteron_model::hammerstein::joins_means;
 use hysteron_model::hysteresis::{HysteresisForm, RecordEnds};
 use hysteron_model::model::{BandScore, Remark, Score};
 use hysteron_model::record::{InputOutput, InterSample, Timing};
@@ -189,14 +188,13 @@ impl OutputUncertainty {
         };
         let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let depends_on = self.hysteresis.depends_on();
-        let joins_means = !self.form.parameters().is_empty() && joins_means(self.scheme, self.inter_sample);
         let TimedDrive { fine, thinning, clock } = match (timing, start) {
             (Timing::Stamps(times_s), Start::Settled { period_samples, .. }) => {
                 let period = period_samples.unwrap_or(drive.len());
                 let cycles = cycles_before(times_s, drive, period, 0..drive.len());
-                TimedDrive::on_stamps(cycles, (times_s, drive), joins_means, self.inter_sample, depends_on)?
+                TimedDrive::on_stamps(cycles, (times_s, drive), self.scheme, self.inter_sample, depends_on)?
             }
-            _ => TimedDrive::new((drive, ends), timing, joins_means, self.inter_sample, depends_on)?,
+            _ => TimedDrive::new((drive, ends), timing, self.scheme, self.inter_sample, depends_on)?,
         };
         let record = JointRecord::new(Ingredients {
             drive: fine.as_deref().unwrap_or(drive),

@@ -8,7 +8,6 @@ use super::record::{Ingredients, JointRecord};
 use super::weighting::{Weighting, by_swing, thinned};
 use hysteron_model::Start;
 use hysteron_model::dynamics::{Sampling, Scheme};
-use hysteron_model::hammerstein::joins_means;
 use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
 use hysteron_model::record::{Dependence, Timing, noise_floor, quantisation_step};
 use hysteron_model::validate::{first_cycle, unfollowed_start};
@@ -135,13 +134,8 @@ impl<'a> JointMember<'a> {
             nuisance.push((0..samples).map(|k| k as f64 / samples as f64 - 0.5).collect());
         }
         let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
-        let TimedDrive { fine, thinning, clock } = TimedDrive::new(
-            (&data.u, ends),
-            timing,
-            means(scheme, options),
-            options.inter_sample(),
-            Dependence::Order,
-        )?;
+        let TimedDrive { fine, thinning, clock } =
+            TimedDrive::new((&data.u, ends), timing, scheme, options.inter_sample(), Dependence::Order)?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&data.u),
             thinning,
@@ -203,7 +197,7 @@ impl<'a> JointMember<'a> {
         let TimedDrive { fine, thinning, clock } = TimedDrive::on_stamps(
             cycles,
             (&pick(&times_s), &drive),
-            means(scheme, options),
+            scheme,
             options.inter_sample(),
             depends_on,
         )?;
@@ -268,11 +262,6 @@ fn periodic(facts: &RecordFacts) -> Result<Start<()>, IdentifyError> {
             found: "the drive does not repeat from its first sample on".into(),
         }),
     }
-}
-
-/// Whether the hysteresis is joined by straight lines that keep its means: only dynamics behind it average.
-fn means(scheme: Scheme, options: &Options) -> bool {
-    !super::setup::form(options).parameters().is_empty() && joins_means(scheme, options.inter_sample())
 }
 
 /// By how much a record can be thinned and still show every swing of its drive. A jump into the record is not band-limited,

@@ -1,8 +1,8 @@
 //! The drive as the hysteresis runs over it, and how the samples at its own rate follow from what that puts out.
 
 use super::record::Clock;
-use hysteron_model::dynamics::Knots;
-use hysteron_model::hammerstein::{FINER, SETTLING_PERIODS, SimulationError, times_before};
+use hysteron_model::dynamics::{Knots, Scheme};
+use hysteron_model::hammerstein::{FINER, SETTLING_PERIODS, SimulationError, joins_means, times_before};
 use hysteron_model::hysteresis::{RecordEnds, polygon_of_means};
 use hysteron_model::record::{Dependence, InterSample, Timing, even_times};
 
@@ -68,7 +68,7 @@ impl TimedDrive {
     pub(super) fn on_stamps(
         before: (Vec<f64>, Vec<f64>),
         (times_s, u): (&[f64], &[f64]),
-        joins_means: bool,
+        scheme: Scheme,
         inter_sample: InterSample,
         depends_on: Dependence,
     ) -> Result<Self, SimulationError> {
@@ -77,30 +77,28 @@ impl TimedDrive {
         knots_s.extend_from_slice(times_s);
         drive.extend_from_slice(u);
         let timing = Timing::Stamps(&knots_s);
-        let mut timed = Self::new((&drive, RecordEnds::Open), timing, joins_means, inter_sample, depends_on)?;
+        let mut timed = Self::new((&drive, RecordEnds::Open), timing, scheme, inter_sample, depends_on)?;
         if let Clock::Stamps { outputs_s, .. } = &mut timed.clock {
             outputs_s.drain(..count);
         }
         Ok(timed)
     }
 
-    /// The drive `u` sampled as `timing` says; `joins_means`: the hysteresis is joined by straight lines that keep its
-    /// means, as a filter behind it sees it ([`joins_means`](hysteron_model::hammerstein::joins_means)); `depends_on`:
-    /// what the hysteresis does.
+    /// The drive `u` sampled as `timing` says; `depends_on`: what the hysteresis does.
     ///
     /// # Errors
     /// [`SimulationError::NoSampleRate`] where that is unknown; a drive that cannot be interpolated.
     pub(super) fn new(
         (u, ends): (&[f64], RecordEnds),
         timing: Timing<'_>,
-        joins_means: bool,
+        scheme: Scheme,
         inter_sample: InterSample,
         depends_on: Dependence,
     ) -> Result<Self, SimulationError> {
         match timing {
             Timing::Unknown => Err(SimulationError::NoSampleRate),
             Timing::Rate(sample_rate_hz) => {
-                let (fine, thinning) = fine_drive(u, joins_means, inter_sample, ends)?;
+                let (fine, thinning) = fine_drive(u, scheme, inter_sample, ends)?;
                 Ok(Self { fine, thinning, clock: Clock::Rate(sample_rate_hz) })
             }
             Timing::Stamps(times_s) => {
@@ -131,11 +129,11 @@ pub(super) fn cycles_before(
 /// The drive on the grid that the hysteresis runs over (`None`: its own), and how its samples follow from that.
 pub(super) fn fine_drive(
     drive: &[f64],
-    joins_means: bool,
+    scheme: Scheme,
     inter_sample: InterSample,
     ends: RecordEnds,
 ) -> Result<(Option<Vec<f64>>, Thinning), SimulationError> {
-    let (finer, thinning) = if joins_means {
+    let (finer, thinning) = if joins_means(scheme, inter_sample) {
         (2, Thinning::Means)
     } else if inter_sample == InterSample::BandLimited {
         (FINER, Thinning::Pick(FINER))

@@ -76,12 +76,10 @@ pub(in super::super) fn identify(
     options: &Options,
     mut engine: Engine<'_, '_>,
 ) -> Result<Identification, IdentifyError> {
-    let members: Vec<JointMember<'_>> =
-        facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
-    let is_slow = !roles.contains(&RecordRole::Dynamic);
-    let options = &if is_slow { slow(options, &members)? } else { options.clone() };
     let form = setup::form(options);
     check_demands(options, &form, facts.len())?;
+    let members: Vec<JointMember<'_>> =
+        facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
     let is_static = form.parameters().is_empty();
     let left_out: Vec<usize> = members.iter().map(|m| if is_static { m.unfollowed() } else { 0 }).collect();
     let masked: Vec<RecordFacts> =
@@ -188,7 +186,6 @@ pub(in super::super) fn identify(
         let asked = Options { delay_s: Choice::Auto, ..options.clone() };
         let setup = setup.with(form, &asked);
         let (problem, x) = with_no_delay(&setup, degree, false, &x)?;
-        search.outcome.best.clone_from(&x);
         let small = small.map(|_| with_no_delay(&setup, degree, true, &at_small)).transpose()?;
         let (small, at_small) = small.map_or((None, at_small), |(small, x)| (Some(small), x));
         (problem, x, small, at_small)
@@ -239,7 +236,7 @@ pub(in super::super) fn identify(
         degrees,
         degree,
         creep: form.creep,
-        delay_and_lag_from_start: is_slow && !is_static,
+        delay_and_lag_from_start: false,
         creeps: Vec::new(),
         left_out: left_out
             .into_iter()
@@ -282,28 +279,6 @@ pub(in super::super) fn identify(
     };
     findings::write(facts, options, &mut identification);
     Ok(identification)
-}
-
-/// The options for slow records alone: they hold no dynamics but what a jump from rest shows, a lag and the delay.
-///
-/// # Errors
-/// [`IdentifyError::NoDynamicInformation`] where other dynamics are asked for.
-fn slow(options: &Options, members: &[JointMember<'_>]) -> Result<Options, IdentifyError> {
-    let jumps = members.iter().any(|member| member.unfollowed() > 0);
-    let (dynamics, order) = match options.dynamics {
-        DynamicsChoice::Auto if jumps && options.delay_s == Choice::Auto => (DynamicsChoice::Integer, 1),
-        DynamicsChoice::Auto | DynamicsChoice::None => (DynamicsChoice::None, options.order),
-        DynamicsChoice::Integer => (DynamicsChoice::Integer, options.order),
-        wanted => {
-            return Err(IdentifyError::NoDynamicInformation {
-                wanted: wanted.name(),
-                because: "the campaign holds quasi-static records only; add a sweep or sines well above their frequency, \
-                          or name the record that is one"
-                    .into(),
-            });
-        }
-    };
-    Ok(Options { dynamics, order, ..options.clone() })
 }
 
 /// The problem in which a delay is free, at the point `x` of one without a delay: what slow drive does not tell is left out of the
