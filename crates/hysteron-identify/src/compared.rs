@@ -102,14 +102,14 @@ impl Compared {
             let floor = significant(error(preferred) / comparison.noise_floor, 2);
             lines.push(if best == preferred {
                 format!(
-                    "Preferred: {}. It has the smallest error on unseen data, {}{unit}, {floor} times the noise floor, and no simpler structure is within \
+                    "Preferred: {}. It has the smallest held-out error, {}{unit}, {floor} times the noise floor, and no simpler structure is within \
                      one standard error of it.",
                     name(best),
                     significant(error(best), 3)
                 )
             } else {
                 format!(
-                    "Preferred: {} ({} parameters, {}{unit} on unseen data, {floor} times the noise floor). {} is smallest ({}{unit}, {} parameters), but not \
+                    "Preferred: {} ({} parameters, held-out error {}{unit}, {floor} times the noise floor). {} is smallest ({}{unit}, {} parameters), but not \
                      by more than one standard error of the difference.",
                     name(preferred),
                     comparison.entries[preferred].parameters,
@@ -149,7 +149,7 @@ impl Compared {
     pub fn about(&self) -> String {
         let comparison = &self.comparison;
         format!(
-            "Error on unseen data: mean over {} folds of the RMSE of a simulation of what the fit left out, offset estimated, ± standard error over the folds. \
+            "Held-out error: mean over {} folds of the RMSE of a simulation of what the fit left out, offset estimated, ± standard error over the folds. \
              Above the best: mean ± standard error of the paired differences. Noise floor {} {}. AIC and BIC are above their lowest, over {:.0} independent \
              samples (of {}) that the residuals are worth. ns a sample: of the realisation to 1e-5 of the range (double precision, this machine, all \
              candidates in turns along one drive; shorter by chance as well as by merit). Inverse: of the hysteresis block.",

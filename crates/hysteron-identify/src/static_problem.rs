@@ -1,6 +1,6 @@
 //! Step 1, the static block: Bouc–Wen from quasi-static records (article §4.3, step 1) as a least-squares problem.
 //!
-//! Output of one record at a candidate (SPEC §2, unit-α form z = α ζ):
+//! Output of one record at a candidate (unit-α form z = α ζ, `docs/theory/bouc-wen.md`):
 //!
 //! y = offset + F\[ Σ cᵢ uⁱ − α ζ(β', γ', n) \],  F = delay ► first-order lag 1/(T s + 1),
 //!

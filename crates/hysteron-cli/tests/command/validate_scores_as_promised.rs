@@ -261,6 +261,7 @@ fn a_slow_record_gives_a_model_without_delay_and_the_same_score_twice() {
     let run = bench.run("identify own.csv --hysteresis prandtl-ishlinskii -o plays.json --json");
     assert_eq!(run.exit_code, 0, "{run:?}");
     assert_eq!(crate::bench::model_data(&bench.path("plays.json")).delay.value, 0.0);
+    assert!(!run.stderr.contains("search range"), "what was not searched ended nowhere: {}", run.stderr);
     let trained: Value = serde_json::from_str(&run.stdout).unwrap();
     let scored = report(&bench.run("validate plays.json own.csv --json"));
     for key in ["samples", "rmse_um", "max_abs_error_um"] {

@@ -186,6 +186,7 @@ pub(in super::super) fn identify(
         let asked = Options { delay_s: Choice::Auto, ..options.clone() };
         let setup = setup.with(form, &asked);
         let (problem, x) = with_no_delay(&setup, degree, false, &x)?;
+        search.outcome.best.clone_from(&x);
         let small = small.map(|_| with_no_delay(&setup, degree, true, &at_small)).transpose()?;
         let (small, at_small) = small.map_or((None, at_small), |(small, x)| (Some(small), x));
         (problem, x, small, at_small)

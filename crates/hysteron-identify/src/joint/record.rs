@@ -1,6 +1,6 @@
 //! One record of a joint fit: what is precomputed of it, and the linear columns and their derivatives at a candidate.
 //!
-//! Output of record r at a candidate θ (SPEC §4), linear in the coefficients c and w and in the record's own nuisance:
+//! Output of record r at a candidate θ (`docs/theory/joint.md`), linear in the coefficients c and w and in the record's own nuisance:
 //!
 //! y = offset (+ drift t) + Σ cᵢ Φᵢ(θ) + Σ w_j Ψ_j(θ) (+ transients),  Φᵢ = G(θ) ∗ (uⁱ − uⁱ(rest)),  Ψ_j = s G(θ) ∗ (H_j(θ) − H_j(rest)),
 //!

@@ -40,7 +40,7 @@ pub struct BoucWen {
     pub n: f64,
 }
 
-/// The numbers that enter a Bouc–Wen model nonlinearly: ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ (SPEC §2).
+/// The numbers that enter a Bouc–Wen model nonlinearly: ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ (`docs/theory/bouc-wen.md`).
 ///
 /// ζ is in V; β' and γ' in V⁻ⁿ. The output v = Σ polynomial\[i−1\] uⁱ − α ζ is linear in everything else.
 #[derive(Clone, Copy, Debug, PartialEq)]
