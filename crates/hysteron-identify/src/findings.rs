@@ -302,10 +302,6 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     for (search, bounds) in result.searches.iter().zip(&result.bounds) {
         for (x, range) in search.outcome.best.iter().zip(&bounds.ranges) {
             let at = range.to_unit(*x);
-            // A delay that slow drive does not tell was not searched.
-            if result.method == Method::Joint && !dynamic && range.name == "delay" && *x == 0.0 {
-                continue;
-            }
             if at < 1e-4 && range.low <= 1e-4 * range.high && matches!(range.name.as_str(), "delay" | "beta")
             {
                 say(

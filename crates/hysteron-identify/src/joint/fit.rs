@@ -180,13 +180,14 @@ pub(in super::super) fn identify(
         degree = first_degree;
         (problem, search.outcome.best.clone(), None)
     };
+    // Without a delay that slow drive does not tell.
+    let searched = problem.bounds().clone();
     let (problem, x, small, at_small) = if shows_delay || asked_delay != Choice::Auto {
         (problem, x, small, at_small)
     } else {
         let asked = Options { delay_s: Choice::Auto, ..options.clone() };
         let setup = setup.with(form, &asked);
         let (problem, x) = with_no_delay(&setup, degree, false, &x)?;
-        search.outcome.best.clone_from(&x);
         let small = small.map(|_| with_no_delay(&setup, degree, true, &at_small)).transpose()?;
         let (small, at_small) = small.map_or((None, at_small), |(small, x)| (Some(small), x));
         (problem, x, small, at_small)
@@ -263,7 +264,7 @@ pub(in super::super) fn identify(
         model,
         parameters,
         correlations: covariance.iter().filter_map(|c| c.correlation("joint fit")).collect(),
-        bounds: vec![problem.bounds().clone()],
+        bounds: vec![searched],
         searches: vec![search],
         records: fits,
         runs: Vec::new(),
