@@ -44,7 +44,8 @@ impl Default for Plan {
 
 /// Periods of the 1 Hz loop.
 pub(super) const LOOP_PERIODS: usize = 3;
-/// Frequencies of the sines \[Hz\]: two slow ones for the claim about loops below 5 Hz, then those of Table 3.
+/// Frequencies of the sines \[Hz\]: two slow ones for the claim about loops below 5 Hz, then those of Table
+/// 3.
 pub(super) const SLOW_HZ: [f64; 2] = [2.0, 5.0];
 /// Frequencies of Table 3 \[Hz\].
 pub(super) const TABLE3_HZ: [f64; 4] = [10.0, 20.0, 50.0, 100.0];

@@ -33,11 +33,16 @@ pub struct Article {
     out_dir: PathBuf,
 
     /// Seed of the bench's noise and of every search
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 1, value_parser = whole::<u64>, allow_hyphen_values = true,
+    )]
     seed: u64,
 
     /// Threads; the result does not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024),
+        allow_hyphen_values = true,
+    )]
     threads: Option<u16>,
 
     /// Print the tables' numbers, the verdicts and the files written as one JSON object

@@ -24,11 +24,17 @@ pub struct TimeFlags {
 
     /// Sample rate in Hz, for a file without time column; with one it must agree, and replaces the time
     /// stamps
-    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, help_heading = "Columns")]
+    #[arg(
+        long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true,
+        help_heading = "Columns",
+    )]
     sample_rate: Option<f64>,
 
     /// Largest file to read, in bytes
-    #[arg(long, value_name = "BYTES", value_parser = whole::<u64>, allow_hyphen_values = true, help_heading = "Columns")]
+    #[arg(
+        long, value_name = "BYTES", value_parser = whole::<u64>, allow_hyphen_values = true,
+        help_heading = "Columns",
+    )]
     max_bytes: Option<u64>,
 }
 
@@ -41,11 +47,17 @@ pub struct InputFlags {
 
     /// Scale factor of a column, e.g. y=2.5um/V for a sensor in volts or u=15V/V for a command before an
     /// amplifier; may be repeated (--input and --output then take names, not numbers)
-    #[arg(long = "scale", value_name = "COL=FACTOR", value_parser = str::parse::<Scale>, help_heading = "Columns")]
+    #[arg(
+        long = "scale", value_name = "COL=FACTOR", value_parser = str::parse::<Scale>,
+        help_heading = "Columns",
+    )]
     scales: Vec<Scale>,
 
     /// Dead band of the drive, as of a valve or an amplifier with a threshold: a smaller drive counts as 0
-    #[arg(long, value_name = "DRIVE", value_parser = positive, allow_hyphen_values = true, help_heading = "Columns")]
+    #[arg(
+        long, value_name = "DRIVE", value_parser = positive, allow_hyphen_values = true,
+        help_heading = "Columns",
+    )]
     dead_band: Option<f64>,
 
     #[command(flatten)]

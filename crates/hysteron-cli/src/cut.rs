@@ -9,16 +9,25 @@ use crate::numbers::seconds;
 #[derive(Args, Clone, Debug)]
 pub struct CutFlags {
     /// First time kept, in seconds or with a unit, e.g. 1.5s or 300ms
-    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true, help_heading = "Part of the record")]
+    #[arg(
+        long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true,
+        help_heading = "Part of the record",
+    )]
     from: Option<f64>,
 
     /// Last time kept, likewise
-    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true, help_heading = "Part of the record")]
+    #[arg(
+        long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true,
+        help_heading = "Part of the record",
+    )]
     to: Option<f64>,
 
     /// Keep samples where a column has this value, e.g. segment=2, segment=2..7 (both ends included),
     /// segment=2.. or, in a column of words, segment=ramp; may be repeated: all must hold
-    #[arg(long = "where", value_name = "COL=VALUE", value_parser = str::parse::<Condition>, help_heading = "Part of the record")]
+    #[arg(
+        long = "where", value_name = "COL=VALUE", value_parser = str::parse::<Condition>,
+        help_heading = "Part of the record",
+    )]
     conditions: Vec<Condition>,
 }
 

@@ -59,7 +59,9 @@ pub struct Export {
     sample_rate: Option<f64>,
 
     /// Largest error of the realised dynamics, as a share of the range
-    #[arg(long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true,
+    )]
     accuracy: f64,
 
     /// Lowest frequency to realise, for a model whose creep has no end
@@ -75,11 +77,16 @@ pub struct Export {
     inverse: bool,
 
     /// Least and largest voltage of the inverse [default: the range the model was identified in]
-    #[arg(long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true, requires = "inverse")]
+    #[arg(
+        long, value_name = "LOW:HIGH", value_parser = range, allow_hyphen_values = true, requires = "inverse",
+    )]
     range: Option<[f64; 2]>,
 
     /// Largest rate of the inverse's voltage, per second [default: none]
-    #[arg(long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true, requires = "inverse")]
+    #[arg(
+        long, value_name = "PER_SECOND", value_parser = positive, allow_hyphen_values = true,
+        requires = "inverse",
+    )]
     slew: Option<f64>,
 
     /// Frequency up to which the inverse follows, in Hz [default: a twentieth of the sample rate]
@@ -87,7 +94,10 @@ pub struct Export {
     bandwidth: Option<f64>,
 
     /// Preview of the reference, in samples [default: as many as affect the drive; with --predict-to: 0]
-    #[arg(long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true, requires = "inverse")]
+    #[arg(
+        long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true,
+        requires = "inverse",
+    )]
     preview: Option<usize>,
 
     /// Predict the reference beyond the preview from its past, as a random motion with frequencies up to this

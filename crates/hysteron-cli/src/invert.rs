@@ -70,12 +70,18 @@ pub struct Invert {
     bandwidth: Option<f64>,
 
     /// Voltage at rest before the reference begins [default: the one that gives its first value]
-    #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
+    #[arg(
+        long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true,
+        conflicts_with = "periodic",
+    )]
     rest_voltage: Option<f64>,
 
     /// Voltage at which the device was last demagnetised, before it moved to the voltage at rest [default: 0
     /// where --range contains it, as after switching on; else the voltage at rest]
-    #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "periodic")]
+    #[arg(
+        long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true,
+        conflicts_with = "periodic",
+    )]
     virgin_voltage: Option<f64>,
 
     /// The reference is one period, or several, of a periodic motion, as in scanning: the drive of its steady
@@ -90,12 +96,18 @@ pub struct Invert {
 
     /// Compute the drive sample by sample, as a controller does, with this preview of the reference in
     /// samples; 0: the present sample alone [default: the whole reference is known; with --predict-to: 0]
-    #[arg(long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true, conflicts_with_all = ["periodic", "learn_from"])]
+    #[arg(
+        long, value_name = "SAMPLES", value_parser = whole::<usize>, allow_hyphen_values = true,
+        conflicts_with_all = ["periodic", "learn_from"],
+    )]
     preview: Option<usize>,
 
     /// Sample by sample, with the reference beyond the preview predicted from its past, as a random motion
     /// with frequencies up to this
-    #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true, conflicts_with_all = ["periodic", "learn_from"])]
+    #[arg(
+        long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true,
+        conflicts_with_all = ["periodic", "learn_from"],
+    )]
     predict_to: Option<f64>,
 
     /// Print one JSON object

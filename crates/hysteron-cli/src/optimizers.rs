@@ -32,15 +32,24 @@ pub struct Optimizers {
     competitors: Vec<Competitor>,
 
     /// Runs of each competitor
-    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().seeds, value_parser = whole::<usize>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = StudyOptions::default().seeds,
+        value_parser = whole::<usize>, allow_hyphen_values = true,
+    )]
     seeds: usize,
 
     /// Seed of the first run
-    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().first_seed, value_parser = whole::<u64>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = StudyOptions::default().first_seed,
+        value_parser = whole::<u64>, allow_hyphen_values = true,
+    )]
     seed: u64,
 
     /// Cost evaluations of a run
-    #[arg(long, value_name = "N", default_value_t = StudyOptions::default().budget, value_parser = whole::<usize>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = StudyOptions::default().budget,
+        value_parser = whole::<usize>, allow_hyphen_values = true,
+    )]
     budget: usize,
 
     /// Threads [default: one a core]

@@ -54,7 +54,10 @@ pub struct PrepareCommand {
     cut: CutFlags,
 
     /// Keep samples between two turning points of the drive, counted from 1, e.g. 1:5, 3: or :5
-    #[arg(long, value_name = "FIRST:LAST", value_parser = str::parse::<Turns>, help_heading = "Part of the record")]
+    #[arg(
+        long, value_name = "FIRST:LAST", value_parser = str::parse::<Turns>,
+        help_heading = "Part of the record",
+    )]
     turns: Option<Turns>,
 
     /// Drive of --turns: its name, with or without unit, or its number from 1

@@ -35,7 +35,9 @@ pub struct Realise {
     sample_rate: f64,
 
     /// Largest error, as a share of the range
-    #[arg(long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "SHARE", default_value_t = 1e-5, value_parser = share, allow_hyphen_values = true,
+    )]
     accuracy: f64,
 
     /// Lowest frequency to realise, for a model whose creep has no end

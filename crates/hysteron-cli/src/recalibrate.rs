@@ -51,7 +51,10 @@ pub struct Recalibrate {
     continued: bool,
 
     /// Least fit of a record by the recalibrated model, in %, below which it is refused
-    #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number,
+        allow_hyphen_values = true,
+    )]
     least_fit: f64,
 
     /// Print one JSON object

@@ -39,7 +39,9 @@ pub struct Rig {
     out_dir: PathBuf,
 
     /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true,
+    )]
     seed: u64,
 
     /// Which records are made: JSON, all keys optional (plan.json of an earlier run, edited)

@@ -13,7 +13,10 @@ use crate::numbers::{number, positive};
 #[derive(Args, Clone, Debug)]
 pub struct StartFlags {
     /// Voltage at rest before the record [default: as the model file assumes]
-    #[arg(long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true, conflicts_with = "settled")]
+    #[arg(
+        long, value_name = "VOLTS", value_parser = number, allow_hyphen_values = true,
+        conflicts_with = "settled",
+    )]
     rest_voltage: Option<f64>,
 
     /// Period of a record in periodic steady state, in s

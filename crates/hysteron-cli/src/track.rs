@@ -62,7 +62,9 @@ pub struct Track {
     truth: Option<PathBuf>,
 
     /// Seed of the bench's noise
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true,
+    )]
     seed: u64,
 
     /// Controller to play (repeatable) [default: all]
@@ -92,7 +94,10 @@ pub struct Track {
     slew: Option<f64>,
 
     /// The amplifier's largest current in mA, which limits the rate of the drive by --capacitance
-    #[arg(long, value_name = "MA", value_parser = positive, allow_hyphen_values = true, requires = "capacitance", conflicts_with = "slew")]
+    #[arg(
+        long, value_name = "MA", value_parser = positive, allow_hyphen_values = true,
+        requires = "capacitance", conflicts_with = "slew",
+    )]
     current: Option<f64>,
 
     /// The actuator's capacitance in µF
@@ -105,11 +110,16 @@ pub struct Track {
     virgin_voltage: Option<f64>,
 
     /// Least gain margin of the feedback, a factor
-    #[arg(long, value_name = "FACTOR", default_value_t = 2.0, value_parser = factor, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "FACTOR", default_value_t = 2.0, value_parser = factor, allow_hyphen_values = true,
+    )]
     gain_margin: f64,
 
     /// Least phase margin of the feedback, in degrees
-    #[arg(long, value_name = "DEGREES", default_value_t = 60.0, value_parser = positive, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "DEGREES", default_value_t = 60.0, value_parser = positive,
+        allow_hyphen_values = true,
+    )]
     phase_margin: f64,
 
     /// Lowest frequency in Hz of creep that has no end [default: a thousandth of the lowest of the model's

@@ -10,7 +10,8 @@ use hysteron_model::realise::RealiseError;
 pub enum ExportError {
     /// The name is no identifier of C and Rust.
     #[error(
-        "`{name}` cannot be the beginning of names in C and Rust: wanted are 1 to 48 of the letters a to z, digits and _, a letter first, \
+        "`{name}` cannot be the beginning of names in C and Rust: wanted are 1 to 48 of the letters a to z, \
+         digits and _, a letter first, \
          no keyword"
     )]
     Name {
@@ -33,7 +34,8 @@ pub enum ExportError {
     },
     /// Single precision is too coarse.
     #[error(
-        "single precision may move the {what} by {bound:.2e} {unit}, {percent:.2} % of its range: at most 1 % is exported"
+        "single precision may move the {what} by {bound:.2e} {unit}, {percent:.2} % of its range: at most 1 \
+         % is exported"
     )]
     Rounding {
         /// What is moved.

@@ -22,7 +22,8 @@ pub struct Golden {
     pub tolerance: f64,
     /// Lowest to highest displacement.
     pub span: f64,
-    /// Whether a move to the largest number of the type is refused (not so where nothing but a bounded operator sees the voltage).
+    /// Whether a move to the largest number of the type is refused (not so where nothing but a bounded
+    /// operator sees the voltage).
     pub refuses_largest: bool,
 }
 
@@ -66,7 +67,8 @@ impl Rounding {
 
 /// Samples of the sweep, of the jumps, of the crawl and of the rest.
 const PIECES: [usize; 4] = [360, 160, 60, 60];
-/// The sweep lasts a sample each; what comes after is held until it has come out of a long delay and of slow states.
+/// The sweep lasts a sample each; what comes after is held until it has come out of a long delay and of slow
+/// states.
 pub(crate) const HELD_FROM: usize = PIECES[0];
 /// Delays and taps that a self-test lasts.
 const DELAYS: usize = 4;
@@ -85,8 +87,8 @@ impl Golden {
     /// The vectors of a model.
     ///
     /// # Errors
-    /// [`ExportError::Realise`] where the library has no result along the drive; [`ExportError::Still`] where nothing moves: a test of that would pass
-    /// whatever the source does.
+    /// [`ExportError::Realise`] where the library has no result along the drive; [`ExportError::Still`] where
+    /// nothing moves: a test of that would pass whatever the source does.
     pub fn new(subject: &Subject) -> Result<Self, ExportError> {
         let voltages: Vec<f64> =
             drive(subject.voltages()).iter().map(|&u| subject.precision.round(u)).collect();
@@ -142,7 +144,8 @@ pub(crate) fn samples_of(k: usize, held_from: usize, hold: usize) -> usize {
     if k < held_from { 1 } else { hold }
 }
 
-/// Samples in which a change has come out: some delays, and a time constant of the slowest state that matters, within reason.
+/// Samples in which a change has come out: some delays, and a time constant of the slowest state that
+/// matters, within reason.
 pub(crate) fn patience(linear: &LinearRealisation, delay_samples: usize, sample_rate_hz: f64) -> usize {
     let matters = |weight: f64| weight >= MATTERS * linear.reference_gain;
     let slowest = linear
@@ -154,7 +157,8 @@ pub(crate) fn patience(linear: &LinearRealisation, delay_samples: usize, sample_
     (DELAYS * (delay_samples + linear.taps.len())).max(slowest.min(MOST_FOR_STATES) as usize)
 }
 
-/// Σ |weights| (max |l\[u\]| + max |memory|): with the offset, what the rounding of a number type is in proportion to.
+/// Σ |weights| (max |l\[u\]| + max |memory|): with the offset, what the rounding of a number type is in
+/// proportion to.
 fn added_up(subject: &Subject, voltages: &[f64]) -> Result<f64, ExportError> {
     let model = &subject.realisation.model;
     let linear = &subject.realisation.dynamics;

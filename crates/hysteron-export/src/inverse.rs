@@ -31,7 +31,8 @@ const LOOP: &str = include_str!("../templates/c/loop.c");
 /// A compensator on its way out, beside its model.
 #[derive(Clone, Debug)]
 pub struct Inverse {
-    /// The model with the dynamics that the compensator runs: for held voltages, without the whole samples of delay.
+    /// The model with the dynamics that the compensator runs: for held voltages, without the whole samples of
+    /// delay.
     pub subject: Subject,
     /// The law.
     pub compensation: Compensation,
@@ -47,8 +48,8 @@ impl Inverse {
     /// The inverse of the model of `subject`, under its name and `_inverse`.
     ///
     /// # Errors
-    /// As [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision takes too much from the voltage, [`ExportError::Still`] where it
-    /// does not move.
+    /// As [`CompensatorParts::new`]; [`ExportError::Rounding`] where single precision takes too much from the
+    /// voltage, [`ExportError::Still`] where it does not move.
     pub fn new(
         subject: &Subject,
         compensation: Compensation,
@@ -82,7 +83,8 @@ impl Inverse {
                 subject.name, subject.output_unit, subject.input_unit
             ),
             format!(
-                "Follows up to {} Hz; the reference is known {} samples ahead; white noise on the reference is passed on {:.3} times as large.",
+                "Follows up to {} Hz; the reference is known {} samples ahead; white noise on the reference \
+                 is passed on {:.3} times as large.",
                 self.compensation.bandwidth_hz, self.compensation.preview, self.compensation.noise_gain
             ),
         ];
@@ -95,7 +97,8 @@ impl Inverse {
     }
 }
 
-/// The inverse as C99: `NAME_inverse.h`, `NAME_inverse.c`, `NAME_inverse_selftest.c` with golden vectors and `NAME_inverse_loop.c`, a loop around it.
+/// The inverse as C99: `NAME_inverse.h`, `NAME_inverse.c`, `NAME_inverse_selftest.c` with golden vectors and
+/// `NAME_inverse_loop.c`, a loop around it.
 ///
 /// # Errors
 /// As [`Inverse::new`].
@@ -116,11 +119,13 @@ pub fn inverse_files(inverse: &Inverse) -> Result<Vec<NamedFile>, ExportError> {
     Ok(files)
 }
 
-/// Share of a move that may be left when the stage is taken for at rest, and the longest that is waited for it \[s\].
+/// Share of a move that may be left when the stage is taken for at rest, and the longest that is waited for
+/// it \[s\].
 const SETTLED: f64 = 1e-3;
 const LONGEST_S: f64 = 10.0;
 
-/// Samples in which all but [`SETTLED`] of a move has come out, and what is left then: creep that takes longer than [`LONGEST_S`] goes on.
+/// Samples in which all but [`SETTLED`] of a move has come out, and what is left then: creep that takes
+/// longer than [`LONGEST_S`] goes on.
 fn settles(law: &Compensation) -> (usize, f64) {
     let dynamics = &law.dynamics;
     let left = |samples: f64| {
@@ -227,8 +232,9 @@ const DOUBLE: f64 = 1e-12;
 /// Single precision: units of rounding (2^-23) of everything that is added up for a voltage.
 const SINGLE: f64 = 16.0;
 const SAMPLES: usize = 640;
-/// References from this one on are held, as voltages are in the self-test of a model: the steps alone, for stairs of a swing would throw a fast law from
-/// limit to limit, where it forgets what single precision has in common with double.
+/// References from this one on are held, as voltages are in the self-test of a model: the steps alone, for
+/// stairs of a swing would throw a fast law from limit to limit, where it forgets what single precision has
+/// in common with double.
 const HELD_FROM: usize = 3 * SAMPLES / 4;
 /// Bounds below which a voltage stands still.
 const STILL: f64 = 10.0;
@@ -327,7 +333,8 @@ impl GoldenInverse {
             Precision::F64 => DOUBLE * (high - low),
             Precision::F32 => SINGLE * precision.epsilon() * added_up,
         };
-        // Once single precision has been found to leave enough, that is: what it leaves nothing of does not move either.
+        // Once single precision has been found to leave enough, that is: what it leaves nothing of does not
+        // move either.
         let too_coarse = tolerance > Rounding::MOST * (high - low);
         if !too_coarse && !voltages.iter().any(|u| (u - rest_v).abs() > STILL * tolerance) {
             return Err(ExportError::Still { what: "voltage" });

@@ -4,11 +4,12 @@
 //! * [`c_files`]: one header, one source without `malloc`, and a self-test with golden vectors.
 //! * [`rust_files`]: a `no_std` crate on top of `hysteron-rt`, with the same golden vectors.
 //! * [`fmu_files`]: FMI 2.0 and 3.0 for co-simulation, source and binary.
-//! * [`Inverse`], [`inverse_files`], [`inverse_fmu_files`]: the inverse, reference in and voltage out, in the same forms.
+//! * [`Inverse`], [`inverse_files`], [`inverse_fmu_files`]: the inverse, reference in and voltage out, in the
+//!   same forms.
 //! * [`write_folder`]: all files or none.
 //!
-//! The arithmetic of the exported source is that of `hysteron-rt`, operation by operation: in double precision the two differ by what the
-//! functions of `<math.h>` differ by.
+//! The arithmetic of the exported source is that of `hysteron-rt`, operation by operation: in double
+//! precision the two differ by what the functions of `<math.h>` differ by.
 
 mod c;
 mod error;
@@ -34,8 +35,8 @@ pub use rust_crate::{Runtime, rust_files};
 pub use subject::Subject;
 pub use summary::{ExportSummary, FileSummary};
 
-/// Writes the files of an export into `folder`, made where it does not exist, all of them or none. Files of other names stay as they are; one of the
-/// same name is replaced where an export wrote it.
+/// Writes the files of an export into `folder`, made where it does not exist, all of them or none. Files of
+/// other names stay as they are; one of the same name is replaced where an export wrote it.
 ///
 /// # Errors
 /// [`ExportError::Folder`]. Nothing has changed then.

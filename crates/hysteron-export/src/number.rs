@@ -46,7 +46,8 @@ impl Precision {
         }
     }
 
-    /// The shortest text that reads back as `x`, which must be finite, rounded to this type; in C with its suffix.
+    /// The shortest text that reads back as `x`, which must be finite, rounded to this type; in C with its
+    /// suffix.
     pub fn c_literal(self, x: f64) -> String {
         match self {
             Self::F32 => format!("{:?}f", f32::of(x)),

@@ -29,8 +29,8 @@ pub enum Runtime<'a> {
     Folder(&'a Path),
 }
 
-/// The model, and its inverse where there is one, as a `no_std` crate: `Cargo.toml`, `src/lib.rs`, `src/inverse.rs` and tests with golden
-/// vectors.
+/// The model, and its inverse where there is one, as a `no_std` crate: `Cargo.toml`, `src/lib.rs`,
+/// `src/inverse.rs` and tests with golden vectors.
 ///
 /// # Errors
 /// As [`crate::c_files`].
@@ -112,13 +112,19 @@ fn law(inverse: &Inverse) -> String {
     let step = inverse.slew_v_per_s / law.sample_rate_hz;
     let step = if step.is_finite() { literal(step) } else { "Real::INFINITY".into() };
     [
-        table("Gains on the outputs of the hysteresis before the last.", "LAW_RECENT", "Real", plain(&law.recent)),
+        table(
+            "Gains on the outputs of the hysteresis before the last.",
+            "LAW_RECENT",
+            "Real",
+            plain(&law.recent),
+        ),
         table("Gains on the real poles.", "LAW_REAL", "[Real; 4]", groups.collect()),
         table("Gains on the pole pairs.", "LAW_PAIRS", "[Real; 2]", pairs.collect()),
         table("Gains on the reference, the newest first.", "LAW_REFERENCE", "Real", plain(&law.reference))
             .replace("static", "const"),
         format!(
-            "/// Least and largest voltage, and its largest change in a sample.\nconst LIMITS: [Real; 3] = [{}, {}, {step}];\n",
+            "/// Least and largest voltage, and its largest change in a sample.\nconst LIMITS: [Real; 3] = \
+             [{}, {}, {step}];\n",
             literal(low),
             literal(high)
         ),
@@ -133,7 +139,8 @@ fn manifest(subject: &Subject, runtime: Runtime<'_>) -> String {
         Runtime::Folder(path) => format!("{{ path = {} }}", toml_string(&path.to_string_lossy())),
     };
     format!(
-        "# Written by hysteron export {version}.\n[package]\nname = {}\nversion = \"0.1.0\"\nedition = \"2024\"\npublish = false\n\n\
+        "# Written by hysteron export {version}.\n[package]\nname = {}\nversion = \"0.1.0\"\nedition = \
+         \"2024\"\npublish = false\n\n\
          [dependencies]\nhysteron-rt = {runtime}\n\n# Not part of any workspace around it.\n[workspace]\n",
         toml_string(&subject.name)
     )
@@ -209,7 +216,8 @@ fn tables<T: Real + Into<f64>>(subject: &Subject) -> Result<String, ExportError>
         table("Pole pairs.", "PAIRS", "PolePair<Real>", sections.pairs.len(), &rows(pairs));
     }
     out.push_str(&format!(
-        "/// What the dynamics put out at rest, over their input.\nconst REST_GAIN: Real = {};\n/// Constant of the displacement.\nconst \
+        "/// What the dynamics put out at rest, over their input.\nconst REST_GAIN: Real = {};\n/// Constant \
+         of the displacement.\nconst \
          OFFSET: Real = {};\n",
         literal(sections.rest_gain),
         literal(coefficients.offset)

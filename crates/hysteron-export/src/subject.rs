@@ -32,7 +32,8 @@ pub struct Subject {
     pub accuracy: f64,
     /// What the number type may take from the displacement.
     pub rounding: Rounding,
-    /// How far the realisation is off the batch simulation along a sweep between two frequencies \[Hz\], where it was compared.
+    /// How far the realisation is off the batch simulation along a sweep between two frequencies \[Hz\],
+    /// where it was compared.
     pub along_sweep: Option<(Verification, (f64, f64))>,
 }
 
@@ -40,8 +41,8 @@ impl Subject {
     /// The realisation of the model in `file`, to be exported under `name`.
     ///
     /// # Errors
-    /// [`ExportError::Name`]; [`ExportError::Realise`] where the
-    /// numbers do not survive the rounding to `precision`; [`ExportError::Rounding`] where too little of the displacement does;
+    /// [`ExportError::Name`]; [`ExportError::Realise`] where the numbers do not survive the rounding to
+    /// `precision`; [`ExportError::Rounding`] where too little of the displacement does;
     /// [`ExportError::Still`] where there is none.
     pub fn new(
         name: &str,
@@ -122,7 +123,8 @@ impl Subject {
         ));
         if let Some((found, (low, high))) = &self.along_sweep {
             lines.push(format!(
-                "Off the batch simulation along a sweep of {} to {} Hz over its range: {} of the range at most, {} rms.",
+                "Off the batch simulation along a sweep of {} to {} Hz over its range: {} of the range at \
+                 most, {} rms.",
                 number(*low),
                 number(*high),
                 number(found.largest),
@@ -146,7 +148,8 @@ impl Subject {
             None => lines.push("The model file does not say which range it was identified in.".into()),
         }
         lines.push(format!(
-            "Any {input} up to the range of the number type is taken, and its creep decays only as slowly as the model's: limit it to what the amplifier can do \
+            "Any {input} up to the range of the number type is taken, and its creep decays only as slowly as \
+             the model's: limit it to what the amplifier can do \
              before it is handed in."
         ));
         for score in &self.scores {
@@ -185,11 +188,16 @@ fn check_numbers<T: Real>(realisation: &Realisation) -> Result<(), ExportError> 
     Ok(RuntimeParts::<T>::new(realisation).and_then(|mut parts| parts.model().map(drop))?)
 }
 
-/// Words that names must not be, in C, C++ or Rust; those with a capital or a leading _ are no names in here anyway.
-const KEYWORDS: &str = " as asm auto bool break case catch char class const continue crate default delete do double else enum explicit \
-    export extern false final float fn for friend goto if impl in inline int let long loop main match mod move mut namespace new \
-    operator override private protected pub public ref register restrict return self short signed sizeof static struct super switch \
-    template test this throw trait true try type typedef typename union unsafe unsigned use using virtual void volatile where while async await dyn ";
+/// Words that names must not be, in C, C++ or Rust; those with a capital or a leading _ are no names in here
+/// anyway.
+const KEYWORDS: &str = " as asm auto bool break case catch char class const continue crate default delete do \
+                        double else enum explicit \
+    export extern false final float fn for friend goto if impl in inline int let long loop main match mod \
+    move mut namespace new \
+    operator override private protected pub public ref register restrict return self short signed sizeof \
+    static struct super switch \
+    template test this throw trait true try type typedef typename union unsafe unsigned use using virtual \
+    void volatile where while async await dyn ";
 
 fn check_name(name: &str) -> Result<(), ExportError> {
     let first = name.starts_with(|c: char| c.is_ascii_lowercase());

@@ -176,7 +176,8 @@ mod tests {
     fn places_are_filled_and_lines_chosen() {
         let mut filling = Filling::new(Precision::F32);
         filling.key("name", "stage").key("name_long", "x").flag("on", true).coefficients("c", "C");
-        let text = "//{ on\n  $name_step(R(1/3), R(0), F(exp)(-K(c)[0]), MAXR(2));\n//{ off|other\nno\n//}\n//}\n//{ !on\nno\n//}\n$name_long";
+        let text = "//{ on\n  $name_step(R(1/3), R(0), F(exp)(-K(c)[0]), MAXR(2));\n//{ \
+                    off|other\nno\n//}\n//}\n//{ !on\nno\n//}\n$name_long";
         assert_eq!(
             filling.fill(text).unwrap(),
             "  stage_step(0.33333334f, 0.0f, expf(-C[0]), MAXR(2));\nx\n"

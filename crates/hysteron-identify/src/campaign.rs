@@ -62,7 +62,8 @@ pub(super) fn of_runs(records: &[CampaignRecord], runs: &[Run]) -> Vec<CampaignR
         .collect()
 }
 
-/// Roles as given, else recognised: the slowest kind of excitation is quasi-static unless it is broad, the rest is dynamic.
+/// Roles as given, else recognised: the slowest kind of excitation is quasi-static unless it is broad, the
+/// rest is dynamic.
 pub(super) fn roles(campaign: &[CampaignRecord], facts: &[RecordFacts]) -> Vec<RecordRole> {
     let slowest = facts.iter().map(RecordFacts::highest_frequency_hz).fold(f64::INFINITY, f64::min);
     campaign

@@ -102,14 +102,16 @@ impl Compared {
             let floor = significant(error(preferred) / comparison.noise_floor, 2);
             lines.push(if best == preferred {
                 format!(
-                    "Preferred: {}. It has the smallest held-out error, {}{unit}, {floor} times the noise floor, and no simpler structure is within \
+                    "Preferred: {}. It has the smallest held-out error, {}{unit}, {floor} times the noise \
+                     floor, and no simpler structure is within \
                      one standard error of it.",
                     name(best),
                     significant(error(best), 3)
                 )
             } else {
                 format!(
-                    "Preferred: {} ({} parameters, held-out error {}{unit}, {floor} times the noise floor). {} is smallest ({}{unit}, {} parameters), but not \
+                    "Preferred: {} ({} parameters, held-out error {}{unit}, {floor} times the noise floor). \
+                     {} is smallest ({}{unit}, {} parameters), but not \
                      by more than one standard error of the difference.",
                     name(preferred),
                     comparison.entries[preferred].parameters,
@@ -149,10 +151,14 @@ impl Compared {
     pub fn about(&self) -> String {
         let comparison = &self.comparison;
         format!(
-            "Held-out error: mean over {} folds of the RMSE of a simulation of what the fit left out, offset estimated, ± standard error over the folds. \
-             Above the best: mean ± standard error of the paired differences. Noise floor {} {}. AIC and BIC are above their lowest, over {:.0} independent \
-             samples (of {}) that the residuals are worth. ns a sample: of the realisation to 1e-5 of the range (double precision, this machine, all \
-             candidates in turns along one drive; shorter by chance as well as by merit). Inverse: of the hysteresis block.",
+            "Held-out error: mean over {} folds of the RMSE of a simulation of what the fit left out, offset \
+             estimated, ± standard error over the folds. \
+             Above the best: mean ± standard error of the paired differences. Noise floor {} {}. AIC and BIC \
+             are above their lowest, over {:.0} independent \
+             samples (of {}) that the residuals are worth. ns a sample: of the realisation to 1e-5 of the \
+             range (double precision, this machine, all \
+             candidates in turns along one drive; shorter by chance as well as by merit). Inverse: of the \
+             hysteresis block.",
             comparison.folds.len(),
             significant(comparison.noise_floor, 3),
             self.unit,
@@ -172,7 +178,8 @@ impl Compared {
             let ratio = significant(error / best, 3);
             lines.push(if error < best {
                 format!(
-                    "{name} has {ratio} times the error of the best structure: the structures compared lack something that these records hold."
+                    "{name} has {ratio} times the error of the best structure: the structures compared lack \
+                     something that these records hold."
                 )
             } else {
                 format!("The best baseline, {name}, has {ratio} times the error of the best structure.")
@@ -182,8 +189,10 @@ impl Compared {
             lines.extend(entry.failures.iter().map(|why| format!("{}: {why}.", entry.kind.name())));
         }
         lines.push(
-            "Baselines are black-box NARX models trained on the same records, all choices made on what they are trained on, simulated (not one step \
-             ahead) on the same left-out data. They hold for their lag interval and have no inverse and no intervals."
+            "Baselines are black-box NARX models trained on the same records, all choices made on what they \
+             are trained on, simulated (not one step \
+             ahead) on the same left-out data. They hold for their lag interval and have no inverse and no \
+             intervals."
                 .to_owned(),
         );
         lines
@@ -204,7 +213,8 @@ fn costs(
     let Some(record) = record else { return vec![CandidateCost::default(); models.len()] };
     let sample_rate_hz = rate(record).unwrap_or(1.0);
     let drive = record.data.u.get(..SAMPLES).unwrap_or(&record.data.u);
-    // What creeps for ever is realised down to a hundredth of the frequency whose period is the longest record.
+    // What creeps for ever is realised down to a hundredth of the frequency whose period is the longest
+    // record.
     let seconds = campaign.iter().filter_map(|r| Some(r.data.u.len() as f64 / rate(r)?)).fold(0.0, f64::max);
     let lowest_frequency_hz = (seconds > 0.0).then(|| 0.01 / seconds);
     let options = RealiseOptions { lowest_frequency_hz, ..RealiseOptions::default() };

@@ -1,10 +1,11 @@
 //! Structure by default where the records say more than the usual one can carry.
 //!
-//! Where small oscillations lie beside wide moves, the small loops of a Bouc–Wen model do not close: a small oscillation moves its
-//! level for as long as it lasts. And what creeps after wide moves does not creep in small ones, so that creep behind the
-//! hysteresis cannot say both. Plays with activated edges do: they remember reversals, and creep by how the drive came to rest.
-//! What is left at the small oscillations, a gain that falls and a phase that lags a little at every frequency, is the dynamics': a
-//! fractional order carries it, a lag does not. `hysteron-study afm` compares families and dynamics on such a device.
+//! Where small oscillations lie beside wide moves, the small loops of a Bouc–Wen model do not close: a small
+//! oscillation moves its level for as long as it lasts. And what creeps after wide moves does not creep in
+//! small ones, so that creep behind the hysteresis cannot say both. Plays with activated edges do: they
+//! remember reversals, and creep by how the drive came to rest. What is left at the small oscillations, a
+//! gain that falls and a phase that lags a little at every frequency, is the dynamics': a fractional order
+//! carries it, a lag does not. `hysteron-study afm` compares families and dynamics on such a device.
 
 use hysteron_model::dynamics::Creep;
 use hysteron_model::hysteresis::HysteresisForm;
@@ -18,7 +19,8 @@ const SMALL: f64 = 0.1;
 /// Degree of the polynomial.
 const DEGREE: usize = 2;
 
-/// Amplitude of the smallest oscillation that lies beside wide moves in one record, and that of these; `None` where there is none.
+/// Amplitude of the smallest oscillation that lies beside wide moves in one record, and that of these; `None`
+/// where there is none.
 pub(super) fn beside_wide_moves(facts: &[RecordFacts]) -> Option<(f64, f64)> {
     let of = |facts: &RecordFacts| {
         let wide = 0.5 * span(&facts.data.u);

@@ -1,9 +1,9 @@
-//! Step 2, the dynamic block: transfer function from the hysteresis output to the measured displacement (article §4.3,
-//! step 2), orders and coefficients at once, as a least-squares problem.
+//! Step 2, the dynamic block: transfer function from the hysteresis output to the measured displacement
+//! (article §4.3, step 2), orders and coefficients at once, as a least-squares problem.
 //!
-//! y = offset + K · (G₁ ∗ v)(t − τ),  G₁(s) = c₀ / (s^α₂ + c₁ s^α₁ + c₀): the structure of Eq. 13 with b = K c₀, searched
-//! as gain K, natural frequency, damping and orders ([`SecondOrder`]).
-//! The integer-order model is the same with α₂ = 2, α₁ = 1.
+//! y = offset + K · (G₁ ∗ v)(t − τ),  G₁(s) = c₀ / (s^α₂ + c₁ s^α₁ + c₀): the structure of Eq. 13 with b = K
+//! c₀, searched as gain K, natural frequency, damping and orders ([`SecondOrder`]). The integer-order model
+//! is the same with α₂ = 2, α₁ = 1.
 
 use super::layout::Role;
 use super::projection::{Projection, centre};
@@ -32,8 +32,8 @@ pub(super) struct DynamicRecord {
 }
 
 impl DynamicRecord {
-    /// `v`: hysteresis output over prologue and record, having rested at `rest`. `offset_is_held`: `output` is counted
-    /// from the known offset, and none is eliminated.
+    /// `v`: hysteresis output over prologue and record, having rested at `rest`. `offset_is_held`: `output`
+    /// is counted from the known offset, and none is eliminated.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn new(
         v: &[f64],

@@ -1,4 +1,5 @@
-//! Step 2 in practice: the hysteresis output drives the dynamic block, orders and coefficients are found at once.
+//! Step 2 in practice: the hysteresis output drives the dynamic block, orders and coefficients are found at
+//! once.
 
 use super::dynamic_problem::{DynamicLayout, DynamicProblem, DynamicRecord, DynamicSolution};
 use super::engine::{Engine, Search};

@@ -1,4 +1,5 @@
-//! Runs the searches of an identification one after another: progress, cancellation and resumption in one place.
+//! Runs the searches of an identification one after another: progress, cancellation and resumption in one
+//! place.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;

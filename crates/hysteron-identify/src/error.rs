@@ -24,7 +24,8 @@ pub enum IdentifyError {
     NoRecords,
     /// Creep is fitted with the rest of the dynamics.
     #[error(
-        "creep belongs to the joint fit, and neither the two-step method nor ARX, OE, BJ or SRIVC blocks have it"
+        "creep belongs to the joint fit, and neither the two-step method nor ARX, OE, BJ or SRIVC blocks \
+         have it"
     )]
     CreepTakesJointFit,
     /// Two steps, and the blocks that need them, belong to Bouc–Wen.
@@ -90,7 +91,8 @@ pub enum IdentifyError {
     },
     /// Dynamics need a uniform time base.
     #[error(
-        "record '{record}' has {found}: dynamics and a delay need uniformly sampled records (a static fit does not)"
+        "record '{record}' has {found}: dynamics and a delay need uniformly sampled records (a static fit \
+         does not)"
     )]
     NotUniform {
         /// Record.
@@ -116,7 +118,8 @@ pub enum IdentifyError {
     },
     /// The model class does not describe the record.
     #[error(
-        "the model class (hysteresis followed by linear dynamics) does not describe record '{record}': the best fit \
+        "the model class (hysteresis followed by linear dynamics) does not describe record '{record}': the \
+         best fit \
          explains {fit_percent:.1} % of it, {need} % are needed. {because}"
     )]
     ModelClass {
@@ -131,7 +134,8 @@ pub enum IdentifyError {
     },
     /// A record that a model does not describe, whatever its gain, delay and offset.
     #[error(
-        "record '{record}' contradicts the model: with the best gain, delay and offset it explains {fit_percent:.1} % of it, \
+        "record '{record}' contradicts the model: with the best gain, delay and offset it explains \
+         {fit_percent:.1} % of it, \
          {need} % are needed"
     )]
     OtherDevice {
@@ -165,7 +169,8 @@ pub enum IdentifyError {
     Score(#[from] ScoreError),
     /// A model file does not say how well its numbers are known.
     #[error(
-        "the model file holds no correlation of its numbers, so that what their errors mean for the output is not known"
+        "the model file holds no correlation of its numbers, so that what their errors mean for the output \
+         is not known"
     )]
     NoCorrelation,
     /// A model file does not say how a measurement scatters about the model.
@@ -200,8 +205,10 @@ pub enum IdentifyError {
     },
     /// The records do not look like a mass on a spring.
     #[error(
-        "the records are not those of a mass on a spring: the best linear oscillator has m = {mass:.3e}, c = {damping:.3e}, \
-         k = {stiffness:.3e} (force over acceleration, velocity and displacement); all of them should be positive"
+        "the records are not those of a mass on a spring: the best linear oscillator has m = {mass:.3e}, c = \
+         {damping:.3e}, \
+         k = {stiffness:.3e} (force over acceleration, velocity and displacement); all of them should be \
+         positive"
     )]
     NoOscillator {
         /// Its mass.
@@ -216,7 +223,8 @@ pub enum IdentifyError {
     NoLoop,
     /// The oscillator does not describe the record.
     #[error(
-        "a mass on a hysteretic spring does not describe record '{record}': the best fit explains {fit_percent:.1} % of it, \
+        "a mass on a hysteretic spring does not describe record '{record}': the best fit explains \
+         {fit_percent:.1} % of it, \
          {need} % are needed"
     )]
     OscillatorClass {
@@ -265,7 +273,8 @@ pub enum IdentifyError {
     },
     /// No mode was found.
     #[error(
-        "no lightly damped mode was found in the frequency response up to {top_hz:.1} Hz: nothing resonates there"
+        "no lightly damped mode was found in the frequency response up to {top_hz:.1} Hz: nothing resonates \
+         there"
     )]
     NoModes {
         /// Highest excited frequency \[Hz\].
@@ -273,7 +282,8 @@ pub enum IdentifyError {
     },
     /// Actuators that the outputs do not tell apart.
     #[error(
-        "the influence matrix is singular (condition number {condition:.1e}): the outputs do not tell the inputs apart at slow movement"
+        "the influence matrix is singular (condition number {condition:.1e}): the outputs do not tell the \
+         inputs apart at slow movement"
     )]
     Singular {
         /// Condition number.
@@ -281,7 +291,8 @@ pub enum IdentifyError {
     },
     /// The model of several axes does not describe a record.
     #[error(
-        "the {what} do not describe record `{record}`: the best fit explains {fit_percent:.1} % of it, {need} % are needed"
+        "the {what} do not describe record `{record}`: the best fit explains {fit_percent:.1} % of it, \
+         {need} % are needed"
     )]
     AxesClass {
         /// `modes` or `branches`.
@@ -336,7 +347,8 @@ pub enum IdentifyError {
     NoStructure,
     /// Too few points of a frequency response for the parameters.
     #[error(
-        "{found} points of `{name}` between {low_hz} and {high_hz} Hz; {structure} with {parameters} parameters needs at least {need}: take a wider band or a simpler structure"
+        "{found} points of `{name}` between {low_hz} and {high_hz} Hz; {structure} with {parameters} \
+         parameters needs at least {need}: take a wider band or a simpler structure"
     )]
     TooFewPoints {
         /// The response.
@@ -374,7 +386,8 @@ pub enum IdentifyError {
     },
     /// A frequency response whose linear equations have no solution.
     #[error(
-        "the response at {points} frequencies does not determine the {coefficients} coefficients of the transfer function"
+        "the response at {points} frequencies does not determine the {coefficients} coefficients of the \
+         transfer function"
     )]
     Undetermined {
         /// Number of frequencies.

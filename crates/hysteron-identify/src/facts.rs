@@ -47,7 +47,8 @@ impl RecordFacts {
         Self { data: self.data.without_first(samples), ..self.clone() }
     }
 
-    /// Samples at the beginning that are enough to score: so many, or all of a record without two valid ones among them.
+    /// Samples at the beginning that are enough to score: so many, or all of a record without two valid ones
+    /// among them.
     pub(super) fn beginning(&self, most: usize) -> usize {
         let scored = self.scored(0);
         if scored.get(1).is_some_and(|&second| second < most) {
@@ -67,12 +68,14 @@ impl RecordFacts {
         span(&valid)
     }
 
-    /// Samples of a period: where the drive repeats from the first sample on, or where the record is one closed loop.
+    /// Samples of a period: where the drive repeats from the first sample on, or where the record is one
+    /// closed loop.
     pub(super) fn period_samples(&self) -> Option<usize> {
         settled_period(&self.data, self.periods)
     }
 
-    /// Samples before the drive first moves (beyond a noise of [`AT_REST`]); 0 where that is within a quarter of a swing.
+    /// Samples before the drive first moves (beyond a noise of [`AT_REST`]); 0 where that is within a quarter
+    /// of a swing.
     pub(super) fn samples_at_rest(&self) -> usize {
         let u = &self.data.u;
         let near = AT_REST * self.range_v();
@@ -124,8 +127,8 @@ impl RecordFacts {
         self.highest_frequency_hz() > FASTER * slowest_hz
     }
 
-    /// Whether its wide swings are of very different speeds, as in a sweep or a random drive: dynamics show in such a record
-    /// by itself.
+    /// Whether its wide swings are of very different speeds, as in a sweep or a random drive: dynamics show
+    /// in such a record by itself.
     pub(super) fn is_broad(&self) -> bool {
         if let Some(Swings { slowest_hz, fastest_hz }) = self.swings {
             return fastest_hz > FASTER * slowest_hz;

@@ -76,12 +76,15 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     };
     if of_y >= 2 * of_u.max(1) {
         format!(
-            "The output reverses {of_y} times while the input reverses {of_u} times: a butterfly loop, as of a \
-             ferroelectric driven through its polarisation reversal, or a response that something else drives too"
+            "The output reverses {of_y} times while the input reverses {of_u} times: a butterfly loop, as of \
+             a \
+             ferroelectric driven through its polarisation reversal, or a response that something else \
+             drives too"
         )
     } else {
         format!(
-            "The output ({}) is not a loop over the input ({}) that follows its last turning points: the record may carry \
+            "The output ({}) is not a loop over the input ({}) that follows its last turning points: the \
+             record may carry \
              dynamics of its own, belong to a linear device, be driven by \
              further inputs, saturate, or have its dynamics inside the hysteresis",
             unit(&facts.data.y_unit),
@@ -90,8 +93,8 @@ pub(super) fn why_no_fit(facts: &RecordFacts) -> String {
     }
 }
 
-/// A delay that holds for straight lines between samples, where nothing says that the drive goes along them and a held one would
-/// make a difference above its standard error.
+/// A delay that holds for straight lines between samples, where nothing says that the drive goes along them
+/// and a held one would make a difference above its standard error.
 fn delay_of_a_held_drive(
     facts: &[RecordFacts],
     options: &Options,
@@ -108,8 +111,10 @@ fn delay_of_a_held_drive(
     let half_s = 0.5 / rates.into_iter().fold(0.0, f64::max);
     (half_s > delay.std_error? && half_s.is_finite()).then(|| {
         format!(
-            "What the drive does between its samples was not asked: records sampled this finely do not tell. Their rule is taken to \
-             be {assumed}. If each sample is held until the next, the delay of {} s is {} s too long, half a sample. \
+            "What the drive does between its samples was not asked: records sampled this finely do not tell. \
+             Their rule is taken to \
+             be {assumed}. If each sample is held until the next, the delay of {} s is {} s too long, half a \
+             sample. \
              Give the rule where it is known.",
             short(delay.value),
             short(half_s)
@@ -122,8 +127,10 @@ fn extrapolated_to_rest(g: &TransferFunction, lowest_hz: f64) -> Option<String> 
     let over = g.dc_gain_over(lowest_hz);
     (over.is_finite() && over.max(1.0 / over) > FAR_FROM_REST).then(|| {
         format!(
-            "At rest the model's gain is {} times that at {} Hz, the lowest frequency of these records: it is extrapolated there. Do not use it for slower motion or levels \
-             that are held. Add a slow record, or one with held levels; or take another hysteresis family: what the loop misses goes into the dynamics.",
+            "At rest the model's gain is {} times that at {} Hz, the lowest frequency of these records: it \
+             is extrapolated there. Do not use it for slower motion or levels \
+             that are held. Add a slow record, or one with held levels; or take another hysteresis family: \
+             what the loop misses goes into the dynamics.",
             short_share(over),
             short(lowest_hz)
         )
@@ -140,12 +147,14 @@ fn drawn_together(Smoothing { share, left_out, left_out_without }: Smoothing) ->
     let without = short(left_out_without);
     if share == 0.0 {
         return format!(
-            "Weights of neighbouring cells are not drawn together: parts of the records that are left out in turn are met best \
+            "Weights of neighbouring cells are not drawn together: parts of the records that are left out in \
+             turn are met best \
              without (weighted error {without})."
         );
     }
     format!(
-        "Weights of neighbouring cells are drawn together ({} of what weighs as much as the records), chosen on parts of the records \
+        "Weights of neighbouring cells are drawn together ({} of what weighs as much as the records), chosen \
+         on parts of the records \
          that are left out in turn: weighted error {} instead of {without}.",
         short(share),
         short(left_out),
@@ -171,7 +180,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     }
     let records: Vec<_> = facts.iter().map(|f| &f.data).collect();
     if !options.continued && follow_each_other(&records) {
-        let text = "The stamps of these records follow each other. If they are parts of one run, take them as such: memory, creep and \
+        let text = "The stamps of these records follow each other. If they are parts of one run, take them \
+                    as such: memory, creep and \
                     offset then carry over from part to part.";
         findings.push(
             Finding::new(FindingKind::Advice, "one run", text.to_owned()).with_advice(Advice::ContinueRun),
@@ -203,7 +213,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         let text = match stability(g) {
             Stability::Stable => "Dynamic block: stable.".to_owned(),
             Stability::Integrating { .. } => {
-                "Dynamic block: integrating, its gain at zero frequency is infinite; a constant input drives it away."
+                "Dynamic block: integrating, its gain at zero frequency is infinite; a constant input drives \
+                 it away."
                     .to_owned()
             }
             Stability::Marginal { frequency_hz } => {
@@ -225,11 +236,13 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             FindingKind::Advice,
             "amplitudes",
             format!(
-                "All loops have the same amplitude: {}, and models cannot be ranked. Minor loops are extrapolated. Add a record with \
+                "All loops have the same amplitude: {}, and models cannot be ranked. Minor loops are \
+                 extrapolated. Add a record with \
                  loops of half and a quarter of the amplitude.",
                 match result.model.hysteresis {
                     Hysteresis::BoucWen(_) =>
-                        "β and γ are told apart only by the way from rest into the first loop, polynomial degree and exponent n only \
+                        "β and γ are told apart only by the way from rest into the first loop, polynomial \
+                         degree and exponent n only \
                          by the shape of one loop",
                     Hysteresis::PrandtlIshlinskii(_) | Hysteresis::Family(_) =>
                         "the polynomial is told from the hysteretic part only by the shape of one loop",
@@ -244,7 +257,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             FindingKind::Verdict,
             "amplitudes",
             format!(
-                "Oscillations of {} {unit} lie beside moves of {} {unit} amplitude: residuals are weighed by the swing of their segment, \
+                "Oscillations of {} {unit} lie beside moves of {} {unit} amplitude: residuals are weighed by \
+                 the swing of their segment, \
                  so that small motion counts as much as wide motion, however short it is.{}",
                 short(small),
                 short(wide),
@@ -265,7 +279,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
         let at = if frequency > 0.0 { format!(" at about {frequency:.3} Hz") } else { String::new() };
         let shift = match (&result.model.dynamics, result.structure.delay_and_lag_from_start) {
             (Dynamics::Integer(_), true) => {
-                "Delay and lag come from its start from rest alone (in steady state they cannot be told from loop width); \
+                "Delay and lag come from its start from rest alone (in steady state they cannot be told from \
+                 loop width); \
                  resonances, creep and everything faster are not determined."
             }
             (_, true) => "The delay comes from its start from rest alone.",
@@ -279,7 +294,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
             FindingKind::Advice,
             "frequencies",
             format!(
-                "The records hold slow drive only{at}: they do not say how the loop changes with frequency. {shift} Add \
+                "The records hold slow drive only{at}: they do not say how the loop changes with frequency. \
+                 {shift} Add \
                  a sweep up to the highest frequency of use."
             ),
         );
@@ -287,10 +303,12 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     if result.method == Method::TwoStep
         && fitted_statically.iter().any(|(f, _)| f.highest_frequency_hz() > 0.0)
     {
-        say(&mut findings,
+        say(
+            &mut findings,
             FindingKind::Advice,
             "two steps",
-            "The blocks were identified one after the other: what dynamics there are in the quasi-static records went into \
+            "The blocks were identified one after the other: what dynamics there are in the quasi-static \
+             records went into \
              the hysteresis parameters, and that bias is in no standard error (it can be many of them)."
                 .into(),
         );
@@ -309,7 +327,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
                     FindingKind::Warning,
                     "search range",
                     format!(
-                        "{} came out as zero, its lower limit: the other parameters took over what there is of it.",
+                        "{} came out as zero, its lower limit: the other parameters took over what there is \
+                         of it.",
                         range.name
                     ),
                 );
@@ -373,8 +392,8 @@ pub(super) fn write(facts: &[RecordFacts], options: &Options, result: &mut Ident
     result.treatment = treatment(facts, options, result);
 }
 
-/// Whether the hysteresis block is bounded and has an inverse over the voltages of the records, by the one criterion of
-/// [`Hysteresis::invertibility`].
+/// Whether the hysteresis block is bounded and has an inverse over the voltages of the records, by the one
+/// criterion of [`Hysteresis::invertibility`].
 fn verdict(
     hysteresis: &Hysteresis,
     drives: &[TimedDrive<'_>],
@@ -415,11 +434,13 @@ fn precision(result: &Identification) -> Vec<Finding> {
         .filter(|name| result.parameters.iter().any(|p| p.name == *name && p.std_error.is_none()))
         .collect();
     if !undetermined.is_empty() {
-        say(&mut findings,
+        say(
+            &mut findings,
             FindingKind::Warning,
             "precision",
             format!(
-                "No standard errors: the records do not determine {} apart from the other parameters. Lower the degree, add \
+                "No standard errors: the records do not determine {} apart from the other parameters. Lower \
+                 the degree, add \
                  records, or hold one of them.",
                 undetermined.join(", ")
             ),
@@ -438,7 +459,8 @@ fn precision(result: &Identification) -> Vec<Finding> {
             FindingKind::Advice,
             "precision",
             format!(
-                "Poorly determined by these records (value ± standard error): {}. Do not read them as properties of the \
+                "Poorly determined by these records (value ± standard error): {}. Do not read them as \
+                 properties of the \
                  device; the output is described by all parameters together.",
                 poor.join(", ")
             ),
@@ -447,8 +469,9 @@ fn precision(result: &Identification) -> Vec<Finding> {
     findings
 }
 
-/// What is wrong with a search by a population that ran out of generations while it was still improving: by more than
-/// [`STILL_IMPROVING`] over the last tenth of them (over the last [`LAST_GENERATIONS`] at least, or over all there are).
+/// What is wrong with a search by a population that ran out of generations while it was still improving: by
+/// more than [`STILL_IMPROVING`] over the last tenth of them (over the last [`LAST_GENERATIONS`] at least, or
+/// over all there are).
 fn still_improving(search: &Search) -> Option<String> {
     let outcome = &search.outcome;
     if !matches!(outcome.stopped, StopReason::Generations | StopReason::Budget) || !outcome.starts.is_empty()
@@ -461,7 +484,8 @@ fn still_improving(search: &Search) -> Option<String> {
     let gained = 1.0 - outcome.cost / before;
     (gained > STILL_IMPROVING || !before.is_finite()).then(|| {
         format!(
-            "The search of the {} was too short to be trusted: the best RMSE was still falling, by {} % over the last {last} of \
+            "The search of the {} was too short to be trusted: the best RMSE was still falling, by {} % over \
+             the last {last} of \
              {generations} generations. Let it run longer, or leave the \
              choice of the optimiser to the program.",
             search.step,
@@ -512,7 +536,8 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
             && let Some(cycle) = facts.first_of_several_cycles()
         {
             list.push(format!(
-                "{name}: the first of several cycles ({cycle} samples) has {UNKNOWN_PAST} of the weight of the others in the fit, because \
+                "{name}: the first of several cycles ({cycle} samples) has {UNKNOWN_PAST} of the weight of \
+                 the others in the fit, because \
                  what the device did before it is not known; the scores count it as any other."
             ));
         }
@@ -527,13 +552,15 @@ fn treatment(facts: &[RecordFacts], options: &Options, result: &Identification) 
             let left_out = result.structure.left_out.get(quasi_static).copied().unwrap_or(0);
             if creep != 0.0 {
                 list.push(format!(
-                    "{name}: a slow creep of {creep:.3} {unit} per e-fold of time was allowed for in the fit; it is not \
+                    "{name}: a slow creep of {creep:.3} {unit} per e-fold of time was allowed for in the \
+                     fit; it is not \
                      part of the model and counts in the scores."
                 ));
             }
             if left_out > 0 {
                 list.push(format!(
-                    "{name}: its first {left_out} samples (rest, or a start that a model without lag cannot follow) were left \
+                    "{name}: its first {left_out} samples (rest, or a start that a model without lag cannot \
+                     follow) were left \
                      out of the fit and its scores."
                 ));
             }
@@ -562,8 +589,8 @@ mod tests {
         assert_eq!(extrapolated_to_rest(&integrator, 1.0), None);
     }
 
-    /// Weights of one sign and a rising polynomial were once the whole criterion here: wrong for plays that widen with the rate, blind
-    /// for slip.
+    /// Weights of one sign and a rising polynomial were once the whole criterion here: wrong for plays that
+    /// widen with the rate, blind for slip.
     #[test]
     fn the_verdict_on_an_inverse_is_that_of_the_inverse() {
         let drive: Vec<f64> = (0..400).map(|k| 5.0 - 5.0 * (f64::from(k) * 0.05).cos()).collect();

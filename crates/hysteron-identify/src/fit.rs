@@ -55,8 +55,8 @@ impl Task {
     /// The same, beginning with the parameters of a model.
     ///
     /// # Errors
-    /// [`IdentifyError::Unsupported`] for a model of a kind that cannot be a start, [`IdentifyError::OtherStart`] for one of another kind than
-    /// the task's.
+    /// [`IdentifyError::Unsupported`] for a model of a kind that cannot be a start,
+    /// [`IdentifyError::OtherStart`] for one of another kind than the task's.
     pub fn starting_from(mut self, model: &Model) -> Result<Self, IdentifyError> {
         Unsupported::check(model.kind(), Capability::StartOfFit)?;
         match (&mut self, model) {
@@ -178,7 +178,8 @@ impl Fit {
         }
     }
 
-    /// The structures next to the identified one, fitted to the same records; `None` for a kind that has no others.
+    /// The structures next to the identified one, fitted to the same records; `None` for a kind that has no
+    /// others.
     pub fn neighbours(
         &self,
         records: &FitRecords,
@@ -194,7 +195,8 @@ impl Fit {
     }
 }
 
-/// Identifies a model of the kind that `task` asks for. `resume`: go on from the searches of an interrupted fit of the same records.
+/// Identifies a model of the kind that `task` asks for. `resume`: go on from the searches of an interrupted
+/// fit of the same records.
 ///
 /// # Errors
 /// [`IdentifyError`].

@@ -1,4 +1,5 @@
-//! Which parameters of a joint fit its records determine, and which record would determine the others, in plain words.
+//! Which parameters of a joint fit its records determine, and which record would determine the others, in
+//! plain words.
 
 use super::RecordFacts;
 use super::facts::amplitudes;
@@ -47,8 +48,10 @@ pub(super) fn verdict(
         let (help, advice) = advisor.help(&["alpha"]);
         say(
             format!(
-                "The loops are far from where the hysteresis would saturate: the records determine the products of alpha with \
-             beta and gamma, and linear − alpha, but none of the four by itself. Within the range of these records that is \
+                "The loops are far from where the hysteresis would saturate: the records determine the \
+                 products of alpha with \
+             beta and gamma, and linear − alpha, but none of the four by itself. Within the range of these \
+             records that is \
              enough. {help}"
             ),
             advice,
@@ -87,7 +90,8 @@ pub(super) fn verdict(
         let (help, advice) = advisor.help(&names);
         say(
             format!(
-                "{} can hardly be told apart by these records (correlation {:.4}): their errors make up for each other, so \
+                "{} can hardly be told apart by these records (correlation {:.4}): their errors make up for \
+                 each other, so \
              that none of them means much without the others. {help}",
                 listed(&names),
                 group.correlation
@@ -98,7 +102,8 @@ pub(super) fn verdict(
     if covariance.condition_number > ILL_CONDITIONED {
         say(
             format!(
-                "The parameters as a whole hang on the noise (condition number {}): leave parameters out, or hold \
+                "The parameters as a whole hang on the noise (condition number {}): leave parameters out, or \
+                 hold \
              what is known of the device.",
                 short(covariance.condition_number)
             ),
@@ -111,7 +116,8 @@ pub(super) fn verdict(
             topic: "identifiability".into(),
             advice: None,
             text: format!(
-                "Every parameter is determined by these records (condition number {:.0}; largest correlation {}).",
+                "Every parameter is determined by these records (condition number {:.0}; largest correlation \
+                 {}).",
                 covariance.condition_number,
                 most_correlated(covariance)
             ),
@@ -238,7 +244,8 @@ impl<'a> Advisor<'a> {
         self.parameters.iter().find(|p| p.name == name).map_or(0.0, |p| p.value.abs())
     }
 
-    /// What the standard error of a parameter is compared with: its value, or what it would be noticed beside.
+    /// What the standard error of a parameter is compared with: its value, or what it would be noticed
+    /// beside.
     fn scale(&self, p: &Parameter) -> f64 {
         let beside = match p.name.as_str() {
             // The loop is shaped by β + γ going out and β − γ coming back: γ = 0 is a good answer.

@@ -135,7 +135,8 @@ impl<'a> BoxBuilder<'a> {
     }
 }
 
-/// A start: each parameter at `value` of its name, in the middle of its range where there is none, inside the box.
+/// A start: each parameter at `value` of its name, in the middle of its range where there is none, inside the
+/// box.
 pub(super) fn pick(bounds: &Bounds, value: impl Fn(&str) -> Option<f64>) -> Vec<f64> {
     bounds
         .ranges

@@ -1,9 +1,9 @@
 //! From records to a model: the article's two-step identification (§4.3) with any of the optimisers.
 //!
-//! [`identify`] recognises which records are quasi-static and which carry dynamics, chooses what the user left
-//! open (start, polynomial degree, delay and lag) from the data, runs the searches and hands out an
-//! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain words what
-//! the records do not determine.
+//! [`identify`] recognises which records are quasi-static and which carry dynamics, chooses what the user
+//! left open (start, polynomial degree, delay and lag) from the data, runs the searches and hands out an
+//! [`Identification`]: the model, its parameters with standard errors, the fit of every record, and in plain
+//! words what the records do not determine.
 
 mod alike;
 pub mod baselines;
@@ -79,12 +79,12 @@ pub use hysteron_optimize::Stop;
 use static_step::OFFSET;
 
 /// Identifies a Hammerstein model from a campaign: by one joint fit, or by the article's two-step procedure
-/// ([`Options::method`]), which also takes campaigns of quasi-static records alone, and an ARX block: that belongs to one
-/// sample rate.
+/// ([`Options::method`]), which also takes campaigns of quasi-static records alone, and an ARX block: that
+/// belongs to one sample rate.
 ///
 /// # Errors
-/// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not describe the
-/// records.
+/// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not
+/// describe the records.
 pub fn identify(
     records: &[CampaignRecord],
     options: &Options,
@@ -144,7 +144,8 @@ fn identify_records(
         if other.cancelled || !as_good(&other, &found) {
             return Ok(found);
         }
-        let text = "A resonance would lie beyond what these records show, and the loops are met as well without: there is none in the model. \
+        let text = "A resonance would lie beyond what these records show, and the loops are met as well \
+                    without: there is none in the model. \
                     Add a sweep that comes near it.";
         other.findings.push(Finding::new(FindingKind::Advice, "resonance", text));
         Ok(other)
@@ -163,7 +164,8 @@ fn identify_records(
     }
 }
 
-/// Whether the resonance of a fit ended at the upper end of where it was sought: beyond the fastest drive, where nothing shows it.
+/// Whether the resonance of a fit ended at the upper end of where it was sought: beyond the fastest drive,
+/// where nothing shows it.
 fn beyond_the_records(found: &Identification) -> bool {
     let ranges = found.bounds.iter().flat_map(|bounds| &bounds.ranges);
     let mut ranges = ranges.filter(|range| range.name == "natural_frequency");
@@ -171,8 +173,9 @@ fn beyond_the_records(found: &Identification) -> bool {
     ranges.next().zip(value).is_some_and(|(range, value)| range.to_unit(value) >= 1.0 - 1e-9)
 }
 
-/// Whether a fit with fewer parameters is as good by the Bayesian information criterion, n ln Σ e² + p ln n, with the independent
-/// samples n of the richer fit's residual: of a model outside the class of the device they are few.
+/// Whether a fit with fewer parameters is as good by the Bayesian information criterion, n ln Σ e² + p ln n,
+/// with the independent samples n of the richer fit's residual: of a model outside the class of the device
+/// they are few.
 fn as_good(fewer: &Identification, richer: &Identification) -> bool {
     let residual = |fit: &RecordFit| -> Vec<f64> {
         let modelled = fit.simulated.iter().map(|y| y + fit.scores.offset);

@@ -1,4 +1,5 @@
-//! Step 2 by polynomial models and refined instrumental variables: the hysteresis output against the displacement.
+//! Step 2 by polynomial models and refined instrumental variables: the hysteresis output against the
+//! displacement.
 
 use super::IdentifyError;
 use super::dynamic_step::HysteresisOutput;
@@ -96,7 +97,8 @@ impl LinearStep {
             )
         };
         let verdict = format!(
-            "Dynamic block by {wanted}: B/F with {} and {} coefficients, {} sample(s) of delay, best of {tried} orders by \
+            "Dynamic block by {wanted}: B/F with {} and {} coefficients, {} sample(s) of delay, best of \
+             {tried} orders by \
              BIC{noise}; simulation error {} rms on the dynamic records{}.",
             m.b.len(),
             m.f.len(),
@@ -115,7 +117,8 @@ impl LinearStep {
         let own = fit.denominator.len() - 1;
         let values = [named("b", &fit.numerator), named("a", &fit.denominator[..own])].concat();
         let verdict = format!(
-            "Dynamic block by SRIVC: {} pole(s) and {} zero(s) in continuous time, {} sample(s) of delay, best of {tried} \
+            "Dynamic block by SRIVC: {} pole(s) and {} zero(s) in continuous time, {} sample(s) of delay, \
+             best of {tried} \
              orders by BIC; simulation error {} rms on the dynamic records{}.",
             fit.orders.poles,
             fit.orders.zeros,

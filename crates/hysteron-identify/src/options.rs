@@ -73,7 +73,8 @@ pub enum Initial {
     Periodic,
     /// At rest at 0 V, without memory.
     Zero,
-    /// As `Rest`, with motion left over from before, fitted as responses to two impulses and a step at the first sample.
+    /// As `Rest`, with motion left over from before, fitted as responses to two impulses and a step at the
+    /// first sample.
     Free,
 }
 
@@ -108,7 +109,8 @@ impl Initial {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DynamicsChoice {
-    /// What the records support: fractional with a dynamic record, a first-order lag with a start from rest, else none.
+    /// What the records support: fractional with a dynamic record, a first-order lag with a start from rest,
+    /// else none.
     #[default]
     Auto,
     /// Static model.
@@ -221,19 +223,20 @@ pub enum Choice<T> {
 pub struct Options {
     /// Joint fit or two steps.
     pub method: Method,
-    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; plays with activated edges where
-    /// small oscillations lie beside wide moves in a record on uneven stamps, then with [`DynamicsChoice::Auto`] and [`Creep::None`]
-    /// fractional dynamics without creep.
+    /// Family of the hysteresis block; another than Bouc–Wen takes the joint fit. `Auto`: Bouc–Wen; plays
+    /// with activated edges where small oscillations lie beside wide moves in a record on uneven stamps, then
+    /// with [`DynamicsChoice::Auto`] and [`Creep::None`] fractional dynamics without creep.
     pub hysteresis: Choice<HysteresisForm>,
     /// Dynamic block.
     pub dynamics: DynamicsChoice,
-    /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 12, or of [`DynamicsChoice::Modes`], 2 to 12.
+    /// Poles of [`DynamicsChoice::Integer`] in a joint fit, 1 to 12, or of [`DynamicsChoice::Modes`], 2 to
+    /// 12.
     pub order: usize,
-    /// Creep factor of a joint fit. With [`DynamicsChoice::Auto`] and [`Creep::None`] it gets a fractional one where the
-    /// records ask for it.
+    /// Creep factor of a joint fit. With [`DynamicsChoice::Auto`] and [`Creep::None`] it gets a fractional
+    /// one where the records ask for it.
     pub creep: Creep,
-    /// The records are consecutive parts of one run on one clock: memory, creep and offset carry over. One that begins before the
-    /// one before it ends starts another run.
+    /// The records are consecutive parts of one run on one clock: memory, creep and offset carry over. One
+    /// that begins before the one before it ends starts another run.
     pub continued: bool,
     /// What happened before each record of a joint fit.
     pub initial: Initial,
@@ -251,19 +254,19 @@ pub struct Options {
     pub degree: Choice<usize>,
     /// Bouc–Wen exponent n; `Auto` searches it (`--n free`).
     pub n: Choice<f64>,
-    /// Delay \[s\]. A given delay is taken as the whole time shift between input and output: unless dynamics are asked
-    /// for, no lag is fitted beside it to a quasi-static record.
+    /// Delay \[s\]. A given delay is taken as the whole time shift between input and output: unless dynamics
+    /// are asked for, no lag is fitted beside it to a quasi-static record.
     pub delay_s: Choice<f64>,
     /// Single parameters fixed or bounded.
     pub demands: Demands,
     /// Model whose parameters are the first start of every search; written as a model file is.
     #[serde(with = "as_model_file")]
     pub start: Option<Model>,
-    /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start smoothly, whose
-    /// estimates do not depend on the sample rate, else `tustin`.
+    /// Simulation scheme of the dynamic block; `Auto`: `band-limited` in a joint fit of records that start
+    /// smoothly, whose estimates do not depend on the sample rate, else `tustin`.
     pub scheme: Choice<Scheme>,
-    /// What the drive does between its samples. `Auto`: in a joint fit with dynamics what the records tell, where they can
-    /// ([`InterSampleChoice`](super::InterSampleChoice)); else `linear`.
+    /// What the drive does between its samples. `Auto`: in a joint fit with dynamics what the records tell,
+    /// where they can ([`InterSampleChoice`](super::InterSampleChoice)); else `linear`.
     pub inter_sample: Choice<InterSample>,
     /// Least fit \[%\] for which a model is handed out at all.
     pub least_fit_percent: f64,

@@ -1,9 +1,9 @@
 //! Prediction bands out of a model file: what the errors of its numbers mean for its output.
 //!
-//! With the covariance C = Σ_k d_k d_kᵀ of the numbers (d_k the eigenvectors of their correlation, scaled), the variance of
-//! the output is Σ_k (∂y/∂d_k)², each derivative by a central difference of two simulations. As in
-//! [`super::OutputUncertainty`], which differentiates analytically but needs the fit, the band is that of the output about its
-//! mean: a sensor has its own zero.
+//! With the covariance C = Σ_k d_k d_kᵀ of the numbers (d_k the eigenvectors of their correlation, scaled),
+//! the variance of the output is Σ_k (∂y/∂d_k)², each derivative by a central difference of two simulations.
+//! As in [`super::OutputUncertainty`], which differentiates analytically but needs the fit, the band is that
+//! of the output about its mean: a sensor has its own zero.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -15,12 +15,13 @@ use hysteron_model::hammerstein::{Model, SimulationError};
 use hysteron_model::model_file::{ModelFile, number_mut};
 use hysteron_model::record::Timing;
 
-/// Step of the differences, in standard deviations along d_k: their error is a millionth of what is not linear.
+/// Step of the differences, in standard deviations along d_k: their error is a millionth of what is not
+/// linear.
 const STEP: f64 = 1e-3;
 
 impl PredictionBand {
-    /// Band of a model file's output for `drive` \[V\]. Its `noise` is the RMSE of the file's scores together; 0 where it has
-    /// none, and then only [`Self::of_output`] means something.
+    /// Band of a model file's output for `drive` \[V\]. Its `noise` is the RMSE of the file's scores
+    /// together; 0 where it has none, and then only [`Self::of_output`] means something.
     ///
     /// # Errors
     /// [`IdentifyError`]: no correlation in the file, a drive that the model cannot be simulated on.

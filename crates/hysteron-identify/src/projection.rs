@@ -1,12 +1,12 @@
 //! Linear least squares by orthonormal columns: the elimination step of variable projection.
 //!
-//! Golub, Pereyra, "The differentiation of pseudo-inverses and nonlinear least squares problems whose variables
-//! separate", SIAM J. Numer. Anal. 10 (1973), doi:10.1137/0710036.
+//! Golub, Pereyra, "The differentiation of pseudo-inverses and nonlinear least squares problems whose
+//! variables separate", SIAM J. Numer. Anal. 10 (1973), doi:10.1137/0710036.
 
 use hysteron_numeric::dot;
 
-/// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt done twice, which is orthogonal to working
-/// accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is allocated once.
+/// Orthonormal basis Q (and R) of a growing set of columns, by Gram–Schmidt done twice, which is orthogonal
+/// to working accuracy (Giraud et al. 2005, doi:10.1007/s00211-005-0615-4). Column storage is allocated once.
 #[derive(Clone, Debug)]
 pub(super) struct Projection {
     rows: usize,
@@ -17,7 +17,8 @@ pub(super) struct Projection {
     capacity: usize,
 }
 
-/// A column whose part outside the span of the earlier ones is smaller than this share of its norm adds nothing.
+/// A column whose part outside the span of the earlier ones is smaller than this share of its norm adds
+/// nothing.
 const DEPENDENT: f64 = 1e-11;
 
 impl Projection {
@@ -57,8 +58,8 @@ impl Projection {
         wider
     }
 
-    /// Adds the column that `fill` writes. A column that depends on the earlier ones gets a zero basis vector, hence
-    /// coefficient zero.
+    /// Adds the column that `fill` writes. A column that depends on the earlier ones gets a zero basis
+    /// vector, hence coefficient zero.
     pub(super) fn push(&mut self, fill: impl FnOnce(&mut [f64])) {
         let c = self.columns;
         let (done, rest) = self.q.split_at_mut(c * self.rows);
@@ -86,7 +87,8 @@ impl Projection {
 
     /// Takes off `x` its part in the span of the columns.
     pub(super) fn project(&self, x: &mut [f64]) {
-        // Four at a time, which takes less than half of the memory traffic; among them the order does not matter.
+        // Four at a time, which takes less than half of the memory traffic; among them the order does not
+        // matter.
         let (fours, rest) = self.q[..self.columns * self.rows].split_at(self.columns / 4 * 4 * self.rows);
         for four in fours.chunks_exact((4 * self.rows).max(1)) {
             subtract_four(four, x);

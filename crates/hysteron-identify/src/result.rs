@@ -26,7 +26,8 @@ pub struct Identification {
     pub model: Model,
     /// Its parameters by name, with standard errors.
     pub parameters: Vec<Parameter>,
-    /// How the parameters of each step hang together; none of a step whose parameters the records do not determine.
+    /// How the parameters of each step hang together; none of a step whose parameters the records do not
+    /// determine.
     pub correlations: Vec<Correlation>,
     /// The main searches, in order (the small fits that choose start and degree are not among them).
     pub searches: Vec<Search>,
@@ -38,11 +39,11 @@ pub struct Identification {
     pub runs: Vec<RecordFit>,
     /// How the structure was chosen.
     pub structure: StructureChoice,
-    /// Covariance of the parameters of a joint fit, in the article's symbols; `None` where the records do not determine
-    /// them, and for two steps.
+    /// Covariance of the parameters of a joint fit, in the article's symbols; `None` where the records do not
+    /// determine them, and for two steps.
     pub covariance: Option<Covariance>,
-    /// Covariance of the model's own numbers, named as a model file names them; `None` where the records do not determine
-    /// them, and where they come from two steps, which know nothing of each other.
+    /// Covariance of the model's own numbers, named as a model file names them; `None` where the records do
+    /// not determine them, and where they come from two steps, which know nothing of each other.
     pub of_numbers: Option<Covariance>,
     /// Bands of the output for any drive; as `covariance`.
     pub output_uncertainty: Option<OutputUncertainty>,
@@ -136,13 +137,16 @@ impl Reduction {
             format!("moved no parameter by more than {moved:.2} standard errors.")
         } else {
             format!(
-                "moved a parameter by {moved:.2} standard errors: what thinning leaves out (fast motion, the ends of the records) \
-                 has a say in it, or the scheme has. Intervals by profile have their place and scale from all samples, their \
+                "moved a parameter by {moved:.2} standard errors: what thinning leaves out (fast motion, the \
+                 ends of the records) \
+                 has a say in it, or the scheme has. Intervals by profile have their place and scale from \
+                 all samples, their \
                  shape from the thinned ones."
             )
         };
         format!(
-            "The search worked on {searched} of {samples} samples, low-passed and thinned where a record was oversampled. The \
+            "The search worked on {searched} of {samples} samples, low-passed and thinned where a record was \
+             oversampled. The \
              estimates come from a last fit of all samples, which {change}"
         )
     }
@@ -159,7 +163,8 @@ pub struct RecordFit {
     pub start: Start,
     /// Scores (simulation, offset estimated).
     pub scores: Scores,
-    /// Simulated output, with the model's own offset \[output unit\]; NaN where it was not simulated, the fit being stopped.
+    /// Simulated output, with the model's own offset \[output unit\]; NaN where it was not simulated, the fit
+    /// being stopped.
     pub simulated: Vec<f64>,
     /// How well the parameters determine the simulated output; a joint fit only.
     pub band: Option<PredictionBand>,

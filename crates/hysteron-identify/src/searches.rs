@@ -6,8 +6,8 @@ use hysteron_model::model_file::ModesFile;
 use hysteron_optimize::Checkpoint;
 use serde::{Deserialize, Serialize};
 
-/// State of an identification: the searches done and the one under way. Serialise it to interrupt an identification
-/// and go on later to the same final bits.
+/// State of an identification: the searches done and the one under way. Serialise it to interrupt an
+/// identification and go on later to the same final bits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Searches {

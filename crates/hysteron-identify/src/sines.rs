@@ -1,8 +1,8 @@
 //! Gain and phase at the sines of a record in segments, measured and of the model, with their errors.
 //!
-//! Both are H = Y/U, components of the output and of the drive at the sine under one window. Y is linear in the output, so that
-//! the derivatives of the model's H are those of its output, put through the same window; with the covariance of the parameters they
-//! give the error of |H| and arg H.
+//! Both are H = Y/U, components of the output and of the drive at the sine under one window. Y is linear in
+//! the output, so that the derivatives of the model's H are those of its output, put through the same window;
+//! with the covariance of the parameters they give the error of |H| and arg H.
 
 use std::ops::Range;
 
@@ -80,7 +80,8 @@ pub struct RecordSines {
 }
 
 impl SineResponse {
-    /// Those of a record and of the model's output for it, without the model's errors; none of a record on even samples.
+    /// Those of a record and of the model's output for it, without the model's errors; none of a record on
+    /// even samples.
     pub fn of_record(data: &InputOutput, simulated: &[f64]) -> Vec<Self> {
         let one = |segment: Segment| {
             Some(Self {
@@ -94,8 +95,8 @@ impl SineResponse {
     }
 }
 
-/// Gives `sines` the errors of the model. `columns`: derivatives of the output of the record in the parameters with this
-/// covariance.
+/// Gives `sines` the errors of the model. `columns`: derivatives of the output of the record in the
+/// parameters with this covariance.
 pub(crate) fn give_errors<'a>(
     sines: impl Iterator<Item = &'a mut SineResponse>,
     data: &InputOutput,

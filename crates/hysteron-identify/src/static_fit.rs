@@ -10,11 +10,12 @@ use hysteron_model::hysteresis::BoucWen;
 use hysteron_model::record::InputOutput;
 use hysteron_optimize::{Bounds, LeastSquaresProblem, Problem};
 
-/// Step 1 of the article on one record: RMSE (Eq. 7) of the improved Bouc–Wen block (Eq. 1) over the search box that
-/// [`super::identify`] would use, every parameter searched, none eliminated but an offset that is not held.
+/// Step 1 of the article on one record: RMSE (Eq. 7) of the improved Bouc–Wen block (Eq. 1) over the search
+/// box that [`super::identify`] would use, every parameter searched, none eliminated but an offset that is
+/// not held.
 ///
-/// The search vector is, in the order of [`Problem::bounds`], the coefficients of u, u², …, then α, β, γ (and n where
-/// it is free).
+/// The search vector is, in the order of [`Problem::bounds`], the coefficients of u, u², …, then α, β, γ (and
+/// n where it is free).
 #[derive(Debug)]
 pub struct StaticFit {
     problem: StaticProblem,
@@ -24,7 +25,8 @@ impl StaticFit {
     /// The problem of `record` under `options` (degree, n, demands); the device rested as `start` says.
     ///
     /// # Errors
-    /// [`IdentifyError`]: a degree that is not given, demands that cannot be met, a start that does not suit the record.
+    /// [`IdentifyError`]: a degree that is not given, demands that cannot be met, a start that does not suit
+    /// the record.
     pub fn new(record: &InputOutput, start: &Start, options: &Options) -> Result<Self, IdentifyError> {
         options.validate()?;
         let Choice::Given(degree) = options.degree else {

@@ -1,11 +1,12 @@
-//! Step 1, the static block: Bouc–Wen from quasi-static records (article §4.3, step 1) as a least-squares problem.
+//! Step 1, the static block: Bouc–Wen from quasi-static records (article §4.3, step 1) as a least-squares
+//! problem.
 //!
 //! Output of one record at a candidate (unit-α form z = α ζ, `docs/theory/bouc-wen.md`):
 //!
 //! y = offset + F\[ Σ cᵢ uⁱ − α ζ(β', γ', n) \],  F = delay ► first-order lag 1/(T s + 1),
 //!
-//! with the offset of every record, and by default all cᵢ and α, eliminated by linear least squares. Delay and lag are
-//! searched only where a record carries dynamic information (a start from rest).
+//! with the offset of every record, and by default all cᵢ and α, eliminated by linear least squares. Delay
+//! and lag are searched only where a record carries dynamic information (a start from rest).
 
 use super::layout::Role;
 use super::projection::Projection;
@@ -189,8 +190,8 @@ impl StaticProblem {
         Some(Shape { unit, delay_s: delay.value(x)?, lag_s: lag.value(x)? })
     }
 
-    /// Calls `write` with every column of the linear part, in the order u, u², …, −ζ; `write` gets the column's role,
-    /// and its values on the scored samples of all records.
+    /// Calls `write` with every column of the linear part, in the order u, u², …, −ζ; `write` gets the
+    /// column's role, and its values on the scored samples of all records.
     fn columns(
         &self,
         shape: &Shape,
@@ -279,8 +280,8 @@ impl StaticProblem {
         Some(solution)
     }
 
-    /// Derivatives of the residuals at `x` along a lag of everything \[µm/s\], a column: the velocity of the model's output, by the
-    /// chord over both neighbouring samples. `None` for records without a rate.
+    /// Derivatives of the residuals at `x` along a lag of everything \[µm/s\], a column: the velocity of the
+    /// model's output, by the chord over both neighbouring samples. `None` for records without a rate.
     pub(super) fn along_a_lag(&self, x: &[f64]) -> Option<Vec<f64>> {
         let solution = self.solve(x)?;
         let mut columns = Vec::with_capacity(self.target.len());
@@ -314,8 +315,8 @@ pub(super) fn simulate(record: &StaticRecord, solution: &StaticSolution) -> Opti
     Some(v.split_off(record.prologue))
 }
 
-/// Delays and lags `signal`, which rested at `rest`, and writes its scored samples without nuisance to the front of
-/// `column`; returns how many they are.
+/// Delays and lags `signal`, which rested at `rest`, and writes its scored samples without nuisance to the
+/// front of `column`; returns how many they are.
 fn finish(
     record: &StaticRecord,
     nuisance: &Projection,
@@ -357,9 +358,9 @@ fn creep_at(record: &StaticRecord, k: usize) -> f64 {
     }
 }
 
-/// First-order lag 1/(T s + 1) in place, at rest at `before`; `samples` = T in sample periods. The recursions of the
-/// schemes for this one pole; `band-limited` has none and is replaced by the exact response to straight lines between
-/// samples, which it equals for a drive that is slow against the sample rate.
+/// First-order lag 1/(T s + 1) in place, at rest at `before`; `samples` = T in sample periods. The recursions
+/// of the schemes for this one pole; `band-limited` has none and is replaced by the exact response to
+/// straight lines between samples, which it equals for a drive that is slow against the sample rate.
 pub(super) fn lag(x: &mut [f64], before: f64, samples: f64, scheme: Scheme) {
     if samples <= 0.0 {
         return;

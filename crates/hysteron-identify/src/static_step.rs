@@ -105,8 +105,9 @@ pub(super) fn identify_static(
     Ok(StaticStep { problem, layout, search, solution, starts, shift_searched, degrees, left_out })
 }
 
-/// Samples at the start of a record that say nothing about the static block: a rest before the drive moves (what the
-/// device remembers of earlier drive is unknown there), and a jump that only a model with lag can follow.
+/// Samples at the start of a record that say nothing about the static block: a rest before the drive moves
+/// (what the device remembers of earlier drive is unknown there), and a jump that only a model with lag can
+/// follow.
 fn left_out(facts: &RecordFacts, start: &Start, shift: Shift) -> usize {
     let rest = facts.samples_at_rest();
     let jumps = if rest > 0 { facts.jumps_after_rest(JUMP) } else { jump_share(facts, start) > JUMP };
@@ -160,7 +161,8 @@ pub(super) fn jump_share(facts: &RecordFacts, start: &Start) -> f64 {
     }
 }
 
-/// Chooses the start that explains the record best: at rest at u(0), at rest at 0 V, or settled on the repeating drive.
+/// Chooses the start that explains the record best: at rest at u(0), at rest at 0 V, or settled on the
+/// repeating drive.
 pub(super) fn choose_start(
     facts: &RecordFacts,
     options: &Options,
@@ -205,8 +207,8 @@ pub(super) fn choose_start(
     Ok(best.1)
 }
 
-/// Every how many samples tell a start from another as well as all do: some thousand samples, a hundred a swing, a whole
-/// number of them a period.
+/// Every how many samples tell a start from another as well as all do: some thousand samples, a hundred a
+/// swing, a whole number of them a period.
 fn thinning(facts: &RecordFacts) -> usize {
     let most = (facts.data.u.len() / 4000).min(facts.shortest_swing / 100).max(1);
     let period = facts.period_samples().unwrap_or(0);
@@ -398,7 +400,8 @@ fn fingerprint(records: &[StaticRecord]) -> u64 {
     super::fingerprint(values)
 }
 
-/// The same problem with every free parameter searched in the article's symbols, at `solution`: for standard errors.
+/// The same problem with every free parameter searched in the article's symbols, at `solution`: for standard
+/// errors.
 pub(super) fn in_article_symbols(
     step: &StaticStep,
     records: &[&RecordFacts],

@@ -1,5 +1,5 @@
-//! The article's two-step identification (§4.3): (1) hysteresis block from the quasi-static records, (2) its output
-//! drives the dynamic block, identified on the dynamic records, orders and coefficients at once.
+//! The article's two-step identification (§4.3): (1) hysteresis block from the quasi-static records, (2) its
+//! output drives the dynamic block, identified on the dynamic records, orders and coefficients at once.
 
 use super::campaign::{excited, has_second_step, of_role};
 use super::dynamic_step::{self, DynamicStep, HysteresisOutput};
@@ -27,8 +27,8 @@ use hysteron_optimize::{Bounds, Problem};
 pub(super) const PLAN: Plan =
     Plan(&[("start of", 0.05), ("degree", 0.10), ("static block", 0.40), ("dynamic block", 0.45)]);
 
-/// Identifies one block after the other. A campaign of quasi-static records alone has no second step, and its first is a joint
-/// fit of all that such records determine.
+/// Identifies one block after the other. A campaign of quasi-static records alone has no second step, and its
+/// first is a joint fit of all that such records determine.
 pub(super) fn identify(
     facts: &[RecordFacts],
     roles: &[RecordRole],
@@ -254,7 +254,8 @@ fn assemble(
     }
 }
 
-/// The offset that suits the whole first record: the fit's own is that of its start where it allowed for creep.
+/// The offset that suits the whole first record: the fit's own is that of its start where it allowed for
+/// creep.
 fn settle_offset(model: &mut Model, step1: &StaticStep, first: &RecordFacts) -> Result<(), IdentifyError> {
     let simulated = model.simulate_at_own_rate(&first.data.u, &first.data.time, &step1.starts[0])?;
     let fitted = first.data.without_first(step1.left_out[0]);
@@ -297,7 +298,8 @@ fn parameters(
     options: &Options,
 ) -> Result<Known, IdentifyError> {
     let (problem, x) = static_step::in_article_symbols(step1, static_records, options)?;
-    // Slow drive does not tell a lag from the width of the loop: it is left out of the model, but not of the errors.
+    // Slow drive does not tell a lag from the width of the loop: it is left out of the model, but not of the
+    // errors.
     let no_lag = matches!(step2, Step2::None) && !step1.shift_searched && options.delay_s == Choice::Auto;
     let left_out = if no_lag { problem.along_a_lag(&x) } else { None };
     let covariance1 = covariance(&problem, &x, left_out.as_deref());

@@ -1,8 +1,8 @@
 //! Standard errors of the parameters of one step.
 //!
-//! Covariance of a least-squares fit, σ² (JᵀJ)⁻¹, times the factor by which correlated residuals carry less information
-//! than white ones (the integrated autocorrelation time of the residual): a two-step fit leaves structured residuals,
-//! and the white-noise formula would be far too optimistic.
+//! Covariance of a least-squares fit, σ² (JᵀJ)⁻¹, times the factor by which correlated residuals carry less
+//! information than white ones (the integrated autocorrelation time of the residual): a two-step fit leaves
+//! structured residuals, and the white-noise formula would be far too optimistic.
 
 use super::result::Correlation;
 use hysteron_numeric::fft::{RealFft, fast_length};
@@ -12,9 +12,9 @@ use nalgebra::{DMatrix, DVector};
 /// Central difference step, as a share of the parameter's search range.
 const STEP: f64 = 1e-6;
 
-/// Covariance of the search vector at `x`; `None` where the data do not determine every parameter. With `left_out`, the derivatives
-/// of the residuals along something that the model does without: how far its best value would move the parameters, and that value's own
-/// error, count as an error of theirs.
+/// Covariance of the search vector at `x`; `None` where the data do not determine every parameter. With
+/// `left_out`, the derivatives of the residuals along something that the model does without: how far its best
+/// value would move the parameters, and that value's own error, count as an error of theirs.
 pub(super) fn covariance<P: LeastSquaresProblem>(
     problem: &P,
     x: &[f64],
@@ -68,7 +68,8 @@ pub(super) fn covariance<P: LeastSquaresProblem>(
     Some(within + &moved * moved.transpose() * square)
 }
 
-/// Covariance of parameters with the Jacobian and the residual given; `None` where the data do not determine every one.
+/// Covariance of parameters with the Jacobian and the residual given; `None` where the data do not determine
+/// every one.
 pub(super) fn covariance_of(mut jacobian: DMatrix<f64>, residual: &[f64]) -> Option<DMatrix<f64>> {
     let (rows, parameters) = jacobian.shape();
     if parameters == 0 || rows <= parameters {
@@ -108,8 +109,9 @@ pub(super) fn correlation(step: &str, names: Vec<String>, covariance: &DMatrix<f
     }
 }
 
-/// 1 + 2 Σ ρ_k of a series, summed up to the first ρ_k ≤ 0 or a tenth of the series (Geyer's initial positive sequence, doi:10.1214/ss/1177011137,
-/// in its simplest form): the number of samples that carry the information of one independent sample. At least 1.
+/// 1 + 2 Σ ρ_k of a series, summed up to the first ρ_k ≤ 0 or a tenth of the series (Geyer's initial positive
+/// sequence, doi:10.1214/ss/1177011137, in its simplest form): the number of samples that carry the
+/// information of one independent sample. At least 1.
 pub(crate) fn correlation_time(e: &[f64]) -> f64 {
     initial_positive_sum(&autocorrelation(e)[..e.len()])
 }
@@ -223,7 +225,8 @@ mod tests {
         let sxx: f64 = t.iter().map(|t| (t - mean) * (t - mean)).sum();
         assert!((c[(1, 1)] / (s2 / sxx) - 1.0).abs() < 1e-6, "{}", c[(1, 1)]);
         assert!((c[(0, 0)] / (s2 * (0.01 + mean * mean / sxx)) - 1.0).abs() < 1e-6);
-        // Textbook: corr(a, b) = −mean / √(mean² + Sxx/N), and the eigenvalues of a 2 × 2 correlation are 1 ± ρ.
+        // Textbook: corr(a, b) = −mean / √(mean² + Sxx/N), and the eigenvalues of a 2 × 2 correlation are 1 ±
+        // ρ.
         let rho = -mean / (mean * mean + sxx / 100.0).sqrt();
         let found = correlation("line", vec!["a".into(), "b".into()], &c);
         assert!((found.matrix[0][1] - rho).abs() < 1e-6 && found.matrix[0][0] == 1.0, "{found:?}");
@@ -248,8 +251,9 @@ mod tests {
         assert!(covariance(&line, &[1.0, 0.0], None).is_none());
     }
 
-    /// y = 2 + 3 t + ½ t² met by a line: the variance of its slope grows by the square of what the parabola moves it by, with the
-    /// variance of the parabola's own coefficient, both by textbook formulas for t = −5 … 5, where t² is orthogonal to t.
+    /// y = 2 + 3 t + ½ t² met by a line: the variance of its slope grows by the square of what the parabola
+    /// moves it by, with the variance of the parabola's own coefficient, both by textbook formulas for t = −5
+    /// … 5, where t² is orthogonal to t.
     #[test]
     fn what_is_left_out_counts_as_far_as_it_moves_the_parameters() {
         let t: Vec<f64> = (-5..=5).map(f64::from).collect();

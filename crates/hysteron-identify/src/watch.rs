@@ -13,7 +13,8 @@ use crate::searches::Searches;
 pub struct Event<'a> {
     /// What is being done.
     pub stage: &'a str,
-    /// Share of the whole work that is done, 0 to 1, by the time that its stages usually take; it never falls.
+    /// Share of the whole work that is done, 0 to 1, by the time that its stages usually take; it never
+    /// falls.
     pub fraction: f64,
     /// Best cost so far: RMSE in the unit of the output, in a joint fit weighted.
     pub cost: Option<f64>,
@@ -42,7 +43,8 @@ impl<'a> Event<'a> {
         self.state.model.and_then(|model| model())
     }
 
-    /// Everything needed to go on from here, worth saving now and then; `None` where the work cannot be resumed.
+    /// Everything needed to go on from here, worth saving now and then; `None` where the work cannot be
+    /// resumed.
     pub fn searches(&self) -> Option<Searches> {
         self.state.searches.map(|searches| searches())
     }
@@ -57,8 +59,8 @@ impl<'a> Event<'a> {
 
 type Told<'a> = dyn FnMut(&Event<'_>) -> ControlFlow<()> + Send + 'a;
 
-/// Who is told about work, and who may stop it: the one told, by [`ControlFlow::Break`], or anyone who holds the [`Stop`]. The best so
-/// far is kept.
+/// Who is told about work, and who may stop it: the one told, by [`ControlFlow::Break`], or anyone who holds
+/// the [`Stop`]. The best so far is kept.
 pub struct Watch<'a> {
     told: Option<Mutex<Box<Told<'a>>>>,
     stop: Stop,
@@ -120,8 +122,8 @@ impl<'a> Watch<'a> {
 pub(crate) struct Plan(pub &'static [(&'static str, f64)]);
 
 impl Plan {
-    /// Share of the whole work done when the share `within` of a stage is; `None` for a stage that is not in the plan. A stage is found by the
-    /// beginning of its name.
+    /// Share of the whole work done when the share `within` of a stage is; `None` for a stage that is not in
+    /// the plan. A stage is found by the beginning of its name.
     pub(crate) fn fraction(&self, stage: &str, within: f64) -> Option<f64> {
         let whole: f64 = self.0.iter().map(|(_, share)| share).sum();
         let begins = |(name, _): &&(&str, f64)| stage.starts_with(name);

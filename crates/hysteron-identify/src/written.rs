@@ -65,7 +65,8 @@ fn give_errors(file: &mut ModelFile, found: &Identification) {
     }
 }
 
-/// Name in the file of a coefficient of a polynomial model: b2 is that of z⁻² or s² above, f1 and a0 are below.
+/// Name in the file of a coefficient of a polynomial model: b2 is that of z⁻² or s² above, f1 and a0 are
+/// below.
 fn coefficient(name: &str) -> Option<String> {
     let (list, place) = match name.split_at_checked(1)? {
         ("b", place) => ("numerator", place),
@@ -76,7 +77,8 @@ fn coefficient(name: &str) -> Option<String> {
     Some(format!("{list}[{place}].coefficient"))
 }
 
-/// What the device did before the first record; a rest at that record's own first sample is each record's own.
+/// What the device did before the first record; a rest at that record's own first sample is each record's
+/// own.
 fn start(record: &RecordFit) -> Start {
     match record.start {
         Start::Rest { voltage_v } | Start::Remembering { voltage_v, .. }

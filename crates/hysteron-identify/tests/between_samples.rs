@@ -1,4 +1,5 @@
-//! What the drive does between its samples is told by the records, and the delay that follows from it is right.
+//! What the drive does between its samples is told by the records, and the delay that follows from it is
+//! right.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use hysteron_identify::{CampaignRecord, Choice, DynamicsChoice, FindingKind, Options, Watch, identify};
@@ -29,7 +30,8 @@ fn stage(rule: InterSample) -> Model {
     }
 }
 
-/// A record of 2 s whose drive, `u` at the samples and smooth between them, is what `rule` makes of the samples.
+/// A record of 2 s whose drive, `u` at the samples and smooth between them, is what `rule` makes of the
+/// samples.
 fn record(name: &str, rule: InterSample, u: impl Fn(f64) -> f64) -> CampaignRecord {
     let samples = 2000;
     let fine: Vec<f64> = (0..samples * FINER)

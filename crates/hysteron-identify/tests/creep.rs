@@ -1,5 +1,5 @@
-//! Promise: each kind of creep follows a step as its equation says, with the stated error, and a joint fit returns its
-//! parameters within three standard errors from simulated records.
+//! Promise: each kind of creep follows a step as its equation says, with the stated error, and a joint fit
+//! returns its parameters within three standard errors from simulated records.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 
@@ -187,8 +187,8 @@ fn a_kelvin_voigt_chain_is_recovered_behind_a_resonance() {
     assert_eq!(model, found.model);
 }
 
-/// v after exact logarithmic creep at the samples, v joined by straight lines and 0 before: a piece of slope m adds
-/// m ∫ log₁₀(1 + x/t₀) dx.
+/// v after exact logarithmic creep at the samples, v joined by straight lines and 0 before: a piece of slope
+/// m adds m ∫ log₁₀(1 + x/t₀) dx.
 fn after_logarithmic_creep(v: &[f64], rate_hz: f64, per_decade: f64, start: f64) -> Vec<f64> {
     let integral: Vec<f64> = (0..=v.len())
         .map(|k| {

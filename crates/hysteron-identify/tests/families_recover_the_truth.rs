@@ -1,5 +1,6 @@
-//! Promise: families with shape numbers of their own come back, with the dynamics behind them, from noisy records that were made with
-//! them, and families follow a simulated device outside their class on records that were not fitted.
+//! Promise: families with shape numbers of their own come back, with the dynamics behind them, from noisy
+//! records that were made with them, and families follow a simulated device outside their class on records
+//! that were not fitted.
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 
 use hysteron_identify::{
@@ -114,7 +115,8 @@ fn unseen(found: &Identification, truth: &Model) -> f64 {
 
 #[test]
 fn plays_that_widen_with_the_rate_come_back() {
-    // On the grid of the fit: half-widths 1, 2, 3, 4 V. A sine of 5 V at 60 Hz moves by 1.9 kV/s: wider by 0.4 V.
+    // On the grid of the fit: half-widths 1, 2, 3, 4 V. A sine of 5 V at 60 Hz moves by 1.9 kV/s: wider by
+    // 0.4 V.
     let form = named("rate-dependent-plays", 4);
     let truth = device(form, &[2.1], &[5.0, 2.1e-4], &[0.35, 0.1, 0.22, 0.14]);
     let found = fitted(&truth, 0.005);
@@ -269,7 +271,8 @@ fn on_the_bench(truth: &Truth, hysteresis: HysteresisForm) -> Vec<f64> {
         .collect()
 }
 
-/// Plays behind a strong bend, in front of one mode: minor loops differ with bias, and the device was virgin at the lower end.
+/// Plays behind a strong bend, in front of one mode: minor loops differ with bias, and the device was virgin
+/// at the lower end.
 fn bent() -> Truth {
     let stack = PlayStack {
         quadratic_per_um: 0.01,

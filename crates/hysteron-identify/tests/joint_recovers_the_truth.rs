@@ -1,6 +1,6 @@
-//! Promise: on a simulated bench of its own class (truth in continuous time, noise 0.005 µm) the joint fit returns the
-//! parameters within three standard errors, at any sample rate, and the fitted model is ten times closer to the noise-free
-//! truth than the noise on records it has not seen. Threads change nothing.
+//! Promise: on a simulated bench of its own class (truth in continuous time, noise 0.005 µm) the joint fit
+//! returns the parameters within three standard errors, at any sample rate, and the fitted model is ten times
+//! closer to the noise-free truth than the noise on records it has not seen. Threads change nothing.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may fail
 use hysteron_identify::{
@@ -279,7 +279,8 @@ fn the_objective_has_its_minimum_where_the_fit_ended() {
     }
 }
 
-/// Plays on the grid of the fit, a linear reversible part, one mode: the class of plays with a whole-order pair.
+/// Plays on the grid of the fit, a linear reversible part, one mode: the class of plays with a whole-order
+/// pair.
 #[test]
 fn weights_of_plays_come_back_within_three_standard_errors() {
     let weights = [0.35, 0.0, 0.22, 0.14];
@@ -447,8 +448,9 @@ fn three_resonances_come_back_within_three_standard_errors() {
     assert!((delay.0 - 1.3e-4).abs() < 3.0 * delay.1, "{delay:?}");
 }
 
-/// The default bench lies outside every class: asymmetric plays behind a bend, two modes, creep. Trained on nested loops and a
-/// sweep, plays stay below a thousandth of the stroke on what they have not seen, minor loops of a random reference included.
+/// The default bench lies outside every class: asymmetric plays behind a bend, two modes, creep. Trained on
+/// nested loops and a sweep, plays stay below a thousandth of the stroke on what they have not seen, minor
+/// loops of a random reference included.
 #[test]
 fn plays_meet_the_default_bench_to_a_thousandth_of_its_stroke() {
     let plan = CampaignPlan {

@@ -1,5 +1,6 @@
-//! Promise: output error, Box–Jenkins and SRIVC return the parameters of noise-free data to 1e-8, and of data with coloured
-//! noise on the output without bias, with standard errors that hold, where the equation error of ARX is biased.
+//! Promise: output error, Box–Jenkins and SRIVC return the parameters of noise-free data to 1e-8, and of data
+//! with coloured noise on the output without bias, with standard errors that hold, where the equation error
+//! of ARX is biased.
 
 #![allow(clippy::unwrap_used)] // a test may fail
 
@@ -87,7 +88,8 @@ fn noise_free_records_return_the_output_error_model() {
     }
 }
 
-/// G(s) = Σ r/(s − p) over poles and their conjugates, driven by a held or a straight input: each mode has a closed form.
+/// G(s) = Σ r/(s − p) over poles and their conjugates, driven by a held or a straight input: each mode has a
+/// closed form.
 fn modes(poles: &[(Complex64, Complex64)], input: &[f64], h: f64, between: InterSample) -> Vec<f64> {
     let mut y = vec![0.0; input.len()];
     for &(p, r) in poles {
@@ -106,7 +108,8 @@ fn modes(poles: &[(Complex64, Complex64)], input: &[f64], h: f64, between: Inter
     y
 }
 
-/// Poles and residues of b/a, a monic of even degree given by its zeros in the upper half-plane; real parts add up.
+/// Poles and residues of b/a, a monic of even degree given by its zeros in the upper half-plane; real parts
+/// add up.
 fn residues(numerator: &[f64], upper: &[Complex64]) -> Vec<(Complex64, Complex64)> {
     let all: Vec<Complex64> = upper.iter().flat_map(|p| [*p, p.conj()]).collect();
     upper
@@ -123,8 +126,8 @@ fn pair(omega: f64, zeta: f64) -> Complex64 {
     Complex64::new(-zeta * omega, omega * (1.0 - zeta * zeta).sqrt())
 }
 
-/// G. P. Rao and H. Garnier's plant, simulated here: (−6400 s + 1600)/(s⁴ + 5 s³ + 408 s² + 416 s + 1600), pairs at 2 rad/s with
-/// damping 0.25 and at 20 rad/s with 0.1, and a zero in the right half-plane.
+/// G. P. Rao and H. Garnier's plant, simulated here: (−6400 s + 1600)/(s⁴ + 5 s³ + 408 s² + 416 s + 1600),
+/// pairs at 2 rad/s with damping 0.25 and at 20 rad/s with 0.1, and a zero in the right half-plane.
 const NUMERATOR: [f64; 2] = [1600.0, -6400.0];
 const DENOMINATOR: [f64; 5] = [1600.0, 416.0, 408.0, 5.0, 1.0];
 

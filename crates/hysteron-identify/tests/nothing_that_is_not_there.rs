@@ -40,7 +40,8 @@ fn late(name: &str, u: impl Fn(f64) -> f64, seconds: f64, delay_s: f64) -> Campa
     CampaignRecord { data, role: None }
 }
 
-/// Loops of 0.2 Hz and a sweep to 2 Hz: a resonance would show in its flank up to a decade above, and there is none.
+/// Loops of 0.2 Hz and a sweep to 2 Hz: a resonance would show in its flank up to a decade above, and there
+/// is none.
 #[test]
 fn a_device_without_dynamics_gets_no_resonance_and_no_delay() {
     let loops = |t: f64| 5.0 * (1.0 - (TAU * 0.2 * t).cos()) * (1.0 - 0.02 * t);
@@ -55,8 +56,9 @@ fn a_device_without_dynamics_gets_no_resonance_and_no_delay() {
     assert!(off < 1e-3 && delay.std_error.is_none_or(|error| off < 4.0 * error), "{delay:?}");
 }
 
-/// A delay of 1.5 ms, 19 nm of the loop at its steepest, is not told from the loop's own width: the model has none, and the numbers of
-/// the hysteresis, which it moves by many times the error of the noise, have errors that hold.
+/// A delay of 1.5 ms, 19 nm of the loop at its steepest, is not told from the loop's own width: the model has
+/// none, and the numbers of the hysteresis, which it moves by many times the error of the noise, have errors
+/// that hold.
 #[test]
 fn a_delay_that_slow_drive_does_not_tell_is_in_the_errors() {
     let loops = |t: f64| 5.0 * (1.0 - (TAU * 0.2 * t).cos()) * (1.0 - 0.02 * t);

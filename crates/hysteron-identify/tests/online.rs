@@ -1,5 +1,5 @@
-//! Promise: a model whose device changes is followed to near the noise, a jump is found within the stated delay
-//! and nothing is found where nothing changes.
+//! Promise: a model whose device changes is followed to near the noise, a jump is found within the stated
+//! delay and nothing is found where nothing changes.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test may fail
 use hysteron_identify::IdentifyError;
@@ -392,8 +392,8 @@ proptest! {
     }
 }
 
-/// White noise is independent sample by sample; eₖ = ρ eₖ₋₁ + white has 1 + 2 Σ ρᵏ = (1 + ρ)/(1 − ρ) samples to an independent one; neither
-/// another gain nor a jump half-way makes that more.
+/// White noise is independent sample by sample; eₖ = ρ eₖ₋₁ + white has 1 + 2 Σ ρᵏ = (1 + ρ)/(1 − ρ) samples
+/// to an independent one; neither another gain nor a jump half-way makes that more.
 #[test]
 fn samples_that_carry_one_independent_one_are_counted() {
     let u = drive(40.0);

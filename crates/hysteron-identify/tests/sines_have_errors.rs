@@ -1,5 +1,5 @@
-//! Gain and phase at the sines of a record in segments come with errors: the model's are the spread over parameters drawn from
-//! their covariance, the measured ones the scatter of the output.
+//! Gain and phase at the sines of a record in segments come with errors: the model's are the spread over
+//! parameters drawn from their covariance, the measured ones the scatter of the output.
 #![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use hysteron_identify::{

@@ -91,7 +91,8 @@ proptest! {
 
     #[test]
     fn arbitrary_tables_never_panic_and_what_is_accepted_is_sound(
-        text in "(#? ?[tuyfv\"][_ \\[(]?[sVµum]{0,2}[\\])]?[,;\t]){1,4}[a-z]{0,5}\r?\n([-+0-9.,;\t\" enaif#%]{0,24}\r?\n){0,6}",
+        text in "(#? ?[tuyfv\"][_ \\[(]?[sVµum]{0,2}[\\])]?[,;\t]){1,4}[a-z]{0,5}\r?\n([-+0-9.,;\t\" \
+                 enaif#%]{0,24}\r?\n){0,6}",
         rate in prop::option::of(prop_oneof![Just(f64::NAN), -1.0..1e4f64]),
         column in prop::option::of("[tuy1-5]"),
     ) {

@@ -58,7 +58,8 @@ fn workbook(dimension: &str, cells: &[(&str, &str)]) -> Vec<u8> {
     add(
         "xl/worksheets/sheet1.xml",
         &format!(
-            "<worksheet xmlns=\"{main}\"><dimension ref=\"{dimension}\"/><sheetData>{rows}</row></sheetData></worksheet>"
+            "<worksheet xmlns=\"{main}\"><dimension \
+             ref=\"{dimension}\"/><sheetData>{rows}</row></sheetData></worksheet>"
         ),
     );
     zip.finish().unwrap().into_inner()

@@ -102,8 +102,8 @@ impl Model {
     /// Simulates the model (infinite horizon: no measured output is used) over the drive `u` \[V\].
     ///
     /// # Errors
-    /// [`SimulationError`]: no or another sample rate where one is needed, an operator that blows up, a dynamic block
-    /// that cannot be simulated by the model's scheme.
+    /// [`SimulationError`]: no or another sample rate where one is needed, an operator that blows up, a
+    /// dynamic block that cannot be simulated by the model's scheme.
     pub fn simulate<'a>(
         &self,
         u: &[f64],

@@ -62,7 +62,8 @@ fn a_realisation_is_the_batch_simulation_to_the_named_accuracy() {
                 let realised = realise(&model(eq13(), scheme, delay_s), RATE_HZ, &to(accuracy)).unwrap();
                 let (error, dynamics) = (largest_difference(&realised), &realised.dynamics);
                 println!(
-                    "{scheme} {accuracy:e}, delay {delay_s}: {} states, {} taps; response {:.1e}, sweep {error:.1e}",
+                    "{scheme} {accuracy:e}, delay {delay_s}: {} states, {} taps; response {:.1e}, sweep \
+                     {error:.1e}",
                     dynamics.states(),
                     dynamics.taps.len(),
                     dynamics.frequency_error

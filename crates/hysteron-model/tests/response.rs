@@ -186,7 +186,8 @@ fn what_the_band_limited_delay_makes_of_a_corner() {
     let differ = |range: std::ops::Range<usize>| error(&found[range.clone()], &linear[range]);
     let (start, rest) = (differ(0..100), differ(100..samples));
     println!(
-        "corner: {exact:.1e}, on lines {straight:.1e}; behind Eq. 13 they differ by {start:.1e} in the first 10 ms, then {rest:.1e}"
+        "corner: {exact:.1e}, on lines {straight:.1e}; behind Eq. 13 they differ by {start:.1e} in the first \
+         10 ms, then {rest:.1e}"
     );
     assert!(exact < 2e-3 && start < 3e-4 && rest < 1.1 * straight);
 }

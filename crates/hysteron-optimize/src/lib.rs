@@ -7,12 +7,18 @@
 //!
 //! | [`Algorithm`] | what it is | source |
 //! | --- | --- | --- |
-//! | [`DeAbc`](Algorithm::DeAbc) | bee colony with the mutation of differential evolution and a chaotic scout | article Eqs. 8–12 |
-//! | [`Abc`](Algorithm::Abc) | artificial bee colony | Karaboga and Basturk 2007, doi:10.1007/s10898-007-9149-x |
-//! | [`De`](Algorithm::De) | differential evolution rand/1/bin | Storn and Price 1997, doi:10.1023/A:1008202821328 |
-//! | [`Pso`](Algorithm::Pso) | particle swarm with constriction coefficients | Clerc and Kennedy 2002, doi:10.1109/4235.985692 |
-//! | [`CmaEs`](Algorithm::CmaEs) | covariance matrix adaptation with restarts | Hansen and Ostermeier 2001, doi:10.1162/106365601750190398 |
-//! | [`LeastSquares`](Algorithm::LeastSquares) | bounded Levenberg–Marquardt from many starts | Kanzow, Yamashita and Fukushima 2004, doi:10.1016/j.cam.2004.02.013 |
+//! | [`DeAbc`](Algorithm::DeAbc) | bee colony with the mutation of differential evolution and a chaotic scout
+//! | article Eqs. 8–12 |
+//! | [`Abc`](Algorithm::Abc) | artificial bee colony | Karaboga and Basturk 2007,
+//! doi:10.1007/s10898-007-9149-x |
+//! | [`De`](Algorithm::De) | differential evolution rand/1/bin | Storn and Price 1997,
+//! doi:10.1023/A:1008202821328 |
+//! | [`Pso`](Algorithm::Pso) | particle swarm with constriction coefficients | Clerc and Kennedy 2002,
+//! doi:10.1109/4235.985692 |
+//! | [`CmaEs`](Algorithm::CmaEs) | covariance matrix adaptation with restarts | Hansen and Ostermeier 2001,
+//! doi:10.1162/106365601750190398 |
+//! | [`LeastSquares`](Algorithm::LeastSquares) | bounded Levenberg–Marquardt from many starts | Kanzow,
+//! Yamashita and Fukushima 2004, doi:10.1016/j.cam.2004.02.013 |
 //!
 //! What holds for every one of them:
 //! - The search runs on the unit box: each parameter is scaled to [0, 1], logarithmically where its [`Range`]

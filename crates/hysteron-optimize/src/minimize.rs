@@ -16,8 +16,8 @@ use super::{
 /// `resume`: go on from this checkpoint of the same run, to the same final bits.
 ///
 /// # Errors
-/// [`OptimizeError`]: a search box, option or start that is not allowed; a checkpoint of another run; no candidate
-/// that could be simulated.
+/// [`OptimizeError`]: a search box, option or start that is not allowed; a checkpoint of another run; no
+/// candidate that could be simulated.
 pub fn minimize<P: LeastSquaresProblem>(
     problem: &P,
     algorithm: &Algorithm,

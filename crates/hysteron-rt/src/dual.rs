@@ -6,9 +6,9 @@ use crate::real::{Real, Scalar, sealed};
 
 /// A value and its derivatives with respect to P parameters (dual number of P infinitesimals).
 ///
-/// Arithmetic follows the chain rule exactly, so a step computed in duals returns the derivatives of the numbers it
-/// returns, across zero crossings of z included. Source: A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM
-/// 2008, ch. 3, doi:10.1137/1.9780898717761.
+/// Arithmetic follows the chain rule exactly, so a step computed in duals returns the derivatives of the
+/// numbers it returns, across zero crossings of z included. Source: A. Griewank, A. Walther, *Evaluating
+/// Derivatives*, SIAM 2008, ch. 3, doi:10.1137/1.9780898717761.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<T, const P: usize> {
     /// The value.
@@ -18,8 +18,8 @@ pub struct Dual<T, const P: usize> {
 }
 
 impl<T: Real, const P: usize> Dual<T, P> {
-    /// The parameter of number `index` itself: derivative 1 with respect to it, 0 with respect to the others (to all,
-    /// where there is no such number).
+    /// The parameter of number `index` itself: derivative 1 with respect to it, 0 with respect to the others
+    /// (to all, where there is no such number).
     #[inline(always)]
     pub fn variable(value: T, index: usize) -> Self {
         let mut partials = [T::of(0.0); P];
@@ -29,8 +29,8 @@ impl<T: Real, const P: usize> Dual<T, P> {
         Dual { value, partials }
     }
 
-    /// Without the derivatives from number `first` on that have [vanished](Real::VANISHED): that with respect to the
-    /// start of a long record decays for ever.
+    /// Without the derivatives from number `first` on that have [vanished](Real::VANISHED): that with respect
+    /// to the start of a long record decays for ever.
     #[inline(always)]
     pub fn without_vanished(mut self, first: usize) -> Self {
         for p in self.partials.iter_mut().skip(first) {

@@ -11,7 +11,8 @@ pub(crate) fn accumulate<T: Real>(x: &mut T, carry: &mut T, delta: T) {
     *x = sum;
 }
 
-/// A state that moves by increments (z of a Bouc–Wen operator, say), and what rounding has left of them. Two are equal where they go on alike.
+/// A state that moves by increments (z of a Bouc–Wen operator, say), and what rounding has left of them. Two
+/// are equal where they go on alike.
 #[derive(Clone, Copy, Debug)]
 pub struct IncrementMemory<T> {
     z: T,

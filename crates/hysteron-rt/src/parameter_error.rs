@@ -42,7 +42,8 @@ pub enum ParameterError<T> {
         /// Its value.
         value: T,
     },
-    /// A number that says where the sides of plays stand is infinite, not a number, or not positive where it must be.
+    /// A number that says where the sides of plays stand is infinite, not a number, or not positive where it
+    /// must be.
     Sides,
     /// Ends of a plane of relays that are not finite, or not the low one below the high one.
     Range,
@@ -89,7 +90,8 @@ impl<T: Display> Display for ParameterError<T> {
             }
             Self::Threshold { index, value, above } => write!(
                 f,
-                "threshold {index} (from 0) is {value}: it must be finite and above {above}; thresholds are positive \
+                "threshold {index} (from 0) is {value}: it must be finite and above {above}; thresholds are \
+                 positive \
                  and increase"
             ),
             Self::Weight { index, value } => {
@@ -97,7 +99,8 @@ impl<T: Display> Display for ParameterError<T> {
             }
             Self::Sides => write!(
                 f,
-                "the numbers of the sides of the plays must be finite, rises and steepness positive, widening not negative"
+                "the numbers of the sides of the plays must be finite, rises and steepness positive, \
+                 widening not negative"
             ),
             Self::Range => {
                 write!(f, "the ends of a plane of relays must be finite, the low one below the high one")

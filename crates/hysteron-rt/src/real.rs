@@ -8,7 +8,8 @@ pub(crate) mod sealed {
     pub trait Sealed {}
 }
 
-/// A number a step can be computed in: a [`Real`], or a [`crate::Dual`] that carries derivatives along. Sealed.
+/// A number a step can be computed in: a [`Real`], or a [`crate::Dual`] that carries derivatives along.
+/// Sealed.
 pub trait Scalar:
     sealed::Sealed
     + Copy
@@ -54,8 +55,8 @@ pub trait Real: Scalar<Real = Self> + PartialOrd + Debug + Display + Send + Sync
     const EPSILON: Self;
     /// Up to this |x| the polynomial of degree 6 gives (1 − e⁻ˣ)/x to a fraction of a unit in the last place.
     const SMALL: Self;
-    /// A derivative below this has vanished. Above the subnormal numbers, which are slow to compute with, by more than
-    /// any factor of one step.
+    /// A derivative below this has vanished. Above the subnormal numbers, which are slow to compute with, by
+    /// more than any factor of one step.
     const VANISHED: Self;
     /// A level far below any signal whose rounding errors are still far above the subnormal numbers.
     const FLOOR: Self;

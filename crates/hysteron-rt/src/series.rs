@@ -21,8 +21,8 @@ const G: [f64; 13] = [
 
 /// (e⁻ˣ, (1 − e⁻ˣ)/κ) for x = κ d; the second is d where κ = 0.
 ///
-/// Up to |x| = [`Real::SMALL`] a polynomial of degree 6, up to ½ of degree 13 (truncation x¹⁴/15! ≤ 4.7e-17), beyond
-/// that the exponential function: each within 2 units in the last place.
+/// Up to |x| = [`Real::SMALL`] a polynomial of degree 6, up to ½ of degree 13 (truncation x¹⁴/15! ≤ 4.7e-17),
+/// beyond that the exponential function: each within 2 units in the last place.
 #[inline(always)]
 pub(crate) fn relaxation<S: Scalar>(kappa: S, d: S) -> (S, S) {
     match small_remainder(kappa * d) {

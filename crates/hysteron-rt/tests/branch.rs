@@ -1,4 +1,5 @@
-//! Promise: on every branch the states follow their differential equation, in one move as in many, without drift in single precision.
+//! Promise: on every branch the states follow their differential equation, in one move as in many, without
+//! drift in single precision.
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 

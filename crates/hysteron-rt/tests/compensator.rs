@@ -1,4 +1,5 @@
-//! Promise: a compensator inverts the model it runs on, keeps to its limits whatever it is fed, and starts without a jump.
+//! Promise: a compensator inverts the model it runs on, keeps to its limits whatever it is fed, and starts
+//! without a jump.
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
@@ -265,7 +266,8 @@ fn single_precision_error(kind: Kind, samples: usize) -> f64 {
 #[test]
 fn single_precision_does_not_drift() {
     for kind in KINDS {
-        // The law multiplies by 2/g at most, plays and polynomial hold 10 V and 15 µm: a few units of rounding of those, over the least slope.
+        // The law multiplies by 2/g at most, plays and polynomial hold 10 V and 15 µm: a few units of
+        // rounding of those, over the least slope.
         let bound = 16.0 * f64::from(f32::EPSILON) * 15.0 * 2.0 / G / 0.8;
         let (short, long) = (single_precision_error(kind, 20_000), single_precision_error(kind, 400_000));
         println!("{kind:?}: {short:.2e} V over 2e4 samples, {long:.2e} V over 4e5, bound {bound:.2e} V");
@@ -322,7 +324,8 @@ proptest! {
         let mut parts = Parts::<f64>::new(kind);
         let (mut block, ..) = parts.blocks(kind);
         let mut output = block.rest_at(0.0);
-        // The parts of an output are as large as the largest one on the way: their sums are rounded by a share of that.
+        // The parts of an output are as large as the largest one on the way: their sums are rounded by a
+        // share of that.
         let mut largest = 1.0_f64;
         for u in history {
             output = block.step(u).unwrap();

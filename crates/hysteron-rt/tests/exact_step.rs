@@ -55,8 +55,8 @@ fn agrees_with_runge_kutta_for_every_branch() {
         ([0.9, 0.4, 0.2, 4.0], 0.9, 0.01),
     ];
     for (p, z, du) in rows {
-        // Split at the passage through 0 by bisection on the oracle would hide an error of the split; so many steps
-        // that the kink of the right-hand side there costs less than the tolerance.
+        // Split at the passage through 0 by bisection on the oracle would hide an error of the split; so many
+        // steps that the kink of the right-hand side there costs less than the tolerance.
         assert_close(exact(p, z, du).unwrap(), oracle(p, z, du, 200_000), 3e-10);
     }
     // Without a passage through 0 the right-hand side is smooth and the oracle good to rounding.
@@ -250,7 +250,8 @@ proptest! {
             let b = BoucWen::new(alpha, beta, gamma, n).unwrap();
             let halfway = b.advance_with_shape(Dual { value: z, partials: [0.0; 2] }, first).unwrap();
             let closed = b.advance_with_shape(halfway, second).unwrap();
-            // Contributions of the two moves may cancel: rounding is relative to the largest derivative on the way.
+            // Contributions of the two moves may cancel: rounding is relative to the largest derivative on
+            // the way.
             let size = halfway.partials.iter().chain(&closed.partials).fold(1.0_f64, |m, p| m.max(p.abs()));
             let series = b.advance_with_sensitivities(Dual { value: z, partials: [0.0; 3] }, first).unwrap();
             let series = b.advance_with_sensitivities(series, second).unwrap();

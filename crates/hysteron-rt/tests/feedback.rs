@@ -1,4 +1,5 @@
-//! Promise: feedback does not wind up, a line keeps to its limits, weights that adapt find the filter that is missing.
+//! Promise: feedback does not wind up, a line keeps to its limits, weights that adapt find the filter that is
+//! missing.
 
 #![allow(clippy::unwrap_used)] // A failure is a failed test.
 
@@ -148,8 +149,9 @@ fn a_line_keeps_to_its_limits_and_says_so() {
     }
 }
 
-/// The error is the reference behind a filter of 5 taps that is missing, less what the weights put out, both behind the secondary path. What is left of the
-/// weights after `samples` of a reference behind the pole `slow`, over what was missing.
+/// The error is the reference behind a filter of 5 taps that is missing, less what the weights put out, both
+/// behind the secondary path. What is left of the weights after `samples` of a reference behind the pole
+/// `slow`, over what was missing.
 fn left(slow: f64, whitening: &[f64], samples: usize) -> f64 {
     const STRIDE: usize = 2;
     let missing = [0.5, -0.2, 0.1, 0.05, 0.3];

@@ -1,4 +1,5 @@
-//! Promise: a streaming model does what its blocks say, at a rate far above its poles too, in single precision, and for ever.
+//! Promise: a streaming model does what its blocks say, at a rate far above its poles too, in single
+//! precision, and for ever.
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
@@ -8,7 +9,8 @@ use hysteron_rt::{
 };
 use proptest::prelude::*;
 
-/// Sections with poles from 0.1 rad/s to 5000 rad/s at 10 kHz, a resonance, two taps and a delay of three samples.
+/// Sections with poles from 0.1 rad/s to 5000 rad/s at 10 kHz, a resonance, two taps and a delay of three
+/// samples.
 struct Block<T> {
     taps: [T; 2],
     real: [RealPoles<T>; 2],
@@ -69,7 +71,8 @@ impl<T: Real> Block<T> {
     }
 }
 
-/// The block's answer to a step of 1 at sample 0, from the formula of each section: 1 − aᵏ behind two taps and three samples.
+/// The block's answer to a step of 1 at sample 0, from the formula of each section: 1 − aᵏ behind two taps
+/// and three samples.
 fn step_response(k: i32) -> f64 {
     let k = k - 3;
     let (gain, weight) = resonance();
@@ -129,7 +132,8 @@ fn taps_and_delay_are_the_sum_over_the_past() {
     }
 }
 
-/// Largest difference of the block in f32 to f64 over `samples` of a signal that single precision holds exactly.
+/// Largest difference of the block in f32 to f64 over `samples` of a signal that single precision holds
+/// exactly.
 fn single_precision_error(samples: usize) -> f64 {
     let (mut double, mut single) = (Block::<f64>::new(), Block::<f32>::new());
     let (mut double, mut single) = (double.linear(), single.linear());
@@ -145,7 +149,8 @@ fn single_precision_error(samples: usize) -> f64 {
     worst
 }
 
-/// Single precision: 16 units of rounding, ε = 2⁻²³, of Σ |weights| of the range. (A plain recursion is 1e-3 to 1e-2 wrong.)
+/// Single precision: 16 units of rounding, ε = 2⁻²³, of Σ |weights| of the range. (A plain recursion is 1e-3
+/// to 1e-2 wrong.)
 fn bound() -> f64 {
     let weights = 0.02 + 0.07 + SHARES.iter().map(|s| s.abs()).sum::<f64>() + 0.35_f64.hypot(0.2);
     16.0 * f64::from(f32::EPSILON) * weights * 1.0625

@@ -1,4 +1,5 @@
-//! Promise: a plane of relays puts out what its relays do, one by one, whatever came before; with little room for turns it is nearly so.
+//! Promise: a plane of relays puts out what its relays do, one by one, whatever came before; with little room
+//! for turns it is nearly so.
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 
@@ -6,7 +7,8 @@ use hysteron_rt::{Hysteresis, ModelError, Operator, ParameterError, Plane, Real,
 use proptest::prelude::*;
 
 const INTERVALS: usize = 5;
-/// Relays along each side of a cell. At voltages that are multiples of a relay's place they all switch or none does.
+/// Relays along each side of a cell. At voltages that are multiples of a relay's place they all switch or
+/// none does.
 const FINE: i32 = 8;
 const LOW: f64 = -1.5;
 const CELL: f64 = 0.75;

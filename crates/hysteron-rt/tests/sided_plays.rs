@@ -1,4 +1,5 @@
-//! Promise: plays between other sides stand where their sides push them, see the rate where they are told to, and leave no trace of what is refused.
+//! Promise: plays between other sides stand where their sides push them, see the rate where they are told to,
+//! and leave no trace of what is refused.
 
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
 

@@ -52,7 +52,10 @@ pub struct Adapt {
     method: Method,
 
     /// Coefficients to estimate, up to six, separated by commas
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = Term::from_str, default_value = "offset,gain")]
+    #[arg(
+        long, value_name = "LIST", value_delimiter = ',', value_parser = Term::from_str,
+        default_value = "offset,gain",
+    )]
     terms: Vec<Term>,
 
     /// Memory of rls in s, the time constant of forgetting [default: a fifth of the record]
@@ -60,7 +63,10 @@ pub struct Adapt {
     memory: Option<f64>,
 
     /// Step size of nlms, below 2
-    #[arg(long, value_name = "SHARE", value_parser = positive, allow_hyphen_values = true, default_value_t = 0.05)]
+    #[arg(
+        long, value_name = "SHARE", value_parser = positive, allow_hyphen_values = true,
+        default_value_t = 0.05,
+    )]
     step: f64,
 
     /// Standard deviation of the residual where the model fits, in the output's unit [default: the largest
@@ -74,7 +80,10 @@ pub struct Adapt {
     every: Option<usize>,
 
     /// Mean run length to a false alarm, in samples used, at least
-    #[arg(long, value_name = "SAMPLES", value_parser = positive, allow_hyphen_values = true, default_value_t = 1e6)]
+    #[arg(
+        long, value_name = "SAMPLES", value_parser = positive, allow_hyphen_values = true,
+        default_value_t = 1e6,
+    )]
     run_length: f64,
 
     /// Reset the covariance to its initial value after an alarm, so that a jump is followed at once

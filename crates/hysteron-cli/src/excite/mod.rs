@@ -35,7 +35,9 @@ pub struct Drive {
     sample_rate: f64,
 
     /// Lowest voltage
-    #[arg(long, value_name = "VOLTS", default_value_t = 0.0, value_parser = number, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "VOLTS", default_value_t = 0.0, value_parser = number, allow_hyphen_values = true,
+    )]
     low: f64,
 
     /// Highest voltage
@@ -43,15 +45,23 @@ pub struct Drive {
     high: f64,
 
     /// Seconds of smooth lead-in from 0 V to the first sample
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative,
+        allow_hyphen_values = true,
+    )]
     soft_start: f64,
 
     /// Seconds of smooth lead-out from the last sample to 0 V
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative,
+        allow_hyphen_values = true,
+    )]
     soft_end: f64,
 
     /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_hyphen_values = true,
+    )]
     seed: u64,
 
     /// File to write
@@ -81,15 +91,24 @@ pub struct Drive {
     amplifier_high: Option<f64>,
 
     /// Largest slew rate of the amplifier in V/s
-    #[arg(long, value_name = "V/S", value_parser = positive, allow_hyphen_values = true, help_heading = "Limits of the amplifier")]
+    #[arg(
+        long, value_name = "V/S", value_parser = positive, allow_hyphen_values = true,
+        help_heading = "Limits of the amplifier",
+    )]
     max_slew: Option<f64>,
 
     /// Largest current of the amplifier in A; needs --capacitance
-    #[arg(long, value_name = "AMPERES", value_parser = positive, allow_hyphen_values = true, requires = "capacitance", help_heading = "Limits of the amplifier")]
+    #[arg(
+        long, value_name = "AMPERES", value_parser = positive, allow_hyphen_values = true,
+        requires = "capacitance", help_heading = "Limits of the amplifier",
+    )]
     max_current: Option<f64>,
 
     /// Capacitance of the actuator in F
-    #[arg(long, value_name = "FARADS", value_parser = positive, allow_hyphen_values = true, help_heading = "Limits of the amplifier")]
+    #[arg(
+        long, value_name = "FARADS", value_parser = positive, allow_hyphen_values = true,
+        help_heading = "Limits of the amplifier",
+    )]
     capacitance: Option<f64>,
 }
 

@@ -49,7 +49,9 @@ pub struct Periodic {
 #[derive(Args)]
 pub struct Sines {
     /// One sine as HZ:AMPLITUDE or HZ:AMPLITUDE:DEGREES, amplitudes relative to each other; may be repeated
-    #[arg(long = "tone", value_name = "TONE", required = true, value_parser = tone, allow_hyphen_values = true)]
+    #[arg(
+        long = "tone", value_name = "TONE", required = true, value_parser = tone, allow_hyphen_values = true,
+    )]
     tones: Vec<Tone>,
     /// Duration in s
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
@@ -61,13 +63,20 @@ pub struct Sines {
 #[derive(Args)]
 pub struct NestedLoops {
     /// Frequency of every loop in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 1.0, value_parser = positive, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "HZ", default_value_t = 1.0, value_parser = positive, allow_hyphen_values = true,
+    )]
     frequency: f64,
     /// Amplitudes in the order played, parts of the range
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "1,0.8,0.6,0.4,0.2", value_parser = number, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "LIST", value_delimiter = ',', default_value = "1,0.8,0.6,0.4,0.2",
+        value_parser = number, allow_hyphen_values = true,
+    )]
     amplitudes: Vec<f64>,
     /// Periods of each amplitude
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = count::<u32>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 2, value_parser = count::<u32>, allow_hyphen_values = true,
+    )]
     periods_each: u32,
     #[command(flatten)]
     drive: Drive,
@@ -76,7 +85,9 @@ pub struct NestedLoops {
 #[derive(Args)]
 pub struct ReversalCurves {
     /// Number of curves
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = count::<u32>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 10, value_parser = count::<u32>, allow_hyphen_values = true,
+    )]
     curves: u32,
     /// Seconds a ramp over the whole range takes
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
@@ -88,13 +99,18 @@ pub struct ReversalCurves {
 #[derive(Args)]
 pub struct Staircase {
     /// Steps from the lowest to the highest voltage
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = count::<u32>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 5, value_parser = count::<u32>, allow_hyphen_values = true,
+    )]
     steps: u32,
     /// Seconds each level is held
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     hold: f64,
     /// Seconds of smooth transition between levels; 0 jumps
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "SECONDS", default_value_t = 0.0, value_parser = not_negative,
+        allow_hyphen_values = true,
+    )]
     transition: f64,
     #[command(flatten)]
     drive: Drive,
@@ -109,10 +125,16 @@ pub struct Raster {
     #[arg(long, value_name = "N", value_parser = count::<u32>, allow_hyphen_values = true)]
     lines: u32,
     /// Part of a line spent on the way back; 0.5 is a triangle
-    #[arg(long, value_name = "PART", default_value_t = 0.2, value_parser = not_negative, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "PART", default_value_t = 0.2, value_parser = not_negative,
+        allow_hyphen_values = true,
+    )]
     return_fraction: f64,
     /// Part of a line spent in each turnaround
-    #[arg(long, value_name = "PART", default_value_t = 0.05, value_parser = not_negative, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "PART", default_value_t = 0.05, value_parser = not_negative,
+        allow_hyphen_values = true,
+    )]
     turnaround_fraction: f64,
     #[command(flatten)]
     drive: Drive,
@@ -121,13 +143,20 @@ pub struct Raster {
 #[derive(Args)]
 pub struct Decaying {
     /// Frequency in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 1.0, value_parser = positive, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "HZ", default_value_t = 1.0, value_parser = positive, allow_hyphen_values = true,
+    )]
     frequency: f64,
     /// Number of cycles
-    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = positive, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 30.0, value_parser = positive, allow_hyphen_values = true,
+    )]
     cycles: f64,
     /// Ratio of the amplitudes of successive cycles
-    #[arg(long, value_name = "RATIO", default_value_t = 0.85, value_parser = positive, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "RATIO", default_value_t = 0.85, value_parser = positive,
+        allow_hyphen_values = true,
+    )]
     ratio: f64,
     #[command(flatten)]
     drive: Drive,
@@ -172,14 +201,18 @@ pub struct Multisine {
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_hyphen_values = true)]
     period: f64,
     /// Number of periods
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = count::<u32>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 4, value_parser = count::<u32>, allow_hyphen_values = true,
+    )]
     periods: u32,
     /// Which multiples of 1/period are excited
     #[arg(long, value_enum, default_value_t = LineChoice::Full)]
     lines: LineChoice,
     /// Size of a group of consecutive odd lines of which one is a detection line, with --lines
     /// odd-with-detection
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = count::<u32>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 4, value_parser = count::<u32>, allow_hyphen_values = true,
+    )]
     detection_group: u32,
     /// Choice of the phases
     #[arg(long, value_enum, default_value_t = PhaseChoice::Optimised)]
@@ -213,7 +246,10 @@ enum PhaseChoice {
 #[derive(Args)]
 pub struct Random {
     /// Lowest frequency in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 0.0, value_parser = not_negative, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "HZ", default_value_t = 0.0, value_parser = not_negative,
+        allow_hyphen_values = true,
+    )]
     from: f64,
     /// Highest frequency in Hz
     #[arg(long, value_name = "HZ", value_parser = positive, allow_hyphen_values = true)]

@@ -98,7 +98,10 @@ pub struct Identify {
 
     /// Hysteresis block [default: bouc-wen; activated-plays for a record with non-uniform time stamps that
     /// has small oscillations beside wide moves]
-    #[arg(long, value_name = "HYSTERESIS", value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary))]
+    #[arg(
+        long, value_name = "HYSTERESIS",
+        value_parser = one_of(HysteresisForm::usual(), HysteresisForm::name, HysteresisForm::summary),
+    )]
     hysteresis: Option<HysteresisForm>,
 
     /// Elements of the hysteresis block: plays, slip elements, states, lines or intervals of a plane, degree
@@ -155,7 +158,9 @@ pub struct Identify {
     population: Option<usize>,
 
     /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u64>, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N", default_value_t = 1, value_parser = whole::<u64>, allow_hyphen_values = true,
+    )]
     seed: u64,
 
     /// Threads; the result does not depend on it [default: all cores]
@@ -167,7 +172,10 @@ pub struct Identify {
     resume: Option<PathBuf>,
 
     /// Degree of the polynomial l(u)
-    #[arg(long, value_name = "N|auto", default_value = "auto", value_parser = degree, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "N|auto", default_value = "auto", value_parser = degree,
+        allow_hyphen_values = true,
+    )]
     degree: ChoiceArg<usize>,
 
     /// Exponent n of the Bouc–Wen model [default: 1; free for an oscillator]
@@ -176,7 +184,10 @@ pub struct Identify {
 
     /// Delay between input and output in seconds; a given delay stands for the whole time shift of a
     /// quasi-static record
-    #[arg(long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "SECONDS|auto", default_value = "auto", value_parser = delay,
+        allow_hyphen_values = true,
+    )]
     delay: ChoiceArg<f64>,
 
     /// Hold a parameter at a value (repeatable)
@@ -203,7 +214,10 @@ pub struct Identify {
     inter_sample: Option<ChoiceArg<InterSample>>,
 
     /// Least fit of a record, in %, below which no model is returned
-    #[arg(long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number, allow_hyphen_values = true)]
+    #[arg(
+        long, value_name = "PERCENT", default_value_t = 75.0, value_parser = number,
+        allow_hyphen_values = true,
+    )]
     least_fit: f64,
 
     #[command(flatten)]

@@ -10,11 +10,17 @@ use crate::numbers::{count, positive, whole};
 pub struct ModesFlags {
     /// Pairs of poles that the search of modes starts from [default: as many as improve the fit of the
     /// response]
-    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    #[arg(
+        long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true,
+        help_heading = "Several axes",
+    )]
     modes: Option<usize>,
 
     /// Plays of each hysteresis operator; 0: polynomials alone [default: 6]
-    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    #[arg(
+        long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true,
+        help_heading = "Several axes",
+    )]
     plays: Option<usize>,
 
     /// Linear modes at each level, without hysteresis
@@ -22,15 +28,24 @@ pub struct ModesFlags {
     linear: bool,
 
     /// Integration steps a sample, 1 to 8 [default: 2]
-    #[arg(long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    #[arg(
+        long, value_name = "N", value_parser = count::<usize>, allow_hyphen_values = true,
+        help_heading = "Several axes",
+    )]
     steps: Option<usize>,
 
     /// Most iterations of the last search [default: 12]
-    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true, help_heading = "Several axes")]
+    #[arg(
+        long, value_name = "N", value_parser = whole::<usize>, allow_hyphen_values = true,
+        help_heading = "Several axes",
+    )]
     iterations: Option<usize>,
 
     /// Exponent with which the modes follow the level of the drive [default: 1]
-    #[arg(long, value_name = "P", value_parser = positive, allow_hyphen_values = true, help_heading = "Several axes")]
+    #[arg(
+        long, value_name = "P", value_parser = positive, allow_hyphen_values = true,
+        help_heading = "Several axes",
+    )]
     exponent: Option<f64>,
 }
 

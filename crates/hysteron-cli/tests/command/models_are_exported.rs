@@ -165,7 +165,8 @@ fn single_precision_that_takes_too_much_is_said_or_refused() {
     let bench = bench();
     let inverse = |rate: &str, float: &str| {
         bench.run(&format!(
-            "export P-885_stage.json --to c -o out --name stage --inverse --range 0:100 --sample-rate {rate} --float {float}"
+            "export P-885_stage.json --to c -o out --name stage --inverse --range 0:100 --sample-rate {rate} \
+             --float {float}"
         ))
     };
     let run = inverse("1e4", "f32");

@@ -109,7 +109,8 @@ fn json(text: &str) -> Value {
 fn records_of_two_levels_become_a_file_that_predicts_one_between() {
     let bench = bench();
     let run = bench.run(&format!(
-        "identify low1.csv low2.csv high1.csv high2.csv {COLUMNS} --modes 2 --steps 1 --plays 2 --iterations 2 -o stage.json --json"
+        "identify low1.csv low2.csv high1.csv high2.csv {COLUMNS} --modes 2 --steps 1 --plays 2 --iterations \
+         2 -o stage.json --json"
     ));
     assert_eq!(run.exit_code, 0, "{}", run.stderr);
     let told = json(&run.stdout);

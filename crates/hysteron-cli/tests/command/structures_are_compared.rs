@@ -27,7 +27,8 @@ const SINES: &str = "bench/simulated_sine_12hz.csv bench/simulated_sine_40hz.csv
 fn a_campaign_ranks_dynamics_before_none_and_writes_the_model_that_it_prefers() {
     let bench = measured();
     let run = bench.run(&format!(
-        "compare {LOOP} {SWEEP} {SINES} --candidates none,integer2,fractional+degree2 --json --report compare.html -o new.json"
+        "compare {LOOP} {SWEEP} {SINES} --candidates none,integer2,fractional+degree2 --json --report \
+         compare.html -o new.json"
     ));
     assert_eq!((run.exit_code, run.stdout.trim_end().lines().count()), (0, 1), "{run:?}");
     let found: Value = serde_json::from_str(&run.stdout).unwrap();

@@ -46,7 +46,8 @@ impl FmiVersion {
     }
 }
 
-/// The model as FMUs of both versions, `NAME_fmi2.fmu` and `NAME_fmi3.fmu`: source and, on 64-bit Linux, a binary made by `compiler`.
+/// The model as FMUs of both versions, `NAME_fmi2.fmu` and `NAME_fmi3.fmu`: source and, on 64-bit Linux, a
+/// binary made by `compiler`.
 ///
 /// # Errors
 /// [`ExportError::Compiler`] where the compiler is not there or fails; as [`crate::c_files`].
@@ -54,7 +55,8 @@ pub fn fmu_files(subject: &Subject, compiler: &str) -> Result<Vec<NamedFile>, Ex
     both(subject, None, compiler)
 }
 
-/// The inverse as FMUs of both versions, `NAME_inverse_fmi2.fmu` and `NAME_inverse_fmi3.fmu`; as [`fmu_files`].
+/// The inverse as FMUs of both versions, `NAME_inverse_fmi2.fmu` and `NAME_inverse_fmi3.fmu`; as
+/// [`fmu_files`].
 ///
 /// # Errors
 /// As [`fmu_files`].

@@ -152,7 +152,8 @@ fn signals(subject: &Subject, inverse: Option<&Inverse>) -> Vec<Variable> {
         subject.range.as_ref().map(|r| format!(" Identified from {} to {}.", r.input.low, r.input.high));
     let Some(inverse) = inverse else {
         let about = format!("Voltage.{}", range.unwrap_or_default());
-        let status = "Status of the last sample: 0 done, 1 voltage outside of the range identified, -1 voltage not finite, -2 out of all reason";
+        let status = "Status of the last sample: 0 done, 1 voltage outside of the range identified, -1 \
+                      voltage not finite, -2 out of all reason";
         return vec![
             variable("voltage", 1, INPUT, &about, input, Some(0.0)),
             variable("displacement", 2, OUTPUT, "Displacement after the last sample", output, None),
@@ -160,7 +161,8 @@ fn signals(subject: &Subject, inverse: Option<&Inverse>) -> Vec<Variable> {
         ];
     };
     let about = format!("Reference, {} samples ahead", inverse.compensation.preview);
-    let status = "Status of the last sample: 0 followed, 1 held back by the range, 2 by the slew limit, -1 reference not finite, -2 out of all reason";
+    let status = "Status of the last sample: 0 followed, 1 held back by the range, 2 by the slew limit, -1 \
+                  reference not finite, -2 out of all reason";
     let [low, high] = inverse.range_v;
     vec![
         variable("reference", 1, INPUT, &about, output, Some(subject.realisation.model.offset)),
@@ -207,7 +209,8 @@ pub(super) fn description(
         FmiVersion::Two => {
             let line = |name: &str, reference: usize, attributes: &str, about: &str, kind: &str| {
                 format!(
-                    "    <ScalarVariable name=\"{name}\" valueReference=\"{reference}\" {attributes} description=\"{about}\">{kind}</ScalarVariable>\n"
+                    "    <ScalarVariable name=\"{name}\" valueReference=\"{reference}\" {attributes} \
+                     description=\"{about}\">{kind}</ScalarVariable>\n"
                 )
             };
             let real = |unit: &str, from: Option<f64>| format!("<Real unit=\"{unit}\"{}/>", start(from));
@@ -223,26 +226,29 @@ pub(super) fn description(
             }
             let unknowns = lines_of(&outputs, &|k| format!("      <Unknown index=\"{k}\"/>\n"));
             format!(
-                "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" modelName=\"{name}\" guid=\"{token}\" \
-                 description=\"{about}\" generationTool=\"{tool}\" variableNamingConvention=\"flat\" numberOfEventIndicators=\"0\">\n  \
-                 <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" \
-                 canSerializeFMUstate=\"true\" needsExecutionTool=\"false\">\n    <SourceFiles>\n      <File name=\"{name}.c\"/>\n      <File \
-                 name=\"fmi2.c\"/>\n    </SourceFiles>\n  </CoSimulation>\n{units}{experiment}  <ModelVariables>\n{variables}  </ModelVariables>\n  \
-                 <ModelStructure>\n    <Outputs>\n{unknowns}    </Outputs>\n    <InitialUnknowns>\n{unknowns}    </InitialUnknowns>\n  \
+                "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" \
+                 modelName=\"{name}\" guid=\"{token}\" \
+                 description=\"{about}\" generationTool=\"{tool}\" variableNamingConvention=\"flat\" \
+                 numberOfEventIndicators=\"0\">\n  \
+                 <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" \
+                 canGetAndSetFMUstate=\"true\" \
+                 canSerializeFMUstate=\"true\" needsExecutionTool=\"false\">\n    <SourceFiles>\n      <File \
+                 name=\"{name}.c\"/>\n      <File \
+                 name=\"fmi2.c\"/>\n    </SourceFiles>\n  </CoSimulation>\n{units}{experiment}  \
+                 <ModelVariables>\n{variables}  </ModelVariables>\n  \
+                 <ModelStructure>\n    <Outputs>\n{unknowns}    </Outputs>\n    \
+                 <InitialUnknowns>\n{unknowns}    </InitialUnknowns>\n  \
                  </ModelStructure>\n</fmiModelDescription>\n"
             )
         }
         FmiVersion::Three => {
-            let line = |kind: &str,
-                        name: &str,
-                        reference: usize,
-                        attributes: &str,
-                        about: &str,
-                        rest: &str| {
-                format!(
-                    "    <{kind} name=\"{name}\" valueReference=\"{reference}\" {attributes} description=\"{about}\"{rest}/>\n"
-                )
-            };
+            let line =
+                |kind: &str, name: &str, reference: usize, attributes: &str, about: &str, rest: &str| {
+                    format!(
+                        "    <{kind} name=\"{name}\" valueReference=\"{reference}\" {attributes} \
+                     description=\"{about}\"{rest}/>\n"
+                    )
+                };
             let real = |unit: &str, from: Option<f64>| format!(" unit=\"{unit}\"{}", start(from));
             let time = r#"causality="independent" variability="continuous""#;
             let mut variables = line("Float64", "time", 0, time, "Simulation time", &real("s", None));
@@ -267,11 +273,16 @@ pub(super) fn description(
                 |tag: &str| lines_of(&references, &|r| format!("    <{tag} valueReference=\"{r}\"/>\n"));
             let (results, unknowns) = (list("Output"), list("InitialUnknown"));
             format!(
-                "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"3.0\" modelName=\"{name}\" \
-                 instantiationToken=\"{token}\" description=\"{about}\" generationTool=\"{tool}\" variableNamingConvention=\"flat\">\n  \
-                 <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUState=\"true\" \
-                 canSerializeFMUState=\"true\" fixedInternalStepSize=\"{period:e}\"/>\n{units}{experiment}  <ModelVariables>\n{variables}  \
-                 </ModelVariables>\n  <ModelStructure>\n{results}{unknowns}  </ModelStructure>\n</fmiModelDescription>\n"
+                "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"3.0\" \
+                 modelName=\"{name}\" \
+                 instantiationToken=\"{token}\" description=\"{about}\" generationTool=\"{tool}\" \
+                 variableNamingConvention=\"flat\">\n  \
+                 <CoSimulation modelIdentifier=\"{name}\" canHandleVariableCommunicationStepSize=\"true\" \
+                 canGetAndSetFMUState=\"true\" \
+                 canSerializeFMUState=\"true\" fixedInternalStepSize=\"{period:e}\"/>\n{units}{experiment}  \
+                 <ModelVariables>\n{variables}  \
+                 </ModelVariables>\n  <ModelStructure>\n{results}{unknowns}  \
+                 </ModelStructure>\n</fmiModelDescription>\n"
             )
         }
     }
@@ -280,8 +291,10 @@ pub(super) fn description(
 /// `buildDescription.xml` of FMI 3.0: how the sources are compiled.
 pub(super) fn build_description(name: &str) -> String {
     format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  <BuildConfiguration modelIdentifier=\"{name}\">\n    \
-         <SourceFileSet language=\"C99\">\n      <SourceFile name=\"{name}.c\"/>\n      <SourceFile name=\"fmi3.c\"/>\n    </SourceFileSet>\n    <Library \
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  \
+         <BuildConfiguration modelIdentifier=\"{name}\">\n    \
+         <SourceFileSet language=\"C99\">\n      <SourceFile name=\"{name}.c\"/>\n      <SourceFile \
+         name=\"fmi3.c\"/>\n    </SourceFileSet>\n    <Library \
          name=\"m\" external=\"true\"/>\n  </BuildConfiguration>\n</fmiBuildDescription>\n"
     )
 }

@@ -6,10 +6,12 @@ use $crate::inverse::Memory;
 
 /// Voltage to rest at first \[$INPUT_UNIT\].
 const REST: Real = $REST;
-/// The first references last a sample each, those from here on so many: what they do has come out of the preview and of slow states then.
+/// The first references last a sample each, those from here on so many: what they do has come out of the
+/// preview and of slow states then.
 const HELD_FROM: usize = $HELD_FROM;
 const HOLD: usize = $HOLD;
-/// References \[$OUTPUT_UNIT\], and the voltages \[$INPUT_UNIT\] at their ends that the library puts out in double precision.
+/// References \[$OUTPUT_UNIT\], and the voltages \[$INPUT_UNIT\] at their ends that the library puts out in
+/// double precision.
 const REFERENCES: [Real; $SAMPLES] = [
 $REFERENCES
 ];

@@ -167,15 +167,16 @@ impl Memory {
     }
 
 //{ inverse
-    /// The inverse, at rest and virgin at the voltage within its limits that is next to 0 $INPUT_UNIT: `step` takes a reference \[$OUTPUT_UNIT\], [`PREVIEW`]
-    /// samples ahead, and gives the voltage \[$INPUT_UNIT\].
+    /// The inverse, at rest and virgin at the voltage within its limits that is next to 0 $INPUT_UNIT: `step`
+    /// takes a reference \[$OUTPUT_UNIT\], [`PREVIEW`] samples ahead, and gives the voltage \[$INPUT_UNIT\].
     ///
     /// # Errors
     /// As [`Self::new`].
     pub fn compensator(&mut self) -> Result<Compensator<'_, Real>, ModelError<Real>> {
 //}
 //{ !inverse
-    /// The model, at rest and virgin at 0 $INPUT_UNIT: `step` takes a voltage \[$INPUT_UNIT\] and gives the displacement \[$OUTPUT_UNIT\].
+    /// The model, at rest and virgin at 0 $INPUT_UNIT: `step` takes a voltage \[$INPUT_UNIT\] and gives the
+    /// displacement \[$OUTPUT_UNIT\].
     ///
     /// # Errors
     /// As [`Self::new`].

@@ -3,10 +3,12 @@
 
 use $name::{Memory, Real};
 
-/// The first voltages last a sample each, those from here on so many: what they do has come out of the delay and of slow states then.
+/// The first voltages last a sample each, those from here on so many: what they do has come out of the delay
+/// and of slow states then.
 const HELD_FROM: usize = $HELD_FROM;
 const HOLD: usize = $HOLD;
-/// Voltages \[$INPUT_UNIT\], and the displacements \[$OUTPUT_UNIT\] at their ends that the library puts out in double precision.
+/// Voltages \[$INPUT_UNIT\], and the displacements \[$OUTPUT_UNIT\] at their ends that the library puts out
+/// in double precision.
 const VOLTAGES: [Real; $SAMPLES] = [
 $VOLTAGES
 ];

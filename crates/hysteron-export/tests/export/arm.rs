@@ -1,4 +1,5 @@
-//! The C source on a Cortex-M4F and a Cortex-M7, run by a simulator: the self-test passes; instructions, flash, RAM and stack are printed.
+//! The C source on a Cortex-M4F and a Cortex-M7, run by a simulator: the self-test passes; instructions,
+//! flash, RAM and stack are printed.
 
 use std::path::Path;
 
@@ -125,7 +126,8 @@ fn measure(folder: &Path, board: &Board, name: &str, precision: Precision, count
     let usage = std::fs::read_to_string(folder.join("model.su")).unwrap();
     let stack = usage.lines().filter_map(|l| l.split('\t').nth(1)?.parse::<u32>().ok()).sum::<u32>();
     format!(
-        "{} {name} {}: {}; flash {flash} bytes without <math.h>, stack {stack} bytes (all functions, without <math.h>); {}",
+        "{} {name} {}: {}; flash {flash} bytes without <math.h>, stack {stack} bytes (all functions, without \
+         <math.h>); {}",
         board.name,
         precision.name(),
         counted.trim(),

@@ -24,7 +24,8 @@ enum Call {
 /// Status as in the source, and what was put out.
 pub type Answer = (f64, f64);
 
-/// Slow and fast moves, holds and jumps within the range; where `wild`, far beyond it and with bad numbers too.
+/// Slow and fast moves, holds and jumps within the range; where `wild`, far beyond it and with bad numbers
+/// too.
 fn calls(seed: u64, count: usize, wild: Option<Precision>) -> Vec<Call> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut u = 0.0_f64;

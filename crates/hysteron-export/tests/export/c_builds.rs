@@ -97,7 +97,8 @@ fn table(text: &str, name: &str) -> Option<(Range<usize>, Vec<String>)> {
     Some((from..to, text[from..to].split(',').map(|x| x.trim().to_owned()).collect()))
 }
 
-/// A delay longer than the table, and a rate at which the poles are slow: the drive is held until it has come out.
+/// A delay longer than the table, and a rate at which the poles are slow: the drive is held until it has come
+/// out.
 #[test]
 fn the_selftest_sees_every_pole_behind_a_long_delay() {
     let place = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! FMPy finds nothing wrong with the FMUs and simulates what the library does; the source compiles against the standard's headers.
+//! FMPy finds nothing wrong with the FMUs and simulates what the library does; the source compiles against
+//! the standard's headers.
 
 use std::fmt::Write;
 use std::path::PathBuf;

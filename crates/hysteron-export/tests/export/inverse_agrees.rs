@@ -1,4 +1,5 @@
-//! The inverse in C and `hysteron_rt::Compensator` side by side; every voltage within range and slew, whatever is handed in.
+//! The inverse in C and `hysteron_rt::Compensator` side by side; every voltage within range and slew,
+//! whatever is handed in.
 
 use hysteron_export::{GoldenInverse, Inverse, Precision, inverse_files, write_folder};
 use hysteron_model::compensator::{CompensatorParts, Prediction};
@@ -152,7 +153,8 @@ fn the_inverse_is_the_runtime_s_and_keeps_to_its_limits() {
                 }
                 assert!(limited > 1000, "{limited}");
                 println!(
-                    "{name} {} {compiler}: {worst:.1e} V, allowed {tolerance:.1e}; {limited} limited or refused",
+                    "{name} {} {compiler}: {worst:.1e} V, allowed {tolerance:.1e}; {limited} limited or \
+                     refused",
                     precision.name()
                 );
                 assert!(worst <= tolerance, "{name}: {worst:e}");

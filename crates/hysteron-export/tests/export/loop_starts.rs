@@ -1,4 +1,5 @@
-//! The example loop takes a stage over wherever a power cycle left it: no step above the slew limit, and the reference is met.
+//! The example loop takes a stage over wherever a power cycle left it: no step above the slew limit, and the
+//! reference is met.
 
 use hysteron_export::{Inverse, Precision, c_files, inverse_files, write_folder};
 use hysteron_model::compensator::{Compensation, CompensatorOptions};
@@ -24,7 +25,8 @@ fn the_loop_starts_after_a_power_cycle() {
         let sources = ["stage.c", "stage_inverse.c", "stage_inverse_loop.c", "driver.c", "-o", "loop", "-lm"];
         let sanitized = ["-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
         run(&folder, compiler, &[&STRICT[..], &sanitized, &sources].concat());
-        // Tolerances [um]: what the hysteresis remembers is known where it came up without turning; else up to twice the memory's largest, 1.33 um.
+        // Tolerances [um]: what the hysteresis remembers is known where it came up without turning; else up
+        // to twice the memory's largest, 1.33 um.
         for (peak, at, known, tolerance) in [
             ("6", "6", "1", 0.01),
             ("6", "6", "0", 0.5),

@@ -110,7 +110,8 @@ pub fn all() -> Vec<(&'static str, Model)> {
     all
 }
 
-/// Number types where building takes its time: one is enough for the families, whose code is the same in both.
+/// Number types where building takes its time: one is enough for the families, whose code is the same in
+/// both.
 pub fn precisions(name: &str) -> Vec<Precision> {
     let is_family = families().iter().any(|(family, _)| *family == name);
     if is_family { vec![Precision::F32] } else { vec![Precision::F32, Precision::F64] }

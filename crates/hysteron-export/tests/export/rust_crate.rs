@@ -44,7 +44,8 @@ fn every_kind_of_model_builds_and_passes_its_selftest() {
     std::fs::copy(lock, place.path().join("Cargo.lock")).unwrap();
     let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("exported-crates");
     let target = target.to_str().unwrap();
-    // The self-tests, and the examples of one: every crate's are the same, and take longer than its self-tests.
+    // The self-tests, and the examples of one: every crate's are the same, and take longer than its
+    // self-tests.
     let tests = ["test", "--offline", "--workspace", "--test", "*", "--target-dir", target];
     let said = run(place.path(), env!("CARGO"), &tests);
     assert_eq!(said.matches("test golden_vectors ... ok").count(), members.len() + inverses, "{said}");

@@ -46,10 +46,11 @@ impl OneStep for KernelNarx {
     }
 }
 
-/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes first.
+/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes
+/// first.
 ///
-/// λ is chosen by the leave-one-out error of one step, which says too little of a simulation to choose anything
-/// else by; lag interval, lags and ℓ by the simulated error on what is held back.
+/// λ is chosen by the leave-one-out error of one step, which says too little of a simulation to choose
+/// anything else by; lag interval, lags and ℓ by the simulated error on what is held back.
 pub(super) fn train(
     sets: &[TrainingSet],
     lags: &[Lags],
@@ -136,8 +137,8 @@ impl<'a> Ridge<'a> {
         Self { rows, kernel, linear, leverage, target, z, vectors, values }
     }
 
-    /// Root mean square of the leave-one-out residuals e_i/(1 − h_ii), h the diagonal of the hat matrix (D. M.
-    /// Allen, Technometrics 16 (1974) 125–127, doi:10.1080/00401706.1974.10489157); the centres stay.
+    /// Root mean square of the leave-one-out residuals e_i/(1 − h_ii), h the diagonal of the hat matrix (D.
+    /// M. Allen, Technometrics 16 (1974) 125–127, doi:10.1080/00401706.1974.10489157); the centres stay.
     pub fn leave_one_out(&self, ridge: f64) -> f64 {
         let mut leverage = self.leverage.clone();
         let mut rest = self.target.clone();

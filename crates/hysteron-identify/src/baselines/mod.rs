@@ -1,5 +1,5 @@
-//! Nonlinear black-box models to compare an identified model with: NARX models trained on the same records and
-//! simulated.
+//! Nonlinear black-box models to compare an identified model with: NARX models trained on the same records
+//! and simulated.
 //!
 //! ```text
 //! y_k = f(y_{k−1}, …, y_{k−ny}, u_k, …, u_{k−nu}, s_k)
@@ -7,12 +7,12 @@
 //!
 //! with f a polynomial whose terms orthogonal least squares selects ([`PolynomialNarx`]), kernel ridge
 //! regression ([`KernelNarx`]), or a network with one hidden layer ([`NeuralNarx`]). The regressors hold the
-//! direction s of the drive ([`Lags`]): without it there is no hysteresis. All choices are made on the training
-//! records, by simulation of a quarter of them that is held back. [`cross_validate`] scores them on what a
-//! comparison of structures leaves out.
+//! direction s of the drive ([`Lags`]): without it there is no hysteresis. All choices are made on the
+//! training records, by simulation of a quarter of them that is held back. [`cross_validate`] scores them on
+//! what a comparison of structures leaves out.
 //!
-//! These are baselines: their parameters mean nothing, they hold for one time between samples, have no inverse and no
-//! intervals. `docs/theory/baselines.md` says when one is the better choice all the same.
+//! These are baselines: their parameters mean nothing, they hold for one time between samples, have no
+//! inverse and no intervals. `docs/theory/baselines.md` says when one is the better choice all the same.
 
 mod cross_validation;
 mod error;

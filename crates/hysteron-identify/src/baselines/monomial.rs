@@ -5,7 +5,8 @@
 pub struct Monomial(pub Vec<usize>);
 
 impl Monomial {
-    /// All products of up to `degree` of `count` regressors; `once`, whose square is 1, to the first power only.
+    /// All products of up to `degree` of `count` regressors; `once`, whose square is 1, to the first power
+    /// only.
     pub fn all(count: usize, degree: usize, once: usize) -> Vec<Self> {
         let mut list = vec![Self(Vec::new())];
         let mut from = 0;

@@ -90,11 +90,12 @@ fn activation(unit: &[f64], x: &[f64]) -> f64 {
     (unit[1] + inner(&unit[2..], x)).tanh()
 }
 
-/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes first.
+/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes
+/// first.
 ///
-/// From random hidden units, the outer layer by least squares; then all parameters on the one-step error, then on
-/// the simulated error of three quarters of the records. The network that simulates the held-back quarter best is
-/// refined on all.
+/// From random hidden units, the outer layer by least squares; then all parameters on the one-step error,
+/// then on the simulated error of three quarters of the records. The network that simulates the held-back
+/// quarter best is refined on all.
 pub(super) fn train(
     sets: &[TrainingSet],
     lags: &[Lags],
@@ -131,8 +132,8 @@ pub(super) fn train(
     Ok((number, regressors, model))
 }
 
-/// Random hidden units (normal weights, so that units bend within the range of the regressors), the outer layer
-/// by least squares.
+/// Random hidden units (normal weights, so that units bend within the range of the regressors), the outer
+/// layer by least squares.
 fn begin(rows: &Rows, seed: u64) -> NeuralNarx {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut normal = || {

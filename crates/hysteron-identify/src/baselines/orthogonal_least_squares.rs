@@ -30,9 +30,9 @@ pub struct StoppingRule {
 ///
 /// w being what is left of the column after projection on those selected before (S. Chen, S. A. Billings, W.
 /// Luo, Int. J. Control 50 (1989) 1873–1896, doi:10.1080/00207178908953472). Neither the selection nor the
-/// ratios depend on the scales of the columns or of the target. Columns are overwritten by what is left of them
-/// (modified Gram–Schmidt). Ends with the best value of the criterion in [`StoppingRule`]; terms after it are not
-/// returned.
+/// ratios depend on the scales of the columns or of the target. Columns are overwritten by what is left of
+/// them (modified Gram–Schmidt). Ends with the best value of the criterion in [`StoppingRule`]; terms after
+/// it are not returned.
 pub fn select(columns: &mut [Vec<f64>], target: &[f64], stop: &StoppingRule) -> Vec<Selected> {
     let rows = target.len() as f64;
     let whole = dot(target, target);

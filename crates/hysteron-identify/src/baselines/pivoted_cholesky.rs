@@ -11,9 +11,9 @@ pub(super) fn gaussian(a: &[f64], b: &[f64], width: f64) -> f64 {
     (-0.5 * square / (width * width)).exp()
 }
 
-/// K ≈ L Lᵀ by Cholesky's method with the largest remaining diagonal as pivot (S. Fine, K. Scheinberg, J. Mach.
-/// Learn. Res. 2 (2001) 243–264). The pivots are the centres: L Lᵀ is Nyström's approximation of K from them,
-/// and each is the row that those before explain least.
+/// K ≈ L Lᵀ by Cholesky's method with the largest remaining diagonal as pivot (S. Fine, K. Scheinberg, J.
+/// Mach. Learn. Res. 2 (2001) 243–264). The pivots are the centres: L Lᵀ is Nyström's approximation of K from
+/// them, and each is the row that those before explain least.
 #[derive(Clone, Debug)]
 pub(super) struct PivotedCholesky {
     /// Rows that are pivots, in their order.

@@ -70,12 +70,13 @@ struct Candidate<'a> {
     error: f64,
 }
 
-/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes first.
+/// Trains on sets of different lag intervals, all of the same records; the number of the best set comes
+/// first.
 ///
 /// For every interval and number of lags, terms are selected on three quarters of the records by the one-step
 /// error. Of all models along the way (the first term, the first two, …) those that simulate the held-back
-/// quarter best are refined on the simulated error of the three quarters, and the best of them again simulated
-/// on the quarter is refined on all.
+/// quarter best are refined on the simulated error of the three quarters, and the best of them again
+/// simulated on the quarter is refined on all.
 pub(super) fn train(
     sets: &[TrainingSet],
     lags: &[Lags],
@@ -231,7 +232,8 @@ mod tests {
 
     #[test]
     fn a_term_that_later_ones_make_needless_has_no_coefficient() {
-        // The Duhem equation's two terms look like one of ∇y before either is in: the search cannot take it back.
+        // The Duhem equation's two terms look like one of ∇y before either is in: the search cannot take it
+        // back.
         let truth = model(&[
             (&[Y], 0.9),
             (&[DY], 0.25),

@@ -11,8 +11,8 @@
 /// samples y_{k−1} … y_{k−ny} and u_k … u_{k−nu} span, so that polynomials of one degree are the same; unlike
 /// these they are not nearly equal to one another.
 ///
-/// Without Δ and s no NARX model has a loop that stays open as the drive slows down: with them a polynomial holds the
-/// discrete Duhem equation y_k = y₁ + Δ (c₀ + c₁u₁ + s (c₂u₁ + c₃y₁)), rate-independent hysteresis
+/// Without Δ and s no NARX model has a loop that stays open as the drive slows down: with them a polynomial
+/// holds the discrete Duhem equation y_k = y₁ + Δ (c₀ + c₁u₁ + s (c₂u₁ + c₃y₁)), rate-independent hysteresis
 /// (S. A. M. Martins, L. A. Aguirre, Mech. Syst. Signal Process. 75 (2016) 607–617).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Lags {
@@ -147,8 +147,8 @@ fn transposed_differences(g: &mut [f64]) {
     }
 }
 
-/// Direction in which the drive last moved: turns only where it comes back from its last extremum by more than
-/// `band`. Before the first move that large it is that move's.
+/// Direction in which the drive last moved: turns only where it comes back from its last extremum by more
+/// than `band`. Before the first move that large it is that move's.
 pub(super) fn directions(u: &[f64], band: f64) -> Vec<f64> {
     let Some(&first) = u.first() else { return Vec::new() };
     let mut extremum = first;

@@ -79,8 +79,8 @@ impl Units {
         Ok(stride as usize)
     }
 
-    /// The record as as many series as there are samples in a lag interval, each one sample later than the one
-    /// before.
+    /// The record as as many series as there are samples in a lag interval, each one sample later than the
+    /// one before.
     ///
     /// # Errors
     /// As [`Units::stride`]; [`BaselineError::NotFinite`].
@@ -103,8 +103,8 @@ impl Units {
     }
 }
 
-/// Lag intervals to try for these records \[s\]: about 10, 20 and 40 to the period of the fastest drive, each a
-/// whole number of samples of the slowest-sampled record. Of the records only the drives count.
+/// Lag intervals to try for these records \[s\]: about 10, 20 and 40 to the period of the fastest drive, each
+/// a whole number of samples of the slowest-sampled record. Of the records only the drives count.
 ///
 /// # Errors
 /// [`BaselineError::NoRecords`], [`BaselineError::NoSampleRate`].

@@ -23,8 +23,8 @@ pub(super) enum Feedback {
     Simulated,
 }
 
-/// The coefficients of `model` from which the error over the valid samples of `series` (about 8000 of them) is
-/// least, sought from those it has, each within `reach` of them, by Levenberg–Marquardt.
+/// The coefficients of `model` from which the error over the valid samples of `series` (about 8000 of them)
+/// is least, sought from those it has, each within `reach` of them, by Levenberg–Marquardt.
 ///
 /// Derivatives of the simulated output follow the simulation:
 /// dy_k/dθ = ∂f/∂θ + Σ_i ∂f/∂y_{k−i} dy_{k−i}/dθ.
@@ -211,7 +211,8 @@ mod tests {
         NeuralNarx::new(inputs, parameters.collect())
     }
 
-    /// Central differences of the residuals, error 1e-10 for step 1e-5 and third derivatives of the order of 1.
+    /// Central differences of the residuals, error 1e-10 for step 1e-5 and third derivatives of the order of
+    /// 1.
     fn check<M: Differentiable>(model: &M, feedback: Feedback) {
         let series = series();
         let regressors = Regressors::scaled(LAGS, &series);

@@ -1,9 +1,11 @@
-//! Identification of coupled Hammerstein branches ([`hysteron_model::axes::CoupledHammerstein`]): all branches of all outputs in one fit.
+//! Identification of coupled Hammerstein branches ([`hysteron_model::axes::CoupledHammerstein`]): all
+//! branches of all outputs in one fit.
 //!
-//! Gains and offsets are linear and eliminated at every point of the search (variable projection: G. H. Golub, V. Pereyra,
-//! doi:10.1137/0710036); what is searched are three numbers an actuator and three a path. Starts: one shape for all actuators,
-//! then the natural frequency, damping and delay of one path after the other from a lattice, until none is better; bounded least squares
-//! from the best of them. Standard errors come from the derivatives of everything at once, gains included, under white noise.
+//! Gains and offsets are linear and eliminated at every point of the search (variable projection: G. H.
+//! Golub, V. Pereyra, doi:10.1137/0710036); what is searched are three numbers an actuator and three a path.
+//! Starts: one shape for all actuators, then the natural frequency, damping and delay of one path after the
+//! other from a lattice, until none is better; bounded least squares from the best of them. Standard errors
+//! come from the derivatives of everything at once, gains included, under white noise.
 
 mod problem;
 mod written;
@@ -71,8 +73,8 @@ pub struct CoupledIdentification {
     pub resume: Searches,
 }
 
-/// Identifies the branches from records that share the device, the sample rate and the channels. Every input rested at its first sample
-/// before its record, or is in its steady state where all of them repeat.
+/// Identifies the branches from records that share the device, the sample rate and the channels. Every input
+/// rested at its first sample before its record, or is in its steady state where all of them repeat.
 ///
 /// # Errors
 /// [`IdentifyError`].
@@ -132,7 +134,8 @@ pub fn identify(
     Ok(CoupledIdentification { model, errors, records: scores, findings, interrupted, resume })
 }
 
-/// Best point of the lattice, one path after the other; `None` where nothing can be simulated, or it was stopped.
+/// Best point of the lattice, one path after the other; `None` where nothing can be simulated, or it was
+/// stopped.
 fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64), stop: &Stop) -> Option<Vec<f64>> {
     let bounds = problem.bounds();
     let rate = problem.pieces.first()?.record.sample_rate_hz;
@@ -193,7 +196,8 @@ fn start(problem: &CoupledProblem<'_>, (alpha, beta): (f64, f64), stop: &Stop) -
     least.iter().all(|cost| cost.is_finite()).then_some(x)
 }
 
-/// Standard errors from the derivatives with respect to everything but the offsets, which every residual has off.
+/// Standard errors from the derivatives with respect to everything but the offsets, which every residual has
+/// off.
 fn errors(
     pieces: &[Piece<'_>],
     problem: &CoupledProblem<'_>,
@@ -236,7 +240,8 @@ fn findings(errors: Option<&CoupledErrors>) -> Vec<Finding> {
     if errors.is_some() {
         return Vec::new();
     }
-    let text = "these records do not determine all parameters: there are no standard errors. Drive every input over a wider range of \
+    let text = "these records do not determine all parameters: there are no standard errors. Drive every \
+                input over a wider range of \
                 frequencies and amplitudes."
         .to_owned();
     vec![Finding::new(FindingKind::Warning, "parameters", text)]

@@ -19,7 +19,8 @@ pub(super) struct Piece<'a> {
     pub settled: Option<usize>,
 }
 
-/// The search: shapes of the actuators and of the paths; with `gains_free` their gains as well, for the errors of all.
+/// The search: shapes of the actuators and of the paths; with `gains_free` their gains as well, for the
+/// errors of all.
 #[derive(Debug)]
 pub(super) struct CoupledProblem<'a> {
     pub pieces: &'a [Piece<'a>],
@@ -103,7 +104,8 @@ impl<'a> CoupledProblem<'a> {
         }
     }
 
-    /// What the path from input `n` to output `m` makes of its input, over all records, the mean over each record off.
+    /// What the path from input `n` to output `m` makes of its input, over all records, the mean over each
+    /// record off.
     pub(super) fn column(&self, point: &Point, m: usize, n: usize) -> Option<Vec<f64>> {
         let model = branch(&point.actuators[n], &point.paths[m * self.inputs + n]).ok()?;
         let mut column = Vec::new();
@@ -192,7 +194,8 @@ fn centred(x: &[f64], record: &AxesRecord) -> Vec<f64> {
     x.iter().enumerate().map(|(k, x)| if is_valid(record, k) { x - mean } else { 0.0 }).collect()
 }
 
-/// Weights of the columns, by normal equations of columns of length 1; columns that nothing tells apart get no solution.
+/// Weights of the columns, by normal equations of columns of length 1; columns that nothing tells apart get
+/// no solution.
 fn least_squares(columns: &[&Vec<f64>], target: &[f64]) -> Option<Vec<f64>> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let lengths: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();

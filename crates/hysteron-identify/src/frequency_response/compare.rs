@@ -30,7 +30,8 @@ pub struct Candidate {
 pub enum Family {
     /// K s^{−μ}.
     PowerLaw,
-    /// A fractional lag; the form of article Eq. 13 with delay where the response has dynamics ([`has_dynamics`]).
+    /// A fractional lag; the form of article Eq. 13 with delay where the response has dynamics
+    /// ([`has_dynamics`]).
     Fractional,
     /// Poles and zeros, as many parameters as [`Family::Fractional`].
     Integer,
@@ -69,7 +70,8 @@ impl Family {
         }
     }
 
-    /// What tells apart the structures of this response: modes where it has a resonance, else those of a smooth response.
+    /// What tells apart the structures of this response: modes where it has a resonance, else those of a
+    /// smooth response.
     pub fn for_response(response: &FrequencyResponse) -> Vec<Self> {
         if has_resonance(response) {
             vec![Self::PowerLaw, Self::Fractional, Self::Integer, Self::Modes]
@@ -90,7 +92,8 @@ pub fn has_resonance(response: &FrequencyResponse) -> bool {
     })
 }
 
-/// Whether there is more than creep and loss: a resonance, or a phase that turns by more than 45° over the band.
+/// Whether there is more than creep and loss: a resonance, or a phase that turns by more than 45° over the
+/// band.
 pub fn has_dynamics(response: &FrequencyResponse) -> bool {
     let phases = response.phase_deg();
     let low = phases.iter().copied().fold(f64::INFINITY, f64::min);
@@ -182,8 +185,9 @@ fn modal(
     Ok(best)
 }
 
-/// Whether the data pay for the further parameters: the criterion of Schwarz (1978, doi:10.1214/aos/1176344136),
-/// n ln(Σ|w e|²/n) + k ln n, with n the number of independent real residuals that 2N correlated ones are worth.
+/// Whether the data pay for the further parameters: the criterion of Schwarz (1978,
+/// doi:10.1214/aos/1176344136), n ln(Σ|w e|²/n) + k ln n, with n the number of independent real residuals
+/// that 2N correlated ones are worth.
 fn supported(richer: &ResponseFit, simpler: &ResponseFit) -> bool {
     let independent = 2.0 * richer.points as f64 / richer.correlation;
     let more = richer.parameters.len() as f64 - simpler.parameters.len() as f64;

@@ -1,10 +1,11 @@
 //! Frequency response, noise and distortion from records of periodic multisines.
 //!
-//! Whole periods in steady state are transformed, so nothing leaks from one line into another. The records' excited lines
-//! give the response, the scatter between periods its noise, the scatter between realisations (records with other random
-//! phases on the same lines) noise and stochastic nonlinear distortion together, and lines in the band that are not
-//! excited the distortion of odd and of even order. This is the robust method of R. Pintelon and J. Schoukens, *System
-//! Identification: A Frequency Domain Approach*, 2nd ed., Wiley 2012, doi:10.1002/9781118287422, chapter 4.
+//! Whole periods in steady state are transformed, so nothing leaks from one line into another. The records'
+//! excited lines give the response, the scatter between periods its noise, the scatter between realisations
+//! (records with other random phases on the same lines) noise and stochastic nonlinear distortion together,
+//! and lines in the band that are not excited the distortion of odd and of even order. This is the robust
+//! method of R. Pintelon and J. Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed.,
+//! Wiley 2012, doi:10.1002/9781118287422, chapter 4.
 
 use super::FrequencyResponse;
 use crate::IdentifyError;
@@ -32,13 +33,13 @@ pub struct EmpiricalOptions {
 /// Response, noise and distortion at the excited lines, and what the unexcited ones show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmpiricalResponse {
-    /// Mean response over the realisations. Its `std_dev` is the total uncertainty: between realisations where there are
-    /// at least two, else between periods where there are at least two.
+    /// Mean response over the realisations. Its `std_dev` is the total uncertainty: between realisations
+    /// where there are at least two, else between periods where there are at least two.
     pub response: FrequencyResponse,
     /// Standard deviation of the mean response by noise alone; `None` with one period a record.
     pub noise_std: Option<Vec<f64>>,
-    /// Standard deviation of the response of one realisation by stochastic nonlinear distortion: √(M (total² − noise²)),
-    /// 0 where the total does not exceed the noise. `None` with one realisation.
+    /// Standard deviation of the response of one realisation by stochastic nonlinear distortion: √(M (total²
+    /// − noise²)), 0 where the total does not exceed the noise. `None` with one realisation.
     pub distortion_std: Option<Vec<f64>>,
     /// Output at lines in the band that are not excited, odd multiples of 1/period.
     pub odd_detection: DetectionLines,
@@ -52,7 +53,8 @@ pub struct EmpiricalResponse {
     pub period_samples: usize,
 }
 
-/// Root mean square over the realisations of the output's amplitude at lines that are not excited, in the output's unit.
+/// Root mean square over the realisations of the output's amplitude at lines that are not excited, in the
+/// output's unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DetectionLines {
     /// Frequencies \[Hz\].
@@ -75,9 +77,9 @@ struct Realisation {
 /// Takes the response from one or more records of the same multisine lines.
 ///
 /// # Errors
-/// [`IdentifyError::NoResponse`]: no record; no uniform sample rate; a period that is not a whole number of samples or
-/// not there twice where it has to be found; masked samples; records of different rates, periods or lines.
-/// [`IdentifyError::Record`]: no period found.
+/// [`IdentifyError::NoResponse`]: no record; no uniform sample rate; a period that is not a whole number of
+/// samples or not there twice where it has to be found; masked samples; records of different rates, periods
+/// or lines. [`IdentifyError::Record`]: no period found.
 pub fn empirical_response(
     records: &[InputOutput],
     options: &EmpiricalOptions,
@@ -148,7 +150,8 @@ fn steady_part(
         return Err(refused(
             &record.name,
             &format!(
-                "its period of {period:.4} samples is not a whole number of them, so its lines leak into one another; play a \
+                "its period of {period:.4} samples is not a whole number of them, so its lines leak into one \
+                 another; play a \
                  multisine whose period is a whole number of samples, or give the period"
             ),
             Some(Advice::GivePeriod),
@@ -162,7 +165,8 @@ fn steady_part(
         return Err(bad(
             &record.name,
             &format!(
-                "of its {count} whole period(s) {settling} are left out while the output settles, and none is left"
+                "of its {count} whole period(s) {settling} are left out while the output settles, and none \
+                 is left"
             ),
         ));
     }

@@ -35,7 +35,8 @@ pub(super) fn explain(fit: &ResponseFit, response: &FrequencyResponse) -> String
     if structure.loss_angle {
         let angle = fit.value("loss_angle").to_degrees();
         parts.push(format!(
-            "{} more as a loss angle, a phase without a fall of the magnitude, as rate-independent hysteresis leaves it (it would change \
+            "{} more as a loss angle, a phase without a fall of the magnitude, as rate-independent \
+             hysteresis leaves it (it would change \
              with the amplitude of the drive; creep would not)",
             degrees(-angle)
         ));
@@ -71,7 +72,8 @@ fn lead_lag(fit: &ResponseFit) -> String {
     let middle = (pole * zero).sqrt();
     let phase = ((middle / zero).atan() - (middle / pole).atan()).to_degrees();
     format!(
-        "a pole at {} and a zero at {}: a phase that bends, most ({}) at {}, where a constant phase would need ever more of them",
+        "a pole at {} and a zero at {}: a phase that bends, most ({}) at {}, where a constant phase would \
+         need ever more of them",
         hertz(pole),
         hertz(zero),
         degrees(phase),

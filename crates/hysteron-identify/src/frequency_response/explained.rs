@@ -67,7 +67,8 @@ impl Explained {
         let mut findings = Vec::new();
         if let Some((low, high)) = self.response.band_above_noise() {
             let text = format!(
-                "Outside of {} to {} Hz the points scatter by more than 30 % of their value: that is noise, and no structure describes it.",
+                "Outside of {} to {} Hz the points scatter by more than 30 % of their value: that is noise, \
+                 and no structure describes it.",
                 significant(low, 4),
                 significant(high, 4)
             );
@@ -76,7 +77,8 @@ impl Explained {
         let best = self.candidates.iter().min_by(|a, b| a.fit.relative_rms.total_cmp(&b.fit.relative_rms));
         if let Some(best) = best.filter(|best| best.fit.relative_rms > POOR) {
             let text = format!(
-                "The closest structure, {}, leaves {} % rms: none of these describes the response. Take a narrower band, or more modes.",
+                "The closest structure, {}, leaves {} % rms: none of these describes the response. Take a \
+                 narrower band, or more modes.",
                 best.name,
                 significant(100.0 * best.fit.relative_rms, 3)
             );
@@ -85,7 +87,8 @@ impl Explained {
         findings
     }
 
-    /// The model file of the structure of the lowest AIC that one can hold; behind a hysteresis block without hysteresis.
+    /// The model file of the structure of the lowest AIC that one can hold; behind a hysteresis block without
+    /// hysteresis.
     ///
     /// # Errors
     /// Why the best one has no place in a file, or no model at all.
@@ -332,7 +335,8 @@ impl EmpiricalResponse {
         let s = empirical_summary(self);
         let periods = s.periods.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
         let mut text = format!(
-            "From {} record(s) of {periods} whole period(s) of {} samples in steady state: {} excited lines, no leakage.",
+            "From {} record(s) of {periods} whole period(s) of {} samples in steady state: {} excited lines, \
+             no leakage.",
             s.realisations, s.period_samples, s.lines
         );
         match s.noise_percent {

@@ -23,11 +23,11 @@ const SAME_OPTIMUM: f64 = 1e-4;
 /// What a residual is divided by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weighting {
-    /// The measured value: every point counts by its relative error, which to first order is the difference of the
-    /// complex logarithms.
+    /// The measured value: every point counts by its relative error, which to first order is the difference
+    /// of the complex logarithms.
     Relative,
-    /// The measured value and the scatter of its neighbours ([`FrequencyResponse::scatter`]): √(|G|² + (s/0.3)²), so that noise
-    /// counts for little.
+    /// The measured value and the scatter of its neighbours ([`FrequencyResponse::scatter`]): √(|G|² +
+    /// (s/0.3)²), so that noise counts for little.
     Scatter,
     /// The standard deviation of the point; as `Relative` where the response has none.
     Uncertainty,
@@ -87,7 +87,8 @@ pub struct ResponseFit {
     pub weighting: Weighting,
     /// Nonlinear parameters, then linear coefficients.
     pub parameters: Vec<FittedParameter>,
-    /// Covariance of the parameters; zero rows and columns for those on an edge, or all where the rest is not determined.
+    /// Covariance of the parameters; zero rows and columns for those on an edge, or all where the rest is not
+    /// determined.
     pub covariance: DMatrix<f64>,
     /// Number of points.
     pub points: usize,
@@ -95,8 +96,9 @@ pub struct ResponseFit {
     pub relative_rms: f64,
     /// Largest |Ĝ/G − 1| and its frequency \[Hz\].
     pub largest: (f64, f64),
-    /// Akaike's criterion for N points and k parameters: 2N ln(Σ|w e|²/2N) + 2k by relative weights, Σ|w e|² + 2k by
-    /// uncertainties. Differences between structures on the same points count; it takes the residuals for independent.
+    /// Akaike's criterion for N points and k parameters: 2N ln(Σ|w e|²/2N) + 2k by relative weights, Σ|w e|²
+    /// + 2k by uncertainties. Differences between structures on the same points count; it takes the residuals
+    /// for independent.
     pub aic: f64,
     /// Σ|w e|², the weighted sum of squares.
     pub square: f64,
@@ -108,16 +110,17 @@ pub struct ResponseFit {
     pub agreeing: usize,
 }
 
-/// Fits a structure: linear starts over a coarse search (modes one by one, each fit also a start of the next), then bounded least squares on all nonlinear parameters, linear
-/// coefficients projected out.
+/// Fits a structure: linear starts over a coarse search (modes one by one, each fit also a start of the
+/// next), then bounded least squares on all nonlinear parameters, linear coefficients projected out.
 ///
-/// Standard errors are those of linearised least squares. Their variance is that of the residuals, or by uncertainties
-/// 1, and more where the residuals exceed the uncertainties; times the factor by which neighbouring residuals are
-/// correlated (1 + 2Σρ up to the first ρ ≤ 0), which what a structure leaves unexplained always are.
+/// Standard errors are those of linearised least squares. Their variance is that of the residuals, or by
+/// uncertainties 1, and more where the residuals exceed the uncertainties; times the factor by which
+/// neighbouring residuals are correlated (1 + 2Σρ up to the first ρ ≤ 0), which what a structure leaves
+/// unexplained always are.
 ///
 /// # Errors
-/// [`IdentifyError`]: an unsound response, too few points (2N must exceed the number of parameters), a value of
-/// zero under relative weights, no start.
+/// [`IdentifyError`]: an unsound response, too few points (2N must exceed the number of parameters), a value
+/// of zero under relative weights, no start.
 pub fn fit_structure(
     response: &FrequencyResponse,
     structure: &Structure,
@@ -136,7 +139,8 @@ pub fn fit_structure(
     }
 }
 
-/// [`fit_structure`] of a structure that contains a fitted one: started also from that, so that it never fits worse.
+/// [`fit_structure`] of a structure that contains a fitted one: started also from that, so that it never fits
+/// worse.
 pub(super) fn fit_containing(
     response: &FrequencyResponse,
     weighting: Weighting,
@@ -342,7 +346,8 @@ fn covariance(
     covariance
 }
 
-/// 1 + 2Σ ρ_k over neighbouring frequencies, up to the first ρ_k ≤ 0 or a tenth of the points; real parts first.
+/// 1 + 2Σ ρ_k over neighbouring frequencies, up to the first ρ_k ≤ 0 or a tenth of the points; real parts
+/// first.
 fn correlation(residuals: &[f64]) -> f64 {
     let (re, im) = residuals.split_at(residuals.len() / 2);
     let power: f64 = residuals.iter().map(|r| r * r).sum();

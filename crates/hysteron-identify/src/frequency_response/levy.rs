@@ -8,13 +8,15 @@ use crate::IdentifyError;
 use hysteron_model::dynamics::{Term, TransferFunction};
 use hysteron_numeric::Complex64;
 
-/// Coefficients b, a of G(s) = Σ b s^β / (s^α₀ + Σ a s^α) at given orders, ascending, the lowest denominator coefficient 1.
+/// Coefficients b, a of G(s) = Σ b s^β / (s^α₀ + Σ a s^α) at given orders, ascending, the lowest denominator
+/// coefficient 1.
 ///
-/// One pass minimises Σ |w_i (N(s_i) − G_i D(s_i))/D'(s_i)|² with D' the denominator of the pass before. The first, with
-/// D' = 1, is Levy's (1959, doi:10.1109/TAC.1959.6429401); the further ones are Sanathanan and Koerner's (1963,
-/// doi:10.1109/TAC.1963.1105517), which take away the weight that Levy's equations give to high frequencies. w_i is
-/// 1/σ_i where the response has an uncertainty, else 1/|G_i|. The iteration converges to the least-squares estimate
-/// only as the noise vanishes: it is a start, not an end. Solved in s/ω₀, ω₀ in the middle of the band.
+/// One pass minimises Σ |w_i (N(s_i) − G_i D(s_i))/D'(s_i)|² with D' the denominator of the pass before. The
+/// first, with D' = 1, is Levy's (1959, doi:10.1109/TAC.1959.6429401); the further ones are Sanathanan and
+/// Koerner's (1963, doi:10.1109/TAC.1963.1105517), which take away the weight that Levy's equations give to
+/// high frequencies. w_i is 1/σ_i where the response has an uncertainty, else 1/|G_i|. The iteration
+/// converges to the least-squares estimate only as the noise vanishes: it is a start, not an end. Solved in
+/// s/ω₀, ω₀ in the middle of the band.
 ///
 /// # Errors
 /// [`IdentifyError::Undetermined`] for fewer equations than coefficients, or without a finite solution;

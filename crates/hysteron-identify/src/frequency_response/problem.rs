@@ -1,8 +1,8 @@
 //! The least-squares problem of a structure on a response, linear coefficients projected out.
 //!
-//! Residuals w_i (Σ_k c_k φ_k(s_i; x) − G_i), real parts then imaginary parts, c the minimiser for x. With A the weighted
-//! functions, P⊥ = I − A A⁺ and r the residual, the Jacobian is exact (Golub and Pereyra 1973, doi:10.1137/0710036):
-//! ∂r/∂x_j = P⊥ (∂A/∂x_j) c − (A⁺)ᵀ (∂A/∂x_j)ᵀ r.
+//! Residuals w_i (Σ_k c_k φ_k(s_i; x) − G_i), real parts then imaginary parts, c the minimiser for x. With A
+//! the weighted functions, P⊥ = I − A A⁺ and r the residual, the Jacobian is exact (Golub and Pereyra 1973,
+//! doi:10.1137/0710036): ∂r/∂x_j = P⊥ (∂A/∂x_j) c − (A⁺)ᵀ (∂A/∂x_j)ᵀ r.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -88,7 +88,8 @@ impl ResponseProblem {
         ws.coefficients
     }
 
-    /// Residuals at `x` and the derivatives by all parameters, nonlinear ones first, then the coefficients, column by column.
+    /// Residuals at `x` and the derivatives by all parameters, nonlinear ones first, then the coefficients,
+    /// column by column.
     pub fn full_jacobian(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut ws = self.workspace();
         self.evaluate(x, &mut ws);
@@ -114,7 +115,8 @@ fn add_products(columns: &[f64], rows: usize, coefficients: &[f64], out: &mut [f
     }
 }
 
-/// 1/G_i, less where neighbours scatter, or √2/σ_i so that real and imaginary part of a residual have variance 1.
+/// 1/G_i, less where neighbours scatter, or √2/σ_i so that real and imaginary part of a residual have
+/// variance 1.
 fn weights(response: &FrequencyResponse, weighting: Weighting) -> Result<Vec<Complex64>, IdentifyError> {
     match (weighting, &response.std_dev) {
         (Weighting::Uncertainty, Some(std_dev)) => {

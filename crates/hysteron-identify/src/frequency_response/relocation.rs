@@ -1,8 +1,8 @@
 //! Poles of a rational response by vector fitting, in the form that [`Core::Rational`] takes.
 //!
-//! Sanathanan and Koerner's iteration in partial fractions, where it stays well conditioned at any number of poles
-//! (Gustavsen and Semlyen 1999, doi:10.1109/61.772353): with σ(s) = 1 + Σ c̃_k φ_k(s), the equations
-//! (σ G)(s_i) ≈ Σ c_k φ_k(s_i) [+ d] are linear, and the zeros of σ are better poles than those of φ.
+//! Sanathanan and Koerner's iteration in partial fractions, where it stays well conditioned at any number of
+//! poles (Gustavsen and Semlyen 1999, doi:10.1109/61.772353): with σ(s) = 1 + Σ c̃_k φ_k(s), the equations (σ
+//! G)(s_i) ≈ Σ c_k φ_k(s_i) [+ d] are linear, and the zeros of σ are better poles than those of φ.
 
 use std::f64::consts::TAU;
 
@@ -113,7 +113,8 @@ fn zeros_of_sigma(poles: &[Complex64], residues: &[f64]) -> Option<Vec<Complex64
     (found == order).then_some(zeros)
 }
 
-/// `count` poles spread over the band: lightly damped pairs, and one real pole below them where the number is odd.
+/// `count` poles spread over the band: lightly damped pairs, and one real pole below them where the number is
+/// odd.
 pub(super) fn spread(count: usize, low_hz: f64, high_hz: f64) -> Vec<Complex64> {
     let pairs = count / 2;
     let mut poles: Vec<Complex64> = Vec::new();
@@ -128,8 +129,8 @@ pub(super) fn spread(count: usize, low_hz: f64, high_hz: f64) -> Vec<Complex64> 
     poles
 }
 
-/// Parameters of the rational core: frequency of the odd real pole, then frequency \[Hz\] and damping of each pair by
-/// ascending frequency. Real poles are paired neighbour by neighbour.
+/// Parameters of the rational core: frequency of the odd real pole, then frequency \[Hz\] and damping of each
+/// pair by ascending frequency. Real poles are paired neighbour by neighbour.
 pub(super) fn parameters(poles: &[Complex64]) -> Vec<f64> {
     let mut real: Vec<f64> = poles.iter().filter(|p| p.im == 0.0).map(|p| -p.re).collect();
     real.sort_by(f64::total_cmp);

@@ -23,7 +23,8 @@ const RELOCATIONS: usize = 20;
 /// Starts handed on.
 const KEPT: usize = 4;
 
-/// The best few starts by their cost, best first, and as different as they can be: of every exponent and delay the best.
+/// The best few starts by their cost, best first, and as different as they can be: of every exponent and
+/// delay the best.
 pub(super) fn starts(response: &FrequencyResponse, problem: &ResponseProblem) -> Vec<Vec<f64>> {
     let structure = problem.structure;
     let (_, high) = response.range_hz();
@@ -65,7 +66,8 @@ const PLACES: usize = 40;
 /// Its damping.
 const LIGHT: f64 = 0.02;
 
-/// Starts with one mode more than a fit of one mode less, `modes` of them in `before`: the best two places for it.
+/// Starts with one mode more than a fit of one mode less, `modes` of them in `before`: the best two places
+/// for it.
 pub(super) fn one_mode_more(
     response: &FrequencyResponse,
     problem: &ResponseProblem,

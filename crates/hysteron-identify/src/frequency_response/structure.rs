@@ -15,16 +15,16 @@ const MOST_DAMPING: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// G(s) = e^{−sτ} · e^{−iδ} · s^{−μ} · Σ_k c_k φ_k(s), s = 2πi f.
 ///
-/// The basis φ is the [`Core`]; μ, δ and τ are there where the three switches say so, otherwise zero. The c_k are real and
-/// enter linearly: they are projected out of every fit.
+/// The basis φ is the [`Core`]; μ, δ and τ are there where the three switches say so, otherwise zero. The c_k
+/// are real and enter linearly: they are projected out of every fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Structure {
     /// The functions φ_k.
     pub core: Core,
     /// The power law s^{−μ}: a fall of −20μ dB a decade with a constant phase of −90°·μ, as creep has it.
     pub power_law: bool,
-    /// The loss angle e^{−iδ} (at −f its conjugate): a phase without a fall, as rate-independent hysteresis driven by a sine
-    /// has it. No causal linear system has it, so no model file can hold it.
+    /// The loss angle e^{−iδ} (at −f its conjugate): a phase without a fall, as rate-independent hysteresis
+    /// driven by a sine has it. No causal linear system has it, so no model file can hold it.
     pub loss_angle: bool,
     /// The delay e^{−sτ}.
     pub delay: bool,
@@ -39,17 +39,18 @@ pub enum Core {
     FractionalLag,
     /// φ = 1/(1 + 2ζ x^α₁ + x^α₂): the form of article Eq. 13, b/(s^α₂ + c₁ s^α₁ + c₀).
     FractionalOscillator,
-    /// Poles in partial fractions: 1 if `direct`; 1/(1 + x) for the one real pole of an odd number; for each pair of
-    /// poles 1/(1 + 2ζx + x²) and x/(1 + 2ζx + x²), ζ > 1 being two real poles. With `direct` as many zeros as poles,
-    /// without it one less.
+    /// Poles in partial fractions: 1 if `direct`; 1/(1 + x) for the one real pole of an odd number; for each
+    /// pair of poles 1/(1 + 2ζx + x²) and x/(1 + 2ζx + x²), ζ > 1 being two real poles. With `direct` as many
+    /// zeros as poles, without it one less.
     Rational {
         /// Number of poles, 1 … [`MOST_POLES`].
         poles: usize,
         /// Whether there is a constant among the functions.
         direct: bool,
     },
-    /// Resonances (ζ ≤ 1/√2) with real residues, as light damping gives them: 1, and for each 1/(1 + 2ζx + x²). Unlike the free
-    /// numerator of `Rational`, whose highest coefficient stands in for a small delay, they determine a delay beside them.
+    /// Resonances (ζ ≤ 1/√2) with real residues, as light damping gives them: 1, and for each 1/(1 + 2ζx +
+    /// x²). Unlike the free numerator of `Rational`, whose highest coefficient stands in for a small delay,
+    /// they determine a delay beside them.
     Modes {
         /// Number of modes, 1 … [`MOST_POLES`]/2.
         count: usize,
@@ -197,8 +198,8 @@ impl Structure {
         names
     }
 
-    /// Functions φ_k at s = iω with all factors into `values` (length [`Self::linear_count`]) and their derivatives
-    /// ∂φ_k/∂x_j into `slopes[j · linear_count + k]`.
+    /// Functions φ_k at s = iω with all factors into `values` (length [`Self::linear_count`]) and their
+    /// derivatives ∂φ_k/∂x_j into `slopes[j · linear_count + k]`.
     pub(super) fn evaluate(&self, omega: f64, x: &[f64], values: &mut [Complex64], slopes: &mut [Complex64]) {
         slopes.fill(Complex64::ZERO);
         let s = Complex64::new(0.0, omega);

@@ -21,8 +21,8 @@ impl ResponseFit {
     /// Transfer function and delay \[s\] of the fit, checked against it at the points of `response`.
     ///
     /// # Errors
-    /// [`IdentifyError::NoTransferFunction`] for a loss angle, or where the polynomials of many poles lose the fit
-    /// to rounding.
+    /// [`IdentifyError::NoTransferFunction`] for a loss angle, or where the polynomials of many poles lose
+    /// the fit to rounding.
     pub fn to_transfer_function(
         &self,
         response: &FrequencyResponse,
@@ -33,7 +33,8 @@ impl ResponseFit {
         };
         if self.structure.loss_angle {
             return refuse(
-                "no causal linear system has a phase that does not depend on frequency and no fall of its magnitude with it"
+                "no causal linear system has a phase that does not depend on frequency and no fall of its \
+                 magnitude with it"
                     .to_owned(),
             );
         }
@@ -51,8 +52,8 @@ impl ResponseFit {
         }
     }
 
-    /// Covariance of the numbers of [`Self::to_transfer_function`] by linear propagation, with their names in a model file:
-    /// coefficients and orders, and the delay.
+    /// Covariance of the numbers of [`Self::to_transfer_function`] by linear propagation, with their names in
+    /// a model file: coefficients and orders, and the delay.
     ///
     /// # Errors
     /// What [`TransferFunction::validate`] refuses.

@@ -1,8 +1,8 @@
 //! Prediction bands: what the uncertainty of the parameters means for the output.
 //!
-//! The output is known to sd(t) = √(J(t) C J(t)ᵀ) with J its derivatives in all parameters and C their covariance; a
-//! measurement of it scatters by the residual beside that. Offset, drift and the memory of a new record are not part of it:
-//! the band is that of the output about its mean, as it is scored.
+//! The output is known to sd(t) = √(J(t) C J(t)ᵀ) with J its derivatives in all parameters and C their
+//! covariance; a measurement of it scatters by the residual beside that. Offset, drift and the memory of a
+//! new record are not part of it: the band is that of the output about its mean, as it is scored.
 
 use std::ops::Range;
 
@@ -31,9 +31,11 @@ const ROWS: usize = 1024;
 /// How well the output for a drive is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictionBand {
-    /// Standard deviation of the model's output at each sample, from the uncertainty of the parameters \[output unit\].
+    /// Standard deviation of the model's output at each sample, from the uncertainty of the parameters
+    /// \[output unit\].
     pub std_dev: Vec<f64>,
-    /// Standard deviation of a measurement about the model: the residual of the records identified from \[output unit\].
+    /// Standard deviation of a measurement about the model: the residual of the records identified from
+    /// \[output unit\].
     pub noise: f64,
 }
 
@@ -43,7 +45,8 @@ impl PredictionBand {
         Self { std_dev: self.std_dev.get(samples).unwrap_or_default().to_vec(), noise: self.noise }
     }
 
-    /// Half the width of the band that holds the model's true output with 95 % at each sample \[output unit\].
+    /// Half the width of the band that holds the model's true output with 95 % at each sample \[output
+    /// unit\].
     pub fn of_output(&self) -> Vec<f64> {
         self.std_dev.iter().map(|sd| NORMAL_975 * sd).collect()
     }
@@ -53,8 +56,8 @@ impl PredictionBand {
         self.std_dev.iter().map(|sd| NORMAL_975 * sd.hypot(self.noise)).collect()
     }
 
-    /// Half the width of the band that holds a measurement with a probability of `level` at each sample \[output unit\], and of that which
-    /// holds the model's true output.
+    /// Half the width of the band that holds a measurement with a probability of `level` at each sample
+    /// \[output unit\], and of that which holds the model's true output.
     ///
     /// # Errors
     /// [`IdentifyError::Option`] for a level that is not between 0 and 1.
@@ -228,8 +231,8 @@ impl OutputUncertainty {
     }
 }
 
-/// Gives the records identified from their bands, and the errors of the model at their sines, out of the linearisation that the
-/// covariance came from.
+/// Gives the records identified from their bands, and the errors of the model at their sines, out of the
+/// linearisation that the covariance came from.
 pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [RecordFit]) {
     let at = &known.linearisation;
     let Covariance { matrix, .. } = &known.covariance;
@@ -263,7 +266,8 @@ pub(super) fn give(problem: &JointProblem, known: &Knowledge, fits: &mut [Record
     }
 }
 
-/// √(J C Jᵀ) row by row over `rows` of a Jacobian whose columns, `total` long, follow one another in `blocks`.
+/// √(J C Jᵀ) row by row over `rows` of a Jacobian whose columns, `total` long, follow one another in
+/// `blocks`.
 fn deviations(blocks: &[&[f64]], total: usize, rows: Range<usize>, covariance: &DMatrix<f64>) -> Vec<f64> {
     let columns: Vec<&[f64]> =
         blocks.iter().flat_map(|b| b.chunks_exact(total)).map(|c| &c[rows.clone()]).collect();

@@ -10,10 +10,11 @@ use hysteron_model::record::InterSample;
 use hysteron_numeric::display::short_to;
 use hysteron_optimize::LeastSquaresProblem;
 
-/// Fewest samples a cycle of the fastest drive for which the rules are one: (ω Δt)²/12 is 3e-4 of the drive there.
+/// Fewest samples a cycle of the fastest drive for which the rules are one: (ω Δt)²/12 is 3e-4 of the drive
+/// there.
 const FINE: f64 = 100.0;
-/// Twice the logarithm of a likelihood ratio from which on the evidence is very strong (Kass and Raftery 1995,
-/// doi:10.1080/01621459.1995.10476572).
+/// Twice the logarithm of a likelihood ratio from which on the evidence is very strong (Kass and Raftery
+/// 1995, doi:10.1080/01621459.1995.10476572).
 const VERY_STRONG: f64 = 10.0;
 
 /// How the rule between samples was chosen.
@@ -21,7 +22,8 @@ const VERY_STRONG: f64 = 10.0;
 pub struct InterSampleChoice {
     /// The rule taken.
     pub rule: InterSample,
-    /// 2 ln of the likelihood ratio of the closest rule over each of the others, over the independent samples.
+    /// 2 ln of the likelihood ratio of the closest rule over each of the others, over the independent
+    /// samples.
     pub over: Vec<(InterSample, f64)>,
     /// The closest rule, which is taken where the evidence is very strong.
     pub closest: InterSample,
@@ -56,7 +58,8 @@ impl InterSampleChoice {
             say(findings, FindingKind::Verdict, "between samples", text);
         } else {
             let text = format!(
-                "The records do not tell what the drive does between its samples ({evidence}): {} is assumed. A delay depends on it by up to \
+                "The records do not tell what the drive does between its samples ({evidence}): {} is \
+                 assumed. A delay depends on it by up to \
                  half a sample.",
                 self.rule
             );
@@ -74,8 +77,8 @@ pub(super) struct Better {
     pub(super) cost: f64,
 }
 
-/// The options under the other rules; none where the rule is given, or the records cannot tell because they are sampled finely or
-/// on uneven stamps.
+/// The options under the other rules; none where the rule is given, or the records cannot tell because they
+/// are sampled finely or on uneven stamps.
 pub(super) fn others(setup: &JointSetup<'_>, options: &Options) -> Vec<Options> {
     if options.inter_sample != Choice::Auto || !setup.samples_coarsely(FINE) {
         return Vec::new();
@@ -85,8 +88,9 @@ pub(super) fn others(setup: &JointSetup<'_>, options: &Options) -> Vec<Options> 
     InterSample::ALL.into_iter().filter(|rule| *rule != own).map(other).collect()
 }
 
-/// The fit `x` of the whole records compared with those under the `others`, each from there: what the records tell, and the better fit.
-/// `independent`: samples that the residuals are worth. `None` where the fit was stopped.
+/// The fit `x` of the whole records compared with those under the `others`, each from there: what the records
+/// tell, and the better fit. `independent`: samples that the residuals are worth. `None` where the fit was
+/// stopped.
 pub(super) fn compared<'a>(
     setup: &JointSetup<'a>,
     others: &'a [Options],

@@ -12,8 +12,8 @@ use hysteron_model::hysteresis::{Hysteresis, RecordEnds};
 use hysteron_model::record::{Dependence, Timing, noise_floor, quantisation_step};
 use hysteron_model::validate::{first_cycle, unfollowed_start};
 
-/// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a record, when it is
-/// reduced.
+/// Samples kept a swing of the drive, so that its first seven harmonics are in the pass band, and in a
+/// record, when it is reduced.
 const SAMPLES_A_SWING: usize = 12;
 const SAMPLES_A_RECORD: usize = 2000;
 /// A record without visible noise is taken to be right to this share of its stroke.
@@ -60,17 +60,20 @@ impl<'a> JointMember<'a> {
                 None => {
                     return Err(IdentifyError::NotPeriodic {
                         record: facts.data.name.clone(),
-                        found: "its time stamps are not uniform, and the drive does not come back to where it began"
+                        found: "its time stamps are not uniform, and the drive does not come back to where \
+                                it began"
                             .into(),
                     });
                 }
             },
             Initial::Periodic => (periodic(facts)?, false),
-            // What the first of several cycles hides is not worth a parameter: a memory that explains it at any price spoils the rest.
+            // What the first of several cycles hides is not worth a parameter: a memory that explains it at
+            // any price spoils the rest.
             Initial::Auto if facts.first_of_several_cycles().is_some() => {
                 (Start::Rest { voltage_v: first }, false)
             }
-            // Uneven stamps are those of a logger that ran before: the drive did not jump to its first sample.
+            // Uneven stamps are those of a logger that ran before: the drive did not jump to its first
+            // sample.
             Initial::Auto if !uneven && first.abs() > JUMP * facts.range_v() => {
                 match static_step::choose_start(facts, options, engine)? {
                     Start::Rest { voltage_v } if voltage_v != first => (Start::Rest { voltage_v }, false),
@@ -170,7 +173,8 @@ impl<'a> JointMember<'a> {
         let held = options.demands.fixed(OFFSET);
         let mut weighting = by_swing(data, scale / self.noise, self.noise, self.facts.stroke());
         weighting.mask(data.valid.as_deref());
-        // What a device remembers and how it creeps is not known: what is wrong of that must not be taken for the device.
+        // What a device remembers and how it creeps is not known: what is wrong of that must not be taken for
+        // the device.
         if let Some(cycle) = self.facts.first_of_several_cycles()
             && !matches!(self.before, Start::Settled { .. })
         {
@@ -264,8 +268,8 @@ fn periodic(facts: &RecordFacts) -> Result<Start<()>, IdentifyError> {
     }
 }
 
-/// By how much a record can be thinned and still show every swing of its drive. A jump into the record is not band-limited,
-/// and what tells of it is in the first samples.
+/// By how much a record can be thinned and still show every swing of its drive. A jump into the record is not
+/// band-limited, and what tells of it is in the first samples.
 fn reduction(facts: &RecordFacts, before: Start<()>) -> usize {
     let samples = facts.data.u.len();
     let most = (facts.shortest_swing / SAMPLES_A_SWING).min(samples / SAMPLES_A_RECORD).max(1);

@@ -1,4 +1,5 @@
-//! The drive as the hysteresis runs over it, and how the samples at its own rate follow from what that puts out.
+//! The drive as the hysteresis runs over it, and how the samples at its own rate follow from what that puts
+//! out.
 
 use super::record::Clock;
 use hysteron_model::dynamics::{Knots, Scheme};
@@ -11,7 +12,8 @@ use hysteron_model::record::{Dependence, InterSample, Timing, even_times};
 pub(in super::super) enum Thinning {
     /// Every so many samples.
     Pick(usize),
-    /// The drive is twice as fine: each sample allows for the mean of the curve beside it ([`polygon_of_means`]).
+    /// The drive is twice as fine: each sample allows for the mean of the curve beside it
+    /// ([`polygon_of_means`]).
     Means,
 }
 
@@ -113,8 +115,8 @@ impl TimedDrive {
     }
 }
 
-/// Times and values of the drive before a record whose first `period` samples repeat (a settled start): in every period those of
-/// `rows`.
+/// Times and values of the drive before a record whose first `period` samples repeat (a settled start): in
+/// every period those of `rows`.
 pub(super) fn cycles_before(
     times_s: &[f64],
     u: &[f64],
@@ -126,7 +128,8 @@ pub(super) fn cycles_before(
     (times_before(times_s, period, rows).collect(), drive)
 }
 
-/// The drive on the grid that the hysteresis runs over (`None`: its own), and how its samples follow from that.
+/// The drive on the grid that the hysteresis runs over (`None`: its own), and how its samples follow from
+/// that.
 pub(super) fn fine_drive(
     drive: &[f64],
     scheme: Scheme,

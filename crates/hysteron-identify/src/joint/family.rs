@@ -1,4 +1,5 @@
-//! What a joint fit asks of each family of hysteresis operators: roles and ranges of its numbers, and where to start.
+//! What a joint fit asks of each family of hysteresis operators: roles and ranges of its numbers, and where
+//! to start.
 
 use std::f64::consts::TAU;
 
@@ -65,9 +66,10 @@ impl JointSetup<'_> {
         }
     }
 
-    /// Ends of what a family's grid covers: of a plane of relays all that a drive can switch. A device that was virgin where a record
-    /// begins has relays that close on the first way up and open far below the lowest voltage only: a plane that ends at the
-    /// voltages of the records leaves them out, and with them the first branch.
+    /// Ends of what a family's grid covers: of a plane of relays all that a drive can switch. A device that
+    /// was virgin where a record begins has relays that close on the first way up and open far below the
+    /// lowest voltage only: a plane that ends at the voltages of the records leaves them out, and with them
+    /// the first branch.
     fn grid(&self) -> [f64; 2] {
         let (low, high) = self.span();
         let is_plane = self.hysteresis.description().is_plane();
@@ -99,7 +101,8 @@ impl JointSetup<'_> {
         self.hysteresis.starts(&self.drive_span())
     }
 
-    /// Memory to start a record from: fresh at its first sample, or `settled` on loops like those of the record.
+    /// Memory to start a record from: fresh at its first sample, or `settled` on loops like those of the
+    /// record.
     pub(super) fn first_memory(&self, shape: &[f64], settled: bool, record: usize) -> f64 {
         let u = &self.members[record].facts.data.u;
         let family = self.hysteresis.description();

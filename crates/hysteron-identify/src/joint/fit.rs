@@ -283,8 +283,8 @@ pub(in super::super) fn identify(
     Ok(identification)
 }
 
-/// The problem in which a delay is free, at the point `x` of one without a delay: what slow drive does not tell is left out of the
-/// model, but not of the errors.
+/// The problem in which a delay is free, at the point `x` of one without a delay: what slow drive does not
+/// tell is left out of the model, but not of the errors.
 fn with_no_delay(
     setup: &JointSetup<'_>,
     degree: usize,
@@ -307,8 +307,8 @@ fn shown(problem: &JointProblem, x: &[f64], setup: &JointSetup<'_>) -> Option<hy
     hysteron_model::Model::try_from(ModelFile::from_model(&law, units)).ok()
 }
 
-/// The model's simulation of every record; of a long one only the beginning where the fit was stopped. Where the offset is free,
-/// the model's own is that of its first record.
+/// The model's simulation of every record; of a long one only the beginning where the fit was stopped. Where
+/// the offset is free, the model's own is that of its first record.
 fn simulated(
     model: &mut Model,
     solution: &JointSolution,
@@ -359,8 +359,8 @@ fn simulated(
     fits.into_iter().collect()
 }
 
-/// A few good starts; where they disagree all others, and where these disagree a population search on a twentieth of its
-/// usual budget, polished.
+/// A few good starts; where they disagree all others, and where these disagree a population search on a
+/// twentieth of its usual budget, polished.
 fn search_globally(
     (problem, reduced): (&JointProblem, bool),
     setup: &JointSetup<'_>,
@@ -439,7 +439,8 @@ fn take_better(search: &mut Search, other: Search) {
     }
 }
 
-/// The same dynamics with a creep factor, where the residuals are far from white and the evidence for it is very strong.
+/// The same dynamics with a creep factor, where the residuals are far from white and the evidence for it is
+/// very strong.
 fn try_creep(
     plain: &JointProblem,
     found: &Search,

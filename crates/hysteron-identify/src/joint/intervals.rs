@@ -1,5 +1,5 @@
-//! 95 % intervals of the parameters of a joint fit: by the standard error where the sum of squares is quadratic, by
-//! profile likelihood where it is not.
+//! 95 % intervals of the parameters of a joint fit: by the standard error where the sum of squares is
+//! quadratic, by profile likelihood where it is not.
 
 use super::super::layout::Role;
 use super::super::normal::NORMAL_975;
@@ -12,11 +12,12 @@ use hysteron_optimize::{LeastSquaresProblem, Problem};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Where the straight valley is looked at, in standard errors, and the departure of z from there that asks for a profile.
+/// Where the straight valley is looked at, in standard errors, and the departure of z from there that asks
+/// for a profile.
 const LOOK_AT: f64 = 2.0;
 const DEPARTURE: f64 = 0.1;
-/// Work allowed for, in residuals differentiated along one parameter: about a second. A count, not a clock, so that the
-/// result is the same on every machine.
+/// Work allowed for, in residuals differentiated along one parameter: about a second. A count, not a clock,
+/// so that the result is the same on every machine.
 const WORK: usize = 20_000_000;
 /// A simulation, and a typical profile, in linearisations.
 const SIMULATION: f64 = 0.4;
@@ -42,7 +43,8 @@ pub struct Interval {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum IntervalMethod {
-    /// 1.96 standard errors to each side; the fit is linear enough in this parameter (checked at two standard errors).
+    /// 1.96 standard errors to each side; the fit is linear enough in this parameter (checked at two standard
+    /// errors).
     Quadratic,
     /// Profile likelihood: the sum of squares is not quadratic in this parameter.
     Profile,
@@ -76,8 +78,9 @@ impl Interval {
     }
 }
 
-/// Intervals of everything that `whole` has a standard error of, in its order and symbols (unit-α). The shape of the sum of
-/// squares is taken from `problem`, which may be the reduced one, at its own optimum `known`. What `stop` cuts short stays unchecked.
+/// Intervals of everything that `whole` has a standard error of, in its order and symbols (unit-α). The shape
+/// of the sum of squares is taken from `problem`, which may be the reduced one, at its own optimum `known`.
+/// What `stop` cuts short stays unchecked.
 pub(in super::super) fn intervals(
     problem: &JointProblem,
     known: &Knowledge,
@@ -89,7 +92,8 @@ pub(in super::super) fn intervals(
         error.map(|error| Interval::symmetric(value, error, IntervalMethod::Unchecked))
     };
     let mut found: Vec<Option<Interval>> = errors.iter().zip(&whole.values).map(unchecked).collect();
-    // Weights that end at zero are no parameters: where thinned and whole records differ in these, shapes do not carry over.
+    // Weights that end at zero are no parameters: where thinned and whole records differ in these, shapes do
+    // not carry over.
     if known.covariance.names != whole.names {
         return found;
     }

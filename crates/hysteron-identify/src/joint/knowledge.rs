@@ -1,12 +1,14 @@
-//! What a joint fit knows: covariance of all parameters in the article's symbols, robust to coloured residuals.
+//! What a joint fit knows: covariance of all parameters in the article's symbols, robust to coloured
+//! residuals.
 //!
-//! With J the Jacobian in every parameter (the eliminated ones too) and Ω the covariance of the residuals, the covariance
-//! of the estimate is (JᵀJ)⁻¹ JᵀΩJ (JᵀJ)⁻¹. JᵀΩJ = Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ record by record, ρ the autocovariance of
-//! the record's residual and w the Parzen window (Newey, West 1987, doi:10.2307/1913610, for errors that are stationary and
-//! do not depend on the regressors; Parzen's window keeps the estimate positive). The residual is whitened by a first-order
-//! autoregression before and coloured again after, so that the window cuts little (Andrews, Monahan 1992,
-//! doi:10.2307/2951574). The fit takes power out of the residual where its own derivatives lie: h of the n/τ independent
-//! samples of a record, h the record's leverage and τ its correlation time, whence the factor 1/(1 − hτ/n).
+//! With J the Jacobian in every parameter (the eliminated ones too) and Ω the covariance of the residuals,
+//! the covariance of the estimate is (JᵀJ)⁻¹ JᵀΩJ (JᵀJ)⁻¹. JᵀΩJ = Σ_k w_k ρ_k Σ_t J_t J_{t+k}ᵀ record by
+//! record, ρ the autocovariance of the record's residual and w the Parzen window (Newey, West 1987,
+//! doi:10.2307/1913610, for errors that are stationary and do not depend on the regressors; Parzen's window
+//! keeps the estimate positive). The residual is whitened by a first-order autoregression before and coloured
+//! again after, so that the window cuts little (Andrews, Monahan 1992, doi:10.2307/2951574). The fit takes
+//! power out of the residual where its own derivatives lie: h of the n/τ independent samples of a record, h
+//! the record's leverage and τ its correlation time, whence the factor 1/(1 − hτ/n).
 
 use super::super::result::Correlation;
 use super::super::uncertainty::{autocorrelation, correlation, correlation_time, initial_positive_sum};
@@ -26,8 +28,8 @@ const MOST_USED: f64 = 0.75;
 /// Lags of the window as a multiple of the whitened residual's correlation time, and fewest.
 const WINDOW: f64 = 6.0;
 const FEWEST_LAGS: usize = 12;
-/// Combinations of parameters (of columns of unit length) with a singular value below this share of the largest are not determined:
-/// the inverse of the information would be rounding in them.
+/// Combinations of parameters (of columns of unit length) with a singular value below this share of the
+/// largest are not determined: the inverse of the information would be rounding in them.
 const NOT_DETERMINED: f64 = 1e-7;
 /// Share of a parameter in such combinations that is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -39,16 +41,18 @@ const ROWS: usize = 1024;
 /// Covariance of everything estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Covariance {
-    /// Names: coefficients and weights in the order of the model, then what was searched, in unit-α symbols where `internal`.
+    /// Names: coefficients and weights in the order of the model, then what was searched, in unit-α symbols
+    /// where `internal`.
     pub names: Vec<String>,
     /// Estimates.
     pub values: Vec<f64>,
-    /// Covariance matrix; zero rows and columns where a parameter is held. Of the combinations that the records determine: those that
-    /// they do not are left out. The edge of a range of the search is no knowledge: what stands on it counts as free here, and how far
-    /// everything would move without the edge counts as an error.
+    /// Covariance matrix; zero rows and columns where a parameter is held. Of the combinations that the
+    /// records determine: those that they do not are left out. The edge of a range of the search is no
+    /// knowledge: what stands on it counts as free here, and how far everything would move without the edge
+    /// counts as an error.
     pub matrix: DMatrix<f64>,
-    /// Parameters that such a combination moves more than everything else does, whose variance in `matrix` is a part of theirs, and
-    /// those on the edge of their range.
+    /// Parameters that such a combination moves more than everything else does, whose variance in `matrix` is
+    /// a part of theirs, and those on the edge of their range.
     pub undetermined: Vec<bool>,
     /// Ratio of the largest to the smallest singular value of the Jacobian with columns of unit length.
     pub condition_number: f64,
@@ -80,8 +84,8 @@ impl Covariance {
         (!known.is_empty()).then(|| correlation(step, names, &of_known()))
     }
 
-    /// Covariance of functions f of the parameters, J C Jᵀ with J by central differences of f, whose steps are a small part
-    /// of each standard error.
+    /// Covariance of functions f of the parameters, J C Jᵀ with J by central differences of f, whose steps
+    /// are a small part of each standard error.
     pub fn transformed(&self, names: Vec<String>, f: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let values = f(&self.values);
         let mut jacobian = DMatrix::zeros(values.len(), self.values.len());
@@ -115,8 +119,8 @@ impl Covariance {
     }
 }
 
-/// What is known at an optimum, in the fit's own (unit-α) symbols: first the eliminated coefficients, then the searched
-/// numbers.
+/// What is known at an optimum, in the fit's own (unit-α) symbols: first the eliminated coefficients, then
+/// the searched numbers.
 #[derive(Debug)]
 pub(in super::super) struct Knowledge {
     /// Robust to coloured residuals.
@@ -177,7 +181,8 @@ pub(in super::super) fn knowledge_of(
         (0..p).partition(|&k| singular[k] > NOT_DETERMINED * singular.max());
     let scaled = DMatrix::from_fn(kept.len(), p, |k, j| directions[(kept[k], j)] / singular[kept[k]]);
     let bread = scaled.transpose() * &scaled;
-    // What a lost combination adds to the variance of a parameter, by its singular value as far as rounding lets it be known.
+    // What a lost combination adds to the variance of a parameter, by its singular value as far as rounding
+    // lets it be known.
     let undetermined_free: Vec<bool> = (0..p)
         .map(|j| {
             let share: f64 = lost.iter().map(|&k| directions[(k, j)].powi(2)).sum();
@@ -214,7 +219,8 @@ pub(in super::super) fn knowledge_of(
         }
         matrix
     };
-    // How far all of them would move if those on the edge were free to: an error of the estimate beside that of the noise.
+    // How far all of them would move if those on the edge were free to: an error of the estimate beside that
+    // of the noise.
     let held_back = free.iter().zip(&free_columns).zip(&free_norms);
     let pull = held_back.map(|((&j, c), norm)| if on_bound[j] { dot(c, residuals) / norm } else { 0.0 });
     let moved = &bread * DVector::from_iterator(p, pull);
@@ -276,8 +282,8 @@ pub(in super::super) fn coloured_square(columns: &[&[f64]], residual: &[f64]) ->
     gram(&coloured)
 }
 
-/// Root of the residual's smoothed power at each frequency of `fft`, such that the sum of squares of what it multiplies is that
-/// over time.
+/// Root of the residual's smoothed power at each frequency of `fft`, such that the sum of squares of what it
+/// multiplies is that over time.
 fn root_power(residual: &[f64], fft: &RealFft) -> Vec<f64> {
     let n = residual.len();
     let (memory, white) = whitened(residual);

@@ -8,9 +8,9 @@ use super::problem::{JointProblem, JointWorkspace};
 use super::setup::{self, JointSetup};
 use hysteron_optimize::{Bounds, Derivative, LeastSquaresProblem, Problem, Settings};
 
-/// What [`super::super::identify`] minimises when it fits jointly: residuals of all records, each weighted by its noise, with
-/// offsets, polynomial and α eliminated, over β', γ', the parameters of the dynamics, the delay and the memory of each
-/// record.
+/// What [`super::super::identify`] minimises when it fits jointly: residuals of all records, each weighted by
+/// its noise, with offsets, polynomial and α eliminated, over β', γ', the parameters of the dynamics, the
+/// delay and the memory of each record.
 #[derive(Debug)]
 pub struct JointObjective {
     problem: JointProblem,
@@ -22,8 +22,8 @@ pub struct JointObjective {
 pub struct JointScratch(JointWorkspace);
 
 impl JointObjective {
-    /// The problem of these records. `reduced`: on thinned records, as the starts are tried, else on all samples. With
-    /// [`Choice::Auto`] the polynomial has the degree of the starts, 3.
+    /// The problem of these records. `reduced`: on thinned records, as the starts are tried, else on all
+    /// samples. With [`Choice::Auto`] the polynomial has the degree of the starts, 3.
     ///
     /// # Errors
     /// As [`super::super::identify`], for what it finds before any fit.

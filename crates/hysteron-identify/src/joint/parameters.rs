@@ -11,7 +11,8 @@ use hysteron_model::hammerstein::Model;
 use hysteron_model::hysteresis::Hysteresis;
 use hysteron_model::model_file::{polynomial_name, transfer_function_numbers};
 
-/// Where the names of the fit are among those that it estimated, and what they are held at where they are not.
+/// Where the names of the fit are among those that it estimated, and what they are held at where they are
+/// not.
 struct Places {
     weights: Vec<(Option<usize>, f64)>,
     shape: Vec<(Option<usize>, f64)>,

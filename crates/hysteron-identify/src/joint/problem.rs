@@ -1,12 +1,13 @@
 //! The joint fit of all records and both blocks as a least-squares problem by variable projection.
 //!
-//! Searched are the shape numbers of the hysteresis (β', γ', n), the parameters of the dynamics, the delay and the unknown
-//! memory of each record; offset, drift and transients of each record, the coefficients of l\[u\] and the weights of the
-//! hysteresis (α) are eliminated by linear least squares at every candidate (Golub, Pereyra 1973, doi:10.1137/0710036);
-//! weights of one sign by non-negative least squares, where those that end at 0 are held there. With Φ(θ) the columns, c the eliminated coefficients and
-//! P⊥ the projector off the columns, the residual is r = P⊥ y and the Jacobian −P⊥ (∂Φ/∂θ) c: Kaufman's form
-//! (doi:10.1007/BF01932995). It leaves out a term in the span of the columns, to which r is orthogonal, so that the
-//! gradient Jᵀr is exact.
+//! Searched are the shape numbers of the hysteresis (β', γ', n), the parameters of the dynamics, the delay
+//! and the unknown memory of each record; offset, drift and transients of each record, the coefficients of
+//! l\[u\] and the weights of the hysteresis (α) are eliminated by linear least squares at every candidate
+//! (Golub, Pereyra 1973, doi:10.1137/0710036); weights of one sign by non-negative least squares, where those
+//! that end at 0 are held there. With Φ(θ) the columns, c the eliminated coefficients and P⊥ the projector
+//! off the columns, the residual is r = P⊥ y and the Jacobian −P⊥ (∂Φ/∂θ) c: Kaufman's form
+//! (doi:10.1007/BF01932995). It leaves out a term in the span of the columns, to which r is orthogonal, so
+//! that the gradient Jᵀr is exact.
 
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -179,7 +180,8 @@ impl JointProblem {
         Self { stop: stop.clone(), ..self }
     }
 
-    /// The same; an evaluation that begins after the stop is finished, without derivatives: there is a point to hand out.
+    /// The same; an evaluation that begins after the stop is finished, without derivatives: there is a point
+    /// to hand out.
     pub(super) fn finishing(self) -> Self {
         Self { finishes: true, ..self }
     }
@@ -316,8 +318,8 @@ impl JointProblem {
         true
     }
 
-    /// Takes off the target its part in the cone of the `signed` columns, beside the span of those eliminated so far: those
-    /// whose coefficients are not 0 join these.
+    /// Takes off the target its part in the cone of the `signed` columns, beside the span of those eliminated
+    /// so far: those whose coefficients are not 0 join these.
     fn eliminate_signed(&self, signed: &[(usize, f64)], ws: &mut JointWorkspace) {
         let JointWorkspace { records, target, projection, signed: columns, eliminated, .. } = ws;
         let count = target.len();
@@ -336,8 +338,8 @@ impl JointProblem {
         projection.project(target);
     }
 
-    /// Weighted columns of u, u², … and of the weights at `x`, one after the other, and the target, none of them with its part in the
-    /// records' own columns.
+    /// Weighted columns of u, u², … and of the weights at `x`, one after the other, and the target, none of
+    /// them with its part in the records' own columns.
     pub(super) fn linear_columns(&self, x: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let mut ws = self.workspace();
         if !self.respond(x, None, &mut ws) {
@@ -403,8 +405,8 @@ impl JointProblem {
         Some(&self.shaped)
     }
 
-    /// Derivative of the fit along every searched number at fixed linear coefficients, each record's local columns taken
-    /// off, into `out` column by column. After [`Self::respond`] with derivatives.
+    /// Derivative of the fit along every searched number at fixed linear coefficients, each record's local
+    /// columns taken off, into `out` column by column. After [`Self::respond`] with derivatives.
     fn differentiate(&self, coefficients: &[f64], records: &mut [RecordWorkspace], out: &mut [f64]) {
         let count = self.residual_count();
         let weights: Vec<f64> =
@@ -430,8 +432,8 @@ impl JointProblem {
         );
     }
 
-    /// The fit linearised at `x` in everything: the linear columns that were eliminated, and the derivatives along the
-    /// searched numbers; residuals beside them. Local columns are taken off all of them.
+    /// The fit linearised at `x` in everything: the linear columns that were eliminated, and the derivatives
+    /// along the searched numbers; residuals beside them. Local columns are taken off all of them.
     pub(in super::super) fn linearise(&self, x: &[f64]) -> Option<Linearisation> {
         let mut ws = self.workspace();
         if self.stop.is_requested() || !self.evaluate(x, self.derivatives(), &mut ws) {
@@ -454,7 +456,8 @@ impl JointProblem {
             .then(|| self.collect(coefficients.to_vec(), &mut ws))
     }
 
-    /// Weighted residuals at `x` and any coefficients of u, u², … and weights; empty where it cannot be simulated.
+    /// Weighted residuals at `x` and any coefficients of u, u², … and weights; empty where it cannot be
+    /// simulated.
     pub(in super::super) fn residuals_at<'w>(
         &self,
         x: &[f64],
@@ -507,8 +510,8 @@ impl JointProblem {
 pub(in super::super) struct Linearisation {
     /// Columns of the eliminated coefficients, one after the other.
     pub(in super::super) linear: Vec<f64>,
-    /// Which coefficient each of them is: index of u^(index + 1), from the degree on of a weight. Weights that their sign
-    /// holds at 0 are not among them.
+    /// Which coefficient each of them is: index of u^(index + 1), from the degree on of a weight. Weights
+    /// that their sign holds at 0 are not among them.
     pub(in super::super) eliminated: Vec<usize>,
     /// Derivatives along the searched numbers, one after the other.
     pub(in super::super) searched: Vec<f64>,

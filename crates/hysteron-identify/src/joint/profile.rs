@@ -1,10 +1,11 @@
-//! Profile likelihood of one parameter of a least-squares fit: the confidence interval that its curvature asks for.
+//! Profile likelihood of one parameter of a least-squares fit: the confidence interval that its curvature
+//! asks for.
 //!
-//! With S(v) the least sum of squares at which the parameter has the value v, and S₀ the least of all, the signed root of
-//! the deviance z(v) = ±√((S(v) − S₀)/(s² ρ)) is (v − v̂)/se where the model is linear, and standard normal far more nearly
-//! than that where it is not (Bates, Watts 1988, doi:10.1002/9780470316757, ch. 6). ρ, the variance of the estimate over
-//! what white residuals would give it, keeps it right for coloured ones (the adjustment of Chandler, Bate 2007,
-//! doi:10.1093/biomet/asm015, for one parameter).
+//! With S(v) the least sum of squares at which the parameter has the value v, and S₀ the least of all, the
+//! signed root of the deviance z(v) = ±√((S(v) − S₀)/(s² ρ)) is (v − v̂)/se where the model is linear, and
+//! standard normal far more nearly than that where it is not (Bates, Watts 1988, doi:10.1002/9780470316757,
+//! ch. 6). ρ, the variance of the estimate over what white residuals would give it, keeps it right for
+//! coloured ones (the adjustment of Chandler, Bate 2007, doi:10.1093/biomet/asm015, for one parameter).
 
 use super::super::projection::Projection;
 use hysteron_numeric::dot;
@@ -13,7 +14,8 @@ use hysteron_numeric::dot;
 const Z_TOLERANCE: f64 = 0.01;
 /// Most linearisations for one point of the end of an interval.
 const MOST_TO_SETTLE: usize = 15;
-/// Most dampings of a step that leads up, the least of them, and what each is eased by where the step leads down.
+/// Most dampings of a step that leads up, the least of them, and what each is eased by where the step leads
+/// down.
 const MOST_ATTEMPTS: usize = 10;
 const LEAST_DAMPING: f64 = 1e-4;
 const EASIER: f64 = 0.2;
@@ -23,8 +25,8 @@ const NEAREST: f64 = 1e-3;
 
 /// A least-squares fit in all of its parameters, linear ones among them.
 pub(in super::super) trait Fit {
-    /// Residuals, measured minus model, and the model's derivatives one column a parameter; `None` where it cannot be
-    /// simulated.
+    /// Residuals, measured minus model, and the model's derivatives one column a parameter; `None` where it
+    /// cannot be simulated.
     fn linearise(&mut self, p: &[f64]) -> Option<(Vec<f64>, Vec<f64>)>;
     /// Sum of squares of the residuals.
     fn square(&mut self, p: &[f64]) -> Option<f64>;
@@ -55,8 +57,8 @@ pub(in super::super) struct Profiled<'a> {
 }
 
 impl Profiled<'_> {
-    /// z at `steps` standard errors along the straight valley, which tells the departure from the quadratic to third
-    /// order; 0 where the model ends before.
+    /// z at `steps` standard errors along the straight valley, which tells the departure from the quadratic
+    /// to third order; 0 where the model ends before.
     pub(in super::super) fn along_valley(
         &self,
         fit: &mut impl Fit,
@@ -79,8 +81,9 @@ impl Profiled<'_> {
         ((square - optimum.square).max(0.0) / self.unit).sqrt()
     }
 
-    /// The value on this side (±1) at which z = ± `wanted`, or the end of the parameter's range; `None` where it is not
-    /// found within so many `steps`, each a linearisation. The valley is followed outwards, in shorter steps where it bends.
+    /// The value on this side (±1) at which z = ± `wanted`, or the end of the parameter's range; `None` where
+    /// it is not found within so many `steps`, each a linearisation. The valley is followed outwards, in
+    /// shorter steps where it bends.
     pub(in super::super) fn end(
         &self,
         fit: &mut impl Fit,
@@ -123,7 +126,8 @@ impl Profiled<'_> {
         None
     }
 
-    /// The others at their best, by damped Gauss–Newton steps (Levenberg–Marquardt) from `at`; `None` where they are not found.
+    /// The others at their best, by damped Gauss–Newton steps (Levenberg–Marquardt) from `at`; `None` where
+    /// they are not found.
     fn settled(
         &self,
         fit: &mut impl Fit,

@@ -1,14 +1,18 @@
-//! One record of a joint fit: what is precomputed of it, and the linear columns and their derivatives at a candidate.
+//! One record of a joint fit: what is precomputed of it, and the linear columns and their derivatives at a
+//! candidate.
 //!
-//! Output of record r at a candidate θ (`docs/theory/joint.md`), linear in the coefficients c and w and in the record's own nuisance:
+//! Output of record r at a candidate θ (`docs/theory/joint.md`), linear in the coefficients c and w and in
+//! the record's own nuisance:
 //!
-//! y = offset (+ drift t) + Σ cᵢ Φᵢ(θ) + Σ w_j Ψ_j(θ) (+ transients),  Φᵢ = G(θ) ∗ (uⁱ − uⁱ(rest)),  Ψ_j = s G(θ) ∗ (H_j(θ) − H_j(rest)),
+//! y = offset (+ drift t) + Σ cᵢ Φᵢ(θ) + Σ w_j Ψ_j(θ) (+ transients),  Φᵢ = G(θ) ∗ (uⁱ − uⁱ(rest)),  Ψ_j = s
+//! G(θ) ∗ (H_j(θ) − H_j(rest)),
 //!
-//! with the columns H_j, weights w_j and the sign s of the family of hysteresis operators ([`HysteresisForm`]): for Bouc–Wen
-//! one column ζ with weight α and sign −1.
+//! with the columns H_j, weights w_j and the sign s of the family of hysteresis operators
+//! ([`HysteresisForm`]): for Bouc–Wen one column ζ with weight α and sign −1.
 //!
-//! The hysteresis runs over the drive at its own rate or a finer one, so that every turning point is met. Where the record is
-//! reduced, its output and the measured one go through the same low-pass before samples are left out ([`Reduction`]).
+//! The hysteresis runs over the drive at its own rate or a finer one, so that every turning point is met.
+//! Where the record is reduced, its output and the measured one go through the same low-pass before samples
+//! are left out ([`Reduction`]).
 
 use super::super::projection::Projection;
 use super::drive::Thinning;
@@ -49,7 +53,8 @@ pub(in super::super) struct JointRecord {
     pub(super) target: Vec<f64>,
     /// Samples with weight.
     pub(super) valid: usize,
-    /// What a constant output is, 1 but at the ends of a reduced record, where the output at rest counts: the offset is held.
+    /// What a constant output is, 1 but at the ends of a reduced record, where the output at rest counts: the
+    /// offset is held.
     rest: Option<Vec<f64>>,
     plan: RecordPlan,
     sampling: Sampling,
@@ -152,7 +157,8 @@ impl JointRecord {
         self.weighting.undo(column);
     }
 
-    /// Scratch for `degree` powers, `hysteretic` columns and the tangents of `parameters` parameters of the dynamics.
+    /// Scratch for `degree` powers, `hysteretic` columns and the tangents of `parameters` parameters of the
+    /// dynamics.
     pub(super) fn workspace(&self, degree: usize, hysteretic: usize, parameters: usize) -> RecordWorkspace {
         let samples = self.samples();
         let transients = self.transients.len();
@@ -196,7 +202,8 @@ impl JointRecord {
         }
     }
 
-    /// Input of the dynamics: `scale` times what an output `x` of an operator adds to its value `before` the first sample.
+    /// Input of the dynamics: `scale` times what an output `x` of an operator adds to its value `before` the
+    /// first sample.
     fn prepare_input(&self, x: &[f64], before: f64, scale: f64, lane: &mut Lane) -> bool {
         let Lane { plan, prepared, own, input, .. } = lane;
         match (&self.reduction, self.thinning) {
@@ -253,7 +260,8 @@ impl JointRecord {
     }
 
     /// Columns of the candidate into `ws.columns` and the target without transients into `ws.target`; with
-    /// `derivatives`, everything that [`Self::differentiate`] needs. `false` where the candidate cannot be simulated.
+    /// `derivatives`, everything that [`Self::differentiate`] needs. `false` where the candidate cannot be
+    /// simulated.
     pub(super) fn respond(
         &self,
         form: HysteresisForm,

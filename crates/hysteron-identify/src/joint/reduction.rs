@@ -1,21 +1,23 @@
 //! An oversampled record at a lower rate, such that a fit of it says the same as one of all samples.
 //!
-//! G is linear and time-invariant, so a low-pass F commutes with it: F y = offset + Σ cᵢ G ∗ F(uⁱ − uⁱ(rest)) − α G ∗ F(ζ − ζ(rest)).
-//! Measured output and inputs of the dynamics go through the same F before samples are left out; F stops what would
-//! alias, and what it passes is kept exactly. White noise keeps its density in the pass band, so that a reduced sample
-//! counts as `factor` samples.
+//! G is linear and time-invariant, so a low-pass F commutes with it: F y = offset + Σ cᵢ G ∗ F(uⁱ − uⁱ(rest))
+//! − α G ∗ F(ζ − ζ(rest)). Measured output and inputs of the dynamics go through the same F before samples
+//! are left out; F stops what would alias, and what it passes is kept exactly. White noise keeps its density
+//! in the pass band, so that a reduced sample counts as `factor` samples.
 //!
-//! F reaches beyond the ends of a record. What is compared is F of the residual, taken 0 beyond the ends, so that no sample
-//! is lost: the measured output counts as 0 there, and so must the model's. Before the first sample it is (inputs are 0,
-//! and offset and drift count as 0 as well). Beyond the last one, whatever the inputs are taken to do there, it follows
-//! from the reduced output between its samples, and F of that is taken off.
+//! F reaches beyond the ends of a record. What is compared is F of the residual, taken 0 beyond the ends, so
+//! that no sample is lost: the measured output counts as 0 there, and so must the model's. Before the first
+//! sample it is (inputs are 0, and offset and drift count as 0 as well). Beyond the last one, whatever the
+//! inputs are taken to do there, it follows from the reduced output between its samples, and F of that is
+//! taken off.
 
 use hysteron_model::record::low_pass;
 use hysteron_numeric::{InstructionSet, dot, filter_every};
 
 /// Reach of the low-pass to either side, in reduced samples.
 const REACH: usize = 16;
-/// Reduced samples that F of the output beyond the end is made from, from the first that F reaches the end for.
+/// Reduced samples that F of the output beyond the end is made from, from the first that F reaches the end
+/// for.
 const BEYOND: usize = 3 * REACH;
 
 /// Low-pass, and every so many samples of what it passes.
@@ -60,8 +62,8 @@ impl Reduction {
         (row * self.factor) as isize - (self.lead() * self.factor) as isize
     }
 
-    /// F of an input of the dynamics, which is `before` ahead of its first sample. Beyond the last it is reflected about it,
-    /// which keeps value and slope. Allocates nothing.
+    /// F of an input of the dynamics, which is `before` ahead of its first sample. Beyond the last it is
+    /// reflected about it, which keeps value and slope. Allocates nothing.
     pub(super) fn input(&self, x: &[f64], before: f64, out: &mut [f64]) {
         let last = x.len() - 1;
         self.filter(x, out, |k| match usize::try_from(k) {
@@ -107,7 +109,8 @@ impl Reduction {
         model[start..].iter_mut().zip(&cut).for_each(|(x, cut)| *x -= cut);
     }
 
-    /// Weights of the reduced samples from those of the record's: 0 beyond its ends, and where F reaches a sample without.
+    /// Weights of the reduced samples from those of the record's: 0 beyond its ends, and where F reaches a
+    /// sample without.
     pub(super) fn weights(&self, weight: &[f64]) -> Vec<f64> {
         let density = (self.factor as f64).sqrt();
         let (half, count) = (self.half() as isize, weight.len() as isize);
@@ -136,8 +139,9 @@ fn first_cut(factor: usize, samples: usize) -> usize {
     (samples.saturating_sub(1) / factor + 1).saturating_sub(REACH)
 }
 
-/// F of the output beyond the end of a record, y_k = Σ_i φ_(k − factor·i) (reduced y)_i for k ≥ `samples` with φ = factor · F
-/// (between its samples a reduced output follows from the low-pass itself), in the reduced samples y_i.
+/// F of the output beyond the end of a record, y_k = Σ_i φ_(k − factor·i) (reduced y)_i for k ≥ `samples`
+/// with φ = factor · F (between its samples a reduced output follows from the low-pass itself), in the
+/// reduced samples y_i.
 fn beyond(kernel: &[f64], factor: usize, samples: usize) -> Vec<f64> {
     let half = (kernel.len() / 2) as isize;
     let start = first_cut(factor, samples);

@@ -1,8 +1,8 @@
 //! Resonances of the records' own frequency response, for starts of forms with several of them.
 //!
-//! Output over drive of the record that goes fastest, under Hann's window, averaged over bands of neighbouring frequencies:
-//! the best linear approximation, of which hysteresis changes the height and hardly the resonances. Modes are then fitted to
-//! it one by one ([`crate::frequency_response::fit_structure`]).
+//! Output over drive of the record that goes fastest, under Hann's window, averaged over bands of
+//! neighbouring frequencies: the best linear approximation, of which hysteresis changes the height and hardly
+//! the resonances. Modes are then fitted to it one by one ([`crate::frequency_response::fit_structure`]).
 
 use std::f64::consts::TAU;
 

@@ -18,7 +18,8 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// Longest delay sought where a fit ended at the longest of the first search, as a share of the fastest period in the data.
+/// Longest delay sought where a fit ended at the longest of the first search, as a share of the fastest
+/// period in the data.
 const FAR_DELAY_PERIODS: f64 = 1.6;
 
 /// Everything that a joint problem of any degree is made from.
@@ -101,7 +102,8 @@ impl<'a> JointSetup<'a> {
         }
     }
 
-    /// The same with longer delays, where a fit ended at the longest of those sought; `None` where it did not.
+    /// The same with longer delays, where a fit ended at the longest of those sought; `None` where it did
+    /// not.
     pub(super) fn with_longer_delays(&self, problem: &JointProblem, x: &[f64]) -> Option<JointSetup<'a>> {
         let asked = self.options.demands.names().any(|name| name == "delay");
         let mut ranges = problem.bounds().ranges.iter().zip(x);
@@ -111,7 +113,8 @@ impl<'a> JointSetup<'a> {
         widen.then(|| JointSetup { longest_delay_s: longer, ..self.clone() })
     }
 
-    /// Whether a law with dynamics sees its fastest drive with fewer than so many samples a cycle, at one rate.
+    /// Whether a law with dynamics sees its fastest drive with fewer than so many samples a cycle, at one
+    /// rate.
     pub(super) fn samples_coarsely(&self, samples: f64) -> bool {
         let even = self.members.iter().all(|m| m.facts.data.sample_rate_hz().is_some());
         !self.form.parameters().is_empty() && even && self.rate_hz < samples * self.fastest_hz

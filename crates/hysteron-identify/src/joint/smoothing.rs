@@ -1,9 +1,10 @@
 //! Weights on a plane of relays, drawn together as far as that helps on samples that are left out.
 //!
-//! Records that turn at few voltages determine few of the many weights of a plane, and non-negative least squares then puts all
-//! of a neighbourhood into one of its cells. So, with the nonlinear numbers of the fit as they were found, the weights are fitted
-//! again: c ≥ 0 that minimises ‖y − A c‖² + κ Σ (c_i − c_j)² over neighbours i, j of the plane, coefficients of l\[u\] free. κ is
-//! chosen by cross-validation: the records are cut into parts, and each is met by the weights fitted to the others (Stone 1974,
+//! Records that turn at few voltages determine few of the many weights of a plane, and non-negative least
+//! squares then puts all of a neighbourhood into one of its cells. So, with the nonlinear numbers of the fit
+//! as they were found, the weights are fitted again: c ≥ 0 that minimises ‖y − A c‖² + κ Σ (c_i − c_j)² over
+//! neighbours i, j of the plane, coefficients of l\[u\] free. κ is chosen by cross-validation: the records
+//! are cut into parts, and each is met by the weights fitted to the others (Stone 1974,
 //! doi:10.1111/j.2517-6161.1974.tb00994.x). Validation records have no part in it.
 
 use nalgebra::DMatrix;
@@ -22,7 +23,8 @@ const SHARES: [f64; 10] = [0.0, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 
 /// How neighbouring weights were drawn together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoothing {
-    /// κ, as a share of that at which the differences of neighbours weigh as much as the records; 0 where nothing was gained.
+    /// κ, as a share of that at which the differences of neighbours weigh as much as the records; 0 where
+    /// nothing was gained.
     pub share: f64,
     /// Weighted error on the parts left out, at this κ.
     pub left_out: f64,
@@ -30,8 +32,8 @@ pub struct Smoothing {
     pub left_out_without: f64,
 }
 
-/// Coefficients of u, u², … and weights at the nonlinear numbers `x`, and how they were chosen. `None` where the family has no
-/// neighbours, or a linear number is held or searched.
+/// Coefficients of u, u², … and weights at the nonlinear numbers `x`, and how they were chosen. `None` where
+/// the family has no neighbours, or a linear number is held or searched.
 pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, Smoothing)> {
     let form = problem.hysteresis();
     let on_plane = form.neighbours().into_iter().map(|(a, b)| (a, Some(b)));
@@ -56,7 +58,8 @@ pub(super) fn smoothed(problem: &JointProblem, x: &[f64]) -> Option<(Vec<f64>, S
     let parts: Vec<DMatrix<f64>> = (0..problem.records().len())
         .flat_map(|record| {
             let rows = problem.rows(record);
-            // Of a record in cycles each is a part: the level that a cycle leaves is met by the others or not.
+            // Of a record in cycles each is a part: the level that a cycle leaves is met by the others or
+            // not.
             let cycles = problem.records()[record].cycles;
             let per_record = if cycles > 1 { cycles } else { per_record };
             let end = move |k: usize| rows.start + (rows.end - rows.start) * k / per_record;
@@ -118,7 +121,8 @@ struct Fit {
 }
 
 impl Fit {
-    /// κ at which the differences of neighbours weigh as much as the weights' columns, beside those of u, u², ….
+    /// κ at which the differences of neighbours weigh as much as the weights' columns, beside those of u, u²,
+    /// ….
     fn unit(&self, factor: &DMatrix<f64>) -> f64 {
         let weights = factor.ncols() - 1;
         let squares: f64 = (self.degree..weights)
@@ -190,7 +194,8 @@ mod tests {
 
     #[test]
     fn the_minimum_obeys_its_conditions() {
-        // All neighbours of one another, weights of the negative sign, and a target that one of them cannot follow.
+        // All neighbours of one another, weights of the negative sign, and a target that one of them cannot
+        // follow.
         let mut all = columns();
         all[3].iter_mut().enumerate().for_each(|(k, x)| *x += (k as f64).sin());
         all[4].iter_mut().enumerate().for_each(|(k, y)| *y = -*y + 0.3 * (k as f64 * 1.7).cos());

@@ -1,9 +1,10 @@
 //! Where the search of a joint fit begins.
 //!
-//! A simulation costs a fraction of an iteration, so the starts begin as the best points of coarse lattices. The loop
-//! comes first, from the record in which the dynamics matter least, once as of a device without memory and once as of one
-//! that comes from loops like those of the record (sharp loops have a second optimum with a memory that was not there, and
-//! dynamics that are far off lead there). Then the dynamics, on all records with that loop held.
+//! A simulation costs a fraction of an iteration, so the starts begin as the best points of coarse lattices.
+//! The loop comes first, from the record in which the dynamics matter least, once as of a device without
+//! memory and once as of one that comes from loops like those of the record (sharp loops have a second
+//! optimum with a memory that was not there, and dynamics that are far off lead there). Then the dynamics, on
+//! all records with that loop held.
 
 use super::super::layout::pick;
 use super::super::options::Options;
@@ -100,8 +101,8 @@ impl JointSetup<'_> {
         Ok(Places { loops, motions, evaluations })
     }
 
-    /// Starts at some of the places, the dynamics fitted to all records with the loop held. Loops take turns, so that starts
-    /// which agree on an optimum came from unlike places.
+    /// Starts at some of the places, the dynamics fitted to all records with the loop held. Loops take turns,
+    /// so that starts which agree on an optimum came from unlike places.
     pub(super) fn fitted(
         &self,
         problem: &JointProblem,
@@ -144,8 +145,8 @@ impl JointSetup<'_> {
         (0..self.members.len()).min_by(|a, b| slowness(a).total_cmp(&slowness(b))).unwrap_or_default()
     }
 
-    /// The options with the dynamics held where they hardly show in the slowest record: left free they would take the place
-    /// of the loop there.
+    /// The options with the dynamics held where they hardly show in the slowest record: left free they would
+    /// take the place of the loop there.
     fn fast(&self, bounds: &Bounds) -> Options {
         let mut options = self.options.clone();
         let point = self.start(bounds, &[], FAST, |_| 0.0);
@@ -156,7 +157,8 @@ impl JointSetup<'_> {
         options
     }
 
-    /// The problem of the slowest record alone, with `options`, and the starts at each shape in the order of their cost.
+    /// The problem of the slowest record alone, with `options`, and the starts at each shape in the order of
+    /// their cost.
     fn slow(&self, options: &Options, degree: usize) -> Result<(JointProblem, Vec<Placed>), IdentifyError> {
         let index = self.slowest();
         let members = self.members.get(index..=index).unwrap_or_default();
@@ -333,7 +335,8 @@ impl JointSetup<'_> {
     }
 }
 
-/// The candidates in the order of their cost; last those that cannot be simulated, and those not tried when it was stopped.
+/// The candidates in the order of their cost; last those that cannot be simulated, and those not tried when
+/// it was stopped.
 fn by_cost<T: Clone + Send + Sync>(
     problem: &JointProblem,
     candidates: &[T],

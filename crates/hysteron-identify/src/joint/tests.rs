@@ -130,8 +130,8 @@ fn residuals(problem: &JointProblem, x: &[f64]) -> Vec<f64> {
     out
 }
 
-/// Kaufman's Jacobian is P⊥ times the derivative of the residual, since what it leaves out lies in the span of the columns.
-/// P⊥ itself is taken from the problem: the columns are read off its linearisation.
+/// Kaufman's Jacobian is P⊥ times the derivative of the residual, since what it leaves out lies in the span
+/// of the columns. P⊥ itself is taken from the problem: the columns are read off its linearisation.
 fn check(problem: &JointProblem, x: &[f64]) {
     let count = problem.residual_count();
     let mut jacobian = vec![0.0; count * x.len()];
@@ -147,12 +147,12 @@ fn check(problem: &JointProblem, x: &[f64]) {
     };
     let r = residuals(problem, x);
     for (j, range) in problem.bounds().ranges.iter().enumerate() {
-        // Small in the hysteresis, for where ζ passes 0 at a sample the second derivative jumps; not too small, for the
-        // transform's rounding grows along the record.
+        // Small in the hysteresis, for where ζ passes 0 at a sample the second derivative jumps; not too
+        // small, for the transform's rounding grows along the record.
         let hysteretic =
             ["beta", "gamma", "n"].contains(&range.name.as_str()) || range.name.contains("memory");
-        // A play that starts or stops to move between the steps has no difference there: short steps, and what rounding
-        // leaves of them.
+        // A play that starts or stops to move between the steps has no difference there: short steps, and
+        // what rounding leaves of them.
         let jumps = range.name.contains("threshold")
             || (range.name.contains("memory") && problem.hysteresis() != HysteresisForm::BoucWen);
         let h = match (jumps, hysteretic) {
@@ -168,8 +168,8 @@ fn check(problem: &JointProblem, x: &[f64]) {
         });
         let mut projected = by_steps.clone();
         basis.project(&mut projected);
-        // The residual also moves within the records' own local columns where these depend on the candidate; both
-        // Jacobians are compared where the fit lives.
+        // The residual also moves within the records' own local columns where these depend on the candidate;
+        // both Jacobians are compared where the fit lives.
         let found = &jacobian[j * count..(j + 1) * count];
         let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
         let size = norm(&mut found.iter().copied());

@@ -1,9 +1,10 @@
 //! Weights of the samples of a record.
 //!
-//! A sample counts by the error that is expected of it. Outside its class a model is wrong by a share of the swing, so that in a
-//! small oscillation beside large moves it must come closer to count as much as there: residuals are weighted by the swing of their
-//! piece of the record. The level about which a piece oscillates is left by the large moves before; its error is theirs. So the
-//! mean of every period counts as large moves do, and what goes on about it as small ones do: two orthogonal parts of the residual.
+//! A sample counts by the error that is expected of it. Outside its class a model is wrong by a share of the
+//! swing, so that in a small oscillation beside large moves it must come closer to count as much as there:
+//! residuals are weighted by the swing of their piece of the record. The level about which a piece oscillates
+//! is left by the large moves before; its error is theirs. So the mean of every period counts as large moves
+//! do, and what goes on about it as small ones do: two orthogonal parts of the residual.
 
 use std::ops::Range;
 
@@ -89,8 +90,9 @@ impl Weighting {
     }
 }
 
-/// Weights of a record in pieces: `largest` for moves over the whole `stroke`, more for small oscillations, by the error that is
-/// expected of them beside the `noise`, and all of these alike, whatever their number of samples.
+/// Weights of a record in pieces: `largest` for moves over the whole `stroke`, more for small oscillations,
+/// by the error that is expected of them beside the `noise`, and all of these alike, whatever their number of
+/// samples.
 pub(super) fn by_swing(data: &InputOutput, largest: f64, noise: f64, stroke: f64) -> Weighting {
     let mut weighting = Weighting::from(vec![largest; data.len()]);
     let expected = |swing: f64| noise.hypot(MISFIT * swing);

@@ -23,7 +23,8 @@ const STEP: f64 = 1e-12;
 /// A relative gain in the sum of squares below this is none.
 const GAIN: f64 = 1e-13;
 
-/// Least squares from `start`; `at` gives residuals and derivatives, or `None` where the model is not admissible.
+/// Least squares from `start`; `at` gives residuals and derivatives, or `None` where the model is not
+/// admissible.
 pub(super) fn minimise(start: Vec<f64>, at: impl Fn(&[f64]) -> Option<Linearisation>) -> Option<Optimum> {
     let mut best = at(&start)?;
     let mut x = DVector::from_vec(start);

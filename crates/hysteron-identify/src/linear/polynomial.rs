@@ -38,8 +38,8 @@ impl PolynomialOrders {
     }
 }
 
-/// y_k = B(z)/F(z) v_{k−nk} + C(z)/D(z) e_k with B = b₀ + b₁ z⁻¹ + …, the other polynomials 1 + c₁ z⁻¹ + …, e white.
-/// Zero before the first sample: v is counted from rest.
+/// y_k = B(z)/F(z) v_{k−nk} + C(z)/D(z) e_k with B = b₀ + b₁ z⁻¹ + …, the other polynomials 1 + c₁ z⁻¹ + …, e
+/// white. Zero before the first sample: v is counted from rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolynomialModel {
     /// b₀ ….
@@ -75,11 +75,12 @@ pub struct PolynomialFit {
     pub model: PolynomialModel,
     /// Output offset of each record: measured = simulated + offset + noise.
     pub offsets: Vec<f64>,
-    /// Covariance of b₀ …, f₁ …, c₁ …, d₁ …; `None` where the data do not determine them all. Without a noise model
-    /// the residual may be coloured: (JᵀJ)⁻¹ (Σ ρ_k Σ_t J_t J_{t+k}ᵀ) (JᵀJ)⁻¹ with its autocovariance ρ; with one it is
-    /// taken to be white.
+    /// Covariance of b₀ …, f₁ …, c₁ …, d₁ …; `None` where the data do not determine them all. Without a noise
+    /// model the residual may be coloured: (JᵀJ)⁻¹ (Σ ρ_k Σ_t J_t J_{t+k}ᵀ) (JᵀJ)⁻¹ with its autocovariance
+    /// ρ; with one it is taken to be white.
     pub covariance: Option<DMatrix<f64>>,
-    /// Root mean square of what was minimised: the simulation error, or with a noise model the one-step prediction error.
+    /// Root mean square of what was minimised: the simulation error, or with a noise model the one-step
+    /// prediction error.
     pub rmse: f64,
     /// Root mean square of the simulation error y − B/F v − offset.
     pub simulated_rmse: f64,
@@ -100,16 +101,16 @@ impl PolynomialFit {
 
 /// Fits an output-error or Box–Jenkins model to records of one sample rate.
 ///
-/// Starts at ARX made into an output error by Steiglitz–McBride iterations (doi:10.1109/TAC.1965.1098181), with the noise model of
-/// what they leave by a long autoregression (Hannan, Rissanen, doi:10.1093/biomet/69.1.81); then Levenberg–Marquardt on
-/// the prediction error e = D/C (y − B/F v − offset) with exact derivatives, filtered signals themselves (Ljung
-/// 1999, §10.3). F, C and D stay stable. Samples that are not valid carry no error: there the noise is what is
-/// predicted of it.
+/// Starts at ARX made into an output error by Steiglitz–McBride iterations (doi:10.1109/TAC.1965.1098181),
+/// with the noise model of what they leave by a long autoregression (Hannan, Rissanen,
+/// doi:10.1093/biomet/69.1.81); then Levenberg–Marquardt on the prediction error e = D/C (y − B/F v − offset)
+/// with exact derivatives, filtered signals themselves (Ljung 1999, §10.3). F, C and D stay stable. Samples
+/// that are not valid carry no error: there the noise is what is predicted of it.
 ///
 /// # Errors
 /// [`DynamicsError::NoInputCoefficients`] for nb = 0, [`DynamicsError::Length`],
-/// [`DynamicsError::InputNotFinite`], [`DynamicsError::TooFewSamples`], [`DynamicsError::Dependent`] where the data do not
-/// determine a start.
+/// [`DynamicsError::InputNotFinite`], [`DynamicsError::TooFewSamples`], [`DynamicsError::Dependent`] where
+/// the data do not determine a start.
 pub fn fit_polynomial(
     records: &[ArxRecord<'_>],
     orders: PolynomialOrders,

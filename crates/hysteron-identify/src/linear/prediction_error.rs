@@ -1,8 +1,8 @@
 //! Prediction error of a polynomial model and its exact derivatives.
 //!
-//! With x = B/F v and w = y − offset − x, e = D/C w. Derivatives are filtered signals: ∂x/∂b_j = z^−(j+nk)/F v,
-//! ∂x/∂f_i = −z^−i/F x, ∂e/∂c_i = −z^−i/C e, ∂e/∂d_i = z^−i/C w. At a sample that is not valid e = 0, and w is what is predicted,
-//! Σ c e − Σ d w.
+//! With x = B/F v and w = y − offset − x, e = D/C w. Derivatives are filtered signals: ∂x/∂b_j = z^−(j+nk)/F
+//! v, ∂x/∂f_i = −z^−i/F x, ∂e/∂c_i = −z^−i/C e, ∂e/∂d_i = z^−i/C w. At a sample that is not valid e = 0, and
+//! w is what is predicted, Σ c e − Σ d w.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -41,8 +41,8 @@ pub struct SrivcFit {
     pub denominator: Vec<f64>,
     /// Output offset of each record: measured = simulated + offset + noise.
     pub offsets: Vec<f64>,
-    /// Covariance of the numerator's coefficients and the denominator's without the last, as they are listed; the
-    /// residual may be coloured. `None` where the data do not determine them.
+    /// Covariance of the numerator's coefficients and the denominator's without the last, as they are listed;
+    /// the residual may be coloured. `None` where the data do not determine them.
     pub covariance: Option<DMatrix<f64>>,
     /// Root mean square of the simulation error.
     pub rmse: f64,
@@ -67,16 +67,16 @@ impl SrivcFit {
     }
 }
 
-/// Fits y = B(s)/A(s) v + offset to records sampled at `sample_rate_hz`; v is held or goes along straight lines between its
-/// samples, and was 0 before them.
+/// Fits y = B(s)/A(s) v + offset to records sampled at `sample_rate_hz`; v is held or goes along straight
+/// lines between its samples, and was 0 before them.
 ///
 /// Each iteration filters v, y and the model's own noise-free x = B/A v by 1/A of the iteration before, whose
-/// states are the filtered derivatives, and solves sⁿ/A y = −Σ a sʲ/A y + Σ b sʲ/A v with x in the place of y among
-/// the instruments: x is free of the noise of y, so that the estimate is not biased by it, whatever its colour. What
-/// y does between its samples does not matter where it settles, since A/A y = y there (S. Pan, J. S. Welsh, R. A.
-/// González, C. R. Rojas, *Automatica* 2020). Source: P. C. Young, H. Garnier, M. Gilson, in *Identification of
-/// Continuous-time Models from Sampled Data*, Springer 2008, ch. 4. Starts: linear regression on signals filtered by
-/// 1/(s + λ)ⁿ for λ over the band. Unstable poles are reflected.
+/// states are the filtered derivatives, and solves sⁿ/A y = −Σ a sʲ/A y + Σ b sʲ/A v with x in the place of y
+/// among the instruments: x is free of the noise of y, so that the estimate is not biased by it, whatever its
+/// colour. What y does between its samples does not matter where it settles, since A/A y = y there (S. Pan,
+/// J. S. Welsh, R. A. González, C. R. Rojas, *Automatica* 2020). Source: P. C. Young, H. Garnier, M. Gilson,
+/// in *Identification of Continuous-time Models from Sampled Data*, Springer 2008, ch. 4. Starts: linear
+/// regression on signals filtered by 1/(s + λ)ⁿ for λ over the band. Unstable poles are reflected.
 ///
 /// # Errors
 /// [`DynamicsError::Parameter`] for a number of poles or zeros that cannot be; [`DynamicsError::SampleRate`];
@@ -122,8 +122,8 @@ pub fn fit_srivc(
 /// Most poles that are fitted.
 const MOST_POLES: usize = 10;
 
-/// The records, ready to be filtered. Time is counted in sample periods times `unit`, which makes the coefficients of A of
-/// order 1.
+/// The records, ready to be filtered. Time is counted in sample periods times `unit`, which makes the
+/// coefficients of A of order 1.
 struct Regression<'a> {
     records: &'a [ArxRecord<'a>],
     /// Delayed inputs and bridged outputs from the level of their first sample.
@@ -178,8 +178,8 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// By linear regression on signals through 1/(s + 1)ⁿ with time in units such that this is `corner` in 1/samples, and a few
-    /// iterations from there.
+    /// By linear regression on signals through 1/(s + 1)ⁿ with time in units such that this is `corner` in
+    /// 1/samples, and a few iterations from there.
     fn started_at(&self, corner: f64) -> Option<Iterate> {
         let n = self.poles;
         let mut a = vec![0.0; n + 1];
@@ -196,8 +196,8 @@ impl<'a> Regression<'a> {
         Some(self.settle(start, FIRST).0)
     }
 
-    /// Iterations until the unknowns settle; of all iterates the one with the least simulation error, or the last where
-    /// they settled.
+    /// Iterations until the unknowns settle; of all iterates the one with the least simulation error, or the
+    /// last where they settled.
     fn settle(&self, start: Iterate, most: usize) -> (Iterate, usize, bool) {
         let mut best = start.clone();
         let mut now = start;
@@ -267,8 +267,8 @@ impl<'a> Regression<'a> {
         signals.v.iter().map(of).collect()
     }
 
-    /// Columns −sⁿ⁻¹/A y … −1/A y, sᵐ/A v … 1/A v, a one for each record, and sⁿ/A y, rows of samples that are not valid 0; with
-    /// `other` in the place of y.
+    /// Columns −sⁿ⁻¹/A y … −1/A y, sᵐ/A v … 1/A v, a one for each record, and sⁿ/A y, rows of samples that
+    /// are not valid 0; with `other` in the place of y.
     fn regressors(
         &self,
         signals: &Filtered,

@@ -17,8 +17,8 @@ const ITERATIONS: usize = 15;
 /// A diagonal element of R below this share of its (unit) column makes the column dependent.
 const DEPENDENT: f64 = 1e-12;
 
-/// B and F by ARX on signals filtered by 1/F of the iteration before, which in the end is the output error; of all
-/// iterations those with the least output error.
+/// B and F by ARX on signals filtered by 1/F of the iteration before, which in the end is the output error;
+/// of all iterations those with the least output error.
 pub(super) fn steiglitz_mcbride(
     records: &[ArxRecord<'_>],
     orders: PolynomialOrders,
@@ -127,8 +127,8 @@ fn output_error(records: &[ArxRecord<'_>], nk: usize, b: &[f64], f: &[f64]) -> f
         .sum()
 }
 
-/// C and D of the output error: innovations from a long autoregression, then w on its past and theirs. Zeros where the
-/// regression fails.
+/// C and D of the output error: innovations from a long autoregression, then w on its past and theirs. Zeros
+/// where the regression fails.
 pub(super) fn noise_start(
     records: &[ArxRecord<'_>],
     residual: &DVector<f64>,

@@ -90,8 +90,9 @@ pub(super) struct Column {
 
 /// The free parameters of a search.
 ///
-/// Base columns: the dynamic ones, whose derivatives are followed along the trajectory; then, output by output, those of its rows of C, D
-/// and D_h, which are the signals x, u and w themselves. Columns of slopes are base columns times S.
+/// Base columns: the dynamic ones, whose derivatives are followed along the trajectory; then, output by
+/// output, those of its rows of C, D and D_h, which are the signals x, u and w themselves. Columns of slopes
+/// are base columns times S.
 #[derive(Clone, Debug)]
 pub(super) struct Freedom {
     groups: Vec<Group>,

@@ -1,16 +1,16 @@
-//! Identification of scheduled modes with hysteresis in feedback ([`hysteron_model::axes::ScheduledModes`]) from periodic records of several
-//! inputs and outputs.
+//! Identification of scheduled modes with hysteresis in feedback ([`hysteron_model::axes::ScheduledModes`])
+//! from periodic records of several inputs and outputs.
 //!
-//! 1. *Records.* Mean of the settled periods; level: rms of the inputs. Records within 5 % of each other are of one level.
-//! 2. *Response.* Frequency responses of the highest level by the local polynomial method, common poles by vector fitting, residues
-//!    of rank one by singular value decomposition.
-//! 3. *Linear modes.* Levenberg–Marquardt on the simulated outputs of the highest level, then of all levels with poles, output rows
-//!    and feedthrough that follow the level.
-//! 4. *Hysteresis.* Strains of what each actuator would do freely and of its stress are put in feedback; first their coefficients,
-//!    then everything at once.
+//! 1. *Records.* Mean of the settled periods; level: rms of the inputs. Records within 5 % of each other are
+//! of one level. 2. *Response.* Frequency responses of the highest level by the local polynomial method,
+//! common poles by vector fitting, residues of rank one by singular value decomposition. 3. *Linear modes.*
+//! Levenberg–Marquardt on the simulated outputs of the highest level, then of all levels with poles, output
+//! rows and feedthrough that follow the level. 4. *Hysteresis.* Strains of what each actuator would do freely
+//! and of its stress are put in feedback; first their coefficients, then everything at once.
 //!
-//! Derivatives are exact forward sensitivities of the simulation itself. Levels count by their squared error over their rms output: half
-//! way between absolute and relative errors. The result does not depend on the number of threads.
+//! Derivatives are exact forward sensitivities of the simulation itself. Levels count by their squared error
+//! over their rms output: half way between absolute and relative errors. The result does not depend on the
+//! number of threads.
 
 mod columns;
 mod normal;
@@ -33,7 +33,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Pairs of poles the vector fit starts from; `None`: chosen by how well they follow the response. What is found can be fewer.
+    /// Pairs of poles the vector fit starts from; `None`: chosen by how well they follow the response. What
+    /// is found can be fewer.
     pub modes: Option<usize>,
     /// Steps of the simulation a sample.
     pub steps: usize,
@@ -103,7 +104,8 @@ pub struct ModesIdentification {
 /// Identifies scheduled modes from records that share the device, the sample rate and the channels.
 ///
 /// # Errors
-/// [`IdentifyError`]: records that cannot be used, options that cannot be met, a model that does not describe the records.
+/// [`IdentifyError`]: records that cannot be used, options that cannot be met, a model that does not describe
+/// the records.
 pub fn identify(
     records: &[AxesRecord],
     options: &Options,

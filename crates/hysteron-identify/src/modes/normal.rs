@@ -11,7 +11,8 @@ use hysteron_optimize::Stop;
 
 /// Blocks of columns multiplied with each other at once.
 const PANEL: usize = 4;
-/// e-folds of the slowest state before a period that is compared, and before one whose derivatives are followed.
+/// e-folds of the slowest state before a period that is compared, and before one whose derivatives are
+/// followed.
 const FORGOTTEN: f64 = 20.0;
 const FADED: f64 = 10.0;
 /// Most periods of preroll while a fit runs.
@@ -145,7 +146,8 @@ fn of_record(
     Some((matrix, gradient))
 }
 
-/// Derivatives of the outputs with respect to the dynamic columns, block by block: outputs · samples lanes each; zeros once it is stopped.
+/// Derivatives of the outputs with respect to the dynamic columns, block by block: outputs · samples lanes
+/// each; zeros once it is stopped.
 pub(super) fn derivatives(
     model: &ScheduledModes,
     freedom: &Freedom,

@@ -25,7 +25,8 @@ const TRIED: [usize; 11] = [2, 3, 4, 6, 8, 10, 12, 15, 18, 22, 26];
 const WORTH: f64 = 0.01;
 /// First guess of the relative fall of every resonance from level 0 to the highest.
 const SOFTENING: f64 = 0.011;
-/// Share of the stress in what drives an actuator's hysteresis, found on the public steering mirror (0.07 ± 0.02).
+/// Share of the stress in what drives an actuator's hysteresis, found on the public steering mirror (0.07 ±
+/// 0.02).
 pub(super) const STRESS_SHARE: f64 = 0.07;
 /// Radii of the plays over the rms of what they follow.
 const RADII: (f64, f64) = (0.08, 2.2);
@@ -82,7 +83,8 @@ pub(super) fn linear_start(
     Ok(Start { model, influence, lag_hz, advance_s, excited_hz: (low_hz, top_hz), pairs })
 }
 
-/// Pairs started from and common poles: of the number given, or of the smallest that follows the response about as well as more.
+/// Pairs started from and common poles: of the number given, or of the smallest that follows the response
+/// about as well as more.
 fn choose_poles(
     fit: &VectorFit,
     response: &FrequencyMatrix,
@@ -248,8 +250,8 @@ fn schedule_poles(model: &mut ScheduledModes) {
     }
 }
 
-/// What the slow phase of the response leaves beside the lag: the slope of the phase of tr(G₀⁻¹ G) below half the lowest mode, 0 to
-/// four samples.
+/// What the slow phase of the response leaves beside the lag: the slope of the phase of tr(G₀⁻¹ G) below half
+/// the lowest mode, 0 to four samples.
 fn advance(
     response: &FrequencyMatrix,
     influence: &InfluenceMatrix,
@@ -282,10 +284,12 @@ fn advance(
     beside.clamp(0.0, 4.0 / model.sample_rate_hz)
 }
 
-/// Puts hysteresis in feedback, without effect yet: rows of free stroke and stress, columns of strain, laws with coefficients 0.
+/// Puts hysteresis in feedback, without effect yet: rows of free stroke and stress, columns of strain, laws
+/// with coefficients 0.
 ///
-/// A strain acts where the drive does, behind the lag: h_k = b_k (1 + i f_k/f_lag). The extension e = G₀⁻¹ y of each actuator is read from
-/// the outputs' rows, ahead by the time the sensors are behind; v = (1 − 0.07) a + 0.07 e, σ = e − u.
+/// A strain acts where the drive does, behind the lag: h_k = b_k (1 + i f_k/f_lag). The extension e = G₀⁻¹ y
+/// of each actuator is read from the outputs' rows, ahead by the time the sensors are behind; v = (1 − 0.07)
+/// a + 0.07 e, σ = e − u.
 pub(super) fn add_feedback(start: &Start, model: &mut ScheduledModes, pieces: &[&Piece], plays: usize) {
     let Some(inverse) = start.influence.inverse() else { return };
     let (n, m, modes, states) = (model.inputs, model.outputs, model.modes, model.states());
@@ -365,7 +369,8 @@ fn signals(
     (drive, stress)
 }
 
-/// A law without effect whose terms are nearly orthogonal to z: s² its variance, γ_j the mean slope of each play.
+/// A law without effect whose terms are nearly orthogonal to z: s² its variance, γ_j the mean slope of each
+/// play.
 fn strain_law(z: &[f64], plays: usize) -> StrainLaw {
     let variance = (z.iter().map(|z| z * z).sum::<f64>() / z.len().max(1) as f64).max(f64::MIN_POSITIVE);
     let gaps = plays.saturating_sub(1).max(1) as f64;

@@ -295,7 +295,8 @@ fn treatment(campaign: &Campaign, pairs: usize, modes: usize) -> Vec<String> {
         .map(|piece| {
             let p = &piece.period;
             format!(
-                "{}: {} inputs of {}{} rms repeat every {} samples; the fit sees the mean of {} settled periods",
+                "{}: {} inputs of {}{} rms repeat every {} samples; the fit sees the mean of {} settled \
+                 periods",
                 p.name,
                 p.inputs,
                 short(p.level),
@@ -334,7 +335,8 @@ fn findings(
             FindingKind::Verdict,
             "levels",
             format!(
-                "from {} to {}{unit} rms the resonances fall by {} % in the median of the modes ({} to {} %).",
+                "from {} to {}{unit} rms the resonances fall by {} % in the median of the modes ({} to {} \
+                 %).",
                 short(model.level.lowest),
                 short(model.level.highest),
                 percent(median),
@@ -343,7 +345,8 @@ fn findings(
             ),
         );
         let law = if campaign.levels.len() == 2 {
-            " Two levels cannot tell how the model runs between them: it is taken to be linear in amplitude unless the exponent is given."
+            " Two levels cannot tell how the model runs between them: it is taken to be linear in amplitude \
+             unless the exponent is given."
         } else {
             ""
         };
@@ -352,7 +355,8 @@ fn findings(
             FindingKind::Advice,
             "levels",
             format!(
-                "levels measured at different times cannot tell a change with the drive from one with time or temperature.{law}"
+                "levels measured at different times cannot tell a change with the drive from one with time \
+                 or temperature.{law}"
             ),
         );
         if campaign.levels.len() == 2 {
@@ -364,7 +368,8 @@ fn findings(
             FindingKind::Advice,
             "levels",
             format!(
-                "all records have one level, {}{unit} rms: how the modes move with the amplitude is not known and left out. Add \
+                "all records have one level, {}{unit} rms: how the modes move with the amplitude is not \
+                 known and left out. Add \
                  records at a third of it.",
                 short(model.level.highest)
             ),

@@ -10,7 +10,8 @@ use hysteron_model::model_file::{
 use super::{ModesIdentification, ModesRecordFit, Options};
 
 impl ModesIdentification {
-    /// The model of these `records` as data: numbers, influence matrices, range, how it was made with these `options`, scores.
+    /// The model of these `records` as data: numbers, influence matrices, range, how it was made with these
+    /// `options`, scores.
     pub fn model_file(&self, records: &[AxesRecord], options: &Options, maker: &Maker) -> ModesFile {
         let first = records.first();
         let units = first.map_or_else(SignalUnits::default, |r| SignalUnits::of(&r.u_unit, &r.y_unit));

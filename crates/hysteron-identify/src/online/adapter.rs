@@ -14,7 +14,8 @@ pub enum Estimator<const N: usize> {
     Gradient {
         /// The estimator.
         nlms: Nlms<f64, N>,
-        /// Standard deviation of a residual where the model fits \[µm\]: what the monitor's residuals are divided by.
+        /// Standard deviation of a residual where the model fits \[µm\]: what the monitor's residuals are
+        /// divided by.
         deviation_um: f64,
     },
 }
@@ -59,9 +60,9 @@ pub struct Trace<const N: usize> {
 }
 
 impl<const N: usize> Adapter<N> {
-    /// An estimator whose residuals this monitor watches. With `reopen` an alarm makes the coefficients of least
-    /// squares as uncertain as at the start, so that a jump is followed at once, and sets the sums of the monitor
-    /// to zero: alarms that come again and again then say that no coefficients fit.
+    /// An estimator whose residuals this monitor watches. With `reopen` an alarm makes the coefficients of
+    /// least squares as uncertain as at the start, so that a jump is followed at once, and sets the sums of
+    /// the monitor to zero: alarms that come again and again then say that no coefficients fit.
     pub fn new(estimator: Estimator<N>, monitor: FitMonitor<f64>, reopen: bool) -> Self {
         Self { estimator, monitor, reopen }
     }

@@ -10,7 +10,8 @@ use hysteron_model::record::range_of;
 /// Highest power of the drive that may be corrected.
 const HIGHEST_POWER: u32 = 20;
 
-/// A model with N coefficients that may move: y = fixed + φᵀθ, where the nominal θ gives the model's own output.
+/// A model with N coefficients that may move: y = fixed + φᵀθ, where the nominal θ gives the model's own
+/// output.
 ///
 /// All regressors follow from the drive alone; no measured output enters them.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,9 +86,9 @@ impl<const N: usize> Correction<N> {
         })
     }
 
-    /// Regressors over the drive `u` \[V\]. Those of a sample depend on the drive up to it alone (but for 1e-9 of the
-    /// largest, see [`hysteron_model::dynamics::SimulationPlan`]), except where the model's scheme is `band-limited` or
-    /// its drive band-limited between samples.
+    /// Regressors over the drive `u` \[V\]. Those of a sample depend on the drive up to it alone (but for
+    /// 1e-9 of the largest, see [`hysteron_model::dynamics::SimulationPlan`]), except where the model's
+    /// scheme is `band-limited` or its drive band-limited between samples.
     ///
     /// # Errors
     /// As [`Model::simulate`]; [`IdentifyError::CorrectionNoRate`].
@@ -122,8 +123,8 @@ impl<const N: usize> Correction<N> {
     /// The model with the coefficients `parameters`.
     ///
     /// # Errors
-    /// [`IdentifyError::CorrectionCreep`] where a creep coefficient is not 0; [`IdentifyError::Hysteresis`] where gain
-    /// or coefficients are none for the hysteresis block.
+    /// [`IdentifyError::CorrectionCreep`] where a creep coefficient is not 0; [`IdentifyError::Hysteresis`]
+    /// where gain or coefficients are none for the hysteresis block.
     pub fn corrected(&self, parameters: &[f64; N]) -> Result<Model, IdentifyError> {
         let mut model = self.model.clone();
         let of =
@@ -164,8 +165,8 @@ impl<const N: usize> Regressors<N> {
         self.fixed.is_empty()
     }
 
-    /// How far each regressor moves over the record: its range, or 1 where it is constant (that of the offset). What moves the output
-    /// by d is a coefficient of d over this.
+    /// How far each regressor moves over the record: its range, or 1 where it is constant (that of the
+    /// offset). What moves the output by d is a coefficient of d over this.
     pub fn spans(&self) -> [f64; N] {
         self.columns.each_ref().map(|column| {
             let (low, high) = range_of(column);

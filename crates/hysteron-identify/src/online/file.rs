@@ -10,8 +10,9 @@ use hysteron_model::model_file::{
 use hysteron_model::record::{InputOutput, Source};
 
 impl Followed {
-    /// Model file with the coefficients of the last sample. `old`: the file of the model that was corrected, and where it was read
-    /// from. Standard errors and covariance of the old numbers are left out: they say nothing of the new ones.
+    /// Model file with the coefficients of the last sample. `old`: the file of the model that was corrected,
+    /// and where it was read from. Standard errors and covariance of the old numbers are left out: they say
+    /// nothing of the new ones.
     ///
     /// # Errors
     /// [`IdentifyError`] where the coefficients make no model.

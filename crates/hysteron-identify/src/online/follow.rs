@@ -35,8 +35,8 @@ pub struct FollowOptions {
     pub terms: Vec<Term>,
     /// Standard deviation of a residual where the model fits \[µm\], above 0; see [`known_noise`].
     pub noise: f64,
-    /// Learn from one of so many samples; `None`: 40 to the period of the fastest drive, fewer where the residuals stay alike
-    /// for longer.
+    /// Learn from one of so many samples; `None`: 40 to the period of the fastest drive, fewer where the
+    /// residuals stay alike for longer.
     pub every: Option<usize>,
     /// Mean number of samples learnt from to a false alarm, at least.
     pub run_length: f64,
@@ -80,8 +80,8 @@ impl FollowMethod {
     }
 }
 
-/// Standard deviation of a residual where the model fits: the largest training RMSE in the model file, else the noise
-/// floor of the record; `None` where neither is above 0.
+/// Standard deviation of a residual where the model fits: the largest training RMSE in the model file, else
+/// the noise floor of the record; `None` where neither is above 0.
 pub fn known_noise(file: &ModelFile, data: &InputOutput) -> Option<f64> {
     let training = file.scores.iter().filter(|s| s.role == ScoreRole::Training).map(|s| s.rmse);
     let floor = || noise_floor(data, find_periods(data).ok().as_ref()).map(|floor| floor.rms);

@@ -12,9 +12,9 @@ const PARTS: usize = 8;
 const FEWEST: usize = 20;
 
 impl<const N: usize> Regressors<N> {
-    /// Number of samples that carry the information of one independent sample of what no coefficients explain, the median over eighths
-    /// of the record: in each the sum of the autocorrelation of what least squares leaves. At least 1; 1 for a
-    /// record too short to say.
+    /// Number of samples that carry the information of one independent sample of what no coefficients
+    /// explain, the median over eighths of the record: in each the sum of the autocorrelation of what least
+    /// squares leaves. At least 1; 1 for a record too short to say.
     ///
     /// # Errors
     /// [`IdentifyError::CorrectionLengths`].

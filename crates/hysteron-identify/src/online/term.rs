@@ -14,8 +14,8 @@ pub enum Term {
     Offset,
     /// Gain \[1\], regressor w, the model's output less its offset \[µm\]; nominally 1.
     Gain,
-    /// Change of the polynomial's coefficient of uⁿ \[µm/Vⁿ\], regressor G ∗ uⁿ with the model's delay; nominally
-    /// 0. With [`Self::Gain`] it is the change after the gain.
+    /// Change of the polynomial's coefficient of uⁿ \[µm/Vⁿ\], regressor G ∗ uⁿ with the model's delay;
+    /// nominally 0. With [`Self::Gain`] it is the change after the gain.
     Power(u32),
     /// Creep \[1\], regressor w behind a first-order lag, 1/(1 + `lag_s`·s), settled at the first sample;
     /// nominally 0. One term a decade of time makes the usual sum of lags.

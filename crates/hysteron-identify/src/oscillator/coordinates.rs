@@ -33,8 +33,8 @@ const LARGEST_SHARE: f64 = 1.5;
 /// Largest exponent.
 pub(super) const LARGEST_N: f64 = 5.0;
 
-/// m, c, K = k + α, ρ = α/K, b = β'Yⁿ, g = γ'Yⁿ, n; Y is the size of the motion. k and α trade where the loop is thin, K and
-/// ρ do not.
+/// m, c, K = k + α, ρ = α/K, b = β'Yⁿ, g = γ'Yⁿ, n; Y is the size of the motion. k and α trade where the loop
+/// is thin, K and ρ do not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Coordinates(pub [f64; COUNT]);
 

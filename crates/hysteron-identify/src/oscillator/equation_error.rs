@@ -1,4 +1,5 @@
-//! The equation of motion as a linear regression: u = m ÿ + c ẏ + k y + α ζ\[y\] + e, line by line of the spectrum.
+//! The equation of motion as a linear regression: u = m ÿ + c ẏ + k y + α ζ\[y\] + e, line by line of the
+//! spectrum.
 
 use nalgebra::{DMatrix, DVector};
 use rustfft::num_complex::Complex64;
@@ -36,7 +37,8 @@ pub(super) struct Coefficients {
 #[derive(Debug)]
 pub(super) struct EquationError {
     parts: Vec<Part>,
-    /// Weighted spectra of ÿ, ẏ and y, line by line, and of the force without what held parameters take of it.
+    /// Weighted spectra of ÿ, ẏ and y, line by line, and of the force without what held parameters take of
+    /// it.
     columns: [Vec<f64>; 3],
     target: Vec<f64>,
     held: [Option<f64>; 2],
@@ -142,7 +144,8 @@ impl EquationError {
         Ok(regression)
     }
 
-    /// The linear oscillator, by weights 1/impedance of the one before, and the columns under the last weights.
+    /// The linear oscillator, by weights 1/impedance of the one before, and the columns under the last
+    /// weights.
     fn weigh(&mut self, spectra: &[[Vec<Complex64>; 4]], omegas: &[Vec<f64>]) -> Result<(), IdentifyError> {
         for _ in 0..WEIGHTINGS {
             self.fill(spectra);
@@ -187,8 +190,8 @@ impl EquationError {
         self.target.len()
     }
 
-    /// m, c, k and α for the loop of the shape (b, g, n) over the size of the motion, and what they leave; the latter, as an error
-    /// of the output, into `residual`. `None` where the loop has no steady state.
+    /// m, c, k and α for the loop of the shape (b, g, n) over the size of the motion, and what they leave;
+    /// the latter, as an error of the output, into `residual`. `None` where the loop has no steady state.
     pub(super) fn project(
         &self,
         [b, g, n]: [f64; 3],
@@ -243,7 +246,8 @@ impl EquationError {
 }
 
 impl Part {
-    /// Real and imaginary parts of the weighted lines, onto the end of `column`; their squares add up to the sum over the samples.
+    /// Real and imaginary parts of the weighted lines, onto the end of `column`; their squares add up to the
+    /// sum over the samples.
     fn weigh(&self, lines: &[Complex64], column: &mut Vec<f64>) {
         let scale = (2.0 / self.samples as f64).sqrt();
         for (weight, line) in self.weights.iter().zip(lines) {

@@ -17,7 +17,8 @@ pub struct Estimate {
     pub name: &'static str,
     /// Value in the units of the records.
     pub value: f64,
-    /// Standard error; `None` where the parameter was held, ended at the end of its range, or is not determined.
+    /// Standard error; `None` where the parameter was held, ended at the end of its range, or is not
+    /// determined.
     pub std_error: Option<f64>,
     /// It was held at this value.
     pub held: bool,

@@ -1,16 +1,18 @@
 //! Identification of a mass on a hysteretic spring ([`hysteron_model::oscillator`]): hysteresis in feedback.
 //!
-//! 1. *Records.* A force that repeats gives one mean period, in its steady state ([`Initial::Auto`]).
-//! 2. *Equation error.* With ẏ and ÿ of the measured output by its spectrum, u = m ÿ + c ẏ + k y + α ζ\[y\] + e is linear in m, c,
-//!    k and α for every shape (β', γ', n) of the loop: variable projection leaves two or three unknowns. Lines are divided by the
-//!    impedance of the best linear oscillator, so that e counts as an error of the output. A lattice of shapes, then
-//!    least squares from its best points, give starts.
-//! 3. *Output error.* Simulated against measured output, all parameters at once, exact derivatives, bounded
-//!    Levenberg–Marquardt. The coordinates are those of small motion: the stiffness K = k + α, the share ρ = α/K of
-//!    the hysteretic spring in it, and the shape of the loop over the size of the motion; k and α themselves trade.
+//! 1. *Records.* A force that repeats gives one mean period, in its steady state ([`Initial::Auto`]). 2.
+//! *Equation error.* With ẏ and ÿ of the measured output by its spectrum, u = m ÿ + c ẏ + k y + α ζ\[y\] + e
+//! is linear in m, c, k and α for every shape (β', γ', n) of the loop: variable projection leaves two or
+//! three unknowns. Lines are divided by the impedance of the best linear oscillator, so that e counts as an
+//! error of the output. A lattice of shapes, then least squares from its best points, give starts. 3. *Output
+//! error.* Simulated against measured output, all parameters at once, exact derivatives, bounded
+//! Levenberg–Marquardt. The coordinates are those of small motion: the stiffness K = k + α, the share ρ = α/K
+//! of the hysteretic spring in it, and the shape of the loop over the size of the motion; k and α themselves
+//! trade.
 //!
-//! The offset of each record's sensor is the mean residual, at every candidate. Variable projection: G. H. Golub, V. Pereyra,
-//! doi:10.1137/0710036. Iterated weights of the linear fit: C. K. Sanathanan, J. Koerner, doi:10.1109/TAC.1963.1105517.
+//! The offset of each record's sensor is the mean residual, at every candidate. Variable projection: G. H.
+//! Golub, V. Pereyra, doi:10.1137/0710036. Iterated weights of the linear fit: C. K. Sanathanan, J. Koerner,
+//! doi:10.1109/TAC.1963.1105517.
 
 mod coordinates;
 mod equation_error;
@@ -37,16 +39,16 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// How the start of each record enters: an oscillator rests without force (`Rest` and `Zero`), repeats (`Periodic`, the whole record
-    /// is one period where no shorter one is found), or y, ẏ and z at the first sample are searched (`Free`). `Auto`: a steady state
-    /// where the force repeats, else rest.
+    /// How the start of each record enters: an oscillator rests without force (`Rest` and `Zero`), repeats
+    /// (`Periodic`, the whole record is one period where no shorter one is found), or y, ẏ and z at the first
+    /// sample are searched (`Free`). `Auto`: a steady state where the force repeats, else rest.
     pub initial: Initial,
     /// What the force does between its samples.
     pub inter_sample: InterSample,
     /// Parameters held at a value: `mass`, `damping`, `n`.
     pub fixed: Vec<(String, f64)>,
-    /// An oscillator whose loop has the shape to start from, instead of the lattice's. Its m, c, k and α follow from the records
-    /// whatever they are.
+    /// An oscillator whose loop has the shape to start from, instead of the lattice's. Its m, c, k and α
+    /// follow from the records whatever they are.
     pub start: Option<Oscillator>,
     /// Steps of the simulation from one sample to the next; `None`: [`Oscillator::steps`].
     pub steps: Option<usize>,
@@ -73,7 +75,8 @@ impl Default for Options {
 pub struct Identification {
     /// The oscillator, in the units of the records.
     pub oscillator: Oscillator,
-    /// Its parameters in the order of [`Oscillator::NAMES`], then natural frequency and damping ratio at small motion.
+    /// Its parameters in the order of [`Oscillator::NAMES`], then natural frequency and damping ratio at
+    /// small motion.
     pub estimates: Vec<Estimate>,
     /// How the estimates of the parameters hang together; `None` where the records do not determine them.
     pub correlation: Option<Correlation>,
@@ -126,8 +129,8 @@ impl RecordFit {
 /// Identifies an oscillator from records that share the device.
 ///
 /// # Errors
-/// [`IdentifyError`]: records that cannot be used, options that cannot be met, records that are not those of an
-/// oscillator.
+/// [`IdentifyError`]: records that cannot be used, options that cannot be met, records that are not those of
+/// an oscillator.
 pub fn identify(
     records: &[InputOutput],
     options: &Options,

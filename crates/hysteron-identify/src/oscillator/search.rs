@@ -201,7 +201,8 @@ fn findings(
             "bounded from rest: the hysteretic force stays finite for every motion that starts from rest."
         }
         Admissibility::Hardening => {
-            "not bounded (hardening): the hysteretic force grows ever faster with the motion; do not use the model beyond the motion it was identified on."
+            "not bounded (hardening): the hysteretic force grows ever faster with the motion; do not use the \
+             model beyond the motion it was identified on."
         }
         _ => "not bounded: the hysteretic force can run away beyond the motion it was identified on.",
     };
@@ -211,7 +212,8 @@ fn findings(
         say(
             FindingKind::Advice,
             "loop",
-            "the hysteretic spring is thin or hardly seen: a linear oscillator describes these records almost as well."
+            "the hysteretic spring is thin or hardly seen: a linear oscillator describes these records \
+             almost as well."
                 .to_owned(),
         );
     }
@@ -229,7 +231,8 @@ fn findings(
         None => say(
             FindingKind::Warning,
             "parameters",
-            "these records do not determine the parameters: there are no standard errors. A wider range of amplitudes would help."
+            "these records do not determine the parameters: there are no standard errors. A wider range of \
+             amplitudes would help."
                 .to_owned(),
         ),
         Some(c) if c.condition_number > ILL_CONDITIONED => say(

@@ -11,7 +11,8 @@ use hysteron_optimize::{
     Algorithm, Bounds, LeastSquaresOptions, LeastSquaresProblem, Outcome, Problem, Range, root_mean_square,
 };
 
-/// |b| of the lattice: from a loop that hardly bends over the motion to one that turns within a small part of it.
+/// |b| of the lattice: from a loop that hardly bends over the motion to one that turns within a small part of
+/// it.
 const SIZES: [f64; 5] = [0.05, 0.2, 0.6, 1.8, 5.0];
 /// g/b of the lattice.
 const SHARES: [f64; 4] = [-1.3, -0.5, 0.5, 1.3];
@@ -98,8 +99,8 @@ fn best_of(regression: &EquationError, points: Vec<[f64; 2]>, n: f64) -> Vec<Vec
     tried.into_iter().take(FOLLOWED).map(|(_, point)| point.to_vec()).collect()
 }
 
-/// The given shape at the best of many sizes: a loop much larger or much smaller than the motion says nothing about the way to
-/// the right one.
+/// The given shape at the best of many sizes: a loop much larger or much smaller than the motion says nothing
+/// about the way to the right one.
 fn best_of_ray(regression: &EquationError, [b, g]: [f64; 2], n: f64) -> Vec<Vec<f64>> {
     let largest = b.abs().max(g.abs());
     if largest == 0.0 || !largest.is_finite() {

@@ -10,14 +10,15 @@ use hysteron_model::record::Source;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Least eigenvalue of a correlation: what lies below is known as well as exactly. Numbers of the model that are one and the same
-/// have none.
+/// Least eigenvalue of a correlation: what lies below is known as well as exactly. Numbers of the model that
+/// are one and the same have none.
 const LEAST: f64 = 1e-12;
 
 impl Prior {
-    /// What a model file says. Where it holds the covariance C of its numbers p: that of (gain, delay) where all else of the
-    /// model is held, (Dᵀ C⁺ D)⁻¹ with D = ∂p/∂(gain, delay), as if the old records were fitted again beside the new ones. Else by standard
-    /// errors alone: that of `linear`, relative, for the gain, and that of the delay.
+    /// What a model file says. Where it holds the covariance C of its numbers p: that of (gain, delay) where
+    /// all else of the model is held, (Dᵀ C⁺ D)⁻¹ with D = ∂p/∂(gain, delay), as if the old records were
+    /// fitted again beside the new ones. Else by standard errors alone: that of `linear`, relative, for the
+    /// gain, and that of the delay.
     pub fn of(file: &ModelFile) -> Self {
         let known = |s: &f64| s.is_finite() && *s > 0.0;
         let range_v = file.valid_range.as_ref().map(|range| (range.input.low, range.input.high));
@@ -98,10 +99,11 @@ fn power_of_gain(name: &str, n: f64) -> f64 {
 }
 
 impl Recalibration {
-    /// The old model's file with the new numbers, and what is now known of them. With C and D of [`Prior::of`], what the old
-    /// records said of gain and delay, D A Dᵀ with A = (Dᵀ C⁺ D)⁻¹, is replaced by what is known now; the rest of C, which is
-    /// independent of it, stays: the new records are taken to say nothing of it. Where the file holds no covariance: the old
-    /// standard error, scaled, and that of the gain, as if independent of each other.
+    /// The old model's file with the new numbers, and what is now known of them. With C and D of
+    /// [`Prior::of`], what the old records said of gain and delay, D A Dᵀ with A = (Dᵀ C⁺ D)⁻¹, is replaced
+    /// by what is known now; the rest of C, which is independent of it, stays: the new records are taken to
+    /// say nothing of it. Where the file holds no covariance: the old standard error, scaled, and that of the
+    /// gain, as if independent of each other.
     pub fn file(&self, old: &ModelFile) -> ModelFile {
         let mut file = old.clone();
         let new = &self.model.hysteresis;
@@ -165,7 +167,8 @@ impl Recalibration {
         }
     }
 
-    /// S (C − D A Dᵀ) S + D' P D'ᵀ, from roots so that it is positive, with S = ∂p'/∂p and D' = ∂p'/∂(gain, delay) at the new values p', P the covariance of these.
+    /// S (C − D A Dᵀ) S + D' P D'ᵀ, from roots so that it is positive, with S = ∂p'/∂p and D' = ∂p'/∂(gain,
+    /// delay) at the new values p', P the covariance of these.
     fn renewed(&self, d: &Directions, n: f64) -> (Vec<String>, DMatrix<f64>) {
         let gain = self.gain.value;
         let scales: Vec<f64> = d.names.iter().map(|name| gain.powf(power_of_gain(name, n))).collect();

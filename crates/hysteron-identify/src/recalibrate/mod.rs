@@ -1,11 +1,12 @@
 //! Quick recalibration: gain, delay and offset of an existing model from short records, the rest of it held.
 //!
-//! y = offset + g · model(u, delay): g multiplies the output of the hysteresis block, so that the loop scales and keeps its
-//! shape. g and the delay are fitted to the records by least squares beside an offset, and a hysteresis memory where
-//! [`choose_start`] finds one, of every record; their covariance allows for coloured residuals. The old model is the prior:
-//! (g, delay) ~ N((1, old), A), no prior on the offset, with A from the covariance in the model file ([`Prior::of`]).
-//! What differs from the old value by more than [`SIGNIFICANT`] combined standard errors has changed: the prior, which
-//! speaks of the device as it was, is not used for it.
+//! y = offset + g · model(u, delay): g multiplies the output of the hysteresis block, so that the loop scales
+//! and keeps its shape. g and the delay are fitted to the records by least squares beside an offset, and a
+//! hysteresis memory where [`choose_start`] finds one, of every record; their covariance allows for coloured
+//! residuals. The old model is the prior: (g, delay) ~ N((1, old), A), no prior on the offset, with A from
+//! the covariance in the model file ([`Prior::of`]). What differs from the old value by more than
+//! [`SIGNIFICANT`] combined standard errors has changed: the prior, which speaks of the device as it was, is
+//! not used for it.
 
 mod file;
 mod problem;
@@ -67,7 +68,8 @@ pub struct Change {
     pub measured: f64,
     /// Its standard error; `None` where the records do not determine it.
     pub measured_std_error: Option<f64>,
-    /// Value in the new model: that of the records and the prior together, or of the records alone where it has changed.
+    /// Value in the new model: that of the records and the prior together, or of the records alone where it
+    /// has changed.
     pub value: f64,
     /// Its standard error.
     pub std_error: Option<f64>,
@@ -117,8 +119,9 @@ pub struct Recalibration {
 /// Recalibrates `model`.
 ///
 /// # Errors
-/// [`IdentifyError`]: no record, one without motion or with too few samples, one on which the model cannot be simulated;
-/// [`IdentifyError::OtherDevice`] where even the recalibrated model explains less than `least_fit_percent` of a record.
+/// [`IdentifyError`]: no record, one without motion or with too few samples, one on which the model cannot be
+/// simulated; [`IdentifyError::OtherDevice`] where even the recalibrated model explains less than
+/// `least_fit_percent` of a record.
 pub fn recalibrate(
     model: &Model,
     prior: Prior,
@@ -309,8 +312,8 @@ fn minimum(problem: &GainAndDelay<'_>) -> Result<Vec<f64>, IdentifyError> {
     Ok(minimize(problem, &Algorithm::LeastSquares(options), &settings, &mut Unobserved, None)?.best)
 }
 
-/// Mean and covariance of the Gaussian N(x, c) times that of the `known` (index, mean, standard deviation); where there are
-/// two, of this correlation.
+/// Mean and covariance of the Gaussian N(x, c) times that of the `known` (index, mean, standard deviation);
+/// where there are two, of this correlation.
 fn with_prior(
     x: &[f64],
     c: &DMatrix<f64>,

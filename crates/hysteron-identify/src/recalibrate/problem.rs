@@ -23,8 +23,8 @@ impl Names {
     pub(super) const GAIN: usize = 0;
 }
 
-/// y − offset − g · model(u, delay). A recalibration takes some dozens of these evaluations, each a whole simulation of the model
-/// (which, unlike the searches of an identification, allocates).
+/// y − offset − g · model(u, delay). A recalibration takes some dozens of these evaluations, each a whole
+/// simulation of the model (which, unlike the searches of an identification, allocates).
 pub(super) struct GainAndDelay<'a> {
     pub(super) names: Names,
     model: &'a Model,

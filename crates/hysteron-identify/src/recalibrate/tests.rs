@@ -127,13 +127,15 @@ fn an_unchanged_device_stays_the_old_one() {
 
 #[test]
 fn a_gaussian_prior_is_combined_as_the_textbook_says() {
-    // Two measurements of equal weight: their mean, and an error smaller by √2. The other unknown follows its correlation 0.5.
+    // Two measurements of equal weight: their mean, and an error smaller by √2. The other unknown follows its
+    // correlation 0.5.
     let c = DMatrix::from_row_slice(2, 2, &[1e-4, 0.5e-5, 0.5e-5, 1e-6]);
     let (x, c) = with_prior(&[1.02, 7.0], &c, &[(0, 1.0, 0.01)], 0.0).unwrap();
     assert!((x[0] - 1.01).abs() < 1e-12 && (c[(0, 0)] - 0.5e-4).abs() < 1e-16, "{x:?}");
     assert!((x[1] - (7.0 - 0.5e-5 / 1e-4 * 0.01)).abs() < 1e-12, "{x:?}");
     assert!((c[(1, 1)] - (1e-6 - 0.5e-5 * 0.5e-5 / 2e-4)).abs() < 1e-18);
-    // Two correlated measurements of both, of the same covariance: the mean of the means, and half the covariance.
+    // Two correlated measurements of both, of the same covariance: the mean of the means, and half the
+    // covariance.
     let both = DMatrix::from_row_slice(2, 2, &[1e-4, 0.5e-5, 0.5e-5, 1e-6]);
     let (x, c) = with_prior(&[1.02, 7.0], &both, &[(0, 1.0, 1e-2), (1, 7.004, 1e-3)], 0.5).unwrap();
     assert!((x[0] - 1.01).abs() < 1e-12 && (x[1] - 7.002).abs() < 1e-12, "{x:?}");

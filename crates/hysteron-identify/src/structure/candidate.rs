@@ -1,4 +1,5 @@
-//! A structure that can be compared: its dynamics, creep, polynomial degree, exponent, and family of hysteresis.
+//! A structure that can be compared: its dynamics, creep, polynomial degree, exponent, and family of
+//! hysteresis.
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,7 +16,8 @@ const HIGHEST_USUAL_DEGREE: usize = 5;
 /// Fewer poles in parallel than these are the same in series.
 const FEWEST_OF_MODES: usize = 4;
 /// Names of the blocks.
-const NAMES: &str = "none, integer1 to integer12, modes4 to modes12, arx, oe, bj, srivc, fractional, fractional-free-lowest, two-fractional";
+const NAMES: &str = "none, integer1 to integer12, modes4 to modes12, arx, oe, bj, srivc, fractional, \
+                     fractional-free-lowest, two-fractional";
 
 /// Kinds of creep by name.
 const CREEPS: [(&str, Creep); 3] = [
@@ -28,8 +30,8 @@ fn creep(name: &str) -> Option<Creep> {
     CREEPS.iter().find(|(own, _)| *own == name).map(|(_, creep)| *creep)
 }
 
-/// One structure: `BLOCK[+CREEP][+degreeN][+n-free][+FAMILY]`, e.g. `fractional`, `integer2+creep`, `none+degree1`,
-/// `fractional+n-free`, `integer2+log-creep+prandtl-ishlinskii`.
+/// One structure: `BLOCK[+CREEP][+degreeN][+n-free][+FAMILY]`, e.g. `fractional`, `integer2+creep`,
+/// `none+degree1`, `fractional+n-free`, `integer2+log-creep+prandtl-ishlinskii`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Candidate {
     /// Dynamic block.
@@ -49,7 +51,8 @@ pub struct Candidate {
 pub struct Block {
     /// Which; never [`DynamicsChoice::Auto`].
     pub dynamics: DynamicsChoice,
-    /// Number of poles of [`DynamicsChoice::Integer`] (1 to 12) and [`DynamicsChoice::Modes`] (4 to 12, an odd one is a lag).
+    /// Number of poles of [`DynamicsChoice::Integer`] (1 to 12) and [`DynamicsChoice::Modes`] (4 to 12, an
+    /// odd one is a lag).
     pub order: usize,
 }
 
@@ -134,8 +137,10 @@ impl Block {
 /// A name that is no [`Candidate`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{name}' is no structure: expected BLOCK[+CREEP][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, CREEP one of creep, \
-     log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's own) one of {}, and neither creep nor another family than bouc-wen with \
+    "'{name}' is no structure: expected BLOCK[+CREEP][+degreeN][+n-free][+FAMILY] with BLOCK one of {}, \
+     CREEP one of creep, \
+     log-creep, kelvin-voigt, N from 1 to {HIGHEST_DEGREE}, FAMILY (n-free is bouc-wen's own) one of {}, and \
+     neither creep nor another family than bouc-wen with \
      arx, oe, bj and srivc; e.g. integer2+creep",
     NAMES,
     HysteresisForm::usual().into_iter().map(HysteresisForm::name).collect::<Vec<_>>().join(", ")
@@ -157,8 +162,8 @@ impl Candidate {
         }
     }
 
-    /// Every structure that differs from this one in that part alone, of those that are compared unasked, and this one. Blocks that are
-    /// identified in two steps go with Bouc–Wen and without creep only.
+    /// Every structure that differs from this one in that part alone, of those that are compared unasked, and
+    /// this one. Blocks that are identified in two steps go with Bouc–Wen and without creep only.
     pub fn alternatives(self, part: Part) -> Vec<Self> {
         let list: Vec<Self> = match part {
             Part::Block => Block::USUAL.map(|block| Self { block, ..self }).into(),

@@ -75,7 +75,8 @@ pub(super) fn brief(x: f64) -> String {
     format!("{x:.2e}").parse::<f64>().map_or_else(|_| x.to_string(), |x| x.to_string())
 }
 
-/// Whether the second record holds nothing that the first does not: the same steady wave, or the same drive sample by sample.
+/// Whether the second record holds nothing that the first does not: the same steady wave, or the same drive
+/// sample by sample.
 pub(super) fn same(a: (&RecordFacts, &Content), b: (&RecordFacts, &Content)) -> bool {
     let ((fa, ca), (fb, cb)) = (a, b);
     let alike = near(ca.amplitude.0, cb.amplitude.0)

@@ -24,8 +24,8 @@ const ITERATIONS: usize = 30;
 const FOLD_ITERATIONS: usize = 15;
 /// Structures are told apart by far larger differences of the cost.
 const COST_TOLERANCE: f64 = 1e-5;
-/// A fit to what a fold leaves starts this part of the way from the whole campaign's optimum to the middle of the box: what the
-/// remaining data do not determine must not stay where the left-out data put it.
+/// A fit to what a fold leaves starts this part of the way from the whole campaign's optimum to the middle of
+/// the box: what the remaining data do not determine must not stay where the left-out data put it.
 const AWAY: f64 = 0.25;
 
 /// Named values of the searched parameters.
@@ -102,7 +102,8 @@ impl Campaign<'_> {
         for (record, ranges) in &fold.held {
             let facts = &self.facts[*record];
             let data = left(&facts.data, ranges, false);
-            // What is left out says best what came before it: a memory fitted to the rest may rest on nothing.
+            // What is left out says best what came before it: a memory fitted to the rest may rest on
+            // nothing.
             let fitted = starts.iter().find(|(r, _)| r == record).map(|(_, start)| *start);
             let preferred = fitted.unwrap_or_else(|| self.members[*record].fresh_start());
             let (_, simulated) = choose_start(&model, &data, preferred, None, &Scoring::default())
@@ -119,8 +120,8 @@ impl Campaign<'_> {
         }
     }
 
-    /// Weighted residuals of the whole campaign: RMSE in the output's unit, sum of squares of the residuals over
-    /// their noise, and number of independent samples that they are worth.
+    /// Weighted residuals of the whole campaign: RMSE in the output's unit, sum of squares of the residuals
+    /// over their noise, and number of independent samples that they are worth.
     pub(super) fn training(&self, fit: &WholeFit) -> Result<Training, NoFit> {
         let (mut square, mut weighted, mut samples, mut information) = (0.0, 0.0, 0usize, 0.0);
         for (index, facts) in self.facts.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! What is left out, one after the other: whole records where there are enough of different content, else parts of them.
+//! What is left out, one after the other: whole records where there are enough of different content, else
+//! parts of them.
 
 use std::ops::Range;
 
@@ -60,7 +61,8 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
     if one_wave || folds.len() < 2 {
         return Err(IdentifyError::CannotRank {
             because: format!(
-                "the records hold one amplitude and one frequency ({}), which is one experiment however often it is repeated: \
+                "the records hold one amplitude and one frequency ({}), which is one experiment however \
+                 often it is repeated: \
                  nothing is left to predict, and any of the structures can be bent to the one loop",
                 first.describe(unit)
             ),
@@ -70,8 +72,8 @@ pub(super) fn plan(facts: &[RecordFacts], contents: &[Content]) -> Result<Vec<Fo
     Ok(folds)
 }
 
-/// Each part of a run of several: the drive of all parts is known, so that memory and creep carry over what is left out. `None` where
-/// there are fewer than two parts.
+/// Each part of a run of several: the drive of all parts is known, so that memory and creep carry over what
+/// is left out. `None` where there are fewer than two parts.
 pub(super) fn of_parts(runs: &[Run]) -> Option<Vec<Fold>> {
     let of_run = |(index, run): (usize, &Run)| -> Vec<Fold> {
         let fold = |part: &RunPart| Fold {
@@ -124,13 +126,15 @@ pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
     let (low, high) = prospect::band(contents);
     if prospect::one_amplitude(contents) {
         notes.push(
-            "All records have one amplitude: polynomial degree, n and the shape of minor loops are compared at that amplitude only."
+            "All records have one amplitude: polynomial degree, n and the shape of minor loops are compared \
+             at that amplitude only."
                 .to_owned(),
         );
     }
     if high < prospect::FAST_OVER_SLOW * low.max(f64::MIN_POSITIVE) {
         notes.push(
-            "The records span less than a factor of 3 in frequency: dynamics, creep and delay are hardly told from loop width."
+            "The records span less than a factor of 3 in frequency: dynamics, creep and delay are hardly \
+             told from loop width."
                 .to_owned(),
         );
     }
@@ -143,7 +147,8 @@ pub(super) fn limits(contents: &[Content], folds: &[Fold]) -> Vec<String> {
     }
     if folds.iter().any(|f| !f.whole) {
         notes.push(
-            "Parts of records are left out, not whole records: what differs from record to record (start, drift, temperature) is not \
+            "Parts of records are left out, not whole records: what differs from record to record (start, \
+             drift, temperature) is not \
              in the errors."
                 .to_owned(),
         );

@@ -1,9 +1,11 @@
-//! Which structure do these records support? Candidates compared by the simulated error on data that they were not fitted to.
+//! Which structure do these records support? Candidates compared by the simulated error on data that they
+//! were not fitted to.
 //!
-//! [`compare`] leaves out one fold after the other ([`Fold`]: a record, or a part of one or of a run), fits every [`Candidate`] to the
-//! rest, simulates what was left out (the model's own past output is fed back; the sensor's offset is estimated), and ranks
-//! by the mean error over the folds with the uncertainty of its differences ([`rank`]). Where the records are one experiment
-//! repeated, it refuses ([`IdentifyError::CannotRank`]) and says what to measure. [`prospects`] says before any fit what a
+//! [`compare`] leaves out one fold after the other ([`Fold`]: a record, or a part of one or of a run), fits
+//! every [`Candidate`] to the rest, simulates what was left out (the model's own past output is fed back; the
+//! sensor's offset is estimated), and ranks by the mean error over the folds with the uncertainty of its
+//! differences ([`rank`]). Where the records are one experiment repeated, it refuses
+//! ([`IdentifyError::CannotRank`]) and says what to measure. [`prospects`] says before any fit what a
 //! campaign can determine.
 
 mod candidate;
@@ -70,7 +72,8 @@ pub struct Comparison {
 pub struct Entry {
     /// The structure.
     pub candidate: Candidate,
-    /// The model fitted to all records (to thinned ones where they are oversampled); `None` where the fit failed.
+    /// The model fitted to all records (to thinned ones where they are oversampled); `None` where the fit
+    /// failed.
     pub model: Option<Model>,
     /// Parameters of the model; a record's offset and initial memory are none.
     pub parameters: usize,
@@ -93,8 +96,9 @@ impl Entry {
     }
 }
 
-/// Compares `candidates` on a campaign. `None`: a search through dynamic blocks, kinds of creep, families of hysteresis, polynomial
-/// degrees and n, one [`Part`] after the other about the best so far, until none is better. Of `options`, structure, algorithm and demands are each candidate's own.
+/// Compares `candidates` on a campaign. `None`: a search through dynamic blocks, kinds of creep, families of
+/// hysteresis, polynomial degrees and n, one [`Part`] after the other about the best so far, until none is
+/// better. Of `options`, structure, algorithm and demands are each candidate's own.
 ///
 /// # Errors
 /// [`IdentifyError`]. A candidate that cannot be fitted is no error: its [`Entry::failures`] say why.
@@ -149,8 +153,8 @@ struct Finished {
 }
 
 impl Run<'_, '_> {
-    /// One part of the structure after the other, the rest as in the best so far, until a pass changes nothing: which dynamics predict best
-    /// depends on the hysteresis before them, and the other way round.
+    /// One part of the structure after the other, the rest as in the best so far, until a pass changes
+    /// nothing: which dynamics predict best depends on the hysteresis before them, and the other way round.
     fn search(&mut self) {
         let mut best = Candidate::of(Block::NONE);
         for pass in 1..=PASSES {

@@ -1,7 +1,8 @@
 //! Structures next to an identified one, fitted to the same records: what each would have left of them.
 //!
-//! Cheap beside [`super::compare`], because nothing is left out: one fit a structure, started from what was identified. The
-//! errors are those on the data of the fit, which a richer structure always lowers; BIC counts its parameters against it.
+//! Cheap beside [`super::compare`], because nothing is left out: one fit a structure, started from what was
+//! identified. The errors are those on the data of the fit, which a richer structure always lowers; BIC
+//! counts its parameters against it.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -50,8 +51,9 @@ pub struct Neighbour {
     pub bic: f64,
 }
 
-/// Fits the structures next to the one in `found`, which `options` identified from `campaign`: none, integer and fractional
-/// dynamics, with and without creep, a polynomial degree more and less, n held and free. One that cannot be fitted is left out.
+/// Fits the structures next to the one in `found`, which `options` identified from `campaign`: none, integer
+/// and fractional dynamics, with and without creep, a polynomial degree more and less, n held and free. One
+/// that cannot be fitted is left out.
 ///
 /// # Errors
 /// [`IdentifyError::CannotRank`] where the records cannot tell structures apart; others where they cannot be

@@ -34,7 +34,8 @@ pub struct Prospect {
 /// What a campaign can determine.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Prospects {
-    /// Amplitudes and frequencies of each record, in words; the statements say as much, so they are not serialised.
+    /// Amplitudes and frequencies of each record, in words; the statements say as much, so they are not
+    /// serialised.
     #[serde(skip)]
     pub records: Vec<String>,
     /// Statement by statement.
@@ -47,7 +48,8 @@ pub struct Prospects {
 /// Says before any fit what the records can determine together.
 pub fn prospects(records: &[InputOutput]) -> Prospects {
     let wholes: Vec<RecordFacts> = records.iter().map(|data| RecordFacts::new(data.clone())).collect();
-    // Amplitudes, frequencies and phases are those of the parts of even sampling; creep and the start those of whole records.
+    // Amplitudes, frequencies and phases are those of the parts of even sampling; creep and the start those
+    // of whole records.
     let (mut facts, mut contents, mut described) = (Vec::new(), Vec::new(), Vec::new());
     for record in records {
         let parts: Vec<RecordFacts> = record.in_moving_segments().into_iter().map(RecordFacts::new).collect();
@@ -84,13 +86,15 @@ pub(super) fn next_record(facts: &[RecordFacts], contents: &[Content]) -> Option
             ""
         };
         return Some(format!(
-            "a sweep (or a multisine) from {from} to the highest frequency of use, amplitude {full}: it tells delay and \
+            "a sweep (or a multisine) from {from} to the highest frequency of use, amplitude {full}: it \
+             tells delay and \
              dynamics from loop width{loops}"
         ));
     }
     if one_amplitude(contents) {
         return Some(format!(
-            "slow loops at {from} of the full, half and a quarter of the amplitude ({full}): β, γ, n and the polynomial show in how \
+            "slow loops at {from} of the full, half and a quarter of the amplitude ({full}): β, γ, n and the \
+             polynomial show in how \
              the loop shrinks"
         ));
     }
@@ -127,11 +131,13 @@ fn amplitudes(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
         let text = format!("loops of {} to {} {unit} amplitude", brief(smallest), brief(largest));
         (Some(true), text)
     } else if facts.iter().any(starts_at_rest) {
-        let text = "one amplitude: β and γ are told apart by the way from rest into the first loop alone, n and the polynomial by \
+        let text = "one amplitude: β and γ are told apart by the way from rest into the first loop alone, n \
+                    and the polynomial by \
                     the shape of one loop";
         (None, text.to_owned())
     } else {
-        let text = "one amplitude and no start from rest: β and γ cannot be told apart, and minor loops are extrapolated";
+        let text = "one amplitude and no start from rest: β and γ cannot be told apart, and minor loops are \
+                    extrapolated";
         (Some(false), text.to_owned())
     };
     Prospect { topic: "β, γ, n, polynomial".into(), determined, text }
@@ -153,7 +159,8 @@ fn frequencies(facts: &[RecordFacts], contents: &[Content]) -> Prospect {
     Prospect { topic: "dynamics".into(), determined, text }
 }
 
-/// Gain and phase by frequency, from sweeps and multisines, and from the fundamentals of records of one frequency.
+/// Gain and phase by frequency, from sweeps and multisines, and from the fundamentals of records of one
+/// frequency.
 fn responses(facts: &[RecordFacts]) -> Vec<Response> {
     let mut all: Vec<Response> = Vec::new();
     for f in facts {
@@ -194,7 +201,8 @@ fn resonance(facts: &[RecordFacts]) -> Prospect {
         let high = points.last().map_or(0.0, |p| p.frequency_hz);
         let flank = points.last().map_or(1.0, |p| p.gain) / points.first().map_or(1.0, |p| p.gain);
         let text = format!(
-            "none up to {} Hz (gain there {} of that at the lowest frequency): a mode above is known by its flank at most",
+            "none up to {} Hz (gain there {} of that at the lowest frequency): a mode above is known by its \
+             flank at most",
             brief(high),
             brief(flank)
         );
@@ -208,7 +216,8 @@ fn delay(facts: &[RecordFacts]) -> Prospect {
     let milliseconds = |s: f64| brief(1e3 * s);
     let words = |delay_s: f64, error_s: f64, lag: f64| {
         format!(
-            "{} ± {} ms together with every lag that grows with frequency, beside {}° of loop width, which does not",
+            "{} ± {} ms together with every lag that grows with frequency, beside {}° of loop width, which \
+             does not",
             milliseconds(delay_s),
             short_error(1e3 * error_s),
             brief(lag.to_degrees())
@@ -303,12 +312,16 @@ fn starts(facts: &[RecordFacts]) -> Prospect {
         n if n == facts.len() => (Some(true), "every record starts from rest".to_owned()),
         0 => (
             Some(false),
-            "no record starts from rest: what the actuator remembers at each start is one more unknown a record"
+            "no record starts from rest: what the actuator remembers at each start is one more unknown a \
+             record"
                 .to_owned(),
         ),
         n => (
             None,
-            format!("{n} of {} records start from rest; the others begin with an unknown memory", facts.len()),
+            format!(
+                "{n} of {} records start from rest; the others begin with an unknown memory",
+                facts.len()
+            ),
         ),
     };
     Prospect { topic: "start and offset".into(), determined, text }

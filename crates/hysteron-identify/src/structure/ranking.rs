@@ -22,9 +22,10 @@ pub struct Standing {
 pub struct Ranking {
     /// Candidate with the smallest mean error.
     pub best: usize,
-    /// Among those as good as the best the one with the fewest parameters: the "one standard error" rule (Hastie, Tibshirani,
-    /// Friedman, The Elements of Statistical Learning, 2009, §7.10), with the standard error of paired differences, in which
-    /// what makes one fold harder than another for every candidate cancels.
+    /// Among those as good as the best the one with the fewest parameters: the "one standard error" rule
+    /// (Hastie, Tibshirani, Friedman, The Elements of Statistical Learning, 2009, §7.10), with the standard
+    /// error of paired differences, in which what makes one fold harder than another for every candidate
+    /// cancels.
     pub preferred: usize,
     /// Candidates by mean error, smallest first; those without an error on every fold are left out.
     pub order: Vec<usize>,
@@ -84,7 +85,8 @@ mod tests {
 
     #[test]
     fn the_simplest_of_those_as_good_is_preferred() {
-        // The second is better on one fold and worse on another; the third simpler still, but worse on every fold.
+        // The second is better on one fold and worse on another; the third simpler still, but worse on every
+        // fold.
         let errors = [Some(vec![1.0, 1.0, 1.0]), Some(vec![0.9, 1.2, 1.0]), Some(vec![1.5, 1.5, 1.6]), None];
         let ranking = rank(&errors, &[9, 6, 3, 1]).unwrap();
         assert_eq!((ranking.best, ranking.preferred), (0, 1));

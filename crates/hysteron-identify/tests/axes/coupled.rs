@@ -1,5 +1,5 @@
-//! A simulated two-axis stage with cross-coupling, hysteresis of each actuator, a mode and a delay of each path: all branches are found in
-//! one fit, to within their standard errors.
+//! A simulated two-axis stage with cross-coupling, hysteresis of each actuator, a mode and a delay of each
+//! path: all branches are found in one fit, to within their standard errors.
 
 use std::ops::ControlFlow;
 

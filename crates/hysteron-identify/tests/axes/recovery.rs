@@ -1,4 +1,5 @@
-//! A device of the class is found again from noisy records, and predicts a level between those it was identified at.
+//! A device of the class is found again from noisy records, and predicts a level between those it was
+//! identified at.
 
 use std::ops::ControlFlow;
 

@@ -75,7 +75,8 @@ fn a_running_drive_reaches_the_steady_state_and_its_level() {
             let e: Vec<f64> = y[part.clone()].iter().zip(&steady[part]).map(|(a, b)| a - b).collect();
             rms(&e) / rms(steady)
         };
-        // The level rises over the first seconds; the last period ends at its end, where the drive is not periodic any more.
+        // The level rises over the first seconds; the last period ends at its end, where the drive is not
+        // periodic any more.
         assert!(off(0) > 0.1 && off(10) < 0.02, "{} {}", off(0), off(10));
     }
 }

@@ -1,4 +1,5 @@
-//! The public records of a fine steering mirror (M. Floren et al., CC BY 4.0): three piezos, three sensors, ten modes.
+//! The public records of a fine steering mirror (M. Floren et al., CC BY 4.0): three piezos, three sensors,
+//! ten modes.
 //!
 //! Read through `HYSTERON_DATA`; the test is skipped without.
 
@@ -32,7 +33,8 @@ fn record(name: &str) -> Option<AxesRecord> {
     Some(AxesRecord::new(&record, &all[..3], &all[3..]).unwrap())
 }
 
-/// Errors of the best published single nonlinear model at 100 and 300 mV on the benchmark's own test records \[µm\].
+/// Errors of the best published single nonlinear model at 100 and 300 mV on the benchmark's own test records
+/// \[µm\].
 const PUBLISHED: [f64; 2] = [0.0866, 0.169];
 
 #[test]
@@ -40,7 +42,8 @@ fn modes_that_follow_the_level_predict_unseen_records_better_than_published() {
     let training =
         ["train_100mV_exp2.csv", "train_100mV_exp3.csv", "train_300mV_exp1.csv", "train_300mV_exp2.csv"];
     let Some(training) = training.iter().map(|name| record(name)).collect::<Option<Vec<_>>>() else { return };
-    // What a test has time for: one step a sample and no hysteresis. The full model is in docs/theory/scheduled-modes.md.
+    // What a test has time for: one step a sample and no hysteresis. The full model is in
+    // docs/theory/scheduled-modes.md.
     let options = Options { modes: Some(18), steps: 1, hysteresis: false, ..Options::default() };
     let found = identify(&training, &options, &Watch::silent(), None).unwrap();
     for (name, published) in [("train_100mV_exp1.csv", PUBLISHED[0]), ("train_300mV_exp4.csv", PUBLISHED[1])]

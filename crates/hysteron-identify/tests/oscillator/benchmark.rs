@@ -1,6 +1,8 @@
-//! The public Bouc–Wen benchmark (J. P. Noël, M. Schoukens, *Hysteretic benchmark with a dynamic nonlinearity*, 2016).
+//! The public Bouc–Wen benchmark (J. P. Noël, M. Schoukens, *Hysteretic benchmark with a dynamic
+//! nonlinearity*, 2016).
 //!
-//! The data state no licence of their own: they are read through `HYSTERON_DATA` and the tests are skipped without.
+//! The data state no licence of their own: they are read through `HYSTERON_DATA` and the tests are skipped
+//! without.
 
 use std::path::{Path, PathBuf};
 
@@ -37,8 +39,8 @@ pub fn record(name: &str) -> Option<(Vec<f64>, Vec<f64>)> {
     Some(text.lines().skip(1).map(row).unzip())
 }
 
-/// Displacement at every step of Newmark's scheme (average acceleration: the trapezoidal rule, for z as well), as the benchmark was
-/// made; over a force that repeats, the second period.
+/// Displacement at every step of Newmark's scheme (average acceleration: the trapezoidal rule, for z as
+/// well), as the benchmark was made; over a force that repeats, the second period.
 fn newmark(force: &[f64], ends: RecordEnds) -> Vec<f64> {
     let p = BENCHMARK;
     let h = 1.0 / (RATE * FINER as f64);
@@ -66,8 +68,8 @@ fn newmark(force: &[f64], ends: RecordEnds) -> Vec<f64> {
     out
 }
 
-/// Every `factor`-th sample behind a low-pass of 31 taps, a Hamming-windowed sinc with half gain at the new Nyquist frequency and
-/// gain 1 at 0: the way the benchmark's records were brought to their rate.
+/// Every `factor`-th sample behind a low-pass of 31 taps, a Hamming-windowed sinc with half gain at the new
+/// Nyquist frequency and gain 1 at 0: the way the benchmark's records were brought to their rate.
 fn decimate(x: &[f64], factor: usize, ends: RecordEnds) -> Vec<f64> {
     let tap = |j: i64| {
         let t = std::f64::consts::PI * j as f64;
@@ -87,7 +89,8 @@ fn decimate(x: &[f64], factor: usize, ends: RecordEnds) -> Vec<f64> {
         .collect()
 }
 
-/// The noise-free records, how their force goes on, and the steps in which they were brought to their rate: what reproduces them.
+/// The noise-free records, how their force goes on, and the steps in which they were brought to their rate:
+/// what reproduces them.
 const RECORDS: [(&str, RecordEnds, &[usize]); 2] = [
     ("test_multisine.csv", RecordEnds::Periodic, &[2, 2, 5]),
     ("test_sinesweep.csv", RecordEnds::Open, &[20]),
@@ -116,7 +119,8 @@ fn the_noise_free_records_are_newmarks_scheme_at_15_khz_behind_low_passes() {
 
 #[test]
 fn the_true_parameters_reproduce_the_noise_free_records() {
-    // At the samples, and on the benchmark's fine time base behind its low-passes, where the error is that of Newmark's scheme.
+    // At the samples, and on the benchmark's fine time base behind its low-passes, where the error is that of
+    // Newmark's scheme.
     for ((name, ends, stages), (plain, behind)) in
         RECORDS.into_iter().zip([(2.5e-7, 1.4e-7), (2.6e-6, 1.2e-7)])
     {
@@ -182,8 +186,8 @@ fn twenty_of_twenty_random_starts_lead_there() {
     let mut random = Random::new(20);
     let starts: Vec<Oscillator> = (0..20)
         .map(|_| {
-            // A decade either way of everything but n and γ/β: natural frequencies from 3.6 to 360 Hz, loops that saturate at a
-            // hundredth of the force or hardly ever.
+            // A decade either way of everything but n and γ/β: natural frequencies from 3.6 to 360 Hz, loops
+            // that saturate at a hundredth of the force or hardly ever.
             let mut around = |value: f64| random.logarithmic(0.1 * value, 10.0 * value);
             let [mass, damping, stiffness, alpha] = [2.0, 10.0, 5e4, 5e4].map(&mut around);
             let saturation = around(30.0);

@@ -1,4 +1,5 @@
-//! Derivatives against dual numbers, which follow the chain rule through the same scheme, and against differences.
+//! Derivatives against dual numbers, which follow the chain rule through the same scheme, and against
+//! differences.
 
 use hysteron_model::Start;
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
@@ -98,7 +99,8 @@ fn differences_agree_from_rest_and_in_the_steady_state() {
                     continue;
                 }
                 let error = relative(&difference(&p, &drive, start, j, 1e-6), &found.partials[j]);
-                // A difference crosses corners of the scheme; the steady state is one to 1e-10 over a step of 1e-6.
+                // A difference crosses corners of the scheme; the steady state is one to 1e-10 over a step of
+                // 1e-6.
                 assert!(error < 2e-4, "{name} of {p:?} from {start:?}: {error:e}");
             }
         }

@@ -64,8 +64,8 @@ proptest! {
 
     #[test]
     fn a_loop_of_the_bounded_class_takes_energy_out_of_every_period(p in oscillator(), seed in 1u64..1000) {
-        // Over a steady period the work of the force, ∮ u dy, is what damping and loop dissipate. A loop that slips holds the mass
-        // nowhere: without a spring beside it there need be no steady period.
+        // Over a steady period the work of the force, ∮ u dy, is what damping and loop dissipate. A loop that
+        // slips holds the mass nowhere: without a spring beside it there need be no steady period.
         let p = Oscillator { stiffness: p.stiffness + 0.2 * p.alpha, ..p };
         let u = multisine(256, seed);
         let drive = Drive::new(&u, 750.0, InterSample::BandLimited, RecordEnds::Periodic, 8).unwrap();

@@ -1,4 +1,5 @@
-//! Slow, obvious simulations to check the library's with. None shares code with it but the arithmetic of one Bouc–Wen step.
+//! Slow, obvious simulations to check the library's with. None shares code with it but the arithmetic of one
+//! Bouc–Wen step.
 
 use hysteron_model::hysteresis::{InterSample, RecordEnds};
 use hysteron_model::oscillator::Oscillator;
@@ -36,7 +37,8 @@ impl Random {
     }
 }
 
-/// A smooth force of 50 N rms that repeats after `samples` samples, with lines up to a fifth of the sample rate.
+/// A smooth force of 50 N rms that repeats after `samples` samples, with lines up to a fifth of the sample
+/// rate.
 pub fn multisine(samples: usize, seed: u64) -> Vec<f64> {
     let lines = samples / 5;
     let mut random = Random::new(seed);
@@ -60,7 +62,8 @@ pub fn relative(a: &[f64], b: &[f64]) -> f64 {
     rms(a.iter().zip(b).map(|(a, b)| a - b)) / rms(b.iter().copied())
 }
 
-/// Displacement from rest at every sample: tiny steps of Runge–Kutta for y and ẏ alone, z stepped exactly along y.
+/// Displacement from rest at every sample: tiny steps of Runge–Kutta for y and ẏ alone, z stepped exactly
+/// along y.
 pub fn tiny_steps(p: &Oscillator, u: &[f64], rate: f64, rule: InterSample, steps: usize) -> Vec<f64> {
     let operator = hysteron_rt::BoucWen::new(p.alpha, p.beta, p.gamma, p.n).unwrap();
     let force = rule.upsample(u, 2 * steps, RecordEnds::Open).unwrap();
@@ -87,8 +90,8 @@ pub fn tiny_steps(p: &Oscillator, u: &[f64], rate: f64, rule: InterSample, steps
     out
 }
 
-/// The library's scheme written once for any kind of number: with duals, its derivatives by the chain rule. Parameters in the order
-/// of `Oscillator::NAMES`, then y, ẏ, z at the first sample.
+/// The library's scheme written once for any kind of number: with duals, its derivatives by the chain rule.
+/// Parameters in the order of `Oscillator::NAMES`, then y, ẏ, z at the first sample.
 pub fn runge_kutta<S: Scalar<Real = f64>>(numbers: [S; 10], force: &[f64], steps: usize, h: f64) -> Vec<S> {
     let [m, c, k, alpha, beta, gamma, n, y, v, z] = numbers;
     // At a corner itself the derivative is the mean of both sides.

@@ -1,4 +1,5 @@
-//! Identification of simulated oscillators, noise added: what comes back, and what is refused. Every record here is simulated.
+//! Identification of simulated oscillators, noise added: what comes back, and what is refused. Every record
+//! here is simulated.
 
 use std::ops::ControlFlow;
 

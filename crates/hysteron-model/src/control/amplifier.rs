@@ -28,7 +28,8 @@ pub struct Reach {
 
 /// The highest frequency f at which a sine of an amplitude (displacement, about the middle of the range)
 /// keeps to the limits: with U(f) = amplitude/(slope
-/// |P(f)|), P the dynamics over their gain along slow loops, 2π f U(f) ≤ slew and 2 U(f) ≤ range. Held samples move by the secant: 2 sin(π f T) U/T in place of 2π f U.
+/// |P(f)|), P the dynamics over their gain along slow loops, 2π f U(f) ≤ slew and 2 U(f) ≤ range. Held
+/// samples move by the secant: 2 sin(π f T) U/T in place of 2π f U.
 pub fn reach(
     line: &StraightLine,
     dynamics: &LinearRealisation,

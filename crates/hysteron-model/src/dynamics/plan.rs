@@ -234,11 +234,11 @@ impl SimulationPlan {
     /// [`DynamicsError::Unstable`], for which this simulation would be silently wrong: by [`stability`], and
     /// under `GrunwaldLetnikov` and `Bdf2`, which may damp a growing plant, by the winding of the denominator
     /// along
-    /// |z| = 1, only computed for a plant that is unstable in continuous time. Such a plant can be simulated by
-    /// [`TransferFunction::simulate_causal`]. [`DynamicsError::InfiniteDcGain`] under `Rest` and `Periodic`,
-    /// [`DynamicsError::Improper`] under `Tustin`, [`DynamicsError::Undamped`] under `Periodic`,
-    /// [`DynamicsError::Length`], [`DynamicsError::OutputNotFinite`], and what
-    /// [`TransferFunction::validate`] refuses.
+    /// |z| = 1, only computed for a plant that is unstable in continuous time. Such a plant can be simulated
+    /// by [`TransferFunction::simulate_causal`]. [`DynamicsError::InfiniteDcGain`] under `Rest` and
+    /// `Periodic`, [`DynamicsError::Improper`] under `Tustin`, [`DynamicsError::Undamped`] under `Periodic`,
+    /// [`DynamicsError::Length`], [`DynamicsError::OutputNotFinite`], and what [`TransferFunction::validate`]
+    /// refuses.
     pub fn simulate_spectrum(
         &self,
         tf: &TransferFunction,

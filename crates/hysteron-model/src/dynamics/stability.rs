@@ -164,7 +164,8 @@ impl Ray<'_> {
             if here.value.norm() <= ZERO * here.magnitude {
                 return Err(log_s.exp());
             }
-            // |D(log_s + step) − D(log_s)| ≤ slope·step·exp(highest·step) ≤ 0.5·1.65·|D|: zero is out of reach.
+            // |D(log_s + step) − D(log_s)| ≤ slope·step·exp(highest·step) ≤ 0.5·1.65·|D|: zero is out of
+            // reach.
             let step = (0.5 * here.value.norm() / here.slope).min(0.5 / last.order);
             log_s = (log_s + step).min(to);
             let next = self.at(log_s);

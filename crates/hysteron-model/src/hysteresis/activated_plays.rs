@@ -1,7 +1,8 @@
-//! Plays whose edges are crossed by thermal activation: hysteresis that creeps and widens with the rate by one number.
+//! Plays whose edges are crossed by thermal activation: hysteresis that creeps and widens with the rate by
+//! one number.
 //!
-//! Sources: H. Eyring, *J. Chem. Phys.* 4 (1936) 283–291, doi:10.1063/1.1749836 (the kinetics); L. Prandtl, *Z. angew. Math. Mech.*
-//! 8 (1928) 85–106, doi:10.1002/zamm.19280080202 (elements that slip by it).
+//! Sources: H. Eyring, *J. Chem. Phys.* 4 (1936) 283–291, doi:10.1063/1.1749836 (the kinetics); L. Prandtl,
+//! *Z. angew. Math. Mech.* 8 (1928) 85–106, doi:10.1002/zamm.19280080202 (elements that slip by it).
 
 use hysteron_rt::{ActivatedMove, SLOPES, Scalar, bernstein_integrals};
 
@@ -12,24 +13,27 @@ use super::family::{
 use super::{FamilyForm, HysteresisError, HysteresisForm};
 use crate::record::{Dependence, Pace};
 
-/// Half-widths of the plays, from this share of the range of the grid to this one: no loop moves wider ones, and their weights would
-/// be spent on the levels of single records.
+/// Half-widths of the plays, from this share of the range of the grid to this one: no loop moves wider ones,
+/// and their weights would be spent on the levels of single records.
 const WIDTHS: [f64; 2] = [0.0015, 0.5];
 /// Number of plays, at equal distances in ln r.
 const PLAYS: usize = 40;
 /// Decay of the narrowest density, as a share of the range; each further one is ten times as wide.
 const NARROWEST: f64 = 0.01;
 
-/// Columns H_(e,k) = Σᵢ gₑ(rᵢ) B_k(pᵢ) \[V\] of plays pᵢ = u − zᵢ with thermally activated edges ([`ActivatedMove`]),
+/// Columns H_(e,k) = Σᵢ gₑ(rᵢ) B_k(pᵢ) \[V\] of plays pᵢ = u − zᵢ with thermally activated edges
+/// ([`ActivatedMove`]),
 ///
 /// żᵢ = u̇ − sign(zᵢ) v₀ exp((|zᵢ| − rᵢ)/σ),  v₀ = 1 unit of the drive a second.
 ///
-/// gₑ ∝ exp(−r/Rₑ) is a density over the half-widths, Σ g = 1, with one Rₑ a decade; B_k, k = 0, 1, 2, is the integral of the
-/// Bernstein polynomial b_k of degree 2 over the grid, from its lower end on and straight beyond its ends. So what a play puts out
-/// has a slope that depends on where it stands, and weights that are not negative make every slope so.
+/// gₑ ∝ exp(−r/Rₑ) is a density over the half-widths, Σ g = 1, with one Rₑ a decade; B_k, k = 0, 1, 2, is the
+/// integral of the Bernstein polynomial b_k of degree 2 over the grid, from its lower end on and straight
+/// beyond its ends. So what a play puts out has a slope that depends on where it stands, and weights that are
+/// not negative make every slope so.
 ///
-/// σ \[V\], the one shape number, makes loops wider by σ for each factor e of the rate, and makes a device that stands still creep in
-/// proportion to σ ln t, more where it came farther and came faster. σ → 0 are plays. Virgin at its voltage.
+/// σ \[V\], the one shape number, makes loops wider by σ for each factor e of the rate, and makes a device
+/// that stands still creep in proportion to σ ln t, more where it came farther and came faster. σ → 0 are
+/// plays. Virgin at its voltage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActivatedPlays {
     /// Ends of the grid \[V\].
@@ -172,7 +176,8 @@ impl FamilyDescription for Entry {
     }
 
     fn equation(&self) -> &'static str {
-        "sum of weight_j H_j, three densities exp(-r/R), R = 0.01 (high - low) times 1, 10, 100, each with three slopes \
+        "sum of weight_j H_j, three densities exp(-r/R), R = 0.01 (high - low) times 1, 10, 100, each with \
+         three slopes \
          over low to high, of plays p = u - z, dz/dt = du/dt - sign(z) exp((|z| - r)/sigma)"
     }
 
@@ -200,7 +205,8 @@ impl FamilyDescription for Entry {
         vec![low, high, 0.017 * span.stroke]
     }
 
-    /// What creeps may fall while the drive rises, but of two moves within the same time the farther one puts out more.
+    /// What creeps may fall while the drive rises, but of two moves within the same time the farther one puts
+    /// out more.
     fn is_monotone(&self) -> bool {
         true
     }

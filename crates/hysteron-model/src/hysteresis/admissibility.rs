@@ -17,7 +17,8 @@ pub enum Admissibility {
         /// |z| saturates at |α| times this \[V\]: (β' + γ')^(−1/n).
         saturation_v: f64,
     },
-    /// β' + γ' > 0, β' − γ' < 0, β' ≥ 0: bounded from every start with |ζ| ≤ `limit_v`, from rest in particular.
+    /// β' + γ' > 0, β' − γ' < 0, β' ≥ 0: bounded from every start with |ζ| ≤ `limit_v`, from rest in
+    /// particular.
     BoundedFromRest {
         /// |z| saturates at |α| times this \[V\].
         saturation_v: f64,
@@ -28,7 +29,8 @@ pub enum Admissibility {
     UnboundedAfterReversal,
     /// β' + γ' = 0: no saturation, z grows in proportion to the drive.
     NoSaturation,
-    /// β' + γ' < 0 (hardening): z grows ever faster with the drive; for n > 1 it is infinite at a finite voltage.
+    /// β' + γ' < 0 (hardening): z grows ever faster with the drive; for n > 1 it is infinite at a finite
+    /// voltage.
     Hardening,
 }
 
@@ -70,7 +72,8 @@ impl Display for Admissibility {
             ),
             Self::BoundedFromRest { saturation_v, limit_v } => write!(
                 f,
-                "bounded from rest: the hysteretic part stays finite for every drive as long as it starts below \
+                "bounded from rest: the hysteretic part stays finite for every drive as long as it starts \
+                 below \
                  {} times α (it saturates at {} times α)",
                 short(*limit_v),
                 short(*saturation_v)
@@ -86,7 +89,8 @@ impl Display for Admissibility {
             }
             Self::Hardening => write!(
                 f,
-                "not bounded (hardening): the hysteretic part grows ever faster with the drive; do not use the model \
+                "not bounded (hardening): the hysteretic part grows ever faster with the drive; do not use \
+                 the model \
                  beyond the inputs it was identified on"
             ),
         }

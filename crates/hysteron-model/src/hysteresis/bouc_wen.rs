@@ -1,7 +1,8 @@
 //! The (improved) Bouc–Wen model, article Eq. 1.
 //!
-//! Sources: article Eq. 1; Y.-K. Wen, *J. Eng. Mech. Div. ASCE* 102 (1976) 249–263; the unit-α form and the bounded
-//! class after F. Ikhouane, J. Rodellar, *Systems with Hysteresis*, Wiley 2007, doi:10.1002/9780470513200.
+//! Sources: article Eq. 1; Y.-K. Wen, *J. Eng. Mech. Div. ASCE* 102 (1976) 249–263; the unit-α form and the
+//! bounded class after F. Ikhouane, J. Rodellar, *Systems with Hysteresis*, Wiley 2007,
+//! doi:10.1002/9780470513200.
 
 use hysteron_rt::Dual;
 
@@ -24,8 +25,8 @@ impl From<BoucWenState> for Start<f64> {
 ///
 /// v = Σ_{i≥1} polynomial\[i−1\] uⁱ − z,  ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ,  n ≥ 1.
 ///
-/// z is stepped exactly from sample to sample ([`hysteron_rt::BoucWen`]): the result does not depend on the sample
-/// rate as long as every turning point of u is a sample.
+/// z is stepped exactly from sample to sample ([`hysteron_rt::BoucWen`]): the result does not depend on the
+/// sample rate as long as every turning point of u is a sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoucWen {
     /// Coefficients of u, u², … \[µm/V, µm/V², …\]; no constant term (the model's one offset is elsewhere).
@@ -40,7 +41,8 @@ pub struct BoucWen {
     pub n: f64,
 }
 
-/// The numbers that enter a Bouc–Wen model nonlinearly: ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ (`docs/theory/bouc-wen.md`).
+/// The numbers that enter a Bouc–Wen model nonlinearly: ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ
+/// (`docs/theory/bouc-wen.md`).
 ///
 /// ζ is in V; β' and γ' in V⁻ⁿ. The output v = Σ polynomial\[i−1\] uⁱ − α ζ is linear in everything else.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +72,8 @@ impl BoucWen {
         Ok(model)
     }
 
-    /// The operator with loop size `alpha` and the shape of a unit-α form: β = β'|α|¹⁻ⁿ, γ = sign(α) γ'|α|¹⁻ⁿ.
+    /// The operator with loop size `alpha` and the shape of a unit-α form: β = β'|α|¹⁻ⁿ, γ = sign(α)
+    /// γ'|α|¹⁻ⁿ.
     ///
     /// # Errors
     /// As [`Self::validate`]; with α = 0 the article's β and γ exist for n = 1 only.
@@ -112,13 +115,13 @@ impl BoucWen {
         polynomial::value(&self.polynomial, u)
     }
 
-    /// v = l\[u\] − z \[µm\] for the voltages `u` \[V\] into `out` (same length); returns the state at the last sample.
-    /// Allocates nothing.
+    /// v = l\[u\] − z \[µm\] for the voltages `u` \[V\] into `out` (same length); returns the state at the
+    /// last sample. Allocates nothing.
     ///
     /// # Errors
-    /// Parameters as in [`Self::validate`]; [`HysteresisError::Lengths`]; [`HysteresisError::Drive`] where u is not
-    /// finite; [`HysteresisError::RunsAway`] for inadmissible parameters; [`HysteresisError::NotSettled`] for
-    /// [`Start::PERIODIC`].
+    /// Parameters as in [`Self::validate`]; [`HysteresisError::Lengths`]; [`HysteresisError::Drive`] where u
+    /// is not finite; [`HysteresisError::RunsAway`] for inadmissible parameters;
+    /// [`HysteresisError::NotSettled`] for [`Start::PERIODIC`].
     pub fn simulate(
         &self,
         u: &[f64],
@@ -128,7 +131,8 @@ impl BoucWen {
         self.simulate_every(1, u, start, out)
     }
 
-    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k * factor]`.
+    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k *
+    /// factor]`.
     ///
     /// # Errors
     /// As [`Self::simulate`].
@@ -157,8 +161,8 @@ impl UnitShape {
         Ok(hysteron_rt::BoucWen::unit(self.beta, self.gamma, self.n)?)
     }
 
-    /// ζ \[V\] into `out` for the voltages `u` \[V\] given on a time base finer by `factor`: `out[k]` belongs to
-    /// `u[k * factor]`. Returns the state (u, ζ) at the last sample of u. Allocates nothing.
+    /// ζ \[V\] into `out` for the voltages `u` \[V\] given on a time base finer by `factor`: `out[k]` belongs
+    /// to `u[k * factor]`. Returns the state (u, ζ) at the last sample of u. Allocates nothing.
     ///
     /// # Errors
     /// As [`BoucWen::simulate`].
@@ -227,8 +231,9 @@ fn follow(
 /// Periods simulated at most to find a steady state.
 const PERIODS: usize = 200;
 
-/// Steady state by the secant method on z(end of period) − z(start): the return map is increasing and, in the bounded
-/// class, a contraction, often so weak (small loops) that mere repetition would take thousands of periods.
+/// Steady state by the secant method on z(end of period) − z(start): the return map is increasing and, in the
+/// bounded class, a contraction, often so weak (small loops) that mere repetition would take thousands of
+/// periods.
 fn settle(
     operator: &hysteron_rt::BoucWen<f64>,
     every: Every,
@@ -288,8 +293,8 @@ impl FamilyDescription for Entry {
     /// β', γ' and n of the unit form.
     fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {
         let (n, unit) = (span.exponent, NumberUnit::PER_INPUT);
-        // ζ saturates at (β' + γ')^(−1/n) V: sharper, the loop is a pure offset switch. With much less β' a loop is a parabola of
-        // size α β': α grows as β' falls, and nothing else changes.
+        // ζ saturates at (β' + γ')^(−1/n) V: sharper, the loop is a pure offset switch. With much less β' a
+        // loop is a parabola of size α β': α grows as β' falls, and nothing else changes.
         let (sharpest, bluntest) = (span.sharpest(), 1.0 / span.stroke);
         let [low, high] = if span.holds_exponent {
             [bluntest.powf(n), sharpest.powf(n)]

@@ -1,7 +1,8 @@
-//! Plays beside bands of their common output: Kuhnen's modified Prandtl–Ishlinskii operator with weights left open.
+//! Plays beside bands of their common output: Kuhnen's modified Prandtl–Ishlinskii operator with weights left
+//! open.
 //!
-//! Source: K. Kuhnen, "Modeling, identification and compensation of complex hysteretic nonlinearities: a modified
-//! Prandtl–Ishlinskii approach", *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
+//! Source: K. Kuhnen, "Modeling, identification and compensation of complex hysteretic nonlinearities: a
+//! modified Prandtl–Ishlinskii approach", *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
 
 use hysteron_rt::{Scalar, Sides};
 
@@ -16,11 +17,13 @@ use super::plays::PlayStates;
 /// Bands that the output of the plays is cut into.
 pub(super) const BANDS: usize = 6;
 
-/// Columns Fⱼ ← max(u − rⱼ, min(u + rⱼ, Fⱼ)) \[V\], one a play, then six bands of what the plays put out together.
+/// Columns Fⱼ ← max(u − rⱼ, min(u + rⱼ, Fⱼ)) \[V\], one a play, then six bands of what the plays put out
+/// together.
 ///
-/// With the mean h = (1 − s) u + s Σ gⱼ Fⱼ, gⱼ ∝ exp(−rⱼ/reach), Σ gⱼ = 1, \[V\] and five corners c₁ < … < c₅ at equal
-/// distances within `range`, band k is max(0, min(h − cₖ, cₖ₊₁ − cₖ)); the first and the last have no end outwards: min(h − c₁, 0)
-/// and max(h − c₅, 0). A band is the difference of two dead zones of Kuhnen's, so a sum of bands is S(h), S a broken line.
+/// With the mean h = (1 − s) u + s Σ gⱼ Fⱼ, gⱼ ∝ exp(−rⱼ/reach), Σ gⱼ = 1, \[V\] and five corners c₁ < … < c₅
+/// at equal distances within `range`, band k is max(0, min(h − cₖ, cₖ₊₁ − cₖ)); the first and the last have
+/// no end outwards: min(h − c₁, 0) and max(h − c₅, 0). A band is the difference of two dead zones of
+/// Kuhnen's, so a sum of bands is S(h), S a broken line.
 ///
 /// A column rises with u and falls with it. Weights that are not negative make every S that rises.
 ///
@@ -147,7 +150,8 @@ impl FamilyDescription for Entry {
     }
 
     fn equation(&self) -> &'static str {
-        "sum of weight_j F_j, plays of half-width j (high - low)/(2 (number + 1)); then six bands, from low to high, of \
+        "sum of weight_j F_j, plays of half-width j (high - low)/(2 (number + 1)); then six bands, from low \
+         to high, of \
          h = (1 - loop_share) u + loop_share sum of g_j F_j, g_j in proportion to exp(-r_j/reach)"
     }
 

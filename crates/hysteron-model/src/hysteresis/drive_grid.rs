@@ -9,13 +9,15 @@ pub struct DriveGrid<'a> {
     pub factor: usize,
     /// Seconds from one sample of the drive to the next; `None` where they are not known, or not equal.
     pub interval_s: Option<f64>,
-    /// How the drive comes to each of its samples, where these are not an equal time apart ([`crate::record::paces_on`]). An operator
-    /// whose memory depends on time asks for this or for the interval; for every other one the order of the samples is enough.
+    /// How the drive comes to each of its samples, where these are not an equal time apart
+    /// ([`crate::record::paces_on`]). An operator whose memory depends on time asks for this or for the
+    /// interval; for every other one the order of the samples is enough.
     pub paces: Option<&'a [Pace]>,
 }
 
 impl DriveGrid<'_> {
-    /// Of a record at this rate \[Hz\], as far as it is known, `finer` times as fine, of which every `factor`-th sample is put out.
+    /// Of a record at this rate \[Hz\], as far as it is known, `finer` times as fine, of which every
+    /// `factor`-th sample is put out.
     pub fn new(sample_rate_hz: Option<f64>, finer: usize, factor: usize) -> Self {
         let interval_s = sample_rate_hz.map(|rate| 1.0 / (rate * finer as f64));
         Self { factor, interval_s, paces: None }
@@ -23,7 +25,8 @@ impl DriveGrid<'_> {
 }
 
 impl<'a> DriveGrid<'a> {
-    /// Of a drive that comes to its samples so ([`Self::paces`]), of which every `factor`-th sample is put out.
+    /// Of a drive that comes to its samples so ([`Self::paces`]), of which every `factor`-th sample is put
+    /// out.
     pub fn of_paces(paces: &'a [Pace], factor: usize) -> Self {
         Self { factor, interval_s: None, paces: Some(paces) }
     }

@@ -1,8 +1,9 @@
 //! The Duhem model of Coleman and Hodgdon.
 //!
-//! Sources: B. D. Coleman, M. L. Hodgdon, "A constitutive relation for rate-independent hysteresis in ferromagnetically
-//! soft materials", *Int. J. Eng. Sci.* 24 (1986) 897–919; "On a class of constitutive relations for ferromagnetic
-//! hysteresis", *Arch. Rational Mech. Anal.* 99 (1987) 375–396, doi:10.1007/BF00282052.
+//! Sources: B. D. Coleman, M. L. Hodgdon, "A constitutive relation for rate-independent hysteresis in
+//! ferromagnetically soft materials", *Int. J. Eng. Sci.* 24 (1986) 897–919; "On a class of constitutive
+//! relations for ferromagnetic hysteresis", *Arch. Rational Mech. Anal.* 99 (1987) 375–396,
+//! doi:10.1007/BF00282052.
 
 use hysteron_rt::{MOST_MOMENTS, Scalar, branch, moments};
 
@@ -17,15 +18,17 @@ const MOST: usize = MOST_MOMENTS - 1;
 
 /// Columns of the Coleman–Hodgdon model dv/du = ±b (f(u) − v) + g(u), + where u rises.
 ///
-/// With e = f(u) − v this is de/du = f'(u) − g(u) ∓ b e: only the difference f' − g of the two functions makes hysteresis.
-/// So v = f(u) + Σ wⱼ yⱼ, wⱼ = gⱼ − (j + 1) fⱼ₊₁, with the columns
+/// With e = f(u) − v this is de/du = f'(u) − g(u) ∓ b e: only the difference f' − g of the two functions
+/// makes hysteresis. So v = f(u) + Σ wⱼ yⱼ, wⱼ = gⱼ − (j + 1) fⱼ₊₁, with the columns
 ///
 /// dyⱼ/du = uʲ ∓ b yⱼ,  j = 0 … degree,  yⱼ = 0 on a virgin device,
 ///
-/// in Vʲ⁺¹, and the polynomial f. Coefficients of f *and* of g beside a polynomial would be determined twice over.
-/// Shape: b \[1/V\]. y₀ is the Bouc–Wen column for n = 1, γ = 0; y₁, y₂, … make it grow with the voltage.
+/// in Vʲ⁺¹, and the polynomial f. Coefficients of f *and* of g beside a polynomial would be determined twice
+/// over. Shape: b \[1/V\]. y₀ is the Bouc–Wen column for n = 1, γ = 0; y₁, y₂, … make it grow with the
+/// voltage.
 ///
-/// A move from u₀ by Δ is exact: yⱼ e^(−b|Δ|) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|), mₖ(x) = ∫₀¹ θᵏ e^(−x(1−θ)) dθ.
+/// A move from u₀ by Δ is exact: yⱼ e^(−b|Δ|) + Δ Σₖ (j over k) u₀ʲ⁻ᵏ Δᵏ mₖ(b|Δ|), mₖ(x) = ∫₀¹ θᵏ e^(−x(1−θ))
+/// dθ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Duhem {
     /// Highest power of u, at most 9; the columns are one more.

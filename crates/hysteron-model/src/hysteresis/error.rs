@@ -45,7 +45,8 @@ pub enum HysteresisError {
     Interval,
     /// A steady state of a period that is not the drive.
     #[error(
-        "the steady state of a hysteresis operator is that of its whole drive, {samples} samples, not of {period_samples}"
+        "the steady state of a hysteresis operator is that of its whole drive, {samples} samples, not of \
+         {period_samples}"
     )]
     Period {
         /// Samples of the drive.
@@ -69,7 +70,8 @@ pub enum HysteresisError {
     },
     /// The hysteresis state runs away: parameters outside the bounded class.
     #[error(
-        "the hysteresis state runs away at drive sample {index} ({cause}); keep β + γ > 0 and β − γ ≥ 0 for α > 0, \
+        "the hysteresis state runs away at drive sample {index} ({cause}); keep β + γ > 0 and β − γ ≥ 0 for \
+         α > 0, \
          β − γ > 0 and β + γ ≥ 0 for α < 0"
     )]
     RunsAway {
@@ -80,7 +82,8 @@ pub enum HysteresisError {
     },
     /// No periodic steady state was found.
     #[error(
-        "no steady state after {periods} periods: z still changes by {change:e} a period; the record must be a whole \
+        "no steady state after {periods} periods: z still changes by {change:e} a period; the record must be \
+         a whole \
          number of periods and the parameters in the bounded class"
     )]
     NotSettled {
@@ -91,8 +94,10 @@ pub enum HysteresisError {
     },
     /// The steady state of a period does not determine its own derivatives.
     #[error(
-        "the steady state has no derivatives: what is left of a difference of states after a period is {slope} of it \
-         and must be less than 1; give the loop a shape with β' > |γ'|, or another start than the periodic one"
+        "the steady state has no derivatives: what is left of a difference of states after a period is \
+         {slope} of it \
+         and must be less than 1; give the loop a shape with β' > |γ'|, or another start than the periodic \
+         one"
     )]
     NotContracting {
         /// ∂ζ(end of the period)/∂ζ(its start).
@@ -134,7 +139,8 @@ pub enum HysteresisError {
     },
     /// States that no common history of the voltage leaves behind.
     #[error(
-        "the play states have no common history: play {index} (from 0) is further from the one before it than their \
+        "the play states have no common history: play {index} (from 0) is further from the one before it \
+         than their \
          thresholds differ; start from rest or from the states that a simulation left behind"
     )]
     PlayHistory {
@@ -149,7 +155,8 @@ pub enum HysteresisError {
     },
     /// The closed-form inverse exists for a linear polynomial only.
     #[error(
-        "the polynomial is of degree {degree}: the inverse has a closed form for a linear polynomial only; invert move \
+        "the polynomial is of degree {degree}: the inverse has a closed form for a linear polynomial only; \
+         invert move \
          by move over the range of inputs needed"
     )]
     NotLinear {
@@ -158,7 +165,8 @@ pub enum HysteresisError {
     },
     /// A branch of a model with a linear polynomial does not increase.
     #[error(
-        "the model has no inverse: with its {plays} narrowest plays moving, the output moves by {slope} times the input, \
+        "the model has no inverse: with its {plays} narrowest plays moving, the output moves by {slope} \
+         times the input, \
          which must be positive"
     )]
     PartialSlope {
@@ -169,7 +177,8 @@ pub enum HysteresisError {
     },
     /// A branch of the model does not increase within the range of its inverse.
     #[error(
-        "the model has no inverse over this range: at the input {u} a branch has the slope {slope}, which must be positive \
+        "the model has no inverse over this range: at the input {u} a branch has the slope {slope}, which \
+         must be positive \
          beyond rounding; choose a range without this input or a polynomial and weights that increase there"
     )]
     NotSteep {
@@ -207,7 +216,8 @@ pub enum HysteresisError {
     },
     /// No voltage of the range gives the output.
     #[error(
-        "no input of the range gives the output {v} of sample {index}: from where the plays stand it gives {from} to \
+        "no input of the range gives the output {v} of sample {index}: from where the plays stand it gives \
+         {from} to \
          {to}; ask for an output between these or allow a wider range"
     )]
     OutOfReach {
@@ -234,8 +244,10 @@ pub enum HysteresisError {
     },
     /// The output falls as the voltage rises.
     #[error(
-        "the hysteresis has no inverse: on the move to sample {index} the output falls near the input {} as the input rises; keep the \
-         drive away from there, or identify a family whose branches increase (plays with weights of one sign do)",
+        "the hysteresis has no inverse: on the move to sample {index} the output falls near the input {} as \
+         the input rises; keep the \
+         drive away from there, or identify a family whose branches increase (plays with weights of one sign \
+         do)",
         short(*u)
     )]
     NotIncreasing {
@@ -277,7 +289,8 @@ pub enum HysteresisError {
     },
     /// Envelopes between which a play has no place.
     #[error(
-        "at the input {u} the right envelope lies {by} above the left one, more than twice the narrowest threshold {narrowest}: \
+        "at the input {u} the right envelope lies {by} above the left one, more than twice the narrowest \
+         threshold {narrowest}: \
          widen the thresholds or bring the envelopes together"
     )]
     Envelopes {

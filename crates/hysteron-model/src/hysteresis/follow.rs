@@ -1,8 +1,9 @@
 //! The drive that makes an operator put out what is wanted, one monotone move at a time.
 //!
-//! A move from where the operator stands to the voltage u gives an output that increases with u wherever the operator can be
-//! inverted; the voltage sought is bracketed by the present one and an end of what the limits allow, and found by secants kept
-//! within the bracket. Nothing is a sample old: the inverse is exact in one step, for every family.
+//! A move from where the operator stands to the voltage u gives an output that increases with u wherever the
+//! operator can be inverted; the voltage sought is bracketed by the present one and an end of what the limits
+//! allow, and found by secants kept within the bracket. Nothing is a sample old: the inverse is exact in one
+//! step, for every family.
 
 use hysteron_rt::Limited;
 
@@ -39,14 +40,15 @@ impl Followed {
 }
 
 impl Hysteresis {
-    /// The drive that makes the operator put out `wanted` \[µm\], sample by sample, as far as `limits` allow. The device rests at
-    /// the voltage `rest` \[V\] before, with a `memory` in the operator's own scale (see [`crate::Start::Remembering`]), virgin
-    /// where there is none.
+    /// The drive that makes the operator put out `wanted` \[µm\], sample by sample, as far as `limits` allow.
+    /// The device rests at the voltage `rest` \[V\] before, with a `memory` in the operator's own scale (see
+    /// [`crate::Start::Remembering`]), virgin where there is none.
     ///
     /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::Range`] and [`HysteresisError::Step`] for limits that leave no room;
-    /// [`HysteresisError::RestOutside`] for a device that rests outside of them; [`HysteresisError::Wanted`] where an output is not finite;
-    /// [`HysteresisError::NotIncreasing`] where the output falls as the voltage rises: then no one drive belongs to an output.
+    /// As [`Self::validate`]; [`HysteresisError::Range`] and [`HysteresisError::Step`] for limits that leave
+    /// no room; [`HysteresisError::RestOutside`] for a device that rests outside of them;
+    /// [`HysteresisError::Wanted`] where an output is not finite; [`HysteresisError::NotIncreasing`] where
+    /// the output falls as the voltage rises: then no one drive belongs to an output.
     pub fn follow(
         &self,
         wanted: &[f64],
@@ -146,7 +148,8 @@ fn along<S: Clone>(
             let v = step(&mut state.clone(), u).map_err(|error| error.at_sample(index))?;
             if v.is_finite() { Ok(Point { u, v }) } else { Err(HysteresisError::Overflow { index }) }
         };
-        // What the operator puts out where the voltage stays, which one that sees the rate has not put out yet.
+        // What the operator puts out where the voltage stays, which one that sees the rate has not put out
+        // yet.
         let still = trial(now.u)?;
         let found = reach(trial, still, target, allowed, slope).map_err(|refused| match refused {
             Refused::Move(error) => error,
@@ -206,7 +209,8 @@ fn reach(
     let close = CLOSE * (target.abs() + now.v.abs());
     let beyond = |v: f64| if upwards { v >= target } else { v <= target };
     let mut near = now;
-    // The end of the bracket is sought by a step that overshoots a little, so that secants begin close to the target.
+    // The end of the bracket is sought by a step that overshoots a little, so that secants begin close to the
+    // target.
     let end = if upwards { allowed[1] } else { allowed[0] };
     let mut far = None;
     if let Some(slope) = slope.filter(|slope| *slope > 0.0) {

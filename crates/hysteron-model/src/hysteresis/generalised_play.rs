@@ -1,8 +1,8 @@
 //! Generalised plays: the Prandtl–Ishlinskii model with saturating, unequal envelopes.
 //!
-//! Source: M. Al Janaideh, S. Rakheja, C.-Y. Su, "An analytical generalized Prandtl–Ishlinskii model inversion for
-//! hysteresis compensation in micropositioning control", *IEEE/ASME Trans. Mechatronics* 16 (2011) 734–744,
-//! doi:10.1109/TMECH.2010.2052366.
+//! Source: M. Al Janaideh, S. Rakheja, C.-Y. Su, "An analytical generalized Prandtl–Ishlinskii model
+//! inversion for hysteresis compensation in micropositioning control", *IEEE/ASME Trans. Mechatronics* 16
+//! (2011) 734–744, doi:10.1109/TMECH.2010.2052366.
 
 use hysteron_rt::{Scalar, Sides};
 
@@ -17,9 +17,10 @@ use super::family::{
 ///
 /// γ_r(u) = tanh(a_r (u − c_r)) where u rises,  γ_l(u) = tanh(a_l (u − c_l)) where it falls.
 ///
-/// Columns and thresholds are in units of the envelopes, in which these end at ±1. Shape: `rise_right` a_r \[1/V\],
-/// `centre_right` c_r \[V\], `rise_left` a_l, `centre_left` c_l. A play has a place to stand wherever γ_r − γ_l ≤ 2rⱼ; a
-/// voltage at which the narrowest has none is an error. A virgin play stands at ½ (γ_l + γ_r).
+/// Columns and thresholds are in units of the envelopes, in which these end at ±1. Shape: `rise_right` a_r
+/// \[1/V\], `centre_right` c_r \[V\], `rise_left` a_l, `centre_left` c_l. A play has a place to stand
+/// wherever γ_r − γ_l ≤ 2rⱼ; a voltage at which the narrowest has none is an error. A virgin play stands at ½
+/// (γ_l + γ_r).
 ///
 /// Equal envelopes make it the Prandtl–Ishlinskii model of γ(u).
 #[derive(Clone, Debug, PartialEq)]

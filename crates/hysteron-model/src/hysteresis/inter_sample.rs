@@ -1,8 +1,9 @@
 //! How the drive goes from one sample to the next.
 //!
-//! Hysteresis sees nothing but the sequence of turning points, so at the sampling instants [`InterSample::Hold`] and
-//! [`InterSample::Linear`] give it the same values; they differ for what follows it. [`InterSample::BandLimited`] matters
-//! as soon as a period has few samples, because the true turning points then lie between them.
+//! Hysteresis sees nothing but the sequence of turning points, so at the sampling instants
+//! [`InterSample::Hold`] and [`InterSample::Linear`] give it the same values; they differ for what follows
+//! it. [`InterSample::BandLimited`] matters as soon as a period has few samples, because the true turning
+//! points then lie between them.
 
 use realfft::RealFftPlanner;
 
@@ -14,16 +15,17 @@ use crate::record::InterSample;
 pub enum RecordEnds {
     /// The record repeats: the sample after the last is the first.
     Periodic,
-    /// The record ends; for band-limited interpolation its deviation from the line through its ends is continued by
-    /// point reflection, which keeps value and slope continuous.
+    /// The record ends; for band-limited interpolation its deviation from the line through its ends is
+    /// continued by point reflection, which keeps value and slope continuous.
     Open,
 }
 
 impl InterSample {
-    /// The drive on a time base finer by `factor`: sample `k * factor` is `u[k]`, the ones between follow the rule.
+    /// The drive on a time base finer by `factor`: sample `k * factor` is `u[k]`, the ones between follow the
+    /// rule.
     ///
-    /// N samples become N · factor ([`RecordEnds::Periodic`]: the last interval leads back to the first sample) or
-    /// (N − 1) · factor + 1 ([`RecordEnds::Open`]).
+    /// N samples become N · factor ([`RecordEnds::Periodic`]: the last interval leads back to the first
+    /// sample) or (N − 1) · factor + 1 ([`RecordEnds::Open`]).
     ///
     /// # Errors
     /// [`HysteresisError::Factor`] for factor 0, [`HysteresisError::Fourier`] where the transform fails.
@@ -73,8 +75,8 @@ impl InterSample {
     }
 }
 
-/// Trigonometric interpolation of one period: the spectrum, padded with zeros; a component at the Nyquist frequency
-/// becomes a cosine.
+/// Trigonometric interpolation of one period: the spectrum, padded with zeros; a component at the Nyquist
+/// frequency becomes a cosine.
 fn trigonometric(u: &[f64], factor: usize) -> Result<Vec<f64>, HysteresisError> {
     let samples = u.len();
     let failed = |e: realfft::FftError| HysteresisError::Fourier { samples, message: e.to_string() };
@@ -98,12 +100,13 @@ fn trigonometric(u: &[f64], factor: usize) -> Result<Vec<f64>, HysteresisError> 
     Ok(fine)
 }
 
-/// x̃ such that the polygon through it has the mean of x over every sample period: x̃_k = x_k + ½ (b_{k−1} + b_k), where
-/// b_k = ⅔ (x_{k+½} − ½ (x_k + x_{k+1})) is by Simpson's rule what the straight line from x_k to x_{k+1} leaves out. `fine`
-/// holds x on a time base twice as fine; one sample more or less at its end does not matter.
+/// x̃ such that the polygon through it has the mean of x over every sample period: x̃_k = x_k + ½ (b_{k−1} +
+/// b_k), where b_k = ⅔ (x_{k+½} − ½ (x_k + x_{k+1})) is by Simpson's rule what the straight line from x_k to
+/// x_{k+1} leaves out. `fine` holds x on a time base twice as fine; one sample more or less at its end does
+/// not matter.
 ///
-/// A hysteresis operator driven along straight lines puts out curves between the samples. Linear dynamics much slower than
-/// a sample period see the means of these, so x̃ is what is to be joined by straight lines.
+/// A hysteresis operator driven along straight lines puts out curves between the samples. Linear dynamics
+/// much slower than a sample period see the means of these, so x̃ is what is to be joined by straight lines.
 #[doc(hidden)]
 pub fn polygon_of_means(fine: &[f64], out: &mut [f64]) {
     // ½ (b_{k−1} + b_k) from five neighbours; beyond the ends nothing is left out.

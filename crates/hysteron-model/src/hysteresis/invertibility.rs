@@ -22,8 +22,8 @@ pub enum Invertibility {
         /// Voltage at which it does \[V\].
         at_v: f64,
     },
-    /// The family has no such condition, or one that is met by no more than the drives at hand need; along these every move raised the
-    /// output.
+    /// The family has no such condition, or one that is met by no more than the drives at hand need; along
+    /// these every move raised the output.
     AlongDrives {
         /// Least slope of a move \[µm/V\].
         least_slope: f64,
@@ -87,15 +87,19 @@ fn least_interval_s(timing: Timing<'_>) -> Option<f64> {
 }
 
 impl Hysteresis {
-    /// Whether the operator can be inverted over the voltages of `drives` \[V\]: by the exact condition of its family where that decides,
-    /// else by the slopes of the moves along the drives, each from rest at its first sample.
+    /// Whether the operator can be inverted over the voltages of `drives` \[V\]: by the exact condition of
+    /// its family where that decides, else by the slopes of the moves along the drives, each from rest at its
+    /// first sample.
     ///
-    /// - Bouc–Wen in the bounded class: dζ/du lies between 0 and max(1, 2β'/(β' + γ')), so that l' above α times that (above 0 for α < 0)
-    ///   is enough. Where it is not met only a saturated loop need fall, and the drives decide.
-    /// - Plays: l' + w₁ + … + w_k > 0 for every k ≥ 0, enough and needed (P. Krejčí, K. Kuhnen 2001, doi:10.1049/ip-cta:20010375).
+    /// - Bouc–Wen in the bounded class: dζ/du lies between 0 and max(1, 2β'/(β' + γ')), so that l' above α
+    ///   times that (above 0 for α < 0) is enough. Where it is not met only a saturated loop need fall, and
+    ///   the drives decide.
+    /// - Plays: l' + w₁ + … + w_k > 0 for every k ≥ 0, enough and needed (P. Krejčí, K. Kuhnen 2001,
+    ///   doi:10.1049/ip-cta:20010375).
     /// - Families that are plays in other coordinates: as plays.
-    /// - Families whose columns all rise: weights ≥ 0 and l' > 0 are enough. Where plays widen with the rate, by λ for 1 V/s, so is l' > Σ w (λ/T − 1) for
-    ///   λ > T, T the least time between samples: a move then pushes a play back by λ/T − 1 for each volt.
+    /// - Families whose columns all rise: weights ≥ 0 and l' > 0 are enough. Where plays widen with the rate,
+    ///   by λ for 1 V/s, so is l' > Σ w (λ/T − 1) for λ > T, T the least time between samples: a move then
+    ///   pushes a play back by λ/T − 1 for each volt.
     ///
     /// # Errors
     /// As [`Self::simulate`].

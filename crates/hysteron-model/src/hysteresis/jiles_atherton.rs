@@ -1,8 +1,8 @@
 //! The Jiles–Atherton model, quasi-static.
 //!
-//! Sources: D. C. Jiles, D. L. Atherton, "Theory of ferromagnetic hysteresis", *J. Magn. Magn. Mater.* 61 (1986) 48–60,
-//! doi:10.1016/0304-8853(86)90066-1; the freezing of the irreversible part right after a turn after J. H. B. Deane, *IEEE
-//! Trans. Magn.* 30 (1994) 2795–2801.
+//! Sources: D. C. Jiles, D. L. Atherton, "Theory of ferromagnetic hysteresis", *J. Magn. Magn. Mater.* 61
+//! (1986) 48–60, doi:10.1016/0304-8853(86)90066-1; the freezing of the irreversible part right after a turn
+//! after J. H. B. Deane, *IEEE Trans. Magn.* 30 (1994) 2795–2801.
 
 use hysteron_rt::{GAUSS_LEGENDRE, Scalar, branch, langevin, langevin_slope, rising_root};
 
@@ -17,15 +17,16 @@ use super::family::{
 /// h = u + α m,  m_an = L(h/a),  L(x) = coth x − 1/x,  m = p + c (m_an − p),
 /// dp/dh = (m_an − p)/(δ k) where δ (m_an − p) > 0, otherwise 0,  δ = sign Δu.
 ///
-/// Linear in M_s, its weight \[µm\]. Shape: `anhysteretic` a > 0 \[V\], `pinning` k > 0 \[V\], `reversibility` 0 ≤ c ≤ 1,
-/// `coupling` 0 ≤ α < 3a \[V\] (the α of the literature times M_s). The irreversible part p is frozen after a turn until
-/// h has come back to its anhysteretic value: without that the susceptibility would be negative there. With it,
-/// e = |m_an − p| obeys e' ≤ 1/(3a) − e/k on every branch and starts at 0, so that dp/dh ≤ 1/(3a): for α < 3a the susceptibility
-/// dm/du is between 0 and 1/(3a − α), and no branch folds.
+/// Linear in M_s, its weight \[µm\]. Shape: `anhysteretic` a > 0 \[V\], `pinning` k > 0 \[V\],
+/// `reversibility` 0 ≤ c ≤ 1, `coupling` 0 ≤ α < 3a \[V\] (the α of the literature times M_s). The
+/// irreversible part p is frozen after a turn until h has come back to its anhysteretic value: without that
+/// the susceptibility would be negative there. With it, e = |m_an − p| obeys e' ≤ 1/(3a) − e/k on every
+/// branch and starts at 0, so that dp/dh ≤ 1/(3a): for α < 3a the susceptibility dm/du is between 0 and 1/(3a
+/// − α), and no branch folds.
 ///
-/// In the effective field h the equation for p is linear (Coleman–Hodgdon with f = L(h/a)): it is solved by its integral,
-/// with Gauss points in panels no longer than a or k, and h by Newton's method. Every move is exact to about 1e-13,
-/// whatever its length up to 10 000 panels. Virgin at u: on the anhysteretic curve.
+/// In the effective field h the equation for p is linear (Coleman–Hodgdon with f = L(h/a)): it is solved by
+/// its integral, with Gauss points in panels no longer than a or k, and h by Newton's method. Every move is
+/// exact to about 1e-13, whatever its length up to 10 000 panels. Virgin at u: on the anhysteretic curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct JilesAtherton;
 
@@ -41,7 +42,8 @@ pub struct JilesAthertonState<S> {
 /// Panels of a move at most.
 const PANELS: usize = 10_000;
 
-/// Gauss–Legendre points on \[0, 1\] with their weights for a tenth of a panel's full length; for that the eight of the runtime.
+/// Gauss–Legendre points on \[0, 1\] with their weights for a tenth of a panel's full length; for that the
+/// eight of the runtime.
 const FOUR: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
@@ -269,7 +271,8 @@ impl FamilyDescription for Entry {
     }
 
     fn equation(&self) -> &'static str {
-        "weight_1 m, m = p + reversibility (m_an - p), m_an = coth(h/anhysteretic) - anhysteretic/h, h = u + coupling m, \
+        "weight_1 m, m = p + reversibility (m_an - p), m_an = coth(h/anhysteretic) - anhysteretic/h, h = u + \
+         coupling m, \
          dp/dh = s (m_an - p)/pinning where that is positive, else 0"
     }
 

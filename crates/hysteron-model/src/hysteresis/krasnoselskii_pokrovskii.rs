@@ -1,8 +1,8 @@
 //! Krasnosel'skii–Pokrovskii kernels on a discretised plane: relays with ramps for jumps.
 //!
 //! Sources: M. A. Krasnosel'skii, A. V. Pokrovskii, *Systems with Hysteresis*, Springer 1989,
-//! doi:10.1007/978-3-642-61302-9; H. T. Banks, A. J. Kurdila, G. Webb, "Identification of hysteretic control influence
-//! operators representing smart actuators, part I", *Math. Probl. Eng.* 3 (1997) 287–328,
+//! doi:10.1007/978-3-642-61302-9; H. T. Banks, A. J. Kurdila, G. Webb, "Identification of hysteretic control
+//! influence operators representing smart actuators, part I", *Math. Probl. Eng.* 3 (1997) 287–328,
 //! doi:10.1155/S1024123X97000586.
 
 use hysteron_rt::{Scalar, Sides};
@@ -14,13 +14,16 @@ use super::family::{
     Search, ShapeNumber, ends, on_a_plane,
 };
 
-/// Columns ξ ← max(ρ(u − p₂), min(ρ(u − p₁), ξ)), ρ(x) = max(−1, min(1, 2x/a)), for every pair p₁ ≤ p₂ of a regular grid.
+/// Columns ξ ← max(ρ(u − p₂), min(ρ(u − p₁), ξ)), ρ(x) = max(−1, min(1, 2x/a)), for every pair p₁ ≤ p₂ of a
+/// regular grid.
 ///
-/// A column switches from −1 to 1 along a ramp of length a about p₂ where u rises, and back about p₁ where it falls; with
-/// p₁ = p₂ it is that ramp and has no hysteresis. The ramp is centred (the literature lets it begin at p), so that a grid
-/// symmetric about 0 makes an odd family. Shape: `rise` a \[V\]. A virgin column stands at ρ(u − ½ (p₁ + p₂)).
+/// A column switches from −1 to 1 along a ramp of length a about p₂ where u rises, and back about p₁ where it
+/// falls; with p₁ = p₂ it is that ramp and has no hysteresis. The ramp is centred (the literature lets it
+/// begin at p), so that a grid symmetric about 0 makes an odd family. Shape: `rise` a \[V\]. A virgin column
+/// stands at ρ(u − ½ (p₁ + p₂)).
 ///
-/// Pairs are in the order (p₁, p₂) = (g₀, g₀), (g₀, g₁), (g₁, g₁), (g₀, g₂), … : column i(i + 1)/2 + j is (gⱼ, gᵢ).
+/// Pairs are in the order (p₁, p₂) = (g₀, g₀), (g₀, g₁), (g₁, g₁), (g₀, g₂), … : column i(i + 1)/2 + j is
+/// (gⱼ, gᵢ).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KrasnoselskiiPokrovskii {
     /// Ends of the grid \[V\].
@@ -127,7 +130,8 @@ impl FamilyDescription for Entry {
     }
 
     fn equation(&self) -> &'static str {
-        "relays on a grid of lines from low to high, a weight a pair of lines, each switching along ramps of length rise"
+        "relays on a grid of lines from low to high, a weight a pair of lines, each switching along ramps of \
+         length rise"
     }
 
     fn elements(&self) -> Option<Elements> {

@@ -1,8 +1,8 @@
 //! The Maxwell-slip model: elastic-plastic elements (stops) in parallel.
 //!
-//! Sources: W. D. Iwan, *J. Appl. Mech.* 33 (1966) 893–900, doi:10.1115/1.3625199; M. Goldfarb, N. Celanovic, *IEEE Control
-//! Systems* 17:3 (1997) 69–79, doi:10.1109/37.588158; the duality of plays and stops: M. Brokate, J. Sprekels,
-//! *Hysteresis and Phase Transitions*, Springer 1996, doi:10.1007/978-1-4612-4048-8.
+//! Sources: W. D. Iwan, *J. Appl. Mech.* 33 (1966) 893–900, doi:10.1115/1.3625199; M. Goldfarb, N. Celanovic,
+//! *IEEE Control Systems* 17:3 (1997) 69–79, doi:10.1109/37.588158; the duality of plays and stops: M.
+//! Brokate, J. Sprekels, *Hysteresis and Phase Transitions*, Springer 1996, doi:10.1007/978-1-4612-4048-8.
 
 use hysteron_rt::Scalar;
 
@@ -14,15 +14,15 @@ use super::family::{
 use super::plays::{PlayStates, check_thresholds, evenly_below};
 use super::{HysteresisError, PrandtlIshlinskii};
 
-/// Columns Eⱼ ← max(−rⱼ, min(rⱼ, Eⱼ + Δu)) \[V\], rⱼ = scale · `thresholds`\[j\]: the strain of an elastic element that slips
-/// at rⱼ.
+/// Columns Eⱼ ← max(−rⱼ, min(rⱼ, Eⱼ + Δu)) \[V\], rⱼ = scale · `thresholds`\[j\]: the strain of an elastic
+/// element that slips at rⱼ.
 ///
-/// Eⱼ = u − Fⱼ with the play Fⱼ of the same half-width, so that Maxwell slip and Prandtl–Ishlinskii are one model in two
-/// coordinates: v = l\[u\] + Σ kⱼ Eⱼ has the weights −kⱼ and the linear coefficient l₁ + Σ kⱼ there.
-/// Kept as plays, so that nothing adds up from move to move.
+/// Eⱼ = u − Fⱼ with the play Fⱼ of the same half-width, so that Maxwell slip and Prandtl–Ishlinskii are one
+/// model in two coordinates: v = l\[u\] + Σ kⱼ Eⱼ has the weights −kⱼ and the linear coefficient l₁ + Σ kⱼ
+/// there. Kept as plays, so that nothing adds up from move to move.
 ///
-/// Weights are the stiffnesses kⱼ \[µm/V\] (negative for a displacement that lags). Shape: `scale`, 1 for the thresholds
-/// as they are. A virgin element is without strain.
+/// Weights are the stiffnesses kⱼ \[µm/V\] (negative for a displacement that lags). Shape: `scale`, 1 for the
+/// thresholds as they are. A virgin element is without strain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaxwellSlip {
     /// Strains rⱼ at which the elements slip \[V\], positive and increasing.

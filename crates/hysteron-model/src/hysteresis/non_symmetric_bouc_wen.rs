@@ -1,7 +1,7 @@
 //! Zhu's and Wang's non-symmetrical Bouc–Wen operator.
 //!
-//! Source: W. Zhu, D.-H. Wang, "Non-symmetrical Bouc–Wen model for piezoelectric ceramic actuators", *Sens. Actuators A* 181
-//! (2012) 51–60, doi:10.1016/j.sna.2012.03.048.
+//! Source: W. Zhu, D.-H. Wang, "Non-symmetrical Bouc–Wen model for piezoelectric ceramic actuators", *Sens.
+//! Actuators A* 181 (2012) 51–60, doi:10.1016/j.sna.2012.03.048.
 
 use hysteron_rt::{Scalar, branch, moments};
 
@@ -11,16 +11,17 @@ use super::family::{
     ColumnFamily, DriveSpan, FamilyDescription, NumberUnit, RuntimeOperator, SKEWS, ShapeNumber,
 };
 
-/// Column ζ \[V\] of the Bouc–Wen operator for n = 1 with the term of Zhu and Wang that makes its loop asymmetric,
+/// Column ζ \[V\] of the Bouc–Wen operator for n = 1 with the term of Zhu and Wang that makes its loop
+/// asymmetric,
 ///
 /// dζ/du = 1 − (β s + γ sgn ζ) ζ + δ s u,  s = sgn Δu,
 ///
-/// so that the branches saturate at levels that follow the voltage. Zhu and Wang write δ u sgn u̇ in the equation for ż, which
-/// depends on the rate; here it is δ u |u̇|, which does not. Its weight is −α. Shape: `beta`, `gamma` \[1/V\], β ≥ |γ|, β > 0,
-/// and `delta` \[1/V\]; δ = 0 is Bouc–Wen.
+/// so that the branches saturate at levels that follow the voltage. Zhu and Wang write δ u sgn u̇ in the
+/// equation for ż, which depends on the rate; here it is δ u |u̇|, which does not. Its weight is −α. Shape:
+/// `beta`, `gamma` \[1/V\], β ≥ |γ|, β > 0, and `delta` \[1/V\]; δ = 0 is Bouc–Wen.
 ///
-/// Where ζ and 1 + δ s u keep their signs, ζ(t) = ζ e^(−κt) + (s + δ u₀) t m₀(κt) + δ s t² m₁(κt) with the moments of
-/// [`super::Duhem`], t = |Δu|, κ = β + s γ sgn ζ; a move is split where one of them changes sign.
+/// Where ζ and 1 + δ s u keep their signs, ζ(t) = ζ e^(−κt) + (s + δ u₀) t m₀(κt) + δ s t² m₁(κt) with the
+/// moments of [`super::Duhem`], t = |Δu|, κ = β + s γ sgn ζ; a move is split where one of them changes sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NonSymmetricBoucWen;
 

@@ -15,8 +15,9 @@ pub const MOST_STATES: usize = 3;
 ///
 /// dζₖ/du = 1 − βₖ s ζₖ − γₖ |ζₖ|,  s = sgn Δu.
 ///
-/// The weight of a column is −αₖ. States of unlike βₖ bend at unlike distances from a turn, so that small and large loops get
-/// their own widths, which one state cannot give them. Shape: β₁, γ₁, β₂, γ₂, … \[1/V\]. Every move is exact.
+/// The weight of a column is −αₖ. States of unlike βₖ bend at unlike distances from a turn, so that small and
+/// large loops get their own widths, which one state cannot give them. Shape: β₁, γ₁, β₂, γ₂, … \[1/V\].
+/// Every move is exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParallelBoucWen {
     /// Number of states, 1 to 3.

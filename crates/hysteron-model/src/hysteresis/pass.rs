@@ -6,8 +6,8 @@ use super::HysteresisError;
 use crate::start::Start;
 use hysteron_numeric::{InstructionSet, Relaxations};
 
-/// Rest voltage \[V\] before the drive `u` and the memory there, `None` where the operator is virgin; `None` for the steady state
-/// under `u` repeated for ever.
+/// Rest voltage \[V\] before the drive `u` and the memory there, `None` where the operator is virgin; `None`
+/// for the steady state under `u` repeated for ever.
 ///
 /// # Errors
 /// [`HysteresisError::Period`] for a period that is not the whole of `u`.
@@ -53,8 +53,8 @@ impl Every {
     }
 }
 
-/// z along `u` from z at the voltage of `start`; `sink` is handed each sample's in turn. Returns the last. The partials
-/// are those of [`BoucWen::simulate_with_shape`]: β, γ, then any others z comes with.
+/// z along `u` from z at the voltage of `start`; `sink` is handed each sample's in turn. Returns the last.
+/// The partials are those of [`BoucWen::simulate_with_shape`]: β, γ, then any others z comes with.
 ///
 /// # Errors
 /// As [`BoucWen::simulate_with_shape`].
@@ -80,9 +80,9 @@ pub(super) fn pass<const P: usize>(
 
 /// n = 1 in the bounded class, where both rates κ = β ± γ are ≥ 0.
 ///
-/// z⁺ = z e^(−κd) + α reach(Δu, κ): everything but z is known before, so a row of it is made at once by vector code, for
-/// the present sign of z. The sample on which z changes sign is done by [`BoucWen::advance_with_shape`], and a new row
-/// begun behind it, about as long as the sign lasted.
+/// z⁺ = z e^(−κd) + α reach(Δu, κ): everything but z is known before, so a row of it is made at once by
+/// vector code, for the present sign of z. The sample on which z changes sign is done by
+/// [`BoucWen::advance_with_shape`], and a new row begun behind it, about as long as the sign lasted.
 fn relax<const P: usize>(
     operator: &BoucWen<f64>,
     (mut u_last, mut z): (f64, Dual<f64, P>),

@@ -26,11 +26,11 @@ pub(super) fn value_and_slope(coefficients: &[f64], u: f64) -> (f64, f64) {
 /// Part of the range below which the search for the least slope does not divide it further.
 const FINEST: f64 = 1e-12;
 
-/// A voltage in \[low, high\] at which l' is not above `floor`; none where l' > `floor` throughout. A minimum that comes
-/// within rounding of `floor` counts as not above.
+/// A voltage in \[low, high\] at which l' is not above `floor`; none where l' > `floor` throughout. A minimum
+/// that comes within rounding of `floor` counts as not above.
 ///
-/// With the Taylor coefficients tₖ of l' at the middle of an interval of half-width h, |l' − t₀| ≤ Σ_{k≥1} |tₖ| hᵏ on all
-/// of it; intervals that this leaves open are halved.
+/// With the Taylor coefficients tₖ of l' at the middle of an interval of half-width h, |l' − t₀| ≤ Σ_{k≥1}
+/// |tₖ| hᵏ on all of it; intervals that this leaves open are halved.
 pub(super) fn not_steeper(coefficients: &[f64], floor: f64, [low, high]: [f64; 2]) -> Option<f64> {
     let above = |u: f64| value_and_slope(coefficients, u).1 - floor;
     if let Some(end) = [low, high].into_iter().find(|&u| above(u).is_nan() || above(u) <= 0.0) {

@@ -1,8 +1,8 @@
 //! Plays whose widths grow with the rate of the voltage.
 //!
-//! Source: M. Al Janaideh, P. Krejčí, "Inverse rate-dependent Prandtl–Ishlinskii model for feedforward compensation of
-//! hysteresis in a piezomicropositioning actuator", *IEEE/ASME Trans. Mechatronics* 18 (2013) 1498–1507,
-//! doi:10.1109/TMECH.2012.2205265.
+//! Source: M. Al Janaideh, P. Krejčí, "Inverse rate-dependent Prandtl–Ishlinskii model for feedforward
+//! compensation of hysteresis in a piezomicropositioning actuator", *IEEE/ASME Trans. Mechatronics* 18 (2013)
+//! 1498–1507, doi:10.1109/TMECH.2012.2205265.
 
 use hysteron_rt::{Scalar, Sides};
 
@@ -17,13 +17,15 @@ use crate::record::{Dependence, Pace};
 
 /// Columns Fⱼ ← max(u − ρⱼ, min(u + ρⱼ, Fⱼ)) \[V\], ρⱼ = scale · `thresholds`\[j\] + λ |u̇|.
 ///
-/// Loops get wider with frequency and amplitude, without dynamics behind them. λ = 0 is [`super::PrandtlIshlinskii`]. All
-/// thresholds move by the same, so that their order and what Al Janaideh and Krejčí ask for an inverse (a distance of thresholds
-/// that does not shrink) hold for every rate. The operator is *not* rate independent.
+/// Loops get wider with frequency and amplitude, without dynamics behind them. λ = 0 is
+/// [`super::PrandtlIshlinskii`]. All thresholds move by the same, so that their order and what Al Janaideh
+/// and Krejčí ask for an inverse (a distance of thresholds that does not shrink) hold for every rate. The
+/// operator is *not* rate independent.
 ///
-/// Shape: `scale`, 1 for the thresholds as they are; `rate_gain` λ ≥ 0 \[s\]. The rate is that of the straight line between two
-/// samples; the first move of a device at rest has none. A virgin play stands at its voltage. Where samples are not an equal time
-/// apart, their rates are given with the drive ([`super::DriveGrid::paces`]).
+/// Shape: `scale`, 1 for the thresholds as they are; `rate_gain` λ ≥ 0 \[s\]. The rate is that of the
+/// straight line between two samples; the first move of a device at rest has none. A virgin play stands at
+/// its voltage. Where samples are not an equal time apart, their rates are given with the drive
+/// ([`super::DriveGrid::paces`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateDependentPlays {
     /// Half-widths at rest \[V\], positive and increasing.
@@ -32,7 +34,8 @@ pub struct RateDependentPlays {
     pub interval_s: f64,
 }
 
-/// Where plays stand, the voltage of the sample before, if there was one, and the rate of the next move \[V/s\], where it is told.
+/// Where plays stand, the voltage of the sample before, if there was one, and the rate of the next move
+/// \[V/s\], where it is told.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateDependentPlayStates<S> {
     plays: PlayStates<S>,
@@ -118,7 +121,8 @@ impl FamilyDescription for Entry {
     }
 
     fn equation(&self) -> &'static str {
-        "sum of weight_j F_j, F_j <- max(u - r_j, min(u + r_j, F_j)), r_j = scale j/(number + 1) + rate_gain |du/dt|"
+        "sum of weight_j F_j, F_j <- max(u - r_j, min(u + r_j, F_j)), r_j = scale j/(number + 1) + rate_gain \
+         |du/dt|"
     }
 
     fn elements(&self) -> Option<Elements> {

@@ -1,8 +1,9 @@
-//! Derivatives of the unit-α Bouc–Wen operator with respect to its shape and its start, in the pass that simulates it.
+//! Derivatives of the unit-α Bouc–Wen operator with respect to its shape and its start, in the pass that
+//! simulates it.
 //!
-//! Exact derivatives of the exact step ([`hysteron_rt::BoucWen::simulate_with_shape`]), passages of ζ through 0
-//! included. ζ(0) of a steady state is the fixed point of the period map ζ_end(ζ(0), θ), so that by the implicit
-//! function theorem ∂ζ(0)/∂θ = (∂ζ_end/∂θ)/(1 − m), m = ∂ζ_end/∂ζ(0).
+//! Exact derivatives of the exact step ([`hysteron_rt::BoucWen::simulate_with_shape`]), passages of ζ through
+//! 0 included. ζ(0) of a steady state is the fixed point of the period map ζ_end(ζ(0), θ), so that by the
+//! implicit function theorem ∂ζ(0)/∂θ = (∂ζ_end/∂θ)/(1 − m), m = ∂ζ_end/∂ζ(0).
 
 use hysteron_rt::Dual;
 
@@ -22,22 +23,24 @@ pub struct Sensitivities {
     pub d_gamma: Vec<f64>,
     /// ∂ζ/∂n; empty unless asked for.
     pub d_n: Vec<f64>,
-    /// Derivative with respect to the start ζ(0), before the first sample; 0 for a steady state, which has no free
-    /// start.
+    /// Derivative with respect to the start ζ(0), before the first sample; 0 for a steady state, which has no
+    /// free start.
     pub d_start: Vec<f64>,
 }
 
 impl UnitShape {
-    /// ζ \[V\] and its derivatives for the voltages `u` \[V\] given on a time base finer by `factor`: element k of each
-    /// buffer of `out` belongs to `u[k * factor]`. Returns the state (u, ζ) at the last sample of u.
+    /// ζ \[V\] and its derivatives for the voltages `u` \[V\] given on a time base finer by `factor`: element
+    /// k of each buffer of `out` belongs to `u[k * factor]`. Returns the state (u, ζ) at the last sample of
+    /// u.
     ///
-    /// Derivatives are those with respect to β', γ', ζ(0) and, if `exponent`, n. Those of a periodic start are total:
-    /// the steady state moves with the shape. Closed forms for n = 1 and 2; with `exponent` every n goes through the
-    /// series, and n = 1 costs some hundred times as much. Allocates nothing where the buffers already have their length.
+    /// Derivatives are those with respect to β', γ', ζ(0) and, if `exponent`, n. Those of a periodic start
+    /// are total: the steady state moves with the shape. Closed forms for n = 1 and 2; with `exponent` every
+    /// n goes through the series, and n = 1 costs some hundred times as much. Allocates nothing where the
+    /// buffers already have their length.
     ///
     /// # Errors
-    /// As [`super::BoucWen::simulate`]; [`HysteresisError::Factor`]; [`HysteresisError::NotContracting`] where a steady
-    /// state does not determine its derivatives (β' = γ' = 0, say).
+    /// As [`super::BoucWen::simulate`]; [`HysteresisError::Factor`]; [`HysteresisError::NotContracting`]
+    /// where a steady state does not determine its derivatives (β' = γ' = 0, say).
     pub fn simulate_with_sensitivities(
         &self,
         factor: usize,
@@ -94,8 +97,8 @@ impl Sensitivities {
         self.d_n.resize(if exponent { samples } else { 0 }, 0.0);
     }
 
-    /// Total derivatives of a steady state from those at fixed ζ(0), which have the values given at the end of the
-    /// period.
+    /// Total derivatives of a steady state from those at fixed ζ(0), which have the values given at the end
+    /// of the period.
     fn close_period(&mut self, [beta, gamma, n, start]: [f64; 4]) -> Result<(), HysteresisError> {
         let left = 1.0 - start;
         if left <= f64::EPSILON * self.zeta.len() as f64 {

@@ -1,7 +1,7 @@
 //! Song's and Der Kiureghian's Bouc–Wen operator of six coefficients.
 //!
-//! Source: J. Song, A. Der Kiureghian, "Generalized Bouc–Wen model for highly asymmetric hysteresis", *J. Eng. Mech.* 132
-//! (2006) 610–618, doi:10.1061/(ASCE)0733-9399(2006)132:6(610).
+//! Source: J. Song, A. Der Kiureghian, "Generalized Bouc–Wen model for highly asymmetric hysteresis", *J.
+//! Eng. Mech.* 132 (2006) 610–618, doi:10.1061/(ASCE)0733-9399(2006)132:6(610).
 
 use hysteron_rt::{BoucWen, Scalar, branch};
 
@@ -15,10 +15,10 @@ use super::family::{
 ///
 /// dζ/du = 1 − |ζ|ⁿ (β₁ sgn(u̇ζ) + β₂ sgn(u u̇) + β₃ sgn(uζ) + β₄ sgn u̇ + β₅ sgn ζ + β₆ sgn u).
 ///
-/// Its weight is −α. At u of one sign a move is one of Bouc–Wen with β' = β₁ + s (β₃ sgn u + β₅) and γ' = s (β₂ sgn u + β₄) +
-/// β₆ sgn u, s = sgn Δu; it is split where u passes 0, and so exact. β₁ = β' alone is Bouc–Wen with γ' = 0; on loops about 0,
-/// β₁ = β' + γ', β₂ = −γ', β₃ = γ' is Bouc–Wen. A drive that keeps one sign determines four combinations of the six.
-/// Shape: β₁ … β₆ \[V⁻ⁿ\]; odd in u where β₄ = β₅ = β₆ = 0.
+/// Its weight is −α. At u of one sign a move is one of Bouc–Wen with β' = β₁ + s (β₃ sgn u + β₅) and γ' = s
+/// (β₂ sgn u + β₄) + β₆ sgn u, s = sgn Δu; it is split where u passes 0, and so exact. β₁ = β' alone is
+/// Bouc–Wen with γ' = 0; on loops about 0, β₁ = β' + γ', β₂ = −γ', β₃ = γ' is Bouc–Wen. A drive that keeps
+/// one sign determines four combinations of the six. Shape: β₁ … β₆ \[V⁻ⁿ\]; odd in u where β₄ = β₅ = β₆ = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SongDerKiureghian {
     /// Smoothness of the transition, ≥ 1; closed forms for 1 and 2.
@@ -114,7 +114,8 @@ impl FamilyDescription for Entry {
     }
 
     fn equation(&self) -> &'static str {
-        "weight_1 y, dy/du = 1 - |y| (s (beta_1 sign y + beta_2 sign u + beta_4) + sign u (beta_3 sign y + beta_6) + beta_5 sign y)"
+        "weight_1 y, dy/du = 1 - |y| (s (beta_1 sign y + beta_2 sign u + beta_4) + sign u (beta_3 sign y + \
+         beta_6) + beta_5 sign y)"
     }
 
     fn shape_numbers(&self, _: usize, span: &DriveSpan) -> Vec<ShapeNumber> {

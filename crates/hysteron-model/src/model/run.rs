@@ -87,7 +87,8 @@ impl Model {
     /// the start that the model file assumes; a drive of several axes that repeats is in its steady state.
     ///
     /// # Errors
-    /// [`RunError`]: other units or channels, no or another sample rate where one is needed, a motion that cannot be simulated.
+    /// [`RunError`]: other units or channels, no or another sample rate where one is needed, a motion that
+    /// cannot be simulated.
     pub fn simulate(&self, signals: &Signals, start: Start) -> Result<Simulation, RunError> {
         self.check_start(start)?;
         match (self, signals) {

@@ -24,8 +24,8 @@ pub enum Document {
 /// Reads and checks the bytes of a model file of any kind, of version 2 or 1; the result is of version 2.
 ///
 /// # Errors
-/// [`ModelFileError`]: too large, not JSON, of another format or version, or a value that is missing, unknown or not
-/// allowed.
+/// [`ModelFileError`]: too large, not JSON, of another format or version, or a value that is missing, unknown
+/// or not allowed.
 pub fn read(bytes: &[u8]) -> Result<Document, ModelFileError> {
     fn body<T: DeserializeOwned>(
         bytes: &[u8],

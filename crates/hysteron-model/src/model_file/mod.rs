@@ -9,13 +9,15 @@
 //!
 //! | number | unit |
 //! | --- | --- |
-//! | `hysteresis.parameters.linear`, `quadratic`, `cubic`, `quartic`, `quintic`, `degree_6` … | `um/V`, `um/V^2`, … |
+//! | `hysteresis.parameters.linear`, `quadratic`, `cubic`, `quartic`, `quintic`, `degree_6` … | `um/V`,
+//! `um/V^2`, … |
 //! | `alpha` | `um/V` |
 //! | `beta`, `gamma` | `1/V` for n = 1, else `um^(1-n)/V` |
 //! | `threshold_1`, `threshold_2`, … | `V` |
 //! | `weight_1`, `weight_2`, … | `um/V` |
 //! | `n`, every `order` | `1` |
-//! | `coefficient` of sᵅ (`integer`, `fractional`) | `s^α` with the order as a number (`1`, `s`, `s^2.0384`): a factor common to all of them drops out of G |
+//! | `coefficient` of sᵅ (`integer`, `fractional`) | `s^α` with the order as a number (`1`, `s`, `s^2.0384`):
+//! a factor common to all of them drops out of G |
 //! | `coefficient` of z⁻ⁱ (`arx`) | `1` |
 //! | `delay` | `s` |
 //! | `offset` | `um` |

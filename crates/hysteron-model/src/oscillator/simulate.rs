@@ -40,8 +40,8 @@ impl Oscillator {
     /// order with the steps of the drive. Allocates nothing.
     ///
     /// # Errors
-    /// [`SimulationError`]: a parameter or a state out of range, an output of another length than the drive, a motion that runs
-    /// away, a steady state that is not found.
+    /// [`SimulationError`]: a parameter or a state out of range, an output of another length than the drive,
+    /// a motion that runs away, a steady state that is not found.
     pub fn simulate(
         &self,
         drive: &Drive,

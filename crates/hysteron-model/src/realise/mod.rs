@@ -67,8 +67,8 @@ pub struct Realisation {
 /// Realises a model at a sample rate.
 ///
 /// # Errors
-/// [`RealiseError`]: options out of range, a model that belongs to another rate, creep without a lowest frequency, dynamics that are
-/// not stable, an accuracy out of reach.
+/// [`RealiseError`]: options out of range, a model that belongs to another rate, creep without a lowest
+/// frequency, dynamics that are not stable, an accuracy out of reach.
 pub fn realise(
     model: &Model,
     sample_rate_hz: f64,

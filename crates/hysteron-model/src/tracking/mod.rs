@@ -73,8 +73,8 @@ pub struct PlantDescription {
 /// uniformly sampled.
 ///
 /// # Errors
-/// [`ControlError`]: a reference or options that leave nothing to play; a controller that was asked for and cannot be made or
-/// played (where all are asked for, it is left out instead, unless none remains).
+/// [`ControlError`]: a reference or options that leave nothing to play; a controller that was asked for and
+/// cannot be made or played (where all are asked for, it is left out instead, unless none remains).
 pub fn track(
     model: &Body<ModelFile, hammerstein::Model>,
     reference: &Signal,

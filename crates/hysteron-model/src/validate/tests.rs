@@ -25,7 +25,8 @@ const FIXED: Scoring = Scoring { skip_s: Some(0.0), offset: OffsetTreatment::Fix
 
 #[test]
 fn scores_of_four_samples_agree_with_the_sums_done_by_hand() {
-    // y − ŷ = (0, 1, 0, −1); stroke 4; mean y = 2; ‖y − ȳ‖² = 4 + 0 + 4 + 0 = 8; Σ(y − min) = 0 + 2 + 4 + 2 = 8.
+    // y − ŷ = (0, 1, 0, −1); stroke 4; mean y = 2; ‖y − ȳ‖² = 4 + 0 + 4 + 0 = 8; Σ(y − min) = 0 + 2 + 4 + 2 =
+    // 8.
     let s = score(&record(&[0.0, 1.0, 2.0, 1.0], &[0.0, 2.0, 4.0, 2.0], None), &[0.0, 1.0, 4.0, 3.0], &FIXED)
         .unwrap();
     assert_eq!((s.samples, s.skipped_samples, s.offset, s.offset_estimated), (4, 0, 0.0, false));

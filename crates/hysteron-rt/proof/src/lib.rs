@@ -1,7 +1,7 @@
 //! Every entry to `hysteron-rt`'s arithmetic, with a panic handler that cannot be linked.
 //!
-//! Building shows that nothing needs `std` (a second panic handler would be error E0152); linking an entry shows that
-//! the optimiser found no way from it to a panic. Run by `run.sh`.
+//! Building shows that nothing needs `std` (a second panic handler would be error E0152); linking an entry
+//! shows that the optimiser found no way from it to a panic. Run by `run.sh`.
 #![no_std]
 
 use core::panic::PanicInfo;
@@ -51,7 +51,8 @@ fn simulate<T: Real, const N: usize>(
     }
 }
 
-/// One step each with the derivatives with respect to the shape, the exponent and the start, then a record of them.
+/// One step each with the derivatives with respect to the shape, the exponent and the start, then a record of
+/// them.
 #[inline(always)]
 fn sensitivities<T: Real, const N: usize>(
     [alpha, beta, gamma, n]: Parameters<T>,
@@ -190,7 +191,8 @@ fn model<T: Real>(
 /// Gains of a law and its ring: recent, real poles, pairs, reference, ring.
 type Gains<'a, T> = (&'a [T], &'a [[T; LANES]], &'a [[T; 2]], &'a [T], &'a mut [T]);
 
-/// A compensator with any operator along references, in mid-stroke, against what an observer of its model finds.
+/// A compensator with any operator along references, in mid-stroke, against what an observer of its model
+/// finds.
 #[inline(always)]
 fn compensator<T: Real>(
     (hysteresis, dynamics): (Hysteresis<'_, T>, Linear<'_, T>),

@@ -49,7 +49,8 @@ impl<T: Display> Display for StepError<T> {
             Self::NotFinite => write!(f, "the voltage or the hysteresis state is not finite"),
             Self::BlowUp { after } => write!(
                 f,
-                "z becomes infinite after {after} V of the move: the parameters are outside the bounded class \
+                "z becomes infinite after {after} V of the move: the parameters are outside the bounded \
+                 class \
                  (α > 0: β + γ > 0 and β − γ ≥ 0)"
             ),
             Self::Overflow => write!(
@@ -59,7 +60,8 @@ impl<T: Display> Display for StepError<T> {
             ),
             Self::SubSteps { limit } => write!(
                 f,
-                "the move needs more than {limit} sub-steps: it is far longer than the voltage over which z saturates"
+                "the move needs more than {limit} sub-steps: it is far longer than the voltage over which z \
+                 saturates"
             ),
         }
     }

@@ -1,4 +1,5 @@
-//! The change of z in a move, in a fixed number of operations and without the cancellation of z(u + Δu) − z(u).
+//! The change of z in a move, in a fixed number of operations and without the cancellation of z(u + Δu) −
+//! z(u).
 
 use super::{BoucWen, Law};
 use crate::real::Real;
@@ -13,15 +14,17 @@ const SHARE: f64 = 0.125;
 impl<T: Real> BoucWen<T> {
     /// z(u + `du`) − z(u) for a monotone move from `z`. Not finite where there is no finite result.
     ///
-    /// n = 1 and 2: exact, as [`Self::advance`]. Other n: sub-steps of an exponential Rosenbrock method of order 3 (exprb32:
-    /// M. Hochbruck, A. Ostermann, J. Schweitzer, *SIAM J. Numer. Anal.* 47 (2009) 786–803, doi:10.1137/080717717), two of them, more where
-    /// one would take z further than an eighth of its saturation, 32 at most; |z| held within its saturation. Error of one move, as a share of the
-    /// saturation, n from 1.2 to 3, γ ≥ 0, for moves of 0.003 and 0.03 of the voltage over which z saturates, and for any longer one: below
-    /// 1e-10, 1e-6 and 1e-3 away from z = 0, where |z|ⁿ is not smooth; below 2e-7, 2e-5 and 1.2e-3 anywhere. Where z moves inwards faster than
-    /// outwards (β − γ five times β + γ): 1e-8, 5e-5 and 1e-3, and 2e-7, 5e-5 and 4e-3 (`tests/model.rs`). A move that saturates ends right.
+    /// n = 1 and 2: exact, as [`Self::advance`]. Other n: sub-steps of an exponential Rosenbrock method of
+    /// order 3 (exprb32: M. Hochbruck, A. Ostermann, J. Schweitzer, *SIAM J. Numer. Anal.* 47 (2009) 786–803,
+    /// doi:10.1137/080717717), two of them, more where one would take z further than an eighth of its
+    /// saturation, 32 at most; |z| held within its saturation. Error of one move, as a share of the
+    /// saturation, n from 1.2 to 3, γ ≥ 0, for moves of 0.003 and 0.03 of the voltage over which z saturates,
+    /// and for any longer one: below 1e-10, 1e-6 and 1e-3 away from z = 0, where |z|ⁿ is not smooth; below
+    /// 2e-7, 2e-5 and 1.2e-3 anywhere. Where z moves inwards faster than outwards (β − γ five times β + γ):
+    /// 1e-8, 5e-5 and 1e-3, and 2e-7, 5e-5 and 4e-3 (`tests/model.rs`). A move that saturates ends right.
     ///
-    /// For a move much smaller than that voltage the result is small against z: add it with compensation, and z keeps the accuracy of
-    /// the move.
+    /// For a move much smaller than that voltage the result is small against z: add it with compensation, and
+    /// z keeps the accuracy of the move.
     #[inline]
     pub fn increment(&self, z: T, du: T) -> T {
         match self.law {
@@ -39,7 +42,8 @@ impl<T: Real> BoucWen<T> {
             if du < zero { (-self.alpha, -self.gamma, -du) } else { (self.alpha, self.gamma, du) };
         let lead = if z == zero { rise } else { z };
         let along = |kappa: T| (rise - kappa * z) * relaxation(kappa, distance).1;
-        // Two branches, not a choice of κ: the exponential then waits for the voltage alone, not for the z of the sample before.
+        // Two branches, not a choice of κ: the exponential then waits for the voltage alone, not for the z of
+        // the sample before.
         let change = if lead < zero { along(self.beta - turn) } else { along(self.beta + turn) };
         let end = z + change;
         let through = (end < zero && z > zero) || (end > zero && z < zero);
@@ -76,8 +80,8 @@ impl<T: Real> BoucWen<T> {
         }
     }
 
-    /// dz/dσ = sα − (β + sγ sign z) z|z|ⁿ⁻¹ over σ = |Δu|, in sub-steps h: with J the derivative of the right-hand side f,
-    /// U = z + h φ₁(hJ) f(z), z⁺ = U + 2h φ₃(hJ) (f(U) − f(z) − J (U − z)).
+    /// dz/dσ = sα − (β + sγ sign z) z|z|ⁿ⁻¹ over σ = |Δu|, in sub-steps h: with J the derivative of the
+    /// right-hand side f, U = z + h φ₁(hJ) f(z), z⁺ = U + 2h φ₃(hJ) (f(U) − f(z) − J (U − z)).
     #[inline]
     fn power_increment(&self, z: T, du: T) -> T {
         let (zero, one) = (T::of(0.0), T::of(1.0));

@@ -28,14 +28,14 @@ pub(super) fn advance<S: Scalar>(alpha: S, beta: S, gamma: S, z: S, du: S::Real)
     rise * relaxation(kappa, rest).1
 }
 
-/// z and its derivatives along the voltages `u`, starting from `z` at `u_last`; `sink` is handed each sample's. The
-/// partials are those with respect to β, γ and then any others, which z alone carries; without partials (P = 0) it is
-/// the plain simulation.
+/// z and its derivatives along the voltages `u`, starting from `z` at `u_last`; `sink` is handed each
+/// sample's. The partials are those with respect to β, γ and then any others, which z alone carries; without
+/// partials (P = 0) it is the plain simulation.
 ///
-/// Same arithmetic as [`advance`], arranged so that only one multiplication and one addition a sample depend on the
-/// sample before: the sign of z is taken to stay, and the sample redone by [`advance`] where it did not. With
-/// z⁺ = z e^(−κd) + sα r(κ), r = (1 − e^(−κd))/κ, each derivative is z⁺' = e^(−κd) z' + κ' (sα r'(κ) − d e^(−κd) z),
-/// κ' = 1 for β, ±1 for γ: one exponential for all of them.
+/// Same arithmetic as [`advance`], arranged so that only one multiplication and one addition a sample depend
+/// on the sample before: the sign of z is taken to stay, and the sample redone by [`advance`] where it did
+/// not. With z⁺ = z e^(−κd) + sα r(κ), r = (1 − e^(−κd))/κ, each derivative is z⁺' = e^(−κd) z' + κ' (sα
+/// r'(κ) − d e^(−κd) z), κ' = 1 for β, ±1 for γ: one exponential for all of them.
 #[inline(always)]
 pub(super) fn run<T: Real, const P: usize>(
     (alpha, beta, gamma): (T, T, T),

@@ -14,9 +14,9 @@ use crate::real::{Real, Scalar};
 
 /// Parameters of the Bouc–Wen operator ż = α u̇ − β |u̇| z |z|ⁿ⁻¹ − γ u̇ |z|ⁿ, n ≥ 1 (article Eq. 1).
 ///
-/// Between two samples u moves monotonically, so z obeys dz/du = α − β s z|z|ⁿ⁻¹ − γ |z|ⁿ with s = sign Δu and depends
-/// on the two voltages alone. n = 1 is solved by exponentials, n = 2 by tanh or tan, any other n by Taylor series to
-/// the last place; each is split where z passes 0.
+/// Between two samples u moves monotonically, so z obeys dz/du = α − β s z|z|ⁿ⁻¹ − γ |z|ⁿ with s = sign Δu
+/// and depends on the two voltages alone. n = 1 is solved by exponentials, n = 2 by tanh or tan, any other n
+/// by Taylor series to the last place; each is split where z passes 0.
 ///
 /// Units: u in V, z in µm; α µm/V, β and γ µm^(1−n)/V. Any other consistent set will do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +81,8 @@ impl<T: Real> BoucWen<T> {
         Ok(Self { alpha, beta, gamma, n, law: law_of(n) })
     }
 
-    /// The unit-α form ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ, with β' = β|α|ⁿ⁻¹, γ' = sign(α) γ |α|ⁿ⁻¹.
+    /// The unit-α form ζ̇ = u̇ − β' |u̇| ζ |ζ|ⁿ⁻¹ − γ' u̇ |ζ|ⁿ, z = α ζ, with β' = β|α|ⁿ⁻¹, γ' = sign(α) γ
+    /// |α|ⁿ⁻¹.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -109,10 +110,12 @@ impl<T: Real> BoucWen<T> {
         self.n
     }
 
-    /// Moves `state` monotonically to `u_next` and returns the new z. On an error the state is left as it was.
+    /// Moves `state` monotonically to `u_next` and returns the new z. On an error the state is left as it
+    /// was.
     ///
     /// # Errors
-    /// [`StepError`]: a number that is not finite, or z unbounded within the move (inadmissible parameters only).
+    /// [`StepError`]: a number that is not finite, or z unbounded within the move (inadmissible parameters
+    /// only).
     #[inline]
     pub fn step(&self, state: &mut BoucWenState<T>, u_next: T) -> Result<T, StepError<T>> {
         if !u_next.is_finite() || !state.u.is_finite() {
@@ -132,9 +135,9 @@ impl<T: Real> BoucWen<T> {
         self.finite(advance(self.law, [self.alpha, self.beta, self.gamma, self.n], z, du)?, z)
     }
 
-    /// As [`Self::advance`], with derivatives of z carried along: `z.partials` are those with respect to β, γ and
-    /// then any others that z comes with (its own start value, say). Exact closed forms for n = 1 and 2. In the unit-α
-    /// form the first two are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
+    /// As [`Self::advance`], with derivatives of z carried along: `z.partials` are those with respect to β, γ
+    /// and then any others that z comes with (its own start value, say). Exact closed forms for n = 1 and 2.
+    /// In the unit-α form the first two are the ∂ζ/∂β', ∂ζ/∂γ' that a fit needs.
     ///
     /// # Errors
     /// As [`Self::step`].
@@ -146,9 +149,9 @@ impl<T: Real> BoucWen<T> {
         self.finite(advance(self.law, self.duals(false), z, du)?, z)
     }
 
-    /// As [`Self::advance`], with derivatives of z carried along: `z.partials` are those with respect to β, γ, n and
-    /// then any others that z comes with. The derivative with respect to n has no closed form, so that every n goes
-    /// through the series.
+    /// As [`Self::advance`], with derivatives of z carried along: `z.partials` are those with respect to β,
+    /// γ, n and then any others that z comes with. The derivative with respect to n has no closed form, so
+    /// that every n goes through the series.
     ///
     /// # Errors
     /// As [`Self::step`].
@@ -160,8 +163,8 @@ impl<T: Real> BoucWen<T> {
         self.finite(advance(Law::Power, self.duals(true), z, du)?, z)
     }
 
-    /// ζ of the unit-α form after a monotone move by `du`, with β' and γ' that carry derivatives of their own. n, from 1 on, is
-    /// a plain number: closed forms for 1 and 2.
+    /// ζ of the unit-α form after a monotone move by `du`, with β' and γ' that carry derivatives of their
+    /// own. n, from 1 on, is a plain number: closed forms for 1 and 2.
     ///
     /// # Errors
     /// As [`Self::step`].
@@ -181,8 +184,8 @@ impl<T: Real> BoucWen<T> {
     /// [`Self::step`] gives sample by sample, faster for n = 1.
     ///
     /// # Errors
-    /// [`SimulateError`]: lengths that differ, or the sample and the [`StepError`] it failed with; `out` is then
-    /// filled up to that sample and `state` left as it was.
+    /// [`SimulateError`]: lengths that differ, or the sample and the [`StepError`] it failed with; `out` is
+    /// then filled up to that sample and `state` left as it was.
     pub fn simulate(
         &self,
         state: &mut BoucWenState<T>,
@@ -192,11 +195,12 @@ impl<T: Real> BoucWen<T> {
         self.simulate_every(1, state, u, out)
     }
 
-    /// As [`Self::simulate`] on a finer time base: `out[k]` is z at `u[k * factor]`; u is followed to its end.
-    /// `out` has ⌈len u / factor⌉ samples.
+    /// As [`Self::simulate`] on a finer time base: `out[k]` is z at `u[k * factor]`; u is followed to its
+    /// end. `out` has ⌈len u / factor⌉ samples.
     ///
     /// # Errors
-    /// As [`Self::simulate`]; the sample named is the one of `u`. A factor of 0 is one of the lengths that differ.
+    /// As [`Self::simulate`]; the sample named is the one of `u`. A factor of 0 is one of the lengths that
+    /// differ.
     pub fn simulate_every(
         &self,
         factor: usize,
@@ -232,8 +236,9 @@ impl<T: Real> BoucWen<T> {
         Ok(())
     }
 
-    /// z with derivatives as in [`Self::advance_with_shape`] along the voltages `u`, from z at the voltage of `start`;
-    /// `sink` is handed each sample's in turn. Returns the last. For n = 1 all derivatives share one exponential.
+    /// z with derivatives as in [`Self::advance_with_shape`] along the voltages `u`, from z at the voltage of
+    /// `start`; `sink` is handed each sample's in turn. Returns the last. For n = 1 all derivatives share one
+    /// exponential.
     ///
     /// # Errors
     /// The sample and the [`StepError`] it failed with; what `sink` was handed from that sample on is void.
@@ -256,7 +261,8 @@ impl<T: Real> BoucWen<T> {
         Err(SimulateError::Step { index: u.len().saturating_sub(1), cause: StepError::Overflow })
     }
 
-    /// As [`Self::simulate_with_shape`] with the derivatives of [`Self::advance_with_sensitivities`], n's among them.
+    /// As [`Self::simulate_with_shape`] with the derivatives of [`Self::advance_with_sensitivities`], n's
+    /// among them.
     ///
     /// # Errors
     /// As [`Self::simulate_with_shape`].

@@ -1,9 +1,9 @@
-//! Any n ≥ 1: dw/dh = a − κ wⁿ, w = |z| ≥ 0, by Taylor series in h with the sub-step chosen from the last terms, and by
-//! the series of the inverse function h(w) next to w = 0, where wⁿ is not smooth.
+//! Any n ≥ 1: dw/dh = a − κ wⁿ, w = |z| ≥ 0, by Taylor series in h with the sub-step chosen from the last
+//! terms, and by the series of the inverse function h(w) next to w = 0, where wⁿ is not smooth.
 //!
-//! Taylor coefficients of wⁿ by J. C. P. Miller's recurrence (E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary
-//! Differential Equations I*, 2nd ed. 1993, §I.8, doi:10.1007/978-3-540-78862-1); sub-step from the last two terms as in
-//! À. Jorba, M. Zou, *Exp. Math.* 14 (2005) 99–117, doi:10.1080/10586458.2005.10128904.
+//! Taylor coefficients of wⁿ by J. C. P. Miller's recurrence (E. Hairer, S. P. Nørsett, G. Wanner, *Solving
+//! Ordinary Differential Equations I*, 2nd ed. 1993, §I.8, doi:10.1007/978-3-540-78862-1); sub-step from the
+//! last two terms as in À. Jorba, M. Zou, *Exp. Math.* 14 (2005) 99–117, doi:10.1080/10586458.2005.10128904.
 
 use super::{Leg, StepError};
 use crate::real::{Real, Scalar};
@@ -19,8 +19,8 @@ pub(super) const SUB_STEPS: u16 = 2000;
 /// Tolerance: the last two Taylor terms of a sub-step add up to at most half a unit in the last place of w.
 ///
 /// # Errors
-/// [`StepError::BlowUp`] where w becomes infinite within h (κ < 0), [`StepError::Overflow`] where it leaves the range
-/// of the number type, [`StepError::SubSteps`] where [`SUB_STEPS`] do not suffice.
+/// [`StepError::BlowUp`] where w becomes infinite within h (κ < 0), [`StepError::Overflow`] where it leaves
+/// the range of the number type, [`StepError::SubSteps`] where [`SUB_STEPS`] do not suffice.
 pub(super) fn leg<S: Scalar>(a: S, kappa: S, n: S, w: S, h: S) -> Result<Leg<S>, StepError<S::Real>> {
     let of = S::Real::of;
     let zero = of(0.0);
@@ -112,8 +112,8 @@ impl<S: Scalar> Origin<S> {
         w / self.b * sum
     }
 
-    /// w(h) by Newton's iteration on [`Self::distance`], from the right side (no overshoot) because it starts at b h,
-    /// or at `cap` where w is known to be below that.
+    /// w(h) by Newton's iteration on [`Self::distance`], from the right side (no overshoot) because it starts
+    /// at b h, or at `cap` where w is known to be below that.
     fn solve(&self, h: S, cap: S::Real) -> S {
         let of = S::Real::of;
         let start = self.b * h;
@@ -144,8 +144,8 @@ impl<S: Scalar> Origin<S> {
     }
 }
 
-/// One Taylor sub-step from w > 0, `p` = wⁿ, over the largest fraction 2⁻ᵐ of `h` that meets the tolerance and keeps
-/// w > 0: (w, fraction); fraction 0 where there is none.
+/// One Taylor sub-step from w > 0, `p` = wⁿ, over the largest fraction 2⁻ᵐ of `h` that meets the tolerance
+/// and keeps w > 0: (w, fraction); fraction 0 where there is none.
 ///
 /// With w(θh) = w Σ x_k θᵏ and wⁿ(θh) = p Σ q_k θᵏ: x₁ = (a − κp) h/w, x_{k+1} = −(κ p h/w) q_k/(k + 1),
 /// q_k = (1/k) Σ_{j=1…k} (n j − k + j) x_j q_{k−j}.

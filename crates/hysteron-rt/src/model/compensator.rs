@@ -3,13 +3,14 @@
 use super::{Hysteresis, LANES, Linear, MOST_TAPS, ModelError};
 use crate::real::Real;
 
-/// The linear part of a compensator: which output v of the hysteresis makes the dynamics follow, from where they stand and
-/// what is known of the reference,
+/// The linear part of a compensator: which output v of the hysteresis makes the dynamics follow, from where
+/// they stand and what is known of the reference,
 ///
 /// v = v₁ + Σ recentₗ (v₁₊ₗ − v₁) + Σ kₙ (xₙ − v₁) + Σ fⱼ (rⱼ − y₁),
 ///
-/// v₁, v₂, … the last outputs, xₙ the states of the [`Sections`](super::Sections), rⱼ the reference, the newest first, y₁ the displacement at which
-/// v₁ would settle. Everything counts from v₁, so that a reference at rest is met exactly whatever the rounding of the gains.
+/// v₁, v₂, … the last outputs, xₙ the states of the [`Sections`](super::Sections), rⱼ the reference, the
+/// newest first, y₁ the displacement at which v₁ would settle. Everything counts from v₁, so that a reference
+/// at rest is met exactly whatever the rounding of the gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law<'a, T> {
     /// Gains on v₂ − v₁, v₃ − v₁, …: at most [`MOST_TAPS`].
@@ -29,8 +30,8 @@ pub struct Limits<T> {
     pub low: T,
     /// Largest voltage.
     pub high: T,
-    /// Largest change from one sample to the next, to the rounding of the voltage; infinite for none, at least four units in the last place of the
-    /// voltages.
+    /// Largest change from one sample to the next, to the rounding of the voltage; infinite for none, at
+    /// least four units in the last place of the voltages.
     pub step: T,
 }
 
@@ -52,9 +53,11 @@ pub enum Limited {
     Range,
     /// The largest change from one sample to the next.
     Step,
-    /// The reference was infinite or not a number (its last finite value was followed), or so large that no voltage follows (the stage was held).
+    /// The reference was infinite or not a number (its last finite value was followed), or so large that no
+    /// voltage follows (the stage was held).
     Reference,
-    /// The hysteresis has left the range of the number type (inadmissible parameters): the voltage stays as it was.
+    /// The hysteresis has left the range of the number type (inadmissible parameters): the voltage stays as
+    /// it was.
     Overflow,
 }
 
@@ -69,11 +72,13 @@ pub struct Drive<T> {
 
 /// The inverse of a model, sample by sample: reference in, voltage out.
 ///
-/// The reference enters [`Law::reference`] samples ahead as far as it is previewed; what is not known yet is predicted by the gains. The voltage is the one
-/// to which one monotone move gives the wanted output of the hysteresis ([`Hysteresis::reach`]); where a limit holds it back, the states go on from what is
-/// really put out, so that nothing winds up.
+/// The reference enters [`Law::reference`] samples ahead as far as it is previewed; what is not known yet is
+/// predicted by the gains. The voltage is the one to which one monotone move gives the wanted output of the
+/// hysteresis ([`Hysteresis::reach`]); where a limit holds it back, the states go on from what is really put
+/// out, so that nothing winds up.
 ///
-/// Coefficients and memory are the caller's; nothing is allocated, nothing panics, the cost of a step is bounded.
+/// Coefficients and memory are the caller's; nothing is allocated, nothing panics, the cost of a step is
+/// bounded.
 #[derive(Debug)]
 pub struct Compensator<'a, T> {
     hysteresis: Hysteresis<'a, T>,
@@ -95,15 +100,15 @@ pub struct Compensator<'a, T> {
 }
 
 impl<'a, T: Real> Compensator<'a, T> {
-    /// The compensator, at rest and virgin at the voltage of the range that is next to 0. `ring` holds as many numbers as the law has gains on
-    /// the reference. The dynamics are those of the model without the whole samples of its delay (no [`SectionsMemory::delay`]), for
-    /// voltages that are held between samples.
+    /// The compensator, at rest and virgin at the voltage of the range that is next to 0. `ring` holds as
+    /// many numbers as the law has gains on the reference. The dynamics are those of the model without the
+    /// whole samples of its delay (no [`SectionsMemory::delay`]), for voltages that are held between samples.
     ///
     /// [`SectionsMemory::delay`]: super::SectionsMemory::delay
     ///
     /// # Errors
-    /// [`ModelError::Memory`] where ring, law and sections do not fit each other, [`ModelError::Taps`], [`ModelError::Coefficient`] for a gain
-    /// or offset that is not finite, [`ModelError::Limits`].
+    /// [`ModelError::Memory`] where ring, law and sections do not fit each other, [`ModelError::Taps`],
+    /// [`ModelError::Coefficient`] for a gain or offset that is not finite, [`ModelError::Limits`].
     pub fn new(
         hysteresis: Hysteresis<'a, T>,
         dynamics: Linear<'a, T>,
@@ -166,8 +171,8 @@ impl<'a, T: Real> Compensator<'a, T> {
         Ok(compensator)
     }
 
-    /// Puts the model at rest, its hysteresis virgin, at `voltage` (moved into the range), and the reference where that is; the displacement there.
-    /// It has been so for ever.
+    /// Puts the model at rest, its hysteresis virgin, at `voltage` (moved into the range), and the reference
+    /// where that is; the displacement there. It has been so for ever.
     ///
     /// # Errors
     /// [`ModelError::NotFinite`]; the compensator is then as it was.
@@ -175,10 +180,12 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.rest_after(voltage, voltage)
     }
 
-    /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it was virgin.
+    /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it
+    /// was virgin.
     ///
     /// # Errors
-    /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves it at rest and virgin at the voltage it stood at.
+    /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves it at rest and virgin at the voltage it stood
+    /// at.
     pub fn rest_after(&mut self, virgin: T, voltage: T) -> Result<T, ModelError<T>> {
         if !(voltage.is_finite() && virgin.is_finite()) {
             return Err(ModelError::NotFinite);
@@ -208,8 +215,9 @@ impl<'a, T: Real> Compensator<'a, T> {
         self.at = 0;
     }
 
-    /// Chooses the offset so that the displacement, at rest where it was put, is `displacement`: switched on, or on again in mid-stroke, it
-    /// starts without a jump. To be called after [`Self::rest_at`] or [`Self::rest_after`].
+    /// Chooses the offset so that the displacement, at rest where it was put, is `displacement`: switched on,
+    /// or on again in mid-stroke, it starts without a jump. To be called after [`Self::rest_at`] or
+    /// [`Self::rest_after`].
     ///
     /// # Errors
     /// [`ModelError::Start`]; the compensator is then as it was.
@@ -224,8 +232,8 @@ impl<'a, T: Real> Compensator<'a, T> {
         Ok(())
     }
 
-    /// Takes the newest of the reference without moving: what is known ahead when the first step is made. Whether it was finite; the one before is
-    /// taken again where it is not.
+    /// Takes the newest of the reference without moving: what is known ahead when the first step is made.
+    /// Whether it was finite; the one before is taken again where it is not.
     #[inline]
     pub fn know(&mut self, reference: T) -> bool {
         let sound = reference.is_finite();
@@ -240,14 +248,16 @@ impl<'a, T: Real> Compensator<'a, T> {
         sound
     }
 
-    /// The voltage for the next period. `reference` is the newest that is known: as many samples ahead as the law was made for.
+    /// The voltage for the next period. `reference` is the newest that is known: as many samples ahead as the
+    /// law was made for.
     #[inline]
     pub fn step(&mut self, reference: T) -> Drive<T> {
         self.step_against(reference, T::of(0.0))
     }
 
-    /// As [`Self::step`], against a `disturbance` that an [`Observer`](super::Observer) has found: what the stage stands beside the model's displacement. It
-    /// is taken off the whole reference at once. One that is not finite counts as none.
+    /// As [`Self::step`], against a `disturbance` that an [`Observer`](super::Observer) has found: what the
+    /// stage stands beside the model's displacement. It is taken off the whole reference at once. One that is
+    /// not finite counts as none.
     #[inline]
     pub fn step_against(&mut self, reference: T, disturbance: T) -> Drive<T> {
         let sound = self.know(reference);
@@ -310,7 +320,8 @@ impl<'a, T: Real> Compensator<'a, T> {
         rest + (newest + sum)
     }
 
-    /// Displacement of the model now, or, of a model that is late by whole samples, that many samples from now.
+    /// Displacement of the model now, or, of a model that is late by whole samples, that many samples from
+    /// now.
     pub fn displacement(&self) -> T {
         self.displacement
     }

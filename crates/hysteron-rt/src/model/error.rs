@@ -23,8 +23,8 @@ pub enum ModelError<T> {
     Coefficient,
     /// The voltage is infinite or not a number.
     NotFinite,
-    /// The hysteresis block's output leaves the range that dynamics can be fed with (inadmissible parameters, or a voltage out of all
-    /// reason).
+    /// The hysteresis block's output leaves the range that dynamics can be fed with (inadmissible parameters,
+    /// or a voltage out of all reason).
     Overflow,
     /// Limits that leave no room: low below high, both finite, a step above 0.
     Limits,
@@ -46,7 +46,8 @@ impl<T: Display> Display for ModelError<T> {
             Self::NotFinite => write!(f, "the voltage is not finite"),
             Self::Overflow => write!(
                 f,
-                "the output of the hysteresis leaves the range of the number type: its parameters are outside the bounded class, or the \
+                "the output of the hysteresis leaves the range of the number type: its parameters are \
+                 outside the bounded class, or the \
                  voltage is out of all reason"
             ),
             Self::Limits => {

@@ -6,11 +6,12 @@ use crate::increment::accumulate;
 use crate::model::Drive;
 use crate::real::Real;
 
-/// c = k e + i Σ e + H e: proportional, integral and linear dynamics in parallel, which holds PI, PI^λ (the fractional integral as real poles) and an
-/// integral with a notch (its partial fractions: integral and pair of poles).
+/// c = k e + i Σ e + H e: proportional, integral and linear dynamics in parallel, which holds PI, PI^λ (the
+/// fractional integral as real poles) and an integral with a notch (its partial fractions: integral and pair
+/// of poles).
 ///
-/// While the drive is held back, what has memory takes in only errors that lead away from the limit, so that nothing winds up. An error that is
-/// infinite, above [`Real::LARGEST`] or not a number is left out.
+/// While the drive is held back, what has memory takes in only errors that lead away from the limit, so that
+/// nothing winds up. An error that is infinite, above [`Real::LARGEST`] or not a number is left out.
 #[derive(Debug)]
 pub struct Feedback<'a, T> {
     proportional: T,
@@ -81,7 +82,8 @@ impl<'a, T: Real> Feedback<'a, T> {
         (self.sum, self.carry, self.remembered, self.correction) = (zero, zero, zero, zero);
     }
 
-    /// What is to be added to the reference, from the newest error and to which side the drive was held back since the last one.
+    /// What is to be added to the reference, from the newest error and to which side the drive was held back
+    /// since the last one.
     #[inline]
     pub fn step(&mut self, error: T, held: Held) -> T {
         if !in_range(error) {
@@ -103,7 +105,8 @@ impl<'a, T: Real> Feedback<'a, T> {
     }
 }
 
-/// Reference to voltage along a straight line, displacement = offset + slope · voltage, within limits: a stage without compensation.
+/// Reference to voltage along a straight line, displacement = offset + slope · voltage, within limits: a
+/// stage without compensation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line<T> {
     offset: T,

@@ -8,12 +8,14 @@ use crate::real::Real;
 ///
 /// w ← (1 − leak) w + rate · e M x'/(ε + x'ᵀ M x'),  x' = s ∗ x,
 ///
-/// s the answer of the displacement to c, e the error that was seen (D. R. Morgan, *IEEE Trans. Acoust. Speech Signal Process.* 28 (1980) 454–467,
-/// doi:10.1109/TASSP.1980.1163430). The weights are the caller's and start where they stand: 0 changes nothing.
+/// s the answer of the displacement to c, e the error that was seen (D. R. Morgan, *IEEE Trans. Acoust.
+/// Speech Signal Process.* 28 (1980) 454–467, doi:10.1109/TASSP.1980.1163430). The weights are the caller's
+/// and start where they stand: 0 changes nothing.
 ///
-/// Samples of a slow reference are nearly alike, and with M = 1 what they differ by is learnt as much more slowly as it is smaller. M, the inverse of the
-/// covariance that x' is expected to have, makes all of it equally fast (LMS in Newton's direction: B. Widrow, S. D. Stearns, *Adaptive Signal
-/// Processing*, Prentice-Hall 1985, chapter 8).
+/// Samples of a slow reference are nearly alike, and with M = 1 what they differ by is learnt as much more
+/// slowly as it is smaller. M, the inverse of the covariance that x' is expected to have, makes all of it
+/// equally fast (LMS in Newton's direction: B. Widrow, S. D. Stearns, *Adaptive Signal Processing*,
+/// Prentice-Hall 1985, chapter 8).
 #[derive(Debug)]
 pub struct FilteredLms<'a, T> {
     filter: LmsFilter<'a, T>,
@@ -68,7 +70,8 @@ impl<'a, T: Real> FilteredLms<'a, T> {
     /// The filter, its past 0.
     ///
     /// # Errors
-    /// [`ModelError::Memory`] where the lengths do not fit, [`ModelError::Coefficient`] for a number that is not allowed.
+    /// [`ModelError::Memory`] where the lengths do not fit, [`ModelError::Coefficient`] for a number that is
+    /// not allowed.
     pub fn new(
         filter: LmsFilter<'a, T>,
         memory: LmsMemory<'a, T>,
@@ -105,8 +108,9 @@ impl<'a, T: Real> FilteredLms<'a, T> {
         Ok(Self { filter, memory, at: 0, settings })
     }
 
-    /// The correction for the next period, from the newest of the reference (less its level) and the newest error, reference less displacement; numbers
-    /// that are not finite, or above [`Real::LARGEST`], count as 0.
+    /// The correction for the next period, from the newest of the reference (less its level) and the newest
+    /// error, reference less displacement; numbers that are not finite, or above [`Real::LARGEST`], count as
+    /// 0.
     #[inline]
     pub fn step(&mut self, reference: T, error: T) -> T {
         let Self { filter, memory, at, settings } = self;

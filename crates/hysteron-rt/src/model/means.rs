@@ -4,10 +4,10 @@ use crate::real::Real;
 
 /// Joins the outputs v of a hysteresis operator so that a polygon through what comes out has the means of v.
 ///
-/// Driven along a straight line an operator puts out a curve. By Simpson's rule the line from v₀ to v₁ leaves out the mean
-/// c = ⅔ (v_½ − ½ (v₀ + v₁)), and dynamics much slower than a sample see nothing else of it. Polygon w with w = v + c at the end of the
-/// move: over two like moves its mean is that of v. (The batch simulation adds half the c of either side, and so needs the move
-/// to come.)
+/// Driven along a straight line an operator puts out a curve. By Simpson's rule the line from v₀ to v₁ leaves
+/// out the mean c = ⅔ (v_½ − ½ (v₀ + v₁)), and dynamics much slower than a sample see nothing else of it.
+/// Polygon w with w = v + c at the end of the move: over two like moves its mean is that of v. (The batch
+/// simulation adds half the c of either side, and so needs the move to come.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Means<T> {
     last: T,

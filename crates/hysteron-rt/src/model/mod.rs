@@ -25,10 +25,12 @@ use crate::real::Real;
 
 /// displacement = offset + (H ∗ v)(t), v = hysteresis\[voltage\].
 ///
-/// Coefficients and memory are the caller's: nothing is allocated. The linear dynamics, plays and Bouc–Wen operators with n = 1 and 2 cost the same number of operations whatever
-/// the voltage does, up to the branches of an exponential function, everything else at most a fixed number (docs/theory/realisation.md). A step cannot panic, and does not slow down in silence (states decay
-/// towards a level above the subnormal numbers). Every state is advanced by compensated increments, so that poles far slower than
-/// the sample rate keep their accuracy in `f32`.
+/// Coefficients and memory are the caller's: nothing is allocated. The linear dynamics, plays and Bouc–Wen
+/// operators with n = 1 and 2 cost the same number of operations whatever the voltage does, up to the
+/// branches of an exponential function, everything else at most a fixed number (docs/theory/realisation.md).
+/// A step cannot panic, and does not slow down in silence (states decay towards a level above the subnormal
+/// numbers). Every state is advanced by compensated increments, so that poles far slower than the sample rate
+/// keep their accuracy in `f32`.
 ///
 /// ```
 /// use hysteron_rt::{Hysteresis, Linear, Model, Operator, RealPoles, Sections, SectionsMemory, Compensated};
@@ -72,8 +74,8 @@ impl<'a, T: Real> Model<'a, T> {
         Ok(model)
     }
 
-    /// The same with [`Means`] between the blocks: every move is looked at half-way too, and what v does between samples enters the
-    /// dynamics with its mean. Twice the work of the hysteresis block.
+    /// The same with [`Means`] between the blocks: every move is looked at half-way too, and what v does
+    /// between samples enters the dynamics with its mean. Twice the work of the hysteresis block.
     ///
     /// # Errors
     /// As [`Self::rest_at`], which puts the model at rest where it stands.
@@ -83,7 +85,8 @@ impl<'a, T: Real> Model<'a, T> {
         Ok(self)
     }
 
-    /// Puts the model at rest, and its hysteresis virgin, at `voltage`; the displacement there. It has been so for ever.
+    /// Puts the model at rest, and its hysteresis virgin, at `voltage`; the displacement there. It has been
+    /// so for ever.
     ///
     /// # Errors
     /// [`ModelError::NotFinite`], [`ModelError::Overflow`]; the model is then as it was.
@@ -91,7 +94,8 @@ impl<'a, T: Real> Model<'a, T> {
         self.rest_after(voltage, voltage)
     }
 
-    /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it was virgin.
+    /// As [`Self::rest_at`], having been driven there, without turning, from the voltage `virgin` where it
+    /// was virgin.
     ///
     /// # Errors
     /// As [`Self::rest_at`]; [`ModelError::Overflow`] leaves the hysteresis virgin.
@@ -107,8 +111,8 @@ impl<'a, T: Real> Model<'a, T> {
         Ok(self.offset + self.dynamics.output_at_rest())
     }
 
-    /// As [`Self::rest_at`], with the offset chosen so that the displacement there is `displacement`: the first step puts out
-    /// no jump.
+    /// As [`Self::rest_at`], with the offset chosen so that the displacement there is `displacement`: the
+    /// first step puts out no jump.
     ///
     /// # Errors
     /// As [`Self::rest_at`], and [`ModelError::Start`], which leaves the offset as it was.

@@ -3,14 +3,16 @@
 use super::{Model, ModelError};
 use crate::real::Real;
 
-/// Model and measurement joined: displacement = model + disturbance, the disturbance (drift, load, what creeps beyond the model) a random walk,
-/// the measurement noisy.
+/// Model and measurement joined: displacement = model + disturbance, the disturbance (drift, load, what
+/// creeps beyond the model) a random walk, the measurement noisy.
 ///
 /// The steady Kalman filter of a random walk is one number,
 ///
-/// d ← d + g (y − ŷ − d),  g = (√(q² + 4q) − q)/2,  q = (rms of the disturbance's change in one sample / rms of the noise)²
+/// d ← d + g (y − ŷ − d),  g = (√(q² + 4q) − q)/2,  q = (rms of the disturbance's change in one sample / rms
+/// of the noise)²
 ///
-/// (R. E. Kalman, *J. Basic Eng.* 82 (1960) 35–45, doi:10.1115/1.3662552). A measurement that is infinite or not a number is left out.
+/// (R. E. Kalman, *J. Basic Eng.* 82 (1960) 35–45, doi:10.1115/1.3662552). A measurement that is infinite or
+/// not a number is left out.
 #[derive(Debug)]
 pub struct Observer<'a, T> {
     model: Model<'a, T>,
@@ -46,7 +48,8 @@ impl<'a, T: Real> Observer<'a, T> {
         T::of(2.0) / (T::of(1.0) + (T::of(1.0) + T::of(4.0) / q).sqrt())
     }
 
-    /// Puts the model at rest at `voltage`, driven there from `virgin`; what is `measured` there beside it is the disturbance.
+    /// Puts the model at rest at `voltage`, driven there from `virgin`; what is `measured` there beside it is
+    /// the disturbance.
     ///
     /// # Errors
     /// As [`Model::rest_after`]; [`ModelError::Start`].

@@ -1,9 +1,11 @@
-//! The voltage to which one monotone move gives an output: the exact inverse of a step of the hysteresis block.
+//! The voltage to which one monotone move gives an output: the exact inverse of a step of the hysteresis
+//! block.
 
 use super::Hysteresis;
 use crate::real::Real;
 
-/// Evaluations of a search at most. Most searches take four to seven; every third halves the bracket, whatever the operator does.
+/// Evaluations of a search at most. Most searches take four to seven; every third halves the bracket,
+/// whatever the operator does.
 pub const MOST_LOOKS: u8 = 48;
 
 /// Where a move ends.
@@ -13,17 +15,19 @@ pub struct Reached<T> {
     pub voltage: T,
     /// What the block puts out there.
     pub output: T,
-    /// The target lies beyond the voltages allowed, or beyond where there is a place to stand: this is the end of them.
+    /// The target lies beyond the voltages allowed, or beyond where there is a place to stand: this is the
+    /// end of them.
     pub missed: bool,
 }
 
 impl<T: Real> Hysteresis<'_, T> {
-    /// The voltage from `low` to `high`, about the present one, to which one monotone move gives `target`. The block is not moved. `output` is
-    /// what it puts out now, `slope` a guess of dv/du along the move.
+    /// The voltage from `low` to `high`, about the present one, to which one monotone move gives `target`.
+    /// The block is not moved. `output` is what it puts out now, `slope` a guess of dv/du along the move.
     ///
-    /// The output must rise with the voltage along the move, so that the present voltage and an end of those allowed bracket the
-    /// one sought. Secants kept within the bracket (Illinois: M. Dowell, P. Jarratt, *BIT* 11 (1971) 168–174,
-    /// doi:10.1007/BF01934364) find it, to the rounding of the output, in at most [`MOST_LOOKS`] evaluations of the block.
+    /// The output must rise with the voltage along the move, so that the present voltage and an end of those
+    /// allowed bracket the one sought. Secants kept within the bracket (Illinois: M. Dowell, P. Jarratt,
+    /// *BIT* 11 (1971) 168–174, doi:10.1007/BF01934364) find it, to the rounding of the output, in at most
+    /// [`MOST_LOOKS`] evaluations of the block.
     #[inline]
     pub fn reach(&self, output: T, target: T, [low, high]: [T; 2], slope: T) -> Reached<T> {
         let half = T::of(0.5);

@@ -11,8 +11,8 @@ pub const LANES: usize = 4;
 /// Most taps of a block.
 pub const MOST_TAPS: usize = 8;
 
-/// [`LANES`] real poles aₙ in delta form: xₙ ← xₙ + gₙ (w − xₙ), gₙ = 1 − aₙ. Each state settles at its input, so the
-/// weights are shares of the gain at rest. A lane that is not used has gain and weight 0.
+/// [`LANES`] real poles aₙ in delta form: xₙ ← xₙ + gₙ (w − xₙ), gₙ = 1 − aₙ. Each state settles at its
+/// input, so the weights are shares of the gain at rest. A lane that is not used has gain and weight 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RealPoles<T> {
     /// gₙ = 1 − aₙ, 0 < gₙ < 2.
@@ -67,7 +67,8 @@ pub struct Sections<'a, T> {
     pub real: &'a [RealPoles<T>],
     /// Pole pairs.
     pub pairs: &'a [PolePair<T>],
-    /// What a block that has rested at w for ever puts out, over w: the gain at rest; 1 where it creeps for ever.
+    /// What a block that has rested at w for ever puts out, over w: the gain at rest; 1 where it creeps for
+    /// ever.
     pub rest_gain: T,
 }
 
@@ -93,8 +94,8 @@ pub struct Linear<'a, T> {
     rest: T,
 }
 
-/// The newest inputs, delayed: [`MOST_TAPS`] and what drives the poles behind them. A ring, as moving them all up by one would
-/// have every sample wait for the stores of the sample before it.
+/// The newest inputs, delayed: [`MOST_TAPS`] and what drives the poles behind them. A ring, as moving them
+/// all up by one would have every sample wait for the stores of the sample before it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Recent<T> {
     ring: [T; RING],

@@ -1,4 +1,5 @@
-//! A covariance in factors, P = U diag(d) Uᵀ with U unit upper triangular, and its update by one scalar measurement.
+//! A covariance in factors, P = U diag(d) Uᵀ with U unit upper triangular, and its update by one scalar
+//! measurement.
 //!
 //! The factors are updated, never P: P stays symmetric and positive definite whatever the rounding, to the
 //! accuracy of a computation with twice the digits on P itself, without square roots (G. J. Bierman,

@@ -10,8 +10,8 @@ pub struct MonitorSettings<T> {
     /// Shift δ > 0 of the mean to be found soonest, in standard deviations, either way; `None`: means are not
     /// watched.
     pub shift: Option<T>,
-    /// Ratio κ > 1 of standard deviations to be found soonest; `None`: the spread is not watched. What a wrong
-    /// gain leaves of a drive that goes up and down has no mean: it is found here.
+    /// Ratio κ > 1 of standard deviations to be found soonest; `None`: the spread is not watched. What a
+    /// wrong gain leaves of a drive that goes up and down has no mean: it is found here.
     pub spread: Option<T>,
     /// Mean number of samples from start or reset to a false alarm: at least this, above 1.
     pub run_length: T,
@@ -38,12 +38,12 @@ pub enum Misfit {
 /// ```
 ///
 /// c sums are watched (2 for a shift, 1 for a spread). For independent standard-normal r the mean number of
-/// samples to a false alarm is at least L, the run length asked for: a sum that may begin at any sample crosses h
-/// with a probability of at most e^−h, whence the bound (G. Lorden, *Ann. Math. Statist.* 42 (1971) 1897–1908,
-/// Theorem 2, doi:10.1214/aoms/1177693055). The true one is longer, several times L. A change of the size looked
-/// for is found within about h/I samples in the mean, I the information of a sample: δ²/2, or (κ² − 1)/2 − ln κ
-/// ([`Self::delay`]); no method with this run length is faster by more than a constant. An increment is at most
-/// h/`fewest`, which only lengthens the run length.
+/// samples to a false alarm is at least L, the run length asked for: a sum that may begin at any sample
+/// crosses h with a probability of at most e^−h, whence the bound (G. Lorden, *Ann. Math. Statist.* 42 (1971)
+/// 1897–1908, Theorem 2, doi:10.1214/aoms/1177693055). The true one is longer, several times L. A change of
+/// the size looked for is found within about h/I samples in the mean, I the information of a sample: δ²/2, or
+/// (κ² − 1)/2 − ln κ ([`Self::delay`]); no method with this run length is faster by more than a constant. An
+/// increment is at most h/`fewest`, which only lengthens the run length.
 ///
 /// The promise is for residuals that are white with the stated deviation. What is left of a model that is
 /// slightly wrong is neither; give it a deviation that covers this, or take every k-th residual.
@@ -107,8 +107,8 @@ impl<T: Real> FitMonitor<T> {
         &self.sums
     }
 
-    /// About the mean number of samples from a change of the size looked for to its alarm, h/I (leading term for long
-    /// run lengths); `None` where this change is not looked for.
+    /// About the mean number of samples from a change of the size looked for to its alarm, h/I (leading term
+    /// for long run lengths); `None` where this change is not looked for.
     pub fn delay(&self, of: Misfit) -> Option<T> {
         let half = T::of(0.5);
         let information = match of {
@@ -120,8 +120,9 @@ impl<T: Real> FitMonitor<T> {
         information.map(|information| self.threshold / information)
     }
 
-    /// Takes in one normalised residual r ([`crate::Residual::normalised`]). The alarm lasts while a sum exceeds
-    /// h: until [`Self::reset`], or until the residuals have been small for long enough. Sums stop at 2h.
+    /// Takes in one normalised residual r ([`crate::Residual::normalised`]). The alarm lasts while a sum
+    /// exceeds h: until [`Self::reset`], or until the residuals have been small for long enough. Sums stop at
+    /// 2h.
     ///
     /// # Errors
     /// [`SampleError::NotFinite`]: the sums are as they were.

@@ -13,8 +13,8 @@ pub struct NlmsSettings<T, const N: usize> {
     pub deviations: [T; N],
     /// Step μ, above 0 and below 2.
     pub step: T,
-    /// Regulariser ε ≥ 0, in squared units of the output: samples with Σ σᵢ²φᵢ² far below it teach nothing. The
-    /// variance of the noise is a good choice.
+    /// Regulariser ε ≥ 0, in squared units of the output: samples with Σ σᵢ²φᵢ² far below it teach nothing.
+    /// The variance of the noise is a good choice.
     pub regulariser: T,
     /// Least and greatest value of each parameter; infinite where there is none.
     pub bounds: Option<[(T, T); N]>,
@@ -23,13 +23,15 @@ pub struct NlmsSettings<T, const N: usize> {
 /// Normalised least mean squares for y = φᵀθ + noise: θᵢ ← θᵢ + μ σᵢ²φᵢ e / (ε + Σ σⱼ²φⱼ²), e = y − φᵀθ.
 ///
 /// For 0 < μ < 2 no sample without noise raises the distance Σ (θᵢ − θᵢ*)²/σᵢ² to the true θ*: it falls by
-/// e²·(2μ(ε + q) − μ²q)/(ε + q)², q = Σ σⱼ²φⱼ², at least. It falls to zero where φ keeps exciting all directions.
-/// With noise the distance settles; for white noise and regressors the parameters add μ/(2 − μ) of the noise
-/// variance to the error of the prediction. N numbers of state, about 4N multiplications a sample. A bound is met
-/// by the nearest point in the same distance, which raises it for no θ* within the bounds.
+/// e²·(2μ(ε + q) − μ²q)/(ε + q)², q = Σ σⱼ²φⱼ², at least. It falls to zero where φ keeps exciting all
+/// directions. With noise the distance settles; for white noise and regressors the parameters add μ/(2 − μ)
+/// of the noise variance to the error of the prediction. N numbers of state, about 4N multiplications a
+/// sample. A bound is met by the nearest point in the same distance, which raises it for no θ* within the
+/// bounds.
 ///
-/// Sources: J. Nagumo, A. Noda, *IEEE Trans. Automatic Control* 12 (1967) 282–287, doi:10.1109/TAC.1967.1098599;
-/// D. T. M. Slock, *IEEE Trans. Signal Processing* 41 (1993) 2811–2825, doi:10.1109/78.236504.
+/// Sources: J. Nagumo, A. Noda, *IEEE Trans. Automatic Control* 12 (1967) 282–287,
+/// doi:10.1109/TAC.1967.1098599; D. T. M. Slock, *IEEE Trans. Signal Processing* 41 (1993) 2811–2825,
+/// doi:10.1109/78.236504.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nlms<T, const N: usize> {
     settings: NlmsSettings<T, N>,
@@ -40,7 +42,8 @@ impl<T: Real, const N: usize> Nlms<T, N> {
     /// Starts from these settings.
     ///
     /// # Errors
-    /// [`ParameterError`]: a number that is not finite or out of its range, bounds that the start does not keep.
+    /// [`ParameterError`]: a number that is not finite or out of its range, bounds that the start does not
+    /// keep.
     pub fn new(settings: NlmsSettings<T, N>) -> Result<Self, ParameterError<T>> {
         let NlmsSettings { start, deviations, step, regulariser, bounds } = &settings;
         let zero = T::of(0.0);

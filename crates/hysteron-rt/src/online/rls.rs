@@ -10,13 +10,13 @@ use crate::real::Real;
 pub struct RlsSettings<T, const N: usize> {
     /// θ before the first sample.
     pub start: [T; N],
-    /// Standard deviations σᵢ of the start values, in units of the parameters: how far each may be off. They also
-    /// bound how uncertain a parameter can become again.
+    /// Standard deviations σᵢ of the start values, in units of the parameters: how far each may be off. They
+    /// also bound how uncertain a parameter can become again.
     pub deviations: [T; N],
     /// Standard deviation s of the noise of one sample, in units of the output.
     pub noise: T,
-    /// Forgetting factor λ, above 0 and up to 1. A sample k samples ago has the weight λᵏ: a memory of 1/(1 − λ)
-    /// samples.
+    /// Forgetting factor λ, above 0 and up to 1. A sample k samples ago has the weight λᵏ: a memory of 1/(1 −
+    /// λ) samples.
     pub forgetting: T,
     /// What becomes of parameters that the samples say nothing about.
     pub unexcited: Unexcited,
@@ -58,22 +58,23 @@ impl<T: Real> Residual<T> {
 /// θ ← θ + K (y − φᵀθ),   K = Pφ/(λs² + φᵀPφ),   H ← λ H + φφᵀ/s²
 /// ```
 ///
-/// and then restores, for the one parameter i = k mod N, N(1 − λ) of its initial information:
-/// H ← H + N(1 − λ)/σᵢ² eᵢeᵢᵀ. By this P ≤ λ¹⁻ᴺ diag(σ²) at all times in the sense of matrices: no direction without excitation
-/// winds up, and none stops the forgetting of the others, as a bound on the trace would. A parameter in such a
-/// direction holds its value or returns to its start value ([`Unexcited`]); under `Return` θ minimises, exactly,
-/// Σ λᵏ⁻ʲ (y_j − φ_jᵀθ)²/s² plus the restored terms N(1 − λ) λᵏ⁻ʲ (θᵢ − θᵢ(0))²/σᵢ² plus the initial one, λᵏ (…).
-/// With λ = 1 both are least squares with the prior N(θ(0), diag σ²), without approximation.
+/// and then restores, for the one parameter i = k mod N, N(1 − λ) of its initial information: H ← H + N(1 −
+/// λ)/σᵢ² eᵢeᵢᵀ. By this P ≤ λ¹⁻ᴺ diag(σ²) at all times in the sense of matrices: no direction without
+/// excitation winds up, and none stops the forgetting of the others, as a bound on the trace would. A
+/// parameter in such a direction holds its value or returns to its start value ([`Unexcited`]); under
+/// `Return` θ minimises, exactly, Σ λᵏ⁻ʲ (y_j − φ_jᵀθ)²/s² plus the restored terms N(1 − λ) λᵏ⁻ʲ (θᵢ −
+/// θᵢ(0))²/σᵢ² plus the initial one, λᵏ (…). With λ = 1 both are least squares with the prior N(θ(0), diag
+/// σ²), without approximation.
 ///
 /// P is kept in Bierman's factors, so that it stays positive definite in `f32` for any number of samples. N²
 /// numbers of state, about 3N² multiplications a sample.
 ///
-/// A bound that a sample would pass is met by the least move in the metric of P (the other parameters move along
-/// by their correlation); of several at once, one after the other.
+/// A bound that a sample would pass is met by the least move in the metric of P (the other parameters move
+/// along by their correlation); of several at once, one after the other.
 ///
-/// Sources: G. J. Bierman, *Factorization Methods for Discrete Sequential Estimation*, Academic Press 1977; M. E.
-/// Salgado, G. C. Goodwin, R. H. Middleton, *Int. J. Control* 47 (1988) 477–491, doi:10.1080/00207178808906026
-/// (forgetting with restored information).
+/// Sources: G. J. Bierman, *Factorization Methods for Discrete Sequential Estimation*, Academic Press 1977;
+/// M. E. Salgado, G. C. Goodwin, R. H. Middleton, *Int. J. Control* 47 (1988) 477–491,
+/// doi:10.1080/00207178808906026 (forgetting with restored information).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rls<T, const N: usize> {
     settings: RlsSettings<T, N>,
@@ -87,7 +88,8 @@ impl<T: Real, const N: usize> Rls<T, N> {
     /// Starts from these settings.
     ///
     /// # Errors
-    /// [`ParameterError`]: a number that is not finite or out of its range, bounds that the start does not keep.
+    /// [`ParameterError`]: a number that is not finite or out of its range, bounds that the start does not
+    /// keep.
     pub fn new(settings: RlsSettings<T, N>) -> Result<Self, ParameterError<T>> {
         let RlsSettings { start, deviations, noise, forgetting, bounds, .. } = &settings;
         let (zero, one) = (T::of(0.0), T::of(1.0));
@@ -121,8 +123,8 @@ impl<T: Real, const N: usize> Rls<T, N> {
         dot(&self.parameters, regressors)
     }
 
-    /// Row `index` of P, the covariance of θ as far as the noise is white and the parameters constant over the
-    /// memory; `None` beyond the last parameter.
+    /// Row `index` of P, the covariance of θ as far as the noise is white and the parameters constant over
+    /// the memory; `None` beyond the last parameter.
     pub fn covariance(&self, index: usize) -> Option<[T; N]> {
         (index < N).then(|| self.covariance.column(index))
     }
@@ -158,8 +160,8 @@ impl<T: Real, const N: usize> Rls<T, N> {
         Ok(residual)
     }
 
-    /// Makes the parameters as uncertain as at the start and keeps their values: after a jump of the device, so
-    /// that it is followed at once.
+    /// Makes the parameters as uncertain as at the start and keeps their values: after a jump of the device,
+    /// so that it is followed at once.
     pub fn reopen(&mut self) {
         self.covariance = Covariance::independent(&self.settings.deviations);
     }

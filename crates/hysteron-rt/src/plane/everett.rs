@@ -3,13 +3,15 @@
 use crate::ParameterError;
 use crate::real::Real;
 
-/// A Preisach plane on `n` equal intervals between two voltages: relays of even density in each cell of rows α and columns β < α, those of the
-/// cells on the diagonal without hysteresis.
+/// A Preisach plane on `n` equal intervals between two voltages: relays of even density in each cell of rows
+/// α and columns β < α, those of the cells on the diagonal without hysteresis.
 ///
-/// Kept as half of its Everett function E, the weight of all relays that switch between β and α, at the levels: E(x_p, x_q), q < p, in the order (1, 0), (2, 0),
-/// (2, 1), (3, 0), …. Between levels E is bilinear, in the interval of the diagonal linear in α − β, both exactly. A move from a turn at t to u changes the output by
-/// ±2 E (I. D. Mayergoyz, *Mathematical Models of Hysteresis*, 1991, doi:10.1007/978-1-4612-3028-1): a few operations, whatever the number of relays.
-/// Relays beyond the levels there are none.
+/// Kept as half of its Everett function E, the weight of all relays that switch between β and α, at the
+/// levels: E(x_p, x_q), q < p, in the order (1, 0), (2, 0), (2, 1), (3, 0), …. Between levels E is bilinear,
+/// in the interval of the diagonal linear in α − β, both exactly. A move from a turn at t to u changes the
+/// output by ±2 E (I. D. Mayergoyz, *Mathematical Models of Hysteresis*, 1991,
+/// doi:10.1007/978-1-4612-3028-1): a few operations, whatever the number of relays. Relays beyond the levels
+/// there are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane<'a, T> {
     low: T,
@@ -115,8 +117,9 @@ impl<'a, T: Real> Plane<'a, T> {
         first + a * (second - first)
     }
 
-    /// Weight of the relays with α up to `to` above the antidiagonal through `rest`; of the plane mirrored at an antidiagonal where a fall is asked
-    /// for. ∂E/∂α along the antidiagonal, cell by cell: it is linear in β, so that the middle of a cell's part has its mean.
+    /// Weight of the relays with α up to `to` above the antidiagonal through `rest`; of the plane mirrored at
+    /// an antidiagonal where a fall is asked for. ∂E/∂α along the antidiagonal, cell by cell: it is linear in
+    /// β, so that the middle of a cell's part has its mean.
     fn virgin_sum(&self, mirrored: bool, rest: T, to: T) -> T {
         let (zero, half, one) = (T::of(0.0), T::of(0.5), T::of(1.0));
         let n = self.intervals;

@@ -22,8 +22,9 @@ pub const LEAST_TURNS: usize = 4;
 
 /// The turning points of a plane, the widest loop first, in memory of the caller's.
 ///
-/// A loop that closes is forgotten with its two turns, and the output there is what it was before the loop: nothing adds up. Where the loops that are open at once have
-/// more turns than there is room for, the two neighbouring turns are forgotten whose relays take up least of the plane (by voltage): later outputs are
+/// A loop that closes is forgotten with its two turns, and the output there is what it was before the loop:
+/// nothing adds up. Where the loops that are open at once have more turns than there is room for, the two
+/// neighbouring turns are forgotten whose relays take up least of the plane (by voltage): later outputs are
 /// wrong by at most twice the weight of those relays, until a wider loop wipes them out.
 #[derive(Debug)]
 pub struct Turns<'a, T> {
@@ -124,7 +125,8 @@ impl<'a, T: Real> Turns<'a, T> {
         self.now = to.end;
     }
 
-    /// Makes room for a turn at the present place: of the pairs of neighbours between two others, the one that least lies between.
+    /// Makes room for a turn at the present place: of the pairs of neighbours between two others, the one
+    /// that least lies between.
     fn forget(&mut self) {
         let voltages = self.turns.iter().map(|turn| turn.voltage);
         let next = voltages.clone().skip(1).chain(core::iter::once(self.now.voltage));

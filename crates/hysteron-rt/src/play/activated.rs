@@ -1,4 +1,5 @@
-//! Plays whose edges are crossed by thermal activation: loops widen with the rate, and what they put out creeps.
+//! Plays whose edges are crossed by thermal activation: loops widen with the rate, and what they put out
+//! creeps.
 
 use crate::ParameterError;
 use crate::real::{Real, Scalar};
@@ -7,8 +8,8 @@ use crate::series::relaxation;
 /// Slopes of a play's output over the range: the Bernstein basis of degree 2.
 pub const SLOPES: usize = 3;
 
-/// Integrals of the Bernstein polynomials (1 − x)², 2x(1 − x), x² over `range` from its lower end to p, x = (p − low)/(high − low); straight
-/// beyond the ends.
+/// Integrals of the Bernstein polynomials (1 − x)², 2x(1 − x), x² over `range` from its lower end to p, x =
+/// (p − low)/(high − low); straight beyond the ends.
 #[inline]
 pub fn bernstein_integrals<S: Scalar>([low, high]: [S::Real; 2], p: S) -> [S; SLOPES] {
     let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(S::Real::of);
@@ -26,10 +27,11 @@ pub fn bernstein_integrals<S: Scalar>([low, high]: [S::Real; 2], p: S) -> [S; SL
     [inner - square + third + below, square - third.scale(two), third + above].map(|b| b.scale(span))
 }
 
-/// A sum of plays with thermally activated edges, pᵢ = u − zᵢ, each with an output of its own: Σᵢ Σ_k slopesᵢₖ B_k(pᵢ) ([`bernstein_integrals`]).
+/// A sum of plays with thermally activated edges, pᵢ = u − zᵢ, each with an output of its own: Σᵢ Σ_k
+/// slopesᵢₖ B_k(pᵢ) ([`bernstein_integrals`]).
 ///
-/// The states zᵢ are the caller's. A step takes an exponential, a logarithm or two for each play that creeps or is carried along, and nothing
-/// of the kind for the others.
+/// The states zᵢ are the caller's. A step takes an exponential, a logarithm or two for each play that creeps
+/// or is carried along, and nothing of the kind for the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ActivatedPlays<'a, T> {
     sigma: T,
@@ -40,8 +42,8 @@ pub struct ActivatedPlays<'a, T> {
 }
 
 impl<'a, T: Real> ActivatedPlays<'a, T> {
-    /// The sum: activation `sigma` and the time between samples positive, ends of the range and thresholds increasing,
-    /// [`SLOPES`] slopes a play, play by play.
+    /// The sum: activation `sigma` and the time between samples positive, ends of the range and thresholds
+    /// increasing, [`SLOPES`] slopes a play, play by play.
     ///
     /// # Errors
     /// [`ParameterError`].
@@ -80,7 +82,8 @@ impl<'a, T: Real> ActivatedPlays<'a, T> {
         self.thresholds.len()
     }
 
-    /// The move of this sample's `share` by `du`; a device at rest comes to its first sample at 1 unit a second.
+    /// The move of this sample's `share` by `du`; a device at rest comes to its first sample at 1 unit a
+    /// second.
     #[inline]
     fn step(&self, du: T, share: T, rested: bool) -> ActivatedMove<T> {
         ActivatedMove::new(self.sigma, du, if rested { du.abs() } else { share * self.interval_s })
@@ -121,9 +124,10 @@ impl<'a, T: Real> ActivatedPlays<'a, T> {
 ///
 /// ż = u̇ − sign(z) v₀ exp((|z| − r)/σ),  v₀ = 1 per second,
 ///
-/// instead of not at all for |z| < r and at any speed at |z| = r (kinetics after H. Eyring, *J. Chem. Phys.* 4 (1936) 283,
-/// doi:10.1063/1.1749836; plays after Prandtl and Ishlinskii). σ → 0 is the play. On a straight line q = exp((r − |z|)/σ) obeys a linear
-/// equation, q̇ = (v₀ − sign(z) u̇ q)/σ, so that a move of any length is exact.
+/// instead of not at all for |z| < r and at any speed at |z| = r (kinetics after H. Eyring, *J. Chem. Phys.*
+/// 4 (1936) 283, doi:10.1063/1.1749836; plays after Prandtl and Ishlinskii). σ → 0 is the play. On a straight
+/// line q = exp((r − |z|)/σ) obeys a linear equation, q̇ = (v₀ − sign(z) u̇ q)/σ, so that a move of any
+/// length is exact.
 #[derive(Clone, Copy, Debug)]
 pub struct ActivatedMove<S: Scalar> {
     sigma: S,

@@ -3,8 +3,9 @@
 use crate::ParameterError;
 use crate::real::Real;
 
-/// Σ wₖ bₖ(h) of the mean h = u + Σ gⱼ (Fⱼ − u) of plays Fⱼ, with corners c₁ < c₂ < …: band k is max(0, min(h − cₖ, cₖ₊₁ − cₖ)), the
-/// outermost, which are one more than the corners, without end outwards: min(h − c₁, 0) and max(h − c_last, 0).
+/// Σ wₖ bₖ(h) of the mean h = u + Σ gⱼ (Fⱼ − u) of plays Fⱼ, with corners c₁ < c₂ < …: band k is max(0, min(h
+/// − cₖ, cₖ₊₁ − cₖ)), the outermost, which are one more than the corners, without end outwards: min(h − c₁,
+/// 0) and max(h − c_last, 0).
 ///
 /// K. Kuhnen, *Eur. J. Control* 9 (2003) 407–418, doi:10.3166/ejc.9.407-418.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,8 +18,8 @@ pub enum PlayError<T> {
     NotFinite,
     /// The result leaves the range of the number type.
     Overflow,
-    /// States that no common history of the voltage leaves behind: play `index` is further from the one before it than
-    /// their thresholds differ.
+    /// States that no common history of the voltage leaves behind: play `index` is further from the one
+    /// before it than their thresholds differ.
     History {
         /// Number of the play, from 0.
         index: usize,
@@ -41,7 +41,8 @@ impl<T: Display> Display for PlayError<T> {
             Self::Overflow => write!(f, "the result leaves the range of the number type"),
             Self::History { index } => write!(
                 f,
-                "the states have no common history: play {index} (from 0) is further from the one before it than \
+                "the states have no common history: play {index} (from 0) is further from the one before it \
+                 than \
                  their thresholds differ"
             ),
             Self::Slope { least } => write!(

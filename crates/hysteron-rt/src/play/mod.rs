@@ -26,10 +26,10 @@ pub fn play<T: Real>(threshold: T, state: T, u: T) -> T {
 
 /// A weighted sum of play operators, Σ wᵢ F_rᵢ\[u\], 0 < r₁ < r₂ < … (Prandtl–Ishlinskii operator).
 ///
-/// The states of the plays are the caller's. They are the whole memory: the present voltage is not needed. In one move
-/// from states fᵢ the sum is continuous and piecewise linear in the voltage reached, with breakpoints fᵢ ± rᵢ. Plays
-/// that share one history obey |fᵢ₊₁ − fᵢ| ≤ rᵢ₊₁ − rᵢ, so that they take hold one after the other, the narrowest first,
-/// and [`Self::inverse`] finds its piece in one scan.
+/// The states of the plays are the caller's. They are the whole memory: the present voltage is not needed. In
+/// one move from states fᵢ the sum is continuous and piecewise linear in the voltage reached, with
+/// breakpoints fᵢ ± rᵢ. Plays that share one history obey |fᵢ₊₁ − fᵢ| ≤ rᵢ₊₁ − rᵢ, so that they take hold one
+/// after the other, the narrowest first, and [`Self::inverse`] finds its piece in one scan.
 ///
 /// Units: u, rᵢ and fᵢ in V, wᵢ in µm/V. Any other consistent set will do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,8 @@ impl<'a, T: Real> PlayBank<'a, T> {
     /// The sum of plays with these thresholds and weights. Weights may have any sign.
     ///
     /// # Errors
-    /// [`ParameterError`]: lengths that differ, thresholds not finite, positive and increasing, weights not finite.
+    /// [`ParameterError`]: lengths that differ, thresholds not finite, positive and increasing, weights not
+    /// finite.
     pub fn new(thresholds: &'a [T], weights: &'a [T]) -> Result<Self, ParameterError<T>> {
         let zero = T::of(0.0);
         if weights.len() != thresholds.len() {
@@ -89,8 +90,8 @@ impl<'a, T: Real> PlayBank<'a, T> {
         self.weights
     }
 
-    /// The least slope that a move can meet: min over k ≥ 0 of w₁ + … + w_k. Never positive, for a move that has just
-    /// turned carries no play.
+    /// The least slope that a move can meet: min over k ≥ 0 of w₁ + … + w_k. Never positive, for a move that
+    /// has just turned carries no play.
     pub fn least_slope(&self) -> T {
         self.least_slope
     }
@@ -98,7 +99,8 @@ impl<'a, T: Real> PlayBank<'a, T> {
     /// Moves the plays monotonically to `u` and returns Σ wᵢ F_rᵢ.
     ///
     /// # Errors
-    /// [`PlayError::Lengths`], [`PlayError::NotFinite`] (u, or a state), [`PlayError::Overflow`]; the states are then as they were.
+    /// [`PlayError::Lengths`], [`PlayError::NotFinite`] (u, or a state), [`PlayError::Overflow`]; the states
+    /// are then as they were.
     #[inline]
     pub fn step(&self, states: &mut [T], u: T) -> Result<T, PlayError<T>> {
         self.check(states)?;
@@ -130,11 +132,12 @@ impl<'a, T: Real> PlayBank<'a, T> {
         }
     }
 
-    /// The voltage u to which one monotone move from `states` gives slope·u + Σ wᵢ F_rᵢ = `v`, exact but for rounding;
-    /// one scan of the plays. The states are not moved: follow with [`Self::step`].
+    /// The voltage u to which one monotone move from `states` gives slope·u + Σ wᵢ F_rᵢ = `v`, exact but for
+    /// rounding; one scan of the plays. The states are not moved: follow with [`Self::step`].
     ///
-    /// It exists for every v and is unique where every partial slope, slope + w₁ + … + w_k for k ≥ 0, is positive
-    /// (P. Krejčí, K. Kuhnen, *IEE Proc. Control Theory Appl.* 148 (2001) 185–192, doi:10.1049/ip-cta:20010375).
+    /// It exists for every v and is unique where every partial slope, slope + w₁ + … + w_k for k ≥ 0, is
+    /// positive (P. Krejčí, K. Kuhnen, *IEE Proc. Control Theory Appl.* 148 (2001) 185–192,
+    /// doi:10.1049/ip-cta:20010375).
     ///
     /// # Errors
     /// [`PlayError::Slope`] where a partial slope is not positive; otherwise as [`Self::piece`].
@@ -148,11 +151,12 @@ impl<'a, T: Real> PlayBank<'a, T> {
         if u.is_finite() { Ok(u) } else { Err(PlayError::Overflow) }
     }
 
-    /// The piece of the move on which l(u) + Σ wᵢ F_rᵢ reaches `v`. l must be so steep that the whole increases with u
-    /// (l' + [`Self::least_slope`] > 0); it is evaluated at breakpoints alone.
+    /// The piece of the move on which l(u) + Σ wᵢ F_rᵢ reaches `v`. l must be so steep that the whole
+    /// increases with u (l' + [`Self::least_slope`] > 0); it is evaluated at breakpoints alone.
     ///
     /// # Errors
-    /// [`PlayError`]: lengths that differ, numbers that are not finite, or states that no common history leaves behind.
+    /// [`PlayError`]: lengths that differ, numbers that are not finite, or states that no common history
+    /// leaves behind.
     pub fn piece(&self, states: &[T], v: T, mut l: impl FnMut(T) -> T) -> Result<Piece<T>, PlayError<T>> {
         self.check(states)?;
         self.check_history(states)?;
@@ -164,7 +168,8 @@ impl<'a, T: Real> PlayBank<'a, T> {
         if !rest.is_finite() {
             return Err(if v.is_finite() { PlayError::Overflow } else { PlayError::NotFinite });
         }
-        // Upwards the plays take hold at fᵢ + rᵢ, downwards at fᵢ − rᵢ; each then adds wᵢ (u − its breakpoint).
+        // Upwards the plays take hold at fᵢ + rᵢ, downwards at fᵢ − rᵢ; each then adds wᵢ (u − its
+        // breakpoint).
         let mut piece = Piece { slope: T::of(0.0), rest, low: None, high: None };
         for ((&threshold, &weight), &state) in plays() {
             let from = state + threshold;

@@ -7,24 +7,26 @@ use crate::real::Real;
 /// Between which two sides a play stands at the voltage u: its state goes from x to max(low, min(high, x)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sides<T> {
-    /// u ∓ (rⱼ + `widening` |Δu|), Δu the move of this sample: `widening` ≥ 0 is what a half-width grows for a move of 1 V a sample (M. Al
-    /// Janaideh, P. Krejčí 2013, doi:10.1109/TMECH.2012.2205265); 0 for plays.
+    /// u ∓ (rⱼ + `widening` |Δu|), Δu the move of this sample: `widening` ≥ 0 is what a half-width grows for
+    /// a move of 1 V a sample (M. Al Janaideh, P. Krejčí 2013, doi:10.1109/TMECH.2012.2205265); 0 for plays.
     Even {
         /// λ times the samples a second.
         widening: T,
     },
     /// From u − rⱼ to u: one-sided plays.
     Below,
-    /// From tanh(a_r (u − c_r)) − rⱼ to tanh(a_l (u − c_l)) + rⱼ: generalised plays (M. Al Janaideh, S. Rakheja, C.-Y. Su 2011,
-    /// doi:10.1109/TMECH.2010.2052366). A voltage at which the narrowest has no place to stand is out of range.
+    /// From tanh(a_r (u − c_r)) − rⱼ to tanh(a_l (u − c_l)) + rⱼ: generalised plays (M. Al Janaideh, S.
+    /// Rakheja, C.-Y. Su 2011, doi:10.1109/TMECH.2010.2052366). A voltage at which the narrowest has no place
+    /// to stand is out of range.
     Envelopes {
         /// a_r > 0, c_r.
         right: [T; 2],
         /// a_l > 0, c_l.
         left: [T; 2],
     },
-    /// From ρ(u − pᵢ) to ρ(u − pⱼ), ρ(x) = max(−1, min(1, `steepness` x)), for every pair pⱼ ≤ pᵢ of lines p, in the order (0, 0), (1, 0), (1, 1), (2, 0), …:
-    /// Krasnosel'skii–Pokrovskii kernels. The thresholds are the lines.
+    /// From ρ(u − pᵢ) to ρ(u − pⱼ), ρ(x) = max(−1, min(1, `steepness` x)), for every pair pⱼ ≤ pᵢ of lines p,
+    /// in the order (0, 0), (1, 0), (1, 1), (2, 0), …: Krasnosel'skii–Pokrovskii kernels. The thresholds are
+    /// the lines.
     Ramps {
         /// Twice the reciprocal of the length of a ramp.
         steepness: T,
@@ -47,7 +49,8 @@ impl<T: Copy> Sides<T> {
 
 /// A weighted sum Σ wⱼ Fⱼ of plays between [`Sides`], and a [`BrokenLine`] of their mean.
 ///
-/// A step costs the same whatever the voltage does: two comparisons, a product and a sum a play, and the sides. The states are the caller's.
+/// A step costs the same whatever the voltage does: two comparisons, a product and a sum a play, and the
+/// sides. The states are the caller's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SidedPlays<'a, T> {
     sides: Sides<T>,
@@ -57,7 +60,8 @@ pub struct SidedPlays<'a, T> {
 }
 
 impl<'a, T: Real> SidedPlays<'a, T> {
-    /// The sum. Thresholds are positive and increase; the first of plays between envelopes may be 0, lines increase alone.
+    /// The sum. Thresholds are positive and increase; the first of plays between envelopes may be 0, lines
+    /// increase alone.
     ///
     /// # Errors
     /// [`ParameterError`].
@@ -116,14 +120,16 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         self.weights.len()
     }
 
-    /// Whether the plays see how far a sample moves: to the voltage where they stand, too, they are moved again.
+    /// Whether the plays see how far a sample moves: to the voltage where they stand, too, they are moved
+    /// again.
     pub fn sees_rate(&self) -> bool {
         matches!(self.sides, Sides::Even { widening } if widening > T::of(0.0))
     }
 
-    /// What the plays put out after a monotone move through `middle` to `u` in a sample that moves by `du`; not a number where one has no place to stand.
-    /// The middle, which may be u itself, matters to plays that see the rate alone: a fast sample leaves one behind, and a slow one takes it to the sides
-    /// where it begins.
+    /// What the plays put out after a monotone move through `middle` to `u` in a sample that moves by `du`;
+    /// not a number where one has no place to stand. The middle, which may be u itself, matters to plays that
+    /// see the rate alone: a fast sample leaves one behind, and a slow one takes it to the sides where it
+    /// begins.
     #[inline]
     pub fn look(&self, states: &[T], [middle, u]: [T; 2], du: T) -> T {
         let mut sum = T::of(0.0);
@@ -161,7 +167,8 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         }
     }
 
-    /// Makes the plays virgin at `u`: at u, in the middle of the envelopes, on the ramp half-way between their lines.
+    /// Makes the plays virgin at `u`: at u, in the middle of the envelopes, on the ramp half-way between
+    /// their lines.
     pub fn rest_at(&self, states: &mut [T], u: T) {
         self.each_at_rest(u, states.iter_mut(), |state, at| *state = at);
     }
@@ -178,7 +185,8 @@ impl<'a, T: Real> SidedPlays<'a, T> {
         match self.sides {
             Sides::Even { widening } => {
                 let wider = widening * du.abs();
-                // First the sides in the middle, then those at the end: upwards the low one at the end decides, downwards the high one.
+                // First the sides in the middle, then those at the end: upwards the low one at the end
+                // decides, downwards the high one.
                 let (low, high) = if middle > u { (middle, u) } else { (u, middle) };
                 for (item, &threshold) in items.zip(self.thresholds) {
                     let r = threshold + wider;

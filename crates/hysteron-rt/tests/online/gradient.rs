@@ -64,8 +64,8 @@ fn it_converges_for_every_step_between_0_and_2_and_no_other_is_taken() {
 
 #[test]
 fn in_white_noise_it_settles_where_the_theory_says() {
-    // ±1 regressors have a constant power, so that the distance obeys E d⁺ = (1 − μ(2 − μ)/N) E d + μ² s²/N: the
-    // parameters add μ/(2 − μ) of the noise variance to that of the prediction.
+    // ±1 regressors have a constant power, so that the distance obeys E d⁺ = (1 − μ(2 − μ)/N) E d + μ² s²/N:
+    // the parameters add μ/(2 − μ) of the noise variance to that of the prediction.
     let (truth, step, deviation) = ([0.3, -0.2, 0.1, 0.5], 0.5, 0.1);
     let settings =
         NlmsSettings { start: [0.0; 4], deviations: [1.0; 4], step, regulariser: 0.0, bounds: None };

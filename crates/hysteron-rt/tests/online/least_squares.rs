@@ -205,14 +205,16 @@ fn forgetting_follows_a_change_and_one_that_is_reopened_follows_at_once() {
 
 #[test]
 fn a_bound_is_met_where_the_constrained_minimum_lies() {
-    // The gain wants 1.07 and may not: the others must be what least squares with the gain at its bound gives.
+    // The gain wants 1.07 and may not: the others must be what least squares with the gain at its bound
+    // gives.
     let samples = samples(200, 7);
     let mut free = Rls::new(settings(1.0, Unexcited::Hold)).unwrap();
     run(&mut free, &samples[..199]);
     let any = (f64::NEG_INFINITY, f64::INFINITY);
     let bounded = RlsSettings { bounds: Some([(0.9, 1.02), any, any]), ..settings(1.0, Unexcited::Hold) };
     let mut rls = Rls::new(bounded).unwrap();
-    // Up to the bound both are the same; past it the least move in the metric of P reaches the constrained minimum.
+    // Up to the bound both are the same; past it the least move in the metric of P reaches the constrained
+    // minimum.
     let mut last = rls;
     for (phi, y) in &samples {
         last = rls;

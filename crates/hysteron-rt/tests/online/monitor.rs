@@ -94,8 +94,8 @@ fn false_alarms_are_as_rare_as_theory_says_and_rarer_than_promised() {
     for shift in [0.5, 1.0] {
         let watch = monitor(Some(shift), None, RUN_LENGTH);
         let found = simulated(watch, (0.0, 1.0), runs, 1);
-        // The two sides of a two-sided sum cannot both be raised when one alarms: rates add (W. D. Ewan, K. W.
-        // Kemp 1960).
+        // The two sides of a two-sided sum cannot both be raised when one alarms: rates add (W. D. Ewan, K.
+        // W. Kemp 1960).
         let want = 0.5 * by_markov_chain(shift_increment(shift, 0.0), watch.threshold());
         assert_agrees(&format!("shift {shift}, no change"), found, want, 2e-3);
         assert!(want > RUN_LENGTH);

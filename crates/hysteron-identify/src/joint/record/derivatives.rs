@@ -45,7 +45,8 @@ impl RecordWorkspace {
 }
 
 impl JointRecord {
-    /// Prepares derivatives along the dynamics: the whole input Σ cᵢ uⁱ + s Σ w_j H_j + transients at these coefficients.
+    /// Prepares derivatives along the dynamics: the whole input Σ cᵢ uⁱ + s Σ w_j H_j + transients at these
+    /// coefficients.
     pub(crate) fn combine(&self, coefficients: &[f64], ws: &mut RecordWorkspace) {
         ws.total.clear();
         let degree = coefficients.len().saturating_sub(ws.hysteresis.inputs.len());
@@ -67,9 +68,9 @@ impl JointRecord {
         }
     }
 
-    /// ∂(Σ cᵢ Φᵢ + Σ w_j Ψ_j)/∂direction at fixed coefficients, weighted and without local columns, into the slice beside each
-    /// direction; zero where there is no direction or no derivative. After [`Self::respond`] with derivatives and
-    /// [`Self::combine`].
+    /// ∂(Σ cᵢ Φᵢ + Σ w_j Ψ_j)/∂direction at fixed coefficients, weighted and without local columns, into the
+    /// slice beside each direction; zero where there is no direction or no derivative. After
+    /// [`Self::respond`] with derivatives and [`Self::combine`].
     pub(crate) fn differentiate(&self, wanted: Vec<Wanted<'_>>, weights: &[f64], ws: &mut RecordWorkspace) {
         let (known, lanes) = ws.split();
         let (dynamics, others) = self.dealt(wanted);
@@ -90,7 +91,8 @@ impl JointRecord {
         });
     }
 
-    /// Derivatives along the dynamics, which take one pass together on stamps, and those that are worked out one by one.
+    /// Derivatives along the dynamics, which take one pass together on stamps, and those that are worked out
+    /// one by one.
     fn dealt<'a>(&self, wanted: Vec<Wanted<'a>>) -> (Option<Together<'a>>, Vec<Wanted<'a>>) {
         if !self.is_on_stamps() {
             return (None, wanted);
@@ -165,8 +167,8 @@ impl JointRecord {
         true
     }
 
-    /// Input made of the weighted sum of `parts` (weight, output of an operator, the same before the first sample), less the sum
-    /// before the first sample, which is returned; `None` where there is nothing.
+    /// Input made of the weighted sum of `parts` (weight, output of an operator, the same before the first
+    /// sample), less the sum before the first sample, which is returned; `None` where there is nothing.
     fn input_of_sum<'a>(
         &self,
         parts: impl Iterator<Item = (f64, &'a [f64], f64)>,

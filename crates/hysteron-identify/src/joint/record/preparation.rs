@@ -1,4 +1,5 @@
-//! What is worked out once of a record: its weights, the columns of offset and drift, and u, u², … as inputs of the dynamics.
+//! What is worked out once of a record: its weights, the columns of offset and drift, and u, u², … as inputs
+//! of the dynamics.
 
 use super::super::super::projection::Projection;
 use super::super::drive::Thinning;
@@ -14,7 +15,8 @@ use hysteron_model::record::Pace;
 pub(crate) enum Clock {
     /// At this rate \[Hz\].
     Rate(f64),
-    /// At these times \[s\]; the drive is given at knots of its own and is held between them or goes along straight lines.
+    /// At these times \[s\]; the drive is given at knots of its own and is held between them or goes along
+    /// straight lines.
     Stamps {
         knots_s: Vec<f64>,
         /// Rate and duration of the move to each knot.
@@ -140,7 +142,8 @@ impl JointRecord {
     }
 }
 
-/// Inputs whose responses span the motion left over from before the record: impulses at the first two samples and a step.
+/// Inputs whose responses span the motion left over from before the record: impulses at the first two samples
+/// and a step.
 fn transient_inputs(samples: usize) -> [Vec<f64>; 3] {
     let impulse = |at: usize| (0..samples).map(|k| f64::from(u8::from(k == at))).collect();
     [impulse(0), impulse(1), vec![1.0; samples]]

@@ -61,8 +61,8 @@ fn columns(record: &JointRecord, n: f64, creep: Creep) -> Vec<Vec<f64>> {
     all
 }
 
-/// Differences of a reduced record's columns from the whole one's, filtered and thinned, over the largest value of each:
-/// where F reaches neither end, where it reaches the start, and where it reaches the end.
+/// Differences of a reduced record's columns from the whole one's, filtered and thinned, over the largest
+/// value of each: where F reaches neither end, where it reaches the start, and where it reaches the end.
 fn differences(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize, n: f64) -> Vec<[f64; 3]> {
     let periodic = before == Start::PERIODIC;
     let reduction = Reduction::new(factor, drive.len(), periodic);
@@ -104,8 +104,9 @@ fn a_reduced_record_is_the_whole_one_filtered_and_thinned() {
     for rule in InterSample::ALL {
         for n in [1.0, 2.0] {
             for (column, off) in differences(&drive, rule, REMEMBERING, 8, n).iter().enumerate() {
-                // Derivatives hold more of what is fast. The whole record leaves out what a band-limited response has before its
-                // cause; beyond the end inputs have a corner, which the output between reduced samples is known without.
+                // Derivatives hold more of what is fast. The whole record leaves out what a band-limited
+                // response has before its cause; beyond the end inputs have a corner, which the output
+                // between reduced samples is known without.
                 let tolerance = [if column < 3 { 1e-6 } else { 1e-5 }, 1e-7, 2e-3];
                 assert!(
                     off.iter().zip(tolerance).all(|(off, t)| *off < t),

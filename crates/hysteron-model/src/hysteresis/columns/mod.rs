@@ -1,8 +1,8 @@
 //! Families of hysteresis that are linear in weights: v = Σ cᵢ uⁱ + Σⱼ wⱼ Hⱼ\[u; θ\].
 //!
-//! A [`ColumnKernel`] is the operators Hⱼ of one family, its *columns*: how they move with the voltage, in numbers that
-//! carry derivatives along where these are asked for. A fit needs no more of a family than this: the columns enter
-//! linearly, the few numbers θ (its *shape*) do not.
+//! A [`ColumnKernel`] is the operators Hⱼ of one family, its *columns*: how they move with the voltage, in
+//! numbers that carry derivatives along where these are asked for. A fit needs no more of a family than this:
+//! the columns enter linearly, the few numbers θ (its *shape*) do not.
 
 mod pass;
 mod relaxing;
@@ -19,17 +19,18 @@ use crate::start::Start;
 
 /// The operators of one family: fixed structure in the type, shape θ beside it.
 ///
-/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it moved, without turning, to
-/// its rest voltage; with respect to it, or to the rest voltage of a virgin device, the columns are differentiated. In a steady
-/// state, operators that wipe out (plays, relays) are after one period; what the drive never moves stands where a virgin device at
-/// the middle of the drive's range leaves it. Operators that forget (relaxation) are led there by the secant method.
+/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it
+/// moved, without turning, to its rest voltage; with respect to it, or to the rest voltage of a virgin
+/// device, the columns are differentiated. In a steady state, operators that wipe out (plays, relays) are
+/// after one period; what the drive never moves stands where a virgin device at the middle of the drive's
+/// range leaves it. Operators that forget (relaxation) are led there by the secant method.
 ///
-/// A move is monotone from the present voltage to the next and exact whatever its length, so that the sample rate does
-/// not matter as long as every turning point of u is a sample. Numbers are `f64`, or duals that carry the derivatives of
-/// everything with respect to θ and the start.
+/// A move is monotone from the present voltage to the next and exact whatever its length, so that the sample
+/// rate does not matter as long as every turning point of u is a sample. Numbers are `f64`, or duals that
+/// carry the derivatives of everything with respect to θ and the start.
 ///
-/// `virgin`, `advance` and `read` are the arithmetic of one sample and take a checked shape; the methods over records
-/// check it.
+/// `virgin`, `advance` and `read` are the arithmetic of one sample and take a checked shape; the methods over
+/// records check it.
 pub trait ColumnKernel {
     /// Present voltage and memory.
     type State<S: Scalar<Real = f64>>: Clone;
@@ -63,8 +64,8 @@ pub trait ColumnKernel {
     /// The K columns at the present voltage into `out`.
     fn read<S: Scalar<Real = f64>>(&self, shape: &[S], state: &Self::State<S>, out: &mut [S]);
 
-    /// The part of the memory that forgets by relaxation: numbers that do not act on each other, each drawn to its
-    /// steady state by an increasing map. Empty where memory is wiped out instead.
+    /// The part of the memory that forgets by relaxation: numbers that do not act on each other, each drawn
+    /// to its steady state by an increasing map. Empty where memory is wiped out instead.
     fn relaxing<S: Scalar<Real = f64>>(state: &mut Self::State<S>) -> &mut [S] {
         let _ = state;
         &mut []
@@ -96,15 +97,16 @@ pub trait ColumnKernel {
         Ok(())
     }
 
-    /// The columns for the voltages `u` \[V\] given on a time base finer by the factor of a grid, one after the other into `out`: value
-    /// k of column j is `out[j * n + k]` and belongs to `u[k * factor]`, n = ⌈len u / factor⌉. Returns the state at the
-    /// last sample of u. Of the grid, factor and paces count: an interval is the kernel's own. Allocates a state and a row of K
-    /// numbers, nothing a sample.
+    /// The columns for the voltages `u` \[V\] given on a time base finer by the factor of a grid, one after
+    /// the other into `out`: value k of column j is `out[j * n + k]` and belongs to `u[k * factor]`, n = ⌈len
+    /// u / factor⌉. Returns the state at the last sample of u. Of the grid, factor and paces count: an
+    /// interval is the kernel's own. Allocates a state and a row of K numbers, nothing a sample.
     ///
     /// # Errors
-    /// [`HysteresisError::ShapeCount`] and as [`Self::check`]; [`HysteresisError::Factor`]; [`HysteresisError::Lengths`];
-    /// [`HysteresisError::Drive`] where u is not finite; [`HysteresisError::NotSettled`] for a periodic start;
-    /// [`HysteresisError::Overflow`] where a column is not finite; and as [`Self::advance`], with the sample.
+    /// [`HysteresisError::ShapeCount`] and as [`Self::check`]; [`HysteresisError::Factor`];
+    /// [`HysteresisError::Lengths`]; [`HysteresisError::Drive`] where u is not finite;
+    /// [`HysteresisError::NotSettled`] for a periodic start; [`HysteresisError::Overflow`] where a column is
+    /// not finite; and as [`Self::advance`], with the sample.
     fn simulate_every<'a>(
         &self,
         shape: &[f64],
@@ -137,12 +139,12 @@ pub trait ColumnKernel {
         pass::continue_from(self, shape, state, grid.into(), u, out)
     }
 
-    /// As [`Self::simulate_every`], with the derivatives of every column with respect to θ and the start. Those of a
-    /// periodic start are total: the steady state moves with θ.
+    /// As [`Self::simulate_every`], with the derivatives of every column with respect to θ and the start.
+    /// Those of a periodic start are total: the steady state moves with θ.
     ///
     /// # Errors
-    /// As [`Self::simulate_every`]; [`HysteresisError::NotContracting`] where a steady state does not determine its
-    /// derivatives.
+    /// As [`Self::simulate_every`]; [`HysteresisError::NotContracting`] where a steady state does not
+    /// determine its derivatives.
     fn simulate_with_sensitivities<'a>(
         &self,
         shape: &[f64],
@@ -155,8 +157,9 @@ pub trait ColumnKernel {
         Self: Sized;
 }
 
-/// [`ColumnKernel::simulate_with_sensitivities`] of a kernel with so many shape parameters: its numbers carry that many derivatives and
-/// the one with respect to the start. A literal, so that no kernel is compiled for other counts than its own.
+/// [`ColumnKernel::simulate_with_sensitivities`] of a kernel with so many shape parameters: its numbers carry
+/// that many derivatives and the one with respect to the start. A literal, so that no kernel is compiled for
+/// other counts than its own.
 macro_rules! simulate_with_sensitivities {
     ($($parameters:literal)|+) => {
         fn simulate_with_sensitivities<'a>(
@@ -186,7 +189,8 @@ pub(super) fn parameter<S: Scalar<Real = f64>>(shape: &[S], index: usize) -> S {
     shape.get(index).copied().unwrap_or(S::constant(f64::NAN))
 }
 
-/// The play between `low` and `high`: `state`, pushed as far as they push it. With low > high it stands at `low`.
+/// The play between `low` and `high`: `state`, pushed as far as they push it. With low > high it stands at
+/// `low`.
 #[inline(always)]
 pub(super) fn between<S: Scalar<Real = f64>>(low: S, state: S, high: S) -> S {
     let held = if state.value() > high.value() { high } else { state };

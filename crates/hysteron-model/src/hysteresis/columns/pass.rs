@@ -9,16 +9,16 @@ use super::ColumnKernel;
 use crate::record::Pace;
 use crate::start::Start;
 
-/// Columns and their derivatives at every `factor`-th sample of a drive, each K columns one after the other. The
-/// buffers are kept between calls.
+/// Columns and their derivatives at every `factor`-th sample of a drive, each K columns one after the other.
+/// The buffers are kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct ColumnSensitivities {
     /// The columns.
     pub columns: Vec<f64>,
     /// Their derivatives with respect to each shape parameter.
     pub d_shape: Vec<Vec<f64>>,
-    /// Their derivatives with respect to the voltage at which the device was virgin; 0 for a steady state, which has no
-    /// free start.
+    /// Their derivatives with respect to the voltage at which the device was virgin; 0 for a steady state,
+    /// which has no free start.
     pub d_start: Vec<f64>,
     /// The K columns before the first sample, at the rest voltage; 0 for a steady state, which has no such.
     pub rest: Vec<f64>,
@@ -204,8 +204,8 @@ struct Search {
     size: f64,
 }
 
-/// Leads `state` to the steady state at the last sample of u. Wiping-out memory is there after one period; each relaxing
-/// number follows by the secant method on its change over a period.
+/// Leads `state` to the steady state at the last sample of u. Wiping-out memory is there after one period;
+/// each relaxing number follows by the secant method on its change over a period.
 fn settle<K: ColumnKernel>(
     kernel: &K,
     shape: &[f64],
@@ -317,8 +317,9 @@ pub(in crate::hysteresis) fn differentiate<const P: usize, K: ColumnKernel>(
     Ok(())
 }
 
-/// Gives the relaxing numbers of `state` their steady values and the derivatives of these: with m the derivative of a
-/// number's value after a period with respect to that before it, ∂/∂θ of the fixed point is ∂/∂θ of the map over 1 − m.
+/// Gives the relaxing numbers of `state` their steady values and the derivatives of these: with m the
+/// derivative of a number's value after a period with respect to that before it, ∂/∂θ of the fixed point is
+/// ∂/∂θ of the map over 1 − m.
 fn close_period<const P: usize, K: ColumnKernel>(
     kernel: &K,
     duals: &[Dual<f64, P>],

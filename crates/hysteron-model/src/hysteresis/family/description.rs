@@ -21,10 +21,11 @@ pub(in crate::hysteresis) const MOST_ELEMENTS: usize = 60;
 /// Most intervals of a plane, which has a weight for every pair.
 pub(in crate::hysteresis) const MOST_OF_A_PLANE: usize = 16;
 
-/// A family of hysteresis: v = Σ cᵢ uⁱ + Σⱼ wⱼ Hⱼ\[u; θ\], linear in its weights w, with a few shape numbers θ.
+/// A family of hysteresis: v = Σ cᵢ uⁱ + Σⱼ wⱼ Hⱼ\[u; θ\], linear in its weights w, with a few shape numbers
+/// θ.
 ///
-/// `elements` is the number of plays, states, lines, …, for a family that has such a number; shapes and weights are in the order of
-/// [`Self::shape_numbers`] and of the columns.
+/// `elements` is the number of plays, states, lines, …, for a family that has such a number; shapes and
+/// weights are in the order of [`Self::shape_numbers`] and of the columns.
 pub trait FamilyDescription: fmt::Debug + Sync {
     /// Name, as on the command line and in model files.
     fn name(&self) -> &'static str;
@@ -32,7 +33,8 @@ pub trait FamilyDescription: fmt::Debug + Sync {
     /// What it is, in a line.
     fn summary(&self) -> &'static str;
 
-    /// Its equations in plain characters, for comments of exported source and the schema of model files; s is the sign of the move.
+    /// Its equations in plain characters, for comments of exported source and the schema of model files; s is
+    /// the sign of the move.
     fn equation(&self) -> &'static str;
 
     /// Its number of elements; `None` where that is fixed.
@@ -70,17 +72,20 @@ pub trait FamilyDescription: fmt::Debug + Sync {
     /// A shape within its ranges that is special in no number, as tests want it.
     fn example(&self, elements: usize, span: &DriveSpan) -> Vec<f64>;
 
-    /// Whether every column of a slow drive rises with u and falls with it, so that weights of one sign make a monotone model.
+    /// Whether every column of a slow drive rises with u and falls with it, so that weights of one sign make
+    /// a monotone model.
     fn is_monotone(&self) -> bool {
         false
     }
 
-    /// What of the drive its memory depends on; where that is not the order of the samples alone, the time between them must be known.
+    /// What of the drive its memory depends on; where that is not the order of the samples alone, the time
+    /// between them must be known.
     fn depends_on(&self) -> Dependence {
         Dependence::Order
     }
 
-    /// Whether it is made of relays on a plane, which must reach as far as a device that was virgin has relays to switch.
+    /// Whether it is made of relays on a plane, which must reach as far as a device that was virgin has
+    /// relays to switch.
     fn is_plane(&self) -> bool {
         false
     }
@@ -96,8 +101,8 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         [low - stroke, high + stroke]
     }
 
-    /// Memory of a record to start from: that of a device that is virgin at its `first` voltage, or `settled` on loops like those of
-    /// the record, which spans `ends`.
+    /// Memory of a record to start from: that of a device that is virgin at its `first` voltage, or `settled`
+    /// on loops like those of the record, which spans `ends`.
     fn first_memory(
         &self,
         shape: &[f64],
@@ -116,14 +121,15 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         Vec::new()
     }
 
-    /// Pairs of weights of neighbours in a row, whose density is smooth; behind the last there may be none, of weight 0.
+    /// Pairs of weights of neighbours in a row, whose density is smooth; behind the last there may be none,
+    /// of weight 0.
     fn chain(&self, elements: usize) -> Vec<(usize, Option<usize>)> {
         let _ = elements;
         Vec::new()
     }
 
-    /// By how much a move may push the output back for each volt, in the output's unit per volt, where every weight is at least 0 and
-    /// samples are `interval_s` apart or more; `None` where that is not known.
+    /// By how much a move may push the output back for each volt, in the output's unit per volt, where every
+    /// weight is at least 0 and samples are `interval_s` apart or more; `None` where that is not known.
     fn pushes_back(&self, shape: &[f64], weights: &[f64], interval_s: Option<f64>) -> Option<f64> {
         let _ = (shape, weights, interval_s);
         Some(0.0)
@@ -141,7 +147,8 @@ pub trait FamilyDescription: fmt::Debug + Sync {
         None
     }
 
-    /// The operator of the runtime for so many samples a second; what the `polynomial` of the model has to take over is added to it.
+    /// The operator of the runtime for so many samples a second; what the `polynomial` of the model has to
+    /// take over is added to it.
     fn runtime(
         &self,
         elements: usize,
@@ -160,8 +167,8 @@ pub(in crate::hysteresis) fn in_a_row(
     (from + 1..to).map(|i| (i - 1, Some(i)))
 }
 
-/// Neighbours of the cells (i, j), j ≤ i < n, of a plane. Those on the diagonal, which are without hysteresis, are neighbours of one
-/// another alone.
+/// Neighbours of the cells (i, j), j ≤ i < n, of a plane. Those on the diagonal, which are without
+/// hysteresis, are neighbours of one another alone.
 pub(in crate::hysteresis) fn on_a_plane(n: usize) -> Vec<(usize, usize)> {
     let at = |i: usize, j: usize| i * (i + 1) / 2 + j;
     let beside = |i: usize, j: usize| {

@@ -3,8 +3,9 @@
 use super::DriveSpan;
 use crate::hysteresis::{Hysteresis, HysteresisError, HysteresisForm};
 
-/// Operators of every family over the voltages `ends`, each of a few elements; their output rises with the voltage, by `slope` a volt
-/// or somewhat more. The drive is at most as fast as `fastest_rate` \[1/s\], for half the range to either side.
+/// Operators of every family over the voltages `ends`, each of a few elements; their output rises with the
+/// voltage, by `slope` a volt or somewhat more. The drive is at most as fast as `fastest_rate` \[1/s\], for
+/// half the range to either side.
 ///
 /// # Errors
 /// None where the ends are in order.

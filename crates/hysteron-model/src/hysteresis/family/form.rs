@@ -26,7 +26,8 @@ impl FamilyForm {
         Self { family, elements }
     }
 
-    /// The family with so many elements; [`crate::hysteresis::HysteresisForm::with_elements`] checks their number.
+    /// The family with so many elements; [`crate::hysteresis::HysteresisForm::with_elements`] checks their
+    /// number.
     pub(in crate::hysteresis) fn of_elements(self, elements: usize) -> Self {
         Self { elements, ..self }
     }
@@ -69,7 +70,8 @@ impl FamilyForm {
         numbers.map(|number| (number.name, number.unit)).collect()
     }
 
-    /// Whether every column of a slow drive rises with u and falls with it, so that weights of one sign make a monotone model.
+    /// Whether every column of a slow drive rises with u and falls with it, so that weights of one sign make
+    /// a monotone model.
     pub fn is_monotone(self) -> bool {
         self.family.is_monotone()
     }
@@ -95,7 +97,8 @@ impl FamilyForm {
         }
     }
 
-    /// The operators, virgin at the voltage `u` \[V\], to be moved sample by sample. The shape has been checked.
+    /// The operators, virgin at the voltage `u` \[V\], to be moved sample by sample. The shape has been
+    /// checked.
     pub(super) fn mover(
         self,
         shape: &[f64],
@@ -108,8 +111,8 @@ impl FamilyForm {
     /// As [`crate::hysteresis::HysteresisForm::run`].
     ///
     /// # Errors
-    /// [`HysteresisError`]: a shape that the family has not, a drive that is not finite, a state that runs away, a time between
-    /// samples that is not known where the family asks for it.
+    /// [`HysteresisError`]: a shape that the family has not, a drive that is not finite, a state that runs
+    /// away, a time between samples that is not known where the family asks for it.
     pub fn run<'a>(
         self,
         shape: &[f64],

@@ -34,8 +34,8 @@ impl Family {
         Ok(model)
     }
 
-    /// Checks that the polynomial is not empty, every number finite, the shape one of the family, and that there is one
-    /// weight a column.
+    /// Checks that the polynomial is not empty, every number finite, the shape one of the family, and that
+    /// there is one weight a column.
     ///
     /// # Errors
     /// The first [`HysteresisError`] found.
@@ -52,12 +52,12 @@ impl Family {
         }
     }
 
-    /// v \[µm\] for the voltages `u` \[V\] given on a time base finer by a factor: `out[k]` belongs to `u[k * factor]`. The memory
-    /// of a [`Start::Remembering`] is the voltage at which the device was virgin.
+    /// v \[µm\] for the voltages `u` \[V\] given on a time base finer by a factor: `out[k]` belongs to `u[k *
+    /// factor]`. The memory of a [`Start::Remembering`] is the voltage at which the device was virgin.
     ///
     /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::Lengths`]; as [`FamilyForm::run`]; [`HysteresisError::Overflow`] where v is
-    /// not finite.
+    /// As [`Self::validate`]; [`HysteresisError::Lengths`]; as [`FamilyForm::run`];
+    /// [`HysteresisError::Overflow`] where v is not finite.
     pub fn simulate_every<'a>(
         &self,
         grid: impl Into<DriveGrid<'a>>,
@@ -89,8 +89,8 @@ impl Family {
         }
     }
 
-    /// v \[µm\] at rest at the voltage `rest`, of a device that was virgin at `virgin` \[V\] and moved there without turning; not
-    /// a number where the family cannot go there.
+    /// v \[µm\] at rest at the voltage `rest`, of a device that was virgin at `virgin` \[V\] and moved there
+    /// without turning; not a number where the family cannot go there.
     pub fn at_rest(&self, virgin: f64, rest: f64) -> f64 {
         let mut columns = Columns::default();
         let start = Start::Rest { voltage_v: virgin };

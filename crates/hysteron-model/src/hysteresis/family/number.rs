@@ -60,7 +60,8 @@ impl ShapeNumber {
         Self { name: name.into(), unit, meaning, search }
     }
 
-    /// `low` and `high`, the ends of the voltages that a family's grid spans, with which its shape begins; [`ends`] are their values.
+    /// `low` and `high`, the ends of the voltages that a family's grid spans, with which its shape begins;
+    /// [`ends`] are their values.
     pub(in crate::hysteresis) fn of_ends(span: &DriveSpan) -> [Self; 2] {
         let [low, high] = span.grid;
         [

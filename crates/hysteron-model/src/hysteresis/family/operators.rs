@@ -24,7 +24,8 @@ pub(in crate::hysteresis) trait ColumnFamily: FamilyDescription {
     /// Leading numbers of the shape that are structure of the kernel: none, or the two ends of its grid.
     const FIXED: usize = 0;
 
-    /// The kernel of this structure; `interval_s`: seconds between samples, which matter where the family sees the rate.
+    /// The kernel of this structure; `interval_s`: seconds between samples, which matter where the family
+    /// sees the rate.
     fn kernel(&self, elements: usize, shape: &[f64], interval_s: f64) -> Self::Kernel;
 }
 

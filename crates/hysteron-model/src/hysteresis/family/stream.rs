@@ -4,7 +4,8 @@ use super::Family;
 use super::operators::Mover;
 use crate::hysteresis::{HysteresisError, polynomial};
 
-/// A [`Family`] with its memory: voltage \[V\] in, v \[µm\] out, what [`Family::simulate_every`] gives for a whole record.
+/// A [`Family`] with its memory: voltage \[V\] in, v \[µm\] out, what [`Family::simulate_every`] gives for a
+/// whole record.
 #[derive(Clone, Debug)]
 pub struct FamilyStream {
     mover: Box<dyn Mover>,
@@ -34,7 +35,8 @@ impl FamilyStream {
     /// Moves monotonically to `voltage`; v there.
     ///
     /// # Errors
-    /// [`HysteresisError::Drive`] for a voltage that is not finite; [`HysteresisError::Overflow`]; as the family's own move.
+    /// [`HysteresisError::Drive`] for a voltage that is not finite; [`HysteresisError::Overflow`]; as the
+    /// family's own move.
     pub fn step(&mut self, voltage: f64) -> Result<f64, HysteresisError> {
         if !voltage.is_finite() {
             return Err(HysteresisError::Drive { index: 0 });

@@ -1,8 +1,9 @@
 //! Families of hysteresis operators as a fit sees them.
 //!
-//! Every family is v = Σ cᵢ uⁱ + Σ_j w_j s H_j\[u; θ\]: linear in its weights w, nonlinear in a few shape numbers θ, with
-//! columns H_j that an operator puts out and a sign s that is the family's convention. [`HysteresisForm`] names the numbers,
-//! runs the operators into [`Columns`] with their derivatives, and makes the [`Hysteresis`] that they stand for.
+//! Every family is v = Σ cᵢ uⁱ + Σ_j w_j s H_j\[u; θ\]: linear in its weights w, nonlinear in a few shape
+//! numbers θ, with columns H_j that an operator puts out and a sign s that is the family's convention.
+//! [`HysteresisForm`] names the numbers, runs the operators into [`Columns`] with their derivatives, and
+//! makes the [`Hysteresis`] that they stand for.
 
 mod bouc_wen;
 mod json;
@@ -24,8 +25,8 @@ pub enum HysteresisForm {
     /// H = ζ of the unit-α form, s = −1: weight α; shape β', γ', n. Memory of a record: ζ(0) \[V\].
     #[default]
     BoucWen,
-    /// H_j = F_rⱼ, s = 1: a weight and a threshold r a play. Memory of a record: the voltage at which the device was
-    /// virgin before it moved, without turning, to where it rested.
+    /// H_j = F_rⱼ, s = 1: a weight and a threshold r a play. Memory of a record: the voltage at which the
+    /// device was virgin before it moved, without turning, to where it rested.
     PrandtlIshlinskii {
         /// Number of plays.
         plays: usize,
@@ -59,7 +60,8 @@ impl HysteresisForm {
         }
     }
 
-    /// Number of elements: plays, slip elements, states, lines or intervals of a plane, degree; 0 where it is fixed.
+    /// Number of elements: plays, slip elements, states, lines or intervals of a plane, degree; 0 where it is
+    /// fixed.
     pub fn elements(self) -> usize {
         match self {
             Self::BoucWen => 0,
@@ -145,14 +147,15 @@ impl HysteresisForm {
         self.description().neighbours(self.elements())
     }
 
-    /// Pairs of weights of plays of neighbouring thresholds, and of neighbouring bands; behind the widest play there is none, of weight
-    /// 0. Empty for families without plays that are weighted one by one.
+    /// Pairs of weights of plays of neighbouring thresholds, and of neighbouring bands; behind the widest
+    /// play there is none, of weight 0. Empty for families without plays that are weighted one by one.
     pub fn chain(self) -> Vec<(usize, Option<usize>)> {
         self.description().chain(self.elements())
     }
 
-    /// Runs the operators over the drive `u` \[V\], given on a time base finer by a factor, from `start`; derivatives with
-    /// respect to those shape numbers that `wanted` marks, and to the memory, where it is given.
+    /// Runs the operators over the drive `u` \[V\], given on a time base finer by a factor, from `start`;
+    /// derivatives with respect to those shape numbers that `wanted` marks, and to the memory, where it is
+    /// given.
     ///
     /// # Errors
     /// What the family refuses: [`HysteresisError`].
@@ -214,7 +217,8 @@ impl HysteresisForm {
 }
 
 impl HysteresisForm {
-    /// A record's memory in the scale of the columns, from that in the operator's own; 0 where nothing is remembered.
+    /// A record's memory in the scale of the columns, from that in the operator's own; 0 where nothing is
+    /// remembered.
     pub fn memory_of_columns(self, memory: f64, weights: &[f64]) -> f64 {
         match (self, weights) {
             (Self::BoucWen, &[alpha]) => {

@@ -1,7 +1,7 @@
 //! Plays: one column a threshold.
 //!
-//! F ← max(u − r, min(u + r, F)): where a move carries the play, ∂F/∂r = ∓1 and nothing of the past is left; where it does
-//! not, F keeps its value and its derivatives.
+//! F ← max(u − r, min(u + r, F)): where a move carries the play, ∂F/∂r = ∓1 and nothing of the past is left;
+//! where it does not, F keeps its value and its derivatives.
 
 use super::super::HysteresisError;
 use super::super::outputs::Columns;
@@ -61,7 +61,8 @@ pub(super) fn run(
                 play
             }
             None => {
-                // Exact after one period; what no voltage of the record moves stands in the middle (`PrandtlIshlinskii`).
+                // Exact after one period; what no voltage of the record moves stands in the middle
+                // (`PrandtlIshlinskii`).
                 let mut play = at(0.5 * low + 0.5 * high, 0.0);
                 u.iter().for_each(|&u| play.step(threshold, u));
                 play

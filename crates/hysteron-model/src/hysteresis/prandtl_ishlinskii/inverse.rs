@@ -1,4 +1,5 @@
-//! Inverses of the Prandtl–Ishlinskii model: in closed form for a linear polynomial, move by move for any increasing one.
+//! Inverses of the Prandtl–Ishlinskii model: in closed form for a linear polynomial, move by move for any
+//! increasing one.
 
 use hysteron_rt::PlayBank;
 
@@ -6,18 +7,19 @@ use super::PrandtlIshlinskii;
 use crate::hysteresis::{HysteresisError, polynomial};
 
 impl PrandtlIshlinskii {
-    /// The inverse operator of a model with a linear polynomial p₀u, again a Prandtl–Ishlinskii operator, from v \[µm\] to
-    /// u \[V\] (thresholds in µm, weights in V/µm). With the partial slopes sᵢ = p₀ + w₁ + … + wᵢ and the loading curve φ,
+    /// The inverse operator of a model with a linear polynomial p₀u, again a Prandtl–Ishlinskii operator,
+    /// from v \[µm\] to u \[V\] (thresholds in µm, weights in V/µm). With the partial slopes sᵢ = p₀ + w₁ + …
+    /// + wᵢ and the loading curve φ,
     ///
     /// p₀' = 1/p₀,  rᵢ' = φ(rᵢ) = p₀ rᵢ + Σ_{j<i} wⱼ (rᵢ − rⱼ),  wᵢ' = 1/sᵢ − 1/sᵢ₋₁.
     ///
-    /// It undoes the model exactly from states that correspond ([`Self::inverse_plays`]); virgin plays at u correspond to
-    /// virgin plays at p v with p = p₀ + Σ wᵢ.
+    /// It undoes the model exactly from states that correspond ([`Self::inverse_plays`]); virgin plays at u
+    /// correspond to virgin plays at p v with p = p₀ + Σ wᵢ.
     ///
     /// # Errors
     /// As [`Self::validate`]; [`HysteresisError::NotLinear`]: see [`Self::step_inverse`];
-    /// [`HysteresisError::PartialSlope`] where an sᵢ, i ≥ 0, is not positive: then the model does not increase with u on
-    /// every branch and has no inverse.
+    /// [`HysteresisError::PartialSlope`] where an sᵢ, i ≥ 0, is not positive: then the model does not
+    /// increase with u on every branch and has no inverse.
     pub fn inverse(&self) -> Result<Self, HysteresisError> {
         self.validate()?;
         let mut slope = self.linear_coefficient()?;
@@ -41,12 +43,12 @@ impl PrandtlIshlinskii {
         Ok(inverse)
     }
 
-    /// The states of the plays of [`Self::inverse`] that correspond to the states `plays` of this model, into `out`:
-    /// fᵢ' = sᵢ fᵢ + Σ_{j>i} wⱼ fⱼ \[µm\].
+    /// The states of the plays of [`Self::inverse`] that correspond to the states `plays` of this model, into
+    /// `out`: fᵢ' = sᵢ fᵢ + Σ_{j>i} wⱼ fⱼ \[µm\].
     ///
     /// # Errors
-    /// [`HysteresisError::NotLinear`]; [`HysteresisError::PlayStates`] where `plays` or `out` does not have one number a
-    /// play.
+    /// [`HysteresisError::NotLinear`]; [`HysteresisError::PlayStates`] where `plays` or `out` does not have
+    /// one number a play.
     pub fn inverse_plays(&self, plays: &[f64], out: &mut [f64]) -> Result<(), HysteresisError> {
         let mut slope = self.linear_coefficient()?;
         for found in [plays.len(), out.len()] {
@@ -69,8 +71,9 @@ impl PrandtlIshlinskii {
     /// The inverse move by move, for voltages in `range` \[V\] and a polynomial of any degree.
     ///
     /// # Errors
-    /// As [`Self::validate`]; [`HysteresisError::Range`]; [`HysteresisError::NotSteep`] where l' + w₁ + … + w_k is not
-    /// positive for every k ≥ 0 throughout the range, so that some branch there does not increase with u.
+    /// As [`Self::validate`]; [`HysteresisError::Range`]; [`HysteresisError::NotSteep`] where l' + w₁ + … +
+    /// w_k is not positive for every k ≥ 0 throughout the range, so that some branch there does not increase
+    /// with u.
     pub fn step_inverse(&self, range: [f64; 2]) -> Result<StepInverse<'_>, HysteresisError> {
         self.validate()?;
         let [low, high] = range;
@@ -101,15 +104,16 @@ fn positive(plays: usize, slope: f64) -> Result<(), HysteresisError> {
     if slope > 0.0 { Ok(()) } else { Err(HysteresisError::PartialSlope { plays, slope }) }
 }
 
-/// Part of the range by which a solution may miss it and be taken for its end: rounding of v, not another voltage.
+/// Part of the range by which a solution may miss it and be taken for its end: rounding of v, not another
+/// voltage.
 const ROUNDING: f64 = 1e-12;
 
 /// Inverse of the model move by move: the voltage that the next move must reach for an output.
 ///
-/// The piece of the move between two breakpoints is found by one scan of the plays ([`PlayBank::piece`]); on it the
-/// equation l(u) + slope·u = rest is solved in closed form for a linear polynomial, by safeguarded Newton steps to the
-/// last place otherwise. Checked when built: every branch increases throughout the range, so that there is at most one
-/// solution.
+/// The piece of the move between two breakpoints is found by one scan of the plays ([`PlayBank::piece`]); on
+/// it the equation l(u) + slope·u = rest is solved in closed form for a linear polynomial, by safeguarded
+/// Newton steps to the last place otherwise. Checked when built: every branch increases throughout the range,
+/// so that there is at most one solution.
 #[derive(Clone, Copy, Debug)]
 pub struct StepInverse<'a> {
     model: &'a PrandtlIshlinskii,
@@ -118,22 +122,23 @@ pub struct StepInverse<'a> {
 }
 
 impl StepInverse<'_> {
-    /// The voltage \[V\] to which one monotone move from the states `plays` gives the output `v` \[µm\]. Moves nothing.
-    /// Allocates nothing.
+    /// The voltage \[V\] to which one monotone move from the states `plays` gives the output `v` \[µm\].
+    /// Moves nothing. Allocates nothing.
     ///
     /// # Errors
-    /// [`HysteresisError::PlayStates`]; [`HysteresisError::PlayHistory`] for states that no common history leaves
-    /// behind; [`HysteresisError::Drive`] where v or a state is not finite; [`HysteresisError::OutOfReach`] where no
-    /// voltage of the range gives v. Samples named are sample 0.
+    /// [`HysteresisError::PlayStates`]; [`HysteresisError::PlayHistory`] for states that no common history
+    /// leaves behind; [`HysteresisError::Drive`] where v or a state is not finite;
+    /// [`HysteresisError::OutOfReach`] where no voltage of the range gives v. Samples named are sample 0.
     pub fn solve(&self, plays: &[f64], v: f64) -> Result<f64, HysteresisError> {
         self.solve_at(0, plays, v)
     }
 
-    /// The drive \[V\] into `u` (same length) that makes the model put out `v` \[µm\], sample by sample from the states
-    /// `plays`, which end at the last sample. Allocates nothing.
+    /// The drive \[V\] into `u` (same length) that makes the model put out `v` \[µm\], sample by sample from
+    /// the states `plays`, which end at the last sample. Allocates nothing.
     ///
     /// # Errors
-    /// As [`Self::solve`], with the sample; [`HysteresisError::Lengths`]. `plays` then stand at the sample before it.
+    /// As [`Self::solve`], with the sample; [`HysteresisError::Lengths`]. `plays` then stand at the sample
+    /// before it.
     pub fn follow(&self, v: &[f64], plays: &mut [f64], u: &mut [f64]) -> Result<(), HysteresisError> {
         if u.len() != v.len() {
             return Err(HysteresisError::Lengths { expected: v.len(), found: u.len() });
@@ -147,7 +152,8 @@ impl StepInverse<'_> {
 
     fn solve_at(&self, index: usize, plays: &[f64], v: f64) -> Result<f64, HysteresisError> {
         let [low, high] = self.range;
-        // Breakpoints may lie outside the range; there the polynomial is continued by its tangent, which increases.
+        // Breakpoints may lie outside the range; there the polynomial is continued by its tangent, which
+        // increases.
         let polynomial = &self.model.polynomial;
         let tangent = |u: f64| {
             let end = u.clamp(low, high);
@@ -192,12 +198,13 @@ impl StepInverse<'_> {
     }
 }
 
-/// Steps of the root search at most; Newton's method takes a few, bisection alone would come to 2⁻²⁰⁰ of the range.
+/// Steps of the root search at most; Newton's method takes a few, bisection alone would come to 2⁻²⁰⁰ of the
+/// range.
 const STEPS: usize = 200;
 
-/// The zero in \[low, high\] of an increasing function given with its derivative, to the last place or so: Newton's method,
-/// bisection where a step leaves the bracket or is not at most half the one before the last. The end nearer to it where
-/// the function does not change sign.
+/// The zero in \[low, high\] of an increasing function given with its derivative, to the last place or so:
+/// Newton's method, bisection where a step leaves the bracket or is not at most half the one before the last.
+/// The end nearer to it where the function does not change sign.
 fn increasing_root(f: impl Fn(f64) -> (f64, f64), mut low: f64, mut high: f64) -> f64 {
     if f(low).0 >= 0.0 {
         return low;

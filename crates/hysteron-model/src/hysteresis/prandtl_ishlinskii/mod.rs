@@ -1,8 +1,8 @@
 //! The Prandtl–Ishlinskii model: a polynomial and a weighted sum of play (backlash) operators.
 //!
-//! Sources: M. Brokate, J. Sprekels, *Hysteresis and Phase Transitions*, Springer 1996, doi:10.1007/978-1-4612-4048-8;
-//! the inverse after P. Krejčí, K. Kuhnen, *IEE Proc. Control Theory Appl.* 148 (2001) 185–192,
-//! doi:10.1049/ip-cta:20010375.
+//! Sources: M. Brokate, J. Sprekels, *Hysteresis and Phase Transitions*, Springer 1996,
+//! doi:10.1007/978-1-4612-4048-8; the inverse after P. Krejčí, K. Kuhnen, *IEE Proc. Control Theory Appl.*
+//! 148 (2001) 185–192, doi:10.1049/ip-cta:20010375.
 
 mod inverse;
 
@@ -22,11 +22,12 @@ use crate::start::Start;
 ///
 /// v = Σ_{i≥1} polynomial\[i−1\] uⁱ + Σᵢ weightsᵢ F_rᵢ\[u\],  F_r ← max(u − r, min(u + r, F_r)),
 ///
-/// with half-widths 0 < r₁ < r₂ < … Each play is stepped exactly from sample to sample ([`hysteron_rt::PlayBank`]): the
-/// result does not depend on the sample rate as long as every turning point of u is a sample.
+/// with half-widths 0 < r₁ < r₂ < … Each play is stepped exactly from sample to sample
+/// ([`hysteron_rt::PlayBank`]): the result does not depend on the sample rate as long as every turning point
+/// of u is a sample.
 ///
-/// The states of the plays are the whole memory. They are kept by the caller, one number \[V\] a play, in the order of
-/// the thresholds.
+/// The states of the plays are the whole memory. They are kept by the caller, one number \[V\] a play, in the
+/// order of the thresholds.
 ///
 /// ```
 /// use hysteron_model::{Start, hysteresis::PrandtlIshlinskii};
@@ -38,12 +39,13 @@ use crate::start::Start;
 /// assert_eq!(v, [7.0, 6.0, 5.0, 2.0]);
 /// # Ok::<(), hysteron_model::hysteresis::HysteresisError>(())
 /// ```
-/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it moved, without turning, to
-/// its rest voltage. The steady state under a drive that repeats is reached exactly, to the last bit, after one period. With M
-/// and m the largest and least voltage: a play with 2r ≤ M − m stands at M − r whenever u passes M and at m + r whenever u passes
-/// m, whatever it did before; a wider one is within \[M − r, m + r\] once u has passed both, and no voltage of the drive moves it
-/// from there. Where in this interval a wide play stands is not a matter of the drive: it is taken at (M + m)/2, where a drive
-/// that shrank to this one from large amplitudes leaves it.
+/// The memory of a [`Start::Remembering`] is the voltage \[V\] at which the device was virgin before it
+/// moved, without turning, to its rest voltage. The steady state under a drive that repeats is reached
+/// exactly, to the last bit, after one period. With M and m the largest and least voltage: a play with 2r ≤ M
+/// − m stands at M − r whenever u passes M and at m + r whenever u passes m, whatever it did before; a wider
+/// one is within \[M − r, m + r\] once u has passed both, and no voltage of the drive moves it from there.
+/// Where in this interval a wide play stands is not a matter of the drive: it is taken at (M + m)/2, where a
+/// drive that shrank to this one from large amplitudes leaves it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrandtlIshlinskii {
     /// Coefficients of u, u², … \[µm/V, µm/V², …\]; no constant term (the model's one offset is elsewhere).
@@ -69,8 +71,8 @@ impl PrandtlIshlinskii {
         Ok(model)
     }
 
-    /// Checks that the polynomial is not empty, every number finite, the thresholds positive and increasing, and that
-    /// there is one weight a threshold.
+    /// Checks that the polynomial is not empty, every number finite, the thresholds positive and increasing,
+    /// and that there is one weight a threshold.
     ///
     /// # Errors
     /// The first [`HysteresisError`] found.
@@ -92,26 +94,27 @@ impl PrandtlIshlinskii {
         polynomial::value(&self.polynomial, u)
     }
 
-    /// Initial loading curve φ(u) = l\[u\] + Σ weightsᵢ sign(u) max(|u| − rᵢ, 0) \[µm\]: the output after a monotone move
-    /// from rest at 0 V to `u` \[V\]. For a linear polynomial its inverse function is the loading curve of
-    /// [`Self::inverse`].
+    /// Initial loading curve φ(u) = l\[u\] + Σ weightsᵢ sign(u) max(|u| − rᵢ, 0) \[µm\]: the output after a
+    /// monotone move from rest at 0 V to `u` \[V\]. For a linear polynomial its inverse function is the
+    /// loading curve of [`Self::inverse`].
     pub fn loading_curve(&self, u: f64) -> f64 {
         let plays = self.thresholds.iter().zip(&self.weights);
         plays.fold(self.polynomial_at(u), |v, (r, w)| v + w * (u.abs() - r).max(0.0).copysign(u))
     }
 
-    /// States of the plays of a device that was virgin at the voltage `virgin` and moved, without turning, to `u` \[V\].
+    /// States of the plays of a device that was virgin at the voltage `virgin` and moved, without turning, to
+    /// `u` \[V\].
     pub fn plays_at(&self, virgin: f64, u: f64) -> Vec<f64> {
         self.thresholds.iter().map(|&threshold| play(threshold, virgin, u)).collect()
     }
 
-    /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state a play, anything before and that at the
-    /// last sample afterwards. Allocates nothing.
+    /// v \[µm\] for the voltages `u` \[V\] into `out` (same length). `plays` has one state a play, anything
+    /// before and that at the last sample afterwards. Allocates nothing.
     ///
     /// # Errors
     /// Parameters as in [`Self::validate`]; [`HysteresisError::PlayStates`] and [`HysteresisError::Lengths`];
-    /// [`HysteresisError::Drive`] where u, or a state before it, is not finite; [`HysteresisError::Overflow`] where v
-    /// is not.
+    /// [`HysteresisError::Drive`] where u, or a state before it, is not finite; [`HysteresisError::Overflow`]
+    /// where v is not.
     pub fn simulate(
         &self,
         u: &[f64],
@@ -122,7 +125,8 @@ impl PrandtlIshlinskii {
         self.simulate_every(1, u, start, plays, out)
     }
 
-    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k * factor]`.
+    /// As [`Self::simulate`] for a drive given on a time base finer by `factor`: `out[k]` belongs to `u[k *
+    /// factor]`.
     ///
     /// # Errors
     /// As [`Self::simulate`]; [`HysteresisError::Factor`] for 0.

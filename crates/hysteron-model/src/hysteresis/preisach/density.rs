@@ -26,13 +26,14 @@ impl DensityLaw {
     }
 }
 
-/// One column: a Preisach plane whose density is a product over half-width h = (α − β)/2 and bias m = (α + β)/2,
+/// One column: a Preisach plane whose density is a product over half-width h = (α − β)/2 and bias m = (α +
+/// β)/2,
 ///
 /// μ ∝ f((h − h₀)/σ_h) f((m − m₀)/σ_m),
 ///
-/// integrated over each cell between `levels` (4 × 4 Gauss points) and normalised so that the column runs from −1 to 1.
-/// Shape: `half_width` h₀ ≥ 0, `half_width_spread` σ_h, `bias` m₀, `bias_spread` σ_m \[V\]; the weight is half the height of
-/// the limiting loop \[µm\].
+/// integrated over each cell between `levels` (4 × 4 Gauss points) and normalised so that the column runs
+/// from −1 to 1. Shape: `half_width` h₀ ≥ 0, `half_width_spread` σ_h, `bias` m₀, `bias_spread` σ_m \[V\]; the
+/// weight is half the height of the limiting loop \[µm\].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreisachDensity {
     /// The plane; relays beyond its levels are left out.
@@ -100,7 +101,8 @@ impl PreisachDensity {
                 for (x, w_x) in GAUSS {
                     for (y, w_y) in GAUSS {
                         let (alpha, beta, area) = if i == j {
-                            // The triangle below the diagonal, over half-width and bias, where it is its own mirror image.
+                            // The triangle below the diagonal, over half-width and bias, where it is its own
+                            // mirror image.
                             let h = 0.5 * (b - a) * x;
                             let m = a + h + (b - a - 2.0 * h) * y;
                             (m + h, m - h, (b - a) * (b - a - 2.0 * h))

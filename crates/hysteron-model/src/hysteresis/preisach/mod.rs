@@ -1,8 +1,8 @@
 //! The Preisach model: a plane of relays.
 //!
-//! Sources: F. Preisach, *Z. Phys.* 94 (1935) 277–302, doi:10.1007/BF01349418; D. H. Everett, *Trans. Faraday Soc.* 51
-//! (1955) 1551–1557, doi:10.1039/TF9555101551; I. D. Mayergoyz, *Mathematical Models of Hysteresis*, Springer 1991,
-//! doi:10.1007/978-1-4612-3028-1.
+//! Sources: F. Preisach, *Z. Phys.* 94 (1935) 277–302, doi:10.1007/BF01349418; D. H. Everett, *Trans. Faraday
+//! Soc.* 51 (1955) 1551–1557, doi:10.1039/TF9555101551; I. D. Mayergoyz, *Mathematical Models of Hysteresis*,
+//! Springer 1991, doi:10.1007/978-1-4612-3028-1.
 
 pub(super) mod density;
 mod staircase;
@@ -22,16 +22,17 @@ use staircase::{Edge, Piece, Staircase};
 /// Most levels of a plane.
 const MOST_LEVELS: usize = 201;
 
-/// Columns of a discretised Preisach plane: for every pair i > j of intervals between levels x₀ < x₁ < …, the mean of the
-/// relays that switch up at α in \[xᵢ, xᵢ₊₁\] and down at β in \[xⱼ, xⱼ₊₁\]; for i = j, on the diagonal, the ramp from −1 at xᵢ to
-/// 1 at xᵢ₊₁, which is without hysteresis.
+/// Columns of a discretised Preisach plane: for every pair i > j of intervals between levels x₀ < x₁ < …, the
+/// mean of the relays that switch up at α in \[xᵢ, xᵢ₊₁\] and down at β in \[xⱼ, xⱼ₊₁\]; for i = j, on the
+/// diagonal, the ramp from −1 at xᵢ to 1 at xᵢ₊₁, which is without hysteresis.
 ///
-/// All columns are continuous and lie in \[−1, 1\]. Column i(i + 1)/2 + j belongs to (i, j); with weights w the Everett
-/// function is Σ w over the cells of its triangle, bilinear between the levels and linear next to the diagonal. Weights
-/// that are not negative, found by regularised non-negative least squares, are a measured Preisach density.
+/// All columns are continuous and lie in \[−1, 1\]. Column i(i + 1)/2 + j belongs to (i, j); with weights w
+/// the Everett function is Σ w over the cells of its triangle, bilinear between the levels and linear next to
+/// the diagonal. Weights that are not negative, found by regularised non-negative least squares, are a
+/// measured Preisach density.
 ///
-/// Without shape parameters. Virgin at u: relays with α + β < 2u are up, the others down, as an alternating voltage about
-/// u that decays slowly leaves them.
+/// Without shape parameters. Virgin at u: relays with α + β < 2u are up, the others down, as an alternating
+/// voltage about u that decays slowly leaves them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preisach {
     /// Levels \[V\], increasing, 2 to 201.
@@ -196,7 +197,8 @@ fn positive_part<S: Scalar<Real = f64>>(x: S) -> S {
     if x.value() > 0.0 { x } else { S::constant(0.0) }
 }
 
-/// Area of the relays of a cell (α in `row`, β in `column`, below all of the row) that a rising piece switches.
+/// Area of the relays of a cell (α in `row`, β in `column`, below all of the row) that a rising piece
+/// switches.
 fn swept<S: Scalar<Real = f64>>(piece: Piece<S>, [low, high]: [f64; 2], [c, d]: [f64; 2]) -> S {
     let clip = |x: S| between(S::constant(low), x, S::constant(high));
     let (from, to) = (clip(piece.from), clip(piece.to));

@@ -2,12 +2,12 @@
 
 use hysteron_rt::Scalar;
 
-/// The staircase between relays that are up and relays that are down, as the voltages at which it turns; beyond the
-/// largest of them it is the antidiagonal α + β = 2 · rest of a virgin device.
+/// The staircase between relays that are up and relays that are down, as the voltages at which it turns;
+/// beyond the largest of them it is the antidiagonal α + β = 2 · rest of a virgin device.
 ///
-/// A move is handed on in pieces. On each, going up from `from` to `to`, the relays with α between these and β from an edge
-/// up to α are switched; a loop that closes ends its piece, and the two turns that made it are forgotten. So the cost of a
-/// move is in proportion to what it changes.
+/// A move is handed on in pieces. On each, going up from `from` to `to`, the relays with α between these and
+/// β from an edge up to α are switched; a loop that closes ends its piece, and the two turns that made it are
+/// forgotten. So the cost of a move is in proportion to what it changes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Staircase<S> {
     rest: S,
