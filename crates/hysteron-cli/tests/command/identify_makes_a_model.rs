@@ -99,7 +99,7 @@ fn parameters_come_back_and_demands_are_kept() {
 fn a_search_cut_short_is_not_trusted() {
     let bench = Bench::new();
     bench.write("loop.csv", simulated());
-    let part = "The search of the static block, degree 2 was too short to be trusted";
+    let part = "The search of the joint fit was too short to be trusted";
     let flags = "--degree 2 --optimizer de-abc --report new.html --json";
     let run = bench.run(&format!("identify loop.csv -o new.json {flags} --generations 5"));
     assert!(run.stderr.contains(&format!("warning: {part}")), "{}", run.stderr);

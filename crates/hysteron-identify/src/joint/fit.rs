@@ -76,10 +76,12 @@ pub(in super::super) fn identify(
     options: &Options,
     mut engine: Engine<'_, '_>,
 ) -> Result<Identification, IdentifyError> {
-    let form = setup::form(options);
-    check_demands(options, &form, facts.len())?;
     let members: Vec<JointMember<'_>> =
         facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
+    let is_slow = !roles.contains(&RecordRole::Dynamic);
+    let options = &if is_slow { slow(options, &members)? } else { options.clone() };
+    let form = setup::form(options);
+    check_demands(options, &form, facts.len())?;
     let is_static = form.parameters().is_empty();
     let left_out: Vec<usize> = members.iter().map(|m| if is_static { m.unfollowed() } else { 0 }).collect();
     let masked: Vec<RecordFacts> =
@@ -238,7 +240,7 @@ pub(in super::super) fn identify(
         degrees,
         degree,
         creep: form.creep,
-        delay_and_lag_from_start: false,
+        delay_and_lag_from_start: is_slow && !is_static,
         creeps: Vec::new(),
         left_out: left_out
             .into_iter()
@@ -281,6 +283,30 @@ pub(in super::super) fn identify(
     };
     findings::write(facts, options, &mut identification);
     Ok(identification)
+}
+
+/// The options for slow records alone: they hold no dynamics but what a jump from rest shows, a lag and the
+/// delay.
+///
+/// # Errors
+/// [`IdentifyError::NoDynamicInformation`] where other dynamics are asked for.
+fn slow(options: &Options, members: &[JointMember<'_>]) -> Result<Options, IdentifyError> {
+    let jumps = members.iter().any(|member| member.unfollowed() > 0);
+    let (dynamics, order) = match options.dynamics {
+        DynamicsChoice::Auto if jumps && options.delay_s == Choice::Auto => (DynamicsChoice::Integer, 1),
+        DynamicsChoice::Auto | DynamicsChoice::None => (DynamicsChoice::None, options.order),
+        DynamicsChoice::Integer => (DynamicsChoice::Integer, options.order),
+        wanted => {
+            return Err(IdentifyError::NoDynamicInformation {
+                wanted: wanted.name(),
+                because: "the campaign holds quasi-static records only; add a sweep or sines well above \
+                          their frequency, \
+                          or name the record that is one"
+                    .into(),
+            });
+        }
+    };
+    Ok(Options { dynamics, order, ..options.clone() })
 }
 
 /// The problem in which a delay is free, at the point `x` of one without a delay: what slow drive does not
