@@ -90,11 +90,18 @@ pub fn identify(
     watch: &Watch<'_>,
     resume: Option<Searches>,
 ) -> Result<Identification, IdentifyError> {
+    let identify = |records: &[CampaignRecord]| {
+        identify_records(records, options, watch, resume).map_err(|e| match e {
+            // A search had not evaluated any point.
+            IdentifyError::Optimize(_) if watch.is_stopped() => IdentifyError::Stopped,
+            e => e,
+        })
+    };
     if !options.continued {
-        return identify_records(records, options, watch, resume);
+        return identify(records);
     }
     let runs = campaign::runs(records)?;
-    let mut found = identify_records(&campaign::of_runs(records, &runs), options, watch, resume)?;
+    let mut found = identify(&campaign::of_runs(records, &runs))?;
     let parts = found.records.iter().zip(&runs).map(|(fit, run)| fit.in_parts(run));
     let parts = parts.collect::<Result<Vec<_>, _>>()?.concat();
     found.runs = std::mem::replace(&mut found.records, parts);

@@ -89,10 +89,9 @@ fn parameters_come_back_and_demands_are_kept() {
         "identify loop.csv -o again.json --degree 2 --optimizer de --generations 5 --start all.json --json",
     ));
     let again = model_data(&bench.path("again.json"));
-    assert_eq!(
-        again.hysteresis.parameters.get("beta").unwrap().value,
-        file.hysteresis.parameters.get("beta").unwrap().value
-    );
+    // A search that begins at the optimum ends there, to what its last step rounds.
+    let [again, first] = [again, file].map(|file| file.hysteresis.parameters.get("beta").unwrap().value);
+    assert!((again / first - 1.0).abs() < 1e-9, "{again} {first}");
 }
 
 #[test]

@@ -104,14 +104,14 @@ pub(in super::super) fn identify(
         Choice::Given(degree) => degree,
         Choice::Auto => DEGREE_OF_STARTS,
     };
-    let mut problem = setup.problem(first_degree, reduced)?.finishing();
+    let mut problem = setup.problem(first_degree, reduced)?;
     let grown = |x: &[f64]| shown(&problem, x, &setup);
     let mut search = search_globally((&problem, reduced), &setup, &mut engine, Some(&grown))?;
     if let Some(longer) =
         setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
     {
         setup = longer;
-        problem = setup.problem(first_degree, reduced)?.finishing();
+        problem = setup.problem(first_degree, reduced)?;
         let grown = |x: &[f64]| shown(&problem, x, &setup);
         let mut wider = search_globally((&problem, reduced), &setup, &mut engine, Some(&grown))?;
         let from_edge = vec![search.outcome.best.clone()];
@@ -184,7 +184,7 @@ pub(in super::super) fn identify(
     };
     // Without a delay that slow drive does not tell.
     let searched = problem.bounds().clone();
-    let (problem, x, small, at_small) = if shows_delay || asked_delay != Choice::Auto {
+    let (problem, x, small, at_small) = if shows_delay || asked_delay != Choice::Auto || engine.is_stopped() {
         (problem, x, small, at_small)
     } else {
         let asked = Options { delay_s: Choice::Auto, ..options.clone() };
@@ -442,7 +442,7 @@ fn search_from_places(
     let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
     points.extend(setup.unfitted(problem, &places));
     if engine.is_stopped() {
-        points.splice(0..0, problem.best());
+        points = problem.best().into_iter().collect();
     }
     let mut search = engine.fit_from("joint fit", problem, points, show)?;
     search.outcome.evaluations += places.evaluations + evaluations;
