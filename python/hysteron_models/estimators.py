@@ -174,8 +174,7 @@ class Estimator:
         """One row a parameter, by its name: ``value``, ``std_error``, ``lower``, ``upper``, ``unit``.
 
         ``lower`` to ``upper`` is the 95 % interval of a joint fit. Both are NaN for parameters that were held or
-        are not determined, and in fits of two steps (Bouc–Wen from slow records alone is one), of oscillators and
-        of branches.
+        are not determined, and in fits of two steps, of oscillators and of branches.
         """
         try:
             import pandas as pd

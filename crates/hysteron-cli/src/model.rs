@@ -264,10 +264,9 @@ impl Loaded {
 
     /// Why the file gives no band.
     pub fn no_band(&self, error: &IdentifyError) -> Failure {
-        Failure::new(format!("cannot draw a band around {}", self.path.display())).because(error).hint(
-            "identify the model anew: a joint fit, or one of slow records alone, writes what a band needs; \
-             two steps and ARX do not",
-        )
+        Failure::new(format!("cannot draw a band around {}", self.path.display()))
+            .because(error)
+            .hint("identify the model anew: a joint fit writes what a band needs; two steps and ARX do not")
     }
 
     /// The library's error with what to do about it.

@@ -79,8 +79,7 @@ pub use hysteron_optimize::Stop;
 use static_step::OFFSET;
 
 /// Identifies a Hammerstein model from a campaign: by one joint fit, or by the article's two-step procedure
-/// ([`Options::method`]), which also takes campaigns of quasi-static records alone, and an ARX block: that
-/// belongs to one sample rate.
+/// ([`Options::method`]), which also takes the sampled dynamics (ARX, OE, BJ) and SRIVC.
 ///
 /// # Errors
 /// [`IdentifyError`]: records that hold nothing, options that cannot be met, a model class that does not
@@ -91,11 +90,18 @@ pub fn identify(
     watch: &Watch<'_>,
     resume: Option<Searches>,
 ) -> Result<Identification, IdentifyError> {
+    let identify = |records: &[CampaignRecord]| {
+        identify_records(records, options, watch, resume).map_err(|e| match e {
+            // A search had not evaluated any point.
+            IdentifyError::Optimize(_) if watch.is_stopped() => IdentifyError::Stopped,
+            e => e,
+        })
+    };
     if !options.continued {
-        return identify_records(records, options, watch, resume);
+        return identify(records);
     }
     let runs = campaign::runs(records)?;
-    let mut found = identify_records(&campaign::of_runs(records, &runs), options, watch, resume)?;
+    let mut found = identify(&campaign::of_runs(records, &runs))?;
     let parts = found.records.iter().zip(&runs).map(|(fit, run)| fit.in_parts(run));
     let parts = parts.collect::<Result<Vec<_>, _>>()?.concat();
     found.runs = std::mem::replace(&mut found.records, parts);
@@ -120,48 +126,36 @@ fn identify_records(
         ..Settings::default()
     };
     let joint = options.method == Method::Joint && !options.dynamics.takes_two_steps();
-    let in_two_steps = !joint
-        || (!campaign::has_second_step(&roles, options)
-            && options.family() == HysteresisForm::BoucWen
-            && options.creep == Creep::None);
     let plan = match &options.algorithm {
-        _ if in_two_steps => two_step::PLAN,
+        _ if !joint => two_step::PLAN,
         Some(algorithm) if algorithm.name() != "least-squares" => joint::POPULATION_PLAN,
         _ => joint::PLAN,
     };
     let engine = Engine::new(options.algorithm.as_ref(), settings.clone(), watch, plan, resume);
-    if !joint && options.creep != Creep::None {
-        return Err(IdentifyError::CreepTakesJointFit);
-    }
-    if joint && campaign::has_second_step(&roles, options) {
-        let found = joint::identify(&facts, &roles, options, engine)?;
-        if options.dynamics != DynamicsChoice::Auto || found.cancelled || !beyond_the_records(&found) {
-            return Ok(found);
+    if !joint {
+        if options.creep != Creep::None {
+            return Err(IdentifyError::CreepTakesJointFit);
         }
-        let without = Options { dynamics: DynamicsChoice::None, ..options.clone() };
-        let engine = Engine::new(options.algorithm.as_ref(), settings, watch, plan, None);
-        let mut other = joint::identify(&facts, &roles, &without, engine)?;
-        if other.cancelled || !as_good(&other, &found) {
-            return Ok(found);
-        }
-        let text = "A resonance would lie beyond what these records show, and the loops are met as well \
-                    without: there is none in the model. \
-                    Add a sweep that comes near it.";
-        other.findings.push(Finding::new(FindingKind::Advice, "resonance", text));
-        Ok(other)
-    } else if options.family() != HysteresisForm::BoucWen || options.creep != Creep::None {
-        if !joint {
+        if options.family() != HysteresisForm::BoucWen {
             return Err(IdentifyError::FamilyTakesJointFit);
         }
-        // Slow records alone hold no dynamics.
-        let dynamics = match options.dynamics {
-            DynamicsChoice::Auto => DynamicsChoice::None,
-            given => given,
-        };
-        joint::identify(&facts, &roles, &Options { dynamics, ..options.clone() }, engine)
-    } else {
-        two_step::identify(&facts, &roles, options, engine)
+        return two_step::identify(&facts, &roles, options, engine);
     }
+    let found = joint::identify(&facts, &roles, options, engine)?;
+    if options.dynamics != DynamicsChoice::Auto || found.cancelled || !beyond_the_records(&found) {
+        return Ok(found);
+    }
+    let without = Options { dynamics: DynamicsChoice::None, ..options.clone() };
+    let engine = Engine::new(options.algorithm.as_ref(), settings, watch, plan, None);
+    let mut other = joint::identify(&facts, &roles, &without, engine)?;
+    if other.cancelled || !as_good(&other, &found) {
+        return Ok(found);
+    }
+    let text = "A resonance would lie beyond what these records show, and the loops are met as well without: \
+                there is none \
+                in the model. Add a sweep that comes near it.";
+    other.findings.push(Finding::new(FindingKind::Advice, "resonance", text));
+    Ok(other)
 }
 
 /// Whether the resonance of a fit ended at the upper end of where it was sought: beyond the fastest drive,

@@ -27,8 +27,7 @@ use hysteron_optimize::{Bounds, Problem};
 pub(super) const PLAN: Plan =
     Plan(&[("start of", 0.05), ("degree", 0.10), ("static block", 0.40), ("dynamic block", 0.45)]);
 
-/// Identifies one block after the other. A campaign of quasi-static records alone has no second step, and its
-/// first is a joint fit of all that such records determine.
+/// Identifies one block after the other. A campaign of quasi-static records alone has no second step.
 pub(super) fn identify(
     facts: &[RecordFacts],
     roles: &[RecordRole],
@@ -120,7 +119,7 @@ pub(super) fn identify(
     let mut searches = vec![step1.search];
     searches.extend(step2.into_search());
     let mut identification = Identification {
-        method: if follow { Method::TwoStep } else { Method::Joint },
+        method: Method::TwoStep,
         model,
         parameters,
         correlations,

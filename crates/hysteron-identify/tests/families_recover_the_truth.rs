@@ -212,21 +212,22 @@ fn every_family_follows_a_device_made_of_it() {
         };
         let campaign = [CampaignRecord { data, role: Some(RecordRole::QuasiStatic) }];
         let found = identify(&campaign, &options, &Watch::silent(), None).unwrap();
-        // A drive that was not fitted.
+        // A drive that was not fitted. The device is prepared as before the other, with what memory the fit
+        // found then: weights of relays that close once alone and that memory determine each other.
         let u = loops(0.31);
-        let rest = Start::Rest { voltage_v: u[0] };
-        let run = |model: &Model| model.simulate(&u, Some(RATE_HZ), &rest).unwrap();
-        let (wanted, got) = (run(&truth), run(&found.model));
+        let start = found.records[0].start;
+        let run = |model: &Model, start| model.simulate(&u, Some(RATE_HZ), &start).unwrap();
+        let (wanted, got) = (run(&truth, Start::Rest { voltage_v: u[0] }), run(&found.model, start));
         let error = wanted.iter().zip(&got).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let [low, high] = wanted.iter().fold([f64::MAX, f64::MIN], |[l, h], y| [l.min(*y), h.max(*y)]);
         println!("{form:?}: {error:.5} µm of {:.1}", high - low);
         // Where thresholds or levels lie on a grid of the fit's, they are not those of the device.
         let held = form.shape_numbers(&SPAN).iter().any(|number| matches!(number.search, Search::Held(_)));
         let on_a_grid = form.elements() > 2 || (held && form != HysteresisForm::BoucWen);
-        let allowed = if on_a_grid { 0.06 * (high - low) } else { 0.01 };
+        let allowed = if on_a_grid { 0.015 * (high - low) } else { 0.01 };
         assert!(error < allowed, "{form:?}: {error} µm of {}", high - low);
         if let Some(uncertainty) = &found.output_uncertainty {
-            let band = uncertainty.band(&u, Some(RATE_HZ), &rest).unwrap();
+            let band = uncertainty.band(&u, Some(RATE_HZ), &start).unwrap();
             assert!(band.std_dev.iter().all(|error| error.is_finite()), "{form:?}");
         }
     }

@@ -52,10 +52,10 @@ use crate::result_flags::ResultFlags;
     after_help = "Without flags the structure is the one that the records support: polynomial degree by BIC; \
     fractional dynamics where a record is much faster than the slowest one, else delay and lag from a start \
     from rest. Slow and fast records are recognised; --static and --dynamic override it.\n\n\
-    Records that carry dynamics are fitted jointly: both blocks, the delay, offset and initial hysteresis \
-    memory of each record, from several starts, first on decimated records, then on all samples. --method \
-    two-step is the article's way: hysteresis from the slow records, then dynamics from the others. Slow \
-    records alone, and --dynamics arx, oe, bj and srivc, go that way.\n\n\
+    Records are fitted jointly: both blocks, the delay, offset and initial hysteresis memory of each record, \
+    from several starts, first on decimated records, then on all samples. --method two-step is the article's \
+    way: hysteresis from the slow records, then dynamics from the others; --dynamics arx, oe, bj and srivc \
+    go that way.\n\n\
     Parameters for --fix and --bound: linear, quadratic, cubic, …, alpha, beta, gamma, n (other families: \
     the names in their model files), offset, delay [s]; joint: natural_frequency [Hz], damping, \
     natural_frequency_2, damping_2, …, lag [s], order2, order1, order0, share, share_2, …, creep, \

@@ -100,6 +100,6 @@ fn a_terminated_fit_exits_with_143_and_its_partial_model_is_read_like_any() {
 /// Generation that the interrupted main search had reached; `None` if it had not begun.
 fn generation(searches: &str) -> Option<usize> {
     let state: serde_json::Value = serde_json::from_str(searches).unwrap();
-    let (_, search) = state["searches"].as_object()?.iter().find(|(k, _)| k.starts_with("static block"))?;
+    let (_, search) = state["searches"].as_object()?.iter().find(|(k, _)| *k == "joint fit")?;
     Some(search["ledger"]["generation"].as_u64()? as usize)
 }

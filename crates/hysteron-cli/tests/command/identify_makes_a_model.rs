@@ -89,17 +89,16 @@ fn parameters_come_back_and_demands_are_kept() {
         "identify loop.csv -o again.json --degree 2 --optimizer de --generations 5 --start all.json --json",
     ));
     let again = model_data(&bench.path("again.json"));
-    assert_eq!(
-        again.hysteresis.parameters.get("beta").unwrap().value,
-        file.hysteresis.parameters.get("beta").unwrap().value
-    );
+    // A search that begins at the optimum ends there, to what its last step rounds.
+    let [again, first] = [again, file].map(|file| file.hysteresis.parameters.get("beta").unwrap().value);
+    assert!((again / first - 1.0).abs() < 1e-9, "{again} {first}");
 }
 
 #[test]
 fn a_search_cut_short_is_not_trusted() {
     let bench = Bench::new();
     bench.write("loop.csv", simulated());
-    let part = "The search of the static block, degree 2 was too short to be trusted";
+    let part = "The search of the joint fit was too short to be trusted";
     let flags = "--degree 2 --optimizer de-abc --report new.html --json";
     let run = bench.run(&format!("identify loop.csv -o new.json {flags} --generations 5"));
     assert!(run.stderr.contains(&format!("warning: {part}")), "{}", run.stderr);

@@ -191,13 +191,14 @@ impl OutputUncertainty {
         };
         let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
         let depends_on = self.hysteresis.depends_on();
+        let scheme = (self.scheme, !self.form.parameters().is_empty());
         let TimedDrive { fine, thinning, clock } = match (timing, start) {
             (Timing::Stamps(times_s), Start::Settled { period_samples, .. }) => {
                 let period = period_samples.unwrap_or(drive.len());
                 let cycles = cycles_before(times_s, drive, period, 0..drive.len());
-                TimedDrive::on_stamps(cycles, (times_s, drive), self.scheme, self.inter_sample, depends_on)?
+                TimedDrive::on_stamps(cycles, (times_s, drive), scheme, self.inter_sample, depends_on)?
             }
-            _ => TimedDrive::new((drive, ends), timing, self.scheme, self.inter_sample, depends_on)?,
+            _ => TimedDrive::new((drive, ends), timing, scheme, self.inter_sample, depends_on)?,
         };
         let record = JointRecord::new(Ingredients {
             drive: fine.as_deref().unwrap_or(drive),

@@ -137,8 +137,13 @@ impl<'a> JointMember<'a> {
             nuisance.push((0..samples).map(|k| k as f64 / samples as f64 - 0.5).collect());
         }
         let ends = if self.before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
-        let TimedDrive { fine, thinning, clock } =
-            TimedDrive::new((&data.u, ends), timing, scheme, options.inter_sample(), Dependence::Order)?;
+        let TimedDrive { fine, thinning, clock } = TimedDrive::new(
+            (&data.u, ends),
+            timing,
+            (scheme, is_averaged(options)),
+            options.inter_sample(),
+            Dependence::Order,
+        )?;
         Ok(JointRecord::new(Ingredients {
             drive: fine.as_ref().unwrap_or(&data.u),
             thinning,
@@ -201,7 +206,7 @@ impl<'a> JointMember<'a> {
         let TimedDrive { fine, thinning, clock } = TimedDrive::on_stamps(
             cycles,
             (&pick(&times_s), &drive),
-            scheme,
+            (scheme, is_averaged(options)),
             options.inter_sample(),
             depends_on,
         )?;
@@ -266,6 +271,11 @@ fn periodic(facts: &RecordFacts) -> Result<Start<()>, IdentifyError> {
             found: "the drive does not repeat from its first sample on".into(),
         }),
     }
+}
+
+/// Whether dynamics behind the hysteresis average what it does between samples.
+fn is_averaged(options: &Options) -> bool {
+    !super::setup::form(options).parameters().is_empty()
 }
 
 /// By how much a record can be thinned and still show every swing of its drive. A jump into the record is not

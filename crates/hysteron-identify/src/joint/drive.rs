@@ -70,7 +70,7 @@ impl TimedDrive {
     pub(super) fn on_stamps(
         before: (Vec<f64>, Vec<f64>),
         (times_s, u): (&[f64], &[f64]),
-        scheme: Scheme,
+        (scheme, averaged): (Scheme, bool),
         inter_sample: InterSample,
         depends_on: Dependence,
     ) -> Result<Self, SimulationError> {
@@ -79,28 +79,30 @@ impl TimedDrive {
         knots_s.extend_from_slice(times_s);
         drive.extend_from_slice(u);
         let timing = Timing::Stamps(&knots_s);
-        let mut timed = Self::new((&drive, RecordEnds::Open), timing, scheme, inter_sample, depends_on)?;
+        let mut timed =
+            Self::new((&drive, RecordEnds::Open), timing, (scheme, averaged), inter_sample, depends_on)?;
         if let Clock::Stamps { outputs_s, .. } = &mut timed.clock {
             outputs_s.drain(..count);
         }
         Ok(timed)
     }
 
-    /// The drive `u` sampled as `timing` says; `depends_on`: what the hysteresis does.
+    /// The drive `u` sampled as `timing` says; `averaged`: dynamics behind the hysteresis see its means;
+    /// `depends_on`: what the hysteresis does.
     ///
     /// # Errors
     /// [`SimulationError::NoSampleRate`] where that is unknown; a drive that cannot be interpolated.
     pub(super) fn new(
         (u, ends): (&[f64], RecordEnds),
         timing: Timing<'_>,
-        scheme: Scheme,
+        (scheme, averaged): (Scheme, bool),
         inter_sample: InterSample,
         depends_on: Dependence,
     ) -> Result<Self, SimulationError> {
         match timing {
             Timing::Unknown => Err(SimulationError::NoSampleRate),
             Timing::Rate(sample_rate_hz) => {
-                let (fine, thinning) = fine_drive(u, scheme, inter_sample, ends)?;
+                let (fine, thinning) = fine_drive(u, (scheme, averaged), inter_sample, ends)?;
                 Ok(Self { fine, thinning, clock: Clock::Rate(sample_rate_hz) })
             }
             Timing::Stamps(times_s) => {
@@ -132,12 +134,13 @@ pub(super) fn cycles_before(
 /// that.
 pub(super) fn fine_drive(
     drive: &[f64],
-    scheme: Scheme,
+    (scheme, averaged): (Scheme, bool),
     inter_sample: InterSample,
     ends: RecordEnds,
 ) -> Result<(Option<Vec<f64>>, Thinning), SimulationError> {
     let (finer, thinning) = if joins_means(scheme, inter_sample) {
-        (2, Thinning::Means)
+        // What a family allows is asked between the samples too.
+        (2, if averaged { Thinning::Means } else { Thinning::Pick(2) })
     } else if inter_sample == InterSample::BandLimited {
         (FINER, Thinning::Pick(FINER))
     } else {

@@ -76,10 +76,12 @@ pub(in super::super) fn identify(
     options: &Options,
     mut engine: Engine<'_, '_>,
 ) -> Result<Identification, IdentifyError> {
-    let form = setup::form(options);
-    check_demands(options, &form, facts.len())?;
     let members: Vec<JointMember<'_>> =
         facts.iter().map(|facts| JointMember::new(facts, options, &mut engine)).collect::<Result<_, _>>()?;
+    let is_slow = !roles.contains(&RecordRole::Dynamic);
+    let options = &if is_slow { slow(options, &members)? } else { options.clone() };
+    let form = setup::form(options);
+    check_demands(options, &form, facts.len())?;
     let is_static = form.parameters().is_empty();
     let left_out: Vec<usize> = members.iter().map(|m| if is_static { m.unfollowed() } else { 0 }).collect();
     let masked: Vec<RecordFacts> =
@@ -102,14 +104,14 @@ pub(in super::super) fn identify(
         Choice::Given(degree) => degree,
         Choice::Auto => DEGREE_OF_STARTS,
     };
-    let mut problem = setup.problem(first_degree, reduced)?.finishing();
+    let mut problem = setup.problem(first_degree, reduced)?;
     let grown = |x: &[f64]| shown(&problem, x, &setup);
     let mut search = search_globally((&problem, reduced), &setup, &mut engine, Some(&grown))?;
     if let Some(longer) =
         setup.with_longer_delays(&problem, &search.outcome.best).filter(|_| !engine.is_stopped())
     {
         setup = longer;
-        problem = setup.problem(first_degree, reduced)?.finishing();
+        problem = setup.problem(first_degree, reduced)?;
         let grown = |x: &[f64]| shown(&problem, x, &setup);
         let mut wider = search_globally((&problem, reduced), &setup, &mut engine, Some(&grown))?;
         let from_edge = vec![search.outcome.best.clone()];
@@ -182,7 +184,7 @@ pub(in super::super) fn identify(
     };
     // Without a delay that slow drive does not tell.
     let searched = problem.bounds().clone();
-    let (problem, x, small, at_small) = if shows_delay || asked_delay != Choice::Auto {
+    let (problem, x, small, at_small) = if shows_delay || asked_delay != Choice::Auto || engine.is_stopped() {
         (problem, x, small, at_small)
     } else {
         let asked = Options { delay_s: Choice::Auto, ..options.clone() };
@@ -238,7 +240,7 @@ pub(in super::super) fn identify(
         degrees,
         degree,
         creep: form.creep,
-        delay_and_lag_from_start: false,
+        delay_and_lag_from_start: is_slow && !is_static,
         creeps: Vec::new(),
         left_out: left_out
             .into_iter()
@@ -281,6 +283,30 @@ pub(in super::super) fn identify(
     };
     findings::write(facts, options, &mut identification);
     Ok(identification)
+}
+
+/// The options for slow records alone: they hold no dynamics but what a jump from rest shows, a lag and the
+/// delay.
+///
+/// # Errors
+/// [`IdentifyError::NoDynamicInformation`] where other dynamics are asked for.
+fn slow(options: &Options, members: &[JointMember<'_>]) -> Result<Options, IdentifyError> {
+    let jumps = members.iter().any(|member| member.unfollowed() > 0);
+    let (dynamics, order) = match options.dynamics {
+        DynamicsChoice::Auto if jumps && options.delay_s == Choice::Auto => (DynamicsChoice::Integer, 1),
+        DynamicsChoice::Auto | DynamicsChoice::None => (DynamicsChoice::None, options.order),
+        DynamicsChoice::Integer => (DynamicsChoice::Integer, options.order),
+        wanted => {
+            return Err(IdentifyError::NoDynamicInformation {
+                wanted: wanted.name(),
+                because: "the campaign holds quasi-static records only; add a sweep or sines well above \
+                          their frequency, \
+                          or name the record that is one"
+                    .into(),
+            });
+        }
+    };
+    Ok(Options { dynamics, order, ..options.clone() })
 }
 
 /// The problem in which a delay is free, at the point `x` of one without a delay: what slow drive does not
@@ -416,7 +442,7 @@ fn search_from_places(
     let Starts { mut points, evaluations } = setup.fitted(problem, &places, 0..FIRST_STARTS, engine)?;
     points.extend(setup.unfitted(problem, &places));
     if engine.is_stopped() {
-        points.splice(0..0, problem.best());
+        points = problem.best().into_iter().collect();
     }
     let mut search = engine.fit_from("joint fit", problem, points, show)?;
     search.outcome.evaluations += places.evaluations + evaluations;

@@ -88,7 +88,6 @@ pub(in super::super) struct JointProblem {
     bounds: Bounds,
     identity: String,
     stop: Stop,
-    finishes: bool,
     best: Mutex<Option<Evaluated>>,
 }
 
@@ -119,8 +118,8 @@ pub(in super::super) struct JointWorkspace {
 }
 
 impl JointWorkspace {
-    /// What ends an evaluation early; `None`: it is finished.
-    fn set_stop(&mut self, stop: Option<&Stop>) {
+    /// What ends an evaluation early.
+    fn set_stop(&mut self, stop: &Stop) {
         self.records.iter_mut().for_each(|record| record.set_stop(stop));
     }
 }
@@ -158,32 +157,12 @@ impl JointProblem {
         }
         let shaped = layout.shape.iter().map(|role| matches!(role, Role::Searched(_))).collect();
         let (stop, best) = (Stop::new(), Mutex::default());
-        let finishes = false;
-        Self {
-            records,
-            at,
-            hysteresis,
-            form,
-            layout,
-            searched,
-            shaped,
-            bounds,
-            identity,
-            stop,
-            finishes,
-            best,
-        }
+        Self { records, at, hysteresis, form, layout, searched, shaped, bounds, identity, stop, best }
     }
 
     /// The same, stopped by `stop`: an evaluation is given up.
     pub(super) fn stopped_by(self, stop: &Stop) -> Self {
         Self { stop: stop.clone(), ..self }
-    }
-
-    /// The same; an evaluation that begins after the stop is finished, without derivatives: there is a point
-    /// to hand out.
-    pub(super) fn finishing(self) -> Self {
-        Self { finishes: true, ..self }
     }
 
     /// The best point evaluated so far.
@@ -215,9 +194,8 @@ impl JointProblem {
 
     /// [`Self::eliminate`] for a search; given up where a stop is asked for meanwhile.
     fn evaluate(&self, x: &[f64], derivatives: Derivatives<'_>, ws: &mut JointWorkspace) -> bool {
-        let finish = self.finishes && self.stop.is_requested();
-        ws.set_stop((!finish).then_some(&self.stop));
-        self.eliminate(x, derivatives.filter(|_| !finish), ws)
+        ws.set_stop(&self.stop);
+        !self.stop.is_requested() && self.eliminate(x, derivatives, ws)
     }
 
     pub(in super::super) fn layout(&self) -> &JointLayout {
@@ -475,7 +453,7 @@ impl JointProblem {
         wanted: Derivatives<'_>,
         ws: &mut JointWorkspace,
     ) -> bool {
-        ws.set_stop(Some(&self.stop));
+        ws.set_stop(&self.stop);
         if self.stop.is_requested() || !self.respond(x, wanted, ws) {
             return false;
         }

@@ -120,9 +120,9 @@ struct Lane {
 }
 
 impl RecordWorkspace {
-    /// What ends an evaluation early; `None`: it is finished.
-    pub(super) fn set_stop(&mut self, stop: Option<&Stop>) {
-        self.hysteresis.columns.stop = stop.cloned();
+    /// What ends an evaluation early.
+    pub(super) fn set_stop(&mut self, stop: &Stop) {
+        self.hysteresis.columns.stop = Some(stop.clone());
     }
 }
 

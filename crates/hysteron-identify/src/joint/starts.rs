@@ -163,7 +163,7 @@ impl JointSetup<'_> {
         let index = self.slowest();
         let members = self.members.get(index..=index).unwrap_or_default();
         let setup = JointSetup::new(members, self.form, options).stopped_by(&self.stop);
-        let problem = setup.problem(degree, true)?.finishing();
+        let problem = setup.problem(degree, true)?;
         let lattice = self
             .shapes()
             .into_iter()

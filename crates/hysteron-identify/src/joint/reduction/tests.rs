@@ -17,7 +17,7 @@ const RATE: f64 = 10_000.0;
 
 fn record(drive: &[f64], rule: InterSample, before: Start<()>, factor: usize) -> JointRecord {
     let ends = if before == Start::PERIODIC { RecordEnds::Periodic } else { RecordEnds::Open };
-    let (fine, thinning) = fine_drive(drive, Scheme::BandLimited, rule, ends).unwrap();
+    let (fine, thinning) = fine_drive(drive, (Scheme::BandLimited, true), rule, ends).unwrap();
     JointRecord::new(Ingredients {
         drive: fine.as_deref().unwrap_or(drive),
         thinning,
