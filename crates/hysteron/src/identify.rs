@@ -186,7 +186,7 @@ impl<'a> Identify<'a> {
 }
 
 /// This library, now.
-fn maker() -> Maker {
+pub(crate) fn maker() -> Maker {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     Maker {
         program: concat!("hysteron ", env!("CARGO_PKG_VERSION")).to_owned(),

@@ -73,14 +73,18 @@
 //! training scores, and [`Finding`]s, each of a [`FindingKind`]: verdict, advice, warning. [`Fit::report`]
 //! makes a [`Report`], one HTML page.
 //!
+//! **Which structure.** [`Compare`] fits [`Candidate`]s to all records but some and simulates them on these;
+//! a [`Comparison`] ranks them and identifies the preferred one.
+//!
 //! **Simulation and scores.** [`Model::load`] reads a model file of any [`Kind`]. [`Model::simulate`] runs a
 //! drive from a [`Start`]. [`Model::score`] compares with a record as [`Scoring`] says ([`OffsetTreatment`]
 //! of the sensor's offset): a [`Score`] holds the [`Scores`] of every output, a [`RunScore`] those of a run
 //! in parts; a [`Remark`] says where the model extrapolates.
 //!
 //! **Its inverse.** [`Model::invert`] makes the drive for a reference within [`Limits`];
-//! [`Model::controller`] is a [`Controller`] that steps sample by sample. [`Model::export`] writes an
-//! [`Export`] for a [`Target`], C99, `no_std` Rust or FMU, in a [`Precision`].
+//! [`Model::controller`] is a [`Controller`] that steps sample by sample. [`Model::track`] plays a reference
+//! by several controllers, on the model itself or on a [`Stage`]: a [`Tracking`] holds the errors and
+//! bandwidths of each. [`Model::export`] writes an [`Export`] for a [`Target`], C99, `no_std` Rust or FMU, in a [`Precision`].
 //!
 //! **Errors.** [`Error`] is that of the layer where it arose. Not every [`Kind`] has every [`Capability`];
 //! one that is missing is the error [`Unsupported`].
@@ -92,6 +96,7 @@
 //! without `std`. Rooms, rules and three walks through the code: `docs/architecture.md`.
 #![forbid(unsafe_code)]
 
+mod compare;
 mod error;
 mod export;
 mod identify;
@@ -99,6 +104,7 @@ mod model;
 pub mod prelude;
 mod report;
 
+pub use compare::{Compare, Comparison};
 pub use error::Error;
 pub use export::{Export, Target};
 pub use identify::{Fit, Identify};
@@ -110,7 +116,7 @@ pub use hysteron_export::Precision;
 #[doc(inline)]
 pub use hysteron_identify::{
     DynamicsChoice, Event, Finding, FindingKind, FitParameter, Method, RecordRole, Searches, Stop, Task,
-    Watch,
+    Watch, structure::Candidate,
 };
 #[doc(inline)]
 pub use hysteron_io::{Content, ReadOptions, Rename};
@@ -118,6 +124,8 @@ pub use hysteron_io::{Content, ReadOptions, Rename};
 pub use hysteron_model::Start;
 #[doc(inline)]
 pub use hysteron_model::compensator::{Controller, Limits};
+#[doc(inline)]
+pub use hysteron_model::control::Stage;
 #[doc(inline)]
 pub use hysteron_model::dynamics::{Creep, Scheme};
 #[doc(inline)]
@@ -131,6 +139,8 @@ pub use hysteron_model::record::{
     Admitted, Channel, Condition, Cut, InterSample, Prepare, Prepared, PreparedSummary, Record, Signal,
     TimeBase, Turns, Unit,
 };
+#[doc(inline)]
+pub use hysteron_model::tracking::{TrackOptions, Tracking};
 #[doc(inline)]
 pub use hysteron_model::validate::{OffsetTreatment, Scores, Scoring};
 

@@ -5,11 +5,13 @@ use std::path::Path;
 use hysteron_io::{load_model, save_model};
 use hysteron_model::axes::AxesRecord;
 use hysteron_model::compensator::{CompensatorOptions, Controller, Limits};
+use hysteron_model::control::{Plant, Stage};
 use hysteron_model::invert::InverseOptions;
 use hysteron_model::model::{Capability, RunScore, Score, Signals};
 use hysteron_model::model_file::Kind;
 use hysteron_model::realise::RealiseOptions;
 use hysteron_model::record::{ChannelChoice, Record, Run, Signal, TimeBase, Unit};
+use hysteron_model::tracking::{PlantDescription, TrackOptions, Tracking, track};
 use hysteron_model::validate::Scoring;
 use hysteron_model::{Model as Core, Start};
 
@@ -125,6 +127,26 @@ impl Model {
             ..CompensatorOptions::default()
         };
         Ok(Controller::new(body.law(), sample_rate_hz, limits, &options)?)
+    }
+
+    /// A reference followed by several controllers, with what each leaves of it; on the model itself without
+    /// noise, or on a `stage`.
+    ///
+    /// # Errors
+    /// [`Error::Model`]: a reference or options that leave nothing to play, a controller that was asked for
+    /// and cannot be made.
+    pub fn track(
+        &self,
+        reference: &Signal,
+        options: &TrackOptions,
+        stage: Option<&dyn Stage>,
+    ) -> Result<Tracking, Error> {
+        let (plant, name, words) = match stage {
+            Some(stage) => (Plant::Stage(stage), "stage", "a stage"),
+            None => (Plant::Model, "model", "the model itself, simulated without noise"),
+        };
+        let description = PlantDescription { name, words: words.to_owned() };
+        Ok(track(self.0.hammerstein(Capability::Tracking)?, reference, options, (plant, description))?)
     }
 
     /// The channels of a record that the model takes.
