@@ -1,5 +1,7 @@
 //! Structures are compared and references are followed without a crate behind the facade.
 
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions; a failure is a failed test.
+
 use hysteron::{Compare, Identify, Record, Signal, TrackOptions};
 use std::f64::consts::TAU;
 

@@ -1,4 +1,3 @@
-
 use super::*;
 use std::f64::consts::TAU;
 
