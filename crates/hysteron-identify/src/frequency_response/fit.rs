@@ -96,9 +96,9 @@ pub struct ResponseFit {
     pub relative_rms: f64,
     /// Largest |Ĝ/G − 1| and its frequency \[Hz\].
     pub largest: (f64, f64),
-    /// Akaike's criterion for N points and k parameters: 2N ln(Σ|w e|²/2N) + 2k by relative weights, Σ|w e|²
-    /// + 2k by uncertainties. Differences between structures on the same points count; it takes the residuals
-    /// for independent.
+    /// Akaike's criterion for N points and k parameters: 2N ln(Σ|w e|²/2N) + 2k by relative weights, Σ|w
+    /// e|² + 2k by uncertainties. Differences between structures on the same points count; it takes the
+    /// residuals for independent.
     pub aic: f64,
     /// Σ|w e|², the weighted sum of squares.
     pub square: f64,

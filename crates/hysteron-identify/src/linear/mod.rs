@@ -6,8 +6,8 @@
 //!
 //! - ARX, the equation error by linear least squares, is [`hysteron_model::dynamics::arx`]: fast, biased by
 //!   noise on y;
-//! - [`fit_polynomial`]: *output error* y = B/F v + e minimises the simulation error, *Box–Jenkins* y = B/F v
-//!   + C/D e has a noise model beside it and minimises the prediction error (Ljung 1999, §4.2, ch. 7), in z
+//! - [`fit_polynomial`]: *output error* y = B/F v + e minimises the simulation error, *Box–Jenkins* y = B/F
+//!   v + C/D e has a noise model beside it and minimises the prediction error (Ljung 1999, §4.2, ch. 7), in z
 //!   at the sample rate;
 //! - [`fit_srivc`]: B(s)/A(s) in continuous time by simplified refined instrumental variables (Young,
 //!   Garnier).

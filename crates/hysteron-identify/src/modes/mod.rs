@@ -2,11 +2,13 @@
 //! from periodic records of several inputs and outputs.
 //!
 //! 1. *Records.* Mean of the settled periods; level: rms of the inputs. Records within 5 % of each other are
-//! of one level. 2. *Response.* Frequency responses of the highest level by the local polynomial method,
-//! common poles by vector fitting, residues of rank one by singular value decomposition. 3. *Linear modes.*
-//! Levenberg–Marquardt on the simulated outputs of the highest level, then of all levels with poles, output
-//! rows and feedthrough that follow the level. 4. *Hysteresis.* Strains of what each actuator would do freely
-//! and of its stress are put in feedback; first their coefficients, then everything at once.
+//!    of one level.
+//! 2. *Response.* Frequency responses of the highest level by the local polynomial method, common poles by
+//!    vector fitting, residues of rank one by singular value decomposition.
+//! 3. *Linear modes.* Levenberg–Marquardt on the simulated outputs of the highest level, then of all levels
+//!    with poles, output rows and feedthrough that follow the level.
+//! 4. *Hysteresis.* Strains of what each actuator would do freely and of its stress are put in feedback;
+//!    first their coefficients, then everything at once.
 //!
 //! Derivatives are exact forward sensitivities of the simulation itself. Levels count by their squared error
 //! over their rms output: half way between absolute and relative errors. The result does not depend on the

@@ -1,14 +1,14 @@
 //! Identification of a mass on a hysteretic spring ([`hysteron_model::oscillator`]): hysteresis in feedback.
 //!
-//! 1. *Records.* A force that repeats gives one mean period, in its steady state ([`Initial::Auto`]). 2.
-//! *Equation error.* With ẏ and ÿ of the measured output by its spectrum, u = m ÿ + c ẏ + k y + α ζ\[y\] + e
-//! is linear in m, c, k and α for every shape (β', γ', n) of the loop: variable projection leaves two or
-//! three unknowns. Lines are divided by the impedance of the best linear oscillator, so that e counts as an
-//! error of the output. A lattice of shapes, then least squares from its best points, give starts. 3. *Output
-//! error.* Simulated against measured output, all parameters at once, exact derivatives, bounded
-//! Levenberg–Marquardt. The coordinates are those of small motion: the stiffness K = k + α, the share ρ = α/K
-//! of the hysteretic spring in it, and the shape of the loop over the size of the motion; k and α themselves
-//! trade.
+//! 1. *Records.* A force that repeats gives one mean period, in its steady state ([`Initial::Auto`]).
+//! 2. *Equation error.* With ẏ and ÿ of the measured output by its spectrum, u = m ÿ + c ẏ + k y + α ζ\[y\] +
+//!    e is linear in m, c, k and α for every shape (β', γ', n) of the loop: variable projection leaves two or
+//!    three unknowns. Lines are divided by the impedance of the best linear oscillator, so that e counts as
+//!    an error of the output. A lattice of shapes, then least squares from its best points, give starts.
+//! 3. *Output error.* Simulated against measured output, all parameters at once, exact derivatives, bounded
+//!    Levenberg–Marquardt. The coordinates are those of small motion: the stiffness K = k + α, the share ρ =
+//!    α/K of the hysteretic spring in it, and the shape of the loop over the size of the motion; k and α
+//!    themselves trade.
 //!
 //! The offset of each record's sensor is the mean residual, at every candidate. Variable projection: G. H.
 //! Golub, V. Pereyra, doi:10.1137/0710036. Iterated weights of the linear fit: C. K. Sanathanan, J. Koerner,

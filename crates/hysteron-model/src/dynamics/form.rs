@@ -27,11 +27,11 @@ pub enum Modes {
         /// Number of poles, 1 to [`MOST_INTEGER_POLES`].
         order: usize,
     },
-    /// Resonances in parallel, Σ w_k ω_k²/(s² + 2ζ_k ω_k s + ω_k²) with Σ w_k = 1, and behind them a lag 1/(1
-    /// + T s) where asked for: gain 1 at zero frequency. Unlike the product of [`Modes::Integer`] they have
-    /// zeros between them. Shares `share` (w₁), `share_2`, … but for the last, which is what the others leave
-    /// of 1; a share may be negative (a resonance that moves against the others). Exchanging resonances is
-    /// the same G.
+    /// Resonances in parallel, Σ w_k ω_k²/(s² + 2ζ_k ω_k s + ω_k²) with Σ w_k = 1, and behind them a lag
+    /// 1/(1 + T s) where asked for: gain 1 at zero frequency. Unlike the product of [`Modes::Integer`] they
+    /// have zeros between them. Shares `share` (w₁), `share_2`, … but for the last, which is what the others
+    /// leave of 1; a share may be negative (a resonance that moves against the others). Exchanging resonances
+    /// is the same G.
     Resonances {
         /// Number of resonances, 1 to [`MOST_RESONANCES`].
         count: usize,
